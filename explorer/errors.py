@@ -1,0 +1,9 @@
+"""What goes wrong, for people: every message names the argument, the value and the remedy."""
+
+
+class InputError(ValueError):
+    """An argument cannot be used. The command line exits with status 2."""
+
+
+class RunError(RuntimeError):
+    """A run failed or a check did not hold. The command line exits with status 1."""

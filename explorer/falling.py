@@ -1,0 +1,101 @@
+"""The falling set F: which side of it a state is, how far, and whether the disk could fall."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import minimize_scalar
+
+from explorer import compiled
+from explorer.disk import Disk
+from explorer.states import (
+    Array,
+    States,
+    natural_constants,
+    phi_to_states,
+    require_axial_inertia,
+)
+
+
+@dataclass(frozen=True)
+class Falls:
+    """Where states lie relative to F; 1-D arrays.
+
+    side: +1 or -1, the flat state whose line l_+- is nearer (ties: +1).
+    distance: signed distance of (sigma3_bar, sigma4_bar) to that line, rad per unit of time; its
+    sign is the sign of eta, the direction in which the contact point races.
+    distance_plus, distance_minus: the same for each line.
+    could_fall: E > V_0 and the component of {V < E} reaches flat, on the nearer side, eta set to 0.
+    on_f: distance is zero to rounding. A state with on_f and could_fall falls.
+    theta_min_estimate: leading order |eta| / sqrt(2 I1 (E - V_0)) in rad; NaN where not could_fall.
+    """
+
+    side: NDArray[np.int8]
+    distance: Array
+    distance_plus: Array
+    distance_minus: Array
+    could_fall: NDArray[np.bool_]
+    on_f: NDArray[np.bool_]
+    theta_min_estimate: Array
+    status: NDArray[np.int8]
+
+
+@lru_cache(maxsize=64)
+def well(disk: Disk) -> tuple[float, float]:
+    """(phi, sigma3_bar*) where the non-falling well on l_+ disappears; rad, natural units.
+
+    For |sigma3_bar| below sigma3_bar* the line also carries a well whose motions never fall.
+    """
+
+    def minus_critical(phi: float) -> float:
+        out = np.empty(1)
+        compiled.falling.critical_X2_batch(np.array([phi]), disk.body, disk.series, out)
+        return -float(out[0])
+
+    found = minimize_scalar(
+        minus_critical, bounds=(-0.5 * np.pi + 1e-6, -1e-6), method="bounded", options={"xatol": 1e-10}
+    )
+    return float(found.x), float(np.sqrt(-found.fun)) * disk.body.r0
+
+
+def falls_of(states: States, found: Array | None = None) -> Falls:
+    """Where states lie relative to F. `found` may carry their natural_constants."""
+    disk = states.disk
+    require_axial_inertia(disk)
+    b, unit = disk.body, disk.rate_unit
+    if found is None:
+        found = natural_constants(states)
+    out = np.empty((3, len(states)))
+    compiled.falling.falls_batch(states.natural, found, well(disk)[0], b, disk.series, out)
+    norm = unit / np.hypot(b.I1 * b.dr0, b.I3 * b.r0)
+    plus, minus = found[1], found[2]
+    near_plus = ~(abs(minus) < abs(plus))
+    eta = np.where(near_plus, plus, minus)
+    rounding = np.where(near_plus, found[4], found[5])
+    could_fall = np.where(near_plus, out[0], out[1]) > 0.0
+    with np.errstate(invalid="ignore"):
+        estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could_fall, out[2], np.nan))
+        on_f = abs(eta) <= rounding
+    return Falls(
+        side=np.where(near_plus, 1, -1).astype(np.int8),
+        distance=eta * norm,
+        distance_plus=plus * norm,
+        distance_minus=minus * norm,
+        could_fall=could_fall,
+        on_f=on_f,
+        theta_min_estimate=estimate,
+        status=np.where(
+            on_f & could_fall & (states.status == 0), compiled.status.Status.FALLS, states.status
+        ).astype(np.int8),
+    )
+
+
+def falls(
+    disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike
+) -> Falls:
+    """Signed side and distance to F, and whether the disk could fall; no integration.
+
+    Arguments as for `constants`. Eqs (6.1), (6.2), (6.9) and section 6.2 of the paper. Needs I3 > 0.
+    """
+    return falls_of(phi_to_states(disk, phi, phidot, sigma3, sigma4))

@@ -1,0 +1,179 @@
+"""Charts of the phase space: what people give, what kernels take, and the constants of motion.
+
+People give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
+(q, z, p, rho, sigma4) in natural units, which keep full relative accuracy near flat.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from explorer import compiled
+from explorer.disk import Disk
+from explorer.errors import InputError
+
+Array = NDArray[np.float64]
+COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
+
+
+@dataclass(frozen=True)
+class States:
+    """Initial states in the kernels' chart.
+
+    natural: (5, n) rows q, z, p, rho, sigma4 in natural units. status: (n) int8, kernels.Status;
+    a state that is not finite or already flat is BAD_INPUT and never reaches an integrator.
+    """
+
+    disk: Disk
+    natural: Array
+    status: NDArray[np.int8]
+
+    def __len__(self) -> int:
+        return self.natural.shape[1]
+
+    def reversed(self) -> "States":
+        """The same states with time running backwards: phidot changes sign (rho, sigma4 stay)."""
+        natural = self.natural.copy()
+        natural[2] *= -1.0
+        return States(self.disk, natural, self.status.copy())
+
+
+def phi_to_states(
+    disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike
+) -> States:
+    """States from phi (rad), phidot, sigma3, sigma4 (rad per unit of time); arguments broadcast."""
+    columns = _broadcast(phi, phidot, sigma3, sigma4)
+    angle = columns[0]
+    return _states(disk, np.cos(angle), np.sin(angle), -columns[1], columns[2], columns[3], abs(angle))
+
+
+def theta_to_states(
+    disk: Disk,
+    theta: ArrayLike,
+    thetadot: ArrayLike,
+    sigma3: ArrayLike,
+    sigma4: ArrayLike,
+    side: ArrayLike = 1,
+) -> States:
+    """States from the tilt theta (rad, 0 < theta < pi) measured from the flat state of `side` (+-1).
+
+    The chart for states very near flat, where phi itself has no digits left.
+    """
+    tilt, rate, s3, s4, s = _broadcast(theta, thetadot, sigma3, sigma4, side)
+    flat = np.where((tilt > 0.0) & (tilt < np.pi) & (abs(s) == 1.0), 0.0, np.inf)
+    return _states(disk, np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4, flat)
+
+
+def constants_to_states(
+    disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot: ArrayLike, side: ArrayLike = 1
+) -> States:
+    """States at the vertical with given sigma3_bar, eta_hat on `side` (+-1) and phidot, eq. (6.2)."""
+    s3, eta_hat_, rate, s = _broadcast(sigma3_bar, eta_hat, phidot, side)
+    flat = np.where(abs(s) == 1.0, 0.0, np.inf)
+    s4 = s * (line_slope(disk) * s3 - eta_hat_)
+    return _states(disk, np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4, flat)
+
+
+def line_slope(disk: Disk) -> float:
+    """sigma4_bar / sigma3_bar on l_+, eq. (6.1); minus that on l_-. Needs I3 > 0."""
+    require_axial_inertia(disk)
+    b = disk.body
+    return b.I1 * b.dr0 / (b.I3 * b.r0)
+
+
+def require_axial_inertia(disk: Disk) -> None:
+    """Raise InputError where I3 = 0: eta_hat = eta/(I3 r(0)) and the lines' slope need I3 > 0."""
+    if not disk.body.I3 > 0.0:
+        raise InputError("disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")
+
+
+def concatenate(disk: Disk, parts: Sequence[States]) -> States:
+    """Several batches of states of one disk as one."""
+    return States(
+        disk,
+        np.concatenate([part.natural for part in parts], axis=1),
+        np.concatenate([part.status for part in parts]),
+    )
+
+
+def _broadcast(*arguments: ArrayLike) -> list[Array]:
+    try:
+        arrays = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in arguments))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"initial states: {error}; give numbers or arrays that broadcast together") from None
+    return [np.ravel(a).astype(np.float64) for a in arrays]
+
+
+def _states(
+    disk: Disk, q: Array, z: Array, p: Array, sigma3: Array, sigma4: Array, tilt: Array
+) -> States:
+    unit = disk.rate_unit
+    good = (q > 0.0) & (tilt < 0.5 * np.pi)
+    with np.errstate(all="ignore"):
+        natural = np.stack([q, z, p / unit, sigma3 / (q * unit), sigma4 / unit])
+    good &= np.isfinite(natural).all(axis=0)
+    # A placeholder keeps the kernels away from values that mean nothing; the status says so.
+    natural[:, ~good] = np.array([[1.0], [0.0], [0.0], [0.0], [0.0]])
+    status = np.where(good, compiled.status.Status.OK, compiled.status.Status.BAD_INPUT)
+    return States(disk, np.ascontiguousarray(natural), status.astype(np.int8))
+
+
+@dataclass(frozen=True)
+class Constants:
+    """Constants of motion, 1-D arrays in the units of the disk; NaN for bad input.
+
+    sigma3_bar, sigma4_bar, eta_hat_plus, eta_hat_minus: rad per unit of time, eqs (3.5), (6.2);
+    eta_plus, eta_minus: eta_hat times I3 r(0); energy: eq. (2.19).
+    eta_hat_* and sigma4_bar are NaN where I3 = 0, since they divide by it.
+    """
+
+    sigma3_bar: Array
+    sigma4_bar: Array
+    eta_hat_plus: Array
+    eta_hat_minus: Array
+    eta_plus: Array
+    eta_minus: Array
+    energy: Array
+    status: NDArray[np.int8]
+
+
+def natural_constants(states: States) -> Array:
+    """Constants of motion in natural units, (6, n), rows as kernels.constants.Constants."""
+    out = np.empty((6, len(states)))
+    compiled.constants.constants_batch(states.natural, states.disk.body, states.disk.series, out)
+    out[:, states.status == compiled.status.Status.BAD_INPUT] = np.nan
+    return out
+
+
+def constants_of(states: States) -> Constants:
+    """Constants of motion of states; algebra, no integration."""
+    found, disk = natural_constants(states), states.disk
+    b: Any = disk.body
+    divisor = b.I3 * b.r0 if b.I3 > 0.0 else np.nan
+    plus, minus = found[1] / divisor, found[2] / divisor
+    unit = disk.rate_unit
+    return Constants(
+        sigma3_bar=found[0] * unit,
+        sigma4_bar=0.5 * (minus - plus) * unit,
+        eta_hat_plus=plus * unit,
+        eta_hat_minus=minus * unit,
+        eta_plus=found[1] * disk.eta_unit,
+        eta_minus=found[2] * disk.eta_unit,
+        energy=found[3] * disk.energy_unit,
+        status=states.status,
+    )
+
+
+def constants(
+    disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike
+) -> Constants:
+    """Constants of motion from a state, with no integration.
+
+    phi in rad, -pi/2 < phi < pi/2; phidot, sigma3, sigma4 in rad per unit of time (eq. 2.14).
+    Arguments broadcast; the result is 1-D. Bad input gives NaN and status BAD_INPUT.
+    For states nearer to flat than phi can express see `theta_to_states` and `constants_of`.
+    """
+    return constants_of(phi_to_states(disk, phi, phidot, sigma3, sigma4))

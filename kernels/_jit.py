@@ -1,0 +1,139 @@
+"""The only place that knows how numba is called.
+
+Two decorators. :func:`device` marks a function that is inlined into its callers.
+:func:`kernel` marks a function that ``explorer`` calls: it has one explicit signature, is
+compiled on first use, releases the GIL and is cached on disk.
+
+numba's cache does not notice an edit of a *called* function in another file (numba #1833)
+and would serve stale code. The cache folder is therefore keyed by a digest of every source
+file of this package and of the compiler's version: new code, new folder.
+"""
+
+import hashlib
+import os
+import sys
+import tempfile
+import threading
+import warnings
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import numba
+from numba.core import config
+
+# Strict IEEE arithmetic: the regularised field vectorises without fastmath, lane and scalar
+# code round alike, and NaN checks survive. 'numpy' makes 1/0 an infinity, not an exception.
+_OPTIONS: dict[str, Any] = {"error_model": "numpy"}
+_LOCK = threading.RLock()
+
+KERNELS: dict[str, "Kernel"] = {}
+
+
+def device(function: Callable) -> Any:
+    """A function inlined into compiled callers; it compiles together with them."""
+    return numba.njit(forceinline=True, **_OPTIONS)(function)
+
+
+def subroutine(function: Callable) -> Any:
+    """A function called from compiled code but not inlined, where inlining only costs compile time."""
+    return numba.njit(**_OPTIONS)(function)
+
+
+def kernel(*signature: Any) -> Callable[[Callable], "Kernel"]:
+    """Declare a public kernel with the argument types `signature`; it returns nothing."""
+
+    def declare(function: Callable) -> Kernel:
+        made = Kernel(function, signature)
+        KERNELS[made.name] = made
+        return made
+
+    return declare
+
+
+class Kernel:
+    """A kernel compiled on its first call, or by :meth:`compile`, and cached on disk."""
+
+    def __init__(self, function: Callable, signature: tuple) -> None:
+        self.name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
+        self.function = function
+        self.signature = numba.void(*signature)
+        self.__doc__ = function.__doc__
+        self._compiled: Callable | None = None
+
+    def __call__(self, *arguments: Any) -> None:
+        (self._compiled or self.compile())(*arguments)
+
+    def is_cached(self) -> bool:
+        """True where an earlier process left compiled code for this source and compiler."""
+        folder = cache_folder()
+        return folder is not None and any(folder.rglob(f"*.{self.function.__name__}-*.nbi"))
+
+    def compile(self) -> Callable:
+        """Load the kernel from the cache or compile it. Thread-safe."""
+        with _LOCK:
+            if self._compiled is None:
+                self._compiled = self._build()
+            return self._compiled
+
+    def _build(self) -> Callable:
+        folder = cache_folder()
+        if folder is None:
+            return numba.njit(self.signature, nogil=True, **_OPTIONS)(self.function)
+        # numba reads its folder from a process-wide setting; others keep theirs.
+        before = config.CACHE_DIR
+        config.CACHE_DIR = str(folder)
+        try:
+            return numba.njit(self.signature, nogil=True, cache=True, **_OPTIONS)(self.function)
+        except (OSError, EOFError, ValueError, KeyError, AttributeError, ImportError) as error:
+            warnings.warn(
+                f"the cache of compiled code in {folder} is unusable ({error}); compiling without it",
+                RuntimeWarning,
+                stacklevel=3,
+            )
+            return numba.njit(self.signature, nogil=True, **_OPTIONS)(self.function)
+        finally:
+            config.CACHE_DIR = before
+
+
+@cache
+def source_digest() -> str:
+    """SHA-256 (hex) of this package's source files and of the versions that compile them."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    digest.update(f"{numba.__version__} {llvmlite.__version__} {sys.version_info[:2]}".encode())
+    return digest.hexdigest()
+
+
+@cache
+def cache_folder() -> Path | None:
+    """Where compiled code is kept, or None (with one warning) where no folder can be written.
+
+    ``NUMBA_CACHE_DIR`` wins if set, so that an administrator's choice is respected.
+    """
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    base = Path(chosen) if chosen else _user_cache()
+    folder = base / f"nearflat-{source_digest()[:16]}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except OSError as error:
+        warnings.warn(
+            f"no cache for compiled code: {folder} cannot be written ({error.strerror}); "
+            "set NUMBA_CACHE_DIR to a folder that can",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+        return None
+
+
+def _user_cache() -> Path:
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "nearflat"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "nearflat"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "nearflat"

@@ -1,0 +1,190 @@
+"""The falling set F: the potential on it, who belongs to it, and the fall itself as an integral.
+
+On l_+ the amended potential V(phi) of eq. (3.8) extends analytically to flat (Lemma 4). With
+eta_+ = 0 the constants leave one number, X = sigma3_bar / r(0), and V = X^2 U(phi) + cos phi.
+Side -1 is the mirror image (sigma1, sigma3, sigma4) -> (-sigma1, sigma3, -sigma4), eq. (3.2).
+"""
+
+import math
+from typing import NamedTuple
+
+from kernels import chaplygin, types
+from kernels._jit import device, kernel, subroutine
+from kernels.constants import depth_below_vertical
+
+# Bisection to rounding on an interval of length pi/2.
+BISECTIONS = 60
+
+
+class OnF(NamedTuple):
+    """One point of a motion on F (side +1): sigma3/q^2, sigma4, V, dV/dphi."""
+
+    turn: float
+    sigma4: float
+    V: float
+    dV: float
+
+
+@subroutine
+def on_f(q, z, X, b, series):
+    """The motion with eta_+ = 0 where cos phi = q, sin phi = z. Needs I3 > 0. Eqs (3.8), (5.9)."""
+    S, log_S = depth_below_vertical(q, z)
+    f = chaplygin.solutions(S, log_S, b.c, series)
+    if z >= 0.0:
+        turn = X * f.rho_over_S / (1.0 + z)
+        sigma4 = X * f.drho / b.k
+    else:
+        # eta_- = 2 I1 r'(0) sigma3_bar where eta_+ = 0
+        sigma3, sigma4 = chaplygin.sigma_from_constants(-1.0, X, 2.0 * b.dr0 * b.r0 * X, f, b.k)
+        turn = sigma3 / (q * q)
+    gyration = b.I1 * turn * turn * q
+    V = 0.5 * gyration * q + 0.5 * b.J * sigma4 * sigma4 + q
+    dV = gyration * z - b.J * turn * q * sigma4 - z
+    return OnF(turn, sigma4, V, dV)
+
+
+@device
+def potential_at_flat(X, b):
+    """V_0 = V(pi/2), eq. (6.9)."""
+    spin = X / b.k
+    return 0.5 * b.J * spin * spin
+
+
+@subroutine
+def critical_X2(phi, b, series):
+    """The X^2 for which V has a critical point at phi < 0 (its other hemisphere)."""
+    q, z = math.cos(phi), math.sin(phi)
+    return z / (on_f(q, z, 1.0, b, series).dV + z)
+
+
+@subroutine
+def barrier_angle(X, well_phi, b, series):
+    """phi of the local maximum of V between a non-falling well and the vertical; NaN if there is none.
+
+    well_phi is where critical_X2 peaks: the well and the barrier merge there.
+    """
+    X2 = X * X
+    if not X2 < critical_X2(well_phi, b, series):
+        return math.nan
+    low, high = well_phi, 0.0
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        if critical_X2(middle, b, series) > X2:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@subroutine
+def reaches_flat(q, z, energy, X, well_phi, b, series):
+    """True if the component of {V < energy} that contains phi reaches phi = +pi/2, for eta_+ = 0.
+
+    From the vertical to flat V only decreases; beyond the vertical a barrier may stand between.
+    """
+    if not (energy > potential_at_flat(X, b) and energy > on_f(q, z, X, b, series).V):
+        return False
+    if z >= 0.0:
+        return True
+    phi = barrier_angle(X, well_phi, b, series)
+    if not z < math.sin(phi):
+        return True
+    return energy > on_f(math.cos(phi), math.sin(phi), X, b, series).V
+
+
+@kernel(types.matrix, types.matrix, types.number, types.body, types.matrix, types.matrix)
+def falls_batch(states, constants, well_phi, b, series, out):
+    """Could these states fall, were eta on that side zero?
+
+    states (5, n) as State; constants (6, n) as Constants -> out (3, n): 1 or 0 for side +1, the same
+    for side -1, and E - V_0.
+    """
+    for i in range(states.shape[1]):
+        X = constants[0, i] / b.r0
+        E = constants[3, i]
+        q, z = states[0, i], states[1, i]
+        out[0, i] = 1.0 if reaches_flat(q, z, E, X, well_phi, b, series) else 0.0
+        out[1, i] = 1.0 if reaches_flat(q, -z, E, X, well_phi, b, series) else 0.0
+        out[2, i] = E - potential_at_flat(X, b)
+
+
+@kernel(types.vector, types.body, types.matrix, types.vector)
+def critical_X2_batch(phi, b, series, out):
+    """critical_X2 at every phi < 0."""
+    for i in range(phi.size):
+        out[i] = critical_X2(phi[i], b, series)
+
+
+@kernel(types.vector, types.number, types.body, types.matrix, types.matrix)
+def on_f_batch(theta, X, b, series, out):
+    """theta (n) in (0, pi) -> out (4, n): sigma3/q^2, sigma4, V, dV/dphi on the motion with eta_+ = 0."""
+    for i in range(theta.size):
+        f = on_f(math.sin(theta[i]), math.cos(theta[i]), X, b, series)
+        out[0, i], out[1, i], out[2, i], out[3, i] = f.turn, f.sigma4, f.V, f.dV
+
+
+@subroutine
+def start_of_fall(energy, X, b, series):
+    """phi >= 0 where the fall begins: the vertical, or the turning point if energy is too low for it."""
+    if energy >= on_f(1.0, 0.0, X, b, series).V:
+        return 0.0
+    low, high = 0.0, 0.5 * math.pi
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        if on_f(math.cos(middle), math.sin(middle), X, b, series).V > energy:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@subroutine
+def fall(energy, X, nodes, weights, b, series):
+    """(time, increase of chi, increase of psi) of the fall on F from the vertical to flat.
+
+    With phi = start + scale sinh^2 x the square root sqrt(E - V) becomes smooth in x, however small
+    the speed at the start is: scale is the distance over which the fall doubles its kinetic energy.
+    """
+    start = start_of_fall(energy, X, b, series)
+    length = 0.5 * math.pi - start
+    first = on_f(math.cos(start), math.sin(start), X, b, series)
+    kinetic = max(energy - first.V, 0.0)
+    slope = max(-first.dV, 0.0)
+    gain = first.V - potential_at_flat(X, b)
+    bend = max(gain - slope * length, 0.0) / (length * length)
+    scale = length
+    if kinetic > 0.0 and slope + bend > 0.0:
+        root = math.sqrt(slope * slope + 4.0 * bend * kinetic)
+        scale = min(length, 2.0 * kinetic / (slope + root))
+    stretch = math.asinh(math.sqrt(length / scale))
+    time = chi = psi = 0.0
+    for j in range(nodes.size):
+        x = 0.5 * stretch * (1.0 + nodes[j])
+        sinh, cosh = math.sinh(x), math.cosh(x)
+        theta = 0.5 * math.pi - start - scale * sinh * sinh
+        if theta <= 0.0:
+            continue
+        q, z = math.sin(theta), math.cos(theta)
+        f = on_f(q, z, X, b, series)
+        rate = math.sqrt(2.0 * b.inv_M * max(energy - f.V, 0.0))
+        dt = weights[j] * stretch * scale * sinh * cosh / rate
+        time += dt
+        chi += dt * f.turn
+        psi += dt * (z * f.turn - f.sigma4)
+    return time, chi, psi
+
+
+@kernel(
+    types.vector, types.vector, types.vector, types.vector, types.body, types.matrix, types.matrix
+)
+def fall_batch(sigma3_bar, energy, nodes, weights, b, series, out):
+    """`fall` on side +1 for every sample -> out (3, n). NaN where the energy does not exceed V_0.
+
+    nodes, weights: a Gauss-Legendre rule on [-1, 1]. Time and chi are the same on side -1; psi changes sign.
+    """
+    for i in range(sigma3_bar.size):
+        X = sigma3_bar[i] / b.r0
+        if energy[i] > potential_at_flat(X, b):
+            out[0, i], out[1, i], out[2, i] = fall(energy[i], X, nodes, weights, b, series)
+        else:
+            out[0, i] = out[1, i] = out[2, i] = math.nan

@@ -1,0 +1,109 @@
+"""The regularised vector field: the flat state blown up, polynomial and bounded.
+
+With rho = sigma3/q and dt = q ds the reduced equations (2.15)-(2.18) lose their singularity at
+flat: their right-hand side becomes polynomial in (q, z, p, rho, sigma4). Time and the angles of
+contact (2.22), (2.31) ride along as quadratures, and the path (2.33) on top of those.
+
+The three depths share one State. What a caller drops (time and angles, or the path with its
+sines) is dead code that the compiler removes, so a shallower model costs nothing extra.
+"""
+
+import math
+from typing import NamedTuple
+
+from kernels._jit import device
+
+
+class State(NamedTuple):
+    """A point of the phase space and what is carried along it, natural units.
+
+    q, z, p, rho, sigma4: reduced motion; t, chi, psi: time and angles (rad); a1, a2: the centre.
+    """
+
+    q: float
+    z: float
+    p: float
+    rho: float
+    sigma4: float
+    t: float
+    chi: float
+    psi: float
+    a1: float
+    a2: float
+
+
+REDUCED, ANGLES, PATH = 5, 8, 10  # components of State that each depth needs
+
+
+@device
+def reduced(x, b):
+    """d/ds of (q, z, p, rho, sigma4): eqs (2.15)-(2.18), regularised."""
+    qp = x.q * x.p
+    return (
+        x.z * qp,
+        -x.q * qp,
+        x.z * (x.rho * x.rho) * b.inv_kappa2 - x.q * (b.J_over_M * (x.rho * x.sigma4) + b.inv_M * x.z),
+        b.k * (qp * x.sigma4) - x.z * (x.rho * x.p),
+        b.inv_J * (qp * x.rho),
+    )
+
+
+@device
+def angles(x):
+    """d/ds of (t, chi, psi): dt = q ds, eqs (2.31) and (2.22)."""
+    return x.q, x.rho, x.z * x.rho - x.q * x.sigma4
+
+
+@device
+def path(x):
+    """d/ds of (a1, a2): eq. (2.33)."""
+    sine, cosine = math.sin(x.chi), math.cos(x.chi)
+    slide = x.p * x.q
+    return (
+        x.q * (x.sigma4 * sine + slide * cosine),
+        x.q * (slide * sine - x.sigma4 * cosine),
+    )
+
+
+@device
+def field(x, b):
+    """d/ds of the whole state."""
+    dq, dz, dp, drho, dsigma4 = reduced(x, b)
+    dt, dchi, dpsi = angles(x)
+    da1, da2 = path(x)
+    return State(dq, dz, dp, drho, dsigma4, dt, dchi, dpsi, da1, da2)
+
+
+@device
+def shift(x, h, k):
+    """x + h k, component by component."""
+    return State(
+        x.q + h * k.q,
+        x.z + h * k.z,
+        x.p + h * k.p,
+        x.rho + h * k.rho,
+        x.sigma4 + h * k.sigma4,
+        x.t + h * k.t,
+        x.chi + h * k.chi,
+        x.psi + h * k.psi,
+        x.a1 + h * k.a1,
+        x.a2 + h * k.a2,
+    )
+
+
+@device
+def energy(x, b):
+    """Total energy, eq. (2.19), in units of m g r."""
+    return (
+        0.5 * b.M * (x.p * x.p + x.rho * x.rho * b.inv_kappa2) + 0.5 * b.J * x.sigma4 * x.sigma4 + x.q
+    )
+
+
+@device
+def speed(x, b):
+    """sqrt(2E/M): no rate of the reduced field exceeds it by more than a factor of order one.
+
+    Tilting moves at |p| <= speed, gyration at sqrt(I3/I1) speed or less, and where the energy is
+    low q is too: gravity's rate sqrt(q/M) is below it. Steps are measured in its inverse.
+    """
+    return math.sqrt(2.0 * energy(x, b) * b.inv_M)

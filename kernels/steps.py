@@ -1,0 +1,158 @@
+"""What all integrators share: one attempted step, event location, limits, and the verdict."""
+
+import math
+from typing import NamedTuple
+
+from kernels._jit import device, subroutine
+from kernels.adaptive import (
+    LONGEST_STEP,
+    dopri5_step,
+    error_norm,
+    path_error_norm,
+    step_factor,
+)
+from kernels.events import level, level_rate
+from kernels.field import ANGLES, REDUCED, State
+from kernels.fixed import rk4_step
+from kernels.status import Status
+
+RK4, DOPRI5 = 0, 1
+
+_OK = int(Status.OK)
+_DRIFT = int(Status.INVARIANT_DRIFT)
+_UNRESOLVED = int(Status.UNRESOLVED_SIDE)
+
+# An error in eta above this share of |eta| makes the direction of the race doubtful. Ten times
+# stricter than the sign needs: the error is only seen where the motion is checked.
+RESOLVED_SHARE = 0.1
+# Newton's method on the partial step converges in 3 to 5 steps; bisection guards the rest.
+LOCATE_LIMIT = 60
+
+
+class Limits(NamedTuple):
+    """Stopping rules of a batch: the step cap, and the drift above which a sample is refused."""
+
+    max_steps: int = 200_000
+    max_drift: float = 1e-3
+
+
+class Drift(NamedTuple):
+    """How far the constants of motion moved: relative energy; sigma3_bar and eta on the near side."""
+
+    energy: float
+    sigma3_bar: float
+    eta: float
+
+
+@device
+def first_step(method, control, unit):
+    """Step to begin with. `control` is the step in units of 1/unit, or the tolerance."""
+    if method == RK4:
+        return control / unit
+    return 0.1 / unit
+
+
+@device
+def to_depth(x, depth):
+    """x without what the depth does not carry."""
+    return State(
+        x.q,
+        x.z,
+        x.p,
+        x.rho,
+        x.sigma4,
+        x.t if depth > REDUCED else 0.0,
+        x.chi if depth > REDUCED else 0.0,
+        x.psi if depth > REDUCED else 0.0,
+        x.a1 if depth > ANGLES else 0.0,
+        x.a2 if depth > ANGLES else 0.0,
+    )
+
+
+@device
+def attempt(method, depth, x, h, control, unit, b):
+    """One step: the state after it, whether it is accepted, and the step to try next.
+
+    Call with constant method and depth: the compiler then keeps one branch and drops what the
+    depth does not need.
+    """
+    if method == RK4:
+        return to_depth(rk4_step(x, h, b), depth), True, h
+    y, e = dopri5_step(x, h, b)
+    if depth > ANGLES:
+        error = path_error_norm(x, e, unit, b) / control
+    else:
+        error = error_norm(x, e, unit, b) / control
+    step = h * step_factor(error)
+    longest = LONGEST_STEP / unit
+    return to_depth(y, depth), error <= 1.0, step if step < longest else longest
+
+
+@subroutine
+def partial_step(method, x, h, b):
+    """The state a fraction of an accepted step later, by the same method."""
+    if method == RK4:
+        return rk4_step(x, h, b)
+    y, _e = dopri5_step(x, h, b)
+    return y
+
+
+@subroutine
+def locate(method, x, h, event, target, b):
+    """The state where `event` takes the value `target` within the step (x, h), to rounding.
+
+    Newton's method on the length of a partial step, bracketed: the located state has the accuracy
+    of the method itself, with no interpolation error.
+    """
+    low, high = 0.0, h
+    below = level(x, event) < target
+    start = level(x, event) - target
+    end = level(partial_step(method, x, h, b), event) - target
+    length = h * (start / (start - end)) if start != end else h
+    y = x
+    for _ in range(LOCATE_LIMIT):
+        y = partial_step(method, x, length, b)
+        gap = level(y, event) - target
+        if gap == 0.0:
+            return y
+        if (gap < 0.0) == below:
+            low = length
+        else:
+            high = length
+        slope = level_rate(y, event, b)
+        guess = length - gap / slope if slope != 0.0 else low
+        if not (low < guess < high):
+            guess = 0.5 * (low + high)
+        if abs(guess - length) <= 1e-15 * h:
+            return y
+        length = guess
+    return y
+
+
+@device
+def drift_between(before, after, near_plus):
+    """Drift of the constants of motion between two states of one motion."""
+    eta = after.eta_plus - before.eta_plus if near_plus else after.eta_minus - before.eta_minus
+    return Drift(
+        (after.energy - before.energy) / before.energy, after.sigma3_bar - before.sigma3_bar, eta
+    )
+
+
+@device
+def verdict(drift, eta, spin_scale, max_drift):
+    """Status of a finished sample from the drift of its constants; `eta` is its exact value.
+
+    spin_scale is sqrt(2E/I1), a bound of sigma3.
+    """
+    if not (abs(drift.energy) <= max_drift and abs(drift.sigma3_bar) <= max_drift * spin_scale):
+        return _DRIFT
+    if not abs(drift.eta) <= RESOLVED_SHARE * abs(eta):
+        return _UNRESOLVED
+    return _OK
+
+
+@device
+def all_finite(x):
+    """False if any component is NaN or infinite."""
+    total = x.q + x.z + x.p + x.rho + x.sigma4 + x.t + x.chi + x.psi + x.a1 + x.a2
+    return abs(total) < math.inf

@@ -1,0 +1,149 @@
+"""One trajectory after another, recorded at a list of events. The plain reference of `batch`."""
+
+import math
+
+from kernels import types
+from kernels._jit import kernel, subroutine
+from kernels.adaptive import SHORTEST_STEP
+from kernels.constants import constants_of
+from kernels.events import crossed, level
+from kernels.field import ANGLES, PATH, State, speed
+from kernels.status import Status
+from kernels.steps import (
+    DOPRI5,
+    RK4,
+    all_finite,
+    attempt,
+    drift_between,
+    first_step,
+    locate,
+    to_depth,
+    verdict,
+)
+
+_OK = int(Status.OK)
+_STEP_LIMIT = int(Status.STEP_LIMIT)
+_TOO_SMALL = int(Status.STEP_TOO_SMALL)
+_NOT_FINITE = int(Status.NOT_FINITE)
+
+
+@subroutine
+def attempt_any(method, depth, x, h, control, unit, b):
+    """attempt() with method and depth only known at run time."""
+    if method == RK4:
+        if depth == PATH:
+            return attempt(RK4, PATH, x, h, control, unit, b)
+        return attempt(RK4, ANGLES, x, h, control, unit, b)
+    if depth == PATH:
+        return attempt(DOPRI5, PATH, x, h, control, unit, b)
+    return attempt(DOPRI5, ANGLES, x, h, control, unit, b)
+
+
+@subroutine
+def record(y, row):
+    """Write a state into one row of output, in the order of State."""
+    row[0], row[1], row[2], row[3], row[4] = y.q, y.z, y.p, y.rho, y.sigma4
+    row[5], row[6], row[7], row[8], row[9] = y.t, y.chi, y.psi, y.a1, y.a2
+
+
+@subroutine
+def trajectory(method, depth, x, control, event, targets, max_steps, b, out):
+    """Follow one motion until `event` has taken each value of `targets` in turn.
+
+    out (len(targets), 10) receives the states there, in the order of State. Returns status, the
+    number of attempted steps, and the last state reached.
+    """
+    unit = speed(x, b)
+    if depth == PATH:
+        unit *= b.kappa  # sin chi turns at up to kappa times the speed
+    h = first_step(method, control, unit)
+    done = 0
+    for step in range(max_steps):
+        y, accepted, following = attempt_any(method, depth, x, h, control, unit, b)
+        if accepted:
+            if not all_finite(y):
+                return _NOT_FINITE, step + 1, x
+            before, after = level(x, event), level(y, event)
+            while done < targets.size and crossed(before, after, targets[done]):
+                record(to_depth(locate(method, x, h, event, targets[done], b), depth), out[done])
+                # Two equal targets are two crossings; different ones may share a step.
+                again = done + 1 < targets.size and targets[done + 1] == targets[done]
+                done += 1
+                if again:
+                    break
+            x = y
+            if done == targets.size:
+                return _OK, step + 1, x
+        elif not following * unit > SHORTEST_STEP:
+            return _TOO_SMALL, step + 1, x
+        h = following
+    return _STEP_LIMIT, max_steps, x
+
+
+@kernel(
+    types.integer,
+    types.integer,
+    types.matrix,
+    types.vector,
+    types.event,
+    types.vector,
+    types.integer,
+    types.number,
+    types.body,
+    types.matrix,
+    types.table,
+    types.codes,
+    types.counts,
+    types.matrix,
+)
+def trajectory_batch(
+    method,
+    depth,
+    states,
+    control,
+    event,
+    targets,
+    max_steps,
+    max_drift,
+    b,
+    series,
+    out,
+    status,
+    steps,
+    drift,
+):
+    """Every column of states (10, n) through `trajectory`, recorded in out (n, len(targets), 10).
+
+    status (n): samples that come in as not OK are skipped; drift (3, n): as steps.Drift.
+    """
+    for i in range(states.shape[1]):
+        out[i, :, :] = math.nan
+        steps[i] = 0
+        drift[:, i] = math.nan
+        if status[i] != _OK:
+            continue
+        x = State(
+            states[0, i],
+            states[1, i],
+            states[2, i],
+            states[3, i],
+            states[4, i],
+            states[5, i],
+            states[6, i],
+            states[7, i],
+            states[8, i],
+            states[9, i],
+        )
+        begin = constants_of(x, b, series)
+        code, steps[i], last = trajectory(
+            method, depth, x, control[i], event, targets, max_steps, b, out[i]
+        )
+        end = constants_of(last, b, series)
+        # Whichever side is nearer decides whether the direction of its races is known.
+        near_plus = abs(begin.eta_plus) <= abs(begin.eta_minus)
+        moved = drift_between(begin, end, near_plus)
+        drift[0, i], drift[1, i], drift[2, i] = moved.energy, moved.sigma3_bar, moved.eta
+        if code == _OK:
+            eta = begin.eta_plus if near_plus else begin.eta_minus
+            code = verdict(moved, eta, math.sqrt(2.0 * begin.energy / b.I1), max_drift)
+        status[i] = code

@@ -1,0 +1,17 @@
+"""numba types of what kernels take, for their explicit signatures."""
+
+from numba import float64, int8, int32, int64
+from numba.types import NamedUniTuple
+
+from kernels.body import Body
+from kernels.events import Event
+
+body = NamedUniTuple(float64, len(Body._fields), Body)
+event = NamedUniTuple(float64, len(Event._fields), Event)
+number = float64
+integer = int64
+vector = float64[::1]
+matrix = float64[:, ::1]
+table = float64[:, :, ::1]
+codes = int8[::1]
+counts = int32[::1]
