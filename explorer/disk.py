@@ -11,7 +11,6 @@ from explorer import compiled
 from explorer.errors import InputError
 
 PRESETS = ("uniform", "hoop", "matching")
-# r(0) and r'(0) overflow for c below or above these only in the far corners of parameter space.
 _SYNTAX = 'uniform, hoop, matching, annulus:INNER_OVER_OUTER, FILE.toml, or "m=..,r=..,g=..,I1=..,I3=.."'
 
 
@@ -86,7 +85,7 @@ class Disk:
         if text.startswith("annulus:"):
             return cls.annulus(_to_number("annulus", text.removeprefix("annulus:")))
         if text.endswith(".toml"):
-            return cls._from_mapping(_read_toml(Path(text)), Path(text).stem)
+            return cls._from_mapping(read_toml(Path(text), "--disk"), Path(text).stem)
         if "=" in text:
             pairs = [item.partition("=") for item in text.split(",")]
             return cls._from_mapping({k.strip(): _to_number(k.strip(), v) for k, _, v in pairs}, "custom")
@@ -140,7 +139,9 @@ class Disk:
     @property
     def gap(self) -> float:
         """2 kappa pi mod 2 pi (rad): how far the two one-sided limit motions differ per fall."""
-        return math.remainder(2.0 * self.race_limit, 2.0 * math.pi) % (2.0 * math.pi)
+        gap = math.remainder(2.0 * self.race_limit, 2.0 * math.pi)
+        # Rounding of m, r and I1 must not turn a gap of zero into one of 2 pi.
+        return 0.0 if abs(gap) < 1e-12 else gap % (2.0 * math.pi)
 
     @cached_property
     def _compiled(self) -> tuple[Any, Any]:
@@ -170,10 +171,11 @@ def _to_number(key: str, text: str) -> float:
         raise InputError(f"disk: {key} = {text.strip()!r} is not a number") from None
 
 
-def _read_toml(path: Path) -> dict[str, Any]:
+def read_toml(path: Path, option: str) -> dict[str, Any]:
+    """The content of a TOML file. Raises InputError naming the option and the file."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise InputError(f"--disk {path}: cannot be read ({error.strerror})") from None
+        raise InputError(f"{option} {path}: cannot be read ({error.strerror})") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"--disk {path}: not valid TOML ({error})") from None
+        raise InputError(f"{option} {path}: not valid TOML ({error})") from None

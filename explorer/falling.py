@@ -27,6 +27,7 @@ class Falls:
     sign is the sign of eta, the direction in which the contact point races.
     distance_plus, distance_minus: the same for each line.
     could_fall: E > V_0 and the component of {V < E} reaches flat, on the nearer side, eta set to 0.
+    could_fall_plus, could_fall_minus: the same on each side.
     on_f: distance is zero to rounding. A state with on_f and could_fall falls.
     theta_min_estimate: leading order |eta| / sqrt(2 I1 (E - V_0)) in rad; NaN where not could_fall.
     """
@@ -36,9 +37,18 @@ class Falls:
     distance_plus: Array
     distance_minus: Array
     could_fall: NDArray[np.bool_]
+    could_fall_plus: NDArray[np.bool_]
+    could_fall_minus: NDArray[np.bool_]
     on_f: NDArray[np.bool_]
     theta_min_estimate: Array
     status: NDArray[np.int8]
+
+
+def impact_speed(disk: Disk, sigma3_bar: Array, energy: Array) -> Array:
+    """A = sqrt(2 (E - V_0) / M), eq. (7.1); natural units in and out; NaN where E < V_0."""
+    b = disk.body
+    with np.errstate(invalid="ignore"):
+        return np.sqrt(2.0 * (energy - 0.5 * b.J * (sigma3_bar / (b.k * b.r0)) ** 2) / b.M)
 
 
 @lru_cache(maxsize=64)
@@ -73,7 +83,8 @@ def falls_of(states: States, found: Array | None = None) -> Falls:
     near_plus = ~(abs(minus) < abs(plus))
     eta = np.where(near_plus, plus, minus)
     rounding = np.where(near_plus, found[4], found[5])
-    could_fall = np.where(near_plus, out[0], out[1]) > 0.0
+    could_plus, could_minus = out[0] > 0.0, out[1] > 0.0
+    could_fall = np.where(near_plus, could_plus, could_minus)
     with np.errstate(invalid="ignore"):
         estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could_fall, out[2], np.nan))
         on_f = abs(eta) <= rounding
@@ -83,6 +94,8 @@ def falls_of(states: States, found: Array | None = None) -> Falls:
         distance_plus=plus * norm,
         distance_minus=minus * norm,
         could_fall=could_fall,
+        could_fall_plus=could_plus,
+        could_fall_minus=could_minus,
         on_f=on_f,
         theta_min_estimate=estimate,
         status=np.where(

@@ -46,7 +46,7 @@ def phi_to_states(
 ) -> States:
     """States from phi (rad), phidot, sigma3, sigma4 (rad per unit of time); arguments broadcast."""
     columns = _broadcast(phi, phidot, sigma3, sigma4)
-    angle = columns[0]
+    angle = np.where(np.isfinite(columns[0]), columns[0], np.pi)
     return _states(disk, np.cos(angle), np.sin(angle), -columns[1], columns[2], columns[3], abs(angle))
 
 
@@ -63,7 +63,8 @@ def theta_to_states(
     The chart for states very near flat, where phi itself has no digits left.
     """
     tilt, rate, s3, s4, s = _broadcast(theta, thetadot, sigma3, sigma4, side)
-    flat = np.where((tilt > 0.0) & (tilt < np.pi) & (abs(s) == 1.0), 0.0, np.inf)
+    good = (tilt > 0.0) & (tilt < np.pi) & (abs(s) == 1.0)
+    flat, tilt = np.where(good, 0.0, np.inf), np.where(good, tilt, 1.0)
     return _states(disk, np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4, flat)
 
 
@@ -148,9 +149,11 @@ def natural_constants(states: States) -> Array:
     return out
 
 
-def constants_of(states: States) -> Constants:
-    """Constants of motion of states; algebra, no integration."""
-    found, disk = natural_constants(states), states.disk
+def constants_of(states: States, found: Array | None = None) -> Constants:
+    """Constants of motion of states; algebra, no integration. `found`: their natural_constants."""
+    disk = states.disk
+    if found is None:
+        found = natural_constants(states)
     b: Any = disk.body
     divisor = b.I3 * b.r0 if b.I3 > 0.0 else np.nan
     plus, minus = found[1] / divisor, found[2] / divisor

@@ -1,0 +1,185 @@
+"""The command `nearflat`: parse, call one function, print.
+
+Exit status: 0 done, 1 the run failed, 2 bad arguments, 130 interrupted. Results go to stdout,
+progress and errors to stderr. Nothing heavy is imported before a command is known.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from explorer.errors import InputError, RunError
+
+_SCENES = "falling-set, one-sided, race-angles, or a TOML file that names a scene"
+
+# Scene options in the order of --help: flag, keyword, metavar, help.
+_OPTIONS = (
+    ("--samples", "samples", "N", "number of samples (1e6 is accepted)"),
+    ("--seed", "seed", "S", "seed of the random streams (default 0)"),
+    ("--box", "box", "BOX", 'where states are drawn: "phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2"'),
+    ("--max-energy", "max_energy", "E", "falling-set: only states with energy up to E"),
+    ("--eta-hat", "eta_hat", "LOW:HIGH", "distance beside the falling set, both signs: 1e-6:1e-2"),
+    ("--accuracy", "accuracy", "TOL", "absolute error of angles, relative of times and tilts (default 1e-6)"),
+    ("--method", "method", "NAME", "auto, rk4 or dopri5 (default auto)"),
+    ("--grid", "grid", "N", "falling-set: points per axis of a slice (default 401)"),
+)
+
+
+class _Parser(argparse.ArgumentParser):
+    """Errors in one or two lines, without the whole usage."""
+
+    def error(self, message: str) -> NoReturn:
+        print(f"{self.prog}: {message}\nTry '{self.prog} --help'.", file=sys.stderr)
+        raise SystemExit(2)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns its exit status."""
+    options = _parser().parse_args(arguments)
+    try:
+        return options.call(options)
+    except InputError as error:
+        return _complain(options, error, 2)
+    except (RunError, ImportError) as error:
+        return _complain(options, error, 1)
+    except KeyboardInterrupt:
+        hint = "; finished chunks are kept: add --resume to go on" if options.command == "run" else ""
+        return _complain(options, f"interrupted{hint}", 130)
+
+
+def _complain(options: argparse.Namespace, error: object, status: int) -> int:
+    print(f"nearflat {options.command}: {error}", file=sys.stderr)
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="nearflat",
+        description="Explore the phase space of the rolling disk that nearly falls flat.",
+        epilog="example: nearflat demo",
+    )
+    parser.add_argument("--version", action="version", version=f"nearflat {_version()}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_Parser)
+    _add_demo(commands)
+    _add_run(commands)
+    _add_warmup(commands)
+    return parser
+
+
+def _add(commands: Any, name: str, call: Callable, help_text: str, example: str) -> argparse.ArgumentParser:
+    command = commands.add_parser(name, help=help_text, description=help_text, epilog=f"example: {example}")
+    command.set_defaults(call=call)
+    command.add_argument("--quiet", action="store_true", help="no progress and no notes")
+    return command
+
+
+def _add_demo(commands: Any) -> None:
+    command = _add(
+        commands,
+        "demo",
+        _demo,
+        "The main job, small: map the falling set, compare the limits, histogram the race.",
+        "nearflat demo --jobs 2",
+    )
+    command.add_argument("--out", default="results/demo", metavar="DIR", help="default results/demo")
+    command.add_argument("--jobs", type=int, default=2, metavar="N", help="threads (default 2)")
+    command.add_argument("--seed", default=0, metavar="S", help="seed of the random streams (default 0)")
+    command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+
+
+def _add_run(commands: Any) -> None:
+    command = _add(
+        commands,
+        "run",
+        _run,
+        "Run a scene on many initial states and store samples, summary and figures.",
+        'nearflat run race-angles --disk hoop --samples 1e5 --eta-hat 1e-6:1e-2 --out results/races',
+    )
+    command.add_argument("scene", metavar="SCENE", help=_SCENES)
+    command.add_argument(
+        "--disk",
+        action="append",
+        metavar="DISK",
+        help='uniform, hoop, matching, annulus:INNER_OVER_OUTER, FILE.toml or "m=..,r=..,g=..,I1=..,I3=.."; '
+        "one-sided takes several",
+    )
+    for flag, keyword, metavar, help_text in _OPTIONS:
+        command.add_argument(flag, dest=keyword, metavar=metavar, help=help_text)
+    command.add_argument(
+        "--slice",
+        dest="slices",
+        action="append",
+        metavar="SLICE",
+        help='falling-set: a slice to draw, two ranges and two numbers: "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
+    )
+    command.add_argument("--jobs", type=int, default=2, metavar="N", help="workers (default 2)")
+    command.add_argument("--backend", default="threads", metavar="NAME", help="threads or processes")
+    command.add_argument("--out", metavar="DIR", help="default results/<scene>-<disk>-<seed>")
+    command.add_argument("--resume", action="store_true", help="go on with the run in --out")
+    command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+
+
+def _add_warmup(commands: Any) -> None:
+    _add(commands, "warmup", _warmup, "Compile all kernels into the cache.", "nearflat warmup")
+
+
+def _demo(options: argparse.Namespace) -> int:
+    from explorer.demo import demo, summary_of
+
+    runs = demo(options.out, jobs=options.jobs, seed=options.seed, quiet=options.quiet)
+    if options.json:
+        print(json.dumps(summary_of(runs)))
+    else:
+        print(f"Pictures and numbers are in {options.out}; start with {Path(options.out) / 'README.md'}.")
+    return 0
+
+
+def _run(options: argparse.Namespace) -> int:
+    from explorer.api import run
+    from explorer.scenes.build import read_scene_file
+
+    given: dict[str, Any] = {"scene": options.scene}
+    if options.scene.endswith(".toml"):
+        given = read_scene_file(Path(options.scene))
+    typed = {key: getattr(options, key) for _, key, _, _ in _OPTIONS}
+    typed |= {"disk": options.disk, "slices": options.slices, "out": options.out}
+    given |= {key: value for key, value in typed.items() if value is not None}
+    done = run(
+        **given,
+        jobs=options.jobs,
+        backend=options.backend,
+        resume=options.resume,
+        quiet=options.quiet,
+    )
+    if options.json:
+        print(json.dumps(done.summary))
+        return 0
+    for line in done.scene.headline(done.summary):
+        print(line)
+    print(f"Samples, numbers and pictures are in {done.folder}.")
+    return 0
+
+
+def _warmup(options: argparse.Namespace) -> int:
+    from explorer.compiled import warmup
+    from explorer.runs.progress import note
+
+    fresh = warmup(lambda text: note(text, options.quiet))
+    print(f"{fresh} kernels compiled; all are ready." if fresh else "All kernels were ready.")
+    return 0
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("nearflat")
+    except PackageNotFoundError:
+        return "(not installed)"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

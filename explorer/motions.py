@@ -1,0 +1,232 @@
+"""Motions by integration: turning points, and trajectories sampled at given times."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from explorer import compiled
+from explorer.disk import Disk
+from explorer.errors import InputError
+from explorer.falling import falls_of
+from explorer.models import ALGEBRA, Plan, plan
+from explorer.states import Array, States, natural_constants, phi_to_states
+
+MAX_STEPS = 200_000
+
+
+@dataclass(frozen=True)
+class TurningPoints:
+    """Where motions next stop tilting (p = 0), natural units except where said.
+
+    theta: tilt from the nearer flat state (rad). side: which flat state that is. time, chi, psi:
+    increase since the start; zero on the reduced rung. drift (3, n): of energy (relative),
+    sigma3_bar, eta. Entries are NaN where status is not OK.
+    """
+
+    theta: Array
+    side: NDArray[np.int8]
+    time: Array
+    chi: Array
+    psi: Array
+    status: NDArray[np.int8]
+    steps: NDArray[np.int32]
+    drift: Array
+
+
+def classify(states: States, found: Array) -> NDArray[np.int8]:
+    """Status before any integration: bad input, or on the falling set."""
+    if states.disk.body.I3 > 0.0:
+        return falls_of(states, found).status.copy()
+    return states.status.copy()
+
+
+def turning_points(states: States, how: Plan, found: Array | None = None) -> TurningPoints:
+    """Follow every state forward to its next turning point."""
+    disk = states.disk
+    if found is None:
+        found = natural_constants(states)
+    status = classify(states, found)
+    n = len(states)
+    initial = np.zeros((8, n))
+    initial[:5] = states.natural
+    out, drift, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
+    compiled.batch.first_event_batch(
+        how.kernel_method,
+        how.kernel_depth,
+        initial,
+        np.nan_to_num(how.control(states, found), nan=1.0),
+        compiled.events.TURNING_POINT,
+        0.0,
+        MAX_STEPS,
+        how.max_drift,
+        disk.body,
+        disk.series,
+        out,
+        status,
+        steps,
+        drift,
+    )
+    failed = status != compiled.status.Status.OK
+    out[:, failed] = np.nan
+    return TurningPoints(
+        theta=np.arctan2(out[0], abs(out[1])),
+        side=np.where(out[1] >= 0.0, 1, -1).astype(np.int8),
+        time=out[5],
+        chi=out[6],
+        psi=out[7],
+        status=status,
+        steps=steps,
+        drift=drift,
+    )
+
+
+def smallest_tilt(
+    states: States, how: Plan, found: Array | None = None
+) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
+    """theta_min of every motion (rad), with status and number of steps.
+
+    A motion swings between two turning points; following it forward to one and backward to the
+    other costs half a period in all. If either fails, the sample fails.
+    """
+    if found is None:
+        found = natural_constants(states)
+    forward = turning_points(states, how, found)
+    backward = turning_points(states.reversed(), how, found)
+    status = np.where(forward.status == 0, backward.status, forward.status)
+    theta = np.minimum(forward.theta, backward.theta)
+    return np.where(status == 0, theta, np.nan), status, forward.steps + backward.steps
+
+
+@dataclass(frozen=True)
+class Trajectories:
+    """Motions sampled at times t (nt), in the units of the disk; arrays (n, nt) or (n, nt, 3).
+
+    Fields not asked for are None; failed samples are NaN with their status. chi, psi: increase
+    since t = 0 (rad); path: centre of mass; contact: contact point, in the frame where the
+    centre starts above the origin and chi(0) is `chi0`. drift (3, n): energy (relative),
+    sigma3_bar and eta (natural units).
+    """
+
+    t: Array
+    phi: Array | None
+    phidot: Array | None
+    sigma3: Array | None
+    sigma4: Array | None
+    chi: Array | None
+    psi: Array | None
+    path: Array | None
+    contact: Array | None
+    status: NDArray[np.int8]
+    steps: NDArray[np.int32]
+    drift: Array
+
+
+def simulate(
+    disk: Disk,
+    states: ArrayLike | States,
+    t_end: float | None = None,
+    *,
+    t_eval: ArrayLike | None = None,
+    observables: Sequence[str] = ("phi", "chi", "psi", "path", "contact"),
+    method: str = "auto",
+    accuracy: float = 1e-6,
+    chi0: float = 0.0,
+    max_steps: int = MAX_STEPS,
+) -> Trajectories:
+    """Trajectories from initial states, sampled at t_eval (default: 201 times from 0 to t_end).
+
+    states: (n, 4) or (4,) rows of phi, phidot, sigma3, sigma4 in the units of the disk, or `States`.
+    t_eval: increasing times >= 0. accuracy is per passage; errors add up over many.
+    A state on the falling set has no motion past the fall: status FALLS, values NaN.
+    """
+    initial = states if isinstance(states, States) else _rows_to_states(disk, states)
+    times = _times(t_end, t_eval)
+    how = plan(observables, accuracy, method)
+    if how.rung == ALGEBRA:
+        raise InputError("simulate needs an observable of the motion, such as 'phi' or 'chi'")
+    found = natural_constants(initial)
+    out, status, steps, drift = _integrate(initial, how, found, times * disk.rate_unit, chi0, max_steps)
+    out[status != compiled.status.Status.OK] = np.nan
+    return _trajectories(disk, times, out, observables, (status, steps, drift))
+
+
+def _rows_to_states(disk: Disk, states: ArrayLike | States) -> States:
+    rows = np.atleast_2d(np.asarray(states, dtype=np.float64))
+    if rows.ndim != 2 or rows.shape[1] != 4:
+        raise InputError(
+            f"states: shape {rows.shape} is not (n, 4); give rows of phi, phidot, sigma3, sigma4"
+        )
+    return phi_to_states(disk, *rows.T)
+
+
+def _times(t_end: float | None, t_eval: ArrayLike | None) -> Array:
+    if t_eval is None:
+        if t_end is None or not (np.isfinite(t_end) and t_end > 0.0):
+            raise InputError(f"t_end = {t_end} must be a finite time above 0, or give t_eval")
+        return np.linspace(0.0, float(t_end), 201)
+    times = np.atleast_1d(np.asarray(t_eval, dtype=np.float64))
+    increasing = times.ndim == 1 and times.size > 0 and np.all(np.diff(times) > 0.0)
+    if not (increasing and np.isfinite(times).all() and times[0] >= 0.0):
+        raise InputError("t_eval must be a non-empty list of finite, increasing times >= 0")
+    if t_end is not None and times[-1] > t_end:
+        raise InputError(f"t_eval goes to {times[-1]:g}, past t_end = {t_end:g}; leave out one of them")
+    return times
+
+
+def _integrate(
+    states: States, how: Plan, found: Array, times: Array, chi0: float, max_steps: int
+) -> tuple[Array, NDArray[np.int8], NDArray[np.int32], Array]:
+    disk, n = states.disk, len(states)
+    initial = np.zeros((10, n))
+    initial[:5] = states.natural
+    initial[6] = chi0
+    status = classify(states, found)
+    out = np.empty((n, times.size, 10))
+    steps, drift = np.empty(n, np.int32), np.empty((3, n))
+    begins_at_zero = times[0] == 0.0
+    later = out[:, 1:] if begins_at_zero else out
+    recorded = np.empty((n, later.shape[1], 10))
+    depth = max(how.kernel_depth, compiled.field.ANGLES)  # time itself is carried from there on
+    compiled.trajectory.trajectory_batch(
+        how.kernel_method,
+        depth,
+        initial,
+        np.nan_to_num(how.control(states, found), nan=1.0),
+        compiled.events.TIME,
+        np.ascontiguousarray(times[1:] if begins_at_zero else times),
+        max_steps,
+        how.max_drift,
+        disk.body,
+        disk.series,
+        recorded,
+        status,
+        steps,
+        drift,
+    )
+    later[:] = recorded
+    if begins_at_zero:
+        out[:, 0] = initial.T
+    return out, status, steps, drift
+
+
+def _trajectories(
+    disk: Disk, times: Array, out: Array, observables: Sequence[str], info: tuple
+) -> Trajectories:
+    q, z, p, rho, sigma4, _t, chi, psi, a1, a2 = np.moveaxis(out, 2, 0)
+    r, unit = disk.r, disk.rate_unit
+    values = {
+        "phi": lambda: np.arctan2(z, q),
+        "phidot": lambda: -p * unit,
+        "sigma3": lambda: q * rho * unit,
+        "sigma4": lambda: sigma4 * unit,
+        "chi": lambda: chi,
+        "psi": lambda: psi,
+        "path": lambda: r * np.stack([a1, a2, q], axis=2),
+        # eq. (2.35): the contact point lies r z (cos chi, sin chi) from the centre's shadow
+        "contact": lambda: r * np.stack([a1 + z * np.cos(chi), a2 + z * np.sin(chi), 0.0 * q], axis=2),
+    }
+    chosen = {name: make() if name in observables else None for name, make in values.items()}
+    return Trajectories(times, **chosen, status=info[0], steps=info[1], drift=info[2])
+

@@ -1,0 +1,20 @@
+"""Pictures. Each function takes ax=None and returns the Axes; none shows or touches global settings."""
+
+from explorer.plot.falling import constants_plane, slice_map, theta_min_distribution
+from explorer.plot.one_sided import contact_paths, one_sided_chi, one_sided_distance, one_sided_phi
+from explorer.plot.race import race_deviation, race_histogram
+from explorer.plot.style import figure_of, stacked
+
+__all__ = [
+    "constants_plane",
+    "contact_paths",
+    "figure_of",
+    "one_sided_chi",
+    "one_sided_distance",
+    "one_sided_phi",
+    "race_deviation",
+    "race_histogram",
+    "slice_map",
+    "stacked",
+    "theta_min_distribution",
+]

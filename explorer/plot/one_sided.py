@@ -1,0 +1,124 @@
+"""Pictures of the two one-sided limit motions."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from explorer.plot.style import (
+    DARK,
+    DISK_COLOURS,
+    MARKERS,
+    SIGN_COLOURS,
+    SMALL,
+    axes_or_new,
+    dress,
+    legend,
+)
+
+if TYPE_CHECKING:
+    from explorer.scenes.one_sided import BothSides
+
+_SIDES = {1: r"\eta > 0", -1: r"\eta < 0"}
+
+
+def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
+    """Distance to the limit motion of the same side against |eta_hat|, for each disk."""
+    ax = axes_or_new(ax)
+    smallest, largest = np.inf, 0.0
+    for index, (name, found) in enumerate(summary["disks"].items()):
+        for sign, filled in (("plus", True), ("minus", False)):
+            rows = [row for row in found["distances"] if f"median_{sign}" in row]
+            eta = np.array([row["eta_hat"] for row in rows])
+            if eta.size == 0:
+                continue
+            smallest, largest = min(smallest, eta.min()), max(largest, eta.max())
+            colour = DISK_COLOURS[index % len(DISK_COLOURS)]
+            ax.loglog(
+                eta,
+                [row[f"median_{sign}"] for row in rows],
+                marker=MARKERS[index % len(MARKERS)],
+                mfc=colour if filled else "white",
+                color=colour,
+                ls="-" if filled else ":",
+                label=rf"{name}, $\eta$ {'>' if filled else '<'} 0",
+            )
+    if largest > smallest:
+        eta = np.geomspace(smallest, min(largest, 0.2), 60)
+        ax.loglog(eta, eta * np.log(1.0 / eta), color=DARK, lw=1.2, ls="--", label=r"$\hat\eta\,\ln(1/\hat\eta)$")
+    legend(ax, loc="lower right")
+    ax.grid(alpha=0.3)
+    return dress(
+        ax,
+        r"$|\hat\eta|$ (rad per unit of time)",
+        "distance to the limit motion (rad or radii)",
+        "Each side has its limit: median over starts, away from impacts",
+    )
+
+
+def one_sided_phi(both: "BothSides", ax: Axes | None = None) -> Axes:
+    """The tilt phi(t) beside F and on both limits: they are the same."""
+    ax = axes_or_new(ax)
+    for sign, colour in SIGN_COLOURS.items():
+        ax.plot(both.t, both.motions[sign]["phi"], color=colour, lw=1.6, ls="-" if sign > 0 else "--")
+    ax.plot(both.t, both.limits[1].phi, color=DARK, lw=0.9, ls=":", label="limit")
+    for flat in (0.5 * np.pi, -0.5 * np.pi):
+        ax.axhline(flat, color=DARK, lw=0.6)
+    ax.set_yticks([-0.5 * np.pi, 0.0, 0.5 * np.pi], [r"flat, $-\pi/2$", "vertical", r"flat, $\pi/2$"])
+    legend(ax, loc="best")
+    return dress(ax, "t (units of time)", r"$\varphi$ (rad)", f"Beside F, {both.disk.name} disk")
+
+
+def one_sided_chi(both: "BothSides", ax: Axes | None = None) -> Axes:
+    """The angle of contact chi(t) beside F and on both limits, with each jump's size."""
+    ax = axes_or_new(ax)
+    for sign, colour in SIGN_COLOURS.items():
+        ax.plot(
+            both.t,
+            both.motions[sign]["chi"],
+            color=colour,
+            lw=1.6,
+            ls="-" if sign > 0 else "--",
+            label=rf"${_SIDES[sign]}$: $\hat\eta$ = {sign * both.eta_hat:g}",
+        )
+        ax.plot(both.t, both.limits[sign].chi, color=DARK, lw=0.9, ls=":", label="its limit" if sign > 0 else None)
+    for number, time in enumerate(both.impacts):
+        ax.axvline(time, color=DARK, lw=0.6, alpha=0.6)
+        if number == 0:
+            ax.annotate(
+                rf"$\pm\kappa\pi$ = $\pm${both.disk.race_limit:.3f}",
+                (time, both.limits[1].chi[both.t < time][-1]),
+                xytext=(8, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=SMALL,
+            )
+    legend(ax, loc="upper left")
+    return dress(ax, "t (units of time)", r"$\chi$ (rad)")
+
+
+def contact_paths(both: "BothSides", ax: Axes | None = None) -> Axes:
+    """The contact point's path on the floor seen from above, from both sides of F."""
+    ax = axes_or_new(ax)
+    r = both.disk.r
+    for sign, colour in SIGN_COLOURS.items():
+        x, y, _ = (both.motions[sign]["contact"] / r).T
+        style = "-" if sign > 0 else "--"
+        ax.plot(x, y, color=colour, lw=1.6, ls=style, label=rf"${_SIDES[sign]}$: $\hat\eta$ = {sign * both.eta_hat:g}")
+        ax.plot(x[-1], y[-1], marker=">", color=colour, ms=8)
+        before = both.limits[sign]
+        pieces = np.split(np.arange(both.t.size), np.searchsorted(both.t, both.impacts))
+        for number, piece in enumerate(pieces):
+            limit = before.contact[piece] / r
+            label = "limit motion" if sign > 0 and number == 0 else None
+            ax.plot(limit[:, 0], limit[:, 1], color=DARK, lw=0.9, ls=":", label=label)
+    ax.plot(0.0, 0.0, marker="o", color=DARK, ms=6, label="start")
+    ax.set_aspect("equal", adjustable="datalim")
+    legend(ax, loc="best")
+    differ = "the same" if both.disk.gap < 1e-9 else f"{both.disk.gap:.3f} rad apart per fall"
+    return dress(
+        ax,
+        "x (radii)",
+        "y (radii)",
+        f"Path of the contact point, {both.disk.name}: limits {differ}",
+    )

@@ -1,0 +1,1 @@
+"""Runs on disk: chunks of samples, who computes them, and what is written."""

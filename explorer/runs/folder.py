@@ -1,0 +1,97 @@
+"""The folder of a run: may it be used, what does it say, is it the same run."""
+
+import os
+import platform
+import sys
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from explorer import compiled
+from explorer.errors import InputError, RunError
+from explorer.runs import store
+from explorer.scenes.base import Scene
+
+PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pyarrow", "tqdm")
+
+
+def default_folder(scene: Scene) -> Path:
+    return Path("results") / f"{scene.name}-{scene.label}-{scene.seed}"
+
+
+def identity(scene: Scene) -> dict[str, Any]:
+    """What decides the numbers: two runs with equal identities have equal numbers."""
+    return {"options": scene.options(), "kernels": compiled.source_digest()}
+
+
+def open_folder(folder: Path, scene: Scene, resume: bool) -> None:
+    """Check that the run may be written here and make the folder. Raises InputError; then nothing is written."""
+    record = folder / "run.json"
+    if record.exists():
+        if not resume:
+            raise InputError(f"--out {folder}: holds a run already; add --resume or give another folder")
+        _check_same(record, scene)
+    elif resume:
+        raise InputError(f"--resume: {folder} holds no run; leave --resume out to start one")
+    elif folder.is_dir() and any(folder.iterdir()):
+        raise InputError(f"--out {folder}: is not empty and holds no run; give another folder")
+    try:
+        (folder / "chunks").mkdir(parents=True, exist_ok=True)
+        (folder / "figures").mkdir(exist_ok=True)
+        probe = folder / f".probe-{os.getpid()}"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise InputError(
+            f"--out {folder}: cannot be written ({error.strerror}); give a folder that can"
+        ) from None
+
+
+def _check_same(record: Path, scene: Scene) -> None:
+    try:
+        before = store.read_json(record)["identity"]
+    except (RunError, KeyError):
+        raise InputError(f"--resume: {record} is damaged; give another folder") from None
+    now = identity(scene)
+    if before.get("kernels") != now["kernels"]:
+        raise InputError(
+            f"--resume: {record.parent} was computed by another version of the kernels; give another folder"
+        )
+    old, new = before.get("options", {}), now["options"]
+    differing = [key for key in {**old, **new} if old.get(key) != new.get(key)]
+    if differing:
+        key = differing[0]
+        raise InputError(
+            f"--resume: {record.parent} was run with {key} = {old.get(key)}, now {key} = {new.get(key)}; "
+            "give the same options or another folder"
+        )
+
+
+def write_record(folder: Path, scene: Scene, started: str, **more: Any) -> None:
+    """run.json: everything needed to run it again, and what it ran on."""
+    versions = {name: _version(name) for name in PACKAGES}
+    content = {
+        "identity": identity(scene),
+        "started": started,
+        **more,
+        "versions": {"python": platform.python_version(), **versions},
+        "machine": {
+            "system": platform.system(),
+            "processor": platform.machine(),
+            "cores": os.cpu_count(),
+            "byteorder": sys.byteorder,
+        },
+    }
+    store.write_json(folder / "run.json", content)
+
+
+def now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def _version(name: str) -> str | None:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None

@@ -1,0 +1,68 @@
+"""Starts beside F: at the vertical, at a given distance eta_hat from the line of either side.
+
+Shared by the scenes that look along F. The flow preserves the measure, so near F a draw of
+(phidot, sigma3, eta_hat) at the vertical stands for draws anywhere along the motion.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from explorer.disk import Disk
+from explorer.errors import InputError
+from explorer.sampling import Box, Range
+from explorer.states import Array
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Draws at the vertical in the units of the disk: speed towards flat, sigma3_bar, side."""
+
+    speed: Array
+    sigma3_bar: Array
+    side: Array
+
+    @property
+    def phidot(self) -> Array:
+        return self.side * self.speed
+
+    def at(self, i: int) -> tuple[float, float, int]:
+        """(sigma3_bar, phidot, side) of draw i."""
+        return float(self.sigma3_bar[i]), float(self.phidot[i]), int(self.side[i])
+
+
+def default_box(disk: Disk) -> Box:
+    """Speed towards flat 0.5 to 2, sigma3 -2 to 2, in natural units.
+
+    Slower starts linger at the vertical, where the energy at which a motion compares with its
+    limit is no longer close to its own.
+    """
+    unit = disk.rate_unit
+    return Box((0.0, 0.0), (0.5 * unit, 2.0 * unit), (-2.0 * unit, 2.0 * unit), (0.0, 0.0))
+
+
+def check_box(box: Box, given: tuple[str, ...], scene: str) -> None:
+    """Raise InputError for a box that does not describe starts beside F."""
+    if "sigma4" in given:
+        raise InputError(f"--box sigma4: {scene} sets sigma4 by --eta-hat; leave it out")
+    if box.phi != (0.0, 0.0):
+        raise InputError(f"--box phi: {scene} starts at the vertical; leave phi out or give phi=0")
+    if box.phidot[0] < 0.0:
+        raise InputError(
+            f"--box phidot = {box.phidot[0]:g}:{box.phidot[1]:g}: {scene} takes the speed towards flat, "
+            "used for both sides; give 0 <= LOW"
+        )
+
+
+def check_eta_hat(span: Range) -> None:
+    """Raise InputError unless 0 < low <= high, both finite."""
+    low, high = span
+    if not (0.0 < low <= high and np.isfinite(high)):
+        raise InputError(f"--eta-hat {low:g}:{high:g}: give magnitudes LOW:HIGH with 0 < LOW <= HIGH")
+
+
+def draw_beside(box: Box, random: np.random.Generator, count: int) -> Beside:
+    """`count` starts, both sides equally likely."""
+    columns = box.draw(random, count)
+    side = np.where(random.random(count) < 0.5, 1.0, -1.0)
+    return Beside(columns["phidot"], columns["sigma3"], side)

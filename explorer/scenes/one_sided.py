@@ -1,0 +1,269 @@
+"""Scene one-sided: how motions beside F approach the two limit motions, and how these differ.
+
+From points of F drawn at the vertical, motions start at eta_hat = +-10^-k beside them and run
+through several falls. Away from the impacts their distance to the limit motion of their side
+shrinks like eta ln(1/eta); the two limits themselves stay 2 kappa pi mod 2 pi apart per fall.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from explorer import statistics
+from explorer.disk import Disk
+from explorer.errors import InputError
+from explorer.limits import LimitMotion, limit_motion
+from explorer.sampling import Box, Range, chunk_stream
+from explorer.scenes.base import Scene, Table, Tables
+from explorer.scenes.beside import Beside, check_eta_hat, default_box, draw_beside
+from explorer.motions import Trajectories, simulate
+from explorer.states import Array, constants_to_states, require_axial_inertia
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FALLS = 3  # impacts that each motion passes
+TIMES = 240
+BLOCK = 8  # starts per chunk
+# Impacts are cut out by this share of a period on either side.
+MARGIN = 0.1
+# The limits coincide where the measured gap is below this (rad); it is 1.48 and more elsewhere.
+SAME = 1e-3
+QUANTITIES = ("phi", "chi", "psi", "path", "contact")
+
+
+@dataclass(frozen=True)
+class OneSided(Scene):
+    """Distance to each limit motion over a ladder of eta_hat, for several disks."""
+
+    samples: int = 32
+    box: Box | None = None
+    eta_hat: Range | None = None
+
+    name: ClassVar[str] = "one-sided"
+    observables: ClassVar[tuple[str, ...]] = QUANTITIES
+
+    def __post_init__(self) -> None:
+        for disk in self.disks:
+            require_axial_inertia(disk)
+            check_eta_hat(self.span(disk))
+        if len({disk.name for disk in self.disks}) < len(self.disks):
+            raise InputError("--disk: one-sided needs different names; name disks in TOML files")
+
+    def where(self, disk: Disk) -> Box:
+        return self.box or default_box(disk)
+
+    def span(self, disk: Disk) -> Range:
+        """|eta_hat| in the units of the disk; 1e-6 to 1e-1 natural units unless given."""
+        return self.eta_hat or (1e-6 * disk.rate_unit, 1e-1 * disk.rate_unit)
+
+    def ladder(self, disk: Disk) -> Array:
+        """Magnitudes of eta_hat, one per decade, from the largest down."""
+        low, high = self.span(disk)
+        rungs = max(1, round(math.log10(high / low)) + 1)
+        return np.geomspace(high, low, rungs)
+
+    def options(self) -> dict[str, Any]:
+        return {
+            **self.common_options(),
+            "samples": self.samples,
+            "box": self.box and self.box.describe(),
+            "eta_hat": self.eta_hat and list(self.eta_hat),
+        }
+
+    @property
+    def blocks(self) -> int:
+        """Chunks per disk."""
+        return -(-self.samples // BLOCK)
+
+    def chunks(self) -> int:
+        return len(self.disks) * self.blocks
+
+    def starts(self, index: int) -> Beside:
+        """Points of F of chunk `index`."""
+        disk, block = self.disks[index // self.blocks], index % self.blocks
+        count = min(BLOCK, self.samples - block * BLOCK)
+        return draw_beside(self.where(disk), chunk_stream(self.seed, index), count)
+
+    def compute(self, index: int) -> Table:
+        disk, starts = self.disks[index // self.blocks], self.starts(index)
+        first = BLOCK * (index % self.blocks)
+        parts = [self._approach(disk, first + i, starts.at(i)) for i in range(starts.speed.size)]
+        return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
+
+    def _approach(self, disk: Disk, base: int, start: tuple[float, float, int]) -> Table:
+        """All rungs of the ladder, both signs, beside one point of F."""
+        ladder = self.ladder(disk)
+        eta_hat = np.concatenate([ladder, -ladder])
+        both = limits_at(disk, start)
+        times, middle = sample_times(both[1])
+        motion = follow(disk, start, eta_hat, times, self.accuracy, self.method)
+        assert motion.chi is not None
+        columns: Table = {
+            "base": np.full(eta_hat.size, base),
+            "sigma3_bar": np.full(eta_hat.size, start[0]),
+            "phidot": np.full(eta_hat.size, start[1]),
+            "eta_hat": eta_hat,
+            "status": motion.status,
+        }
+        for name in QUANTITIES:
+            columns[f"distance_{name}"] = np.empty(eta_hat.size)
+        for row, value in enumerate(eta_hat):
+            limit = both[1 if value > 0 else -1](times)
+            for name in QUANTITIES:
+                difference = getattr(motion, name)[row] - getattr(limit, name)
+                columns[f"distance_{name}"][row] = abs(difference).max() / _unit(disk, name)
+        columns["distance"] = np.max([columns[f"distance_{name}"] for name in QUANTITIES], axis=0)
+        # Between the first two impacts the two sides differ by one fall.
+        columns["chi_between"] = motion.chi[:, middle]
+        return columns
+
+    def summarise(self, tables: Tables) -> dict[str, Any]:
+        per_disk, source = {}, tables()
+        for disk in self.disks:
+            parts = list(islice(source, self.blocks))
+            merged = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
+            per_disk[disk.name] = self._summarise_disk(disk, merged)
+        status = statistics.count_status(table["status"] for table in tables())
+        return {"samples": self.samples, "disks": per_disk, "status": status}
+
+    def _summarise_disk(self, disk: Disk, table: Table) -> dict[str, Any]:
+        rows = []
+        for size in self.ladder(disk):
+            row: dict[str, Any] = {"eta_hat": float(size)}
+            for sign, name in ((1, "plus"), (-1, "minus")):
+                chosen = table["distance"][np.isclose(table["eta_hat"], sign * size, rtol=1e-9, atol=0.0)]
+                chosen = chosen[np.isfinite(chosen)]
+                row[f"motions_{name}"] = int(chosen.size)
+                if chosen.size:
+                    row[f"median_{name}"] = float(np.median(chosen))
+                    row[f"largest_{name}"] = float(chosen.max())
+            rows.append(row)
+        gap = self._gap(disk, table)
+        measured = gap["measured"]
+        return {
+            "gap": gap,
+            "coincide": measured is not None and abs(math.remainder(measured, 2.0 * math.pi)) < SAME,
+            "coincide_exact": min(disk.gap, 2.0 * math.pi - disk.gap) < 1e-12,
+            "kappa": disk.kappa,
+            "distances": rows,
+            "rate_plus": fitted_rate(disk, rows, "plus"),
+            "rate_minus": fitted_rate(disk, rows, "minus"),
+        }
+
+    def _gap(self, disk: Disk, table: Table) -> dict[str, Any]:
+        """2 kappa pi mod 2 pi from the motions nearest to F, brought next to the exact value."""
+        smallest = self.ladder(disk)[-1]
+        near = np.isclose(abs(table["eta_hat"]), smallest, rtol=1e-9, atol=0.0)
+        plus = table["chi_between"][near & (table["eta_hat"] > 0)]
+        minus = table["chi_between"][near & (table["eta_hat"] < 0)]
+        error = np.array([math.remainder(d, 2.0 * math.pi) for d in plus - minus - disk.gap if np.isfinite(d)])
+        return {
+            "exact": disk.gap,
+            "measured": float(disk.gap + np.median(error)) if error.size else None,
+            "largest_error": float(abs(error).max()) if error.size else None,
+            "at_eta_hat": float(smallest),
+        }
+
+    def figures(self, summary: dict[str, Any], tables: Tables) -> "Iterator[tuple[str, Figure]]":
+        from explorer import plot
+
+        yield "distance", plot.figure_of(plot.one_sided_distance, summary)
+        for index, disk in enumerate(self.disks):
+            pictures = both_sides(disk, self.starts(index * self.blocks).at(0))
+            yield (
+                f"motion-{disk.name}",
+                plot.stacked(partial(plot.one_sided_phi, pictures), partial(plot.one_sided_chi, pictures)),
+            )
+            yield f"contact-{disk.name}", plot.figure_of(plot.contact_paths, pictures)
+
+    def headline(self, summary: dict[str, Any]) -> list[str]:
+        lines = []
+        for name, found in summary["disks"].items():
+            gap = found["gap"]
+            measured = "not measured" if gap["measured"] is None else f"{gap['measured']:+.6f}"
+            lines.append(
+                f"{name}: gap between the two limits {measured} rad (exact {gap['exact']:.6f}); "
+                f"they {'coincide' if found['coincide'] else 'differ'}"
+            )
+        return lines
+
+
+def _unit(disk: Disk, name: str) -> float:
+    return disk.r if name in ("path", "contact") else 1.0
+
+
+def limits_at(disk: Disk, start: tuple[float, float, int]) -> dict[int, LimitMotion]:
+    """Both limit motions from a point of F: (sigma3_bar, phidot, side) at the vertical."""
+    sigma3_bar, phidot, side = start
+    base = constants_to_states(disk, sigma3_bar, 0.0, phidot, side)
+    return {sign: limit_motion(disk, base, sign) for sign in (1, -1)}
+
+
+def sample_times(limit: LimitMotion) -> tuple[Array, int]:
+    """Times through FALLS impacts, none within MARGIN of a period of an impact.
+
+    Also the place of the time half-way between the first two impacts.
+    """
+    first = limit.impacts(2.0 * limit.period)[0]
+    middle = first + 0.5 * limit.period
+    end = first + (FALLS - 0.5) * limit.period
+    times = np.union1d(np.linspace(0.0, end, TIMES), [middle])
+    gaps = abs(times[:, None] - limit.impacts(end + limit.period)).min(axis=1)
+    times = times[gaps > MARGIN * limit.period]
+    return times, int(np.searchsorted(times, middle))
+
+
+def follow(
+    disk: Disk, start: tuple[float, float, int], eta_hat: Array, times: Array, accuracy: float, method: str
+) -> Trajectories:
+    """Motions that start beside a point of F at the distances eta_hat."""
+    sigma3_bar, phidot, side = start
+    states = constants_to_states(disk, sigma3_bar, eta_hat, phidot, side)
+    return simulate(
+        disk, states, t_eval=times, observables=QUANTITIES, method=method, accuracy=accuracy
+    )
+
+
+def fitted_rate(disk: Disk, rows: list[dict[str, Any]], name: str) -> float | None:
+    """Exponent p of distance = C (eta ln 1/eta)^p over the rungs below 0.02 natural units; theory: 1."""
+    used = [(row["eta_hat"] / disk.rate_unit, row[f"median_{name}"]) for row in rows if f"median_{name}" in row]
+    points = np.array([(eta, d) for eta, d in used if eta < 0.02 and d > 0.0])
+    if len(points) < 2:
+        return None
+    law = np.log(points[:, 0] * np.log(1.0 / points[:, 0]))
+    return float(np.polyfit(law, np.log(points[:, 1]), 1)[0])
+
+
+@dataclass(frozen=True)
+class BothSides:
+    """What the pictures of one point of F show: motions beside it and both limits, on one time axis."""
+
+    disk: Disk
+    eta_hat: float
+    t: Array
+    impacts: Array
+    motions: dict[int, Any]
+    limits: dict[int, Any]
+
+
+def both_sides(disk: Disk, start: tuple[float, float, int], eta_hat: float = 0.01) -> BothSides:
+    """Motions at +-eta_hat (natural units) beside a point of F, and the limits, through two falls."""
+    limits = limits_at(disk, start)
+    impacts = limits[1].impacts(100.0 * limits[1].period)[:2]
+    t = np.linspace(0.0, impacts[-1] + 0.6 * limits[1].period, 1600)
+    # The race takes about eta_hat units of time: the picture needs times inside it.
+    close = np.linspace(-0.04, 0.04, 1600) * limits[1].period
+    t = np.union1d(t, (impacts[:, None] + close).ravel())
+    t = t[t >= 0.0]
+    size = eta_hat * disk.rate_unit
+    motion = follow(disk, start, np.array([size, -size]), t, 1e-6, "auto")
+    rows = {
+        sign: {name: getattr(motion, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))
+    }
+    return BothSides(disk, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})

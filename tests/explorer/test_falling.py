@@ -1,0 +1,130 @@
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer.falling import falls_of, impact_speed, well
+from explorer.limits import fall_from_vertical
+from explorer.models import plan
+from explorer.motions import smallest_tilt
+from explorer.states import constants_to_states, line_slope, natural_constants
+
+SLOPES = {"uniform": 0.7285923160189477, "hoop": 0.6761665138414456, "matching": 0.7079432039590211}
+WELLS = {"uniform": 0.34456, "hoop": 0.31638, "matching": 0.33436}
+FALLS = {"uniform": (1.293920, 1.612452), "hoop": (1.325324, 1.527525)}
+
+
+def test_the_lines_have_the_published_slopes(paper_body):
+    assert line_slope(paper_body) == pytest.approx(SLOPES[paper_body.name], rel=1e-14)
+
+
+def test_the_well_that_never_falls_exists_below_the_published_sigma3_bar(paper_body):
+    assert well(paper_body)[1] == pytest.approx(WELLS[paper_body.name], abs=5e-6)
+
+
+@pytest.mark.parametrize("name", FALLS)
+def test_the_plain_fall_from_the_vertical_takes_the_published_time(name):
+    """Checklist 15: sigma3 = sigma4 = 0, an inverted pendulum."""
+    disk = BODIES[name]
+    energy = np.array([0.5 * disk.body.M + 1.0])
+    time, chi, psi = fall_from_vertical(disk, np.zeros(1), energy)
+    assert time[0] == pytest.approx(FALLS[name][0], abs=5e-7)
+    assert impact_speed(disk, np.zeros(1), energy)[0] == pytest.approx(FALLS[name][1], abs=5e-7)
+    assert chi[0] == psi[0] == 0.0
+
+
+def test_every_state_at_the_vertical_on_a_line_could_fall_on_that_side(body):
+    rng = np.random.default_rng(1)
+    unit = body.rate_unit
+    for side in (1, -1):
+        states = constants_to_states(body, rng.uniform(-3, 3, 200) * unit, 0.0, rng.uniform(-3, 3, 200) * unit, side)
+        found = falls_of(states)
+        assert (found.side == side).all()
+        assert found.could_fall.all()
+        assert found.on_f.all()
+        assert (found.status == ex.Status.FALLS).all()
+
+
+def test_membership_agrees_with_integration_just_beside_the_lines():
+    """States on eta = 1e-7 nearly fall if and only if the algebra says that they could."""
+    rng = np.random.default_rng(7)
+    for name in ("uniform", "hoop", "thick"):
+        disk = BODIES[name]
+        b = disk.body
+        n = 4000
+        phi, phidot = rng.uniform(-1.4, 1.4, n), rng.uniform(-0.6, 0.6, n)
+        sigma3_bar = rng.uniform(-0.5, 0.5, n)
+        states = beside_line(disk, phi, phidot, sigma3_bar, 1e-7)
+        found = natural_constants(states)
+        exact = falls_of(states, found)
+        theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4), found)
+        good = (status == 0) & (abs(found[1]) < 0.5 * abs(found[2]))
+        flat = theta[good] < 1e-3 * np.sqrt(b.I3)
+        could = exact.could_fall[good]
+        assert good.sum() > 3000
+        assert 0.1 < could.mean() < 0.95
+        # The two can only differ within a hair of a separatrix.
+        assert (flat != could).mean() < 2e-3, name
+
+
+def beside_line(disk, phi, phidot, sigma3_bar, eta):
+    """States at any tilt with eta_+ = eta, by the exact (sigma3, sigma4) of their constants."""
+    from kernels.chaplygin import sigma_from_constants, solutions
+
+    b = disk.body
+    sigma = np.empty((2, phi.size))
+    for i in range(phi.size):
+        side = 1.0 if phi[i] >= 0 else -1.0
+        S = 2.0 * np.sin((np.pi / 2 - abs(phi[i])) / 2) ** 2
+        f = solutions(S, np.log(S), b.c, disk.series)
+        near = eta if side > 0 else 2 * b.I1 * b.dr0 * sigma3_bar[i] - eta
+        sigma[:, i] = sigma_from_constants(side, sigma3_bar[i] / b.r0, near / b.I1, f, b.k)
+    unit = disk.rate_unit
+    return ex.phi_to_states(disk, phi, phidot * unit, sigma[0] * unit, sigma[1] * unit)
+
+
+def test_theta_min_approaches_its_leading_order(paper_body):
+    """Checklist 40: theta_min = |eta| / sqrt(2 I1 (E - V0)) (1 + O(eta ln eta))."""
+    errors = []
+    for eta_hat in (1e-3, 1e-4, 1e-5):
+        states = constants_to_states(paper_body, 1.0, [eta_hat, -eta_hat], 1.0)
+        found = natural_constants(states)
+        theta, _, _ = smallest_tilt(states, plan(("theta_min",), 1e-8), found)
+        errors.append(abs(theta / falls_of(states, found).theta_min_estimate - 1).max())
+    assert errors[2] < 3e-4
+    assert errors[2] < 0.2 * errors[1] < 0.04 * errors[0]
+
+
+def test_the_nearer_side_and_the_sign_of_eta_are_reported():
+    disk = BODIES["uniform"]
+    slope = line_slope(disk)
+    found = ex.falls(disk, 0.0, 1.0, [1.0, 1.0, 1.0], [slope - 0.1, slope + 0.1, -slope + 0.1])
+    assert found.side.tolist() == [1, 1, -1]
+    assert np.sign(found.distance).tolist() == [1, -1, 1]
+    norm = np.hypot(slope, 1.0)
+    np.testing.assert_allclose(abs(found.distance), 0.1 / norm, rtol=1e-12)
+
+
+def test_the_pendulum_lies_on_both_lines():
+    found = ex.falls(BODIES["hoop"], 0.2, 0.1, 0.0, 0.0)
+    assert found.distance_plus[0] == found.distance_minus[0] == 0.0
+    assert found.status[0] == ex.Status.FALLS
+
+
+def test_too_little_energy_to_reach_flat_is_not_a_fall():
+    """A disk that spins upright fast enough has E < V0 on neither line near it, and stays up."""
+    disk = BODIES["uniform"]
+    found = ex.falls(disk, 0.0, 0.0, 3.0, 0.0)
+    assert not found.could_fall[0]
+    assert np.isnan(found.theta_min_estimate[0])
+
+
+def test_nothing_falls_off_the_lines(body):
+    """Checklist 29: theta_min > 0 for every sample with eta_+ eta_- != 0."""
+    rng = np.random.default_rng(11)
+    unit = body.rate_unit
+    states = ex.phi_to_states(body, rng.uniform(-1.3, 1.3, 3000), *(rng.uniform(-2, 2, (3, 3000)) * unit))
+    found = natural_constants(states)
+    theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4), found)
+    assert (status == 0).mean() > 0.998
+    assert (theta[status == 0] > 0).all()

@@ -1,0 +1,228 @@
+import numpy as np
+import plain_disk
+import pytest
+from conftest import BODIES
+from hypothesis import given
+from hypothesis import strategies as st
+
+import explorer as ex
+from explorer.models import plan
+from explorer.motions import turning_points
+from explorer.states import constants_to_states, line_slope, natural_constants
+
+ALL = ("phi", "phidot", "sigma3", "sigma4", "chi", "psi", "path", "contact")
+# mathematics, section 10: sigma1 = 0, sigma2 = sigma3 = 1
+ROWS = {  # tau, chi(tau) - chi(0), psi(tau) - psi(0), theta_min, |a(tau) - a(0)|
+    ("uniform", 0.01): (3.5309125568, 10.16442885, 4.88619430, 0.00719310, 1.62355),
+    ("uniform", -0.01): (3.5069444328, -3.87572184, -9.14592890, 0.00732892, 2.16059),
+    ("hoop", 0.01): (3.5443368831, 8.57037740, 3.49347084, 0.00876068, 2.14376),
+    ("hoop", -0.01): (3.5168724512, -2.31358306, -7.37252693, 0.00889163, 1.61133),
+}
+PASSAGES = {0.01: 8.2308499950647748923, -0.01: -5.7721922231267035920}
+
+
+def random_body(rng):
+    m, r, g = rng.uniform(0.2, 3, 3)
+    I1 = m * r * r * rng.uniform(0.05, 1.0)
+    return ex.Disk(m, r, g, I1, I1 * rng.uniform(0.2, 2.0))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_every_depth_agrees_with_the_full_eight_dimensional_equations(seed):
+    """Rotation, angles, centre and contact to 1e-9, on random states of random bodies."""
+    rng = np.random.default_rng(seed)
+    disk = random_body(rng)
+    state = np.array([rng.uniform(-0.9, 0.9), *(rng.uniform(-1.2, 1.2, 3) * disk.rate_unit)])
+    times = np.linspace(0.0, 2.5 * disk.time_unit, 26)
+    full = plain_disk.integrate(disk, state, times)
+    got = ex.simulate(disk, state, t_eval=times, observables=ALL, accuracy=1e-11)
+    assert got.status[0] == ex.Status.OK
+    cos, sin = np.cos, np.sin
+    phi, chi, psi = got.phi[0], got.chi[0], got.psi[0]
+    np.testing.assert_allclose(
+        np.stack([cos(phi) * cos(chi), cos(phi) * sin(chi), sin(phi)], axis=1), full.v, atol=1e-9
+    )
+    np.testing.assert_allclose(
+        np.stack([cos(phi) * cos(psi), cos(phi) * sin(psi), sin(phi)], axis=1), full.u, atol=1e-9
+    )
+    sigma = np.stack([sin(phi), cos(phi) * got.phidot[0], got.sigma3[0], got.sigma4[0]], axis=1)
+    np.testing.assert_allclose(sigma, full.sigma, atol=1e-9 * (1 + disk.rate_unit))
+    np.testing.assert_allclose(got.path[0], full.a, atol=1e-9 * disk.r)
+    np.testing.assert_allclose(got.contact[0], full.contact, atol=1e-9 * disk.r)
+    np.testing.assert_allclose(full.contact[:, 2], 0.0, atol=1e-10 * disk.r)
+
+
+@pytest.mark.parametrize("method", ["dopri5", "rk4"])
+@pytest.mark.parametrize("key", ROWS, ids=str)
+def test_the_four_figure_rows(key, method):
+    from kernels import events, trajectory
+
+    name, eta_hat = key
+    disk = BODIES[name]
+    states = constants_to_states(disk, 1.0, eta_hat, 1.0)
+    initial = np.zeros((10, 1))
+    initial[:5] = states.natural
+    out, drift = np.empty((1, 2, 10)), np.empty((3, 1))
+    status, steps = np.zeros(1, np.int8), np.zeros(1, np.int32)
+    code, control = (1, 1e-12) if method == "dopri5" else (0, 2e-3)
+    trajectory.trajectory_batch(
+        code, 10, initial, np.array([control]), events.VERTICAL, np.zeros(2), 10**6, 1e-6,
+        disk.body, disk.series, out, status, steps, drift,
+    )  # fmt: skip
+    assert status[0] == ex.Status.OK
+    tau, chi, psi, theta, distance = ROWS[key]
+    after = out[0, 1]
+    assert after[5] == pytest.approx(tau, abs=1e-7)
+    assert after[6] == pytest.approx(chi, abs=1e-7)
+    assert after[7] == pytest.approx(psi, abs=1e-7)
+    assert np.hypot(after[8], after[9]) == pytest.approx(distance, abs=5e-6)
+    turn = turning_points(states, plan(("theta_min", "chi"), 1e-10, method))
+    assert turn.theta[0] == pytest.approx(theta, abs=5e-9)
+    if name == "uniform":
+        assert out[0, 0, 6] == pytest.approx(PASSAGES[eta_hat], abs=1e-7)
+        assert 2.0 * turn.chi[0] == pytest.approx(PASSAGES[eta_hat], abs=1e-7)
+
+
+def test_passages_of_the_reference_file_down_to_1e_minus_4(reference_passages):
+    """25-digit passages of six bodies: delta chi to 1e-7 where |eta_hat| >= 1e-4."""
+    used = 0
+    for row in reference_passages:
+        if abs(row["eta_hat"]) < 1e-4:
+            continue
+        disk = ex.Disk(*(row[key] for key in ("m", "r", "g", "I1", "I3")))
+        states = constants_to_states(disk, row["sigma3_bar"], row["eta_hat"], row["phidot0"])
+        turn = turning_points(states, plan(("chi", "theta_min"), 1e-9))
+        assert turn.status[0] == ex.Status.OK
+        assert 2.0 * turn.chi[0] == pytest.approx(row["race"], abs=1e-7)
+        assert 2.0 * turn.time[0] * disk.time_unit == pytest.approx(row["time"], rel=1e-8)
+        assert turn.theta[0] == pytest.approx(row["theta_min"], rel=1e-7)
+        used += 1
+    assert used >= 5
+
+
+RATES = st.floats(-2, 2)
+STATES = st.tuples(st.floats(-1.2, 1.2), RATES, RATES, RATES)
+QUICK = {"t_eval": np.linspace(0.2, 2.0, 7), "observables": ALL, "accuracy": 1e-7}
+
+
+def usable(*motions):
+    return all((motion.status == ex.Status.OK).all() for motion in motions)
+
+
+@given(STATES)
+def test_mirror_images_move_as_mirror_images(state):
+    """Eq. (3.2) for whole motions: (phi, sigma3, sigma4) -> (-phi, sigma3, -sigma4)."""
+    phi, phidot, s3, s4 = state
+    disk = BODIES["uniform"]
+    one, two = (ex.simulate(disk, s, **QUICK) for s in ((phi, phidot, s3, s4), (-phi, -phidot, s3, -s4)))
+    if usable(one, two):
+        np.testing.assert_array_equal(one.phi, -two.phi)
+        np.testing.assert_array_equal(one.chi, two.chi)
+        np.testing.assert_array_equal(one.psi, -two.psi)
+        np.testing.assert_array_equal(one.path[..., :2], -two.path[..., :2])
+
+
+@given(STATES)
+def test_time_runs_backwards_along_the_same_motion(state):
+    disk = BODIES["hoop"]
+    there = ex.simulate(disk, state, t_eval=[1.5], observables=ALL, accuracy=1e-10)
+    if not usable(there):
+        return
+    turned = (there.phi[0, 0], -there.phidot[0, 0], there.sigma3[0, 0], there.sigma4[0, 0])
+    back = ex.simulate(disk, turned, t_eval=[1.5], observables=ALL, accuracy=1e-10)
+    if not usable(back):
+        return
+    got = (back.phi[0, 0], -back.phidot[0, 0], back.sigma3[0, 0], back.sigma4[0, 0])
+    # A passage near flat multiplies an error by about 1 / theta_min.
+    near = min(np.cos(there.phi[0, 0]), np.cos(state[0]))
+    np.testing.assert_allclose(got, state, atol=1e-6 / near)
+
+
+@given(STATES, st.floats(0.1, 20), st.floats(0.01, 5), st.floats(0.5, 30))
+def test_changing_units_changes_nothing_else(state, m, r, g):
+    plain, other = ex.Disk.uniform(), ex.Disk.uniform(m, r, g)
+    times = QUICK["t_eval"]
+    rates = np.array([1.0, *([other.rate_unit] * 3)])
+    one = ex.simulate(plain, state, **QUICK)
+    two = ex.simulate(other, np.array(state) * rates, **{**QUICK, "t_eval": times * other.time_unit})
+    if usable(one, two):
+        tight = 1e-5 / np.cos(one.phi).min()
+        np.testing.assert_allclose(two.phi, one.phi, atol=tight)
+        np.testing.assert_allclose(two.chi, one.chi, atol=tight)
+        np.testing.assert_allclose(two.path / r, one.path, atol=tight)
+
+
+def test_energy_sigma3_bar_and_eta_drift_are_reported_and_small():
+    rng = np.random.default_rng(2)
+    states = np.column_stack([rng.uniform(-1, 1, 60), rng.uniform(-1.5, 1.5, (60, 3))])
+    got = ex.simulate(ex.Disk.uniform(), states, 10.0, observables=("phi",), accuracy=1e-8)
+    ok = got.status == ex.Status.OK
+    assert ok.mean() > 0.9
+    assert abs(got.drift[:, ok]).max() < 1e-8
+
+
+def test_failed_samples_are_nan_and_say_why():
+    disk = BODIES["uniform"]
+    on_line = line_slope(disk)
+    rows = [[0, 1, 1, 0.5], [0, 1, 1, on_line], [np.nan, 1, 1, 1], [2.0, 0, 0, 0]]
+    got = ex.simulate(disk, rows, 3.0)
+    assert [ex.Status(s).name for s in got.status] == ["OK", "FALLS", "BAD_INPUT", "BAD_INPUT"]
+    assert np.isfinite(got.chi[0]).all()
+    assert np.isnan(got.chi[1:]).all()
+    assert all(ex.Status(s).sentence and ex.Status(s).remedy for s in got.status)
+
+
+def test_only_what_was_asked_for_is_returned_and_time_zero_is_the_start():
+    got = ex.simulate(BODIES["uniform"], (0.1, 0.2, 0.3, 0.4), 1.0, observables=("phi", "chi"), chi0=0.5)
+    assert got.path is None
+    assert got.psi is None
+    assert got.phi.shape == (1, 201)
+    assert got.phi[0, 0] == pytest.approx(0.1, abs=1e-15)
+    assert got.chi[0, 0] == 0.5
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"t_end": -1.0}, "t_end"),
+        ({"t_eval": [1.0, 0.5]}, "increasing"),
+        ({"t_eval": [np.nan]}, "finite"),
+        ({"t_end": 1.0, "observables": ("ph",)}, "did you mean 'phi'"),
+        ({"t_end": 1.0, "observables": ("side",)}, "observable of the motion"),
+        ({"t_end": 1.0, "method": "rk5"}, "did you mean 'rk4'"),
+        ({"t_end": 1.0, "accuracy": 1e-20}, "accuracy"),
+    ],
+)
+def test_wrong_arguments_are_named(options, message):
+    with pytest.raises(ex.InputError, match=message):
+        ex.simulate(BODIES["uniform"], (0, 1, 1, 0.5), **options)
+
+
+def test_states_of_the_wrong_shape_are_refused():
+    with pytest.raises(ex.InputError, match="shape"):
+        ex.simulate(BODIES["uniform"], [1.0, 2.0, 3.0], 1.0)
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("method", ["rk4", "dopri5"])
+def test_passages_meet_the_accuracy_asked(body, method, accuracy):
+    """99th percentile of angle errors and of relative errors of time and theta_min, |eta_hat| >= 1e-4."""
+    if method == "rk4" and accuracy < 1e-6:
+        pytest.skip("a fixed step of that accuracy takes 10^5 steps; nobody would ask for it")
+    rng = np.random.default_rng(6)
+    n, unit = 300, body.rate_unit
+    eta_hat = 10 ** rng.uniform(-4, -1, n) * rng.choice([-1, 1], n) * unit
+    states = constants_to_states(body, rng.uniform(-2, 2, n) * unit, eta_hat, rng.uniform(0.3, 2, n) * unit)
+    found = natural_constants(states)
+    observables = ("chi", "psi", "theta_min", "time")
+    coarse = turning_points(states, plan(observables, accuracy, method), found)
+    fine = turning_points(states, plan(observables, 1e-11), found)
+    both = (coarse.status == 0) & (fine.status == 0)
+    assert both.mean() > 0.97
+    for error in (
+        2 * abs(coarse.chi - fine.chi),
+        2 * abs(coarse.psi - fine.psi),
+        abs(coarse.time / fine.time - 1),
+        abs(coarse.theta / fine.theta - 1),
+    ):
+        assert np.percentile(error[both], 99) <= accuracy

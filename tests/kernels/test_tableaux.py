@@ -1,0 +1,34 @@
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+from kernels.tableaux import CLASSICAL_RK4, DORMAND_PRINCE_54, trees
+
+
+def test_there_are_as_many_rooted_trees_as_the_books_say():
+    assert [len(trees(n)) for n in range(1, 7)] == [1, 1, 2, 4, 9, 20]
+
+
+@pytest.mark.parametrize("tableau", [CLASSICAL_RK4, DORMAND_PRINCE_54], ids=lambda t: t.name)
+def test_a_tableau_does_not_claim_more_order_than_it_has(tableau):
+    with pytest.raises(ValueError, match="order condition"):
+        replace(tableau, order=tableau.order + 1)
+
+
+def test_the_embedded_solution_of_dormand_prince_is_of_order_four_only():
+    with pytest.raises(ValueError, match="order condition"):
+        replace(DORMAND_PRINCE_54, embedded_order=5)
+
+
+def test_a_misprinted_weight_is_refused():
+    b = list(CLASSICAL_RK4.b)
+    b[0] += Fraction(1, 10**9)
+    with pytest.raises(ValueError, match="order condition"):
+        replace(CLASSICAL_RK4, b=tuple(b))
+
+
+def test_a_misprinted_node_is_refused():
+    c = list(DORMAND_PRINCE_54.c)
+    c[3] = Fraction(3, 4)
+    with pytest.raises(ValueError, match="row sum"):
+        replace(DORMAND_PRINCE_54, c=tuple(c))
