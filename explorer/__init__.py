@@ -40,7 +40,7 @@ _HOMES = {
     "theta_to_states": "states",
 }
 
-__all__ = ["Status", *sorted(_HOMES)]  # noqa: F822 - resolved by __getattr__
+__all__ = ["Status", *sorted(_HOMES)]
 
 
 def __getattr__(name: str) -> Any:

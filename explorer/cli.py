@@ -41,9 +41,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         return options.call(options)
-    except InputError as error:
+    except (InputError, ImportError) as error:
         return _complain(options, error, 2)
-    except (RunError, ImportError) as error:
+    except RunError as error:
         return _complain(options, error, 1)
     except KeyboardInterrupt:
         hint = "; finished chunks are kept: add --resume to go on" if options.command == "run" else ""
@@ -96,7 +96,7 @@ def _add_run(commands: Any) -> None:
         "run",
         _run,
         "Run a scene on many initial states and store samples, summary and figures.",
-        'nearflat run race-angles --disk hoop --samples 1e5 --eta-hat 1e-6:1e-2 --out results/races',
+        "nearflat run race-angles --disk hoop --samples 1e5 --eta-hat 1e-6:1e-2 --out results/races",
     )
     command.add_argument("scene", metavar="SCENE", help=_SCENES)
     command.add_argument(

@@ -6,14 +6,13 @@ from typing import Any
 
 from explorer.errors import InputError
 from explorer.runs import store
-from explorer.runs.folder import now
 from explorer.runs.progress import note
 from explorer.runs.run import Run, execute
 from explorer.runs.workers import check_workers
 from explorer.scenes.build import build_scene
 
 _MARK = "demo.json"
-_STEPS = (
+_STEPS: tuple[tuple[str, dict[str, Any], str], ...] = (
     ("falling-set", {"samples": 1_000_000}, "Where does the disk fall? A million states, integrated."),
     ("one-sided", {}, "What happens just beside the falling set? Two sides, two limit motions."),
     ("race-angles", {"samples": 200_000}, "How far does the contact point race round the rim?"),
@@ -36,7 +35,7 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
         for line in scene.headline(run.summary):
             note(f"  {line}", quiet)
         if not (folder / _MARK).exists():
-            store.write_json(folder / _MARK, {"made_by": "nearflat demo", "started": now()})
+            store.write_json(folder / _MARK, {"made_by": "nearflat demo"})
         runs.append(run)
     (folder / "README.md").write_text(_page(runs, [title for _, title in scenes]), encoding="utf-8")
     return runs
@@ -57,7 +56,11 @@ def _clear(folder: Path) -> None:
 
 
 def _page(runs: list[Run], titles: list[str]) -> str:
-    lines = ["# What `nearflat demo` found", "", "Made by `nearflat demo`. The numbers are in each `summary.json`."]
+    lines = [
+        "# What `nearflat demo` found",
+        "",
+        "Made by `nearflat demo`. The numbers are in each `summary.json`.",
+    ]
     for run, title in zip(runs, titles, strict=True):
         lines += ["", f"## {title}", ""]
         lines += [f"- {line}" for line in run.scene.headline(run.summary)]

@@ -104,9 +104,7 @@ def falls_of(states: States, found: Array | None = None) -> Falls:
     )
 
 
-def falls(
-    disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike
-) -> Falls:
+def falls(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> Falls:
     """Signed side and distance to F, and whether the disk could fall; no integration.
 
     Arguments as for `constants`. Eqs (6.1), (6.2), (6.9) and section 6.2 of the paper. Needs I3 > 0.

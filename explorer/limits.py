@@ -78,7 +78,8 @@ class LimitMotion:
     def impacts(self, t_end: float) -> Array:
         """Times of impact in (0, t_end]."""
         first = self.period - self._offset * self.disk.time_unit
-        return first + self.period * np.arange(max(0, int(np.floor((t_end - first) / self.period)) + 1))
+        count = max(0, int(np.floor((t_end - first) / self.period)) + 1)
+        return np.array(first + self.period * np.arange(count), dtype=np.float64)
 
     def __call__(self, t: ArrayLike) -> LimitState:
         times = np.asarray(t, dtype=np.float64)

@@ -155,9 +155,7 @@ def simulate(
 def _rows_to_states(disk: Disk, states: ArrayLike | States) -> States:
     rows = np.atleast_2d(np.asarray(states, dtype=np.float64))
     if rows.ndim != 2 or rows.shape[1] != 4:
-        raise InputError(
-            f"states: shape {rows.shape} is not (n, 4); give rows of phi, phidot, sigma3, sigma4"
-        )
+        raise InputError(f"states: shape {rows.shape} is not (n, 4); give rows of phi, phidot, sigma3, sigma4")
     return phi_to_states(disk, *rows.T)
 
 
@@ -211,9 +209,7 @@ def _integrate(
     return out, status, steps, drift
 
 
-def _trajectories(
-    disk: Disk, times: Array, out: Array, observables: Sequence[str], info: tuple
-) -> Trajectories:
+def _trajectories(disk: Disk, times: Array, out: Array, observables: Sequence[str], info: tuple) -> Trajectories:
     q, z, p, rho, sigma4, _t, chi, psi, a1, a2 = np.moveaxis(out, 2, 0)
     r, unit = disk.r, disk.rate_unit
     values = {
@@ -229,4 +225,3 @@ def _trajectories(
     }
     chosen = {name: make() if name in observables else None for name, make in values.items()}
     return Trajectories(times, **chosen, status=info[0], steps=info[1], drift=info[2])
-

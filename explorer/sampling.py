@@ -137,4 +137,3 @@ def draw_states(
 def log_uniform(unit: Array, low: float, high: float) -> Array:
     """Map uniform doubles to a log-uniform magnitude between low and high."""
     return low * (high / low) ** unit
-

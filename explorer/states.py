@@ -41,9 +41,7 @@ class States:
         return States(self.disk, natural, self.status.copy())
 
 
-def phi_to_states(
-    disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike
-) -> States:
+def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> States:
     """States from phi (rad), phidot, sigma3, sigma4 (rad per unit of time); arguments broadcast."""
     columns = _broadcast(phi, phidot, sigma3, sigma4)
     angle = np.where(np.isfinite(columns[0]), columns[0], np.pi)
@@ -108,9 +106,7 @@ def _broadcast(*arguments: ArrayLike) -> list[Array]:
     return [np.ravel(a).astype(np.float64) for a in arrays]
 
 
-def _states(
-    disk: Disk, q: Array, z: Array, p: Array, sigma3: Array, sigma4: Array, tilt: Array
-) -> States:
+def _states(disk: Disk, q: Array, z: Array, p: Array, sigma3: Array, sigma4: Array, tilt: Array) -> States:
     unit = disk.rate_unit
     good = (q > 0.0) & (tilt < 0.5 * np.pi)
     with np.errstate(all="ignore"):
@@ -170,9 +166,7 @@ def constants_of(states: States, found: Array | None = None) -> Constants:
     )
 
 
-def constants(
-    disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike
-) -> Constants:
+def constants(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> Constants:
     """Constants of motion from a state, with no integration.
 
     phi in rad, -pi/2 < phi < pi/2; phidot, sigma3, sigma4 in rad per unit of time (eq. 2.14).

@@ -82,18 +82,24 @@ class Kernel:
         folder = cache_folder()
         if folder is None:
             return numba.njit(self.signature, nogil=True, **_OPTIONS)(self.function)
+        try:
+            return self._build_cached(folder)
+        except Exception as error:  # whatever is wrong with the cache; a real error comes again below
+            warnings.warn(
+                f"compiled code of {self.name} in {folder} is damaged ({type(error).__name__}); compiling anew",
+                RuntimeWarning,
+                stacklevel=3,
+            )
+        for path in folder.rglob(f"*.{self.function.__name__}-*.nb*"):
+            path.unlink(missing_ok=True)
+        return self._build_cached(folder)
+
+    def _build_cached(self, folder: Path) -> Callable:
         # numba reads its folder from a process-wide setting; others keep theirs.
         before = config.CACHE_DIR
         config.CACHE_DIR = str(folder)
         try:
             return numba.njit(self.signature, nogil=True, cache=True, **_OPTIONS)(self.function)
-        except (OSError, EOFError, ValueError, KeyError, AttributeError, ImportError) as error:
-            warnings.warn(
-                f"the cache of compiled code in {folder} is unusable ({error}); compiling without it",
-                RuntimeWarning,
-                stacklevel=3,
-            )
-            return numba.njit(self.signature, nogil=True, **_OPTIONS)(self.function)
         finally:
             config.CACHE_DIR = before
 

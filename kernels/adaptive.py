@@ -20,6 +20,7 @@ SHRINK = 0.2
 GROW = 5.0
 # In units of 1/speed. Beyond one unit a turning point of p could hide inside a step.
 LONGEST_STEP = 1.0
+_SMALLEST_ERROR = 1e-30
 SHORTEST_STEP = 1e-12
 
 
@@ -81,6 +82,8 @@ def step_factor(error):
 
     3/16 is near enough to 1/5 and needs four square roots, which vectorise; pow does not.
     """
+    # An exact step must not divide by zero; a NaN passes on.
+    error = _SMALLEST_ERROR if error < _SMALLEST_ERROR else error
     eighth = math.sqrt(math.sqrt(math.sqrt(error)))
     factor = SAFETY / (eighth * math.sqrt(eighth))
     # In this order: a NaN fails the first comparison and shrinks the step.

@@ -64,9 +64,7 @@ def constants_batch(states, b, series, out):
         if not states[0, i] > 0.0:
             out[:, i] = math.nan
             continue
-        x = State(
-            states[0, i], states[1, i], states[2, i], states[3, i], states[4, i], 0.0, 0.0, 0.0, 0.0, 0.0
-        )
+        x = State(states[0, i], states[1, i], states[2, i], states[3, i], states[4, i], 0.0, 0.0, 0.0, 0.0, 0.0)
         found = constants_of(x, b, series)
         out[0, i], out[1, i], out[2, i] = found.sigma3_bar, found.eta_plus, found.eta_minus
         out[3, i], out[4, i], out[5, i] = found.energy, found.rounding_plus, found.rounding_minus

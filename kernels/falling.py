@@ -64,7 +64,7 @@ def barrier_angle(X, well_phi, b, series):
     well_phi is where critical_X2 peaks: the well and the barrier merge there.
     """
     X2 = X * X
-    if not X2 < critical_X2(well_phi, b, series):
+    if not critical_X2(well_phi, b, series) > X2:
         return math.nan
     low, high = well_phi, 0.0
     for _ in range(BISECTIONS):
@@ -131,7 +131,7 @@ def start_of_fall(energy, X, b, series):
     low, high = 0.0, 0.5 * math.pi
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        if on_f(math.cos(middle), math.sin(middle), X, b, series).V > energy:
+        if energy < on_f(math.cos(middle), math.sin(middle), X, b, series).V:
             low = middle
         else:
             high = middle
@@ -174,9 +174,7 @@ def fall(energy, X, nodes, weights, b, series):
     return time, chi, psi
 
 
-@kernel(
-    types.vector, types.vector, types.vector, types.vector, types.body, types.matrix, types.matrix
-)
+@kernel(types.vector, types.vector, types.vector, types.vector, types.body, types.matrix, types.matrix)
 def fall_batch(sigma3_bar, energy, nodes, weights, b, series, out):
     """`fall` on side +1 for every sample -> out (3, n). NaN where the energy does not exceed V_0.
 

@@ -94,9 +94,7 @@ def shift(x, h, k):
 @device
 def energy(x, b):
     """Total energy, eq. (2.19), in units of m g r."""
-    return (
-        0.5 * b.M * (x.p * x.p + x.rho * x.rho * b.inv_kappa2) + 0.5 * b.J * x.sigma4 * x.sigma4 + x.q
-    )
+    return 0.5 * b.M * (x.p * x.p + x.rho * x.rho * b.inv_kappa2) + 0.5 * b.J * x.sigma4 * x.sigma4 + x.q
 
 
 @device

@@ -133,9 +133,7 @@ def locate(method, x, h, event, target, b):
 def drift_between(before, after, near_plus):
     """Drift of the constants of motion between two states of one motion."""
     eta = after.eta_plus - before.eta_plus if near_plus else after.eta_minus - before.eta_minus
-    return Drift(
-        (after.energy - before.energy) / before.energy, after.sigma3_bar - before.sigma3_bar, eta
-    )
+    return Drift((after.energy - before.energy) / before.energy, after.sigma3_bar - before.sigma3_bar, eta)
 
 
 @device

@@ -135,9 +135,7 @@ def trajectory_batch(
             states[9, i],
         )
         begin = constants_of(x, b, series)
-        code, steps[i], last = trajectory(
-            method, depth, x, control[i], event, targets, max_steps, b, out[i]
-        )
+        code, steps[i], last = trajectory(method, depth, x, control[i], event, targets, max_steps, b, out[i])
         end = constants_of(last, b, series)
         # Whichever side is nearer decides whether the direction of its races is known.
         near_plus = abs(begin.eta_plus) <= abs(begin.eta_minus)

@@ -33,7 +33,8 @@ class PlainMotion:
         """(nt, 4) by eq. (2.14)."""
         u, w = self.u, self.omega
         return np.stack(
-            [u[:, 2], u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0], u[:, 0] * w[:, 0] + u[:, 1] * w[:, 1], w[:, 2]], axis=1
+            [u[:, 2], u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0], u[:, 0] * w[:, 0] + u[:, 1] * w[:, 1], w[:, 2]],
+            axis=1,
         )
 
     @property

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from explorer.plot.style import (
     DARK,
@@ -89,7 +90,7 @@ def slice_map(found: "SliceMap", ax: Axes | None = None) -> Axes:
 
 
 def _zero_line(
-    ax: Axes, found: "SliceMap", distance: Array, mask: Array, colour: str, style: Any, width: float
+    ax: Axes, found: "SliceMap", distance: Array, mask: NDArray[np.bool_], colour: str, style: Any, width: float
 ) -> bool:
     """Draw distance = 0 where the mask holds; True if anything was drawn."""
     kept = np.where(mask, distance, np.nan)
@@ -97,7 +98,7 @@ def _zero_line(
     if finite.size == 0 or finite.min() > 0.0 or finite.max() < 0.0:
         return False
     lines = ax.contour(found.x, found.y, kept, [0.0], colors=colour, linewidths=width, linestyles=[style])
-    return any(path.vertices.size for path in lines.get_paths())
+    return any(np.size(path.vertices) for path in lines.get_paths())
 
 
 def theta_min_distribution(theta: Array, ax: Axes | None = None) -> Axes:

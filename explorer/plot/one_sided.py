@@ -66,7 +66,7 @@ def one_sided_phi(both: "BothSides", ax: Axes | None = None) -> Axes:
         ax.axhline(flat, color=DARK, lw=0.6)
     ax.set_yticks([-0.5 * np.pi, 0.0, 0.5 * np.pi], [r"flat, $-\pi/2$", "vertical", r"flat, $\pi/2$"])
     legend(ax, loc="best")
-    return dress(ax, "t (units of time)", r"$\varphi$ (rad)", f"Beside F, {both.disk.name} disk")
+    return dress(ax, "t (units of time)", r"$\varphi$ (rad)", f"Beside F: {both.disk.name}")
 
 
 def one_sided_chi(both: "BothSides", ax: Axes | None = None) -> Axes:
@@ -104,7 +104,9 @@ def contact_paths(both: "BothSides", ax: Axes | None = None) -> Axes:
     for sign, colour in SIGN_COLOURS.items():
         x, y, _ = (both.motions[sign]["contact"] / r).T
         style = "-" if sign > 0 else "--"
-        ax.plot(x, y, color=colour, lw=1.6, ls=style, label=rf"${_SIDES[sign]}$: $\hat\eta$ = {sign * both.eta_hat:g}")
+        ax.plot(
+            x, y, color=colour, lw=1.6, ls=style, label=rf"${_SIDES[sign]}$: $\hat\eta$ = {sign * both.eta_hat:g}"
+        )
         ax.plot(x[-1], y[-1], marker=">", color=colour, ms=8)
         before = both.limits[sign]
         pieces = np.split(np.arange(both.t.size), np.searchsorted(both.t, both.impacts))

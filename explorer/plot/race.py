@@ -20,9 +20,7 @@ def race_histogram(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     for name, colour, label in (("plus", PLUS, r"$\eta > 0$"), ("minus", MINUS, r"$\eta < 0$")):
         counts = np.array(summary["histogram"][f"counts_{name}"])
         joined = counts.reshape(-1, _JOINED).sum(axis=1)
-        ax.stairs(
-            joined, edges[::_JOINED], fill=True, color=colour, label=f"{label}: {counts.sum():,} passages"
-        )
+        ax.stairs(joined, edges[::_JOINED], fill=True, color=colour, label=f"{label}: {counts.sum():,} passages")
     ax.set_yscale("log")
     top = max(sum(summary["histogram"][f"counts_{name}"]) for name in ("plus", "minus"))
     ax.set_ylim(0.7, 5.0 * max(top, 1))
@@ -39,9 +37,7 @@ def race_histogram(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     )
 
 
-def race_deviation(
-    disk: Disk, eta_hat: Array, race: Array, impact_speed: float, ax: Axes | None = None
-) -> Axes:
+def race_deviation(disk: Disk, eta_hat: Array, race: Array, impact_speed: float, ax: Axes | None = None) -> Axes:
     """How far each race angle is from its limit against |eta_hat|, with the law eta ln(1/eta).
 
     The law is drawn for one impact speed (units of the disk), best the samples' median.

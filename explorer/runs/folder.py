@@ -43,9 +43,7 @@ def open_folder(folder: Path, scene: Scene, resume: bool) -> None:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise InputError(
-            f"--out {folder}: cannot be written ({error.strerror}); give a folder that can"
-        ) from None
+        raise InputError(f"--out {folder}: cannot be written ({error.strerror}); give a folder that can") from None
 
 
 def _check_same(record: Path, scene: Scene) -> None:

@@ -33,7 +33,7 @@ def write_chunk(path: Path, table: Table) -> None:
             os.fsync(stream.fileno())
         if pq.read_metadata(temporary).num_rows != arrow.num_rows:
             raise RunError(f"{path}: the file read back differs from what was written")
-        os.replace(temporary, path)
+        temporary.replace(path)
     except OSError as error:
         raise RunError(f"{path}: cannot be written ({error.strerror or error})") from error
     finally:
@@ -85,7 +85,7 @@ def write_json(path: Path, content: dict[str, Any]) -> None:
             stream.write(text)
             stream.flush()
             os.fsync(stream.fileno())
-        os.replace(temporary, path)
+        temporary.replace(path)
     except OSError as error:
         raise RunError(f"{path}: cannot be written ({error.strerror or error})") from error
     finally:

@@ -86,16 +86,17 @@ class SampledScene(Scene):
     """A scene made of `samples` equal draws on one disk."""
 
     samples: int = 100_000
+    chunk_size: int = CHUNK_SIZE
 
     def chunks(self) -> int:
-        return -(-self.samples // CHUNK_SIZE)
+        return -(-self.samples // self.chunk_size)
 
     def chunk_length(self, index: int) -> int:
         """How many samples chunk `index` holds; only the last is shorter."""
-        return min(CHUNK_SIZE, self.samples - index * CHUNK_SIZE)
+        return min(self.chunk_size, self.samples - index * self.chunk_size)
 
     def common_options(self) -> dict[str, Any]:
-        return {**super().common_options(), "samples": self.samples, "chunk_size": CHUNK_SIZE}
+        return {**super().common_options(), "samples": self.samples, "chunk_size": self.chunk_size}
 
 
 def column(tables: Tables, name: str) -> NDArray[Any]:

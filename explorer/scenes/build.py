@@ -39,6 +39,7 @@ def build_scene(
     first = values["disks"][0]
     readers = {
         "samples": lambda value: _whole("--samples", value, 1, MOST_SAMPLES),
+        "chunk_size": lambda value: _whole("chunk_size", value, 1, 10**8),
         "box": lambda value: _box(name, first, value),
         "max_energy": lambda value: _number("--max-energy", value),
         "eta_hat": lambda value: _range("--eta-hat", value),
@@ -109,5 +110,5 @@ def read_scene_file(path: Path) -> dict[str, Any]:
 
     content = read_toml(path, "SCENE")
     if "scene" not in content:
-        raise InputError(f"{path}: names no scene; write scene = \"race-angles\" or another at its top")
+        raise InputError(f'{path}: names no scene; write scene = "race-angles" or another at its top')
     return {key.replace("-", "_"): value for key, value in content.items()}

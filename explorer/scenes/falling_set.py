@@ -16,9 +16,9 @@ from explorer import compiled, models, statistics
 from explorer.disk import Disk
 from explorer.errors import InputError
 from explorer.falling import falls_of
+from explorer.motions import smallest_tilt
 from explorer.sampling import Box, Range, chunk_stream, draw_states, parse_ranges
 from explorer.scenes.base import SampledScene, Table, Tables, column
-from explorer.motions import smallest_tilt
 from explorer.states import COORDINATES, Array, constants_of, line_slope, natural_constants, phi_to_states
 
 if TYPE_CHECKING:
@@ -146,9 +146,7 @@ class FallingSet(SampledScene):
 
     def compute(self, index: int) -> Table:
         random = chunk_stream(self.seed, index)
-        columns, states = draw_states(
-            self.disk, self.where, random, self.chunk_length(index), self.max_energy
-        )
+        columns, states = draw_states(self.disk, self.where, random, self.chunk_length(index), self.max_energy)
         found = natural_constants(states)
         exact = falls_of(states, found)
         how = models.plan(self.observables, self.accuracy, self.method)

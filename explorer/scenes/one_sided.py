@@ -18,10 +18,10 @@ from explorer import statistics
 from explorer.disk import Disk
 from explorer.errors import InputError
 from explorer.limits import LimitMotion, limit_motion
+from explorer.motions import Trajectories, simulate
 from explorer.sampling import Box, Range, chunk_stream
 from explorer.scenes.base import Scene, Table, Tables
 from explorer.scenes.beside import Beside, check_eta_hat, default_box, draw_beside
-from explorer.motions import Trajectories, simulate
 from explorer.states import Array, constants_to_states, require_axial_inertia
 
 if TYPE_CHECKING:
@@ -225,9 +225,7 @@ def follow(
     """Motions that start beside a point of F at the distances eta_hat."""
     sigma3_bar, phidot, side = start
     states = constants_to_states(disk, sigma3_bar, eta_hat, phidot, side)
-    return simulate(
-        disk, states, t_eval=times, observables=QUANTITIES, method=method, accuracy=accuracy
-    )
+    return simulate(disk, states, t_eval=times, observables=QUANTITIES, method=method, accuracy=accuracy)
 
 
 def fitted_rate(disk: Disk, rows: list[dict[str, Any]], name: str) -> float | None:
@@ -263,7 +261,5 @@ def both_sides(disk: Disk, start: tuple[float, float, int], eta_hat: float = 0.0
     t = t[t >= 0.0]
     size = eta_hat * disk.rate_unit
     motion = follow(disk, start, np.array([size, -size]), t, 1e-6, "auto")
-    rows = {
-        sign: {name: getattr(motion, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))
-    }
+    rows = {sign: {name: getattr(motion, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
     return BothSides(disk, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})

@@ -10,15 +10,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from explorer import compiled, models, statistics
 from explorer.errors import InputError
 from explorer.falling import impact_speed
 from explorer.limits import fall_from_vertical
+from explorer.motions import turning_points
 from explorer.sampling import Box, Range, chunk_stream, log_uniform
 from explorer.scenes.base import SampledScene, Table, Tables, column
 from explorer.scenes.beside import check_eta_hat, default_box, draw_beside
-from explorer.motions import turning_points
 from explorer.states import Array, constants_to_states, natural_constants, require_axial_inertia
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ class RaceAngles(SampledScene):
             "steps": turn.steps,
         }
 
-    def _judge(self, status: Array, eta_hat: Array, side: Array, found: Array) -> Any:
+    def _judge(self, status: NDArray[np.int8], eta_hat: Array, side: Array, found: Array) -> Any:
         """A state that doubles cannot tell from F has a race of unknown direction."""
         b = self.disk.body
         eta = abs(eta_hat) / self.disk.rate_unit * b.I3 * b.r0

@@ -37,7 +37,9 @@ def test_every_state_at_the_vertical_on_a_line_could_fall_on_that_side(body):
     rng = np.random.default_rng(1)
     unit = body.rate_unit
     for side in (1, -1):
-        states = constants_to_states(body, rng.uniform(-3, 3, 200) * unit, 0.0, rng.uniform(-3, 3, 200) * unit, side)
+        states = constants_to_states(
+            body, rng.uniform(-3, 3, 200) * unit, 0.0, rng.uniform(-3, 3, 200) * unit, side
+        )
         found = falls_of(states)
         assert (found.side == side).all()
         assert found.could_fall.all()

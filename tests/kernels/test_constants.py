@@ -4,7 +4,6 @@ import mpmath
 import numpy as np
 import pytest
 from conftest import BODIES
-from kernels.chaplygin import sigma_from_constants, solutions
 from slow_chaplygin import hypergeometric
 
 import explorer as ex
@@ -15,6 +14,7 @@ from explorer.states import (
     phi_to_states,
     theta_to_states,
 )
+from kernels.chaplygin import sigma_from_constants, solutions
 
 mpmath.mp.dps = 40
 

@@ -1,6 +1,7 @@
 import numpy as np
 import plain_disk
 import pytest
+
 from kernels.field import State, energy, field, speed
 
 
@@ -9,11 +10,9 @@ def plain_rates(disk, phi, phidot, sigma3, sigma4):
     I1, I3, m, r, g = disk.I1, disk.I3, disk.m, disk.r, disk.g
     s1, q2 = np.sin(phi), np.cos(phi) ** 2
     s2 = np.cos(phi) * phidot
-    s2dot = (
-        -s1 * s2**2 / q2
-        + (-I1 * s1 * sigma3**2 / q2 + (I3 + m * r * r) * sigma3 * sigma4 + m * g * r * s1 * np.sqrt(q2))
-        / (I1 + m * r * r)
-    )
+    s2dot = -s1 * s2**2 / q2 + (
+        -I1 * s1 * sigma3**2 / q2 + (I3 + m * r * r) * sigma3 * sigma4 + m * g * r * s1 * np.sqrt(q2)
+    ) / (I1 + m * r * r)
     s3dot = -I3 * s2 * sigma4 / I1
     s4dot = -m * r * r * s2 * sigma3 / (q2 * (I3 + m * r * r))
     return s2dot, s3dot, s4dot, sigma3 / q2, sigma3 * s1 / q2 - sigma4

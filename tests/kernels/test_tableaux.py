@@ -2,6 +2,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 import pytest
+
 from kernels.tableaux import CLASSICAL_RK4, DORMAND_PRINCE_54, trees
 
 

@@ -8,6 +8,7 @@ that a fixed rule misses).
     python tests/reference/make_passages.py     # about five minutes
 """
 
+import itertools
 import json
 from pathlib import Path
 
@@ -94,7 +95,7 @@ def passage(body, sigma3_bar, eta_hat, phidot):
     edges = [mp.mpf(0), *edges, *(end * (1 - mp.mpf(2) ** -j) for j in range(1, 22)), end]
     mp.mp.dps = 25
     sums = [mp.mpf(0)] * 3
-    for low, high in zip(edges, edges[1:], strict=False):
+    for low, high in itertools.pairwise(edges):
         for i in range(3):
             sums[i] += mp.quad(lambda u, i=i: rates(u)[i], [low, high], maxdegree=5)
     mp.mp.dps = 40

@@ -1,0 +1,170 @@
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from explorer import demo as demo_module
+from explorer.cli import main
+
+
+def run(capsys, *arguments):
+    try:
+        status = main([str(a) for a in arguments])
+    except SystemExit as stop:
+        status = stop.code
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+BAD = [
+    (["run", "falling-set", "--disk", "m=1,r=1,g=1,I1=0.25,I3=0.6"], "I3 = 0.6"),
+    (["run", "falling-set", "--disk", "m=0,I1=1,I3=1"], "m = 0.0"),
+    (["run", "falling-set", "--disk", "r=-1,I1=1,I3=1"], "r = -1.0"),
+    (["run", "falling-set", "--disk", "g=nan,I1=1,I3=1"], "g = nan"),
+    (["run", "falling-set", "--disk", "I1=0,I3=0"], "I1 = 0.0"),
+    (["run", "falling-set", "--samples", "0"], "--samples 0"),
+    (["run", "falling-set", "--samples", "1e400"], "--samples"),
+    (["run", "falling-set", "--samples=-5"], "--samples -5"),
+    (["run", "faling-set"], "did you mean 'falling-set'"),
+    (["run", "race-angles", "--disk", "hop"], "--disk 'hop'"),
+    (["run", "race-angles", "--method", "euler"], "--method 'euler'"),
+    (["run", "race-angles", "--backend", "dask"], "--backend 'dask'"),
+    (["run", "race-angles", "--jobs", "two"], "--jobs"),
+    (["run", "race-angles", "--nonsense"], "--nonsense"),
+    (["run", "missing.toml"], "cannot be read"),
+    (["run"], "SCENE"),
+    (["dmeo"], "dmeo"),
+    ([], "COMMAND"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), BAD, ids=lambda x: " ".join(x) if isinstance(x, list) else "")
+def test_bad_input_gets_two_lines_at_most_and_status_2_and_writes_nothing(
+    arguments, message, capsys, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run(capsys, *arguments)
+    assert status == 2
+    assert out == ""
+    assert 1 <= len(err.strip().splitlines()) <= 2
+    assert message in err
+    assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_unwritable_out_is_named(capsys, tmp_path):
+    (tmp_path / "file").write_text("")
+    status, _, err = run(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / "file" / "x")
+    assert status == 2
+    assert "cannot be written" in err
+
+
+def test_an_existing_run_is_refused_with_both_remedies(capsys, tmp_path):
+    command = ("run", "race-angles", "--samples", 200, "--out", tmp_path / "run", "--quiet")
+    assert run(capsys, *command)[0] == 0
+    status, _, err = run(capsys, *command)
+    assert status == 2
+    assert "--resume" in err
+    assert "another folder" in err
+    assert run(capsys, *command, "--resume")[0] == 0
+
+
+def test_json_prints_one_object_and_nothing_else(capsys, tmp_path):
+    status, out, _ = run(capsys, "run", "race-angles", "--samples", 300, "--out", tmp_path / "r", "--json")
+    assert status == 0
+    assert json.loads(out) == json.loads((tmp_path / "r" / "summary.json").read_text())
+
+
+def test_a_scene_file_sets_options_and_the_command_line_wins(capsys, tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text('scene = "race-angles"\ndisk = "hoop"\nsamples = 900\neta-hat = "1e-4:1e-3"\n')
+    status, out, _ = run(capsys, "run", scene, "--samples", "400", "--out", tmp_path / "r", "--json", "--quiet")
+    assert status == 0
+    found = json.loads(out)
+    assert found["samples"] == 400
+    assert found["disks"][0]["name"] == "hoop"
+    assert found["eta_hat"] == [1e-4, 1e-3]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("samples = 3\n", "names no scene"),
+        ('scene = "race-angles"\ncolour = 1\n', "--colour"),
+        ("=", "not valid TOML"),
+    ],
+)
+def test_a_wrong_scene_file_is_refused_in_words(content, message, capsys, tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(content)
+    status, _, err = run(capsys, "run", scene, "--out", tmp_path / "r")
+    assert status == 2
+    assert message in err
+
+
+def test_warmup_says_when_all_is_ready(capsys):
+    assert run(capsys, "warmup")[0] == 0
+    assert run(capsys, "warmup")[1] == "All kernels were ready.\n"
+
+
+@pytest.fixture
+def small_demo(monkeypatch):
+    small = ({"samples": 3000, "grid": 31}, {"samples": 2}, {"samples": 2000})
+    steps = tuple((n, o, t) for (n, _, t), o in zip(demo_module._STEPS, small, strict=True))
+    monkeypatch.setattr(demo_module, "_STEPS", steps)
+
+
+def test_the_demo_runs_again_in_its_own_folder_and_in_no_other(capsys, tmp_path, small_demo):
+    out = tmp_path / "demo"
+    status, printed, err = run(capsys, "demo", "--out", out)
+    assert status == 0
+    assert "README.md" in printed
+    assert "wrong way: 0" in err
+    page = (out / "README.md").read_text()
+    pictures = [line.partition("](")[2].rstrip(")") for line in page.splitlines() if line.startswith("![")]
+    assert len(pictures) == 13
+    assert all((out / picture).exists() for picture in pictures)
+    first = json.loads((out / "race-angles" / "summary.json").read_text())
+    status, printed, _ = run(capsys, "demo", "--out", out, "--json", "--quiet")
+    assert status == 0
+    assert json.loads(printed)["race-angles"] == first
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "letter.txt").write_text("")
+    status, _, err = run(capsys, "demo", "--out", tmp_path / "other")
+    assert status == 2
+    assert "holds no earlier demo" in err
+
+
+FOREIGN = "from explorer.cli import main\nraise SystemExit(main(['warmup']))"
+
+
+def test_a_foreign_kernels_package_is_named_with_the_remedy(tmp_path):
+    (tmp_path / "kernels").mkdir()
+    (tmp_path / "kernels" / "__init__.py").write_text("raise SystemExit('foreign code ran')")
+    root = os.path.dirname(os.path.dirname(os.path.dirname(__file__)))  # noqa: PTH120
+    done = subprocess.run(
+        [sys.executable, "-c", FOREIGN],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), root])},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert str(tmp_path / "kernels") in done.stderr
+    assert "fresh virtual environment" in done.stderr
+    assert len(done.stderr.strip().splitlines()) <= 2
+
+
+def test_an_interrupt_ends_with_status_130_and_says_how_to_go_on(capsys, tmp_path, monkeypatch):
+    from explorer.runs import workers
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(workers, "_compute_chunk", interrupted)
+    status, _, err = run(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / "r", "--jobs", 1)
+    assert status == 130
+    assert "--resume" in err

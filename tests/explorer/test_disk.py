@@ -1,0 +1,92 @@
+import numpy as np
+import pytest
+
+import explorer as ex
+from explorer.disk import PRESETS
+
+
+@pytest.mark.parametrize(("name", "ratio"), [("uniform", 4), ("hoop", 2), ("matching", 3)])
+def test_presets_have_the_papers_moments(name, ratio):
+    disk = ex.Disk.parse(name)
+    assert pytest.approx(ratio, rel=1e-15) == 1 / disk.I1
+    assert disk.I3 == 2 * disk.I1
+    assert disk.kappa == pytest.approx(np.sqrt(1 + ratio), rel=1e-15)
+    assert name in PRESETS
+
+
+@pytest.mark.parametrize(("name", "gap"), [("uniform", 1.483259), ("hoop", 4.599611), ("matching", 0.0)])
+def test_the_gap_between_the_limits_has_the_published_value_in_any_units(name, gap):
+    for m, r, g in ((1, 1, 1), (0.0057, 0.0121, 9.81), (3e3, 1e3, 1.62)):
+        assert getattr(ex.Disk, name)(m, r, g).gap == pytest.approx(gap, abs=1e-6)
+
+
+def test_an_annulus_goes_from_uniform_to_hoop():
+    assert ex.Disk.annulus(0.0).I1 == ex.Disk.uniform().I1
+    assert ex.Disk.annulus(1.0).I1 == ex.Disk.hoop().I1
+    assert ex.Disk.parse("annulus:0.5773502691896258").kappa == pytest.approx(2.0, rel=1e-15)
+
+
+def test_c_and_d_of_the_paper():
+    """Checklist 16."""
+    for disk, c, d in (
+        (ex.Disk.uniform(), 4 / 3, 2 / 3),
+        (ex.Disk.hoop(), 1, 1),
+        (ex.Disk.matching(), 6 / 5, 4 / 5),
+    ):
+        b = disk.body
+        assert b.c == pytest.approx(c, rel=1e-15)
+        assert pytest.approx(d, rel=1e-15) == b.I3**2 / (b.J * b.I1)
+
+
+@pytest.mark.parametrize("key", ["m", "r", "g", "I1"])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
+def test_quantities_that_no_disk_has_are_refused_by_name_and_value(key, value):
+    with pytest.raises(ex.InputError, match=rf"{key} = {value}"):
+        ex.Disk(**{key: value})
+
+
+@pytest.mark.parametrize("value", [-0.1, np.nan, 0.6])
+def test_i3_outside_zero_to_twice_i1_is_refused(value):
+    with pytest.raises(ex.InputError, match=f"I3 = {value}"):
+        ex.Disk(I1=0.25, I3=value)
+
+
+def test_text_forms_of_a_disk(tmp_path):
+    assert ex.Disk.parse("m=2,r=3,g=9.81,I1=1,I3=1.5").r == 3.0
+    path = tmp_path / "coin.toml"
+    path.write_text("m = 0.0057\nr = 0.0121\ng = 9.81\nI1 = 2.0e-7\nI3 = 4.0e-7\n")
+    disk = ex.Disk.parse(str(path))
+    assert (disk.name, disk.g) == ("coin", 9.81)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("unifrom", "not known"),
+        ("annulus:2", "between 0 and 1"),
+        ("annulus:x", "not a number"),
+        ("m=1,r=1", "I1 and I3 missing"),
+        ("m=1,q=2,I1=1,I3=1", "unknown quantity 'q'"),
+        ("m=one,I1=1,I3=1", "not a number"),
+        ("nowhere.toml", "cannot be read"),
+    ],
+)
+def test_text_that_names_no_disk_is_refused_in_words(text, message):
+    with pytest.raises(ex.InputError, match=message):
+        ex.Disk.parse(text)
+
+
+def test_a_broken_disk_file_is_refused(tmp_path):
+    path = tmp_path / "broken.toml"
+    path.write_text("m = = 1")
+    with pytest.raises(ex.InputError, match="not valid TOML"):
+        ex.Disk.parse(str(path))
+    path.write_text('m = "heavy"\nI1 = 1.0\nI3 = 1.0\n')
+    with pytest.raises(ex.InputError, match="not a number"):
+        ex.Disk.parse(str(path))
+
+
+def test_units_of_an_si_disk():
+    coin = ex.Disk.uniform(m=0.0057, r=0.0121, g=9.81)
+    assert coin.rate_unit * coin.time_unit == pytest.approx(1.0)
+    assert coin.body == pytest.approx(ex.Disk.uniform().body, rel=1e-15)

@@ -1,0 +1,173 @@
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer.limits import fall_from_vertical, limit_motion
+from explorer.motions import simulate
+from explorer.states import constants_to_states, natural_constants
+
+ALL = ("phi", "phidot", "chi", "psi", "path", "contact")
+IMPACT = {"uniform": 1.816042, "hoop": 1.758017}
+
+
+def base(disk, side, sigma3_bar=1.0, speed=1.0):
+    unit = disk.rate_unit
+    return constants_to_states(disk, sigma3_bar * unit, 0.0, side * speed * unit, side)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_motions_beside_f_converge_to_the_limit_of_their_side(body, side, sign):
+    """Away from the impacts, in every observable, through three falls."""
+    unit = body.rate_unit
+    limit = limit_motion(body, base(body, side), sign)
+    times = np.linspace(0.0, 3 * limit.period, 200)
+    times = times[abs(times[:, None] - limit.impacts(4 * limit.period)).min(axis=1) > 0.1 * limit.period]
+    want = limit(times)
+    sizes = {"phidot": unit, "path": body.r, "contact": body.r}
+    distances = []
+    for eta_hat in (1e-4, 1e-6):
+        states = constants_to_states(body, unit, sign * eta_hat * unit, side * unit, side)
+        got = simulate(body, states, t_eval=times, observables=ALL, accuracy=1e-9)
+        assert got.status[0] == ex.Status.OK
+        distances.append(
+            [abs(getattr(got, name)[0] - getattr(want, name)).max() / sizes.get(name, 1.0) for name in ALL]
+        )
+    far, near = np.array(distances)
+    kappa = body.kappa
+    assert (near < 2e-4 * kappa).all()
+    assert (near < 0.05 * far).all()  # eta ln(1/eta) gives 0.015; crossings of zero spread it
+
+
+@pytest.mark.parametrize("name", IMPACT)
+def test_impact_speed_is_the_published_one(name):
+    """Checklist 36."""
+    limit = limit_motion(BODIES[name], base(BODIES[name], 1), 1)
+    assert limit.impact_speed == pytest.approx(IMPACT[name], abs=5e-7)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_jumps_at_an_impact_are_those_of_section_7(body, side):
+    """chi by sgn(eta) kappa pi, psi by side times that, phidot reversed; the centre does not jump."""
+    for sign in (1, -1):
+        limit = limit_motion(body, base(body, side), sign)
+        hit = limit.impacts(5 * limit.period)
+        step = 1e-7 * body.time_unit
+        for time in hit[:3]:
+            before, after = limit(time - step), limit(time + step)
+            assert after.chi - before.chi == pytest.approx(sign * body.race_limit, abs=1e-5)
+            assert after.psi - before.psi == pytest.approx(side * sign * body.race_limit, abs=1e-5)
+            assert before.phidot == pytest.approx(side * limit.impact_speed, rel=1e-5)
+            assert after.phidot == pytest.approx(-side * limit.impact_speed, rel=1e-5)
+            assert np.linalg.norm(after.path - before.path) < 1e-5 * body.r
+
+
+def test_horizontal_velocity_of_the_centre_turns_by_kappa_pi_at_an_impact():
+    """Cor. 2, with the vertical part reflected."""
+    disk = BODIES["hoop"]
+    for sign in (1, -1):
+        limit = limit_motion(disk, base(disk, 1), sign)
+        time, step = limit.impacts(10.0)[0], 1e-6
+        before = (limit(time - step).path - limit(time - 2 * step).path) / step
+        after = (limit(time + 2 * step).path - limit(time + step).path) / step
+        turn = np.angle(complex(*after[:2]) / complex(*before[:2]))
+        assert np.cos(turn - sign * disk.race_limit) == pytest.approx(1.0, abs=1e-6)
+        assert after[2] == pytest.approx(-before[2], rel=1e-4)
+
+
+def test_the_two_limits_coincide_for_the_matching_body_and_only_for_it(paper_body):
+    plus, minus = (limit_motion(paper_body, base(paper_body, 1), sign) for sign in (1, -1))
+    times = np.linspace(0.0, 3 * plus.period, 300)
+    apart = abs(plus(times).contact - minus(times).contact).max()
+    if paper_body.name == "matching":
+        assert apart < 1e-9
+    else:
+        assert apart > 0.5
+    turned = plus(times).chi[-1] - minus(times).chi[-1]
+    falls = plus.impacts(times[-1]).size
+    assert turned == pytest.approx(2 * falls * paper_body.race_limit, abs=1e-9)
+
+
+def test_the_limit_starts_where_it_was_asked_and_may_start_anywhere_on_f():
+    disk = BODIES["uniform"]
+    first = limit_motion(disk, base(disk, 1), 1)
+    for time in (0.3, 1.5, 2.9):
+        there = first(time)
+        sigma = natural_state_on_f(disk, float(there.phi))
+        second = limit_motion(disk, (float(there.phi), float(there.phidot), *sigma), 1)
+        start = second(0.0)
+        assert float(start.phi) == pytest.approx(float(there.phi), abs=1e-9)
+        assert float(start.phidot) == pytest.approx(float(there.phidot), abs=1e-9)
+        assert float(start.chi) == 0.0
+        assert float(second(1.1).phi) == pytest.approx(float(first(time + 1.1).phi), abs=1e-8)
+        turned = float(first(time + 1.1).chi - there.chi)
+        assert float(second(1.1).chi) == pytest.approx(turned, abs=1e-8)
+
+
+def natural_state_on_f(disk, phi):
+    """(sigma3, sigma4) at phi on l_+ with sigma3_bar = 1."""
+    from kernels.falling import on_f
+
+    f = on_f(np.cos(phi), np.sin(phi), 1.0 / disk.body.r0, disk.body, disk.series)
+    return f.turn * np.cos(phi) ** 2, f.sigma4
+
+
+def test_the_fall_from_the_vertical_agrees_with_the_limit_motion(paper_body):
+    states = base(paper_body, 1, 0.7, 0.4)
+    found = natural_constants(states)
+    time, chi, psi = fall_from_vertical(paper_body, found[0], found[3])
+    limit = limit_motion(paper_body, states, 1)
+    hit = limit.impacts(10.0)[0]
+    assert time[0] == pytest.approx(hit, rel=1e-10)
+    before = limit(hit * (1 - 1e-12))
+    assert chi[0] == pytest.approx(float(before.chi), abs=1e-9)
+    assert psi[0] == pytest.approx(float(before.psi), abs=1e-9)
+
+
+@pytest.mark.parametrize("speed", [1e-6, 1e-3, 0.1, 1.0, 30.0])
+def test_the_fall_is_integrated_well_however_slowly_it_starts(speed):
+    """Against SciPy on the plain second-order equation M phi'' = -V'(phi) on F."""
+    from scipy.integrate import solve_ivp
+
+    from kernels.falling import on_f
+
+    disk = BODIES["hoop"]
+    b, X = disk.body, 1.0 / disk.body.r0
+
+    def rate(_t, y):
+        f = on_f(np.cos(y[0]), np.sin(y[0]), X, b, disk.series)
+        return [y[1], -f.dV / b.M, f.turn]
+
+    def flat(_t, y):
+        return y[0] - 1.5
+
+    flat.terminal = True
+    found = natural_constants(base(disk, 1, 1.0, speed))
+    slow = solve_ivp(rate, (0, 50), [0.0, speed, 0.0], "DOP853", events=flat, rtol=1e-12, atol=1e-13)
+    limit = limit_motion(disk, base(disk, 1, 1.0, speed), 1)
+    got = limit(slow.t_events[0][0])
+    assert float(got.phi) == pytest.approx(1.5, abs=1e-8)
+    assert float(got.chi) == pytest.approx(slow.y_events[0][0][2], abs=1e-8)
+    time, _chi, _psi = fall_from_vertical(disk, found[0], found[3])
+    assert time[0] == pytest.approx(limit.impacts(50.0)[0], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("state", "sign", "message"),
+    [
+        ((0.0, 1.0, 1.0, 0.7286), 2, "sign"),
+        ((0.0, 0.0, 3.0, 0.0), 1, "could fall"),
+        ((np.nan, 0.0, 3.0, 0.0), 1, "could fall"),
+        ((0.0, 1.0, 0.0, 0.0), 1, "sigma3_bar = sigma4_bar = 0"),
+    ],
+)
+def test_states_without_a_limit_motion_are_refused_in_words(state, sign, message):
+    with pytest.raises(ex.InputError, match=message):
+        limit_motion(BODIES["uniform"], state, sign)
+
+
+def test_times_before_the_start_are_refused():
+    limit = limit_motion(BODIES["uniform"], base(BODIES["uniform"], 1), 1)
+    with pytest.raises(ex.InputError, match="times"):
+        limit(-1.0)

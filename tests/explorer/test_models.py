@@ -1,0 +1,47 @@
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer.models import OBSERVABLES, RUNGS, plan
+from explorer.scenes.registry import SCENES, scene_class
+from explorer.states import constants_to_states, natural_constants
+
+
+def test_the_lowest_rung_that_gives_everything_is_chosen():
+    assert plan(("side", "distance")).rung == "algebra"
+    assert plan(("theta_min", "side")).rung == "reduced"
+    assert plan(("phi", "chi")).rung == "angles"
+    assert plan(("contact", "phi")).rung == "path"
+    assert plan(()).rung == "algebra"
+    assert set(OBSERVABLES.values()) <= set(RUNGS)
+
+
+def test_a_plan_says_why():
+    reason = plan(("theta_min", "contact")).reason
+    assert "path because of contact" in reason
+    assert "dopri5" in reason
+    assert "as asked" in plan(("chi",), method="rk4").reason
+
+
+def test_tolerance_falls_with_the_distance_from_f_and_with_the_accuracy():
+    disk = BODIES["uniform"]
+    states = constants_to_states(disk, 1.0, [1e-2, 1e-4, 1e-6, 1e-8], 1.0)
+    found = natural_constants(states)
+    for method in ("rk4", "dopri5"):
+        loose = plan(("chi",), 1e-3, method).control(states, found)
+        tight = plan(("chi",), 1e-9, method).control(states, found)
+        assert (np.diff(loose) <= 0).all()
+        assert loose[-1] < loose[0]
+        assert (tight <= loose).all()
+
+
+@pytest.mark.parametrize("accuracy", [0.0, -1.0, 1.0, np.nan, 1e-30])
+def test_an_accuracy_no_method_can_hold_is_refused(accuracy):
+    with pytest.raises(ex.InputError, match="accuracy"):
+        plan(("chi",), accuracy)
+
+
+def test_every_scene_asks_only_for_known_observables():
+    for name in SCENES:
+        assert set(scene_class(name).observables) <= set(OBSERVABLES)

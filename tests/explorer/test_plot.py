@@ -1,0 +1,72 @@
+import matplotlib
+import numpy as np
+import pytest
+from conftest import BODIES
+from matplotlib.figure import Figure
+
+from explorer import plot
+from explorer.scenes.build import build_scene
+from explorer.scenes.falling_set import Slice, map_slice
+from explorer.scenes.one_sided import both_sides
+
+UNIFORM = BODIES["uniform"]
+
+
+def made(name, **options):
+    scene = build_scene(name, **options)
+    tables = [scene.compute(i) for i in range(scene.chunks())]
+    return scene, tables, scene.summarise(lambda: iter(tables))
+
+
+@pytest.fixture(scope="module")
+def pictures():
+    race, races, race_summary = made("race-angles", samples=500)
+    falling, states, _ = made("falling-set", samples=500)
+    _, _, sides = made("one-sided", samples=1, disk="hoop")
+    both = both_sides(BODIES["hoop"], (1.0, 1.0, 1))
+    cut = map_slice(UNIFORM, Slice.defaults(UNIFORM)[1], 41)
+    return {
+        "race_histogram": (race_summary,),
+        "race_deviation": (race.disk, races[0]["eta_hat"], races[0]["race_angle"], 1.8),
+        "constants_plane": (falling.plane(lambda: iter(states)),),
+        "theta_min_distribution": (states[0]["theta_min"],),
+        "slice_map": (cut,),
+        "one_sided_distance": (sides,),
+        "one_sided_phi": (both,),
+        "one_sided_chi": (both,),
+        "contact_paths": (both,),
+    }
+
+
+NAMES = [name for name in plot.__all__ if name not in ("figure_of", "stacked")]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_picture_draws_on_the_axes_given_labels_them_and_changes_nothing_global(name, pictures):
+    before = dict(matplotlib.rcParams)
+    ax = Figure().subplots()
+    got = getattr(plot, name)(*pictures[name], ax=ax)
+    assert got is ax
+    assert ax.get_xlabel()
+    assert ax.get_ylabel()
+    assert dict(matplotlib.rcParams) == before
+    ax.figure.canvas.draw()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_picture_can_make_its_own_figure(name, pictures, tmp_path):
+    figure = plot.figure_of(getattr(plot, name), *pictures[name])
+    figure.savefig(tmp_path / "picture.png")
+    assert (tmp_path / "picture.png").stat().st_size > 5000
+
+
+def test_kappa_pi_is_drawn_in_the_histogram(pictures):
+    ax = plot.race_histogram(*pictures["race_histogram"])
+    drawn = [line.get_xdata()[0] for line in ax.lines]
+    assert drawn == [UNIFORM.race_limit, -UNIFORM.race_limit]
+
+
+def test_the_exact_lines_are_drawn_over_the_map_of_samples(pictures):
+    ax = plot.constants_plane(*pictures["constants_plane"])
+    slopes = [np.diff(line.get_ydata())[0] / np.diff(line.get_xdata())[0] for line in ax.lines]
+    assert slopes == pytest.approx([0.7285923160189477, -0.7285923160189477])

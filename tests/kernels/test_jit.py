@@ -1,0 +1,110 @@
+"""The compiler's cache: never stale, never in the way."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+ASK = """
+import numpy as np
+from kernels import constants
+from kernels.body import make_body
+body, series = make_body(0.25, 0.5)
+out = np.empty((6, 1))
+constants.constants_batch(np.array([[1.0], [0.0], [-1.0], [1.0], [0.5]]), body, series, out)
+print(repr(float(out[3, 0])), constants.constants_batch.is_cached())
+"""
+
+
+def run(code, folder, **environment):
+    done = subprocess.run(
+        [sys.executable, "-W", "always", "-c", code],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(folder), **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """A copy of the package that a test may edit."""
+    shutil.copytree(ROOT / "kernels", tmp_path / "kernels", ignore=shutil.ignore_patterns("__pycache__"))
+    return tmp_path
+
+
+def test_editing_a_called_function_in_another_file_gives_the_new_answer(copy, tmp_path):
+    """The caller's file is untouched, so numba alone would serve the old code (numba #1833)."""
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    first = run(ASK, copy, **cache).stdout.split()
+    again = run(ASK, copy, **cache).stdout.split()
+    assert first == again == ["1.9375", "True"]
+    field = copy / "kernels" / "field.py"
+    text = field.read_text()
+    assert "0.5 * b.J * x.sigma4" in text
+    field.write_text(text.replace("0.5 * b.J * x.sigma4", "1.5 * b.J * x.sigma4"))
+    edited = run(ASK, copy, **cache).stdout.split()
+    assert edited == ["2.3125", "True"]
+
+
+def test_the_second_process_loads_and_does_not_compile(copy, tmp_path):
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    run(ASK, copy, **cache)
+    stamps = {path: path.stat().st_mtime_ns for path in (tmp_path / "cache").rglob("*.nb[ic]")}
+    assert stamps
+    run(ASK, copy, **cache)
+    assert stamps == {path: path.stat().st_mtime_ns for path in (tmp_path / "cache").rglob("*.nb[ic]")}
+
+
+def test_without_a_writable_cache_folder_it_works_with_one_warning(copy, tmp_path):
+    blocked = tmp_path / "blocked"
+    blocked.write_text("a file where the folder should be")
+    done = run(ASK, copy, NUMBA_CACHE_DIR=str(blocked))
+    assert done.stdout.split() == ["1.9375", "False"]
+    assert done.stderr.count("no cache for compiled code") == 1
+
+
+def test_a_corrupted_cache_is_replaced_or_ignored(copy, tmp_path):
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    run(ASK, copy, **cache)
+    for path in (tmp_path / "cache").rglob("*.nb[ic]"):
+        path.write_bytes(b"\x00garbage" * 10)
+    assert run(ASK, copy, **cache).stdout.split()[0] == "1.9375"
+
+
+PLAIN = """
+import sys, numpy as np, numba
+from kernels import batch, events, steps, field
+from kernels.body import make_body
+body, series = make_body(0.25, 0.5)
+states = np.zeros((8, 3))
+states[0], states[2], states[3], states[4] = 1.0, [-1.0, 0.4, -0.2], [1.0, 0.3, -0.7], [0.6, -0.2, 0.9]
+out, drift, steps_ = np.empty((8, 3)), np.empty((3, 3)), np.empty(3, np.int32)
+for method, control in ((steps.RK4, 0.1), (steps.DOPRI5, 1e-5)):
+    status = np.zeros(3, np.int8)
+    batch.first_event_batch(method, field.ANGLES, states, np.full(3, control), events.TURNING_POINT, 0.0,
+                            5000, 1e-2, body, series, out, status, steps_, drift)
+    print([x.hex() for x in out.ravel()], status.tolist(), steps_.tolist())
+"""
+
+
+def test_interpreted_kernels_agree_with_compiled_ones():
+    """Also shows that nothing depends on how the compiler treats the code."""
+    compiled = run(PLAIN, ROOT).stdout
+    plain = run(PLAIN, ROOT, NUMBA_DISABLE_JIT="1").stdout
+    assert compiled == plain
+    assert compiled.count("[0, 0, 0]") == 2
+
+
+def test_the_kernels_stay_inside_their_arrays(tmp_path):
+    """Bounds checks on, with a cache of its own."""
+    done = run(PLAIN, ROOT, NUMBA_BOUNDSCHECK="1", NUMBA_CACHE_DIR=str(tmp_path))
+    assert done.stdout == run(PLAIN, ROOT).stdout
