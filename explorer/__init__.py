@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from explorer.falling import falls as falls
     from explorer.limits import limit_motion as limit_motion
     from explorer.motions import simulate as simulate
+    from explorer.passage import passage_forces as passage_forces
+    from explorer.passage import passages as passages
+    from explorer.passage import periods as periods
     from explorer.states import constants as constants
     from explorer.states import constants_to_states as constants_to_states
     from explorer.states import phi_to_states as phi_to_states
@@ -33,6 +36,9 @@ _HOMES = {
     "constants_to_states": "states",
     "falls": "falling",
     "limit_motion": "limits",
+    "passage_forces": "passage",
+    "passages": "passage",
+    "periods": "passage",
     "phi_to_states": "states",
     "plot": "",
     "run": "api",

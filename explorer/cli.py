@@ -23,7 +23,7 @@ _OPTIONS = (
     ("--max-energy", "max_energy", "E", "falling-set: only states with energy up to E"),
     ("--eta-hat", "eta_hat", "LOW:HIGH", "distance beside the falling set, both signs: 1e-6:1e-2"),
     ("--accuracy", "accuracy", "TOL", "absolute error of angles, relative of times and tilts (default 1e-6)"),
-    ("--method", "method", "NAME", "auto, rk4 or dopri5 (default auto)"),
+    ("--method", "method", "NAME", "auto, quadrature, rk4 or dopri5 (default auto)"),
     ("--grid", "grid", "N", "falling-set: points per axis of a slice (default 401)"),
 )
 
@@ -65,6 +65,8 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_Parser)
     _add_demo(commands)
     _add_run(commands)
+    _add_passage(commands)
+    _add_plan(commands)
     _add_warmup(commands)
     return parser
 
@@ -122,6 +124,42 @@ def _add_run(commands: Any) -> None:
     command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
+def _add_passage(commands: Any) -> None:
+    command = _add(
+        commands,
+        "passage",
+        _passage,
+        "One passage near flat, from vertical to vertical: race angle, times, limits, forces.",
+        "nearflat passage --disk uniform --sigma3-bar 1 --eta-hat 1e-6 --phidot 1 --json",
+    )
+    command.add_argument("--disk", default="uniform", metavar="DISK", help="as for run (default uniform)")
+    for flag, help_text in (
+        ("--sigma3-bar", "sigma3 at the vertical, in the units of the disk"),
+        ("--eta-hat", "distance beside the falling set; 0 is the fall itself"),
+        ("--phidot", "speed at the vertical towards the flat state, 0 or more"),
+    ):
+        command.add_argument(flag, required=True, type=float, metavar="X", help=help_text)
+    command.add_argument("--side", type=int, choices=(1, -1), default=1, help="flat state (default 1)")
+    command.add_argument("--accuracy", type=float, default=1e-6, metavar="TOL", help="as for run")
+    command.add_argument("--method", default="auto", metavar="NAME", help="auto, quadrature, rk4 or dopri5")
+    command.add_argument("--window", type=float, metavar="Q", help="cos phi at which to start and stop")
+    command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+
+
+def _add_plan(commands: Any) -> None:
+    command = _add(
+        commands,
+        "plan",
+        _plan,
+        "Say which model and method `run` would choose for a scene, and why; compute nothing.",
+        "nearflat plan race-angles --accuracy 1e-9",
+    )
+    command.add_argument("scene", metavar="SCENE", help=_SCENES)
+    command.add_argument("--accuracy", type=float, default=1e-6, metavar="TOL", help="as for run")
+    command.add_argument("--method", default="auto", metavar="NAME", help="as for run")
+    command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+
+
 def _add_warmup(commands: Any) -> None:
     _add(commands, "warmup", _warmup, "Compile all kernels into the cache.", "nearflat warmup")
 
@@ -160,6 +198,54 @@ def _run(options: argparse.Namespace) -> int:
     for line in done.scene.headline(done.summary):
         print(line)
     print(f"Samples, numbers and pictures are in {done.folder}.")
+    return 0
+
+
+def _passage(options: argparse.Namespace) -> int:
+    from explorer.report import passage_report, passage_text
+
+    report = passage_report(
+        options.disk,
+        options.sigma3_bar,
+        options.eta_hat,
+        options.phidot,
+        options.side,
+        method=options.method,
+        accuracy=options.accuracy,
+        window=options.window,
+    )
+    print(json.dumps(report) if options.json else passage_text(report))
+    for warning in () if options.quiet else report["warnings"]:
+        print(f"nearflat passage: {warning}", file=sys.stderr)
+    return 0 if report["status"] in ("ok", "falls") else 1
+
+
+def _plan(options: argparse.Namespace) -> int:
+    from explorer.models import plan
+    from explorer.scenes.build import read_scene_file
+    from explorer.scenes.registry import scene_class
+
+    name, accuracy, method = options.scene, options.accuracy, options.method
+    if name.endswith(".toml"):
+        given = read_scene_file(Path(name))
+        name, accuracy = given["scene"], given.get("accuracy", accuracy)
+        method = given.get("method", method)
+    scene = scene_class(name)
+    chosen = plan(scene.observables, accuracy, method)
+    found = {
+        "scene": name,
+        "observables": list(scene.observables),
+        "accuracy": accuracy,
+        "model": chosen.rung,
+        "method": chosen.method,
+        "reason": chosen.reason,
+        "cost": chosen.cost,
+    }
+    if options.json:
+        print(json.dumps(found))
+    else:
+        for key, value in found.items():
+            print(f"{key:12} {', '.join(value) if isinstance(value, list) else value}")
     return 0
 
 

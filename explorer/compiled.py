@@ -14,7 +14,20 @@ from types import ModuleType
 from typing import Any
 
 _OURS = Path(__file__).resolve().parent.parent / "kernels"
-_MODULES = ("batch", "body", "constants", "events", "falling", "field", "status", "steps", "trajectory")
+_MODULES = (
+    "batch",
+    "body",
+    "constants",
+    "events",
+    "falling",
+    "field",
+    "forces",
+    "orbits",
+    "quadrature",
+    "status",
+    "steps",
+    "trajectory",
+)
 _LOCK = threading.RLock()
 
 

@@ -2,38 +2,48 @@
 
 Between impacts the disk moves on F. At an impact phidot changes sign and chi jumps by
 sgn(eta) kappa pi (eq. 7.16), psi by side times that (7.11); the motion is then the same fall run
-backwards. So one rise, from flat to its turning point, holds the whole motion; it is smooth in
-alpha with theta = theta_turn sin(alpha), and kept as Chebyshev series.
+backwards. So one rise, from flat to its turning point, holds the whole motion (`rise`). Where
+sigma3_bar = sigma4_bar = 0 the disk may swing over the vertical and fall to both sides in turn
+(`pendulum`).
 """
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.polynomial import Chebyshev
-from numpy.typing import ArrayLike
-from scipy.fft import dct
-from scipy.optimize import brentq
+from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.disk import Disk
 from explorer.errors import InputError
-from explorer.falling import well
-from explorer.states import Array, States, natural_constants, require_axial_inertia
+from explorer.falling import falls_of
+from explorer.gauss import gauss
+from explorer.pendulum import Pendulum
+from explorer.rise import Rise
+from explorer.states import Array, States, natural_constants, phi_to_states, require_axial_inertia
 
-_GAUSS = np.polynomial.legendre.leggauss(64)
+_GAUSS = gauss(64)
 _HALF_PI = 0.5 * np.pi
 
 
-def fall_from_vertical(disk: Disk, sigma3_bar: Array, energy: Array) -> tuple[Array, Array, Array]:
+def fall_from_vertical(
+    disk: Disk, sigma3_bar: Array, energy: Array, window: float = 0.0
+) -> tuple[Array, Array, Array]:
     """Time, chi and psi gained by the fall on F from the vertical to flat (side +1), natural units.
+
+    window: phi (rad) at which it begins instead.
 
     Where the energy is too low for the vertical the fall starts at its turning point; NaN where
     the energy does not exceed V_0.
     """
     out = np.empty((3, sigma3_bar.size))
     compiled.falling.fall_batch(
-        np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy), *_GAUSS, disk.body, disk.series, out
+        np.ascontiguousarray(sigma3_bar),
+        np.ascontiguousarray(energy),
+        window,
+        *_GAUSS,
+        disk.body,
+        disk.series,
+        out,
     )
     return out[0], out[1], out[2]
 
@@ -43,7 +53,8 @@ class LimitState:
     """A limit motion at given times, in the units of the disk; arrays like the times.
 
     chi, psi (rad) count from t = 0 with all jumps included. path: centre of mass; contact: contact
-    point, (..., 3). At the instant of an impact the values are those after it.
+    point; velocity: of the centre, eq. (2.33); nu: angular velocity in space, eqs (2.27), (2.29); all
+    (..., 3). At the instant of an impact the values are those after it.
     """
 
     phi: Array
@@ -52,6 +63,8 @@ class LimitState:
     psi: Array
     path: Array
     contact: Array
+    velocity: Array
+    nu: Array
 
 
 class LimitMotion:
@@ -65,7 +78,7 @@ class LimitMotion:
         self, disk: Disk, energy: float, sigma3_bar: float, side: int, sign: int, start: tuple[float, float]
     ) -> None:
         self.disk, self.side, self.sign = disk, side, sign
-        self._rise = _Rise(disk, energy, sigma3_bar)
+        self._rise = Rise(disk, energy, sigma3_bar)
         self._jump = sign * disk.race_limit
         theta, thetadot = start
         rising = self._rise.time_at(theta)
@@ -86,30 +99,28 @@ class LimitMotion:
         if not (np.isfinite(times).all() and (times >= 0.0).all()):
             raise InputError("limit motion: times must be finite and >= 0")
         flat = np.ravel(times) * self.disk.rate_unit + self._offset
-        theta, thetadot, chi, psi, centre = self._unfold(flat)
-        _, _, chi0, psi0, centre0 = self._origin
-        chi = chi - chi0
-        centre = (centre - centre0) * np.exp(-1j * chi0) * self.side
-        r, shape = self.disk.r, times.shape
-        phi = self.side * (_HALF_PI - theta)
-        shadow = centre + np.sin(phi) * np.exp(1j * chi)
-        zero = np.zeros_like(theta)
-        return LimitState(
-            phi=phi.reshape(shape),
-            phidot=(-self.side * thetadot * self.disk.rate_unit).reshape(shape),
-            chi=chi.reshape(shape),
-            psi=(self.side * (psi - psi0)).reshape(shape),
-            path=(r * np.stack([centre.real, centre.imag, np.sin(theta)], axis=-1)).reshape(*shape, 3),
-            contact=(r * np.stack([shadow.real, shadow.imag, zero], axis=-1)).reshape(*shape, 3),
+        at, start = self._unfold(flat), self._origin
+        chi = at.chi - start.chi
+        centre = (at.centre - start.centre) * np.exp(-1j * start.chi) * self.side
+        moving = Moving(
+            theta=at.theta,
+            thetadot=at.thetadot,
+            chi=chi,
+            psi=self.side * (at.psi - start.psi),
+            centre=centre,
+            turn=at.turn,
+            sigma4=self.side * at.sigma4,
+            side=np.full_like(chi, self.side),
         )
+        return in_space(self.disk, moving, times.shape)
 
-    def _unfold(self, since_impact: Array) -> tuple[Array, Array, Array, Array, Any]:
-        """(theta, thetadot, chi, psi, a1 + i a2) at times counted from an impact, on side +1."""
+    def _unfold(self, since_impact: Array) -> "Moving":
+        """The motion at times counted from an impact, as on side +1."""
         rise = self._rise
         bounces = np.floor(since_impact / (2.0 * rise.half))
         phase = since_impact - 2.0 * rise.half * bounces
         falling = phase > rise.half
-        theta, speed, chi, psi, centre = rise.at(np.where(falling, 2.0 * rise.half - phase, phase))
+        theta, speed, chi, psi, centre, rates = rise.at(np.where(falling, 2.0 * rise.half - phase, phase))
         # The fall is the rise run backwards, mirrored at the turning point (eq. 3.12 ff.).
         top = rise.centre_half
         mirrored = top + np.exp(2j * rise.chi_half) * np.conj(centre - top)
@@ -124,117 +135,137 @@ class LimitMotion:
         moved = bounces * whole if abs(spin - 1.0) < 1e-12 else whole * (spin**bounces - 1.0) / (spin - 1.0)
         centre = moved + np.exp(1j * turn * bounces) * centre
         psi_turn = 2.0 * rise.psi_half + self._jump
-        return theta, thetadot, chi + turn * bounces, psi + psi_turn * bounces, centre
+        return Moving(
+            theta=theta,
+            thetadot=thetadot,
+            chi=chi + turn * bounces,
+            psi=psi + psi_turn * bounces,
+            centre=centre,
+            turn=rates[0],
+            sigma4=rates[1],
+            side=np.ones_like(theta),
+        )
 
 
-class _Rise:
-    """One rise on F (side +1) from flat to its turning point, natural units."""
+@dataclass(frozen=True)
+class Moving:
+    """A motion on F in natural units; tilt theta from the flat state of `side`.
 
-    def __init__(self, disk: Disk, energy: float, sigma3_bar: float) -> None:
-        self._disk = disk
-        self._X = sigma3_bar / disk.body.r0
-        self._energy = energy
-        self.theta_turn = self._turning_point(sigma3_bar)
-        self.impact_speed = float(np.sqrt(2.0 / disk.body.M * (energy - self._on_f(np.array([1e-12]))[2][0])))
-        self._fit()
+    centre: a1 + i a2; turn: sigma3 / q^2, the rate of chi.
+    """
 
-    def _on_f(self, theta: Array) -> Array:
-        out = np.empty((4, theta.size))
-        disk = self._disk
-        compiled.falling.on_f_batch(np.ascontiguousarray(theta), self._X, disk.body, disk.series, out)
-        return out
-
-    def _turning_point(self, sigma3_bar: float) -> float:
-        def excess(theta: float) -> float:
-            return float(self._on_f(np.array([theta]))[2][0]) - self._energy
-
-        if excess(_HALF_PI) >= 0.0:
-            return brentq(excess, 1e-12, _HALF_PI, xtol=1e-15, rtol=1e-15)
-        if sigma3_bar == 0.0:
-            raise InputError(
-                "limit motion: with sigma3_bar = sigma4_bar = 0 and energy above m g r the disk falls to "
-                "both sides in turn, which is not covered; give sigma3_bar other than 0"
-            )
-        edge, largest = well(self._disk)
-        lower = _HALF_PI
-        if abs(sigma3_bar) < largest:
-            # Past the barrier there is a well; the first turning point counts.
-            grid = np.linspace(_HALF_PI, _HALF_PI - edge, 512)
-            blocked = self._on_f(grid)[2] > self._energy
-            if blocked.any():
-                first = int(np.argmax(blocked))
-                return brentq(excess, grid[first - 1], grid[first], xtol=1e-15, rtol=1e-15)
-            lower = _HALF_PI - edge
-        return brentq(excess, lower, np.pi - 1e-9, xtol=1e-15, rtol=1e-15)
-
-    def _fit(self) -> None:
-        degree = 32
-        while True:
-            series = self._series(degree)
-            tails = [abs(s.coef[-4:]).max() / abs(s.coef).max() for s in series[:3] if s.coef.any()]
-            if max(tails) < 1e-13 or degree >= 1024:
-                break
-            degree *= 2
-        self._time, self._chi, self._psi, self._centre = series
-        self.half = float(self._time(_HALF_PI))
-        self.chi_half = float(self._chi(_HALF_PI))
-        self.psi_half = float(self._psi(_HALF_PI))
-        self.centre_half = complex(self._centre(_HALF_PI))
-        self._table = np.linspace(0.0, _HALF_PI, 257)
-        self._table_time = self._time(self._table)
-
-    def _series(self, degree: int) -> tuple[Chebyshev, Chebyshev, Chebyshev, Chebyshev]:
-        """time, chi, psi and a1 + i a2 as Chebyshev series in alpha."""
-        nodes = np.cos(np.pi * (np.arange(degree) + 0.5) / degree)
-        alpha = 0.5 * _HALF_PI * (1.0 + nodes)
-        theta = self.theta_turn * np.sin(alpha)
-        turn, sigma4, V, _ = self._on_f(theta)
-        q, z = np.sin(theta), np.cos(theta)
-        rate = np.sqrt(2.0 / self._disk.body.M * np.maximum(self._energy - V, 0.0))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            dt = self.theta_turn * np.cos(alpha) / rate
-        time = _primitive(dt)
-        chi = _primitive(dt * turn)
-        psi = _primitive(dt * (z * turn - sigma4))
-        # eq. (2.33): d(a1 + i a2)/dt = (thetadot cos phi - i sigma4) e^(i chi)
-        centre = _primitive(dt * (rate * q - 1j * sigma4) * np.exp(1j * chi(alpha)))
-        return time, chi, psi, centre
-
-    def time_at(self, theta: float) -> float:
-        """Time since flat at which the rise reaches theta."""
-        if not 0.0 < theta <= self.theta_turn * (1.0 + 1e-9):
-            raise InputError("limit motion: the state is not on the part of F that falls")
-        return float(self._time(np.arcsin(min(theta / self.theta_turn, 1.0))))
-
-    def at(self, time: Array) -> tuple[Array, Array, Array, Array, Any]:
-        """(theta, |thetadot|, chi, psi, a1 + i a2) at times since flat, 0 <= time <= half."""
-        slope = self._time.deriv()
-        alpha = np.interp(time, self._table_time, self._table)
-        for _ in range(4):
-            alpha = np.clip(alpha - (self._time(alpha) - time) / slope(alpha), 0.0, _HALF_PI)
-        theta = self.theta_turn * np.sin(alpha)
-        V = self._on_f(np.maximum(theta, 1e-300))[2]
-        speed = np.sqrt(2.0 / self._disk.body.M * np.maximum(self._energy - V, 0.0))
-        return theta, speed, self._chi(alpha), self._psi(alpha), self._centre(alpha)
+    theta: Array
+    thetadot: Array
+    chi: Array
+    psi: Array
+    centre: NDArray[np.complex128]
+    turn: Array
+    sigma4: Array
+    side: Array
 
 
-def _primitive(values: Any) -> Chebyshev:
-    """The integral from 0 of a function of alpha given at Chebyshev nodes, in their usual order."""
-    coefficients = dct(values, type=2) / values.size
-    coefficients[0] *= 0.5
-    return Chebyshev(coefficients, domain=[0.0, _HALF_PI]).integ(lbnd=0.0)
+def in_space(disk: Disk, at: Moving, shape: tuple[int, ...]) -> LimitState:
+    """A motion in the units of the disk, with contact point and velocities."""
+    phi = at.side * (_HALF_PI - at.theta)
+    phidot = -at.side * at.thetadot
+    q, z, away = np.sin(at.theta), at.side * np.cos(at.theta), np.exp(1j * at.chi)
+    shadow = at.centre + z * away
+    sliding = (-phidot * q - 1j * at.sigma4) * away  # eq. (2.33)
+    turning = (q * (at.sigma4 - z * at.turn) - 1j * phidot) * away  # eq. (2.29)
+    upwards = q * q * at.turn + z * at.sigma4  # eq. (2.27)
+    r, unit = disk.r, disk.rate_unit
+
+    def vector(plane: NDArray[np.complex128], height: Array, scale: float) -> Array:
+        return (scale * np.stack([plane.real, plane.imag, height], axis=-1)).reshape(*shape, 3)
+
+    return LimitState(
+        phi=phi.reshape(shape),
+        phidot=(phidot * unit).reshape(shape),
+        chi=at.chi.reshape(shape),
+        psi=at.psi.reshape(shape),
+        path=vector(at.centre, q, r),
+        contact=vector(shadow, np.zeros_like(q), r),
+        velocity=vector(sliding, -phidot * z, r * unit),
+        nu=vector(turning, upwards, unit),
+    )
 
 
-def limit_motion(disk: Disk, state_on_f: ArrayLike | States, sign: int = 1) -> LimitMotion:
+class PendulumMotion:
+    """The limit motion with sigma3_bar = sigma4_bar = 0 and energy above m g r; call it with times.
+
+    The disk swings over the vertical and falls to both sides in turn. sign: of eta on side +1, from
+    which it is approached with sigma3_bar = 0 held; on side -1 eta then has the other sign, so chi
+    jumps to and fro while psi always jumps the same way. Attributes as LimitMotion's; `period` is the
+    time between impacts.
+    """
+
+    def __init__(self, disk: Disk, energy: float, sign: int, start: tuple[float, float]) -> None:
+        self.disk, self.sign = disk, sign
+        self._swing = Pendulum(disk, energy)
+        theta, thetadot = start
+        # Times are counted from an impact on side +1, from which theta rises.
+        passed = self._swing.time_at(theta)
+        self._offset = passed if thetadot >= 0.0 else 2.0 * self._swing.whole - passed
+        self._origin = self._unfold(np.array([self._offset]))
+        self.period = self._swing.whole * disk.time_unit
+        self.impact_speed = self._swing.impact_speed * disk.rate_unit
+        self.chi_per_period = sign * disk.race_limit
+
+    def impacts(self, t_end: float) -> Array:
+        """Times of impact in (0, t_end], on either side."""
+        passed = self._offset * self.disk.time_unit
+        first = self.period * (np.floor(passed / self.period) + 1.0) - passed
+        count = max(0, int(np.floor((t_end - first) / self.period)) + 1)
+        return np.array(first + self.period * np.arange(count), dtype=np.float64)
+
+    def __call__(self, t: ArrayLike) -> LimitState:
+        times = np.asarray(t, dtype=np.float64)
+        if not (np.isfinite(times).all() and (times >= 0.0).all()):
+            raise InputError("limit motion: times must be finite and >= 0")
+        at, start = self._unfold(np.ravel(times) * self.disk.rate_unit + self._offset), self._origin
+        turned = np.exp(-1j * start.chi)
+        moved = replace(
+            at,
+            chi=at.chi - start.chi,
+            psi=at.psi - start.psi,
+            centre=(at.centre - start.centre) * turned,
+        )
+        return in_space(self.disk, moved, times.shape)
+
+    def _unfold(self, since_impact: Array) -> Moving:
+        """The motion at times counted from an impact on side +1."""
+        whole, jump = self._swing.whole, self.sign * self.disk.race_limit
+        swings = np.floor(since_impact / whole)
+        phase = since_impact - whole * swings
+        falling_back = swings % 2.0 == 1.0
+        theta = self._swing.theta(np.where(falling_back, whole - phase, phase))
+        speed = self._swing.speed(theta) * np.where(falling_back, -1.0, 1.0)
+        # chi is jump for odd numbers of impacts passed on side -1 more than on side +1, else 0.
+        chi = np.where(falling_back, -jump, 0.0)
+        # The contact point rests during a swing; its place moves by the chord of each race.
+        centre = self._swing.centre(theta, swings, jump)
+        return Moving(
+            theta=theta,
+            thetadot=speed,
+            chi=chi,
+            psi=swings * jump,
+            centre=centre,
+            turn=np.zeros_like(theta),
+            sigma4=np.zeros_like(theta),
+            side=np.ones_like(theta),
+        )
+
+
+AnyLimit = LimitMotion | PendulumMotion
+
+
+def limit_motion(disk: Disk, state_on_f: ArrayLike | States, sign: int = 1) -> AnyLimit:
     """The limit of the motions that approach `state_on_f` from the side sgn(eta) = `sign`.
 
     state_on_f: (phi, phidot, sigma3, sigma4) in the units of the disk, or States with one entry. What
     it misses F by is ignored: its energy and sigma3_bar are taken and eta on the nearer side set to 0.
     Raises InputError where the disk would not fall from there.
     """
-    from explorer.falling import falls_of
-    from explorer.states import phi_to_states
-
     require_axial_inertia(disk)
     if sign not in (1, -1):
         raise InputError(f"limit motion: sign = {sign} must be +1 or -1")
@@ -246,4 +277,7 @@ def limit_motion(disk: Disk, state_on_f: ArrayLike | States, sign: int = 1) -> L
     side = int(where.side[0])
     q, z, p = states.natural[:3, 0]
     start = (float(np.arctan2(q, side * z)), side * float(p))
-    return LimitMotion(disk, float(found[3, 0]), float(found[0, 0]), side, sign, start)
+    energy, sigma3_bar = float(found[3, 0]), float(found[0, 0])
+    if sigma3_bar == 0.0 and energy > 1.0:
+        return PendulumMotion(disk, energy, sign, (float(np.arctan2(q, z)), float(p)))
+    return LimitMotion(disk, energy, sigma3_bar, side, sign, start)

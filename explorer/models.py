@@ -1,11 +1,17 @@
 """The ladder: which model and which method a question needs, and how finely to integrate.
 
 A scene names observables and an accuracy; this module answers with the lowest rung that gives
-them and with the integrator's setting for every sample. No scene names a kernel.
+them, the method, and the integrator's setting for every sample. No scene names a kernel.
+
+    algebra     constants of motion: side of F, distance, could-fall
+    quadrature  passages and periods as integrals, theta_min as a root: eta exact, cost flat in eta
+    reduced     integration of (phi, phidot, sigma3, sigma4)
+    angles      and of time, chi, psi
+    path        and of the centre and the contact point
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
 import numpy as np
@@ -14,16 +20,21 @@ from explorer import compiled
 from explorer.errors import InputError
 from explorer.states import Array, States
 
-ALGEBRA, REDUCED, ANGLES, PATH = "algebra", "reduced", "angles", "path"
-RUNGS = (ALGEBRA, REDUCED, ANGLES, PATH)
-METHODS = ("auto", "rk4", "dopri5")
+ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH = "algebra", "quadrature", "reduced", "angles", "path"
+RUNGS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
+METHODS = ("auto", "rk4", "dopri5", "quadrature")
 
 OBSERVABLES = {
     "constants": ALGEBRA,
     "side": ALGEBRA,
     "distance": ALGEBRA,
     "could_fall": ALGEBRA,
-    "theta_min": REDUCED,
+    "theta_min": QUADRATURE,
+    "race_angle": QUADRATURE,
+    "delta_chi": QUADRATURE,
+    "delta_psi": QUADRATURE,
+    "duration": QUADRATURE,
+    "period": QUADRATURE,
     "phi": REDUCED,
     "phidot": REDUCED,
     "sigma3": REDUCED,
@@ -31,12 +42,16 @@ OBSERVABLES = {
     "time": ANGLES,
     "chi": ANGLES,
     "psi": ANGLES,
-    "race_angle": ANGLES,
     "path": PATH,
     "contact": PATH,
 }
 
-ACCURACY_RANGE = (1e-11, 1e-1)
+# What an integrator must carry for an observable that quadrature would give.
+_INTEGRATED = {"theta_min": REDUCED}
+
+LOOSEST = 1e-1
+# A passage's rounding is about 1e-13; an integrator's errors of rounding add up over its steps.
+TIGHTEST = {"quadrature": 1e-13, "rk4": 1e-11, "dopri5": 1e-11}
 
 # Error over tolerance at the 99th percentile was measured at 3 to 20 for passages of the uniform
 # disk, the hoop and a body with kappa = 10; 1/30 leaves room for other bodies and energies.
@@ -52,18 +67,22 @@ _STEP_RANGE = (1e-3, 0.25)
 
 @dataclass(frozen=True)
 class Plan:
-    """What will be run for a question: the rung, the method, and the reason in words."""
+    """What will be run for a question: the rung, the method, and the reason in words.
+
+    relative_tilt: theta_min is asked for to a relative accuracy, so eta must be known that well.
+    slack: how much coarser than the accuracy needs, for error estimates.
+    """
 
     rung: str
     method: str
     accuracy: float
-    relative_tilt: bool  # theta_min is asked for, relative: eta must be known that well
+    relative_tilt: bool
     reason: str
+    slack: float = 1.0
 
     @property
     def kernel_method(self) -> int:
-        steps = compiled.steps
-        return steps.RK4 if self.method == "rk4" else steps.DOPRI5
+        return {"rk4": compiled.steps.RK4, "dopri5": compiled.steps.DOPRI5}[self.method]
 
     @property
     def kernel_depth(self) -> int:
@@ -73,7 +92,11 @@ class Plan:
     @property
     def max_drift(self) -> float:
         """Relative drift of a constant of motion above which a sample is refused."""
-        return self.accuracy
+        return self.accuracy * self.slack
+
+    def coarser(self, factor: float) -> "Plan":
+        """The same with tolerances or steps larger by a factor."""
+        return replace(self, slack=self.slack * factor)
 
     def control(self, states: States, found: Array) -> Array:
         """Tolerance or step for every sample, from its constants of motion (natural units).
@@ -86,40 +109,71 @@ class Plan:
         share = self.accuracy if self.relative_tilt else _SIDE_SHARE
         target = np.fmin(self.accuracy, share * np.fmin(tilt, 1.0))
         if self.method == "rk4":
-            return np.clip((target / _RK4_CONSTANT) ** 0.25, *_STEP_RANGE)
-        return np.clip(target * _DOPRI5_SHARE, _TOLERANCE_FLOOR, None)
+            return self.slack * np.clip((target / _RK4_CONSTANT) ** 0.25, *_STEP_RANGE)
+        return self.slack * np.clip(target * _DOPRI5_SHARE, _TOLERANCE_FLOOR, None)
+
+    @property
+    def held_control(self) -> float:
+        """Tolerance or step for trajectories that are held to their constants: eta cannot drift."""
+        if self.method == "rk4":
+            return float(np.clip((self.accuracy / _RK4_CONSTANT) ** 0.25, *_STEP_RANGE))
+        return max(self.accuracy * _DOPRI5_SHARE, _TOLERANCE_FLOOR)
+
+    @property
+    def cost(self) -> str:
+        """Expected work per sample in words."""
+        if self.rung == ALGEBRA:
+            return "one evaluation of Chaplygin's solutions per sample"
+        if self.method == "quadrature":
+            return "40 to 200 evaluations of the integrand per sample, the same at every distance from F"
+        if self.method == "rk4":
+            step = min(max((self.accuracy / _RK4_CONSTANT) ** 0.25, _STEP_RANGE[0]), _STEP_RANGE[1])
+            return f"about {4 * round(10.0 / step)} evaluations of the field per passage, more near F"
+        steps = round(40.0 * (1e-6 / self.accuracy) ** 0.2)
+        return f"about {7 * steps} evaluations of the field per passage, more near F"
 
 
 def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto") -> Plan:
     """The lowest rung and the cheapest method that give `observables` to `accuracy`.
 
     accuracy: absolute error of angles (rad), relative error of times and theta_min.
-    Raises InputError for an unknown observable or method, or an accuracy out of range.
+    Raises InputError for an unknown observable or method, for a method that cannot give them, or for
+    an accuracy out of its range.
     """
     asked = tuple(observables)
     for name in asked:
         if name not in OBSERVABLES:
             raise InputError(f"observable {name!r} is not known; {_suggest(name, OBSERVABLES)}")
-    check_accuracy(accuracy)
     if method not in METHODS:
         raise InputError(f"--method {method!r} is not known; {_suggest(method, METHODS)}")
+    rung, chosen, why = _choose(asked, method)
+    if not TIGHTEST[chosen] <= accuracy <= LOOSEST:
+        raise InputError(
+            f"--accuracy {accuracy} must lie between {TIGHTEST[chosen]:g} and {LOOSEST:g} for {chosen}"
+        )
+    return Plan(rung, chosen, accuracy, "theta_min" in asked, why)
+
+
+def _choose(asked: tuple[str, ...], method: str) -> tuple[str, str, str]:
+    """(rung, method, reason)."""
     rung = max((OBSERVABLES[name] for name in asked), key=RUNGS.index, default=ALGEBRA)
-    deepest = ", ".join(name for name in asked if OBSERVABLES[name] == rung)
-    if method == "auto":
+    deepest = ", ".join(name for name in asked if OBSERVABLES[name] == rung) or "nothing else"
+    integrals_only = RUNGS.index(rung) <= RUNGS.index(QUADRATURE)
+    if method == "quadrature" and not integrals_only:
+        raise InputError(f"--method quadrature gives passages and periods, not {deepest}; use auto, rk4 or dopri5")
+    if method == "auto" and integrals_only:
+        why = "quadrature because it needs no steps and knows eta exactly"
+        return rung, "quadrature", f"{rung} because of {deepest}; {why}"
+    if method in ("auto", "quadrature"):
         # The adaptive pair bends its step to each sample's distance from F, which spans decades
         # in any sampling; a fixed step must be small enough throughout the motion.
-        method, why = "dopri5", "dopri5 because each sample sets its own step near flat"
-    else:
-        why = f"{method} as asked"
-    reason = f"{rung} because of {deepest or 'nothing else'}; {why}"
-    return Plan(rung, method, accuracy, "theta_min" in asked, reason)
-
-
-def check_accuracy(accuracy: float) -> None:
-    """Raise InputError unless the accuracy is one that an integrator here can hold."""
-    low, high = ACCURACY_RANGE
-    if not low <= accuracy <= high:
-        raise InputError(f"--accuracy {accuracy} must lie between {low:g} and {high:g}")
+        chosen = "dopri5" if method == "auto" else method
+        why = f"{chosen} because each sample sets its own step near flat" if method == "auto" else "as asked"
+        return rung, chosen, f"{rung} because of {deepest}; {why}"
+    if rung == QUADRATURE:
+        carried = (_INTEGRATED.get(name, ANGLES) for name in asked if OBSERVABLES[name] == QUADRATURE)
+        rung = max(carried, key=RUNGS.index)
+    return rung, method, f"{rung} because of {deepest}; {method} as asked"
 
 
 def _suggest(name: str, known: Iterable[str]) -> str:

@@ -82,16 +82,42 @@ def turning_points(states: States, how: Plan, found: Array | None = None) -> Tur
     )
 
 
+def orbit_starts(states: States, found: Array, eta: Array | None = None) -> Array:
+    """What the quadrature kernels know of a motion, (5, n), as seen from the hemisphere it starts in.
+
+    Rows: h = 2 sin(theta/2), theta-dot, sigma3_bar, eta on this side, eta on the other. eta (natural
+    units) replaces the one on this side.
+    """
+    b = states.disk.body
+    q, z, p = states.natural[:3]
+    plus = z >= 0.0
+    near = np.where(plus, found[1], found[2])
+    far = np.where(plus, found[2], found[1])
+    if eta is not None:
+        near = np.broadcast_to(eta, near.shape)
+        far = 2.0 * b.I1 * b.dr0 * found[0] - near
+    h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
+    return np.ascontiguousarray(np.nan_to_num(np.stack([h, p, found[0], near, far])))
+
+
 def smallest_tilt(
     states: States, how: Plan, found: Array | None = None
 ) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
     """theta_min of every motion (rad), with status and number of steps.
 
-    A motion swings between two turning points; following it forward to one and backward to the
-    other costs half a period in all. If either fails, the sample fails.
+    A motion swings between two turning points. By quadrature they are roots of the amended
+    potential; by integration, following it forward to one and backward to the other costs half a
+    period in all, and if either fails the sample fails.
     """
     if found is None:
         found = natural_constants(states)
+    if how.method == "quadrature":
+        status = classify(states, found)
+        theta = np.empty(len(states))
+        disk = states.disk
+        starts = orbit_starts(states, found)
+        compiled.orbits.tilt_batch(starts, disk.body, disk.series, theta, status)
+        return theta, status, np.zeros(len(states), np.int32)
     forward = turning_points(states, how, found)
     backward = turning_points(states.reversed(), how, found)
     status = np.where(forward.status == 0, backward.status, forward.status)
@@ -139,6 +165,8 @@ def simulate(
 
     states: (n, 4) or (4,) rows of phi, phidot, sigma3, sigma4 in the units of the disk, or `States`.
     t_eval: increasing times >= 0. accuracy is per passage; errors add up over many.
+    The motion is held to its constants after every step, so eta does not drift; states made by
+    `constants_to_states` keep the eta_hat they were given, down to 1e-300.
     A state on the falling set has no motion past the fall: status FALLS, values NaN.
     """
     initial = states if isinstance(states, States) else _rows_to_states(disk, states)
@@ -173,6 +201,29 @@ def _times(t_end: float | None, t_eval: ArrayLike | None) -> Array:
     return times
 
 
+def hold(states: States, found: Array) -> tuple[NDArray[np.int8], Array]:
+    """Status before integration, and the constants that trajectories are held to, (3, n).
+
+    Given constants win over those found from the state. A state whose eta is not known to a tenth
+    on the nearer side has no known direction of its race; with I3 = 0 trajectories run free.
+    """
+    code = compiled.status.Status
+    if not states.disk.body.I3 > 0.0:
+        return states.status.copy(), np.full((3, len(states)), np.nan)
+    pinned = np.ascontiguousarray(found[:3] if states.exact is None else states.exact)
+    near_plus = ~(abs(pinned[2]) < abs(pinned[1]))
+    eta = abs(np.where(near_plus, pinned[1], pinned[2]))
+    exact = falls_of(states, found)
+    if states.exact is None:
+        rounding = np.where(near_plus, found[4], found[5])
+        unknown = (rounding > compiled.steps.RESOLVED_SHARE * eta) & exact.could_fall & ~exact.on_f
+        status = np.where((exact.status == code.OK) & unknown, code.UNRESOLVED_SIDE, exact.status)
+    else:
+        falls = (eta == 0.0) & exact.could_fall
+        status = np.where((states.status == code.OK) & falls, code.FALLS, states.status)
+    return status.astype(np.int8), np.nan_to_num(pinned)
+
+
 def _integrate(
     states: States, how: Plan, found: Array, times: Array, chi0: float, max_steps: int
 ) -> tuple[Array, NDArray[np.int8], NDArray[np.int32], Array]:
@@ -180,7 +231,7 @@ def _integrate(
     initial = np.zeros((10, n))
     initial[:5] = states.natural
     initial[6] = chi0
-    status = classify(states, found)
+    status, pinned = hold(states, found)
     out = np.empty((n, times.size, 10))
     steps, drift = np.empty(n, np.int32), np.empty((3, n))
     begins_at_zero = times[0] == 0.0
@@ -191,7 +242,8 @@ def _integrate(
         how.kernel_method,
         depth,
         initial,
-        np.nan_to_num(how.control(states, found), nan=1.0),
+        pinned,
+        np.full(n, how.held_control),
         compiled.events.TIME,
         np.ascontiguousarray(times[1:] if begins_at_zero else times),
         max_steps,

@@ -5,7 +5,7 @@ People give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,11 +25,14 @@ class States:
 
     natural: (5, n) rows q, z, p, rho, sigma4 in natural units. status: (n) int8, kernels.Status;
     a state that is not finite or already flat is BAD_INPUT and never reaches an integrator.
+    exact: (3, n) sigma3_bar, eta_plus, eta_minus in natural units where they were given rather than
+    found, so that eta may be smaller than the state's rounding; None otherwise.
     """
 
     disk: Disk
     natural: Array
     status: NDArray[np.int8]
+    exact: Array | None = None
 
     def __len__(self) -> int:
         return self.natural.shape[1]
@@ -38,7 +41,7 @@ class States:
         """The same states with time running backwards: phidot changes sign (rho, sigma4 stay)."""
         natural = self.natural.copy()
         natural[2] *= -1.0
-        return States(self.disk, natural, self.status.copy())
+        return States(self.disk, natural, self.status.copy(), self.exact)
 
 
 def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> States:
@@ -73,7 +76,12 @@ def constants_to_states(
     s3, eta_hat_, rate, s = _broadcast(sigma3_bar, eta_hat, phidot, side)
     flat = np.where(abs(s) == 1.0, 0.0, np.inf)
     s4 = s * (line_slope(disk) * s3 - eta_hat_)
-    return _states(disk, np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4, flat)
+    made = _states(disk, np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4, flat)
+    b, unit = disk.body, disk.rate_unit
+    sigma3_bar, here = s3 / unit, eta_hat_ / unit * b.I3 * b.r0
+    there = 2.0 * b.I1 * b.dr0 * sigma3_bar - here
+    exact = np.where(s > 0.0, [sigma3_bar, here, there], [sigma3_bar, there, here])
+    return replace(made, exact=exact)
 
 
 def line_slope(disk: Disk) -> float:

@@ -57,6 +57,29 @@ def constants_of(x, b, series):
     return Constants(sigma3_bar, far, near, energy(x, b), far_rounding, near_rounding)
 
 
+@subroutine
+def onto_constants(x, sigma3_bar, eta_plus, eta_minus, b, series):
+    """x with q^2 + z^2 = 1 restored and rho, sigma4 set to what the constants say at its tilt.
+
+    The saddle beside flat amplifies an error in rho by 1/theta_min. Set anew after every step, rho
+    never carries one: eta stays what it was given as, down to 1e-300. Needs I3 > 0.
+    """
+    side = 1.0 if x.z >= 0.0 else -1.0
+    q, z = x.q, x.z
+    if q < abs(z):
+        z = side * math.sqrt((1.0 - q) * (1.0 + q))
+    else:
+        q = math.sqrt((1.0 - z) * (1.0 + z))
+    S, log_S = depth_below_vertical(q, z)
+    f = chaplygin.solutions(S, log_S, b.c, series)
+    X = sigma3_bar / b.r0
+    Y = (eta_plus if side > 0.0 else eta_minus) / b.I1
+    _sigma3, sigma4 = chaplygin.sigma_from_constants(side, X, Y, f, b.k)
+    # sigma3/q written so that S may underflow
+    rho = X * f.rho_over_S * (q / (1.0 + abs(z))) + Y * (f.D / q)
+    return State(q, z, x.p, rho, sigma4, x.t, x.chi, x.psi, x.a1, x.a2)
+
+
 @kernel(types.matrix, types.body, types.matrix, types.matrix)
 def constants_batch(states, b, series, out):
     """states (5, n): q, z, p, rho, sigma4 -> out (6, n), rows as Constants. NaN where not q > 0."""

@@ -139,13 +139,15 @@ def start_of_fall(energy, X, b, series):
 
 
 @subroutine
-def fall(energy, X, nodes, weights, b, series):
-    """(time, increase of chi, increase of psi) of the fall on F from the vertical to flat.
+def fall(energy, X, window, nodes, weights, b, series):
+    """(time, increase of chi, increase of psi) of the fall on F from phi = window >= 0 to flat.
+
+    The vertical is window = 0. Where the energy is too low for it the fall begins at rest, later.
 
     With phi = start + scale sinh^2 x the square root sqrt(E - V) becomes smooth in x, however small
     the speed at the start is: scale is the distance over which the fall doubles its kinetic energy.
     """
-    start = start_of_fall(energy, X, b, series)
+    start = max(window, start_of_fall(energy, X, b, series))
     length = 0.5 * math.pi - start
     first = on_f(math.cos(start), math.sin(start), X, b, series)
     kinetic = max(energy - first.V, 0.0)
@@ -174,8 +176,17 @@ def fall(energy, X, nodes, weights, b, series):
     return time, chi, psi
 
 
-@kernel(types.vector, types.vector, types.vector, types.vector, types.body, types.matrix, types.matrix)
-def fall_batch(sigma3_bar, energy, nodes, weights, b, series, out):
+@kernel(
+    types.vector,
+    types.vector,
+    types.number,
+    types.vector,
+    types.vector,
+    types.body,
+    types.matrix,
+    types.matrix,
+)
+def fall_batch(sigma3_bar, energy, window, nodes, weights, b, series, out):
     """`fall` on side +1 for every sample -> out (3, n). NaN where the energy does not exceed V_0.
 
     nodes, weights: a Gauss-Legendre rule on [-1, 1]. Time and chi are the same on side -1; psi changes sign.
@@ -183,6 +194,6 @@ def fall_batch(sigma3_bar, energy, nodes, weights, b, series, out):
     for i in range(sigma3_bar.size):
         X = sigma3_bar[i] / b.r0
         if energy[i] > potential_at_flat(X, b):
-            out[0, i], out[1, i], out[2, i] = fall(energy[i], X, nodes, weights, b, series)
+            out[0, i], out[1, i], out[2, i] = fall(energy[i], X, window, nodes, weights, b, series)
         else:
             out[0, i] = out[1, i] = out[2, i] = math.nan

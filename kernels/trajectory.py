@@ -1,11 +1,12 @@
 """One trajectory after another, recorded at a list of events. The plain reference of `batch`."""
 
 import math
+from typing import NamedTuple
 
 from kernels import types
 from kernels._jit import kernel, subroutine
 from kernels.adaptive import SHORTEST_STEP
-from kernels.constants import constants_of
+from kernels.constants import constants_of, onto_constants
 from kernels.events import crossed, level
 from kernels.field import ANGLES, PATH, State, speed
 from kernels.status import Status
@@ -22,6 +23,7 @@ from kernels.steps import (
 )
 
 _OK = int(Status.OK)
+_DRIFT = int(Status.INVARIANT_DRIFT)
 _STEP_LIMIT = int(Status.STEP_LIMIT)
 _TOO_SMALL = int(Status.STEP_TOO_SMALL)
 _NOT_FINITE = int(Status.NOT_FINITE)
@@ -46,13 +48,22 @@ def record(y, row):
     row[5], row[6], row[7], row[8], row[9] = y.t, y.chi, y.psi, y.a1, y.a2
 
 
+class Pinned(NamedTuple):
+    """Constants of motion that a trajectory is held to; NaN in sigma3_bar: it runs free."""
+
+    sigma3_bar: float
+    eta_plus: float
+    eta_minus: float
+
+
 @subroutine
-def trajectory(method, depth, x, control, event, targets, max_steps, b, out):
+def trajectory(method, depth, x, pinned, control, event, targets, max_steps, b, series, out):
     """Follow one motion until `event` has taken each value of `targets` in turn.
 
     out (len(targets), 10) receives the states there, in the order of State. Returns status, the
     number of attempted steps, and the last state reached.
     """
+    held = not math.isnan(pinned.sigma3_bar)
     unit = speed(x, b)
     if depth == PATH:
         unit *= b.kappa  # sin chi turns at up to kappa times the speed
@@ -72,6 +83,8 @@ def trajectory(method, depth, x, control, event, targets, max_steps, b, out):
                 if again:
                     break
             x = y
+            if held:
+                x = onto_constants(y, pinned.sigma3_bar, pinned.eta_plus, pinned.eta_minus, b, series)
             if done == targets.size:
                 return _OK, step + 1, x
         elif not following * unit > SHORTEST_STEP:
@@ -83,6 +96,7 @@ def trajectory(method, depth, x, control, event, targets, max_steps, b, out):
 @kernel(
     types.integer,
     types.integer,
+    types.matrix,
     types.matrix,
     types.vector,
     types.event,
@@ -100,6 +114,7 @@ def trajectory_batch(
     method,
     depth,
     states,
+    pinned,
     control,
     event,
     targets,
@@ -114,7 +129,8 @@ def trajectory_batch(
 ):
     """Every column of states (10, n) through `trajectory`, recorded in out (n, len(targets), 10).
 
-    status (n): samples that come in as not OK are skipped; drift (3, n): as steps.Drift.
+    pinned (3, n): rows as Pinned. status (n): samples that come in as not OK are skipped. drift (3, n):
+    as steps.Drift.
     """
     for i in range(states.shape[1]):
         out[i, :, :] = math.nan
@@ -134,14 +150,19 @@ def trajectory_batch(
             states[8, i],
             states[9, i],
         )
+        hold = Pinned(pinned[0, i], pinned[1, i], pinned[2, i])
         begin = constants_of(x, b, series)
-        code, steps[i], last = trajectory(method, depth, x, control[i], event, targets, max_steps, b, out[i])
+        code, steps[i], last = trajectory(
+            method, depth, x, hold, control[i], event, targets, max_steps, b, series, out[i]
+        )
         end = constants_of(last, b, series)
         # Whichever side is nearer decides whether the direction of its races is known.
         near_plus = abs(begin.eta_plus) <= abs(begin.eta_minus)
         moved = drift_between(begin, end, near_plus)
         drift[0, i], drift[1, i], drift[2, i] = moved.energy, moved.sigma3_bar, moved.eta
-        if code == _OK:
+        if code == _OK and not math.isnan(hold.sigma3_bar):
+            code = _OK if abs(moved.energy) <= max_drift else _DRIFT
+        elif code == _OK:
             eta = begin.eta_plus if near_plus else begin.eta_minus
             code = verdict(moved, eta, math.sqrt(2.0 * begin.energy / b.I1), max_drift)
         status[i] = code

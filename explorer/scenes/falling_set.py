@@ -1,8 +1,9 @@
 """Scene falling-set: where in the phase space the disk would fall.
 
-Every state is integrated to both of its turning points; the smaller tilt is theta_min. The exact
-set comes from the constants of motion alone. The two never meet before the picture, so the valley
-of the one lying on the curves of the other is a test that a person can see.
+theta_min is the smaller tilt at the two turning points of a motion. The slices are integrated,
+whatever gives the samples' theta_min, and the exact set drawn over them comes from the constants of
+motion alone. The two never meet before the picture, so the valley of the one lying on the curves of
+the other is a test that a person can see.
 """
 
 from collections.abc import Iterator
@@ -97,12 +98,12 @@ class SliceMap:
     could_fall_minus: NDArray[np.bool_]
 
 
-def map_slice(disk: Disk, where: Slice, points: int, method: str = "auto") -> SliceMap:
-    """Compute a slice on points x points states."""
+def map_slice(disk: Disk, where: Slice, points: int) -> SliceMap:
+    """Compute a slice on points x points states, by integration."""
     x, y, columns = where.grid(points)
     states = phi_to_states(disk, **columns)
     found = natural_constants(states)
-    how = models.plan(("theta_min",), SLICE_ACCURACY, method)
+    how = models.plan(("theta_min",), SLICE_ACCURACY, "dopri5")
     theta, _status, _steps = smallest_tilt(states, how, found)
     exact = falls_of(states, found)
     shape = (points, points)
@@ -192,7 +193,7 @@ class FallingSet(SampledScene):
 
         yield "constants-plane", plot.figure_of(plot.constants_plane, self.plane(tables))
         for number, where in enumerate(self.slices or Slice.defaults(self.disk), 1):
-            found = map_slice(self.disk, where, self.grid, self.method)
+            found = map_slice(self.disk, where, self.grid)
             yield f"slice-{number}", plot.figure_of(plot.slice_map, found)
         yield "theta-min", plot.figure_of(plot.theta_min_distribution, column(tables, "theta_min"))
 
@@ -221,7 +222,7 @@ class FallingSet(SampledScene):
         quantile = summary["theta_min_quantiles"]
         ok = summary["status"].get(compiled.status.Status.OK.name.lower(), 0)
         lines = [
-            f"{summary['samples']:,} states, {ok:,} integrated to the accuracy asked, "
+            f"{summary['samples']:,} states, {ok:,} computed to the accuracy asked, "
             f"{summary['falls']} exactly on the falling set",
             f"could fall, were they on it: {summary['could_fall_fraction']:.4%} (95 %: {low:.4%} to {high:.4%})",
         ]

@@ -17,7 +17,7 @@ import numpy as np
 from explorer import statistics
 from explorer.disk import Disk
 from explorer.errors import InputError
-from explorer.limits import LimitMotion, limit_motion
+from explorer.limits import AnyLimit, limit_motion
 from explorer.motions import Trajectories, simulate
 from explorer.sampling import Box, Range, chunk_stream
 from explorer.scenes.base import Scene, Table, Tables
@@ -198,14 +198,14 @@ def _unit(disk: Disk, name: str) -> float:
     return disk.r if name in ("path", "contact") else 1.0
 
 
-def limits_at(disk: Disk, start: tuple[float, float, int]) -> dict[int, LimitMotion]:
+def limits_at(disk: Disk, start: tuple[float, float, int]) -> dict[int, AnyLimit]:
     """Both limit motions from a point of F: (sigma3_bar, phidot, side) at the vertical."""
     sigma3_bar, phidot, side = start
     base = constants_to_states(disk, sigma3_bar, 0.0, phidot, side)
     return {sign: limit_motion(disk, base, sign) for sign in (1, -1)}
 
 
-def sample_times(limit: LimitMotion) -> tuple[Array, int]:
+def sample_times(limit: AnyLimit) -> tuple[Array, int]:
     """Times through FALLS impacts, none within MARGIN of a period of an impact.
 
     Also the place of the time half-way between the first two impacts.

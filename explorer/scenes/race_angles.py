@@ -10,17 +10,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from explorer import compiled, models, statistics
+from explorer import statistics
 from explorer.errors import InputError
-from explorer.falling import impact_speed
-from explorer.limits import fall_from_vertical
-from explorer.motions import turning_points
+from explorer.passage import passages
 from explorer.sampling import Box, Range, chunk_stream, log_uniform
 from explorer.scenes.base import SampledScene, Table, Tables, column
 from explorer.scenes.beside import check_eta_hat, default_box, draw_beside
-from explorer.states import Array, constants_to_states, natural_constants, require_axial_inertia
+from explorer.states import Array, require_axial_inertia
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,7 +36,7 @@ class RaceAngles(SampledScene):
     eta_hat: Range | None = None
 
     name: ClassVar[str] = "race-angles"
-    observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "time")
+    observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "duration")
 
     def __post_init__(self) -> None:
         require_axial_inertia(self.disk)
@@ -65,46 +62,30 @@ class RaceAngles(SampledScene):
         start = draw_beside(self.where, random, count)
         eta_hat = log_uniform(random.random(count), *self.span)
         eta_hat *= np.where(random.random(count) < 0.5, 1.0, -1.0)
-        states = constants_to_states(disk, start.sigma3_bar, eta_hat, start.phidot, start.side)
-        found = natural_constants(states)
-        how = models.plan(self.observables, self.accuracy, self.method)
-        turn = turning_points(states, how, found)
-        _, fall_chi, _ = fall_from_vertical(disk, found[0], found[3])
-        status = self._judge(turn.status, eta_hat, start.side, found)
-        ok = status == compiled.status.Status.OK
-
-        def kept(values: Array) -> Array:
-            return np.where(ok, values, np.nan)
-
-        delta_chi, drift = kept(2.0 * turn.chi), kept(2.0 * fall_chi)
+        found = passages(
+            disk,
+            start.sigma3_bar,
+            eta_hat,
+            start.speed,
+            start.side,
+            method=self.method,
+            accuracy=self.accuracy,
+        )
         return {
             "phidot": start.phidot,
             "sigma3_bar": start.sigma3_bar,
             "eta_hat": eta_hat,
             "side": start.side.astype(np.int8),
-            "energy": found[3] * disk.energy_unit,
-            "race_angle": delta_chi - drift,
-            "delta_chi": delta_chi,
-            "drift": drift,
-            "impact_speed": impact_speed(disk, found[0], found[3]) * disk.rate_unit,
-            "theta_min": kept(turn.theta),
-            "duration": kept(2.0 * turn.time) * disk.time_unit,
-            "energy_drift": kept(turn.drift[0]),
-            "eta_drift": kept(turn.drift[2] / (disk.body.I3 * disk.body.r0)),
-            "status": status,
-            "steps": turn.steps,
+            "energy": found.energy,
+            "race_angle": found.race_angle,
+            "delta_chi": found.delta_chi,
+            "drift": found.drift,
+            "impact_speed": found.impact_speed,
+            "theta_min": found.theta_min,
+            "duration": found.duration,
+            "error_estimate": found.error_estimate,
+            "status": found.status,
         }
-
-    def _judge(self, status: NDArray[np.int8], eta_hat: Array, side: Array, found: Array) -> Any:
-        """A state that doubles cannot tell from F has a race of unknown direction."""
-        b = self.disk.body
-        eta = abs(eta_hat) / self.disk.rate_unit * b.I3 * b.r0
-        rounding = np.where(side > 0.0, found[4], found[5])
-        code = compiled.status.Status
-        doubtful = (status == code.FALLS) | (
-            (status == code.OK) & (rounding > compiled.steps.RESOLVED_SHARE * eta)
-        )
-        return np.where(doubtful, code.UNRESOLVED_SIDE, status).astype(np.int8)
 
     def summarise(self, tables: Tables) -> dict[str, Any]:
         race, eta_hat = column(tables, "race_angle"), column(tables, "eta_hat")
@@ -135,10 +116,8 @@ class RaceAngles(SampledScene):
         summary["histogram"] = histogram
         summary["by_decade"] = self._by_decade(race, eta_hat)
         energy = column(tables, "energy")
-        summary["energy_range"] = [float(energy.min()), float(energy.max())]
-        summary["largest_drift"] = {
-            name: float(np.nanmax(abs(column(tables, name)))) for name in ("energy_drift", "eta_drift")
-        }
+        summary["energy_range"] = [float(np.nanmin(energy)), float(np.nanmax(energy))]
+        summary["largest_error_estimate"] = float(np.nanmax(column(tables, "error_estimate")))
         return summary
 
     def _by_decade(self, race: Array, eta_hat: Array) -> list[dict[str, Any]]:
@@ -170,7 +149,7 @@ class RaceAngles(SampledScene):
                 self.disk,
                 column(tables, "eta_hat"),
                 column(tables, "race_angle"),
-                float(np.median(column(tables, "impact_speed"))),
+                float(np.nanmedian(column(tables, "impact_speed"))),
             ),
         )
 

@@ -59,7 +59,7 @@ def test_membership_agrees_with_integration_just_beside_the_lines():
         states = beside_line(disk, phi, phidot, sigma3_bar, 1e-7)
         found = natural_constants(states)
         exact = falls_of(states, found)
-        theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4), found)
+        theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4, "dopri5"), found)
         good = (status == 0) & (abs(found[1]) < 0.5 * abs(found[2]))
         flat = theta[good] < 1e-3 * np.sqrt(b.I3)
         could = exact.could_fall[good]
@@ -91,7 +91,7 @@ def test_theta_min_approaches_its_leading_order(paper_body):
     for eta_hat in (1e-3, 1e-4, 1e-5):
         states = constants_to_states(paper_body, 1.0, [eta_hat, -eta_hat], 1.0)
         found = natural_constants(states)
-        theta, _, _ = smallest_tilt(states, plan(("theta_min",), 1e-8), found)
+        theta, _, _ = smallest_tilt(states, plan(("theta_min",), 1e-8, "dopri5"), found)
         errors.append(abs(theta / falls_of(states, found).theta_min_estimate - 1).max())
     assert errors[2] < 3e-4
     assert errors[2] < 0.2 * errors[1] < 0.04 * errors[0]
@@ -127,6 +127,6 @@ def test_nothing_falls_off_the_lines(body):
     unit = body.rate_unit
     states = ex.phi_to_states(body, rng.uniform(-1.3, 1.3, 3000), *(rng.uniform(-2, 2, (3, 3000)) * unit))
     found = natural_constants(states)
-    theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4), found)
+    theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4, "dopri5"), found)
     assert (status == 0).mean() > 0.998
     assert (theta[status == 0] > 0).all()

@@ -10,7 +10,8 @@ from explorer.states import constants_to_states, natural_constants
 
 def test_the_lowest_rung_that_gives_everything_is_chosen():
     assert plan(("side", "distance")).rung == "algebra"
-    assert plan(("theta_min", "side")).rung == "reduced"
+    assert plan(("theta_min", "side")).rung == "quadrature"
+    assert plan(("theta_min", "phi")).rung == "reduced"
     assert plan(("phi", "chi")).rung == "angles"
     assert plan(("contact", "phi")).rung == "path"
     assert plan(()).rung == "algebra"
@@ -18,6 +19,7 @@ def test_the_lowest_rung_that_gives_everything_is_chosen():
 
 
 def test_a_plan_says_why():
+    assert "knows eta exactly" in plan(("race_angle",)).reason
     reason = plan(("theta_min", "contact")).reason
     assert "path because of contact" in reason
     assert "dopri5" in reason
@@ -45,3 +47,17 @@ def test_an_accuracy_no_method_can_hold_is_refused(accuracy):
 def test_every_scene_asks_only_for_known_observables():
     for name in SCENES:
         assert set(scene_class(name).observables) <= set(OBSERVABLES)
+
+
+def test_a_method_that_cannot_answer_is_refused():
+    with pytest.raises(ex.InputError, match="passages and periods, not path"):
+        plan(("path",), method="quadrature")
+    assert plan(("race_angle",), 1e-13).method == "quadrature"
+    with pytest.raises(ex.InputError, match="for dopri5"):
+        plan(("race_angle",), 1e-13, "dopri5")
+
+
+def test_an_integrator_asked_for_a_passage_carries_what_it_needs():
+    assert plan(("theta_min",), method="rk4").rung == "reduced"
+    assert plan(("theta_min", "race_angle"), method="rk4").rung == "angles"
+    assert "evaluations" in plan(("race_angle",)).cost

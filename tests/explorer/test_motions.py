@@ -66,7 +66,7 @@ def test_the_four_figure_rows(key, method):
     status, steps = np.zeros(1, np.int8), np.zeros(1, np.int32)
     code, control = (1, 1e-12) if method == "dopri5" else (0, 2e-3)
     trajectory.trajectory_batch(
-        code, 10, initial, np.array([control]), events.VERTICAL, np.zeros(2), 10**6, 1e-6,
+        code, 10, initial, np.full((3, 1), np.nan), np.array([control]), events.VERTICAL, np.zeros(2), 10**6, 1e-6,
         disk.body, disk.series, out, status, steps, drift,
     )  # fmt: skip
     assert status[0] == ex.Status.OK
@@ -112,10 +112,12 @@ def test_mirror_images_move_as_mirror_images(state):
     disk = BODIES["uniform"]
     one, two = (ex.simulate(disk, s, **QUICK) for s in ((phi, phidot, s3, s4), (-phi, -phidot, s3, -s4)))
     if usable(one, two):
-        np.testing.assert_array_equal(one.phi, -two.phi)
-        np.testing.assert_array_equal(one.chi, two.chi)
-        np.testing.assert_array_equal(one.psi, -two.psi)
-        np.testing.assert_array_equal(one.path[..., :2], -two.path[..., :2])
+        # At the vertical itself the two hemispheres' series differ by rounding.
+        close = {"rtol": 0.0, "atol": 1e-12 / np.cos(one.phi).min() ** 2}
+        np.testing.assert_allclose(one.phi, -two.phi, **close)
+        np.testing.assert_allclose(one.chi, two.chi, **close)
+        np.testing.assert_allclose(one.psi, -two.psi, **close)
+        np.testing.assert_allclose(one.path[..., :2], -two.path[..., :2], **close)
 
 
 @given(STATES)

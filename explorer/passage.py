@@ -1,0 +1,263 @@
+"""Passages from vertical to vertical, and whole periods: by quadrature or by integration."""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+from numpy.typing import ArrayLike, NDArray
+
+from explorer import compiled
+from explorer.disk import Disk
+from explorer.errors import InputError
+from explorer.falling import impact_speed
+from explorer.gauss import packed_rules
+from explorer.limits import fall_from_vertical
+from explorer.models import plan
+from explorer.motions import orbit_starts, turning_points
+from explorer.states import Array, States, constants_to_states, natural_constants, require_axial_inertia
+
+_VERTICAL = float(np.sqrt(2.0))
+_OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
+# What a coarser integration, done to estimate the error, is allowed: in tolerance, in step.
+_COARSER = {"dopri5": 30.0, "rk4": 1.5}
+
+
+@dataclass(frozen=True)
+class Passages:
+    """Passages near flat, one entry per sample; angles in rad, the rest in the units of the disk.
+
+    race_angle: delta_chi less drift, the increase of chi along the limit motion with the same
+    sigma3_bar and energy; limit: sgn(eta) kappa pi. theta_min: smallest tilt. error_estimate:
+    of the angles (absolute) and of duration and theta_min (relative), whichever is larger. A sample
+    whose status is not OK is NaN; with eta_hat = 0 it FALLS, and fall_time is its time to flat.
+    """
+
+    race_angle: Array
+    delta_chi: Array
+    delta_psi: Array
+    drift: Array
+    theta_min: Array
+    duration: Array
+    fall_time: Array
+    energy: Array
+    impact_speed: Array
+    limit: Array
+    error_estimate: Array
+    status: NDArray[np.int8]
+    method: str
+    model: str
+
+    def __len__(self) -> int:
+        return self.status.size
+
+
+def passages(
+    disk: Disk,
+    sigma3_bar: ArrayLike,
+    eta_hat: ArrayLike,
+    phidot: ArrayLike,
+    side: ArrayLike = 1,
+    method: str = "auto",
+    accuracy: float = 1e-6,
+    jobs: int = 1,
+    window: float | None = None,
+) -> Passages:
+    """Passages that start at the vertical with speed phidot >= 0 towards the flat state of `side`.
+
+    sigma3_bar, eta_hat (of that side), phidot: rad per unit of time; arguments broadcast. method:
+    'quadrature' takes eta_hat as it is, down to 1e-300; 'rk4' and 'dopri5' integrate from a state
+    and report 'unresolved side' where that state does not determine the direction of the race.
+    'auto' is quadrature. window: cos phi (0 to 1) at which to start and stop instead of the vertical.
+    Bad input (not finite, phidot < 0, side not +-1) has status BAD_INPUT. Section 7 of the paper.
+    """
+    require_axial_inertia(disk)
+    how = plan(_OBSERVABLES, accuracy, method)
+    edge = _check_window(window, how.method)
+    columns = np.broadcast_arrays(*(np.asarray(a, np.float64) for a in (sigma3_bar, eta_hat, phidot, side)))
+    s3, eta, speed, s = (np.ravel(c).astype(np.float64) for c in columns)
+    parts = np.array_split(np.arange(s.size), max(1, min(jobs, s.size)))
+    call = _by_quadrature if how.method == "quadrature" else _by_integration
+    done = Parallel(n_jobs=len(parts), backend="threading")(
+        delayed(call)(disk, s3[i], eta[i], speed[i], s[i], how, edge) for i in parts
+    )
+    merged = {f.name: np.concatenate([p[f.name] for p in done]) for f in fields(Passages) if f.name in done[0]}
+    return Passages(**merged, method=how.method, model=how.rung)
+
+
+def _check_window(window: float | None, method: str) -> float:
+    """The tilt phi at the edge of the window (rad); 0 for the vertical."""
+    if window is None:
+        return 0.0
+    if method != "quadrature":
+        raise InputError(f"window: {method} goes from vertical to vertical; use method='quadrature'")
+    if not 0.0 < window <= 1.0:
+        raise InputError(f"window = {window}: give cos phi between 0 and 1")
+    return float(np.arccos(window))
+
+
+def _status(s3: Array, eta: Array, speed: Array, side: Array) -> NDArray[np.int8]:
+    code = compiled.status.Status
+    good = np.isfinite(s3) & np.isfinite(eta) & np.isfinite(speed) & (speed >= 0.0) & (abs(side) == 1.0)
+    return np.where(good, code.OK, code.BAD_INPUT).astype(np.int8)
+
+
+def _by_quadrature(
+    disk: Disk, s3: Array, eta_hat: Array, speed: Array, side: Array, how: Any, edge: float
+) -> dict[str, Any]:
+    b, unit = disk.body, disk.rate_unit
+    status = _status(s3, eta_hat, speed, side)
+    good = status == 0
+    sigma3_bar, eta, start = (
+        np.where(good, column, 1.0) for column in (s3 / unit, eta_hat / unit * b.I3 * b.r0, speed / unit)
+    )
+    rules, sizes = packed_rules()
+    out = np.empty((7, eta.size))
+    h_end = 2.0 * np.sin(0.5 * (0.5 * np.pi - edge)) if edge > 0.0 else _VERTICAL
+    compiled.quadrature.passage_batch(
+        sigma3_bar, eta, start, h_end, how.accuracy, rules, sizes, b, disk.series, out, status
+    )
+    energy = np.where(eta == 0.0, _energy_on_f(disk, sigma3_bar, start), out[4])
+    return _assemble(disk, sigma3_bar, eta, side, energy, edge, out, np.fmax(out[5], out[6]), status)
+
+
+def _energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
+    """Energy at the vertical on the line, natural units."""
+    b = disk.body
+    sigma4 = b.I1 * b.dr0 * sigma3_bar / (b.I3 * b.r0)
+    return 0.5 * b.M * speed**2 + 0.5 * b.I1 * sigma3_bar**2 + 0.5 * b.J * sigma4**2 + 1.0
+
+
+def _by_integration(
+    disk: Disk, s3: Array, eta_hat: Array, speed: Array, side: Array, how: Any, _edge: float
+) -> dict[str, Any]:
+    code, b, unit = compiled.status.Status, disk.body, disk.rate_unit
+    status = _status(s3, eta_hat, speed, side)
+    good = status == 0
+    s3, eta_hat, speed, facing = (np.where(good, column, 1.0) for column in (s3, eta_hat, speed, side))
+    states = constants_to_states(disk, s3, eta_hat, facing * speed, facing)
+    found = natural_constants(states)
+    fine = turning_points(states, how, found)
+    rough = turning_points(states, how.coarser(_COARSER[how.method]), found)
+    rounding = np.where(facing > 0.0, found[4], found[5])
+    eta = eta_hat / unit * b.I3 * b.r0
+    doubtful = (fine.status == code.FALLS) | (rounding > compiled.steps.RESOLVED_SHARE * abs(eta))
+    status = np.where(status == code.OK, fine.status, status)
+    status = np.where(good & doubtful & (eta != 0.0), code.UNRESOLVED_SIDE, status)
+    status = np.where(good & (eta == 0.0), code.FALLS, status).astype(np.int8)
+    # A passage ends at the flat state it was sent to; one that turns elsewhere was never near it.
+    out = np.stack([fine.theta, 2.0 * fine.chi, 2.0 * fine.psi * facing, 2.0 * fine.time, found[3]])
+    error = np.fmax(2.0 * abs(fine.chi - rough.chi), 2.0 * abs(fine.psi - rough.psi))
+    error = np.fmax(error, abs(rough.time / fine.time - 1.0))
+    error = np.fmax(error, abs(rough.theta / fine.theta - 1.0))
+    out[:4, status != code.OK] = np.nan
+    return _assemble(disk, s3 / unit, eta, side, found[3], 0.0, out, error + 1e-13, status)
+
+
+def _assemble(
+    disk: Disk,
+    sigma3_bar: Array,
+    eta: Array,
+    side: Array,
+    energy: Array,
+    edge: float,
+    out: Array,
+    error: Array,
+    status: NDArray[np.int8],
+) -> dict[str, Any]:
+    """Results in the units of the disk. out: theta_min, chi, psi (as on side +1), time."""
+    code = compiled.status.Status
+    time, chi, _psi = fall_from_vertical(disk, sigma3_bar, energy, edge)
+    ok, falls = status == code.OK, status == code.FALLS
+    limit = np.sign(eta) * disk.race_limit
+    drift = np.where(ok | falls, 2.0 * chi, np.nan)
+    theta, delta_chi, delta_psi, duration = out[:4]
+    return {
+        "race_angle": np.where(ok, delta_chi - drift, np.nan),
+        "delta_chi": np.where(ok, delta_chi, np.nan),
+        "delta_psi": np.where(ok, delta_psi * side, np.nan),
+        "drift": drift,
+        "theta_min": np.where(falls, 0.0, np.where(ok, theta, np.nan)),
+        "duration": np.where(ok, duration, np.nan) * disk.time_unit,
+        "fall_time": np.where(falls, time, np.nan) * disk.time_unit,
+        "energy": np.where(ok | falls, energy, np.nan) * disk.energy_unit,
+        "impact_speed": np.where(ok | falls, impact_speed(disk, sigma3_bar, energy), np.nan) * disk.rate_unit,
+        "limit": np.where(status == code.BAD_INPUT, np.nan, limit),
+        "error_estimate": np.where(ok, error, np.nan),
+        "status": status,
+    }
+
+
+@dataclass(frozen=True)
+class Forces:
+    """What the motion asks of the contact: least normal force (in m g), largest friction coefficient.
+
+    The coefficient is infinite where the normal force is not positive: the disk would lift off.
+    """
+
+    min_normal_force: Array
+    max_friction: Array
+
+
+def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot: ArrayLike) -> Forces:
+    """Forces during passages (the same on both sides); looked at on a grid, so good to some digits."""
+    require_axial_inertia(disk)
+    b, unit = disk.body, disk.rate_unit
+    columns = np.broadcast_arrays(*(np.asarray(a, np.float64) for a in (sigma3_bar, eta_hat, phidot)))
+    s3, eta, speed = (np.ravel(c) / unit for c in columns)
+    out = np.empty((2, s3.size))
+    eta = eta * b.I3 * b.r0
+    compiled.forces.forces_batch(np.ascontiguousarray(s3), eta, np.ascontiguousarray(speed), b, disk.series, out)
+    return Forces(out[0], out[1])
+
+
+@dataclass(frozen=True)
+class Periods:
+    """Whole periods, one entry per state, in the units of the disk.
+
+    period: time; chi, psi: increase per period (rad); theta_min: smallest tilt from either flat state;
+    crosses: whether the motion passes the vertical. NaN where status is not OK.
+    """
+
+    period: Array
+    chi: Array
+    psi: Array
+    theta_min: Array
+    crosses: NDArray[np.bool_]
+    energy: Array
+    error_estimate: Array
+    status: NDArray[np.int8]
+
+
+def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = None) -> Periods:
+    """Period of the motions through `states`, by quadrature: from turning point to turning point.
+
+    eta_hat (rad per unit of time, on the side of the state's hemisphere, +1 at the vertical) replaces
+    the state's own where that is only known to rounding. Eqs (3.12), (3.13).
+    """
+    disk = states.disk
+    require_axial_inertia(disk)
+    b = disk.body
+    plan(_OBSERVABLES, accuracy, "quadrature")
+    found = natural_constants(states)
+    plus = states.natural[1] >= 0.0
+    given = None if eta_hat is None else np.asarray(eta_hat, np.float64) / disk.rate_unit * b.I3 * b.r0
+    starts = orbit_starts(states, found, given)
+    status = states.status.copy()
+    code = compiled.status.Status
+    status[(status == code.OK) & (starts[3:] == 0.0).any(axis=0)] = code.FALLS
+    out = np.empty((8, status.size))
+    rules, sizes = packed_rules()
+    compiled.orbits.orbit_batch(starts, accuracy, rules, sizes, b, disk.series, out, status)
+    ok = status == code.OK
+    out[:, ~ok] = np.nan
+    return Periods(
+        period=out[4] * disk.time_unit,
+        chi=out[2],
+        psi=out[3] * np.where(plus, 1.0, -1.0),
+        theta_min=np.fmin(out[0], out[1]),
+        crosses=np.isfinite(out[1]),
+        energy=out[5] * disk.energy_unit,
+        error_estimate=np.fmax(out[6], out[7]),
+        status=status,
+    )

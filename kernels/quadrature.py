@@ -1,0 +1,295 @@
+"""One passage near flat as an integral: no time steps, and eta as an input of its own.
+
+With h = 2 sin(theta/2) and h = h_m cosh y, where h_m is the turning point, the passage from h_m to
+the vertical is an integral over y of an even analytic function. Its only sharp feature is the race
+itself, sigma_3/q^2 ~ Y/h^2, which is integrated in closed form:
+
+    chi = Y w(0)/h_m * gd(y_c) + integral of [ X (rho/S) h w / 2 + (Y/h) (D w - D_m w(0)) ] dy + ...
+
+with w = (1 - S/2)^(-3/2) (P / tanh^2 y)^(-1/2) and P = theta-dot^2. What is left varies over unit
+distances in y by an amount of order eta, so a fixed Gauss rule serves |eta| from 1 to 1e-300: below
+y_c - 36 the rest is smaller than rounding, and the range never grows. The end towards the vertical,
+where a slow start makes P nearly vanish, has a panel of its own in d = scale sinh^2 x.
+Everything near flat is written in h and ratios to it; S = h^2/2 may underflow.
+"""
+
+import math
+from typing import NamedTuple
+
+from kernels import chaplygin, types
+from kernels._jit import kernel, subroutine
+from kernels.falling import potential_at_flat
+from kernels.status import Status
+
+# Length of the panel towards the vertical, in y: it ends at a fifth of the vertical's h.
+_END_PANEL = 1.5
+# e^-36 = 2e-16: nothing but the closed part is left below.
+_DEEPEST = 36.0
+_LN2 = math.log(2.0)
+# Tilts tried between the vertical and flat when looking for the first turning point.
+SCAN = 24
+_ROOT_LIMIT = 200
+_EPSILON = 2.2e-16
+VERTICAL = math.sqrt(2.0)  # h there
+_NOISE = 40.0  # units of rounding: 30 nodes, the node's y, the solutions
+
+_OK = int(Status.OK)
+_BAD = int(Status.BAD_INPUT)
+_LIMIT = int(Status.STEP_LIMIT)
+_FALLS = int(Status.FALLS)
+
+
+class Point(NamedTuple):
+    """A tilt on a motion with constants (X, Y), side +1.
+
+    shape: sqrt(1 - h^2/4) = cos(theta/2); D: dominant solution; smooth: X (rho/S) h/2, the part of
+    sigma3/h without eta; ratio: sigma3/q; V: amended potential; slope: h dV/dh.
+    """
+
+    S: float
+    shape: float
+    D: float
+    smooth: float
+    ratio: float
+    sigma4: float
+    V: float
+    slope: float
+
+
+class Passage(NamedTuple):
+    """A passage from `end` to the turning point and back, natural units, side +1."""
+
+    h_turn: float
+    chi: float
+    psi: float
+    time: float
+    angle_error: float
+    time_error: float
+
+
+@subroutine
+def point(h, X, Y, b, series):
+    """The motion at h = 2 sin(theta/2), 0 < h <= sqrt 2."""
+    S = 0.5 * h * h
+    f = chaplygin.solutions(S, 2.0 * math.log(h) - _LN2, b.c, series)
+    shape = math.sqrt(1.0 - 0.5 * S)
+    smooth = 0.5 * X * f.rho_over_S * h
+    ratio = (smooth + Y * f.D / h) / shape
+    sigma4 = (X * f.drho + Y * f.dD) / b.k
+    q, z = h * shape, 1.0 - S
+    V = 0.5 * b.I1 * ratio * ratio + 0.5 * b.J * sigma4 * sigma4 + q
+    slope = h / shape * (b.J * ratio * sigma4 + z) - b.I1 * z * ratio * ratio / (shape * shape)
+    return Point(S, shape, f.D, smooth, ratio, sigma4, V, slope)
+
+
+@subroutine
+def kinetic(h, level, X, Y, b, series):
+    """P = theta-dot^2 = 2 (E - V) / M, with level = E."""
+    return 2.0 * b.inv_M * (level - point(h, X, Y, b, series).V)
+
+
+@subroutine
+def refine(low, high, level, X, Y, b, series):
+    """The turning point between ln h = low (P < 0) and high (P > 0), by bracketed Newton in ln h."""
+    x = 0.5 * (low + high)
+    for _ in range(_ROOT_LIMIT):
+        at = point(math.exp(x), X, Y, b, series)
+        gap = level - at.V
+        if gap < 0.0:
+            low = x
+        else:
+            high = x
+        # d(E - V)/d ln h = -slope
+        guess = x + gap / at.slope if at.slope != 0.0 else low
+        if not (low < guess < high):
+            guess = 0.5 * (low + high)
+        if abs(guess - x) <= 2.0 * _EPSILON * max(1.0, abs(x)):
+            return math.exp(guess)
+        x = guess
+    return math.exp(x)
+
+
+@subroutine
+def turning_point(h_end, level, X, Y, b, series):
+    """h of the first turning point on the way from h_end to flat; NaN if it starts on the wrong side.
+
+    Steps down in tilt, looking at every local minimum of P on the way (a barrier), then in ln h.
+    """
+    if not kinetic(h_end, level, X, Y, b, series) >= 0.0:
+        return math.nan
+    above = math.log(h_end)
+    slope_above = point(h_end, X, Y, b, series).slope
+    for i in range(1, SCAN):
+        h = h_end * (1.0 - i / SCAN)
+        at = point(h, X, Y, b, series)
+        here = math.log(h)
+        if level < at.V:
+            return refine(here, above, level, X, Y, b, series)
+        if slope_above < 0.0 and at.slope > 0.0:
+            # V rose and falls again: its maximum is between.
+            low, high = here, above
+            for _ in range(60):
+                middle = 0.5 * (low + high)
+                if point(math.exp(middle), X, Y, b, series).slope > 0.0:
+                    low = middle
+                else:
+                    high = middle
+            if level < point(math.exp(low), X, Y, b, series).V:
+                return refine(low, above, level, X, Y, b, series)
+        above, slope_above = here, at.slope
+    below = above
+    while below > -740.0:
+        below -= 2.0
+        if kinetic(math.exp(below), level, X, Y, b, series) < 0.0:
+            return refine(below, below + 2.0, level, X, Y, b, series)
+    return math.nan
+
+
+@subroutine
+def flat_panel(h_turn, y_low, y_high, closed, level, X, Y, rule, b, series):
+    """(chi, psi rest, time) over 0 < y < y_high less the closed part of chi; closed = D_m w(0).
+
+    rule (2, n): the positive half of a symmetric Gauss rule, since the integrand is even. Below
+    y_low > 0 nothing is left, and it makes no difference that it is not even about y_low.
+    """
+    width = y_high - y_low
+    chi = rest = time = 0.0
+    for j in range(rule.shape[1]):
+        y = y_low + width * rule[0, j]
+        dy = width * rule[1, j]
+        h = h_turn * math.cosh(y)
+        at = point(h, X, Y, b, series)
+        dt = dy * h * math.tanh(y) / (at.shape * speed_at(level, at, b))
+        w = dt / (h * at.shape * at.shape)
+        chi += w * at.smooth + Y / h * (at.D * w - closed * dy)
+        rest += dt * (at.ratio * h * at.shape / (2.0 - at.S) + at.sigma4)
+        time += dt
+    return chi, rest, time
+
+
+@subroutine
+def speed_at(level, at, b):
+    """theta-dot at a point; never zero, so that rounding near a turning point cannot divide by it."""
+    return math.sqrt(2.0 * b.inv_M * max(level - at.V, 1e-300))
+
+
+@subroutine
+def end_scale(h_turn, y_end, length, rest, level, X, Y, b, series):
+    """(scale, noise): where a slow start at y_end stops being slow, and what rounding does there.
+
+    rest: the motion starts from rest at y_end, whatever rounding makes of its speed there.
+    """
+    last = point(h_turn * math.cosh(y_end), X, Y, b, series)
+    start = 0.0 if rest else max(level - last.V, 0.0)
+    slope = max(last.slope * math.tanh(y_end), 0.0)
+    other = level - point(h_turn * math.cosh(y_end - length), X, Y, b, series).V
+    bend = max(other - start - slope * length, 0.0) / (length * length)
+    scale = length
+    if start > 0.0 and slope + bend > 0.0:
+        scale = min(length, 2.0 * start / (slope + math.sqrt(slope * slope + 4.0 * bend * start)))
+    # E - V has an error of rounding in E; it acts for as long as the motion is slow: the whole
+    # scale, or from rest about the first node's share of it, a thousandth.
+    slow = max(start, 1e-3 * (slope + bend * length) * length if rest else _EPSILON * level)
+    duration = math.sqrt(2.0) * scale / math.sqrt(2.0 * b.inv_M * slow)
+    return scale, 4.0 * _EPSILON * level / slow * duration * (1.0 + abs(last.ratio) + abs(last.sigma4))
+
+
+@subroutine
+def end_panel(h_turn, y_end, length, scale, level, X, Y, rule, b, series):
+    """(chi, psi rest, time) over y_end - length < y < y_end, where P may nearly vanish at y_end.
+
+    scale: distance from y_end over which the kinetic energy doubles. rule (2, n): a whole Gauss rule.
+    """
+    stretch = math.asinh(math.sqrt(length / scale))
+    chi = rest = time = 0.0
+    for j in range(rule.shape[1]):
+        x = 0.5 * stretch * (1.0 + rule[0, j])
+        sinh, cosh = math.sinh(x), math.cosh(x)
+        y = y_end - scale * sinh * sinh
+        h = h_turn * math.cosh(y)
+        at = point(h, X, Y, b, series)
+        dy = rule[1, j] * stretch * scale * sinh * cosh
+        dt = dy * h * math.tanh(y) / (at.shape * speed_at(level, at, b))
+        chi += dt * at.ratio / (h * at.shape)
+        rest += dt * (at.ratio * h * at.shape / (2.0 - at.S) + at.sigma4)
+        time += dt
+    return chi, rest, time
+
+
+@subroutine
+def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series):
+    """The passage from h_end (from rest there, or not) to its turning point and back; Y != 0.
+
+    Returns status and results.
+
+    rules (2, 2, n): half rules and whole rules of rising order, packed side by side; sizes: how many
+    nodes each has. Orders rise until two in turn agree to `target` (rad, relative in time).
+    """
+    h_turn = turning_point(h_end, level, X, Y, b, series)
+    if not h_turn > 0.0:
+        return _BAD, Passage(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
+    turn = point(h_turn, X, Y, b, series)
+    y_end = math.acosh(max(h_end / h_turn, 1.0))
+    length = min(_END_PANEL, 0.5 * y_end)
+    y_cut = y_end - length
+    closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * b.inv_M, 1e-300)))
+    race = closed * Y / h_turn * 2.0 * math.atan(math.tanh(0.5 * y_cut))
+    chi = psi = time = math.nan
+    angle_error = time_error = math.inf
+    # E - V at the turning point's slope: what one unit of rounding in E does to it.
+    noise = _NOISE * _EPSILON * (1.0 + level / (level - potential_at_flat(X, b) - turn.slope))
+    scale, slow_noise = end_scale(h_turn, y_end, length, rest, level, X, Y, b, series)
+    first = 0
+    for size in sizes:
+        half, whole = rules[0, :, first : first + size], rules[1, :, first : first + size]
+        first += size
+        y_low = max(0.0, y_cut - _DEEPEST)
+        chi1, rest1, time1 = flat_panel(h_turn, y_low, y_cut, closed, level, X, Y, half, b, series)
+        chi2, rest2, time2 = end_panel(h_turn, y_end, length, scale, level, X, Y, whole, b, series)
+        new_chi = 2.0 * (race + chi1 + chi2)
+        new_psi, new_time = new_chi - 2.0 * (rest1 + rest2), 2.0 * (time1 + time2)
+        angle_error = max(abs(new_chi - chi), abs(new_psi - psi))
+        time_error = abs(new_time / time - 1.0)
+        chi, psi, time = new_chi, new_psi, new_time
+        angle_noise = noise * (abs(race) + abs(chi) + abs(psi)) + slow_noise
+        time_noise = noise + slow_noise / time
+        if angle_error <= max(target, angle_noise) and time_error <= max(target, time_noise):
+            return _OK, Passage(h_turn, chi, psi, time, angle_error + angle_noise, time_error + time_noise)
+    return _LIMIT, Passage(h_turn, chi, psi, time, angle_error, time_error)
+
+
+@kernel(
+    types.vector,
+    types.vector,
+    types.vector,
+    types.number,
+    types.number,
+    types.table,
+    types.longs,
+    types.body,
+    types.matrix,
+    types.matrix,
+    types.codes,
+)
+def passage_batch(sigma3_bar, eta, speed, h_end, target, rules, sizes, b, series, out, status):
+    """`passage` on side +1 for every sample, with phidot = `speed` at the vertical, cut at h_end.
+
+    out (7, n): theta_min, chi, psi, time, energy, error of angles, relative error of time. status
+    (n): samples that come in as not OK are skipped; eta = 0 is FALLS; a motion that does not come as
+    far as h_end is BAD_INPUT.
+    """
+    for i in range(eta.size):
+        out[:, i] = math.nan
+        if status[i] != _OK:
+            continue
+        if eta[i] == 0.0:
+            status[i] = _FALLS
+            continue
+        X, Y = sigma3_bar[i] / b.r0, eta[i] / b.I1
+        level = 0.5 * b.M * speed[i] * speed[i] + point(VERTICAL, X, Y, b, series).V
+        status[i], found = passage(
+            h_end, speed[i] == 0.0 and h_end == VERTICAL, level, X, Y, target, rules, sizes, b, series
+        )
+        out[0, i] = 2.0 * math.asin(0.5 * found.h_turn)
+        out[1, i], out[2, i], out[3, i], out[4, i] = found.chi, found.psi, found.time, level
+        out[5, i], out[6, i] = found.angle_error, found.time_error
