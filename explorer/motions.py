@@ -20,13 +20,15 @@ MAX_STEPS = 200_000
 class TurningPoints:
     """Where motions next stop tilting (p = 0), natural units except where said.
 
-    theta: tilt from the nearer flat state (rad). side: which flat state that is. time, chi, psi:
+    theta: tilt from the nearer flat state (rad). side: which flat state that is. way: sigma3/q there,
+    whose sign is the direction in which the contact point moves. time, chi, psi:
     increase since the start; zero on the reduced rung. drift (3, n): of energy (relative),
     sigma3_bar, eta. Entries are NaN where status is not OK.
     """
 
     theta: Array
     side: NDArray[np.int8]
+    way: Array
     time: Array
     chi: Array
     psi: Array
@@ -73,6 +75,7 @@ def turning_points(states: States, how: Plan, found: Array | None = None) -> Tur
     return TurningPoints(
         theta=np.arctan2(out[0], abs(out[1])),
         side=np.where(out[1] >= 0.0, 1, -1).astype(np.int8),
+        way=out[3],
         time=out[5],
         chi=out[6],
         psi=out[7],

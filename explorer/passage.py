@@ -20,7 +20,7 @@ from explorer.states import Array, States, constants_to_states, natural_constant
 _VERTICAL = float(np.sqrt(2.0))
 _OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
 # What a coarser integration, done to estimate the error, is allowed: in tolerance, in step.
-_COARSER = {"dopri5": 30.0, "rk4": 1.5}
+_COARSER = {"dopri5": 100.0, "rk4": 1.5}
 
 
 @dataclass(frozen=True)
@@ -28,12 +28,15 @@ class Passages:
     """Passages near flat, one entry per sample; angles in rad, the rest in the units of the disk.
 
     race_angle: delta_chi less drift, the increase of chi along the limit motion with the same
-    sigma3_bar and energy; limit: sgn(eta) kappa pi. theta_min: smallest tilt. error_estimate:
-    of the angles (absolute) and of duration and theta_min (relative), whichever is larger. A sample
-    whose status is not OK is NaN; with eta_hat = 0 it FALLS, and fall_time is its time to flat.
+    sigma3_bar and energy (where that starts later than the vertical, all of it); limit: sgn(eta) kappa
+    pi. wrong_way: the contact point moves against sgn(eta) at the flattest moment. theta_min: smallest
+    tilt. error_estimate: of the angles (absolute) and of duration and theta_min (relative), whichever
+    is larger. A sample whose status is not OK is NaN; with eta_hat = 0 it FALLS, and fall_time is its
+    time to flat.
     """
 
     race_angle: Array
+    wrong_way: NDArray[np.bool_]
     delta_chi: Array
     delta_psi: Array
     drift: Array
@@ -112,13 +115,14 @@ def _by_quadrature(
         np.where(good, column, 1.0) for column in (s3 / unit, eta_hat / unit * b.I3 * b.r0, speed / unit)
     )
     rules, sizes = packed_rules()
-    out = np.empty((7, eta.size))
+    out = np.empty((8, eta.size))
     h_end = 2.0 * np.sin(0.5 * (0.5 * np.pi - edge)) if edge > 0.0 else _VERTICAL
     compiled.quadrature.passage_batch(
         sigma3_bar, eta, start, h_end, how.accuracy, rules, sizes, b, disk.series, out, status
     )
     energy = np.where(eta == 0.0, _energy_on_f(disk, sigma3_bar, start), out[4])
-    return _assemble(disk, sigma3_bar, eta, side, energy, edge, out, np.fmax(out[5], out[6]), status)
+    rows = [*out[:4], out[7]]
+    return _assemble(disk, sigma3_bar, eta, side, energy, edge, rows, np.fmax(out[5], out[6]), status)
 
 
 def _energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
@@ -146,12 +150,11 @@ def _by_integration(
     status = np.where(good & doubtful & (eta != 0.0), code.UNRESOLVED_SIDE, status)
     status = np.where(good & (eta == 0.0), code.FALLS, status).astype(np.int8)
     # A passage ends at the flat state it was sent to; one that turns elsewhere was never near it.
-    out = np.stack([fine.theta, 2.0 * fine.chi, 2.0 * fine.psi * facing, 2.0 * fine.time, found[3]])
+    rows = [fine.theta, 2.0 * fine.chi, 2.0 * fine.psi * facing, 2.0 * fine.time, fine.way]
     error = np.fmax(2.0 * abs(fine.chi - rough.chi), 2.0 * abs(fine.psi - rough.psi))
     error = np.fmax(error, abs(rough.time / fine.time - 1.0))
     error = np.fmax(error, abs(rough.theta / fine.theta - 1.0))
-    out[:4, status != code.OK] = np.nan
-    return _assemble(disk, s3 / unit, eta, side, found[3], 0.0, out, error + 1e-13, status)
+    return _assemble(disk, s3 / unit, eta, side, found[3], 0.0, rows, 2.0 * error + 1e-13, status)
 
 
 def _assemble(
@@ -161,19 +164,20 @@ def _assemble(
     side: Array,
     energy: Array,
     edge: float,
-    out: Array,
+    rows: list[Array],
     error: Array,
     status: NDArray[np.int8],
 ) -> dict[str, Any]:
-    """Results in the units of the disk. out: theta_min, chi, psi (as on side +1), time."""
+    """Results in the units of the disk. rows: theta_min, chi, psi (as on side +1), time, way."""
     code = compiled.status.Status
     time, chi, _psi = fall_from_vertical(disk, sigma3_bar, energy, edge)
     ok, falls = status == code.OK, status == code.FALLS
     limit = np.sign(eta) * disk.race_limit
     drift = np.where(ok | falls, 2.0 * chi, np.nan)
-    theta, delta_chi, delta_psi, duration = out[:4]
+    theta, delta_chi, delta_psi, duration, way = rows
     return {
         "race_angle": np.where(ok, delta_chi - drift, np.nan),
+        "wrong_way": ok & (np.sign(way) != np.sign(eta)),
         "delta_chi": np.where(ok, delta_chi, np.nan),
         "delta_psi": np.where(ok, delta_psi * side, np.nan),
         "drift": drift,

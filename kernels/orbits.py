@@ -53,7 +53,7 @@ def orbit(h0, p, X, near, far, target, rules, sizes, b, series):
     side (chi = psi = time = 0 if the motion does not cross the vertical), and the energy.
     """
     level = 0.5 * b.M * p * p + point(h0, X, near, b, series).V
-    none = Passage(math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
+    none = Passage(math.nan, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
     outer = turning_point_outward(h0, level, X, near, b, series)
     if outer > 0.0:
         status, here = passage(outer, True, level, X, near, target, rules, sizes, b, series)

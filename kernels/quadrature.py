@@ -57,9 +57,13 @@ class Point(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """A passage from `end` to the turning point and back, natural units, side +1."""
+    """A passage from `end` to the turning point and back, natural units, side +1.
+
+    way: sigma3 at the turning point, whose sign is the direction of the race.
+    """
 
     h_turn: float
+    way: float
     chi: float
     psi: float
     time: float
@@ -137,6 +141,14 @@ def turning_point(h_end, level, X, Y, b, series):
             if level < point(math.exp(low), X, Y, b, series).V:
                 return refine(low, above, level, X, Y, b, series)
         above, slope_above = here, at.slope
+    # Near flat h_m = |Y| sqrt(I1/M) / A to leading order: look there before walking down.
+    rest = level - potential_at_flat(X, b)
+    if rest > 0.0 and Y != 0.0:
+        guess = math.log(abs(Y)) + 0.5 * math.log(0.5 * b.I1 / rest)
+        if guess + 0.7 < above:
+            low = kinetic(math.exp(max(guess - 0.7, -744.0)), level, X, Y, b, series)
+            if low < 0.0 < kinetic(math.exp(guess + 0.7), level, X, Y, b, series):
+                return refine(guess - 0.7, guess + 0.7, level, X, Y, b, series)
     below = above
     while below > -740.0:
         below -= 2.0
@@ -227,7 +239,7 @@ def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series):
     """
     h_turn = turning_point(h_end, level, X, Y, b, series)
     if not h_turn > 0.0:
-        return _BAD, Passage(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
+        return _BAD, Passage(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
     turn = point(h_turn, X, Y, b, series)
     y_end = math.acosh(max(h_end / h_turn, 1.0))
     length = min(_END_PANEL, 0.5 * y_end)
@@ -254,8 +266,10 @@ def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series):
         angle_noise = noise * (abs(race) + abs(chi) + abs(psi)) + slow_noise
         time_noise = noise + slow_noise / time
         if angle_error <= max(target, angle_noise) and time_error <= max(target, time_noise):
-            return _OK, Passage(h_turn, chi, psi, time, angle_error + angle_noise, time_error + time_noise)
-    return _LIMIT, Passage(h_turn, chi, psi, time, angle_error, time_error)
+            return _OK, Passage(
+                h_turn, turn.ratio, chi, psi, time, angle_error + angle_noise, time_error + time_noise
+            )
+    return _LIMIT, Passage(h_turn, turn.ratio, chi, psi, time, angle_error, time_error)
 
 
 @kernel(
@@ -274,7 +288,7 @@ def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series):
 def passage_batch(sigma3_bar, eta, speed, h_end, target, rules, sizes, b, series, out, status):
     """`passage` on side +1 for every sample, with phidot = `speed` at the vertical, cut at h_end.
 
-    out (7, n): theta_min, chi, psi, time, energy, error of angles, relative error of time. status
+    out (8, n): theta_min, chi, psi, time, energy, error of angles, relative error of time, way. status
     (n): samples that come in as not OK are skipped; eta = 0 is FALLS; a motion that does not come as
     far as h_end is BAD_INPUT.
     """
@@ -292,4 +306,4 @@ def passage_batch(sigma3_bar, eta, speed, h_end, target, rules, sizes, b, series
         )
         out[0, i] = 2.0 * math.asin(0.5 * found.h_turn)
         out[1, i], out[2, i], out[3, i], out[4, i] = found.chi, found.psi, found.time, level
-        out[5, i], out[6, i] = found.angle_error, found.time_error
+        out[5, i], out[6, i], out[7, i] = found.angle_error, found.time_error, found.way

@@ -78,6 +78,7 @@ class RaceAngles(SampledScene):
             "side": start.side.astype(np.int8),
             "energy": found.energy,
             "race_angle": found.race_angle,
+            "wrong_way": found.wrong_way,
             "delta_chi": found.delta_chi,
             "drift": found.drift,
             "impact_speed": found.impact_speed,
@@ -100,7 +101,7 @@ class RaceAngles(SampledScene):
         summary: dict[str, Any] = {
             "samples": self.samples,
             "limit": limit,
-            "wrong_way": int((race * np.sign(eta_hat) < 0.0).sum()),
+            "wrong_way": int(column(tables, "wrong_way").sum()),
             "failures": {name: count for name, count in status.items() if name != "ok"},
             "status": status,
         }

@@ -171,3 +171,34 @@ def test_times_before_the_start_are_refused():
     limit = limit_motion(BODIES["uniform"], base(BODIES["uniform"], 1), 1)
     with pytest.raises(ex.InputError, match="times"):
         limit(-1.0)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("name", ["uniform", "hoop", "thick"])
+def test_limits_at_the_impact_are_those_of_sections_6_and_7(name, side):
+    """(6.12), (6.15), (7.16)-(7.20) and Lemma 8, to 1e-9."""
+    disk = BODIES[name]
+    b = disk.body
+    sigma3_bar = 0.8
+    for sign in (1, -1):
+        limit = limit_motion(disk, base(disk, side, sigma3_bar), sign)
+        A, B = limit.impact_speed, b.I1 * sigma3_bar / (b.I3 * b.r0)
+        hit = limit.impacts(20.0)[1]
+        before, after = limit(hit * (1 - 4e-16 * 8)), limit(hit * (1 + 4e-16 * 8))
+        down, up = float(before.chi), float(after.chi)
+        assert up - down == pytest.approx(sign * disk.race_limit, abs=1e-9)
+        assert float(before.phidot) == pytest.approx(side * A, abs=1e-9)
+        assert float(after.phidot) == pytest.approx(-side * A, abs=1e-9)
+        want = (
+            (before.nu, (side * A * np.sin(down), -side * A * np.cos(down), B)),
+            (after.nu, (-side * A * np.sin(up), side * A * np.cos(up), B)),
+            (before.velocity, (side * B * np.sin(down), -side * B * np.cos(down), -A)),
+            (after.velocity, (side * B * np.sin(up), -side * B * np.cos(up), A)),
+        )
+        for got, expected in want:
+            np.testing.assert_allclose(got, expected, atol=1e-9)
+        # the points of contact are the hinges of the fall and of the rise
+        for at, chi in ((before, down), (after, up)):
+            np.testing.assert_allclose(
+                at.contact - at.path, [side * np.cos(chi), side * np.sin(chi), 0.0], atol=1e-9
+            )
