@@ -32,7 +32,7 @@ class Body(NamedTuple):
 def make_body(I1: float, I3: float) -> tuple[Body, np.ndarray]:
     """The constants of the disk and its Chaplygin series, from I1/(m r^2) and I3/(m r^2).
 
-    Returns the body and the (4, n) coefficients of :func:`kernels.chaplygin.make_series`.
+    Returns the body and the (5, n) coefficients of :func:`kernels.chaplygin.make_series`.
     """
     M, J = I1 + 1.0, I3 + 1.0
     c = I3 / (J * I1)

@@ -35,9 +35,9 @@ class Solutions(NamedTuple):
 
 
 def make_series(c: float) -> tuple[np.ndarray, float, float]:
-    """Polynomials in 2S - 1 on 0 <= S <= 1 for rho/S, rho', v, v'; and r(0), r'(0).
+    """Polynomials in 2S - 1 on 0 <= S <= 1 for rho/S, rho', v, v', (rho' - 1)/S; and r(0), r'(0).
 
-    c is the dimensionless parameter of eq. (4.3). Returns coefficients, shape (4, DEGREE + 1),
+    c is the dimensionless parameter of eq. (4.3). Returns coefficients, shape (5, DEGREE + 1),
     ascending powers. Power series of eqs (5.1)-(5.3) and of v in Lemma 2.
     """
     r = np.zeros(TERMS + 2)
@@ -52,7 +52,8 @@ def make_series(c: float) -> tuple[np.ndarray, float, float]:
     # A multiple of rho may be added to v; v(1) = 0 fixes it.
     v -= math.fsum(v) / math.fsum(r) * r
     orders = np.arange(r.size)
-    power_series = np.stack([np.roll(r, -1), np.roll(r * orders, -1), v, np.roll(v * orders, -1)])
+    drho, dv = np.roll(r * orders, -1), np.roll(v * orders, -1)
+    power_series = np.stack([np.roll(r, -1), drho, v, dv, np.append(drho[1:], 0.0)])
 
     table = np.stack([_economise(row) for row in power_series])
     return np.ascontiguousarray(table), math.fsum(r), math.fsum(r * orders)
@@ -89,6 +90,17 @@ def solutions(S, log_S, c, series):
     rho = S * g
     half_c = 0.5 * c
     return Solutions(rho, drho, g, half_c * rho * log_S + v, half_c * (drho * log_S + g) + dv)
+
+
+@device
+def slope_excess(S, series):
+    """(rho' - 1) / S: what is left of rho' above its value at flat, without cancellation."""
+    x = 2.0 * S - 1.0
+    n = series.shape[1] - 1
+    total = series[4, n]
+    for j in range(n - 1, -1, -1):
+        total = total * x + series[4, j]
+    return total
 
 
 @device

@@ -20,7 +20,7 @@ def forces_batch(sigma3_bar, eta, speed, b, series, out):
     for i in range(eta.size):
         X, Y = sigma3_bar[i] / b.r0, eta[i] / b.I1
         level = 0.5 * b.M * speed[i] * speed[i] + point(VERTICAL, X, Y, b, series).V
-        h_turn = turning_point(VERTICAL, level, X, Y, b, series)
+        h_turn = turning_point(VERTICAL, speed[i] == 0.0, level, X, Y, b, series)
         out[0, i] = out[1, i] = math.nan
         if not h_turn > 0.0:
             continue

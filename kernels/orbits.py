@@ -4,6 +4,7 @@ import math
 
 from kernels import types
 from kernels._jit import kernel, subroutine
+from kernels.falling import potential_at_flat
 from kernels.quadrature import SCAN, VERTICAL, Passage, passage, point, turning_point
 from kernels.status import Status
 
@@ -90,7 +91,7 @@ def orbit_batch(starts, target, rules, sizes, b, series, out, status):
         status[i] = code
         out[0, i], out[1, i] = 2.0 * math.asin(0.5 * here.h_turn), 2.0 * math.asin(0.5 * there.h_turn)
         out[2, i], out[3, i] = here.chi + there.chi, here.psi - there.psi
-        out[4, i], out[5, i] = here.time + there.time, level
+        out[4, i], out[5, i] = here.time + there.time, level + potential_at_flat(s3 / b.r0, b)
         out[6, i] = here.angle_error + there.angle_error
         out[7, i] = max(here.time_error, there.time_error)
 
@@ -105,9 +106,9 @@ def tilt_batch(starts, b, series, out, status):
         h, p, X = starts[0, i], starts[1, i], starts[2, i] / b.r0
         near, far = starts[3, i] / b.I1, starts[4, i] / b.I1
         level = 0.5 * b.M * p * p + point(h, X, near, b, series).V
-        least = turning_point(h, level, X, near, b, series)
+        least = turning_point(h, p == 0.0, level, X, near, b, series)
         if not turning_point_outward(h, level, X, near, b, series) > 0.0:
-            least = min(least, turning_point(VERTICAL, level, X, far, b, series))
+            least = min(least, turning_point(VERTICAL, False, level, X, far, b, series))
         out[i] = 2.0 * math.asin(0.5 * least)
         if not least > 0.0:
             status[i] = _LIMIT

@@ -43,7 +43,7 @@ class Point(NamedTuple):
     """A tilt on a motion with constants (X, Y), side +1.
 
     shape: sqrt(1 - h^2/4) = cos(theta/2); D: dominant solution; smooth: X (rho/S) h/2, the part of
-    sigma3/h without eta; ratio: sigma3/q; V: amended potential; slope: h dV/dh.
+    sigma3/h without eta; ratio: sigma3/q; V: amended potential above V_0; slope: h dV/dh.
     """
 
     S: float
@@ -81,14 +81,17 @@ def point(h, X, Y, b, series):
     ratio = (smooth + Y * f.D / h) / shape
     sigma4 = (X * f.drho + Y * f.dD) / b.k
     q, z = h * shape, 1.0 - S
-    V = 0.5 * b.I1 * ratio * ratio + 0.5 * b.J * sigma4 * sigma4 + q
+    # sigma4^2 less its value at flat, from the difference itself: near flat V - V_0 is all there is
+    flat = X / b.k
+    rise = (X * S * chaplygin.slope_excess(S, series) + Y * f.dD) / b.k
+    V = 0.5 * b.I1 * ratio * ratio + 0.5 * b.J * rise * (2.0 * flat + rise) + q
     slope = h / shape * (b.J * ratio * sigma4 + z) - b.I1 * z * ratio * ratio / (shape * shape)
     return Point(S, shape, f.D, smooth, ratio, sigma4, V, slope)
 
 
 @subroutine
 def kinetic(h, level, X, Y, b, series):
-    """P = theta-dot^2 = 2 (E - V) / M, with level = E."""
+    """P = theta-dot^2 = 2 (E - V) / M, with level = E - V_0, as everywhere here."""
     return 2.0 * b.inv_M * (level - point(h, X, Y, b, series).V)
 
 
@@ -114,12 +117,12 @@ def refine(low, high, level, X, Y, b, series):
 
 
 @subroutine
-def turning_point(h_end, level, X, Y, b, series):
+def turning_point(h_end, rest, level, X, Y, b, series):
     """h of the first turning point on the way from h_end to flat; NaN if it starts on the wrong side.
 
     Steps down in tilt, looking at every local minimum of P on the way (a barrier), then in ln h.
     """
-    if not kinetic(h_end, level, X, Y, b, series) >= 0.0:
+    if not (rest or kinetic(h_end, level, X, Y, b, series) >= 0.0):
         return math.nan
     above = math.log(h_end)
     slope_above = point(h_end, X, Y, b, series).slope
@@ -142,9 +145,8 @@ def turning_point(h_end, level, X, Y, b, series):
                 return refine(low, above, level, X, Y, b, series)
         above, slope_above = here, at.slope
     # Near flat h_m = |Y| sqrt(I1/M) / A to leading order: look there before walking down.
-    rest = level - potential_at_flat(X, b)
-    if rest > 0.0 and Y != 0.0:
-        guess = math.log(abs(Y)) + 0.5 * math.log(0.5 * b.I1 / rest)
+    if level > 0.0 and Y != 0.0:
+        guess = math.log(abs(Y)) + 0.5 * math.log(0.5 * b.I1 / level)
         if guess + 0.7 < above:
             low = kinetic(math.exp(max(guess - 0.7, -744.0)), level, X, Y, b, series)
             if low < 0.0 < kinetic(math.exp(guess + 0.7), level, X, Y, b, series):
@@ -202,7 +204,8 @@ def end_scale(h_turn, y_end, length, rest, level, X, Y, b, series):
     # E - V has an error of rounding in E; it acts for as long as the motion is slow: the whole
     # scale, or from rest about the first node's share of it, a thousandth.
     slow = max(start, 1e-3 * (slope + bend * length) * length if rest else _EPSILON * level)
-    duration = math.sqrt(2.0) * scale / math.sqrt(2.0 * b.inv_M * slow)
+    tilt = h_turn * math.sinh(y_end) / last.shape  # d theta / dy
+    duration = math.sqrt(2.0) * scale * tilt / math.sqrt(2.0 * b.inv_M * slow)
     return scale, 4.0 * _EPSILON * level / slow * duration * (1.0 + abs(last.ratio) + abs(last.sigma4))
 
 
@@ -237,7 +240,7 @@ def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series):
     rules (2, 2, n): half rules and whole rules of rising order, packed side by side; sizes: how many
     nodes each has. Orders rise until two in turn agree to `target` (rad, relative in time).
     """
-    h_turn = turning_point(h_end, level, X, Y, b, series)
+    h_turn = turning_point(h_end, rest, level, X, Y, b, series)
     if not h_turn > 0.0:
         return _BAD, Passage(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
     turn = point(h_turn, X, Y, b, series)
@@ -248,8 +251,9 @@ def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series):
     race = closed * Y / h_turn * 2.0 * math.atan(math.tanh(0.5 * y_cut))
     chi = psi = time = math.nan
     angle_error = time_error = math.inf
-    # E - V at the turning point's slope: what one unit of rounding in E does to it.
-    noise = _NOISE * _EPSILON * (1.0 + level / (level - potential_at_flat(X, b) - turn.slope))
+    # What a unit of rounding in E - V does: the terms of V may be larger than their sum.
+    gyration = 0.5 * b.I1 * turn.ratio * turn.ratio
+    noise = _NOISE * _EPSILON * (1.0 + (abs(level) + gyration) / max(-turn.slope, _EPSILON * gyration))
     scale, slow_noise = end_scale(h_turn, y_end, length, rest, level, X, Y, b, series)
     first = 0
     for size in sizes:
@@ -305,5 +309,6 @@ def passage_batch(sigma3_bar, eta, speed, h_end, target, rules, sizes, b, series
             h_end, speed[i] == 0.0 and h_end == VERTICAL, level, X, Y, target, rules, sizes, b, series
         )
         out[0, i] = 2.0 * math.asin(0.5 * found.h_turn)
-        out[1, i], out[2, i], out[3, i], out[4, i] = found.chi, found.psi, found.time, level
+        energy = level + potential_at_flat(X, b)
+        out[1, i], out[2, i], out[3, i], out[4, i] = found.chi, found.psi, found.time, energy
         out[5, i], out[6, i], out[7, i] = found.angle_error, found.time_error, found.way
