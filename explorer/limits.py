@@ -17,9 +17,10 @@ from explorer.disk import Disk
 from explorer.errors import InputError
 from explorer.falling import falls_of
 from explorer.gauss import gauss
+from explorer.motions import rows_to_states
 from explorer.pendulum import Pendulum
 from explorer.rise import Rise
-from explorer.states import Array, States, natural_constants, phi_to_states, require_axial_inertia
+from explorer.states import Array, States, natural_constants, require_axial_inertia
 
 _GAUSS = gauss(64)
 _HALF_PI = 0.5 * np.pi
@@ -269,11 +270,13 @@ def limit_motion(disk: Disk, state_on_f: ArrayLike | States, sign: int = 1) -> A
     require_axial_inertia(disk)
     if sign not in (1, -1):
         raise InputError(f"limit motion: sign = {sign} must be +1 or -1")
-    states = state_on_f if isinstance(state_on_f, States) else phi_to_states(disk, *np.asarray(state_on_f))
+    states = rows_to_states(disk, state_on_f)
+    if len(states) != 1:
+        raise InputError(f"limit motion: needs one state, {len(states)} were given")
     found = natural_constants(states)
     where = falls_of(states, found)
-    if len(states) != 1 or not bool(where.could_fall[0]):
-        raise InputError("limit motion: needs one state from which the disk could fall")
+    if not bool(where.could_fall[0]):
+        raise InputError("limit motion: the disk could not fall from this state; see explorer.falls")
     side = int(where.side[0])
     q, z, p = states.natural[:3, 0]
     start = (float(np.arctan2(q, side * z)), side * float(p))

@@ -13,7 +13,7 @@ from explorer.falling import falls_of
 from explorer.models import ALGEBRA, Plan, plan
 from explorer.states import Array, States, natural_constants, phi_to_states
 
-MAX_STEPS = 200_000
+MAX_STEPS = 2_000_000
 
 
 @dataclass(frozen=True)
@@ -119,8 +119,8 @@ def smallest_tilt(
         theta = np.empty(len(states))
         disk = states.disk
         starts = orbit_starts(states, found)
-        compiled.orbits.tilt_batch(starts, disk.body, disk.series, theta, status)
-        return theta, status, np.zeros(len(states), np.int32)
+        compiled.orbits.tilt_batch(starts, how.accuracy, disk.body, disk.series, theta, status)
+        return np.where(status == 0, theta, np.nan), status, np.zeros(len(states), np.int32)
     forward = turning_points(states, how, found)
     backward = turning_points(states.reversed(), how, found)
     status = np.where(forward.status == 0, backward.status, forward.status)
@@ -172,7 +172,7 @@ def simulate(
     `constants_to_states` keep the eta_hat they were given, down to 1e-300.
     A state on the falling set has no motion past the fall: status FALLS, values NaN.
     """
-    initial = states if isinstance(states, States) else _rows_to_states(disk, states)
+    initial = rows_to_states(disk, states)
     times = _times(t_end, t_eval)
     how = plan(observables, accuracy, method)
     if how.rung == ALGEBRA:
@@ -183,8 +183,14 @@ def simulate(
     return _trajectories(disk, times, out, observables, (status, steps, drift))
 
 
-def _rows_to_states(disk: Disk, states: ArrayLike | States) -> States:
-    rows = np.atleast_2d(np.asarray(states, dtype=np.float64))
+def rows_to_states(disk: Disk, states: ArrayLike | States) -> States:
+    """States from rows of phi, phidot, sigma3, sigma4; `States` pass through."""
+    if isinstance(states, States):
+        return states
+    try:
+        rows = np.atleast_2d(np.asarray(states, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise InputError("states: give numbers, rows of phi, phidot, sigma3, sigma4") from None
     if rows.ndim != 2 or rows.shape[1] != 4:
         raise InputError(f"states: shape {rows.shape} is not (n, 4); give rows of phi, phidot, sigma3, sigma4")
     return phi_to_states(disk, *rows.T)

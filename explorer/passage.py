@@ -75,6 +75,8 @@ def passages(
     Bad input (not finite, phidot < 0, side not +-1) has status BAD_INPUT. Section 7 of the paper.
     """
     require_axial_inertia(disk)
+    if jobs < 1:
+        raise InputError(f"jobs = {jobs} must be 1 or more")
     how = plan(_OBSERVABLES, accuracy, method)
     edge = _check_window(window, how.method)
     columns = np.broadcast_arrays(*(np.asarray(a, np.float64) for a in (sigma3_bar, eta_hat, phidot, side)))

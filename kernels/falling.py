@@ -14,6 +14,7 @@ from kernels.constants import depth_below_vertical
 
 # Bisection to rounding on an interval of length pi/2.
 BISECTIONS = 60
+_ROUNDING = 8 * 2.2e-16
 
 
 class OnF(NamedTuple):
@@ -82,7 +83,10 @@ def reaches_flat(q, z, energy, X, well_phi, b, series):
 
     From the vertical to flat V only decreases; beyond the vertical a barrier may stand between.
     """
-    if not (energy > potential_at_flat(X, b) and energy > on_f(q, z, X, b, series).V):
+    here = on_f(q, z, X, b, series)
+    # A start from rest has E = V up to rounding; it falls if V falls towards flat.
+    at_rest = abs(energy - here.V) <= _ROUNDING * here.V and here.dV < -_ROUNDING
+    if not (energy > potential_at_flat(X, b) and (energy > here.V or at_rest)):
         return False
     if z >= 0.0:
         return True

@@ -96,9 +96,16 @@ def orbit_batch(starts, target, rules, sizes, b, series, out, status):
         out[7, i] = max(here.time_error, there.time_error)
 
 
-@kernel(types.matrix, types.body, types.matrix, types.vector, types.codes)
-def tilt_batch(starts, b, series, out, status):
-    """Smallest tilt of every motion, from both of its turning points; starts as for orbit_batch."""
+# V is measured from V_0; where V_0 exceeds the energy by more (I3 near 0), its rounding is felt.
+_ROUNDING = 20.0 * 2.2e-16
+
+
+@kernel(types.matrix, types.number, types.body, types.matrix, types.vector, types.codes)
+def tilt_batch(starts, target, b, series, out, status):
+    """Smallest tilt of every motion, from both of its turning points; starts as for orbit_batch.
+
+    A sample whose energy is not known to `target` times what it has above V_0 is STEP_LIMIT.
+    """
     for i in range(status.size):
         out[i] = math.nan
         if status[i] != _OK:
@@ -110,5 +117,6 @@ def tilt_batch(starts, b, series, out, status):
         if not turning_point_outward(h, level, X, near, b, series) > 0.0:
             least = min(least, turning_point(VERTICAL, False, level, X, far, b, series))
         out[i] = 2.0 * math.asin(0.5 * least)
-        if not least > 0.0:
+        scale = potential_at_flat(X, b)
+        if not (least > 0.0 and _ROUNDING * scale <= target * abs(level + scale)):
             status[i] = _LIMIT

@@ -161,7 +161,8 @@ def trajectory_batch(
         moved = drift_between(begin, end, near_plus)
         drift[0, i], drift[1, i], drift[2, i] = moved.energy, moved.sigma3_bar, moved.eta
         if code == _OK and not math.isnan(hold.sigma3_bar):
-            code = _OK if abs(moved.energy) <= max_drift else _DRIFT
+            # The accuracy is per passage, which takes about two units of time; errors add up.
+            code = _OK if abs(moved.energy) <= max_drift * max(1.0, 0.5 * last.t) else _DRIFT
         elif code == _OK:
             eta = begin.eta_plus if near_plus else begin.eta_minus
             code = verdict(moved, eta, math.sqrt(2.0 * begin.energy / b.I1), max_drift)

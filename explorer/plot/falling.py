@@ -105,6 +105,9 @@ def theta_min_distribution(theta: Array, ax: Axes | None = None) -> Axes:
     """Share of samples that come flatter than delta, and the slope one of codimension one."""
     ax = axes_or_new(ax)
     values = np.sort(theta[np.isfinite(theta)])
+    if values.size == 0:
+        ax.text(0.5, 0.5, "no sample was computed", ha="center", transform=ax.transAxes, fontsize=TEXT)
+        return dress(ax, r"$\delta$ (rad)", "share of samples")
     share = np.arange(1, values.size + 1) / theta.size
     shown = np.unique(np.geomspace(1, values.size, 400).astype(int)) - 1
     ax.loglog(values[shown], share[shown], color=PLUS, lw=2, label="samples")

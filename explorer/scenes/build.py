@@ -53,6 +53,8 @@ def build_scene(
 def _disks(name: str, disk: Any) -> tuple[Disk, ...]:
     if disk is None:
         disk = ["uniform", "hoop", "matching"] if name in _SEVERAL_DISKS else ["uniform"]
+    if not isinstance(disk, str | Disk | list | tuple):
+        raise InputError(f"--disk {disk!r} is not a disk; give a Disk, a name, or a list of them")
     several = [disk] if isinstance(disk, str | Disk) else list(disk)
     if not several or (len(several) > 1 and name not in _SEVERAL_DISKS):
         raise InputError(f"--disk: {name} takes one disk, {len(several)} were given")
@@ -95,8 +97,9 @@ def _box(name: str, disk: Disk, value: Any) -> Box:
 def _range(option: str, value: Any) -> Range:
     if isinstance(value, str):
         return parse_range(value, option)
-    low, high = value
-    return _number(option, low), _number(option, high)
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise InputError(f"{option} {value!r} is not a range; give LOW:HIGH or a pair of numbers")
+    return _number(option, value[0]), _number(option, value[1])
 
 
 def _slices(value: str | Slice | Sequence[str | Slice]) -> tuple[Slice, ...]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from explorer import statistics
-from explorer.errors import InputError
+from explorer.errors import RunError
 from explorer.passage import passages
 from explorer.sampling import Box, Range, chunk_stream, log_uniform
 from explorer.scenes.base import SampledScene, Table, Tables, column
@@ -93,7 +93,7 @@ class RaceAngles(SampledScene):
         limit = self.disk.race_limit
         status = statistics.count_status(table["status"] for table in tables())
         if not np.isfinite(race).any():
-            raise InputError(
+            raise RunError(
                 f"race-angles: none of {race.size} passages was resolved ({status}); "
                 "raise --eta-hat or change --accuracy"
             )

@@ -130,3 +130,23 @@ def test_nothing_falls_off_the_lines(body):
     theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4, "dopri5"), found)
     assert (status == 0).mean() > 0.998
     assert (theta[status == 0] > 0).all()
+
+
+def test_a_start_from_rest_falls_where_the_potential_falls_and_an_equilibrium_stays():
+    disk = BODIES["uniform"]
+    assert ex.falls(disk, 0.1, 0.0, 0.0, 0.0).status[0] == ex.Status.FALLS
+    assert ex.falls(disk, 0.0, 0.0, 0.0, 0.0).status[0] == ex.Status.OK
+    assert ex.simulate(disk, (0.1, 0.0, 0.0, 0.0), 3.0).status[0] == ex.Status.FALLS
+    still = ex.simulate(disk, (0.0, 0.0, 0.0, 0.0), 3.0, observables=("phi",))
+    assert still.status[0] == ex.Status.OK
+    assert (still.phi == 0.0).all()
+
+
+def test_a_body_with_next_to_no_axial_inertia_is_reported_as_unresolved_not_guessed():
+    """V_0 is 10^24 times the energy there: no digit of the tilt is left."""
+    disk = ex.Disk(I1=0.25, I3=1e-12)
+    states = ex.phi_to_states(disk, 0.1, 0.5, [1.0, -0.7], [0.3, 0.9])
+    _, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-6))
+    assert (status == ex.Status.STEP_LIMIT).all()
+    integrated, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-6, "dopri5"))
+    assert (integrated[status == 0] > 0.05).all()

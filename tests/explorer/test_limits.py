@@ -157,8 +157,8 @@ def test_the_fall_is_integrated_well_however_slowly_it_starts(speed):
     ("state", "sign", "message"),
     [
         ((0.0, 1.0, 1.0, 0.7286), 2, "sign"),
-        ((0.0, 0.0, 3.0, 0.0), 1, "could fall"),
-        ((np.nan, 0.0, 3.0, 0.0), 1, "could fall"),
+        ((0.0, 0.0, 3.0, 0.0), 1, "could not fall"),
+        ((np.nan, 0.0, 3.0, 0.0), 1, "could not fall"),
         ((0.0, 1e-7, 0.0, 0.0), 1, "stops upright"),
     ],
 )
@@ -202,3 +202,9 @@ def test_limits_at_the_impact_are_those_of_sections_6_and_7(name, side):
             np.testing.assert_allclose(
                 at.contact - at.path, [side * np.cos(chi), side * np.sin(chi), 0.0], atol=1e-9
             )
+
+
+@pytest.mark.parametrize("states", [[(0, 1, 1, 0.7)] * 2, (0, 1, 1), "flat"])
+def test_anything_but_one_state_is_refused(states):
+    with pytest.raises(ex.InputError, match="state"):
+        limit_motion(BODIES["uniform"], states)

@@ -224,3 +224,16 @@ def test_passages_meet_the_accuracy_asked(body, method, accuracy):
         abs(coarse.theta / fine.theta - 1),
     ):
         assert np.percentile(error[both], 99) <= accuracy
+
+
+def test_empty_input_gives_empty_output():
+    disk = BODIES["uniform"]
+    assert ex.simulate(disk, np.empty((0, 4)), 1.0).phi.shape == (0, 201)
+    assert ex.constants(disk, [], [], [], []).energy.size == 0
+    assert len(ex.passages(disk, [], [], [])) == 0
+
+
+def test_a_long_run_is_judged_by_its_number_of_passages():
+    got = ex.simulate(BODIES["uniform"], (0.2, 1.0, 1.0, 0.3), 2e3, observables=("phi",))
+    assert got.status[0] == ex.Status.OK
+    assert 0 < abs(got.drift[0, 0]) < 1e-3

@@ -58,7 +58,7 @@ def test_no_method_guesses_below_its_resolution(method):
 
 def test_races_that_nothing_resolves_are_an_error_in_words():
     scene = build_scene("race-angles", samples=100, eta_hat="1e-20:1e-19", method="dopri5")
-    with pytest.raises(ex.InputError, match="none of 100 passages was resolved"):
+    with pytest.raises(ex.RunError, match="none of 100 passages was resolved"):
         scene.summarise(tables_of(scene))
 
 
