@@ -68,11 +68,53 @@ class LimitState:
     nu: Array
 
 
-class LimitMotion:
+class Continuation:
+    """What both kinds of limit motion share: times of impact, and a start that is the origin.
+
+    Attributes in the units of the disk: `period` between impacts, `impact_speed` A of eq. (7.1),
+    `chi_per_period` (rad, jump included).
+    """
+
+    disk: Disk
+    side: int
+    period: float
+    impact_speed: float
+    chi_per_period: float
+    _offset: float  # natural time from an impact to the start
+    _origin: "Moving"
+
+    def _unfold(self, since_impact: Array) -> "Moving":
+        """The motion at natural times counted from an impact, as on side +1."""
+        raise NotImplementedError
+
+    def impacts(self, t_end: float) -> Array:
+        """Times of impact in (0, t_end]."""
+        passed = self._offset * self.disk.time_unit
+        first = self.period * (np.floor(passed / self.period) + 1.0) - passed
+        count = max(0, int(np.floor((t_end - first) / self.period)) + 1)
+        return np.array(first + self.period * np.arange(count), dtype=np.float64)
+
+    def __call__(self, t: ArrayLike) -> LimitState:
+        """The motion at times >= 0."""
+        times = np.asarray(t, dtype=np.float64)
+        if not (np.isfinite(times).all() and (times >= 0.0).all()):
+            raise InputError("limit motion: times must be finite and >= 0")
+        at, start = self._unfold(np.ravel(times) * self.disk.rate_unit + self._offset), self._origin
+        moving = replace(
+            at,
+            chi=at.chi - start.chi,
+            psi=self.side * (at.psi - start.psi),
+            centre=self.side * (at.centre - start.centre) * np.exp(-1j * start.chi),
+            sigma4=self.side * at.sigma4,
+            side=self.side * at.side,
+        )
+        return in_space(self.disk, moving, times.shape)
+
+
+class LimitMotion(Continuation):
     """The one-sided continuation of a motion on F through all its impacts; call it with times.
 
-    sign: the sign of eta from which F is approached. Attributes in the units of the disk:
-    `period` between impacts, `impact_speed` A of eq. (7.1), `chi_per_period` (rad, jump included).
+    sign: the sign of eta from which F is approached.
     """
 
     def __init__(
@@ -88,32 +130,6 @@ class LimitMotion:
         self.period = 2.0 * self._rise.half * disk.time_unit
         self.impact_speed = self._rise.impact_speed * disk.rate_unit
         self.chi_per_period = 2.0 * self._rise.chi_half + self._jump
-
-    def impacts(self, t_end: float) -> Array:
-        """Times of impact in (0, t_end]."""
-        first = self.period - self._offset * self.disk.time_unit
-        count = max(0, int(np.floor((t_end - first) / self.period)) + 1)
-        return np.array(first + self.period * np.arange(count), dtype=np.float64)
-
-    def __call__(self, t: ArrayLike) -> LimitState:
-        times = np.asarray(t, dtype=np.float64)
-        if not (np.isfinite(times).all() and (times >= 0.0).all()):
-            raise InputError("limit motion: times must be finite and >= 0")
-        flat = np.ravel(times) * self.disk.rate_unit + self._offset
-        at, start = self._unfold(flat), self._origin
-        chi = at.chi - start.chi
-        centre = (at.centre - start.centre) * np.exp(-1j * start.chi) * self.side
-        moving = Moving(
-            theta=at.theta,
-            thetadot=at.thetadot,
-            chi=chi,
-            psi=self.side * (at.psi - start.psi),
-            centre=centre,
-            turn=at.turn,
-            sigma4=self.side * at.sigma4,
-            side=np.full_like(chi, self.side),
-        )
-        return in_space(self.disk, moving, times.shape)
 
     def _unfold(self, since_impact: Array) -> "Moving":
         """The motion at times counted from an impact, as on side +1."""
@@ -191,17 +207,16 @@ def in_space(disk: Disk, at: Moving, shape: tuple[int, ...]) -> LimitState:
     )
 
 
-class PendulumMotion:
+class PendulumMotion(Continuation):
     """The limit motion with sigma3_bar = sigma4_bar = 0 and energy above m g r; call it with times.
 
     The disk swings over the vertical and falls to both sides in turn. sign: of eta on side +1, from
     which it is approached with sigma3_bar = 0 held; on side -1 eta then has the other sign, so chi
-    jumps to and fro while psi always jumps the same way. Attributes as LimitMotion's; `period` is the
-    time between impacts.
+    jumps to and fro while psi always jumps the same way.
     """
 
     def __init__(self, disk: Disk, energy: float, sign: int, start: tuple[float, float]) -> None:
-        self.disk, self.sign = disk, sign
+        self.disk, self.side, self.sign = disk, 1, sign
         self._swing = Pendulum(disk, energy)
         theta, thetadot = start
         # Times are counted from an impact on side +1, from which theta rises.
@@ -211,27 +226,6 @@ class PendulumMotion:
         self.period = self._swing.whole * disk.time_unit
         self.impact_speed = self._swing.impact_speed * disk.rate_unit
         self.chi_per_period = sign * disk.race_limit
-
-    def impacts(self, t_end: float) -> Array:
-        """Times of impact in (0, t_end], on either side."""
-        passed = self._offset * self.disk.time_unit
-        first = self.period * (np.floor(passed / self.period) + 1.0) - passed
-        count = max(0, int(np.floor((t_end - first) / self.period)) + 1)
-        return np.array(first + self.period * np.arange(count), dtype=np.float64)
-
-    def __call__(self, t: ArrayLike) -> LimitState:
-        times = np.asarray(t, dtype=np.float64)
-        if not (np.isfinite(times).all() and (times >= 0.0).all()):
-            raise InputError("limit motion: times must be finite and >= 0")
-        at, start = self._unfold(np.ravel(times) * self.disk.rate_unit + self._offset), self._origin
-        turned = np.exp(-1j * start.chi)
-        moved = replace(
-            at,
-            chi=at.chi - start.chi,
-            psi=at.psi - start.psi,
-            centre=(at.centre - start.centre) * turned,
-        )
-        return in_space(self.disk, moved, times.shape)
 
     def _unfold(self, since_impact: Array) -> Moving:
         """The motion at times counted from an impact on side +1."""

@@ -5,7 +5,7 @@ import math
 from kernels import types
 from kernels._jit import kernel, subroutine
 from kernels.falling import potential_at_flat
-from kernels.quadrature import SCAN, VERTICAL, Passage, passage, point, turning_point
+from kernels.quadrature import SCAN, VERTICAL, Passage, crest, passage, point, turning_point
 from kernels.status import Status
 
 _OK = int(Status.OK)
@@ -24,14 +24,7 @@ def turning_point_outward(h0, level, X, Y, b, series):
         edge = here
         blocked = level < at.V
         if not blocked and slope_inside > 0.0 and at.slope < 0.0:
-            low, high = inside, here
-            for _ in range(60):
-                middle = 0.5 * (low + high)
-                if point(math.exp(middle), X, Y, b, series).slope > 0.0:
-                    low = middle
-                else:
-                    high = middle
-            edge = high
+            edge = crest(inside, here, X, Y, b, series)
             blocked = level < point(math.exp(edge), X, Y, b, series).V
         if blocked:
             low, high = inside, edge

@@ -117,6 +117,18 @@ def refine(low, high, level, X, Y, b, series):
 
 
 @subroutine
+def crest(low, high, X, Y, b, series):
+    """ln h of the maximum of V between ln h = low, where V rises with h, and high, where it falls."""
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if point(math.exp(middle), X, Y, b, series).slope > 0.0:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@subroutine
 def turning_point(h_end, rest, level, X, Y, b, series):
     """h of the first turning point on the way from h_end to flat; NaN if it starts on the wrong side.
 
@@ -134,15 +146,9 @@ def turning_point(h_end, rest, level, X, Y, b, series):
             return refine(here, above, level, X, Y, b, series)
         if slope_above < 0.0 and at.slope > 0.0:
             # V rose and falls again: its maximum is between.
-            low, high = here, above
-            for _ in range(60):
-                middle = 0.5 * (low + high)
-                if point(math.exp(middle), X, Y, b, series).slope > 0.0:
-                    low = middle
-                else:
-                    high = middle
-            if level < point(math.exp(low), X, Y, b, series).V:
-                return refine(low, above, level, X, Y, b, series)
+            top = crest(here, above, X, Y, b, series)
+            if level < point(math.exp(top), X, Y, b, series).V:
+                return refine(top, above, level, X, Y, b, series)
         above, slope_above = here, at.slope
     # Near flat h_m = |Y| sqrt(I1/M) / A to leading order: look there before walking down.
     if level > 0.0 and Y != 0.0:
