@@ -22,7 +22,7 @@ from explorer.pendulum import Pendulum
 from explorer.rise import Rise
 from explorer.states import Array, States, natural_constants, require_axial_inertia
 
-_GAUSS = gauss(64)
+_GAUSS = np.ascontiguousarray(np.stack(gauss(64)))
 _HALF_PI = 0.5 * np.pi
 
 
@@ -32,19 +32,11 @@ def fall_from_vertical(
     """Time, chi and psi gained by the fall on F from the vertical to flat (side +1), natural units.
 
     window: phi (rad) at which it begins instead.
-
-    Where the energy is too low for the vertical the fall starts at its turning point; NaN where
-    the energy does not exceed V_0.
     """
     out = np.empty((3, sigma3_bar.size))
-    compiled.falling.fall_batch(
-        np.ascontiguousarray(sigma3_bar),
-        np.ascontiguousarray(energy),
-        window,
-        *_GAUSS,
-        disk.body,
-        disk.series,
-        out,
+    h_end = 2.0 * np.sin(0.5 * (_HALF_PI - window))
+    compiled.quadrature.fall_batch(
+        np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy), h_end, _GAUSS, disk.body, disk.series, out
     )
     return out[0], out[1], out[2]
 

@@ -1,4 +1,4 @@
-"""The falling set F: the potential on it, who belongs to it, and the fall itself as an integral.
+"""The falling set F: the potential on it, and who belongs to it.
 
 On l_+ the amended potential V(phi) of eq. (3.8) extends analytically to flat (Lemma 4). With
 eta_+ = 0 the constants leave one number, X = sigma3_bar / r(0), and V = X^2 U(phi) + cos phi.
@@ -125,79 +125,3 @@ def on_f_batch(theta, X, b, series, out):
     for i in range(theta.size):
         f = on_f(math.sin(theta[i]), math.cos(theta[i]), X, b, series)
         out[0, i], out[1, i], out[2, i], out[3, i] = f.turn, f.sigma4, f.V, f.dV
-
-
-@subroutine
-def start_of_fall(energy, X, b, series):
-    """phi >= 0 where the fall begins: the vertical, or the turning point if energy is too low for it."""
-    if energy >= on_f(1.0, 0.0, X, b, series).V:
-        return 0.0
-    low, high = 0.0, 0.5 * math.pi
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        if energy < on_f(math.cos(middle), math.sin(middle), X, b, series).V:
-            low = middle
-        else:
-            high = middle
-    return high
-
-
-@subroutine
-def fall(energy, X, window, nodes, weights, b, series):
-    """(time, increase of chi, increase of psi) of the fall on F from phi = window >= 0 to flat.
-
-    The vertical is window = 0. Where the energy is too low for it the fall begins at rest, later.
-
-    With phi = start + scale sinh^2 x the square root sqrt(E - V) becomes smooth in x, however small
-    the speed at the start is: scale is the distance over which the fall doubles its kinetic energy.
-    """
-    start = max(window, start_of_fall(energy, X, b, series))
-    length = 0.5 * math.pi - start
-    first = on_f(math.cos(start), math.sin(start), X, b, series)
-    kinetic = max(energy - first.V, 0.0)
-    slope = max(-first.dV, 0.0)
-    gain = first.V - potential_at_flat(X, b)
-    bend = max(gain - slope * length, 0.0) / (length * length)
-    scale = length
-    if kinetic > 0.0 and slope + bend > 0.0:
-        root = math.sqrt(slope * slope + 4.0 * bend * kinetic)
-        scale = min(length, 2.0 * kinetic / (slope + root))
-    stretch = math.asinh(math.sqrt(length / scale))
-    time = chi = psi = 0.0
-    for j in range(nodes.size):
-        x = 0.5 * stretch * (1.0 + nodes[j])
-        sinh, cosh = math.sinh(x), math.cosh(x)
-        theta = 0.5 * math.pi - start - scale * sinh * sinh
-        if theta <= 0.0:
-            continue
-        q, z = math.sin(theta), math.cos(theta)
-        f = on_f(q, z, X, b, series)
-        rate = math.sqrt(2.0 * b.inv_M * max(energy - f.V, 0.0))
-        dt = weights[j] * stretch * scale * sinh * cosh / rate
-        time += dt
-        chi += dt * f.turn
-        psi += dt * (z * f.turn - f.sigma4)
-    return time, chi, psi
-
-
-@kernel(
-    types.vector,
-    types.vector,
-    types.number,
-    types.vector,
-    types.vector,
-    types.body,
-    types.matrix,
-    types.matrix,
-)
-def fall_batch(sigma3_bar, energy, window, nodes, weights, b, series, out):
-    """`fall` on side +1 for every sample -> out (3, n). NaN where the energy does not exceed V_0.
-
-    nodes, weights: a Gauss-Legendre rule on [-1, 1]. Time and chi are the same on side -1; psi changes sign.
-    """
-    for i in range(sigma3_bar.size):
-        X = sigma3_bar[i] / b.r0
-        if energy[i] > potential_at_flat(X, b):
-            out[0, i], out[1, i], out[2, i] = fall(energy[i], X, window, nodes, weights, b, series)
-        else:
-            out[0, i] = out[1, i] = out[2, i] = math.nan

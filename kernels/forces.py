@@ -2,7 +2,9 @@
 
 import math
 
-from kernels import types
+import numpy as np
+
+from kernels import nodes, types
 from kernels._jit import kernel, subroutine
 from kernels.quadrature import VERTICAL, point, turning_point
 
@@ -17,10 +19,11 @@ def forces_batch(sigma3_bar, eta, speed, b, series, out):
     Arguments as passage_batch. Looked at on a grid in y and at both ends, so good to some digits. The
     coefficient is infinite where the normal force is not positive. out (2, n).
     """
+    W = np.zeros(nodes.ROWS * nodes.ROOM)
     for i in range(eta.size):
         X, Y = sigma3_bar[i] / b.r0, eta[i] / b.I1
         level = 0.5 * b.M * speed[i] * speed[i] + point(VERTICAL, X, Y, b, series).V
-        h_turn = turning_point(VERTICAL, speed[i] == 0.0, level, X, Y, b, series)
+        h_turn = turning_point(VERTICAL, speed[i] == 0.0, level, X, Y, b, series, W)
         out[0, i] = out[1, i] = math.nan
         if not h_turn > 0.0:
             continue

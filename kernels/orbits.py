@@ -2,7 +2,9 @@
 
 import math
 
-from kernels import types
+import numpy as np
+
+from kernels import nodes, types
 from kernels._jit import kernel, subroutine
 from kernels.falling import potential_at_flat
 from kernels.quadrature import SCAN, VERTICAL, Passage, crest, passage, point, turning_point
@@ -40,7 +42,7 @@ def turning_point_outward(h0, level, X, Y, b, series):
 
 
 @subroutine
-def orbit(h0, p, X, near, far, target, rules, sizes, b, series):
+def orbit(h0, p, X, near, far, target, rules, sizes, b, series, W):
     """One whole period through (h0, theta-dot = p) on side +1, with Y on this and on the other side.
 
     Returns status, the passage on this side (or between both turning points), the one on the other
@@ -50,10 +52,10 @@ def orbit(h0, p, X, near, far, target, rules, sizes, b, series):
     none = Passage(math.nan, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
     outer = turning_point_outward(h0, level, X, near, b, series)
     if outer > 0.0:
-        status, here = passage(outer, True, level, X, near, target, rules, sizes, b, series)
+        status, here = passage(outer, True, level, X, near, target, rules, sizes, b, series, W)
         return status, here, none, level
-    status, here = passage(VERTICAL, False, level, X, near, target, rules, sizes, b, series)
-    other_status, there = passage(VERTICAL, False, level, X, far, target, rules, sizes, b, series)
+    status, here = passage(VERTICAL, False, level, X, near, target, rules, sizes, b, series, W)
+    other_status, there = passage(VERTICAL, False, level, X, far, target, rules, sizes, b, series, W)
     return max(status, other_status), here, there, level
 
 
@@ -74,13 +76,14 @@ def orbit_batch(starts, target, rules, sizes, b, series, out, status):
     other side (NaN if never there), chi, psi, time of one period, energy, error of angles, relative
     error of time. status (n): samples that come in as not OK are skipped.
     """
+    W = np.zeros(nodes.ROWS * nodes.ROOM)
     for i in range(status.size):
         out[:, i] = math.nan
         if status[i] != _OK:
             continue
         h, p, s3 = starts[0, i], starts[1, i], starts[2, i]
         near, far = starts[3, i] / b.I1, starts[4, i] / b.I1
-        code, here, there, level = orbit(h, p, s3 / b.r0, near, far, target, rules, sizes, b, series)
+        code, here, there, level = orbit(h, p, s3 / b.r0, near, far, target, rules, sizes, b, series, W)
         status[i] = code
         out[0, i], out[1, i] = 2.0 * math.asin(0.5 * here.h_turn), 2.0 * math.asin(0.5 * there.h_turn)
         out[2, i], out[3, i] = here.chi + there.chi, here.psi - there.psi
@@ -99,6 +102,7 @@ def tilt_batch(starts, target, b, series, out, status):
 
     A sample whose energy is not known to `target` times what it has above V_0 is STEP_LIMIT.
     """
+    W = np.zeros(nodes.ROWS * nodes.ROOM)
     for i in range(status.size):
         out[i] = math.nan
         if status[i] != _OK:
@@ -106,9 +110,9 @@ def tilt_batch(starts, target, b, series, out, status):
         h, p, X = starts[0, i], starts[1, i], starts[2, i] / b.r0
         near, far = starts[3, i] / b.I1, starts[4, i] / b.I1
         level = 0.5 * b.M * p * p + point(h, X, near, b, series).V
-        least = turning_point(h, p == 0.0, level, X, near, b, series)
+        least = turning_point(h, p == 0.0, level, X, near, b, series, W)
         if not turning_point_outward(h, level, X, near, b, series) > 0.0:
-            least = min(least, turning_point(VERTICAL, False, level, X, far, b, series))
+            least = min(least, turning_point(VERTICAL, False, level, X, far, b, series, W))
         out[i] = 2.0 * math.asin(0.5 * least)
         scale = potential_at_flat(X, b)
         if not (least > 0.0 and _ROUNDING * scale <= target * abs(level + scale)):

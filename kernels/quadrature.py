@@ -10,15 +10,19 @@ with w = (1 - S/2)^(-3/2) (P / tanh^2 y)^(-1/2) and P = theta-dot^2. What is lef
 distances in y by an amount of order eta, so a fixed Gauss rule serves |eta| from 1 to 1e-300: below
 y_c - 36 the rest is smaller than rounding, and the range never grows. The end towards the vertical,
 where a slow start makes P nearly vanish, has a panel of its own in d = scale sinh^2 x.
-Everything near flat is written in h and ratios to it; S = h^2/2 may underflow.
+Everything near flat is written in h and ratios to it; S = h^2/2 may underflow. The nodes of a rule are
+evaluated together, in `nodes`; `point` is the same for one tilt.
 """
 
 import math
 from typing import NamedTuple
 
-from kernels import chaplygin, types
+import numpy as np
+
+from kernels import chaplygin, nodes, types
 from kernels._jit import kernel, subroutine
 from kernels.falling import potential_at_flat
+from kernels.nodes import ROOM
 from kernels.status import Status
 
 # Length of the panel towards the vertical, in y: it ends at a fifth of the vertical's h.
@@ -31,7 +35,7 @@ SCAN = 24
 _ROOT_LIMIT = 200
 _EPSILON = 2.2e-16
 VERTICAL = math.sqrt(2.0)  # h there
-_NOISE = 40.0  # units of rounding: 30 nodes, the node's y, the solutions
+_NOISE = 100.0  # units of rounding: 30 nodes, sixteen in an exponential, the solutions
 
 _OK = int(Status.OK)
 _BAD = int(Status.BAD_INPUT)
@@ -129,27 +133,29 @@ def crest(low, high, X, Y, b, series):
 
 
 @subroutine
-def turning_point(h_end, rest, level, X, Y, b, series):
+def turning_point(h_end, rest, level, X, Y, b, series, W):
     """h of the first turning point on the way from h_end to flat; NaN if it starts on the wrong side.
 
     Steps down in tilt, looking at every local minimum of P on the way (a barrier), then in ln h.
     """
     if not (rest or kinetic(h_end, level, X, Y, b, series) >= 0.0):
         return math.nan
-    above = math.log(h_end)
-    slope_above = point(h_end, X, Y, b, series).slope
-    for i in range(1, SCAN):
+    for i in range(SCAN):
         h = h_end * (1.0 - i / SCAN)
-        at = point(h, X, Y, b, series)
-        here = math.log(h)
-        if level < at.V:
+        W[nodes.H * ROOM + i] = h
+        W[nodes.LOG * ROOM + i] = 2.0 * math.log(h) - _LN2
+    nodes.levels(W, SCAN, X, Y, b, series)
+    above = math.log(h_end)
+    for i in range(1, SCAN):
+        here = 0.5 * (W[nodes.LOG * ROOM + i] + _LN2)
+        if level < W[nodes.LEVEL * ROOM + i]:
             return refine(here, above, level, X, Y, b, series)
-        if slope_above < 0.0 and at.slope > 0.0:
+        if W[nodes.SLOPE * ROOM + i - 1] < 0.0 < W[nodes.SLOPE * ROOM + i]:
             # V rose and falls again: its maximum is between.
             top = crest(here, above, X, Y, b, series)
             if level < point(math.exp(top), X, Y, b, series).V:
                 return refine(top, above, level, X, Y, b, series)
-        above, slope_above = here, at.slope
+        above = here
     # Near flat h_m = |Y| sqrt(I1/M) / A to leading order: look there before walking down.
     if level > 0.0 and Y != 0.0:
         guess = math.log(abs(Y)) + 0.5 * math.log(0.5 * b.I1 / level)
@@ -163,34 +169,6 @@ def turning_point(h_end, rest, level, X, Y, b, series):
         if kinetic(math.exp(below), level, X, Y, b, series) < 0.0:
             return refine(below, below + 2.0, level, X, Y, b, series)
     return math.nan
-
-
-@subroutine
-def flat_panel(h_turn, y_low, y_high, closed, level, X, Y, rule, b, series):
-    """(chi, psi rest, time) over 0 < y < y_high less the closed part of chi; closed = D_m w(0).
-
-    rule (2, n): the positive half of a symmetric Gauss rule, since the integrand is even. Below
-    y_low > 0 nothing is left, and it makes no difference that it is not even about y_low.
-    """
-    width = y_high - y_low
-    chi = rest = time = 0.0
-    for j in range(rule.shape[1]):
-        y = y_low + width * rule[0, j]
-        dy = width * rule[1, j]
-        h = h_turn * math.cosh(y)
-        at = point(h, X, Y, b, series)
-        dt = dy * h * math.tanh(y) / (at.shape * speed_at(level, at, b))
-        w = dt / (h * at.shape * at.shape)
-        chi += w * at.smooth + Y / h * (at.D * w - closed * dy)
-        rest += dt * (at.ratio * h * at.shape / (2.0 - at.S) + at.sigma4)
-        time += dt
-    return chi, rest, time
-
-
-@subroutine
-def speed_at(level, at, b):
-    """theta-dot at a point; never zero, so that rounding near a turning point cannot divide by it."""
-    return math.sqrt(2.0 * b.inv_M * max(level - at.V, 1e-300))
 
 
 @subroutine
@@ -216,29 +194,31 @@ def end_scale(h_turn, y_end, length, rest, level, X, Y, b, series):
 
 
 @subroutine
-def end_panel(h_turn, y_end, length, scale, level, X, Y, rule, b, series):
-    """(chi, psi rest, time) over y_end - length < y < y_end, where P may nearly vanish at y_end.
+def lay_nodes(W, y_end, length, scale, closed, half, whole):
+    """Place the nodes of both panels, as distances below y_end; returns how many.
 
-    scale: distance from y_end over which the kinetic energy doubles. rule (2, n): a whole Gauss rule.
+    Flat panel, 0 < y < y_end - length: the positive half of a symmetric rule, since the integrand is
+    even. Where y_end is large it starts at _DEEPEST below its end: nothing is left under that, and it
+    makes no difference that the integrand is not even there. End panel: y_end - scale sinh^2 x.
     """
+    n = half.shape[1]
+    width = min(y_end - length, _DEEPEST)
+    for j in range(n):
+        W[nodes.GAP * ROOM + j] = length + width * (1.0 - half[0, j])
+        W[nodes.WEIGHT * ROOM + j] = width * half[1, j]
+        W[nodes.CLOSED * ROOM + j] = closed * width * half[1, j]
     stretch = math.asinh(math.sqrt(length / scale))
-    chi = rest = time = 0.0
-    for j in range(rule.shape[1]):
-        x = 0.5 * stretch * (1.0 + rule[0, j])
-        sinh, cosh = math.sinh(x), math.cosh(x)
-        y = y_end - scale * sinh * sinh
-        h = h_turn * math.cosh(y)
-        at = point(h, X, Y, b, series)
-        dy = rule[1, j] * stretch * scale * sinh * cosh
-        dt = dy * h * math.tanh(y) / (at.shape * speed_at(level, at, b))
-        chi += dt * at.ratio / (h * at.shape)
-        rest += dt * (at.ratio * h * at.shape / (2.0 - at.S) + at.sigma4)
-        time += dt
-    return chi, rest, time
+    for j in range(n):
+        x = 0.5 * stretch * (1.0 + whole[0, j])
+        sinh = math.sinh(x)
+        W[nodes.GAP * ROOM + n + j] = scale * sinh * sinh
+        W[nodes.WEIGHT * ROOM + n + j] = whole[1, j] * stretch * scale * sinh * math.sqrt(1.0 + sinh * sinh)
+        W[nodes.CLOSED * ROOM + n + j] = 0.0
+    return 2 * n
 
 
 @subroutine
-def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series):
+def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series, W):
     """The passage from h_end (from rest there, or not) to its turning point and back; Y != 0.
 
     Returns status and results.
@@ -246,7 +226,7 @@ def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series):
     rules (2, 2, n): half rules and whole rules of rising order, packed side by side; sizes: how many
     nodes each has. Orders rise until two in turn agree to `target` (rad, relative in time).
     """
-    h_turn = turning_point(h_end, rest, level, X, Y, b, series)
+    h_turn = turning_point(h_end, rest, level, X, Y, b, series, W)
     if not h_turn > 0.0:
         return _BAD, Passage(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
     turn = point(h_turn, X, Y, b, series)
@@ -257,19 +237,23 @@ def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series):
     race = closed * Y / h_turn * 2.0 * math.atan(math.tanh(0.5 * y_cut))
     chi = psi = time = math.nan
     angle_error = time_error = math.inf
-    # What a unit of rounding in E - V does: the terms of V may be larger than their sum.
+    # What a unit of rounding in E - V does: the terms of V may be larger than their sum, the spin's
+    # at the end most of all where I3 is small.
     gyration = 0.5 * b.I1 * turn.ratio * turn.ratio
-    noise = _NOISE * _EPSILON * (1.0 + (abs(level) + gyration) / max(-turn.slope, _EPSILON * gyration))
+    terms = abs(level) + gyration + abs(point(h_end, X, Y, b, series).V)
+    # On a short panel the first nodes lie so near the turning point that E - V has few digits.
+    noise = _NOISE * _EPSILON * (1.0 + 1.0 / y_cut) * (1.0 + terms / max(-turn.slope, _EPSILON * gyration))
     scale, slow_noise = end_scale(h_turn, y_end, length, rest, level, X, Y, b, series)
     first = 0
     for size in sizes:
         half, whole = rules[0, :, first : first + size], rules[1, :, first : first + size]
         first += size
-        y_low = max(0.0, y_cut - _DEEPEST)
-        chi1, rest1, time1 = flat_panel(h_turn, y_low, y_cut, closed, level, X, Y, half, b, series)
-        chi2, rest2, time2 = end_panel(h_turn, y_end, length, scale, level, X, Y, whole, b, series)
-        new_chi = 2.0 * (race + chi1 + chi2)
-        new_psi, new_time = new_chi - 2.0 * (rest1 + rest2), 2.0 * (time1 + time2)
+        n = lay_nodes(W, y_end, length, scale, closed, half, whole)
+        nodes.place(W, n, h_end, h_turn, y_end)
+        nodes.integrands(W, n, level, X, Y, b, series)
+        new_chi = 2.0 * (race + nodes.total(W, nodes.CHI, n))
+        new_psi = new_chi - 2.0 * nodes.total(W, nodes.REST, n)
+        new_time = 2.0 * nodes.total(W, nodes.TIME, n)
         angle_error = max(abs(new_chi - chi), abs(new_psi - psi))
         time_error = abs(new_time / time - 1.0)
         chi, psi, time = new_chi, new_psi, new_time
@@ -302,6 +286,7 @@ def passage_batch(sigma3_bar, eta, speed, h_end, target, rules, sizes, b, series
     (n): samples that come in as not OK are skipped; eta = 0 is FALLS; a motion that does not come as
     far as h_end is BAD_INPUT.
     """
+    W = np.zeros(nodes.ROWS * ROOM)
     for i in range(eta.size):
         out[:, i] = math.nan
         if status[i] != _OK:
@@ -312,9 +297,75 @@ def passage_batch(sigma3_bar, eta, speed, h_end, target, rules, sizes, b, series
         X, Y = sigma3_bar[i] / b.r0, eta[i] / b.I1
         level = 0.5 * b.M * speed[i] * speed[i] + point(VERTICAL, X, Y, b, series).V
         status[i], found = passage(
-            h_end, speed[i] == 0.0 and h_end == VERTICAL, level, X, Y, target, rules, sizes, b, series
+            h_end, speed[i] == 0.0 and h_end == VERTICAL, level, X, Y, target, rules, sizes, b, series, W
         )
         out[0, i] = 2.0 * math.asin(0.5 * found.h_turn)
         energy = level + potential_at_flat(X, b)
         out[1, i], out[2, i], out[3, i], out[4, i] = found.chi, found.psi, found.time, energy
         out[5, i], out[6, i], out[7, i] = found.angle_error, found.time_error, found.way
+
+
+@subroutine
+def start_of_fall(h_end, level, X, b, series):
+    """(h, from rest) where the fall on F begins: h_end, or the turning point if that comes later."""
+    if level >= point(h_end, X, 0.0, b, series).V:
+        return h_end, False
+    low, high = 0.0, h_end
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if level < point(middle, X, 0.0, b, series).V:
+            high = middle
+        else:
+            low = middle
+    return low, True
+
+
+@subroutine
+def fall(h_end, level, X, rule, b, series, W):
+    """(time, increase of chi, increase of psi) of the fall on F from h_end to flat.
+
+    Where the energy is too low for h_end the fall begins at rest, later. With theta = start -
+    scale sinh^2 x the square root sqrt(E - V) becomes smooth in x, however slow the start: scale is
+    the distance over which the fall doubles its kinetic energy. rule (2, n): a whole Gauss rule.
+    """
+    h, rest = start_of_fall(h_end, level, X, b, series)
+    start = 2.0 * math.asin(0.5 * h)
+    first = point(h, X, 0.0, b, series)
+    kinetic_energy = 0.0 if rest else level - first.V
+    slope = max(first.slope * first.shape / h, 0.0)
+    bend = max(first.V - slope * start, 0.0) / (start * start)
+    scale = start
+    if kinetic_energy > 0.0 and slope + bend > 0.0:
+        root = math.sqrt(slope * slope + 4.0 * bend * kinetic_energy)
+        scale = min(start, 2.0 * kinetic_energy / (slope + root))
+    stretch = math.asinh(math.sqrt(start / scale))
+    n = rule.shape[1]
+    for j in range(n):
+        x = 0.5 * stretch * (1.0 + rule[0, j])
+        sinh = math.sinh(x)
+        theta = max(start - scale * sinh * sinh, 1e-300)
+        here = 2.0 * math.sin(0.5 * theta)
+        dtheta = rule[1, j] * stretch * scale * sinh * math.sqrt(1.0 + sinh * sinh)
+        W[nodes.H * ROOM + j] = here
+        W[nodes.LOG * ROOM + j] = 2.0 * math.log(here) - _LN2
+        W[nodes.E2 * ROOM + j] = W[nodes.CLOSED * ROOM + j] = 0.0
+        # integrands() takes weights in y, with dtheta = h tanh(y) dy / shape
+        W[nodes.WEIGHT * ROOM + j] = dtheta * math.sqrt(1.0 - 0.25 * here * here) / here
+    nodes.integrands(W, n, level, X, 0.0, b, series)
+    chi = nodes.total(W, nodes.CHI, n)
+    return nodes.total(W, nodes.TIME, n), chi, chi - nodes.total(W, nodes.REST, n)
+
+
+@kernel(types.vector, types.vector, types.number, types.matrix, types.body, types.matrix, types.matrix)
+def fall_batch(sigma3_bar, energy, h_end, rule, b, series, out):
+    """`fall` on side +1 for every sample -> out (3, n). NaN where the energy does not exceed V_0.
+
+    Time and chi are the same on side -1; psi changes sign.
+    """
+    W = np.zeros(nodes.ROWS * ROOM)
+    for i in range(sigma3_bar.size):
+        X = sigma3_bar[i] / b.r0
+        level = energy[i] - potential_at_flat(X, b)
+        out[0, i] = out[1, i] = out[2, i] = math.nan
+        if level > 0.0:
+            out[0, i], out[1, i], out[2, i] = fall(h_end, level, X, rule, b, series, W)
