@@ -117,8 +117,8 @@ def _add_run(commands: Any) -> None:
         metavar="SLICE",
         help='falling-set: a slice to draw, two ranges and two numbers: "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
     )
-    command.add_argument("--jobs", type=int, default=2, metavar="N", help="workers (default 2)")
-    command.add_argument("--backend", default="threads", metavar="NAME", help="threads or processes")
+    command.add_argument("--jobs", type=int, metavar="N", help="workers (default 2)")
+    command.add_argument("--backend", metavar="NAME", help="threads or processes")
     command.add_argument("--out", metavar="DIR", help="default results/<scene>-<disk>-<seed>")
     command.add_argument("--resume", action="store_true", help="go on with the run in --out")
     command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
@@ -184,14 +184,10 @@ def _run(options: argparse.Namespace) -> int:
         given = read_scene_file(Path(options.scene))
     typed = {key: getattr(options, key) for _, key, _, _ in _OPTIONS}
     typed |= {"disk": options.disk, "slices": options.slices, "out": options.out}
+    typed |= {"jobs": options.jobs, "backend": options.backend}
     given |= {key: value for key, value in typed.items() if value is not None}
-    done = run(
-        **given,
-        jobs=options.jobs,
-        backend=options.backend,
-        resume=options.resume,
-        quiet=options.quiet,
-    )
+    given |= {"resume": options.resume or given.get("resume", False), "quiet": options.quiet}
+    done = run(**given)
     if options.json:
         print(json.dumps(done.summary))
         return 0

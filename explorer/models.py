@@ -141,6 +141,10 @@ def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto
     an accuracy out of its range.
     """
     asked = tuple(observables)
+    if not isinstance(method, str):
+        raise InputError(f"--method {method!r} is not a name; known: {', '.join(METHODS)}")
+    if isinstance(accuracy, bool) or not isinstance(accuracy, int | float):
+        raise InputError(f"--accuracy {accuracy!r} is not a number")
     for name in asked:
         if name not in OBSERVABLES:
             raise InputError(f"observable {name!r} is not known; {_suggest(name, OBSERVABLES)}")

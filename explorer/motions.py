@@ -10,7 +10,7 @@ from explorer import compiled
 from explorer.disk import Disk
 from explorer.errors import InputError
 from explorer.falling import falls_of
-from explorer.models import ALGEBRA, Plan, plan
+from explorer.models import ALGEBRA, QUADRATURE, Plan, plan
 from explorer.states import Array, States, natural_constants, phi_to_states
 
 MAX_STEPS = 2_000_000
@@ -175,7 +175,7 @@ def simulate(
     initial = rows_to_states(disk, states)
     times = _times(t_end, t_eval)
     how = plan(observables, accuracy, method)
-    if how.rung == ALGEBRA:
+    if how.rung in (ALGEBRA, QUADRATURE):
         raise InputError("simulate needs an observable of the motion, such as 'phi' or 'chi'")
     found = natural_constants(initial)
     out, status, steps, drift = _integrate(initial, how, found, times * disk.rate_unit, chi0, max_steps)
@@ -186,6 +186,8 @@ def simulate(
 def rows_to_states(disk: Disk, states: ArrayLike | States) -> States:
     """States from rows of phi, phidot, sigma3, sigma4; `States` pass through."""
     if isinstance(states, States):
+        if states.disk != disk:
+            raise InputError(f"states: made for the disk {states.disk.name!r}, used with {disk.name!r}")
         return states
     try:
         rows = np.atleast_2d(np.asarray(states, dtype=np.float64))

@@ -34,6 +34,7 @@ _LN2 = math.log(2.0)
 SCAN = 24
 _ROOT_LIMIT = 200
 _EPSILON = 2.2e-16
+_FLOOR = 1e-11  # an accuracy below this is met as far as rounding allows
 VERTICAL = math.sqrt(2.0)  # h there
 _NOISE = 100.0  # units of rounding: 30 nodes, sixteen in an exponential, the solutions
 
@@ -138,7 +139,11 @@ def turning_point(h_end, rest, level, X, Y, b, series, W):
 
     Steps down in tilt, looking at every local minimum of P on the way (a barrier), then in ln h.
     """
-    if not (rest or kinetic(h_end, level, X, Y, b, series) >= 0.0):
+    if rest:
+        # From rest it moves towards flat only if V falls that way.
+        if not point(h_end, X, Y, b, series).slope > 0.0:
+            return math.nan
+    elif not kinetic(h_end, level, X, Y, b, series) >= 0.0:
         return math.nan
     for i in range(SCAN):
         h = h_end * (1.0 - i / SCAN)
@@ -231,6 +236,8 @@ def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series, W):
         return _BAD, Passage(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
     turn = point(h_turn, X, Y, b, series)
     y_end = math.acosh(max(h_end / h_turn, 1.0))
+    if not y_end > 0.0:
+        return _BAD, Passage(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
     length = min(_END_PANEL, 0.5 * y_end)
     y_cut = y_end - length
     closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * b.inv_M, 1e-300)))
@@ -259,7 +266,11 @@ def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series, W):
         chi, psi, time = new_chi, new_psi, new_time
         angle_noise = noise * (abs(race) + abs(chi) + abs(psi)) + slow_noise
         time_noise = noise + slow_noise / time
-        if angle_error <= max(target, angle_noise) and time_error <= max(target, time_noise):
+        # Rounding may keep two rules apart; what it leaves must still be what was asked for.
+        floor = _FLOOR * max(1.0, abs(chi))
+        settled = angle_error <= max(target, angle_noise) and time_error <= max(target, time_noise)
+        good = angle_error + angle_noise <= max(target, floor) and time_error + time_noise <= max(target, _FLOOR)
+        if settled and good:
             return _OK, Passage(
                 h_turn, turn.ratio, chi, psi, time, angle_error + angle_noise, time_error + time_noise
             )

@@ -37,7 +37,7 @@ _TEXTS = {
         "Give finite values with -pi/2 < phi < pi/2.",
     ),
     Status.STEP_LIMIT: (
-        "The step cap was reached before the event: the motion is slow, e.g. near an equilibrium.",
+        "The work allowed ended before the event or the accuracy asked: a slow start, or an equilibrium near.",
         "Raise the step cap, or ask for less accuracy.",
     ),
     Status.STEP_TOO_SMALL: (

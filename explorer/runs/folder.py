@@ -28,7 +28,11 @@ def identity(scene: Scene) -> dict[str, Any]:
 def open_folder(folder: Path, scene: Scene, resume: bool) -> None:
     """Check that the run may be written here and make the folder. Raises InputError; then nothing is written."""
     record = folder / "run.json"
-    if record.exists():
+    try:
+        exists = record.exists()
+    except (OSError, ValueError) as error:
+        raise InputError(f"--out {str(folder)[:80]}: is no usable path ({error}); give another folder") from None
+    if exists:
         if not resume:
             raise InputError(f"--out {folder}: holds a run already; add --resume or give another folder")
         _check_same(record, scene)
@@ -49,7 +53,8 @@ def open_folder(folder: Path, scene: Scene, resume: bool) -> None:
 def _check_same(record: Path, scene: Scene) -> None:
     try:
         before = store.read_json(record)["identity"]
-    except (RunError, KeyError):
+        before = {"kernels": before["kernels"], "options": dict(before["options"])}
+    except (RunError, KeyError, TypeError, ValueError):
         raise InputError(f"--resume: {record} is damaged; give another folder") from None
     now = identity(scene)
     if before.get("kernels") != now["kernels"]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from explorer import compiled
+from explorer.errors import InputError, RunError
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.progress import Progress, note
@@ -43,6 +44,15 @@ def execute(
     check_workers(jobs, backend)
     folder = Path(out) if out is not None else folders.default_folder(scene)
     folders.open_folder(folder, scene, resume)
+    try:
+        return _fill(scene, folder, jobs, backend, quiet, figures)
+    except InputError as error:
+        # Only a run can tell that some input leads nowhere; by then the folder holds it.
+        raise RunError(f"{error} ({folder} holds what was computed)") from error
+
+
+def _fill(scene: Scene, folder: Path, jobs: int, backend: str, quiet: bool, figures: bool) -> Run:
+    """Compute, store, summarise and draw."""
     compiled.warmup(lambda text: note(text, quiet))
     started, clock = folders.now(), time.monotonic()
     folders.write_record(folder, scene, started, finished=None, jobs=jobs, backend=backend)

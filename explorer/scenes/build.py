@@ -62,6 +62,8 @@ def _disks(name: str, disk: Any) -> tuple[Disk, ...]:
 
 
 def _number(option: str, value: Any) -> float:
+    if isinstance(value, bool):
+        raise InputError(f"{option} {value} is not a number")
     try:
         number = float(value)
     except (TypeError, ValueError):
@@ -103,7 +105,9 @@ def _range(option: str, value: Any) -> Range:
 
 
 def _slices(value: str | Slice | Sequence[str | Slice]) -> tuple[Slice, ...]:
-    several = [value] if isinstance(value, str | Slice) else list(value)
+    several = [value] if isinstance(value, str | Slice) else value
+    if not isinstance(several, list | tuple) or not all(isinstance(s, str | Slice) for s in several):
+        raise InputError(f"--slice {value!r} is not a slice or a list of slices")
     return tuple(s if isinstance(s, Slice) else Slice.parse(s) for s in several)
 
 
@@ -114,4 +118,6 @@ def read_scene_file(path: Path) -> dict[str, Any]:
     content = read_toml(path, "SCENE")
     if "scene" not in content:
         raise InputError(f'{path}: names no scene; write scene = "race-angles" or another at its top')
+    if not isinstance(content["scene"], str):
+        raise InputError(f"{path}: scene = {content['scene']!r} is not a name")
     return {key.replace("-", "_"): value for key, value in content.items()}

@@ -20,7 +20,15 @@ from explorer.falling import falls_of
 from explorer.motions import smallest_tilt
 from explorer.sampling import Box, Range, chunk_stream, draw_states, parse_ranges
 from explorer.scenes.base import SampledScene, Table, Tables, column
-from explorer.states import COORDINATES, Array, constants_of, line_slope, natural_constants, phi_to_states
+from explorer.states import (
+    COORDINATES,
+    Array,
+    constants_of,
+    line_slope,
+    natural_constants,
+    phi_to_states,
+    require_axial_inertia,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -130,6 +138,9 @@ class FallingSet(SampledScene):
 
     name: ClassVar[str] = "falling-set"
     observables: ClassVar[tuple[str, ...]] = ("theta_min", "side", "could_fall")
+
+    def __post_init__(self) -> None:
+        require_axial_inertia(self.disk)
 
     @property
     def where(self) -> Box:

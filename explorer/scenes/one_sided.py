@@ -148,7 +148,7 @@ class OneSided(Scene):
         measured = gap["measured"]
         return {
             "gap": gap,
-            "coincide": measured is not None and abs(math.remainder(measured, 2.0 * math.pi)) < SAME,
+            "coincide": None if measured is None else abs(math.remainder(measured, 2.0 * math.pi)) < SAME,
             "coincide_exact": min(disk.gap, 2.0 * math.pi - disk.gap) < 1e-12,
             "kappa": disk.kappa,
             "distances": rows,
@@ -165,7 +165,8 @@ class OneSided(Scene):
         error = np.array([math.remainder(d, 2.0 * math.pi) for d in plus - minus - disk.gap if np.isfinite(d)])
         return {
             "exact": disk.gap,
-            "measured": float(disk.gap + np.median(error)) if error.size else None,
+            # Further from F than the limits are from each other, there is nothing to measure.
+            "measured": float(disk.gap + np.median(error)) if error.size and abs(error).max() < 0.5 else None,
             "largest_error": float(abs(error).max()) if error.size else None,
             "at_eta_hat": float(smallest),
         }
@@ -187,9 +188,10 @@ class OneSided(Scene):
         for name, found in summary["disks"].items():
             gap = found["gap"]
             measured = "not measured" if gap["measured"] is None else f"{gap['measured']:+.6f}"
+            verdict = {True: "they coincide", False: "they differ", None: "start nearer to the falling set"}
             lines.append(
                 f"{name}: gap between the two limits {measured} rad (exact {gap['exact']:.6f}); "
-                f"they {'coincide' if found['coincide'] else 'differ'}"
+                f"{verdict[found['coincide']]}"
             )
         return lines
 

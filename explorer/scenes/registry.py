@@ -17,8 +17,8 @@ SCENES = {
 
 def scene_class(name: str) -> "type[Scene]":
     """The class of a scene. Raises InputError with the nearest name."""
-    if name not in SCENES:
-        near = get_close_matches(name, SCENES, n=1, cutoff=0.0)
+    if not isinstance(name, str) or name not in SCENES:
+        near = get_close_matches(str(name), SCENES, n=1, cutoff=0.0)
         raise InputError(f"unknown scene {name!r}; did you mean {near[0]!r}? known: {', '.join(SCENES)}")
     module, attribute = SCENES[name]
     return getattr(__import__(module, fromlist=[attribute]), attribute)

@@ -168,3 +168,45 @@ def test_an_interrupt_ends_with_status_130_and_says_how_to_go_on(capsys, tmp_pat
     status, _, err = run(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / "r", "--jobs", 1)
     assert status == 130
     assert "--resume" in err
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "scene = 5",
+        'scene = ["falling-set"]',
+        'scene = "race-angles"\ndisk = 3',
+        'scene = "race-angles"\neta_hat = 1e-3',
+        'scene = "falling-set"\nslices = [1, 2]',
+        'scene = "race-angles"\nsamples = true',
+        'scene = "race-angles"\nmethod = 3',
+    ],
+)
+def test_wrong_types_in_a_scene_file_are_refused_and_nothing_is_written(content, capsys, tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(content + "\n")
+    status, out, err = run(capsys, "run", scene, "--out", tmp_path / "r")
+    assert (status, out) == (2, "")
+    assert len(err.strip().splitlines()) <= 2
+    assert not (tmp_path / "r").exists()
+
+
+def test_a_scene_file_may_set_the_number_of_workers(capsys, tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text('scene = "race-angles"\nsamples = 50\njobs = 1\n')
+    assert run(capsys, "run", scene, "--out", tmp_path / "r", "--quiet")[0] == 0
+    assert json.loads((tmp_path / "r" / "run.json").read_text())["jobs"] == 1
+
+
+@pytest.mark.parametrize("content", ["[]", '{"identity": 3}', "{"])
+def test_a_damaged_record_is_refused_in_words(content, capsys, tmp_path):
+    (tmp_path / "run.json").write_text(content)
+    status, _, err = run(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path, "--resume")
+    assert status == 2
+    assert "is damaged" in err
+
+
+def test_a_path_that_is_too_long_is_refused(capsys, tmp_path):
+    status, _, err = run(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / ("x" * 300))
+    assert status == 2
+    assert "no usable path" in err

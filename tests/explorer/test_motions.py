@@ -237,3 +237,9 @@ def test_a_long_run_is_judged_by_its_number_of_passages():
     got = ex.simulate(BODIES["uniform"], (0.2, 1.0, 1.0, 0.3), 2e3, observables=("phi",))
     assert got.status[0] == ex.Status.OK
     assert 0 < abs(got.drift[0, 0]) < 1e-3
+
+
+def test_states_of_another_disk_are_refused():
+    states = constants_to_states(BODIES["hoop"], 1.0, 0.1, 1.0)
+    with pytest.raises(ex.InputError, match="made for the disk 'hoop'"):
+        ex.simulate(BODIES["uniform"], states, 1.0)

@@ -116,10 +116,12 @@ def test_no_race_goes_silently_the_wrong_way_from_1e_minus_1_to_1e_minus_300(nam
     )
     assert not got.wrong_way.any()
     codes = set(np.unique(got.status).tolist())
-    assert codes <= {int(ex.Status.OK), int(ex.Status.UNRESOLVED_SIDE)}
     if method == "quadrature":
-        assert codes == {int(ex.Status.OK)}
+        # A start almost at rest loses digits to rounding; at 1e-9 a few say so.
+        assert codes <= {int(ex.Status.OK), int(ex.Status.STEP_LIMIT)}
+        assert (got.status == ex.Status.OK).mean() > 0.999
     else:
+        assert codes <= {int(ex.Status.OK), int(ex.Status.UNRESOLVED_SIDE)}
         assert (got.status == ex.Status.UNRESOLVED_SIDE).mean() > 0.9
 
 
@@ -175,7 +177,7 @@ def test_a_passage_says_when_a_real_disk_would_lift_off():
         report = passage_report(name, 1.0, 0.01, 1.0)
         assert report["min_normal_force"] == pytest.approx(least, abs=0.01)
         assert "lift off" in report["warnings"][0]
-    calm = ex.passage_forces(BODIES["uniform"], 0.05, 0.3, 0.0)
+    calm = ex.passage_forces(BODIES["uniform"], 0.05, 0.3, 0.2)
     assert np.isfinite(calm.min_normal_force[0])
 
 
@@ -221,7 +223,7 @@ def test_periods_without_crossing_the_vertical_bring_the_motion_back():
     disk = BODIES["hoop"]
     n = 60
     states = np.column_stack([rng.uniform(0.3, 1.4, n) * rng.choice([-1, 1], n), rng.uniform(-0.2, 0.2, (n, 3))])
-    got = ex.periods(phi_to_states(disk, *states.T), 1e-11)
+    got = ex.periods(phi_to_states(disk, *states.T), 1e-9)
     inside = (got.status == 0) & ~got.crosses & (got.theta_min > 1e-3)
     assert inside.sum() > 20
     for i in np.flatnonzero(inside)[:12]:
@@ -293,3 +295,19 @@ def test_the_pendulum_falls_to_both_sides_in_turn():
             got, want = ex.simulate(disk, states, t_eval=times, observables=names, accuracy=1e-10), limit(times)
             for name in names:
                 np.testing.assert_allclose(getattr(got, name)[0], getattr(want, name), atol=1e-7)
+
+
+@pytest.mark.parametrize("arguments", [(1.0, 50.0, 0.0), (0.1, 0.5, 0.0), (1e7, 1e5, 1.0)])
+def test_what_is_no_passage_is_not_reported_as_one(arguments):
+    """From rest where the potential rises towards flat the disk goes the other way."""
+    got = ex.passages(BODIES["uniform"], *arguments)
+    assert got.status[0] != ex.Status.OK or got.error_estimate[0] <= 1e-6
+    assert got.status[0] == ex.Status.OK or np.isnan(got.delta_chi[0])
+
+
+def test_an_accuracy_that_rounding_does_not_allow_is_not_claimed():
+    got = ex.passages(BODIES["uniform"], [1e-160, 1e7], [1e-170, 1e-3], [1e-160, 1.0])
+    ok = got.status == ex.Status.OK
+    assert (got.error_estimate[ok] <= 1e-6).all()
+    still = ex.periods(phi_to_states(BODIES["uniform"], 0.0, 0.0, 0.0, 1.0))
+    assert still.status[0] != ex.Status.OK
