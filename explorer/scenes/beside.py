@@ -13,6 +13,9 @@ from explorer.errors import InputError
 from explorer.sampling import Box, Range
 from explorer.states import Array
 
+# In natural units: where doubles still have all their digits, and where "beside F" loses its meaning.
+_BESIDE = (1e-305, 10.0)
+
 
 @dataclass(frozen=True)
 class Beside:
@@ -54,11 +57,14 @@ def check_box(box: Box, given: tuple[str, ...], scene: str) -> None:
         )
 
 
-def check_eta_hat(span: Range) -> None:
-    """Raise InputError unless 0 < low <= high, both finite."""
+def check_eta_hat(span: Range, disk: Disk) -> None:
+    """Raise InputError unless low <= high are magnitudes that lie beside F, in the units of the disk."""
     low, high = span
-    if not (0.0 < low <= high and np.isfinite(high)):
-        raise InputError(f"--eta-hat {low:g}:{high:g}: give magnitudes LOW:HIGH with 0 < LOW <= HIGH")
+    nearest, furthest = (limit * disk.rate_unit for limit in _BESIDE)
+    if not nearest <= low <= high <= furthest:
+        raise InputError(
+            f"--eta-hat {low:g}:{high:g}: give LOW:HIGH with {nearest:g} <= LOW <= HIGH <= {furthest:g}"
+        )
 
 
 def draw_beside(box: Box, random: np.random.Generator, count: int) -> Beside:

@@ -141,6 +141,9 @@ class FallingSet(SampledScene):
 
     def __post_init__(self) -> None:
         require_axial_inertia(self.disk)
+        if self.max_energy is not None:
+            # An energy that the box does not reach is refused before anything is written.
+            draw_states(self.disk, self.where, chunk_stream(self.seed, 0), 1, self.max_energy)
 
     @property
     def where(self) -> Box:

@@ -51,7 +51,7 @@ class OneSided(Scene):
     def __post_init__(self) -> None:
         for disk in self.disks:
             require_axial_inertia(disk)
-            check_eta_hat(self.span(disk))
+            check_eta_hat(self.span(disk), disk)
         if len({disk.name for disk in self.disks}) < len(self.disks):
             raise InputError("--disk: one-sided needs different names; name disks in TOML files")
 

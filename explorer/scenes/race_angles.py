@@ -40,7 +40,7 @@ class RaceAngles(SampledScene):
 
     def __post_init__(self) -> None:
         require_axial_inertia(self.disk)
-        check_eta_hat(self.span)
+        check_eta_hat(self.span, self.disk)
 
     @property
     def where(self) -> Box:
