@@ -23,9 +23,11 @@ _MODULES = (
     "field",
     "forces",
     "orbits",
+    "passages",
     "quadrature",
     "status",
     "steps",
+    "tables",
     "trajectory",
 )
 _LOCK = threading.RLock()

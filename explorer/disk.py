@@ -9,6 +9,7 @@ from typing import Any
 
 from explorer import compiled
 from explorer.errors import InputError
+from explorer.gauss import table_rules
 
 PRESETS = ("uniform", "hoop", "matching")
 _SYNTAX = 'uniform, hoop, matching, annulus:INNER_OVER_OUTER, FILE.toml, or "m=..,r=..,g=..,I1=..,I3=.."'
@@ -157,6 +158,11 @@ class Disk:
     def series(self) -> Any:
         """Chaplygin series for the kernels."""
         return self._compiled[1]
+
+    @cached_property
+    def tables(self) -> Any:
+        """Tables for passages (kernels.tables.Tables)."""
+        return compiled.tables.make_tables(self.body, self.series, table_rules())
 
     def describe(self) -> dict[str, float | str]:
         """What run.json and summary.json say about the disk."""

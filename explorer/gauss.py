@@ -7,14 +7,14 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
-from explorer.states import Array
+_Array = NDArray[np.float64]
 
 # Orders tried in turn. Where the integrand is smooth the second already agrees with the first.
 SIZES = (12, 20, 30, 44, 64, 96, 140)
 
 
 @cache
-def gauss(n: int) -> tuple[Array, Array]:
+def gauss(n: int) -> tuple[_Array, _Array]:
     """Nodes and weights on [-1, 1]; two Newton steps in extended precision after numpy's.
 
     numpy promises its rules up to degree 100 only, and at 400 they are off by 1e-13.
@@ -36,7 +36,7 @@ def _legendre(n: int, x: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
 
 
 @cache
-def packed_rules() -> tuple[Array, NDArray[np.int64]]:
+def packed_rules() -> tuple[_Array, NDArray[np.int64]]:
     """(rules, sizes) as kernels.quadrature.passage takes them.
 
     rules[0]: positive halves of symmetric rules of 2n nodes; rules[1]: whole rules of n nodes.
@@ -48,3 +48,14 @@ def packed_rules() -> tuple[Array, NDArray[np.int64]]:
         wholes.append(np.stack(gauss(n)))
     rules = np.stack([np.concatenate(halves, axis=1), np.concatenate(wholes, axis=1)])
     return np.ascontiguousarray(rules), np.array(SIZES, dtype=np.int64)
+
+
+@cache
+def table_rules() -> tuple[_Array, _Array, _Array]:
+    """Rules for kernels.tables.make_tables: outer, fall and inner.
+
+    Orders at which the estimated error is below 1e-11 for all of 12,800 ordinary passages (speeds of
+    0.5 to 2 at the vertical, |sigma3_bar| <= 2, any eta down to 1e-280); the true one is near 1e-13.
+    """
+    outer, fall, inner = (np.stack(gauss(n)) for n in (24, 40, 56))
+    return outer, fall, inner

@@ -26,6 +26,11 @@ _GAUSS = np.ascontiguousarray(np.stack(gauss(64)))
 _HALF_PI = 0.5 * np.pi
 
 
+def chord(phi: float) -> float:
+    """2 sin(theta/2) at the tilt phi (rad), as the kernels measure tilt; at the vertical exactly theirs."""
+    return 2.0 * float(np.sin(0.5 * (_HALF_PI - phi))) if phi > 0.0 else float(compiled.quadrature.VERTICAL)
+
+
 def fall_from_vertical(
     disk: Disk, sigma3_bar: Array, energy: Array, window: float = 0.0
 ) -> tuple[Array, Array, Array]:
@@ -34,9 +39,16 @@ def fall_from_vertical(
     window: phi (rad) at which it begins instead.
     """
     out = np.empty((3, sigma3_bar.size))
-    h_end = 2.0 * np.sin(0.5 * (_HALF_PI - window))
-    compiled.quadrature.fall_batch(
-        np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy), h_end, _GAUSS, disk.body, disk.series, out
+    h_end = chord(window)
+    compiled.passages.fall_batch(
+        np.ascontiguousarray(sigma3_bar),
+        np.ascontiguousarray(energy),
+        h_end,
+        _GAUSS,
+        disk.tables,
+        disk.body,
+        disk.series,
+        out,
     )
     return out[0], out[1], out[2]
 

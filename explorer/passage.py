@@ -12,12 +12,11 @@ from explorer.disk import Disk
 from explorer.errors import InputError
 from explorer.falling import impact_speed
 from explorer.gauss import packed_rules
-from explorer.limits import fall_from_vertical
+from explorer.limits import chord, fall_from_vertical
 from explorer.models import plan
 from explorer.motions import orbit_starts, turning_points
 from explorer.states import Array, States, constants_to_states, natural_constants, require_axial_inertia
 
-_VERTICAL = float(np.sqrt(2.0))
 _OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
 # What a coarser integration, done to estimate the error, is allowed: in tolerance, in step.
 _COARSER = {"dopri5": 100.0, "rk4": 1.5}
@@ -118,9 +117,8 @@ def _by_quadrature(
     )
     rules, sizes = packed_rules()
     out = np.empty((8, eta.size))
-    h_end = 2.0 * np.sin(0.5 * (0.5 * np.pi - edge)) if edge > 0.0 else _VERTICAL
-    compiled.quadrature.passage_batch(
-        sigma3_bar, eta, start, h_end, how.accuracy, rules, sizes, b, disk.series, out, status
+    compiled.passages.passage_batch(
+        sigma3_bar, eta, start, chord(edge), how.accuracy, rules, sizes, disk.tables, b, disk.series, out, status
     )
     energy = np.where(eta == 0.0, _energy_on_f(disk, sigma3_bar, start), out[4])
     rows = [*out[:4], out[7]]

@@ -42,6 +42,16 @@ def subroutine(function: Callable) -> Any:
     return numba.njit(**_OPTIONS)(function)
 
 
+def contracted_device(function: Callable) -> Any:
+    """As `device`; the compiler may round a product and a sum together, once instead of twice."""
+    return numba.njit(forceinline=True, fastmath={"contract"}, **_OPTIONS)(function)
+
+
+def contracted_subroutine(function: Callable) -> Any:
+    """As `subroutine`, with products and sums rounded together."""
+    return numba.njit(fastmath={"contract"}, **_OPTIONS)(function)
+
+
 def kernel(*signature: Any) -> Callable[[Callable], "Kernel"]:
     """Declare a public kernel with the argument types `signature`; it returns nothing."""
 

@@ -38,7 +38,16 @@ def make_series(c: float) -> tuple[np.ndarray, float, float]:
     """Polynomials in 2S - 1 on 0 <= S <= 1 for rho/S, rho', v, v', (rho' - 1)/S; and r(0), r'(0).
 
     c is the dimensionless parameter of eq. (4.3). Returns coefficients, shape (5, DEGREE + 1),
-    ascending powers. Power series of eqs (5.1)-(5.3) and of v in Lemma 2.
+    ascending powers.
+    """
+    rows, r0, dr0 = power_series(c)
+    return np.ascontiguousarray(np.stack([economise(row, DEGREE) for row in rows])), r0, dr0
+
+
+def power_series(c: float) -> tuple[np.ndarray, float, float]:
+    """The same five functions in ascending powers of S, and r(0), r'(0).
+
+    Eqs (5.1)-(5.3), and v of Lemma 2.
     """
     r = np.zeros(TERMS + 2)
     r[1] = 1.0
@@ -53,24 +62,22 @@ def make_series(c: float) -> tuple[np.ndarray, float, float]:
     v -= math.fsum(v) / math.fsum(r) * r
     orders = np.arange(r.size)
     drho, dv = np.roll(r * orders, -1), np.roll(v * orders, -1)
-    power_series = np.stack([np.roll(r, -1), drho, v, dv, np.append(drho[1:], 0.0)])
-
-    table = np.stack([_economise(row) for row in power_series])
-    return np.ascontiguousarray(table), math.fsum(r), math.fsum(r * orders)
+    rows = np.stack([np.roll(r, -1), drho, v, dv, np.append(drho[1:], 0.0)])
+    return rows, math.fsum(r), math.fsum(r * orders)
 
 
-def _economise(coefficients: np.ndarray) -> np.ndarray:
-    """Ascending powers of S on [0, 1] -> ascending powers of 2S - 1 up to DEGREE, by way of Chebyshev.
+def economise(coefficients: np.ndarray, degree: int) -> np.ndarray:
+    """Ascending powers of S on [0, 1] -> ascending powers of 2S - 1 up to `degree`, by way of Chebyshev.
 
     S^n = 2^(1-2n) sum' C(2n, n-j) T_j(2S - 1) has positive weights only: nothing cancels, where a
     fit through points would lose a digit.
     """
-    chebyshev = np.empty(DEGREE + 1)
-    for j in range(DEGREE + 1):
+    chebyshev = np.empty(degree + 1)
+    for j in range(degree + 1):
         terms = (a * math.comb(2 * n, n - j) / 4**n for n, a in enumerate(coefficients) if n >= j)
         chebyshev[j] = math.fsum(terms) * (1.0 if j == 0 else 2.0)
     powers = np.polynomial.chebyshev.cheb2poly(chebyshev)
-    return np.pad(powers, (0, DEGREE + 1 - powers.size))  # numpy drops trailing zeros
+    return np.pad(powers, (0, degree + 1 - powers.size))  # numpy drops trailing zeros
 
 
 @device

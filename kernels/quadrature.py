@@ -17,11 +17,8 @@ evaluated together, in `nodes`; `point` is the same for one tilt.
 import math
 from typing import NamedTuple
 
-import numpy as np
-
-from kernels import chaplygin, nodes, types
-from kernels._jit import kernel, subroutine
-from kernels.falling import potential_at_flat
+from kernels import chaplygin, nodes
+from kernels._jit import subroutine
 from kernels.nodes import ROOM
 from kernels.status import Status
 
@@ -34,14 +31,13 @@ _LN2 = math.log(2.0)
 SCAN = 24
 _ROOT_LIMIT = 200
 _EPSILON = 2.2e-16
-_FLOOR = 1e-11  # an accuracy below this is met as far as rounding allows
+FLOOR = 1e-11  # an accuracy below this is met as far as rounding allows
 VERTICAL = math.sqrt(2.0)  # h there
 _NOISE = 100.0  # units of rounding: 30 nodes, sixteen in an exponential, the solutions
 
 _OK = int(Status.OK)
 _BAD = int(Status.BAD_INPUT)
 _LIMIT = int(Status.STEP_LIMIT)
-_FALLS = int(Status.FALLS)
 
 
 class Point(NamedTuple):
@@ -267,53 +263,14 @@ def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series, W):
         angle_noise = noise * (abs(race) + abs(chi) + abs(psi)) + slow_noise
         time_noise = noise + slow_noise / time
         # Rounding may keep two rules apart; what it leaves must still be what was asked for.
-        floor = _FLOOR * max(1.0, abs(chi))
+        floor = FLOOR * max(1.0, abs(chi))
         settled = angle_error <= max(target, angle_noise) and time_error <= max(target, time_noise)
-        good = angle_error + angle_noise <= max(target, floor) and time_error + time_noise <= max(target, _FLOOR)
+        good = angle_error + angle_noise <= max(target, floor) and time_error + time_noise <= max(target, FLOOR)
         if settled and good:
             return _OK, Passage(
                 h_turn, turn.ratio, chi, psi, time, angle_error + angle_noise, time_error + time_noise
             )
     return _LIMIT, Passage(h_turn, turn.ratio, chi, psi, time, angle_error, time_error)
-
-
-@kernel(
-    types.vector,
-    types.vector,
-    types.vector,
-    types.number,
-    types.number,
-    types.table,
-    types.longs,
-    types.body,
-    types.matrix,
-    types.matrix,
-    types.codes,
-)
-def passage_batch(sigma3_bar, eta, speed, h_end, target, rules, sizes, b, series, out, status):
-    """`passage` on side +1 for every sample, with phidot = `speed` at the vertical, cut at h_end.
-
-    out (8, n): theta_min, chi, psi, time, energy, error of angles, relative error of time, way. status
-    (n): samples that come in as not OK are skipped; eta = 0 is FALLS; a motion that does not come as
-    far as h_end is BAD_INPUT.
-    """
-    W = np.zeros(nodes.ROWS * ROOM)
-    for i in range(eta.size):
-        out[:, i] = math.nan
-        if status[i] != _OK:
-            continue
-        if eta[i] == 0.0:
-            status[i] = _FALLS
-            continue
-        X, Y = sigma3_bar[i] / b.r0, eta[i] / b.I1
-        level = 0.5 * b.M * speed[i] * speed[i] + point(VERTICAL, X, Y, b, series).V
-        status[i], found = passage(
-            h_end, speed[i] == 0.0 and h_end == VERTICAL, level, X, Y, target, rules, sizes, b, series, W
-        )
-        out[0, i] = 2.0 * math.asin(0.5 * found.h_turn)
-        energy = level + potential_at_flat(X, b)
-        out[1, i], out[2, i], out[3, i], out[4, i] = found.chi, found.psi, found.time, energy
-        out[5, i], out[6, i], out[7, i] = found.angle_error, found.time_error, found.way
 
 
 @subroutine
@@ -365,18 +322,3 @@ def fall(h_end, level, X, rule, b, series, W):
     nodes.integrands(W, n, level, X, 0.0, b, series)
     chi = nodes.total(W, nodes.CHI, n)
     return nodes.total(W, nodes.TIME, n), chi, chi - nodes.total(W, nodes.REST, n)
-
-
-@kernel(types.vector, types.vector, types.number, types.matrix, types.body, types.matrix, types.matrix)
-def fall_batch(sigma3_bar, energy, h_end, rule, b, series, out):
-    """`fall` on side +1 for every sample -> out (3, n). NaN where the energy does not exceed V_0.
-
-    Time and chi are the same on side -1; psi changes sign.
-    """
-    W = np.zeros(nodes.ROWS * ROOM)
-    for i in range(sigma3_bar.size):
-        X = sigma3_bar[i] / b.r0
-        level = energy[i] - potential_at_flat(X, b)
-        out[0, i] = out[1, i] = out[2, i] = math.nan
-        if level > 0.0:
-            out[0, i], out[1, i], out[2, i] = fall(h_end, level, X, rule, b, series, W)
