@@ -29,16 +29,16 @@ _STRETCH = FARTHEST / 2.0**_SQUARINGS
 _NEAR = 16.0
 
 
-def powers(function, degree):
+def _powers(function, degree):
     """Ascending powers of t of the Chebyshev interpolant of function((1 + t)/2) on -1 <= t <= 1."""
     chebyshev = np.polynomial.chebyshev.chebinterpolate(lambda t: function(0.5 * (1.0 + t)), degree)
     powers = np.polynomial.chebyshev.cheb2poly(chebyshev)
     return np.ascontiguousarray(powers)
 
 
-_EXP = powers(lambda u: np.exp(-u * _STRETCH), 18)
-_GROWN = powers(lambda u: -np.expm1(-u * _STRETCH) / (u * _STRETCH), 18)
-_LOG1P = powers(np.log1p, 22)
+_EXP = _powers(lambda u: np.exp(-u * _STRETCH), 18)
+_GROWN = _powers(lambda u: -np.expm1(-u * _STRETCH) / (u * _STRETCH), 18)
+_LOG1P = _powers(np.log1p, 22)
 
 
 @subroutine

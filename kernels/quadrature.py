@@ -188,10 +188,10 @@ def end_scale(h_turn, y_end, length, rest, level, X, Y, b, series):
         scale = min(length, 2.0 * start / (slope + math.sqrt(slope * slope + 4.0 * bend * start)))
     # E - V has an error of rounding in E; it acts for as long as the motion is slow: the whole
     # scale, or from rest about the first node's share of it, a thousandth.
-    slow = max(start, 1e-3 * (slope + bend * length) * length if rest else _EPSILON * level)
+    slow = max(start, 1e-3 * (slope + bend * length) * length if rest else _EPSILON * abs(level))
     tilt = h_turn * math.sinh(y_end) / last.shape  # d theta / dy
     duration = math.sqrt(2.0) * scale * tilt / math.sqrt(2.0 * b.inv_M * slow)
-    return scale, 4.0 * _EPSILON * level / slow * duration * (1.0 + abs(last.ratio) + abs(last.sigma4))
+    return scale, 4.0 * _EPSILON * abs(level) / slow * duration * (1.0 + abs(last.ratio) + abs(last.sigma4))
 
 
 @subroutine

@@ -21,13 +21,14 @@ import numpy as np
 
 from kernels import tables
 from kernels._jit import contracted_device, contracted_subroutine
-from kernels.nodes import powers
+from kernels.chaplygin import economise
 from kernels.status import Status
 
 LANES = 32
 WIDEST = 0.2  # of h_m: well inside HANDOVER
 NARROWEST = 1e-290  # of |Y|: h_m / 2 must not be denormal
 SLOWEST = 1e-3  # share of the energy above V_0 with which it must leave the vertical
+_LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y, or ends at the turning point
 _NEWTON = 5  # from the guess of first order to rounding, for h_m <= WIDEST
 _EPSILON = 2.2e-16
 _NOISE = 100.0  # units of rounding, as in quadrature
@@ -39,23 +40,25 @@ _TAU, _CAP, _LOG_CAP, _WIDTH, _TURN2, _RACE, _PULL, _SPIN, _SLOW, _REST0, _REST1
 CHI, REST, TIME, PSI = 18, 19, 20, 19  # results; from _TAILS on, for each, sum of sizes and two last coefficients
 _TAILS = 21
 _LEAST = 30  # least theta-dot^2 met
-ANGLE_ERROR, TIME_ERROR, WAY, SPEED = 31, 32, 33, 34
-ROWS = 35
+ANGLE_ERROR, TIME_ERROR, WAY, SPEED, _BELOW = 31, 32, 33, 34, 35
+ROWS = 36
 
 _LN2 = math.log(2.0)
 _SQUARINGS = 3
 
 
-def _tuple(function, low, high, degree):
-    return tuple(map(float, powers(lambda u: function(low + (high - low) * u), degree)))
+def _economised(term, degree):
+    """Ascending powers of 2u - 1 on 0 <= u <= 1 of the sum of term(n) u^n."""
+    terms = np.array([term(n) for n in range(60)])
+    return tuple(map(float, economise(terms, degree)))
 
 
 # exp(-d) on 0 <= d <= DEEPEST / 8, squared three times; atanh(s)/s in s^2 up to 1/9; atan(x)/x in x^2.
 _SHORT = tables.DEEPEST / 2.0**_SQUARINGS
-_EXP = _tuple(lambda d: np.exp(-d), 0.0, _SHORT, 14)
-_ATANH = _tuple(lambda s2: np.arctanh(np.sqrt(s2)) / np.sqrt(s2), 0.0, 1.0 / 9.0, 10)
 _STEEPEST = 0.2  # of (h_m / tau)^2 at the handover
-_ATAN = _tuple(lambda x2: np.arctan(np.sqrt(x2)) / np.sqrt(x2), 0.0, _STEEPEST, 12)
+_EXP = _economised(lambda n: (-_SHORT) ** n / math.factorial(n), 14)
+_ATANH = _economised(lambda n: 9.0**-n / (2 * n + 1), 10)
+_ATAN = _economised(lambda n: (-_STEEPEST) ** n / (2 * n + 1), 12)
 
 
 @contracted_device
@@ -206,14 +209,16 @@ def closed(W, b, low):
         log_cap = log_handover + log_ratio(-s / (2.0 - s))
         gd = 0.5 * math.pi - arctan(h / tau)
         y_end = log_cap + _LN2 - log_h
-        # theta-dot^2 = 2/M (slope/2 tanh^2 y - (h - h_m) - spin ln(h/h_m) + ...)
-        spin = 2.0 * b.J * x * inv_k * 0.5 * b.c * y * inv_k
+        # M theta-dot^2 = slope tanh^2 y less 2 (h - h_m) and 2 spin ln(h/h_m), to first order
+        spin = b.J * (x * inv_k + rise) * b.c * y * inv_k
         pull = y * race / slope
         wide = y_end if y_end < tables.DEEPEST else tables.DEEPEST
+        below = y_end - wide
         rest0 = (x + y * (0.5 * b.c * (1.0 - _LN2) + horner(low.dv, -1.0))) * inv_k
         rest1 = y * b.c * inv_k
         W[_TAU * LANES + i], W[_CAP * LANES + i], W[_LOG_CAP * LANES + i] = tau, cap, log_cap
         W[_WIDTH * LANES + i], W[_TURN2 * LANES + i] = wide, 0.25 * h * h
+        W[_BELOW * LANES + i] = below if below < _LEFT_OUT else _LEFT_OUT
         W[_RACE * LANES + i], W[_PULL * LANES + i], W[_SPIN * LANES + i] = race, pull, pull * spin
         W[_SLOW * LANES + i], W[_REST0 * LANES + i], W[_REST1 * LANES + i] = slow, rest0, rest1
         fraction = log_handover - log_h
@@ -283,6 +288,10 @@ def near_panel(W, inner, b, low):
             gather(W, i, CHI, _TAILS, step * chi, last, last_but_one)
             gather(W, i, REST, _TAILS + 3, step * rest, last, last_but_one)
             gather(W, i, TIME, _TAILS + 6, step * time, last, last_but_one)
+            # The first node is the deepest; no rule looks further down.
+            left_out = W[_BELOW * LANES + i] if j == 0 else 0.0
+            W[ANGLE_ERROR * LANES + i] += left_out * (abs(chi) + abs(rest))
+            W[TIME_ERROR * LANES + i] += left_out * abs(time)
     settle(W)
 
 
