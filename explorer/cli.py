@@ -23,7 +23,7 @@ _OPTIONS = (
     ("--max-energy", "max_energy", "E", "falling-set: only states with energy up to E"),
     ("--eta-hat", "eta_hat", "LOW:HIGH", "distance beside the falling set, both signs: 1e-6:1e-2"),
     ("--accuracy", "accuracy", "TOL", "absolute error of angles, relative of times and tilts (default 1e-6)"),
-    ("--method", "method", "NAME", "auto, quadrature, rk4 or dopri5 (default auto)"),
+    ("--method", "method", "NAME", "auto, quadrature, rk4, rk8, dopri5 or dop853 (default auto)"),
     ("--grid", "grid", "N", "falling-set: points per axis of a slice (default 401)"),
 )
 
@@ -141,7 +141,7 @@ def _add_passage(commands: Any) -> None:
         command.add_argument(flag, required=True, type=float, metavar="X", help=help_text)
     command.add_argument("--side", type=int, choices=(1, -1), default=1, help="flat state (default 1)")
     command.add_argument("--accuracy", type=float, default=1e-6, metavar="TOL", help="as for run")
-    command.add_argument("--method", default="auto", metavar="NAME", help="auto, quadrature, rk4 or dopri5")
+    command.add_argument("--method", default="auto", metavar="NAME", help="as for run")
     command.add_argument("--window", type=float, metavar="Q", help="cos phi at which to start and stop")
     command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 

@@ -13,6 +13,7 @@ them, the method, and the integrator's setting for every sample. No scene names 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,8 @@ from explorer.states import Array, States
 
 ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH = "algebra", "quadrature", "reduced", "angles", "path"
 RUNGS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
-METHODS = ("auto", "rk4", "dopri5", "quadrature")
+FIXED, ADAPTIVE = ("rk4", "rk8"), ("dopri5", "dop853")
+METHODS = ("auto", *FIXED, *ADAPTIVE, "quadrature")
 
 OBSERVABLES = {
     "constants": ALGEBRA,
@@ -51,18 +53,18 @@ _INTEGRATED = {"theta_min": REDUCED}
 
 LOOSEST = 1e-1
 # A passage's rounding is about 1e-13; an integrator's errors of rounding add up over its steps.
-TIGHTEST = {"quadrature": 1e-13, "rk4": 1e-11, "dopri5": 1e-11}
+TIGHTEST = {"quadrature": 1e-13, "rk4": 1e-11, "rk8": 1e-11, "dopri5": 1e-11, "dop853": 1e-11}
 
 # Error over tolerance at the 99th percentile was measured at 3 to 20 for passages of the uniform
 # disk, the hoop and a body with kappa = 10; 1/30 leaves room for other bodies and energies.
-_DOPRI5_SHARE = 1.0 / 30.0
-# RK4's error in chi over a passage is about 0.03 h^4, in eta about 8e-4 h^4 (h in units of
-# 1/speed, uniform disk). Ten times that is assumed.
-_RK4_CONSTANT = 0.3
+_TOLERANCE_SHARE = {"dopri5": 1.0 / 30.0, "dop853": 1.0 / 30.0}
+# Error in chi over a passage is about constant * h^order, h in units of 1/speed (uniform disk: 0.03 h^4).
+# Ten times what was measured is assumed.
+_STEP_ERROR = {"rk4": (0.3, 4), "rk8": (0.3, 8)}
 # eta must be known to a hundredth for the direction of the race to be beyond doubt.
 _SIDE_SHARE = 0.01
 _TOLERANCE_FLOOR = 3e-15
-_STEP_RANGE = (1e-3, 0.25)
+_STEP_RANGE = {"rk4": (1e-3, 0.25), "rk8": (1e-2, 0.6)}
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,7 @@ class Plan:
 
     @property
     def kernel_method(self) -> int:
-        return {"rk4": compiled.steps.RK4, "dopri5": compiled.steps.DOPRI5}[self.method]
+        return int(getattr(compiled.steps, self.method.upper()))
 
     @property
     def kernel_depth(self) -> int:
@@ -108,16 +110,12 @@ class Plan:
         tilt = near / np.sqrt(2.0 * states.disk.body.I1 * found[3])
         share = self.accuracy if self.relative_tilt else _SIDE_SHARE
         target = np.fmin(self.accuracy, share * np.fmin(tilt, 1.0))
-        if self.method == "rk4":
-            return self.slack * np.clip((target / _RK4_CONSTANT) ** 0.25, *_STEP_RANGE)
-        return self.slack * np.clip(target * _DOPRI5_SHARE, _TOLERANCE_FLOOR, None)
+        return self.slack * _setting(self.method, target)
 
     @property
     def held_control(self) -> float:
         """Tolerance or step for trajectories that are held to their constants: eta cannot drift."""
-        if self.method == "rk4":
-            return float(np.clip((self.accuracy / _RK4_CONSTANT) ** 0.25, *_STEP_RANGE))
-        return max(self.accuracy * _DOPRI5_SHARE, _TOLERANCE_FLOOR)
+        return float(_setting(self.method, np.float64(self.accuracy)))
 
     @property
     def cost(self) -> str:
@@ -126,11 +124,24 @@ class Plan:
             return "one evaluation of Chaplygin's solutions per sample"
         if self.method == "quadrature":
             return "40 to 200 evaluations of the integrand per sample, the same at every distance from F"
-        if self.method == "rk4":
-            step = min(max((self.accuracy / _RK4_CONSTANT) ** 0.25, _STEP_RANGE[0]), _STEP_RANGE[1])
-            return f"about {4 * round(10.0 / step)} evaluations of the field per passage, more near F"
-        steps = round(40.0 * (1e-6 / self.accuracy) ** 0.2)
-        return f"about {7 * steps} evaluations of the field per passage, more near F"
+        stages = {"rk4": 4, "dopri5": 7}.get(self.method, 12)
+        if self.method in FIXED:
+            steps = round(10.0 / self.held_control)
+        else:
+            steps = round(
+                40.0 * (1e-6 / self.accuracy) ** 0.2
+                if self.method == "dopri5"
+                else 12.0 * (1e-6 / self.accuracy) ** 0.125
+            )
+        return f"about {stages * steps} evaluations of the field per passage, more near F"
+
+
+def _setting(method: str, target: Any) -> Any:
+    """Step (fixed methods) or tolerance (adaptive ones) for an error of `target` per passage."""
+    if method in FIXED:
+        constant, order = _STEP_ERROR[method]
+        return np.clip((target / constant) ** (1.0 / order), *_STEP_RANGE[method])
+    return np.clip(target * _TOLERANCE_SHARE[method], _TOLERANCE_FLOOR, None)
 
 
 def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto") -> Plan:
@@ -164,7 +175,9 @@ def _choose(asked: tuple[str, ...], method: str) -> tuple[str, str, str]:
     deepest = ", ".join(name for name in asked if OBSERVABLES[name] == rung) or "nothing else"
     integrals_only = RUNGS.index(rung) <= RUNGS.index(QUADRATURE)
     if method == "quadrature" and not integrals_only:
-        raise InputError(f"--method quadrature gives passages and periods, not {deepest}; use auto, rk4 or dopri5")
+        raise InputError(
+            f"--method quadrature gives passages and periods, not {deepest}; use auto or an integrator"
+        )
     if method == "auto" and integrals_only:
         why = "quadrature because it needs no steps and knows eta exactly"
         return rung, "quadrature", f"{rung} because of {deepest}; {why}"

@@ -19,7 +19,7 @@ from explorer.states import Array, States, constants_to_states, natural_constant
 
 _OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
 # What a coarser integration, done to estimate the error, is allowed: in tolerance, in step.
-_COARSER = {"dopri5": 100.0, "rk4": 1.5}
+_COARSER = {"dopri5": 100.0, "dop853": 100.0, "rk4": 1.5, "rk8": 1.3}
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def passages(
     """Passages that start at the vertical with speed phidot >= 0 towards the flat state of `side`.
 
     sigma3_bar, eta_hat (of that side), phidot: rad per unit of time; arguments broadcast. method:
-    'quadrature' takes eta_hat as it is, down to 1e-300; 'rk4' and 'dopri5' integrate from a state
+    'quadrature' takes eta_hat as it is, down to 1e-300; 'rk4', 'rk8', 'dopri5', 'dop853' integrate from a state
     and report 'unresolved side' where that state does not determine the direction of the race.
     'auto' is quadrature. window: cos phi (0 to 1) at which to start and stop instead of the vertical.
     Bad input (not finite, phidot < 0, side not +-1) has status BAD_INPUT. Section 7 of the paper.
@@ -149,12 +149,13 @@ def _by_integration(
     status = np.where(status == code.OK, fine.status, status)
     status = np.where(good & doubtful & (eta != 0.0), code.UNRESOLVED_SIDE, status)
     status = np.where(good & (eta == 0.0), code.FALLS, status).astype(np.int8)
+    known = rounding / np.where(eta == 0.0, 1.0, abs(eta))
     # A passage ends at the flat state it was sent to; one that turns elsewhere was never near it.
     rows = [fine.theta, 2.0 * fine.chi, 2.0 * fine.psi * facing, 2.0 * fine.time, fine.way]
     error = np.fmax(2.0 * abs(fine.chi - rough.chi), 2.0 * abs(fine.psi - rough.psi))
     error = np.fmax(error, abs(rough.time / fine.time - 1.0))
     error = np.fmax(error, abs(rough.theta / fine.theta - 1.0))
-    return _assemble(disk, s3 / unit, eta, side, found[3], 0.0, rows, 2.0 * error + 1e-13, status)
+    return _assemble(disk, s3 / unit, eta, side, found[3], 0.0, rows, 2.0 * error + known + 1e-13, status)
 
 
 def _assemble(

@@ -18,8 +18,10 @@ from kernels.events import crossed, level
 from kernels.field import ANGLES, REDUCED, State, speed
 from kernels.status import Status
 from kernels.steps import (
+    DOP853,
     DOPRI5,
     RK4,
+    RK8,
     all_finite,
     attempt,
     drift_between,
@@ -123,12 +125,20 @@ def choose(condition, x, y):
 def sweep_any(method, depth, W, event, target, b):
     """sweep() with method and depth only known at run time: one vectorised loop for each."""
     if method == RK4:
-        if depth == REDUCED:
-            return sweep(RK4, REDUCED, W, event, target, b)
-        return sweep(RK4, ANGLES, W, event, target, b)
+        return sweep_at_depth(RK4, depth, W, event, target, b)
+    if method == RK8:
+        return sweep_at_depth(RK8, depth, W, event, target, b)
+    if method == DOP853:
+        return sweep_at_depth(DOP853, depth, W, event, target, b)
+    return sweep_at_depth(DOPRI5, depth, W, event, target, b)
+
+
+@device
+def sweep_at_depth(method, depth, W, event, target, b):
+    """sweep() with the depth only known at run time."""
     if depth == REDUCED:
-        return sweep(DOPRI5, REDUCED, W, event, target, b)
-    return sweep(DOPRI5, ANGLES, W, event, target, b)
+        return sweep(method, REDUCED, W, event, target, b)
+    return sweep(method, ANGLES, W, event, target, b)
 
 
 @subroutine
@@ -219,9 +229,9 @@ def first_event_batch(
 ):
     """Follow every column of states (8, n) until `event` first takes the value `target`.
 
-    control (n): step in units of 1/speed (RK4) or tolerance (DOPRI5). out (8, n): the states there,
-    NaN where the sample failed. status (n): samples that come in as not OK are skipped.
-    steps (n): attempted steps. drift (3, n): as steps.Drift.
+    control (n): step in units of 1/speed (RK4, RK8) or tolerance (DOPRI5, DOP853).
+    out (8, n): the states there, NaN where the sample failed. status (n): samples that come in as not
+    OK are skipped. steps (n): attempted steps. drift (3, n): as steps.Drift.
     """
     W = np.zeros(_ROWS * LANES)
     sample = np.full(LANES, -1, np.int64)
@@ -259,7 +269,7 @@ def first_event_batch(
                 continue
             if found == _HIT:
                 before = read(W, _BEFORE, i, depth)
-                y = locate(method, before, W[_TAKEN * LANES + i], event, target, b)
+                y = locate(method, before, read(W, _NOW, i, depth), W[_TAKEN * LANES + i], event, target, b)
                 begin = constants_of(column(states, j), b, series)
                 finish(j, to_depth(y, depth), begin, max_drift, b, series, out, drift, status)
             else:

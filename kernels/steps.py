@@ -11,12 +11,13 @@ from kernels.adaptive import (
     path_error_norm,
     step_factor,
 )
+from kernels.eighth import combined_error, eighth_order_step, eighth_step_factor
 from kernels.events import level, level_rate
 from kernels.field import ANGLES, REDUCED, State
 from kernels.fixed import rk4_step
 from kernels.status import Status
 
-RK4, DOPRI5 = 0, 1
+RK4, DOPRI5, RK8, DOP853 = range(4)  # RK8: the steps of DOP853 at a fixed length
 
 _OK = int(Status.OK)
 _DRIFT = int(Status.INVARIANT_DRIFT)
@@ -25,8 +26,11 @@ _UNRESOLVED = int(Status.UNRESOLVED_SIDE)
 # An error in eta above this share of |eta| makes the direction of the race doubtful. Ten times
 # stricter than the sign needs: the error is only seen where the motion is checked.
 RESOLVED_SHARE = 0.1
-# Newton's method on the partial step converges in 3 to 5 steps; bisection guards the rest.
+# Newton's method on the partial step converges in 2 or 3 steps; bisection guards the rest.
 LOCATE_LIMIT = 60
+_CUBIC_STEPS = 4
+# Shares of a step: one whose fifth power is rounding, and one whose square is.
+_SHORT, _LAST = 1e-3, 1e-8
 
 
 class Limits(NamedTuple):
@@ -47,7 +51,7 @@ class Drift(NamedTuple):
 @device
 def first_step(method, control, unit):
     """Step to begin with. `control` is the step in units of 1/unit, or the tolerance."""
-    if method == RK4:
+    if method in (RK4, RK8):
         return control / unit
     return 0.1 / unit
 
@@ -78,14 +82,27 @@ def attempt(method, depth, x, h, control, unit, b):
     """
     if method == RK4:
         return to_depth(rk4_step(x, h, b), depth), True, h
-    y, e = dopri5_step(x, h, b)
-    if depth > ANGLES:
-        error = path_error_norm(x, e, unit, b) / control
+    if method == RK8:
+        y, _fifth, _third = eighth_order_step(x, h, b)
+        return to_depth(y, depth), True, h
+    if method == DOP853:
+        y, fifth, third = eighth_order_step(x, h, b)
+        error = combined_error(norm(x, fifth, unit, b, depth), norm(x, third, unit, b, depth)) / control
+        step = h * eighth_step_factor(error)
     else:
-        error = error_norm(x, e, unit, b) / control
-    step = h * step_factor(error)
+        y, e = dopri5_step(x, h, b)
+        error = norm(x, e, unit, b, depth) / control
+        step = h * step_factor(error)
     longest = LONGEST_STEP / unit
     return to_depth(y, depth), error <= 1.0, step if step < longest else longest
+
+
+@device
+def norm(x, e, unit, b, depth):
+    """Size of a local error at the depth carried."""
+    if depth > ANGLES:
+        return path_error_norm(x, e, unit, b)
+    return error_norm(x, e, unit, b)
 
 
 @subroutine
@@ -93,38 +110,58 @@ def partial_step(method, x, h, b):
     """The state a fraction of an accepted step later, by the same method."""
     if method == RK4:
         return rk4_step(x, h, b)
-    y, _e = dopri5_step(x, h, b)
-    return y
+    if method == DOPRI5:
+        return dopri5_step(x, h, b)[0]
+    return eighth_order_step(x, h, b)[0]
 
 
 @subroutine
-def locate(method, x, h, event, target, b):
-    """The state where `event` takes the value `target` within the step (x, h), to rounding.
+def first_guess(x, end, h, event, target, b):
+    """Length at which the cubic through both ends of a step, with their slopes, takes the value."""
+    start, stop = level(x, event) - target, level(end, event) - target
+    leave, arrive = h * level_rate(x, event, b), h * level_rate(end, event, b)
+    low, high = 0.0, 1.0
+    u = start / (start - stop) if start != stop else 1.0
+    for _ in range(_CUBIC_STEPS):
+        v = 1.0 - u
+        value = v * v * ((1.0 + 2.0 * u) * start + u * leave) + u * u * ((1.0 + 2.0 * v) * stop - v * arrive)
+        slope = 6.0 * u * v * (stop - start) + v * (1.0 - 3.0 * u) * leave + u * (3.0 * u - 2.0) * arrive
+        if (value < 0.0) == (start < 0.0):
+            low = u
+        else:
+            high = u
+        guess = u - value / slope if slope != 0.0 else low
+        u = guess if low < guess < high else 0.5 * (low + high)
+    return h * u
 
-    Newton's method on the length of a partial step, bracketed: the located state has the accuracy
-    of the method itself, with no interpolation error.
+
+@subroutine
+def locate(method, x, end, h, event, target, b):
+    """The state where `event` takes the value `target` within the step from x to `end`, to rounding.
+
+    A partial step of the same method to a first guess, then Newton's method; what is left to go is so
+    short that a fourth-order step from there adds less than rounding. So the located state has the
+    accuracy of the method itself, with no interpolation error.
     """
     low, high = 0.0, h
     below = level(x, event) < target
-    start = level(x, event) - target
-    end = level(partial_step(method, x, h, b), event) - target
-    length = h * (start / (start - end)) if start != end else h
-    y = x
+    length = first_guess(x, end, h, event, target, b)
+    y = partial_step(method, x, length, b)
     for _ in range(LOCATE_LIMIT):
-        y = partial_step(method, x, length, b)
         gap = level(y, event) - target
-        if gap == 0.0:
-            return y
+        slope = level_rate(y, event, b)
+        left = -gap / slope
+        if abs(left) <= _LAST * h:
+            return rk4_step(y, left, b)
         if (gap < 0.0) == below:
             low = length
         else:
             high = length
-        slope = level_rate(y, event, b)
-        guess = length - gap / slope if slope != 0.0 else low
+        guess = length + left
         if not (low < guess < high):
             guess = 0.5 * (low + high)
-        if abs(guess - length) <= 1e-15 * h:
-            return y
+        left = guess - length
+        y = rk4_step(y, left, b) if abs(left) <= _SHORT * h else partial_step(method, x, guess, b)
         length = guess
     return y
 

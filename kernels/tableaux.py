@@ -8,9 +8,12 @@ Sources: Kutta (1901), the classical method; Dormand & Prince, J. Comput. Appl. 
 19-26, RK5(4)7M.
 """
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction as F
 from functools import cache
+
+from kernels import coefficients853 as dop853
 
 Tree = tuple  # a rooted tree is the sorted tuple of its subtrees; () is the single node
 
@@ -130,3 +133,43 @@ DORMAND_PRINCE_54 = Tableau(
     ),
     embedded_order=4,
 )
+
+
+@dataclass(frozen=True)
+class Tableau853:
+    """Dormand and Prince's explicit method of order 8 with twelve stages, in floating point.
+
+    fifth, third: weights of the local errors of orders 5 and 3. Raises ValueError on construction if
+    an order condition fails by more than rounding.
+    """
+
+    a: tuple[tuple[float, ...], ...]
+    b: tuple[float, ...]
+    fifth: tuple[float, ...]
+    third: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        solutions = ((self.b, 8), (_minus(self.b, self.fifth), 5), (_minus(self.b, self.third), 3))
+        for weights, order in solutions:
+            for nodes in range(1, order + 1):
+                for tree in trees(nodes):
+                    if abs(self._elementary_weight(weights, tree) - 1.0 / tree_density(tree)) > 1e-13:
+                        raise ValueError(f"tableau 8(5,3): order condition {tree} of order {nodes} fails")
+
+    def _elementary_weight(self, weights: tuple[float, ...], tree: Tree) -> float:
+        return math.fsum(w * s for w, s in zip(weights, self._stage_weights(tree), strict=True))
+
+    def _stage_weights(self, tree: Tree) -> list[float]:
+        result = [1.0] * len(self.b)
+        for branch in tree:
+            inner = self._stage_weights(branch)
+            for i, row in enumerate(self.a):
+                result[i] *= math.fsum(a * inner[j] for j, a in enumerate(row))
+        return result
+
+
+def _minus(x: tuple[float, ...], y: tuple[float, ...]) -> tuple[float, ...]:
+    return tuple(a - b for a, b in zip(x, y, strict=True))
+
+
+DORMAND_PRINCE_853 = Tableau853(dop853.A, dop853.B, dop853.FIFTH, dop853.THIRD)

@@ -4,15 +4,17 @@ import math
 from typing import NamedTuple
 
 from kernels import types
-from kernels._jit import kernel, subroutine
+from kernels._jit import device, kernel, subroutine
 from kernels.adaptive import SHORTEST_STEP
 from kernels.constants import constants_of, onto_constants
 from kernels.events import crossed, level
 from kernels.field import ANGLES, PATH, State, speed
 from kernels.status import Status
 from kernels.steps import (
+    DOP853,
     DOPRI5,
     RK4,
+    RK8,
     all_finite,
     attempt,
     drift_between,
@@ -33,12 +35,20 @@ _NOT_FINITE = int(Status.NOT_FINITE)
 def attempt_any(method, depth, x, h, control, unit, b):
     """attempt() with method and depth only known at run time."""
     if method == RK4:
-        if depth == PATH:
-            return attempt(RK4, PATH, x, h, control, unit, b)
-        return attempt(RK4, ANGLES, x, h, control, unit, b)
+        return attempt_at_depth(RK4, depth, x, h, control, unit, b)
+    if method == RK8:
+        return attempt_at_depth(RK8, depth, x, h, control, unit, b)
+    if method == DOP853:
+        return attempt_at_depth(DOP853, depth, x, h, control, unit, b)
+    return attempt_at_depth(DOPRI5, depth, x, h, control, unit, b)
+
+
+@device
+def attempt_at_depth(method, depth, x, h, control, unit, b):
+    """attempt() with the depth only known at run time."""
     if depth == PATH:
-        return attempt(DOPRI5, PATH, x, h, control, unit, b)
-    return attempt(DOPRI5, ANGLES, x, h, control, unit, b)
+        return attempt(method, PATH, x, h, control, unit, b)
+    return attempt(method, ANGLES, x, h, control, unit, b)
 
 
 @subroutine
@@ -76,7 +86,7 @@ def trajectory(method, depth, x, pinned, control, event, targets, max_steps, b, 
                 return _NOT_FINITE, step + 1, x
             before, after = level(x, event), level(y, event)
             while done < targets.size and crossed(before, after, targets[done]):
-                record(to_depth(locate(method, x, h, event, targets[done], b), depth), out[done])
+                record(to_depth(locate(method, x, y, h, event, targets[done], b), depth), out[done])
                 # Two equal targets are two crossings; different ones may share a step.
                 again = done + 1 < targets.size and targets[done + 1] == targets[done]
                 done += 1

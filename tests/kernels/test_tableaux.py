@@ -3,7 +3,7 @@ from fractions import Fraction
 
 import pytest
 
-from kernels.tableaux import CLASSICAL_RK4, DORMAND_PRINCE_54, trees
+from kernels.tableaux import CLASSICAL_RK4, DORMAND_PRINCE_54, DORMAND_PRINCE_853, trees
 
 
 def test_there_are_as_many_rooted_trees_as_the_books_say():
@@ -33,3 +33,16 @@ def test_a_misprinted_node_is_refused():
     c[3] = Fraction(3, 4)
     with pytest.raises(ValueError, match="row sum"):
         replace(DORMAND_PRINCE_54, c=tuple(c))
+
+
+@pytest.mark.parametrize("row", [2, 6, 11])
+def test_a_misprint_in_the_eighth_order_method_is_refused(row):
+    a = [list(entries) for entries in DORMAND_PRINCE_853.a]
+    a[row][0] += 1e-11
+    with pytest.raises(ValueError, match="order condition"):
+        replace(DORMAND_PRINCE_853, a=tuple(map(tuple, a)))
+    for name in ("b", "fifth", "third"):
+        weights = list(getattr(DORMAND_PRINCE_853, name))
+        weights[row] += 1e-11
+        with pytest.raises(ValueError, match="order condition"):
+            replace(DORMAND_PRINCE_853, **{name: tuple(weights)})
