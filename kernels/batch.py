@@ -25,8 +25,10 @@ from kernels.steps import (
     all_finite,
     attempt,
     drift_between,
+    first_guess,
     first_step,
-    locate,
+    partial_step,
+    settle,
     to_depth,
     verdict,
 )
@@ -199,6 +201,24 @@ def finish(j, y, begin, max_drift, b, series, out, drift, status):
 
 
 @subroutine
+def aim(W, i, depth, event, target, b):
+    """Put lane i back to the start of its last step, to go only about as far as the event."""
+    x, end = read(W, _BEFORE, i, depth), read(W, _NOW, i, depth)
+    write(W, _NOW, i, x, depth)
+    W[_STEP * LANES + i] = first_guess(x, end, W[_TAKEN * LANES + i], event, target, b)
+
+
+@subroutine
+def landed(method, depth, W, i, h, event, target, b):
+    """The state at the event of lane i, whose last step, once of length h, was cut short by `aim`."""
+    x, y, length = read(W, _BEFORE, i, depth), read(W, _NOW, i, depth), W[_TAKEN * LANES + i]
+    if y.q == x.q and y.z == x.z and y.p == x.p:
+        # Refused, although shorter than an accepted step: taken as it is, as `locate` does.
+        y = partial_step(method, x, length, b)
+    return to_depth(settle(method, x, h, length, y, event, target, b), depth)
+
+
+@subroutine
 def failure(found):
     """Status of a sample that ended without its event."""
     if found == _BROKEN:
@@ -236,7 +256,9 @@ def first_event_batch(
     W = np.zeros(_ROWS * LANES)
     sample = np.full(LANES, -1, np.int64)
     since = np.zeros(LANES, np.int64)
-    upcoming = sweeps = due = 0
+    # Length of the step in which a lane's event lies, while its last, partial step is taken.
+    last_step = np.zeros(LANES)
+    upcoming = sweeps = due = landing = 0
     refill = True
     while True:
         if refill:
@@ -260,19 +282,27 @@ def first_event_batch(
                 return
         attention = sweep_any(method, depth, W, event, target, b)
         sweeps += 1
-        refill = attention > 0 or sweeps >= due
-        if not refill:
+        refill = False
+        if attention == 0 and sweeps < due and landing == 0:
             continue
         for i in range(LANES):
             j, found, spent = sample[i], W[_FOUND * LANES + i], sweeps - since[i]
-            if j < 0 or (found == _NOTHING and spent < max_steps):
-                continue
-            if found == _HIT:
-                before = read(W, _BEFORE, i, depth)
-                y = locate(method, before, read(W, _NOW, i, depth), W[_TAKEN * LANES + i], event, target, b)
+            if last_step[i] > 0.0:
+                y = landed(method, depth, W, i, last_step[i], event, target, b)
                 begin = constants_of(column(states, j), b, series)
-                finish(j, to_depth(y, depth), begin, max_drift, b, series, out, drift, status)
+                finish(j, y, begin, max_drift, b, series, out, drift, status)
+                last_step[i] = 0.0
+                landing -= 1
+                steps[j] = spent - 1
+            elif j < 0 or (found == _NOTHING and spent < max_steps):
+                continue
+            elif found == _HIT:
+                last_step[i] = W[_TAKEN * LANES + i]
+                aim(W, i, depth, event, target, b)
+                landing += 1
+                continue
             else:
                 fail(j, failure(found), out, drift, status)
-            steps[j] = spent
+                steps[j] = spent
             sample[i] = -1
+            refill = True

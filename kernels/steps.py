@@ -13,7 +13,7 @@ from kernels.adaptive import (
 )
 from kernels.eighth import combined_error, eighth_order_step, eighth_step_factor
 from kernels.events import level, level_rate
-from kernels.field import ANGLES, REDUCED, State
+from kernels.field import ANGLES, REDUCED, State, field, shift
 from kernels.fixed import rk4_step
 from kernels.status import Status
 
@@ -28,9 +28,9 @@ _UNRESOLVED = int(Status.UNRESOLVED_SIDE)
 RESOLVED_SHARE = 0.1
 # Newton's method on the partial step converges in 2 or 3 steps; bisection guards the rest.
 LOCATE_LIMIT = 60
-_CUBIC_STEPS = 4
-# Shares of a step: one whose fifth power is rounding, and one whose square is.
-_SHORT, _LAST = 1e-3, 1e-8
+_CUBIC_STEPS = 3
+# Shares of a step whose fifth power, third power and square are rounding.
+_SHORT, _SHORTER, _LAST = 1e-3, 1e-5, 1e-8
 
 
 class Limits(NamedTuple):
@@ -137,22 +137,26 @@ def first_guess(x, end, h, event, target, b):
 
 @subroutine
 def locate(method, x, end, h, event, target, b):
-    """The state where `event` takes the value `target` within the step from x to `end`, to rounding.
+    """The state where `event` takes the value `target` within the step from x to `end`, to rounding."""
+    length = first_guess(x, end, h, event, target, b)
+    return settle(method, x, h, length, partial_step(method, x, length, b), event, target, b)
 
-    A partial step of the same method to a first guess, then Newton's method; what is left to go is so
-    short that a fourth-order step from there adds less than rounding. So the located state has the
-    accuracy of the method itself, with no interpolation error.
+
+@subroutine
+def settle(method, x, h, length, y, event, target, b):
+    """The state where `event` takes the value, from y, which is x a partial step of `length` later.
+
+    Newton's method. What is left to go is so short that a lower order adds less than rounding, so the
+    located state has the accuracy of the method itself, with no interpolation error.
     """
     low, high = 0.0, h
     below = level(x, event) < target
-    length = first_guess(x, end, h, event, target, b)
-    y = partial_step(method, x, length, b)
     for _ in range(LOCATE_LIMIT):
         gap = level(y, event) - target
         slope = level_rate(y, event, b)
         left = -gap / slope
         if abs(left) <= _LAST * h:
-            return rk4_step(y, left, b)
+            return shift(y, left, field(y, b))
         if (gap < 0.0) == below:
             low = length
         else:
@@ -161,7 +165,12 @@ def locate(method, x, end, h, event, target, b):
         if not (low < guess < high):
             guess = 0.5 * (low + high)
         left = guess - length
-        y = rk4_step(y, left, b) if abs(left) <= _SHORT * h else partial_step(method, x, guess, b)
+        if abs(left) <= _SHORTER * h:
+            y = shift(y, left, field(shift(y, 0.5 * left, field(y, b)), b))
+        elif abs(left) <= _SHORT * h:
+            y = rk4_step(y, left, b)
+        else:
+            y = partial_step(method, x, guess, b)
         length = guess
     return y
 
