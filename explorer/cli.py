@@ -67,6 +67,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_run(commands)
     _add_passage(commands)
     _add_plan(commands)
+    _add_trade(commands)
     _add_warmup(commands)
     return parser
 
@@ -160,6 +161,22 @@ def _add_plan(commands: Any) -> None:
     command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
+def _add_trade(commands: Any) -> None:
+    command = _add(
+        commands,
+        "trade",
+        _trade,
+        "Measure error and cost of every method on this machine; `--accuracy` and `--method auto` use it.",
+        "nearflat trade --disk hoop",
+    )
+    command.add_argument("--disk", default="uniform", metavar="DISK", help="as for run")
+    command.add_argument("--samples", type=int, default=4096, metavar="N", help="passages (default 4096)")
+    command.add_argument("--seed", type=int, default=0, metavar="S", help="seed (default 0)")
+    command.add_argument("--out", default="results/trade", metavar="DIR", help="folder (default results/trade)")
+    command.add_argument("--no-store", action="store_true", help="do not keep the result for this machine")
+    command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+
+
 def _add_warmup(commands: Any) -> None:
     _add(commands, "warmup", _warmup, "Compile all kernels into the cache.", "nearflat warmup")
 
@@ -242,6 +259,23 @@ def _plan(options: argparse.Namespace) -> int:
     else:
         for key, value in found.items():
             print(f"{key:12} {', '.join(value) if isinstance(value, list) else value}")
+    return 0
+
+
+def _trade(options: argparse.Namespace) -> int:
+    from explorer import calibration, trade
+    from explorer.disk import parse_disk
+    from explorer.runs.progress import note
+
+    disk = parse_disk(options.disk)
+    rows = trade.trade(disk, options.samples, options.seed, lambda text: note(text, options.quiet))
+    where = None if options.no_store else calibration.store(trade.calibrate(rows))
+    trade.report(disk, rows, Path(options.out), where)
+    if options.json:
+        print(json.dumps({"disk": disk.describe(), "rows": [vars(row) for row in rows]}))
+        return 0
+    print("\n".join(trade.table(rows)))
+    print(f"Table and picture are in {options.out}." + (f" Calibration kept in {where}." if where else ""))
     return 0
 
 

@@ -4,6 +4,7 @@ from explorer.plot.falling import constants_plane, slice_map, theta_min_distribu
 from explorer.plot.one_sided import contact_paths, one_sided_chi, one_sided_distance, one_sided_phi
 from explorer.plot.race import race_deviation, race_histogram
 from explorer.plot.style import figure_of, stacked
+from explorer.plot.trade import work_precision
 
 __all__ = [
     "constants_plane",
@@ -17,4 +18,5 @@ __all__ = [
     "slice_map",
     "stacked",
     "theta_min_distribution",
+    "work_precision",
 ]

@@ -1,0 +1,114 @@
+"""What accuracy costs on this machine: error and work of every method at every setting.
+
+`nearflat trade` measures it and stores it per machine; a measured table is shipped for machines that
+have none. From it `models` takes the setting of an integrator, and the method where it has a choice.
+"""
+
+import json
+import os
+import platform
+import sys
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from explorer.errors import InputError
+from explorer.states import Array
+
+# Shares of the accuracy asked that the measured 99th percentile may take: other bodies, boxes and
+# energies err more than those measured.
+SAFETY = 5.0
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One method, from coarse to fine: setting (step or tolerance), 99th percentile of the error, field
+    evaluations and nanoseconds per passage."""
+
+    setting: Array
+    error: Array
+    evaluations: Array
+    nanoseconds: Array
+
+    def at(self, target: Any) -> Array:
+        """The setting whose error is `target` over SAFETY; beyond the measured ends, the end's."""
+        # Errors that rise again at rounding must not let a finer setting look worse than a coarse one.
+        log_error = np.log(np.minimum.accumulate(self.error))[::-1]
+        wanted = np.log(np.asarray(target) / SAFETY)
+        return np.exp(np.interp(wanted, log_error, np.log(self.setting)[::-1]))
+
+    def cost(self, target: float) -> tuple[float, float]:
+        """(nanoseconds, field evaluations) per passage at that setting."""
+        here, order = np.log(self.at(target)), np.log(self.setting)[::-1]
+        evaluations = np.interp(here, order, np.log(self.evaluations)[::-1])
+        nanoseconds = np.interp(here, order, np.log(self.nanoseconds)[::-1])
+        return float(np.exp(nanoseconds)), float(np.exp(evaluations))
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Curves by method, and where they come from, in words."""
+
+    origin: str
+    curves: dict[str, Curve]
+    quadrature: float  # nanoseconds per passage
+
+    def cheapest(self, methods: tuple[str, ...], target: float) -> str:
+        """The method that takes least time for an error of `target`, among those that reach it."""
+        able = [m for m in methods if self.curves[m].error.min() * SAFETY <= target] or list(methods)
+        return min(able, key=lambda method: self.curves[method].cost(target)[0])
+
+
+@cache
+def current() -> Calibration:
+    """This machine's calibration, or the shipped one."""
+    path = stored_at()
+    if path.exists():
+        try:
+            return parse(json.loads(path.read_text(encoding="utf-8")), "measured on this machine")
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            reason = f"{type(error).__name__}: {error}"
+            raise InputError(f"calibration {path} cannot be read ({reason}); delete it or run nearflat trade") from None
+    text = files("explorer").joinpath("calibration.json").read_text(encoding="utf-8")
+    return parse(json.loads(text), "shipped with nearflat; run nearflat trade to measure this machine")
+
+
+def parse(table: dict[str, Any], origin: str) -> Calibration:
+    """A calibration from its JSON form."""
+    curves = {}
+    for name, rows in table["methods"].items():
+        columns = np.array(rows, dtype=np.float64).T
+        if columns.shape[0] != 4 or not (np.isfinite(columns).all() and (columns > 0.0).all()):
+            raise ValueError(f"rows of {name} must be four positive numbers each")
+        curves[name] = Curve(*columns)
+    return Calibration(origin, curves, float(table["quadrature"]))
+
+
+def store(table: dict[str, Any]) -> Path:
+    """Keep a measured table for this machine; returns where."""
+    path = stored_at()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_suffix(f".{os.getpid()}.tmp")
+    temporary.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
+    temporary.replace(path)
+    current.cache_clear()
+    return path
+
+
+def stored_at() -> Path:
+    """Where this machine's calibration is kept; NEARFLAT_CALIBRATION names another file."""
+    chosen = os.environ.get("NEARFLAT_CALIBRATION")
+    if chosen:
+        return Path(chosen)
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Application Support"
+    else:
+        base = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
+    name = "".join(c if c.isalnum() else "-" for c in platform.node()) or "machine"
+    return base / "nearflat" / f"calibration-{name}.json"

@@ -1,0 +1,36 @@
+"""Work-precision picture of `nearflat trade`."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from explorer.plot.style import DARK, DISK_COLOURS, MARKERS, SMALL, axes_or_new, dress
+
+
+def work_precision(rows: Sequence[Any], ax: Axes | None = None) -> Axes:
+    """Time per passage against the 99th percentile of the error, a line per method, the front in grey.
+
+    rows: of explorer.trade.trade.
+    """
+    ax = axes_or_new(ax)
+    front = sorted((row.p99, row.nanoseconds) for row in rows if row.on_front)
+    ax.plot(*np.array(front).T, color="0.8", lw=9, solid_capstyle="round", zorder=0, label="Pareto front")
+    for k, method in enumerate(dict.fromkeys(row.method for row in rows)):
+        chosen = [row for row in rows if row.method == method]
+        ax.plot(
+            [row.p99 for row in chosen],
+            [row.nanoseconds for row in chosen],
+            marker="*" if method == "quadrature" else MARKERS[k - 1],
+            ms=14 if method == "quadrature" else 6,
+            color=DARK if method == "quadrature" else DISK_COLOURS[k - 1],
+            ls="none" if method == "quadrature" else "-",
+            label=method,
+        )
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.invert_xaxis()
+    ax.grid(alpha=0.3)
+    ax.legend(fontsize=SMALL, frameon=False)
+    return dress(ax, "error, 99th percentile (rad)", "time per passage (ns)", "Speed against accuracy")
