@@ -22,6 +22,7 @@ from explorer.states import Array
 # Shares of the accuracy asked that the measured 99th percentile may take: other bodies, boxes and
 # energies err more than those measured.
 SAFETY = 5.0
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -35,11 +36,20 @@ class Curve:
     nanoseconds: Array
 
     def at(self, target: Any) -> Array:
-        """The setting whose error is `target` over SAFETY; beyond the measured ends, the end's."""
-        # Errors that rise again at rounding must not let a finer setting look worse than a coarse one.
-        log_error = np.log(np.minimum.accumulate(self.error))[::-1]
-        wanted = np.log(np.asarray(target) / SAFETY)
-        return np.exp(np.interp(wanted, log_error, np.log(self.setting)[::-1]))
+        """The setting whose error is `target` over SAFETY.
+
+        Beyond the finest setting whose error is above rounding the method's order is continued, as far as
+        settings have been measured; beyond the coarsest it is that one.
+        """
+        resolved = self.error > _ROUNDING
+        log_setting, log_error = np.log(self.setting[resolved]), np.log(self.error[resolved])
+        # A coarser setting that happened to err less must not be preferred to a finer one.
+        log_error = np.minimum.accumulate(log_error)
+        slope = (log_setting[-1] - log_setting[-3]) / (log_error[-1] - log_error[-3])
+        wanted = np.log(np.maximum(target, 1e-300) / SAFETY)
+        measured = np.interp(wanted, log_error[::-1], log_setting[::-1])
+        continued = measured + slope * np.minimum(wanted - log_error[-1], 0.0)
+        return np.exp(np.maximum(continued, np.log(self.setting[-1])))
 
     def cost(self, target: float) -> tuple[float, float]:
         """(nanoseconds, field evaluations) per passage at that setting."""
@@ -72,7 +82,9 @@ def current() -> Calibration:
             return parse(json.loads(path.read_text(encoding="utf-8")), "measured on this machine")
         except (OSError, ValueError, KeyError, TypeError) as error:
             reason = f"{type(error).__name__}: {error}"
-            raise InputError(f"calibration {path} cannot be read ({reason}); delete it or run nearflat trade") from None
+            raise InputError(
+                f"calibration {path} ({reason}) cannot be used; delete it, then nearflat trade"
+            ) from None
     text = files("explorer").joinpath("calibration.json").read_text(encoding="utf-8")
     return parse(json.loads(text), "shipped with nearflat; run nearflat trade to measure this machine")
 

@@ -264,10 +264,10 @@ def _plan(options: argparse.Namespace) -> int:
 
 def _trade(options: argparse.Namespace) -> int:
     from explorer import calibration, trade
-    from explorer.disk import parse_disk
+    from explorer.disk import Disk
     from explorer.runs.progress import note
 
-    disk = parse_disk(options.disk)
+    disk = Disk.parse(options.disk)
     rows = trade.trade(disk, options.samples, options.seed, lambda text: note(text, options.quiet))
     where = None if options.no_store else calibration.store(trade.calibrate(rows))
     trade.report(disk, rows, Path(options.out), where)

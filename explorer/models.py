@@ -13,11 +13,10 @@ them, the method, and the integrator's setting for every sample. No scene names 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from typing import Any
 
 import numpy as np
 
-from explorer import compiled
+from explorer import calibration, compiled
 from explorer.errors import InputError
 from explorer.states import Array, States
 
@@ -55,16 +54,8 @@ LOOSEST = 1e-1
 # A passage's rounding is about 1e-13; an integrator's errors of rounding add up over its steps.
 TIGHTEST = {"quadrature": 1e-13, "rk4": 1e-11, "rk8": 1e-11, "dopri5": 1e-11, "dop853": 1e-11}
 
-# Error over tolerance at the 99th percentile was measured at 3 to 20 for passages of the uniform
-# disk, the hoop and a body with kappa = 10; 1/30 leaves room for other bodies and energies.
-_TOLERANCE_SHARE = {"dopri5": 1.0 / 30.0, "dop853": 1.0 / 30.0}
-# Error in chi over a passage is about constant * h^order, h in units of 1/speed (uniform disk: 0.03 h^4).
-# Ten times what was measured is assumed.
-_STEP_ERROR = {"rk4": (0.3, 4), "rk8": (0.3, 8)}
 # eta must be known to a hundredth for the direction of the race to be beyond doubt.
 _SIDE_SHARE = 0.01
-_TOLERANCE_FLOOR = 3e-15
-_STEP_RANGE = {"rk4": (1e-3, 0.25), "rk8": (1e-2, 0.6)}
 
 
 @dataclass(frozen=True)
@@ -110,12 +101,12 @@ class Plan:
         tilt = near / np.sqrt(2.0 * states.disk.body.I1 * found[3])
         share = self.accuracy if self.relative_tilt else _SIDE_SHARE
         target = np.fmin(self.accuracy, share * np.fmin(tilt, 1.0))
-        return self.slack * _setting(self.method, target)
+        return self.slack * calibration.current().curves[self.method].at(target)
 
     @property
     def held_control(self) -> float:
         """Tolerance or step for trajectories that are held to their constants: eta cannot drift."""
-        return float(_setting(self.method, np.float64(self.accuracy)))
+        return float(calibration.current().curves[self.method].at(self.accuracy))
 
     @property
     def cost(self) -> str:
@@ -123,25 +114,12 @@ class Plan:
         if self.rung == ALGEBRA:
             return "one evaluation of Chaplygin's solutions per sample"
         if self.method == "quadrature":
-            return "40 to 200 evaluations of the integrand per sample, the same at every distance from F"
-        stages = {"rk4": 4, "dopri5": 7}.get(self.method, 12)
-        if self.method in FIXED:
-            steps = round(10.0 / self.held_control)
-        else:
-            steps = round(
-                40.0 * (1e-6 / self.accuracy) ** 0.2
-                if self.method == "dopri5"
-                else 12.0 * (1e-6 / self.accuracy) ** 0.125
-            )
-        return f"about {stages * steps} evaluations of the field per passage, more near F"
-
-
-def _setting(method: str, target: Any) -> Any:
-    """Step (fixed methods) or tolerance (adaptive ones) for an error of `target` per passage."""
-    if method in FIXED:
-        constant, order = _STEP_ERROR[method]
-        return np.clip((target / constant) ** (1.0 / order), *_STEP_RANGE[method])
-    return np.clip(target * _TOLERANCE_SHARE[method], _TOLERANCE_FLOOR, None)
+            microseconds = calibration.current().quadrature / 1000
+            return f"about {microseconds:.1f} microseconds per passage, the same at every distance from F"
+        measured = calibration.current()
+        nanoseconds, evaluations = measured.curves[self.method].cost(self.accuracy)
+        work = f"about {evaluations:.0f} evaluations of the field and {nanoseconds / 1000:.1f} microseconds"
+        return f"{work} per passage, more near F ({measured.origin})"
 
 
 def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto") -> Plan:
@@ -161,7 +139,7 @@ def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto
             raise InputError(f"observable {name!r} is not known; {_suggest(name, OBSERVABLES)}")
     if method not in METHODS:
         raise InputError(f"--method {method!r} is not known; {_suggest(method, METHODS)}")
-    rung, chosen, why = _choose(asked, method)
+    rung, chosen, why = _choose(asked, method, accuracy)
     if not TIGHTEST[chosen] <= accuracy <= LOOSEST:
         raise InputError(
             f"--accuracy {accuracy} must lie between {TIGHTEST[chosen]:g} and {LOOSEST:g} for {chosen}"
@@ -169,7 +147,7 @@ def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto
     return Plan(rung, chosen, accuracy, "theta_min" in asked, why)
 
 
-def _choose(asked: tuple[str, ...], method: str) -> tuple[str, str, str]:
+def _choose(asked: tuple[str, ...], method: str, accuracy: float) -> tuple[str, str, str]:
     """(rung, method, reason)."""
     rung = max((OBSERVABLES[name] for name in asked), key=RUNGS.index, default=ALGEBRA)
     deepest = ", ".join(name for name in asked if OBSERVABLES[name] == rung) or "nothing else"
@@ -181,12 +159,16 @@ def _choose(asked: tuple[str, ...], method: str) -> tuple[str, str, str]:
     if method == "auto" and integrals_only:
         why = "quadrature because it needs no steps and knows eta exactly"
         return rung, "quadrature", f"{rung} because of {deepest}; {why}"
-    if method in ("auto", "quadrature"):
-        # The adaptive pair bends its step to each sample's distance from F, which spans decades
-        # in any sampling; a fixed step must be small enough throughout the motion.
-        chosen = "dopri5" if method == "auto" else method
-        why = f"{chosen} because each sample sets its own step near flat" if method == "auto" else "as asked"
-        return rung, chosen, f"{rung} because of {deepest}; {why}"
+    if method == "auto":
+        # The adaptive pairs bend their steps to each sample's distance from F, which spans decades in any
+        # sampling; a fixed step must be small enough throughout the motion.
+        measured = calibration.current()
+        possible = TIGHTEST["dop853"] <= accuracy <= LOOSEST  # else `plan` refuses what is chosen
+        chosen = measured.cheapest(ADAPTIVE, accuracy if possible else LOOSEST)
+        why = f"{chosen} because each sample sets its own step near flat, and it is the cheapest at {accuracy:g}"
+        return rung, chosen, f"{rung} because of {deepest}; {why} ({measured.origin})"
+    if method == "quadrature":
+        return rung, method, f"{rung} because of {deepest}; quadrature as asked"
     if rung == QUADRATURE:
         carried = (_INTEGRATED.get(name, ANGLES) for name in asked if OBSERVABLES[name] == QUADRATURE)
         rung = max(carried, key=RUNGS.index)

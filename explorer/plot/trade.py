@@ -16,7 +16,9 @@ def work_precision(rows: Sequence[Any], ax: Axes | None = None) -> Axes:
     """
     ax = axes_or_new(ax)
     front = sorted((row.p99, row.nanoseconds) for row in rows if row.on_front)
-    ax.plot(*np.array(front).T, color="0.8", lw=9, solid_capstyle="round", zorder=0, label="Pareto front")
+    ax.plot(
+        *np.array(front).T, color="0.8", lw=9, solid_capstyle="round", zorder=0, label="front of the integrators"
+    )
     for k, method in enumerate(dict.fromkeys(row.method for row in rows)):
         chosen = [row for row in rows if row.method == method]
         ax.plot(

@@ -22,7 +22,8 @@ def test_a_plan_says_why():
     assert "knows eta exactly" in plan(("race_angle",)).reason
     reason = plan(("theta_min", "contact")).reason
     assert "path because of contact" in reason
-    assert "dopri5" in reason
+    assert "dop853" in reason
+    assert "cheapest" in reason
     assert "as asked" in plan(("chi",), method="rk4").reason
 
 
@@ -60,4 +61,5 @@ def test_a_method_that_cannot_answer_is_refused():
 def test_an_integrator_asked_for_a_passage_carries_what_it_needs():
     assert plan(("theta_min",), method="rk4").rung == "reduced"
     assert plan(("theta_min", "race_angle"), method="rk4").rung == "angles"
-    assert "evaluations" in plan(("race_angle",)).cost
+    assert "evaluations" in plan(("race_angle",), method="rk4").cost
+    assert "every distance" in plan(("race_angle",)).cost
