@@ -156,8 +156,8 @@ def _add_plan(commands: Any) -> None:
         "nearflat plan race-angles --accuracy 1e-9",
     )
     command.add_argument("scene", metavar="SCENE", help=_SCENES)
-    command.add_argument("--accuracy", type=float, default=1e-6, metavar="TOL", help="as for run")
-    command.add_argument("--method", default="auto", metavar="NAME", help="as for run")
+    command.add_argument("--accuracy", type=float, metavar="TOL", help="as for run")
+    command.add_argument("--method", metavar="NAME", help="as for run")
     command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
@@ -238,11 +238,12 @@ def _plan(options: argparse.Namespace) -> int:
     from explorer.scenes.build import read_scene_file
     from explorer.scenes.registry import scene_class
 
-    name, accuracy, method = options.scene, options.accuracy, options.method
+    name, given = options.scene, {}
     if name.endswith(".toml"):
         given = read_scene_file(Path(name))
-        name, accuracy = given["scene"], given.get("accuracy", accuracy)
-        method = given.get("method", method)
+        name = given["scene"]
+    accuracy = given.get("accuracy", 1e-6) if options.accuracy is None else options.accuracy
+    method = given.get("method", "auto") if options.method is None else options.method
     scene = scene_class(name)
     chosen = plan(scene.observables, accuracy, method)
     found = {

@@ -15,6 +15,7 @@ from typing import Any
 
 _OURS = Path(__file__).resolve().parent.parent / "kernels"
 _MODULES = (
+    "algebra",
     "batch",
     "body",
     "constants",

@@ -160,6 +160,11 @@ class Disk:
         return self._compiled[1]
 
     @cached_property
+    def whole(self) -> Any:
+        """Chaplygin series as tuples, for lanes (kernels.tables.Whole)."""
+        return compiled.tables.make_whole(self.series)
+
+    @cached_property
     def tables(self) -> Any:
         """Tables for passages (kernels.tables.Tables)."""
         return compiled.tables.make_tables(self.body, self.series, table_rules())

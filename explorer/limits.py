@@ -16,14 +16,14 @@ from explorer import compiled
 from explorer.disk import Disk
 from explorer.errors import InputError
 from explorer.falling import falls_of
-from explorer.gauss import gauss
+from explorer.gauss import packed_rules
 from explorer.motions import rows_to_states
 from explorer.pendulum import Pendulum
 from explorer.rise import Rise
-from explorer.states import Array, States, natural_constants, require_axial_inertia
+from explorer.states import Array, States, columns_of, natural_constants, require_axial_inertia
 
-_GAUSS = np.ascontiguousarray(np.stack(gauss(64)))
 _HALF_PI = 0.5 * np.pi
+_MOST_IMPACTS = 1e8
 
 
 def chord(phi: float) -> float:
@@ -33,24 +33,25 @@ def chord(phi: float) -> float:
 
 def fall_from_vertical(
     disk: Disk, sigma3_bar: Array, energy: Array, window: float = 0.0
-) -> tuple[Array, Array, Array]:
-    """Time, chi and psi gained by the fall on F from the vertical to flat (side +1), natural units.
+) -> tuple[Array, Array, Array, Array]:
+    """Time, chi and psi gained by the fall on F from the vertical to flat (side +1), natural units,
+    and an estimate of their error.
 
     window: phi (rad) at which it begins instead.
     """
-    out = np.empty((3, sigma3_bar.size))
+    out = np.empty((4, sigma3_bar.size))
     h_end = chord(window)
     compiled.passages.fall_batch(
         np.ascontiguousarray(sigma3_bar),
         np.ascontiguousarray(energy),
         h_end,
-        _GAUSS,
+        *packed_rules(),
         disk.tables,
         disk.body,
         disk.series,
         out,
     )
-    return out[0], out[1], out[2]
+    return out[0], out[1], out[2], out[3]
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,9 @@ class Continuation:
 
     def impacts(self, t_end: float) -> Array:
         """Times of impact in (0, t_end]."""
+        bounces = (t_end / self.period) if isinstance(t_end, int | float | np.number) else np.nan
+        if not bounces <= _MOST_IMPACTS:
+            raise InputError(f"t_end = {t_end!r} must be a time of at most {_MOST_IMPACTS:.0e} periods")
         passed = self._offset * self.disk.time_unit
         first = self.period * (np.floor(passed / self.period) + 1.0) - passed
         count = max(0, int(np.floor((t_end - first) / self.period)) + 1)
@@ -100,7 +104,7 @@ class Continuation:
 
     def __call__(self, t: ArrayLike) -> LimitState:
         """The motion at times >= 0."""
-        times = np.asarray(t, dtype=np.float64)
+        times = columns_of(t=t)[0].reshape(np.shape(t))
         if not (np.isfinite(times).all() and (times >= 0.0).all()):
             raise InputError("limit motion: times must be finite and >= 0")
         at, start = self._unfold(np.ravel(times) * self.disk.rate_unit + self._offset), self._origin

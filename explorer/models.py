@@ -56,6 +56,7 @@ TIGHTEST = {"quadrature": 1e-13, "rk4": 1e-11, "rk8": 1e-11, "dopri5": 1e-11, "d
 
 # eta must be known to a hundredth for the direction of the race to be beyond doubt.
 _SIDE_SHARE = 0.01
+_TOLERANCE_FLOOR = 3e-15
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,7 @@ class Plan:
     """What will be run for a question: the rung, the method, and the reason in words.
 
     relative_tilt: theta_min is asked for to a relative accuracy, so eta must be known that well.
-    slack: how much coarser than the accuracy needs, for error estimates.
+    slack: factor of the tolerance or step that the accuracy needs, for error estimates.
     """
 
     rung: str
@@ -85,10 +86,14 @@ class Plan:
     @property
     def max_drift(self) -> float:
         """Relative drift of a constant of motion above which a sample is refused."""
-        return self.accuracy * self.slack
+        return self.accuracy * max(self.slack, 1.0)
 
-    def coarser(self, factor: float) -> "Plan":
-        """The same with tolerances or steps larger by a factor."""
+    @property
+    def adaptive(self) -> bool:
+        return self.method in ADAPTIVE
+
+    def scaled(self, factor: float) -> "Plan":
+        """The same with tolerances or steps multiplied by a factor."""
         return replace(self, slack=self.slack * factor)
 
     def control(self, states: States, found: Array) -> Array:
@@ -101,7 +106,8 @@ class Plan:
         tilt = near / np.sqrt(2.0 * states.disk.body.I1 * found[3])
         share = self.accuracy if self.relative_tilt else _SIDE_SHARE
         target = np.fmin(self.accuracy, share * np.fmin(tilt, 1.0))
-        return self.slack * calibration.current().curves[self.method].at(target)
+        floor = 0.0 if self.method in FIXED else _TOLERANCE_FLOOR
+        return np.fmax(self.slack * calibration.current().curves[self.method].at(target), floor)
 
     @property
     def held_control(self) -> float:

@@ -11,7 +11,7 @@ from explorer.disk import Disk
 from explorer.errors import InputError
 from explorer.falling import falls_of
 from explorer.models import ALGEBRA, QUADRATURE, Plan, plan
-from explorer.states import Array, States, natural_constants, phi_to_states
+from explorer.states import Array, States, columns_of, natural_constants, phi_to_states
 
 MAX_STEPS = 2_000_000
 
@@ -85,22 +85,18 @@ def turning_points(states: States, how: Plan, found: Array | None = None) -> Tur
     )
 
 
-def orbit_starts(states: States, found: Array, eta: Array | None = None) -> Array:
+def orbit_starts(states: States, pinned: Array) -> Array:
     """What the quadrature kernels know of a motion, (5, n), as seen from the hemisphere it starts in.
 
-    Rows: h = 2 sin(theta/2), theta-dot, sigma3_bar, eta on this side, eta on the other. eta (natural
-    units) replaces the one on this side.
+    Rows: h = 2 sin(theta/2), theta-dot, sigma3_bar, eta on this side, eta on the other. pinned: its
+    sigma3_bar, eta_plus, eta_minus in natural units.
     """
-    b = states.disk.body
     q, z, p = states.natural[:3]
     plus = z >= 0.0
-    near = np.where(plus, found[1], found[2])
-    far = np.where(plus, found[2], found[1])
-    if eta is not None:
-        near = np.broadcast_to(eta, near.shape)
-        far = 2.0 * b.I1 * b.dr0 * found[0] - near
+    near = np.where(plus, pinned[1], pinned[2])
+    far = np.where(plus, pinned[2], pinned[1])
     h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
-    return np.ascontiguousarray(np.nan_to_num(np.stack([h, p, found[0], near, far])))
+    return np.ascontiguousarray(np.nan_to_num(np.stack([h, p, pinned[0], near, far])))
 
 
 def smallest_tilt(
@@ -167,8 +163,9 @@ def simulate(
     """Trajectories from initial states, sampled at t_eval (default: 201 times from 0 to t_end).
 
     states: (n, 4) or (4,) rows of phi, phidot, sigma3, sigma4 in the units of the disk, or `States`.
-    t_eval: increasing times >= 0. accuracy is per passage; errors add up over many.
-    The motion is held to its constants after every step, so eta does not drift; states made by
+    t_eval: increasing times >= 0. accuracy is per passage. Over k passages the error of the energy
+    grows like k, that of time and angles like k^2.
+    sigma3_bar and eta are held after every step, so they do not drift; energy is not. States made by
     `constants_to_states` keep the eta_hat they were given, down to 1e-300.
     A state on the falling set has no motion past the fall: status FALLS, values NaN.
     """
@@ -200,10 +197,10 @@ def rows_to_states(disk: Disk, states: ArrayLike | States) -> States:
 
 def _times(t_end: float | None, t_eval: ArrayLike | None) -> Array:
     if t_eval is None:
-        if t_end is None or not (np.isfinite(t_end) and t_end > 0.0):
-            raise InputError(f"t_end = {t_end} must be a finite time above 0, or give t_eval")
+        if not isinstance(t_end, int | float | np.number) or not (np.isfinite(t_end) and t_end > 0.0):
+            raise InputError(f"t_end = {t_end!r} must be a finite time above 0, or give t_eval")
         return np.linspace(0.0, float(t_end), 201)
-    times = np.atleast_1d(np.asarray(t_eval, dtype=np.float64))
+    times = np.atleast_1d(columns_of(t_eval=t_eval)[0])
     increasing = times.ndim == 1 and times.size > 0 and np.all(np.diff(times) > 0.0)
     if not (increasing and np.isfinite(times).all() and times[0] >= 0.0):
         raise InputError("t_eval must be a non-empty list of finite, increasing times >= 0")

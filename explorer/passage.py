@@ -14,15 +14,29 @@ from explorer.falling import impact_speed
 from explorer.gauss import packed_rules
 from explorer.limits import chord, fall_from_vertical
 from explorer.models import plan
-from explorer.motions import orbit_starts, turning_points
-from explorer.states import Array, States, constants_to_states, natural_constants, require_axial_inertia
+from explorer.motions import hold, orbit_starts, turning_points
+from explorer.states import (
+    Array,
+    States,
+    columns_of,
+    constants_to_states,
+    natural_constants,
+    require_axial_inertia,
+)
 
 _OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
-# The difference to a coarser integration may happen to be small: of 240,000 pairs the worst error was
-# 1.7 times twice the difference.
+# What the finer of the two integrations that tell the error is allowed: in tolerance, in step.
+_FINER = {"dopri5": 1e-3, "dop853": 1e-4, "rk4": 0.5, "rk8": 0.6}
+# An estimate above the accuracy asked by less than this is let pass: the estimate is that of the coarser
+# of two integrations, the answer that of the finer.
+_LENIENCE = 10.0
+# The two may happen to lie close together, on either side of the truth or not.
 _CAUTION = 5.0
-# What a coarser integration, done to estimate the error, is allowed: in tolerance, in step.
-_COARSER = {"dopri5": 100.0, "dop853": 100.0, "rk4": 1.5, "rk8": 1.3}
+_ROUNDING = 3e-12  # of some hundred steps
+_SLOW = 0.1  # natural units; below this speed at the vertical rounding is felt more
+# Of speeds and eta_hat, natural units: squares overflow above, eta = I3 r(0) eta_hat loses digits below.
+_LARGEST, _SMALLEST = 1e100, 1e-302
+_FLOOR = 1e-9  # an accuracy below is met as far as rounding allows, if that is not worse
 
 
 @dataclass(frozen=True)
@@ -74,15 +88,14 @@ def passages(
     'quadrature' takes eta_hat as it is, down to 1e-300; 'rk4', 'rk8', 'dopri5', 'dop853' integrate from a state
     and report 'unresolved side' where that state does not determine the direction of the race.
     'auto' is quadrature. window: cos phi (0 to 1) at which to start and stop instead of the vertical.
-    Bad input (not finite, phidot < 0, side not +-1) has status BAD_INPUT. Section 7 of the paper.
+    Bad input (not finite, beyond 1e100, phidot < 0, side not +-1) has status BAD_INPUT. Section 7 of the paper.
     """
     require_axial_inertia(disk)
-    if jobs < 1:
-        raise InputError(f"jobs = {jobs} must be 1 or more")
+    if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1:
+        raise InputError(f"jobs = {jobs!r} must be a whole number, 1 or more")
     how = plan(_OBSERVABLES, accuracy, method)
     edge = _check_window(window, how.method)
-    columns = np.broadcast_arrays(*(np.asarray(a, np.float64) for a in (sigma3_bar, eta_hat, phidot, side)))
-    s3, eta, speed, s = (np.ravel(c).astype(np.float64) for c in columns)
+    s3, eta, speed, s = columns_of(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, side=side)
     parts = np.array_split(np.arange(s.size), max(1, min(jobs, s.size)))
     call = _by_quadrature if how.method == "quadrature" else _by_integration
     done = Parallel(n_jobs=len(parts), backend="threading")(
@@ -98,22 +111,25 @@ def _check_window(window: float | None, method: str) -> float:
         return 0.0
     if method != "quadrature":
         raise InputError(f"window: {method} goes from vertical to vertical; use method='quadrature'")
-    if not 0.0 < window <= 1.0:
-        raise InputError(f"window = {window}: give cos phi between 0 and 1")
+    if not isinstance(window, int | float) or not 0.0 < window <= 1.0:
+        raise InputError(f"window = {window}: give cos phi, a number between 0 and 1")
     return float(np.arccos(window))
 
 
-def _status(s3: Array, eta: Array, speed: Array, side: Array) -> NDArray[np.int8]:
-    code = compiled.status.Status
-    good = np.isfinite(s3) & np.isfinite(eta) & np.isfinite(speed) & (speed >= 0.0) & (abs(side) == 1.0)
-    return np.where(good, code.OK, code.BAD_INPUT).astype(np.int8)
+def _status(disk: Disk, s3: Array, eta_hat: Array, speed: Array, side: Array) -> NDArray[np.int8]:
+    """Status before any computation: numbers whose squares overflow are no input, a lost eta no side."""
+    code, size = compiled.status.Status, abs(eta_hat)
+    good = np.fmax(np.fmax(abs(s3), abs(speed)), size) <= _LARGEST * disk.rate_unit
+    good &= ~np.isnan(s3 + eta_hat + speed) & (speed >= 0.0) & (abs(side) == 1.0)
+    lost = (size > 0.0) & (size < _SMALLEST * disk.rate_unit)
+    return np.where(good, np.where(lost, code.UNRESOLVED_SIDE, code.OK), code.BAD_INPUT).astype(np.int8)
 
 
 def _by_quadrature(
     disk: Disk, s3: Array, eta_hat: Array, speed: Array, side: Array, how: Any, edge: float
 ) -> dict[str, Any]:
     b, unit = disk.body, disk.rate_unit
-    status = _status(s3, eta_hat, speed, side)
+    status = _status(disk, s3, eta_hat, speed, side)
     good = status == 0
     sigma3_bar, eta, start = (
         np.where(good, column, 1.0) for column in (s3 / unit, eta_hat / unit * b.I3 * b.r0, speed / unit)
@@ -125,7 +141,9 @@ def _by_quadrature(
     )
     energy = np.where(eta == 0.0, _energy_on_f(disk, sigma3_bar, start), out[4])
     rows = [*out[:4], out[7]]
-    return _assemble(disk, sigma3_bar, eta, side, energy, edge, rows, np.fmax(out[5], out[6]), status)
+    return _assemble(
+        disk, sigma3_bar, eta, side, energy, edge, rows, np.fmax(out[5], out[6]), status, how.accuracy
+    )
 
 
 def _energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
@@ -139,26 +157,35 @@ def _by_integration(
     disk: Disk, s3: Array, eta_hat: Array, speed: Array, side: Array, how: Any, _edge: float
 ) -> dict[str, Any]:
     code, b, unit = compiled.status.Status, disk.body, disk.rate_unit
-    status = _status(s3, eta_hat, speed, side)
+    status = _status(disk, s3, eta_hat, speed, side)
     good = status == 0
     s3, eta_hat, speed, facing = (np.where(good, column, 1.0) for column in (s3, eta_hat, speed, side))
     states = constants_to_states(disk, s3, eta_hat, facing * speed, facing)
     found = natural_constants(states)
-    fine = turning_points(states, how, found)
-    rough = turning_points(states, how.coarser(_COARSER[how.method]), found)
+    rough = turning_points(states, how, found)
+    finer = how.scaled(_FINER[how.method])
+    fine = turning_points(states, finer, found)
     rounding = np.where(facing > 0.0, found[4], found[5])
     eta = eta_hat / unit * b.I3 * b.r0
     doubtful = (fine.status == code.FALLS) | (rounding > compiled.steps.RESOLVED_SHARE * abs(eta))
-    status = np.where(status == code.OK, fine.status, status)
+    for run in (rough, fine):
+        status = np.where(status == code.OK, run.status, status)
     status = np.where(good & doubtful & (eta != 0.0), code.UNRESOLVED_SIDE, status)
     status = np.where(good & (eta == 0.0), code.FALLS, status).astype(np.int8)
-    known = rounding / np.where(eta == 0.0, 1.0, abs(eta))
     # A passage ends at the flat state it was sent to; one that turns elsewhere was never near it.
+    elsewhere = (status == code.OK) & (fine.side != facing)
+    known = rounding / np.where(eta == 0.0, 1.0, abs(eta))
     rows = [fine.theta, 2.0 * fine.chi, 2.0 * fine.psi * facing, 2.0 * fine.time, fine.way]
     error = np.fmax(2.0 * abs(fine.chi - rough.chi), 2.0 * abs(fine.psi - rough.psi))
     error = np.fmax(error, abs(rough.time / fine.time - 1.0))
-    error = np.fmax(error, abs(rough.theta / fine.theta - 1.0))
-    return _assemble(disk, s3 / unit, eta, side, found[3], 0.0, rows, _CAUTION * error + known + 1e-13, status)
+    rounding_of_steps = _ROUNDING * (1.0 + _SLOW * unit / (speed + 1e-3 * unit))
+    error = _CAUTION * np.fmax(error, abs(rough.theta / fine.theta - 1.0)) + known + rounding_of_steps
+    # Where both took much the same steps, as on short ways, their difference tells nothing.
+    alike = fine.steps < 2 * rough.steps if how.adaptive else False
+    error = error + np.where(alike, finer.control(states, found), 0.0)
+    missed = (status == code.OK) & ~(error <= _LENIENCE * how.accuracy)
+    status = np.where(missed, code.STEP_LIMIT, np.where(elsewhere, code.BAD_INPUT, status)).astype(np.int8)
+    return _assemble(disk, s3 / unit, eta, side, found[3], 0.0, rows, error, status, how.accuracy)
 
 
 def _assemble(
@@ -171,10 +198,16 @@ def _assemble(
     rows: list[Array],
     error: Array,
     status: NDArray[np.int8],
+    accuracy: float,
 ) -> dict[str, Any]:
     """Results in the units of the disk. rows: theta_min, chi, psi (as on side +1), time, way."""
     code = compiled.status.Status
-    time, chi, _psi = fall_from_vertical(disk, sigma3_bar, energy, edge)
+    time, chi, _psi, fall_error = fall_from_vertical(disk, sigma3_bar, energy, edge)
+    falls = status == code.FALLS
+    # The drift is a part of the race angle, and all there is of a fall.
+    error = np.where(falls, fall_error, np.fmax(error, np.nan_to_num(2.0 * fall_error, nan=np.inf)))
+    missed = (falls | (status == code.OK)) & ~(error <= np.fmax(_LENIENCE * accuracy, _FLOOR * (1.0 + time)))
+    status = np.where(missed, code.STEP_LIMIT, status).astype(np.int8)
     ok, falls = status == code.OK, status == code.FALLS
     limit = np.sign(eta) * disk.race_limit
     drift = np.where(ok | falls, 2.0 * chi, np.nan)
@@ -191,7 +224,7 @@ def _assemble(
         "energy": np.where(ok | falls, energy, np.nan) * disk.energy_unit,
         "impact_speed": np.where(ok | falls, impact_speed(disk, sigma3_bar, energy), np.nan) * disk.rate_unit,
         "limit": np.where(status == code.BAD_INPUT, np.nan, limit),
-        "error_estimate": np.where(ok, error, np.nan),
+        "error_estimate": np.where(ok | falls, error, np.nan),
         "status": status,
     }
 
@@ -208,14 +241,19 @@ class Forces:
 
 
 def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot: ArrayLike) -> Forces:
-    """Forces during passages (the same on both sides); looked at on a grid, so good to some digits."""
+    """Forces during passages (the same on both sides); looked at on a grid, so good to some digits.
+
+    NaN where `passages` would not take the input.
+    """
     require_axial_inertia(disk)
     b, unit = disk.body, disk.rate_unit
-    columns = np.broadcast_arrays(*(np.asarray(a, np.float64) for a in (sigma3_bar, eta_hat, phidot)))
-    s3, eta, speed = (np.ravel(c) / unit for c in columns)
+    given = columns_of(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot)
+    good = _status(disk, given[0], given[1], given[2], np.ones_like(given[0])) == compiled.status.Status.OK
+    s3, eta, speed = (np.where(good, c / unit, 1.0) for c in given)
     out = np.empty((2, s3.size))
     eta = eta * b.I3 * b.r0
     compiled.forces.forces_batch(np.ascontiguousarray(s3), eta, np.ascontiguousarray(speed), b, disk.series, out)
+    out[:, ~good] = np.nan
     return Forces(out[0], out[1])
 
 
@@ -241,7 +279,8 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     """Period of the motions through `states`, by quadrature: from turning point to turning point.
 
     eta_hat (rad per unit of time, on the side of the state's hemisphere, +1 at the vertical) replaces
-    the state's own where that is only known to rounding. Eqs (3.12), (3.13).
+    the state's own where that is only known to rounding; a state on F to rounding FALLS or is
+    UNRESOLVED_SIDE without it. Eqs (3.12), (3.13).
     """
     disk = states.disk
     require_axial_inertia(disk)
@@ -249,9 +288,14 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     plan(_OBSERVABLES, accuracy, "quadrature")
     found = natural_constants(states)
     plus = states.natural[1] >= 0.0
-    given = None if eta_hat is None else np.asarray(eta_hat, np.float64) / disk.rate_unit * b.I3 * b.r0
-    starts = orbit_starts(states, found, given)
-    status = states.status.copy()
+    if eta_hat is None:
+        status, pinned = hold(states, found)
+    else:
+        here = columns_of(eta_hat=eta_hat, states=found[0])[0] / disk.rate_unit * b.I3 * b.r0
+        there = 2.0 * b.I1 * b.dr0 * found[0] - here
+        status = states.status.copy()
+        pinned = np.where(plus, [found[0], here, there], [found[0], there, here])
+    starts = orbit_starts(states, pinned)
     code = compiled.status.Status
     status[(status == code.OK) & (starts[3:] == 0.0).any(axis=0)] = code.FALLS
     out = np.empty((8, status.size))

@@ -27,7 +27,10 @@ class Rise:
         self._disk = disk
         self._X = sigma3_bar / disk.body.r0
         self._energy = energy
-        self.theta_turn = self._turning_point(sigma3_bar)
+        try:
+            self.theta_turn = self._turning_point(sigma3_bar)
+        except ValueError:
+            raise InputError("limit motion: the state is flat and at rest to rounding") from None
         self.impact_speed = float(np.sqrt(2.0 / disk.body.M * (energy - self._on_f(np.array([1e-12]))[2][0])))
         self._fit()
 
@@ -58,14 +61,17 @@ class Rise:
     def _fit(self) -> None:
         degree = 32
         while True:
-            series = self._series(degree)
-            tails = [abs(s.coef[-4:]).max() / abs(s.coef).max() for s in series[:3] if s.coef.any()]
-            if max(tails) < 1e-13 or degree >= 2048:
+            # Where the period is infinite the series are not finite; that is looked at below.
+            with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+                series = self._series(degree)
+            tail = np.max([abs(s.coef[-4:]).max() / abs(s.coef).max() for s in series[:3] if s.coef.any()])
+            if tail < 1e-13 or degree >= 2048:
                 break
             degree *= 2
-        if max(tails) > 1e-9:
+        if not tail <= 1e-9:  # NaN where the speed is lost in rounding
             raise InputError(
-                "limit motion: the state lies within rounding of a separatrix, where the period is infinite"
+                "limit motion: the motion comes to rest within rounding of an equilibrium or a separatrix, "
+                "where the period is infinite"
             )
         self._time, self._chi, self._psi, self._centre = series
         self.half = float(self._time(_HALF_PI))
@@ -83,8 +89,7 @@ class Rise:
         turn, sigma4, V, _ = self._on_f(theta)
         q, z = np.sin(theta), np.cos(theta)
         rate = np.sqrt(2.0 / self._disk.body.M * np.maximum(self._energy - V, 0.0))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            dt = self.theta_turn * np.cos(alpha) / rate
+        dt = self.theta_turn * np.cos(alpha) / rate
         time = primitive(dt)
         chi = primitive(dt * turn)
         psi = primitive(dt * (z * turn - sigma4))

@@ -46,6 +46,7 @@ class States:
 
 def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> States:
     """States from phi (rad), phidot, sigma3, sigma4 (rad per unit of time); arguments broadcast."""
+    require_disk(disk)
     columns = _broadcast(phi, phidot, sigma3, sigma4)
     angle = np.where(np.isfinite(columns[0]), columns[0], np.pi)
     return _states(disk, np.cos(angle), np.sin(angle), -columns[1], columns[2], columns[3], abs(angle))
@@ -91,8 +92,15 @@ def line_slope(disk: Disk) -> float:
     return b.I1 * b.dr0 / (b.I3 * b.r0)
 
 
+def require_disk(disk: Disk) -> None:
+    """Raise InputError where something else was given, a name for instance."""
+    if not isinstance(disk, Disk):
+        raise InputError(f"disk = {disk!r} is not a Disk; make one, for instance Disk.parse('uniform')")
+
+
 def require_axial_inertia(disk: Disk) -> None:
     """Raise InputError where I3 = 0: eta_hat = eta/(I3 r(0)) and the lines' slope need I3 > 0."""
+    require_disk(disk)
     if not disk.body.I3 > 0.0:
         raise InputError("disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")
 
@@ -145,10 +153,26 @@ class Constants:
     status: NDArray[np.int8]
 
 
+def columns_of(**named: ArrayLike) -> list[Array]:
+    """The arguments as flat columns of one length. InputError names what is not a number or does not fit."""
+    arrays = []
+    for name, value in named.items():
+        try:
+            arrays.append(np.asarray(value, dtype=np.float64))
+        except (TypeError, ValueError):
+            raise InputError(f"{name} = {value!r} is not a number or an array of real numbers") from None
+    try:
+        together = np.broadcast_arrays(*arrays)
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(named, arrays, strict=True))
+        raise InputError(f"shapes do not fit together: {shapes}") from None
+    return [np.ravel(column).astype(np.float64) for column in together]
+
+
 def natural_constants(states: States) -> Array:
     """Constants of motion in natural units, (6, n), rows as kernels.constants.Constants."""
     out = np.empty((6, len(states)))
-    compiled.constants.constants_batch(states.natural, states.disk.body, states.disk.series, out)
+    compiled.algebra.constants_batch(states.natural, states.disk.whole, states.disk.body, states.disk.series, out)
     out[:, states.status == compiled.status.Status.BAD_INPUT] = np.nan
     return out
 

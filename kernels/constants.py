@@ -3,8 +3,8 @@
 import math
 from typing import NamedTuple
 
-from kernels import chaplygin, types
-from kernels._jit import device, kernel, subroutine
+from kernels import chaplygin
+from kernels._jit import device, subroutine
 from kernels.field import State, energy
 
 
@@ -24,7 +24,7 @@ class Constants(NamedTuple):
 
 
 # A dozen operations per term and the series, each half a unit in the last place.
-_ULPS = 6 * 2.2e-16
+ULPS = 6 * 2.2e-16
 
 
 @device
@@ -50,8 +50,8 @@ def constants_of(x, b, series):
     near = b.I1 * Y
     both = 2.0 * b.I1 * b.dr0 * sigma3_bar
     far = both - near
-    near_rounding = _ULPS * b.I1 * (abs(sigma3 * f.drho) + abs(b.k * x.sigma4 * f.rho))
-    far_rounding = near_rounding + _ULPS * (abs(both) + abs(near))
+    near_rounding = ULPS * b.I1 * (abs(sigma3 * f.drho) + abs(b.k * x.sigma4 * f.rho))
+    far_rounding = near_rounding + ULPS * (abs(both) + abs(near))
     if side > 0.0:
         return Constants(sigma3_bar, near, far, energy(x, b), near_rounding, far_rounding)
     return Constants(sigma3_bar, far, near, energy(x, b), far_rounding, near_rounding)
@@ -78,16 +78,3 @@ def onto_constants(x, sigma3_bar, eta_plus, eta_minus, b, series):
     # sigma3/q written so that S may underflow
     rho = X * f.rho_over_S * (q / (1.0 + abs(z))) + Y * (f.D / q)
     return State(q, z, x.p, rho, sigma4, x.t, x.chi, x.psi, x.a1, x.a2)
-
-
-@kernel(types.matrix, types.body, types.matrix, types.matrix)
-def constants_batch(states, b, series, out):
-    """states (5, n): q, z, p, rho, sigma4 -> out (6, n), rows as Constants. NaN where not q > 0."""
-    for i in range(states.shape[1]):
-        if not states[0, i] > 0.0:
-            out[:, i] = math.nan
-            continue
-        x = State(states[0, i], states[1, i], states[2, i], states[3, i], states[4, i], 0.0, 0.0, 0.0, 0.0, 0.0)
-        found = constants_of(x, b, series)
-        out[0, i], out[1, i], out[2, i] = found.sigma3_bar, found.eta_plus, found.eta_minus
-        out[3, i], out[4, i], out[5, i] = found.energy, found.rounding_plus, found.rounding_minus

@@ -83,13 +83,21 @@ def passage_batch(sigma3_bar, eta, speed, h_end, target, rules, sizes, tables, b
 
 
 @kernel(
-    types.vector, types.vector, types.number, types.matrix, types.tables, types.body, types.matrix, types.matrix
+    types.vector,
+    types.vector,
+    types.number,
+    types.table,
+    types.longs,
+    types.tables,
+    types.body,
+    types.matrix,
+    types.matrix,
 )
-def fall_batch(sigma3_bar, energy, h_end, rule, tables, b, series, out):
-    """The fall on F from h_end on side +1 of every sample: time, chi, psi -> out (3, n).
+def fall_batch(sigma3_bar, energy, h_end, rules, sizes, tables, b, series, out):
+    """The fall on F from h_end on side +1 of every sample: time, chi, psi, their error -> out (4, n).
 
     NaN where the energy does not exceed V_0. Time and chi are the same on side -1; psi changes sign.
-    rule: as for quadrature.fall.
+    rules, sizes: as for quadrature.passage.
     """
     W = np.zeros(nodes.ROWS * nodes.ROOM)
     V = np.zeros(tabulated.ROWS * LANES)
@@ -109,7 +117,9 @@ def fall_batch(sigma3_bar, energy, h_end, rule, tables, b, series, out):
             out[0, i] = 0.5 * V[tabulated.TIME * LANES + lane]
             out[1, i] = 0.5 * V[tabulated.CHI * LANES + lane]
             out[2, i] = 0.5 * V[tabulated.PSI * LANES + lane]
+            out[3, i] = 0.5 * V[tabulated.ANGLE_ERROR * LANES + lane]
+            out[3, i] = max(out[3, i], V[tabulated.TIME_ERROR * LANES + lane] * out[0, i])
         elif level > 0.0:
-            out[0, i], out[1, i], out[2, i] = fall(h_end, level, X, rule, b, series, W)
+            out[0, i], out[1, i], out[2, i], out[3, i] = fall(h_end, level, X, rules, sizes, b, series, W)
         else:
-            out[0, i] = out[1, i] = out[2, i] = math.nan
+            out[:, i] = math.nan

@@ -18,7 +18,7 @@ import math
 from typing import NamedTuple
 
 from kernels import chaplygin, nodes
-from kernels._jit import subroutine
+from kernels._jit import device, subroutine
 from kernels.nodes import ROOM
 from kernels.status import Status
 
@@ -172,6 +172,34 @@ def turning_point(h_end, rest, level, X, Y, b, series, W):
     return math.nan
 
 
+@device
+def magnitude(at, level, X, b):
+    """Sum of the sizes of what E - V is a difference of: its rounding is some units of that."""
+    flat = X / b.k
+    spin = b.J * abs(at.sigma4 - flat) * (abs(flat) + abs(at.sigma4))
+    return abs(level) + 0.5 * b.I1 * at.ratio * at.ratio + spin + math.sqrt(2.0 * at.S) * at.shape
+
+
+@device
+def slow_start(kinetic_energy, slope, bend, length, rest, rounding):
+    """(scale, least kinetic energy that matters) of E - V = kinetic + slope d + bend d^2, d from the start.
+
+    scale: where the start's terms give way to the last; with d = scale sinh^2 x the root of E - V is
+    smooth in x. From rest the first node is about a thousandth of the length away.
+    """
+    scale = length
+    if rest:
+        least = 1e-3 * (slope + bend * length) * length
+        if bend > 0.0:
+            scale = min(length, slope / bend)
+            least = min(least, slope * slope / bend)
+        return max(scale, 1e-300), least
+    if kinetic_energy > 0.0 and slope + bend > 0.0:
+        root = math.sqrt(slope * slope + 4.0 * bend * kinetic_energy)
+        scale = min(length, 2.0 * kinetic_energy / (slope + root))
+    return scale, max(kinetic_energy, rounding)
+
+
 @subroutine
 def end_scale(h_turn, y_end, length, rest, level, X, Y, b, series):
     """(scale, noise): where a slow start at y_end stops being slow, and what rounding does there.
@@ -183,15 +211,19 @@ def end_scale(h_turn, y_end, length, rest, level, X, Y, b, series):
     slope = max(last.slope * math.tanh(y_end), 0.0)
     other = level - point(h_turn * math.cosh(y_end - length), X, Y, b, series).V
     bend = max(other - start - slope * length, 0.0) / (length * length)
-    scale = length
-    if start > 0.0 and slope + bend > 0.0:
-        scale = min(length, 2.0 * start / (slope + math.sqrt(slope * slope + 4.0 * bend * start)))
-    # E - V has an error of rounding in E; it acts for as long as the motion is slow: the whole
-    # scale, or from rest about the first node's share of it, a thousandth.
-    slow = max(start, 1e-3 * (slope + bend * length) * length if rest else _EPSILON * abs(level))
+    rounding = _EPSILON * magnitude(last, level, X, b)
+    scale, slow = slow_start(start, slope, bend, length, rest, rounding)
     tilt = h_turn * math.sinh(y_end) / last.shape  # d theta / dy
-    duration = math.sqrt(2.0) * scale * tilt / math.sqrt(2.0 * b.inv_M * slow)
-    return scale, 4.0 * _EPSILON * abs(level) / slow * duration * (1.0 + abs(last.ratio) + abs(last.sigma4))
+    return scale, slow_noise(slow, scale * tilt, rounding, last, b)
+
+
+@subroutine
+def slow_noise(slow, distance, rounding, at, b):
+    """Error of angles and time from rounding in E - V, which acts for as long as the motion is slow."""
+    if not slow > 0.0:
+        return math.inf
+    duration = math.sqrt(2.0) * distance / math.sqrt(2.0 * b.inv_M * slow)
+    return 4.0 * rounding / slow * duration * (1.0 + abs(at.ratio) + abs(at.sigma4))
 
 
 @subroutine
@@ -245,7 +277,7 @@ def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series, W):
     gyration = 0.5 * b.I1 * turn.ratio * turn.ratio
     terms = abs(level) + gyration + abs(point(h_end, X, Y, b, series).V)
     # On a short panel the first nodes lie so near the turning point that E - V has few digits.
-    noise = _NOISE * _EPSILON * (1.0 + 1.0 / y_cut) * (1.0 + terms / max(-turn.slope, _EPSILON * gyration))
+    noise = _NOISE * _EPSILON * (1.0 + 5.0 / y_cut) * (1.0 + terms / max(-turn.slope, _EPSILON * gyration))
     scale, slow_noise = end_scale(h_turn, y_end, length, rest, level, X, Y, b, series)
     first = 0
     for size in sizes:
@@ -289,36 +321,44 @@ def start_of_fall(h_end, level, X, b, series):
 
 
 @subroutine
-def fall(h_end, level, X, rule, b, series, W):
-    """(time, increase of chi, increase of psi) of the fall on F from h_end to flat.
+def fall(h_end, level, X, rules, sizes, b, series, W):
+    """(time, increase of chi, increase of psi, error) of the fall on F from h_end to flat.
 
-    Where the energy is too low for h_end the fall begins at rest, later. With theta = start -
-    scale sinh^2 x the square root sqrt(E - V) becomes smooth in x, however slow the start: scale is
-    the distance over which the fall doubles its kinetic energy. rule (2, n): a whole Gauss rule.
+    Where the energy is too low for h_end the fall begins at rest, later. theta = start - scale sinh^2 x
+    makes the square root of E - V smooth in x, however slow the start. Orders rise as in `passage`.
     """
     h, rest = start_of_fall(h_end, level, X, b, series)
     start = 2.0 * math.asin(0.5 * h)
     first = point(h, X, 0.0, b, series)
     kinetic_energy = 0.0 if rest else level - first.V
     slope = max(first.slope * first.shape / h, 0.0)
-    bend = max(first.V - slope * start, 0.0) / (start * start)
-    scale = start
-    if kinetic_energy > 0.0 and slope + bend > 0.0:
-        root = math.sqrt(slope * slope + 4.0 * bend * kinetic_energy)
-        scale = min(start, 2.0 * kinetic_energy / (slope + root))
+    bend = max(level - kinetic_energy - slope * start, 0.0) / (start * start)
+    # The energy comes from a start at the vertical, where q = 1.
+    rounding = _EPSILON * (magnitude(first, level, X, b) + 1.0)
+    scale, slow = slow_start(kinetic_energy, slope, bend, start, rest, rounding)
+    noise = slow_noise(slow, scale, rounding, first, b) + _NOISE * _EPSILON
     stretch = math.asinh(math.sqrt(start / scale))
-    n = rule.shape[1]
-    for j in range(n):
-        x = 0.5 * stretch * (1.0 + rule[0, j])
-        sinh = math.sinh(x)
-        theta = max(start - scale * sinh * sinh, 1e-300)
-        here = 2.0 * math.sin(0.5 * theta)
-        dtheta = rule[1, j] * stretch * scale * sinh * math.sqrt(1.0 + sinh * sinh)
-        W[nodes.H * ROOM + j] = here
-        W[nodes.LOG * ROOM + j] = 2.0 * math.log(here) - _LN2
-        W[nodes.E2 * ROOM + j] = W[nodes.CLOSED * ROOM + j] = 0.0
-        # integrands() takes weights in y, with dtheta = h tanh(y) dy / shape
-        W[nodes.WEIGHT * ROOM + j] = dtheta * math.sqrt(1.0 - 0.25 * here * here) / here
-    nodes.integrands(W, n, level, X, 0.0, b, series)
-    chi = nodes.total(W, nodes.CHI, n)
-    return nodes.total(W, nodes.TIME, n), chi, chi - nodes.total(W, nodes.REST, n)
+    time = chi = psi = math.nan
+    error = math.inf
+    done = 0
+    for n in sizes:
+        for j in range(n):
+            x = 0.5 * stretch * (1.0 + rules[1, 0, done + j])
+            sinh = math.sinh(x)
+            theta = max(start - scale * sinh * sinh, 1e-300)
+            here = 2.0 * math.sin(0.5 * theta)
+            dtheta = rules[1, 1, done + j] * stretch * scale * sinh * math.sqrt(1.0 + sinh * sinh)
+            W[nodes.H * ROOM + j] = here
+            W[nodes.LOG * ROOM + j] = 2.0 * math.log(here) - _LN2
+            W[nodes.E2 * ROOM + j] = W[nodes.CLOSED * ROOM + j] = 0.0
+            # integrands() takes weights in y, with dtheta = h tanh(y) dy / shape
+            W[nodes.WEIGHT * ROOM + j] = dtheta * math.sqrt(1.0 - 0.25 * here * here) / here
+        done += n
+        nodes.integrands(W, n, level, X, 0.0, b, series)
+        new_time, new_chi = nodes.total(W, nodes.TIME, n), nodes.total(W, nodes.CHI, n)
+        new_psi = new_chi - nodes.total(W, nodes.REST, n)
+        error = max(abs(new_time - time), max(abs(new_chi - chi), abs(new_psi - psi)))
+        time, chi, psi = new_time, new_chi, new_psi
+        if error <= noise * (1.0 + time):
+            break
+    return time, chi, psi, error + noise * (1.0 + time)

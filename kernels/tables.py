@@ -35,6 +35,15 @@ class Low(NamedTuple):
     excess: tuple[float, ...]
 
 
+class Whole(NamedTuple):
+    """Chaplygin's series for S <= 1, ascending powers of 2 S - 1; tuples of DEGREE + 1 numbers."""
+
+    rho_over_S: tuple[float, ...]
+    drho: tuple[float, ...]
+    v: tuple[float, ...]
+    dv: tuple[float, ...]
+
+
 class Tables(NamedTuple):
     """Tables of one body: vertical (8, 1), outer (10, n), fall (10, n), inner (4, m), low."""
 
@@ -71,6 +80,11 @@ def make_tables(body: Any, series: np.ndarray, rules: tuple[np.ndarray, ...]) ->
         inner=np.concatenate([1.0 - inner[:1, half:], inner[1:, half:], last]),
         low=low,
     )
+
+
+def make_whole(series: np.ndarray) -> Whole:
+    """Rows of chaplygin.make_series as tuples, which lanes keep at hand."""
+    return Whole(*(tuple(map(float, row)) for row in series[:4]))
 
 
 def _at_tilts(body: Any, series: np.ndarray, theta: np.ndarray, weights: np.ndarray) -> np.ndarray:

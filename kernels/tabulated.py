@@ -17,16 +17,14 @@ it has converged; samples that have not, and those outside these bounds, are lef
 
 import math
 
-import numpy as np
-
 from kernels import tables
 from kernels._jit import contracted_device, contracted_subroutine
-from kernels.chaplygin import economise
+from kernels.elementary import arctan, exp_fall, horner, log_ratio
 from kernels.status import Status
 
 LANES = 32
 WIDEST = 0.2  # of h_m: well inside HANDOVER
-NARROWEST = 1e-290  # of |Y|: h_m / 2 must not be denormal
+NARROWEST = 1e-303  # of |Y|: h_m must not be denormal
 SLOWEST = 1e-3  # share of the energy above V_0 with which it must leave the vertical
 _LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y, or ends at the turning point
 _NEWTON = 5  # from the guess of first order to rounding, for h_m <= WIDEST
@@ -40,55 +38,10 @@ _TAU, _CAP, _LOG_CAP, _WIDTH, _TURN2, _RACE, _PULL, _SPIN, _SLOW, _REST0, _REST1
 CHI, REST, TIME, PSI = 18, 19, 20, 19  # results; from _TAILS on, for each, sum of sizes and two last coefficients
 _TAILS = 21
 _LEAST = 30  # least theta-dot^2 met
-ANGLE_ERROR, TIME_ERROR, WAY, SPEED, _BELOW = 31, 32, 33, 34, 35
-ROWS = 36
+ANGLE_ERROR, TIME_ERROR, WAY, SPEED, _BELOW, _START = 31, 32, 33, 34, 35, 36
+ROWS = 37
 
 _LN2 = math.log(2.0)
-_SQUARINGS = 3
-
-
-def _economised(term, degree):
-    """Ascending powers of 2u - 1 on 0 <= u <= 1 of the sum of term(n) u^n."""
-    terms = np.array([term(n) for n in range(60)])
-    return tuple(map(float, economise(terms, degree)))
-
-
-# exp(-d) on 0 <= d <= DEEPEST / 8, squared three times; atanh(s)/s in s^2 up to 1/9; atan(x)/x in x^2.
-_SHORT = tables.DEEPEST / 2.0**_SQUARINGS
-_STEEPEST = 0.2  # of (h_m / tau)^2 at the handover
-_EXP = _economised(lambda n: (-_SHORT) ** n / math.factorial(n), 14)
-_ATANH = _economised(lambda n: 9.0**-n / (2 * n + 1), 10)
-_ATAN = _economised(lambda n: (-_STEEPEST) ** n / (2 * n + 1), 12)
-
-
-@contracted_device
-def horner(coefficients, x):
-    """The polynomial with the given ascending powers."""
-    total = coefficients[len(coefficients) - 1]
-    for k in range(len(coefficients) - 2, -1, -1):
-        total = total * x + coefficients[k]
-    return total
-
-
-@contracted_device
-def exp_fall(d):
-    """exp(-d) for 0 <= d <= DEEPEST."""
-    e = horner(_EXP, 2.0 / tables.DEEPEST * d - 1.0)
-    for _ in range(_SQUARINGS):
-        e = e * e
-    return e
-
-
-@contracted_device
-def log_ratio(s):
-    """ln((1 + s)/(1 - s)) for |s| <= 1/3."""
-    return 2.0 * s * horner(_ATANH, 18.0 * s * s - 1.0)
-
-
-@contracted_device
-def arctan(x):
-    """atan(x) for x^2 <= _STEEPEST."""
-    return x * horner(_ATAN, 2.0 / _STEEPEST * x * x - 1.0)
 
 
 @contracted_device
@@ -130,6 +83,16 @@ def clear(W, first, end):
             W[row * LANES + i] = 0.0
 
 
+@contracted_device
+def start_noise(terms, moving, ratio, sigma4, b):
+    """What rounding in E - V, a difference of `terms`, does at the vertical to angles and time, relative.
+
+    It acts while the motion is within about a radian of the vertical.
+    """
+    duration = min(1.0, math.sqrt(0.5 * b.M / moving))
+    return 4.0 * _EPSILON * terms / moving * duration * (1.0 + abs(ratio) + abs(sigma4))
+
+
 @contracted_subroutine
 def start(W, vertical, b):
     """LEVEL from SPEED at the vertical, a guess at the turning point, and NOISE of E - V."""
@@ -149,7 +112,9 @@ def start(W, vertical, b):
         moving = 0.5 * b.M * speed * speed
         level = moving + gyration + spin + 1.0
         W[LEVEL * LANES + i] = level
-        W[NOISE * LANES + i] = abs(level) + gyration + abs(spin) + 1.0
+        terms = abs(level) + gyration + abs(spin) + 1.0
+        W[NOISE * LANES + i] = terms
+        W[_START * LANES + i] = start_noise(terms, moving, ratio, x * inv_k + rise, b)
         ok = (moving > SLOWEST * level) & (abs(y) > NARROWEST)
         size = abs(y)
         first = size * math.sqrt(0.5 * b.I1 / level)
@@ -196,7 +161,7 @@ def closed(W, b, low):
         slope = -slope_of(h, n, rise, shape2, shape, x, b)
         ratio = n / shape
         W[WAY * LANES + i] = ratio
-        W[NOISE * LANES + i] = _NOISE * _EPSILON * (1.0 + W[NOISE * LANES + i] / slope)
+        W[NOISE * LANES + i] = _NOISE * _EPSILON * (1.0 + W[NOISE * LANES + i] / slope) + W[_START * LANES + i]
         good = slope > 0.0
         W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else 1.0
         slope = slope if good else 1.0
@@ -389,7 +354,9 @@ def falls(W, target, floor, tables_of_body, b):
         gyration = 0.5 * b.I1 * ratio * ratio
         spin = 0.5 * b.J * rise * (2.0 * x / b.k + rise)
         moving = level - gyration - spin - 1.0
-        W[NOISE * LANES + i] = _NOISE * _EPSILON * (1.0 + (gyration + abs(spin) + 1.0) / abs(level))
+        terms = abs(level) + gyration + abs(spin) + 1.0
+        noise = start_noise(terms, moving, ratio, x / b.k + rise, b)
+        W[NOISE * LANES + i] = _NOISE * _EPSILON * (1.0 + terms / abs(level)) + noise
         W[_LEAST * LANES + i] = 1.0
         W[CHECK * LANES + i] = 0.0 if moving > SLOWEST * level else 1.0
     far_panel(W, tables_of_body.fall, b)

@@ -116,7 +116,7 @@ def natural_state_on_f(disk, phi):
 def test_the_fall_from_the_vertical_agrees_with_the_limit_motion(paper_body):
     states = base(paper_body, 1, 0.7, 0.4)
     found = natural_constants(states)
-    time, chi, psi = fall_from_vertical(paper_body, found[0], found[3])
+    time, chi, psi, _error = fall_from_vertical(paper_body, found[0], found[3])
     limit = limit_motion(paper_body, states, 1)
     hit = limit.impacts(10.0)[0]
     assert time[0] == pytest.approx(hit, rel=1e-10)
@@ -149,7 +149,7 @@ def test_the_fall_is_integrated_well_however_slowly_it_starts(speed):
     got = limit(slow.t_events[0][0])
     assert float(got.phi) == pytest.approx(1.5, abs=1e-8)
     assert float(got.chi) == pytest.approx(slow.y_events[0][0][2], abs=1e-8)
-    time, _chi, _psi = fall_from_vertical(disk, found[0], found[3])
+    time, _chi, _psi, _error = fall_from_vertical(disk, found[0], found[3])
     assert time[0] == pytest.approx(limit.impacts(50.0)[0], rel=1e-9)
 
 

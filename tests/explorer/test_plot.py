@@ -8,6 +8,7 @@ from explorer import plot
 from explorer.scenes.build import build_scene
 from explorer.scenes.falling_set import Slice, map_slice
 from explorer.scenes.one_sided import both_sides
+from explorer.trade import trade
 
 UNIFORM = BODIES["uniform"]
 
@@ -35,6 +36,7 @@ def pictures():
         "one_sided_phi": (both,),
         "one_sided_chi": (both,),
         "contact_paths": (both,),
+        "work_precision": (trade(UNIFORM, 256),),
     }
 
 

@@ -9,8 +9,8 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.gauss import gauss, packed_rules
-from kernels import chaplygin, passages, tables, tabulated, types
+from explorer.gauss import packed_rules
+from kernels import chaplygin, elementary, passages, tables, tabulated, types
 from kernels.quadrature import VERTICAL
 
 EXTREME_BODIES = {
@@ -106,23 +106,26 @@ def test_falls_by_tables_and_by_one_rule_agree(name):
     s3, speed = rng.uniform(-3, 3, n), rng.uniform(0.05, 3, n)
     sigma4 = b.dr0 * s3 / (b.k * b.r0)
     energy = 0.5 * (b.M * speed**2 + b.I1 * s3**2 + b.J * sigma4**2) + 1.0
-    rule = np.ascontiguousarray(np.stack(gauss(64)))
     found = []
     for h_end in (VERTICAL, math.nextafter(VERTICAL, 0.0)):
-        out = np.empty((3, n))
-        passages.fall_batch(s3, energy, h_end, rule, disk.tables, b, disk.series, out)
+        out = np.empty((4, n))
+        passages.fall_batch(s3, energy, h_end, *packed_rules(), disk.tables, b, disk.series, out)
         found.append(out)
-    np.testing.assert_allclose(found[0], found[1], atol=1e-10, rtol=1e-11)
+    allowed = 10 * (found[0][3] + found[1][3]) + 1e-13
+    assert (abs(found[0][:3] - found[1][:3]) <= allowed).all()
+    assert (found[0][3] <= 1e-9).all()
 
 
 def test_the_elementary_functions_are_at_rounding():
     d = np.linspace(0.0, tables.DEEPEST, 500)
-    got = [tabulated.exp_fall(x) for x in d]
+    got = [elementary.exp_fall(x) for x in d]
     np.testing.assert_allclose(got, np.exp(-d), rtol=8e-15)
     s = np.linspace(-1 / 3, 1 / 3, 501)
-    np.testing.assert_allclose([tabulated.log_ratio(x) for x in s], np.log1p(s) - np.log1p(-s), rtol=1e-14, atol=0)
+    np.testing.assert_allclose(
+        [elementary.log_ratio(x) for x in s], np.log1p(s) - np.log1p(-s), rtol=1e-14, atol=0
+    )
     x = np.linspace(0.0, 0.44, 200)
-    np.testing.assert_allclose([tabulated.arctan(v) for v in x], np.arctan(x), rtol=4e-16, atol=0)
+    np.testing.assert_allclose([elementary.arctan(v) for v in x], np.arctan(x), rtol=4e-16, atol=0)
 
 
 @pytest.mark.parametrize("name", ["uniform", "thick", "rim"])
@@ -132,9 +135,9 @@ def test_the_low_series_are_those_of_the_whole_range(name):
         whole = chaplygin.solutions(S, math.log(S), disk.body.c, disk.series)
         t = 16.0 * S - 1.0
         low = disk.tables.low
-        got = [tabulated.horner(row, t) for row in (low.rho_over_S, low.drho)]
+        got = [elementary.horner(row, t) for row in (low.rho_over_S, low.drho)]
         assert got == pytest.approx([whole.rho_over_S, whole.drho], rel=1e-15)
-        D = 0.5 * disk.body.c * S * got[0] * math.log(S) + tabulated.horner(low.v, t)
+        D = 0.5 * disk.body.c * S * got[0] * math.log(S) + elementary.horner(low.v, t)
         assert pytest.approx(whole.D, rel=3e-15) == D
 
 

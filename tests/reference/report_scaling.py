@@ -1,0 +1,128 @@
+"""Writes results/scaling/: time and memory against the number of samples, jobs, and distance from F.
+
+    python tests/reference/report_scaling.py      # some minutes on two cores; ends quietly on one
+
+Every row is measured in a process of its own, after warming up, so that memory is the row's.
+"""
+
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+OUT = Path(__file__).parents[2] / "results" / "scaling"
+PASSAGES = (10**3, 10**4, 10**5, 10**6, 10**7)
+STATES = (10**3, 10**4, 10**5, 10**6, 10**7, 10**8, 10**9)
+PIECE = 1 << 16
+
+
+def algebra(samples, jobs):
+    """Constants of motion, side and distance to F of random states, piece by piece; nothing is kept."""
+    from joblib import Parallel, delayed
+
+    import explorer as ex
+    from explorer import compiled
+
+    disk = ex.Disk.uniform()
+
+    def piece(index, count):
+        rng = np.random.Generator(np.random.Philox(np.random.SeedSequence(1, spawn_key=(index,))))
+        sigma = rng.uniform(-2.0, 2.0, (3, count))
+        states, found = np.empty((5, count)), np.empty((6, count))
+        states[0], states[1] = 1.0, 0.0
+        states[2], states[3], states[4] = sigma
+        compiled.algebra.constants_batch(states, disk.whole, disk.body, disk.series, found)
+        near = np.fmin(abs(found[1]), abs(found[2]))
+        return int((near < 1e-3).sum())
+
+    counts = [min(PIECE, samples - i) for i in range(0, samples, PIECE)]
+    return sum(Parallel(n_jobs=jobs, backend="threading")(delayed(piece)(i, n) for i, n in enumerate(counts)))
+
+
+def race_angles(samples, jobs):
+    """The scene race-angles, stored and summarised like any run."""
+    import explorer as ex
+
+    with tempfile.TemporaryDirectory() as folder:
+        run = ex.run("race-angles", samples=samples, jobs=jobs, out=Path(folder) / "run")
+    return run.summary["samples"]
+
+
+def measure(name, samples, jobs):
+    """Seconds and peak memory (MB) of one row, in a process of its own."""
+    done = subprocess.run(
+        [sys.executable, __file__, name, str(samples), str(jobs)], capture_output=True, text=True, check=True
+    )
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def child(name, samples, jobs):
+    work = {"algebra": algebra, "race-angles": race_angles}[name]
+    work(1000, 1)
+    start = time.perf_counter()
+    work(samples, jobs)
+    seconds = time.perf_counter() - start
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(json.dumps([seconds, peak]))
+
+
+def draw(rows):
+    figure = Figure(figsize=(9.6, 4.2), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    colours = {"algebra": "#0072B2", "race-angles": "#D55E00"}
+    for name, colour in colours.items():
+        for jobs, marker, style in ((1, "o", "--"), (2, "s", "-")):
+            chosen = [(n, s, mb) for what, n, j, s, mb in rows if what == name and j == jobs]
+            samples, seconds, memory = zip(*chosen, strict=True)
+            label = f"{name}, {jobs} job{'s' if jobs > 1 else ''}"
+            left.loglog(samples, seconds, style, marker=marker, color=colour, label=label)
+            right.semilogx(samples, memory, style, marker=marker, color=colour, label=label)
+    left.set_ylabel("time (s)", fontsize=12)
+    right.set_ylabel("peak memory (MB)", fontsize=12)
+    right.set_ylim(bottom=0)
+    for ax in (left, right):
+        ax.set_xlabel("samples", fontsize=12)
+        ax.grid(alpha=0.3)
+    left.legend(fontsize=10)
+    figure.savefig(OUT / "scaling.png", dpi=150)
+
+
+def main():
+    OUT.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for name, sizes in (("algebra", STATES), ("race-angles", PASSAGES)):
+        for samples in sizes:
+            for jobs in (1, 2) if (os.cpu_count() or 1) > 1 else (1,):
+                rows.append((name, samples, jobs, *measure(name, samples, jobs)))
+                print(rows[-1], flush=True)
+    draw(rows)
+    lines = [
+        "# Time and memory against the number of samples",
+        "",
+        "Made by `python tests/reference/report_scaling.py`. *algebra*: constants of motion, side and distance",
+        "to F of random states with the drawing of them, nothing kept. *race-angles*: the scene, stored on disk",
+        "and summarised. Memory is the peak of the process. Cost against |eta_hat| is in `../extremes`.",
+        "",
+        "| work | samples | jobs | samples per second | memory (MB) | faster than one job |",
+        "|---|---|---|---|---|---|",
+    ]
+    single = {(name, n): s for name, n, jobs, s, _ in rows if jobs == 1}
+    for name, n, jobs, seconds, memory in rows:
+        gain = f"{single[name, n] / seconds:.2f}" if jobs > 1 else ""
+        lines.append(f"| {name} | {n:,} | {jobs} | {n / seconds:,.0f} | {memory:.0f} | {gain} |")
+    lines += ["", "![time and memory](scaling.png)"]
+    (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        child(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))
+    else:
+        main()
