@@ -200,7 +200,7 @@ def _times(t_end: float | None, t_eval: ArrayLike | None) -> Array:
         if not isinstance(t_end, int | float | np.number) or not (np.isfinite(t_end) and t_end > 0.0):
             raise InputError(f"t_end = {t_end!r} must be a finite time above 0, or give t_eval")
         return np.linspace(0.0, float(t_end), 201)
-    times = np.atleast_1d(columns_of(t_eval=t_eval)[0])
+    times = columns_of(t_eval=t_eval)[0]
     increasing = times.ndim == 1 and times.size > 0 and np.all(np.diff(times) > 0.0)
     if not (increasing and np.isfinite(times).all() and times[0] >= 0.0):
         raise InputError("t_eval must be a non-empty list of finite, increasing times >= 0")

@@ -33,7 +33,8 @@ _LENIENCE = 10.0
 # The two may happen to lie close together, on either side of the truth or not.
 _CAUTION = 5.0
 _ROUNDING = 3e-12  # of some hundred steps
-_SLOW = 0.1  # natural units; below this speed at the vertical rounding is felt more
+_DRIFT = 3.0  # by which eta goes on losing digits over the steps
+_SLOW = 0.15  # natural units; below this speed at the vertical rounding is felt more
 # Of speeds and eta_hat, natural units: squares overflow above, eta = I3 r(0) eta_hat loses digits below.
 _LARGEST, _SMALLEST = 1e100, 1e-302
 _FLOOR = 1e-9  # an accuracy below is met as far as rounding allows, if that is not worse
@@ -178,11 +179,11 @@ def _by_integration(
     rows = [fine.theta, 2.0 * fine.chi, 2.0 * fine.psi * facing, 2.0 * fine.time, fine.way]
     error = np.fmax(2.0 * abs(fine.chi - rough.chi), 2.0 * abs(fine.psi - rough.psi))
     error = np.fmax(error, abs(rough.time / fine.time - 1.0))
-    rounding_of_steps = _ROUNDING * (1.0 + _SLOW * unit / (speed + 1e-3 * unit))
-    error = _CAUTION * np.fmax(error, abs(rough.theta / fine.theta - 1.0)) + known + rounding_of_steps
-    # Where both took much the same steps, as on short ways, their difference tells nothing.
-    alike = fine.steps < 2 * rough.steps if how.adaptive else False
-    error = error + np.where(alike, finer.control(states, found), 0.0)
+    rounding_of_steps = _ROUNDING * (1.0 + _SLOW * unit / (speed + 5e-5 * unit))
+    error = _CAUTION * np.fmax(error, abs(rough.theta / fine.theta - 1.0)) + _DRIFT * known + rounding_of_steps
+    if how.adaptive:
+        # On short ways both may take much the same steps; then their difference tells nothing.
+        error = error + _CAUTION * finer.control(states, found)
     missed = (status == code.OK) & ~(error <= _LENIENCE * how.accuracy)
     status = np.where(missed, code.STEP_LIMIT, np.where(elsewhere, code.BAD_INPUT, status)).astype(np.int8)
     return _assemble(disk, s3 / unit, eta, side, found[3], 0.0, rows, error, status, how.accuracy)
