@@ -47,7 +47,7 @@ def trade(disk: Disk, samples: int = 4096, seed: int = 0, say: Any = lambda text
     """
     if not 256 <= samples <= 1_000_000:
         raise InputError(f"--samples {samples} must lie between 256 and 1000000")
-    work = _Work(disk, samples, seed)
+    work = Work(disk, samples, seed)
     rows = [work.quadrature()]
     for method, settings in SETTINGS.items():
         say(f"measuring {method}")
@@ -73,7 +73,7 @@ def calibrate(rows: list[Row], samples: int = 1024) -> dict[str, Any]:
     """The table for `calibration`: costs as measured in `rows`, errors the largest over BODIES too."""
     errors = {(row.method, row.setting): row.p99 for row in rows}
     for number, disk in enumerate(BODIES):
-        work = _Work(disk, samples, number)
+        work = Work(disk, samples, number)
         for method, settings in SETTINGS.items():
             for setting in settings:
                 found = work.measure(method, setting, repeats=1)
@@ -90,7 +90,7 @@ def calibrate(rows: list[Row], samples: int = 1024) -> dict[str, Any]:
     return {"kernels": compiled.source_digest(), "quadrature": quadrature, "methods": methods}
 
 
-class _Work:
+class Work:
     """A body's passages, drawn once, with their exact answers."""
 
     def __init__(self, disk: Disk, samples: int, seed: int) -> None:
@@ -115,37 +115,16 @@ class _Work:
 
     def measure(self, method: str, setting: float, repeats: int = 3) -> Row:
         """An integrator at one setting, to the turning point and doubled."""
+        solved = Solved(self, method, setting)
+        best = _fastest(solved.solve, repeats)
         n = len(self.exact)
-        out, drift, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
-        control, status = np.full(n, setting), np.zeros(n, np.int8)
-
-        def solve() -> None:
-            status[:] = 0
-            compiled.batch.first_event_batch(
-                int(getattr(compiled.steps, method.upper())),
-                compiled.field.ANGLES,
-                self.initial,
-                control,
-                compiled.events.TURNING_POINT,
-                0.0,
-                200_000,
-                1.0,
-                self.disk.body,
-                self.disk.series,
-                out,
-                status,
-                steps,
-                drift,
-            )
-
-        best = _fastest(solve, repeats)
-        error = self._errors(out)
-        median, p99 = np.nanpercentile(error, (50, 99))
-        evaluations = STAGES[method] * float(steps.mean())
-        unresolved = float(np.mean(status != compiled.status.Status.OK))
+        median, p99 = np.nanpercentile(self.errors(solved.out), (50, 99))
+        evaluations = STAGES[method] * float(solved.steps.mean())
+        unresolved = float(np.mean(solved.status != compiled.status.Status.OK))
         return Row(method, float(setting), float(median), float(p99), evaluations, best / n * 1e9, unresolved)
 
-    def _errors(self, out: Array) -> Array:
+    def errors(self, out: Array) -> Array:
+        """Largest error of delta chi, delta psi (rad) and duration (relative) of every sample."""
         exact, unit = self.exact, self.disk.time_unit
         errors = (
             2.0 * out[6] - exact.delta_chi,
@@ -153,6 +132,37 @@ class _Work:
             2.0 * out[5] * unit / exact.duration - 1.0,
         )
         return np.max(np.abs(errors), axis=0)
+
+
+class Solved:
+    """One method at one setting on the passages of `work`; solve() fills out, status and steps."""
+
+    def __init__(self, work: Work, method: str, setting: float) -> None:
+        n = len(work.exact)
+        self._work, self._method = work, int(getattr(compiled.steps, method.upper()))
+        self._control = np.full(n, setting)
+        self.out, self._drift = np.empty((8, n)), np.empty((3, n))
+        self.steps, self.status = np.empty(n, np.int32), np.zeros(n, np.int8)
+
+    def solve(self) -> None:
+        """Follow every sample to its turning point."""
+        self.status[:] = 0
+        compiled.batch.first_event_batch(
+            self._method,
+            compiled.field.ANGLES,
+            self._work.initial,
+            self._control,
+            compiled.events.TURNING_POINT,
+            0.0,
+            200_000,
+            1.0,
+            self._work.disk.body,
+            self._work.disk.series,
+            self.out,
+            self.status,
+            self.steps,
+            self._drift,
+        )
 
 
 def _fastest(call: Any, repeats: int) -> float:

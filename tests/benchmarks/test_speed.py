@@ -1,0 +1,99 @@
+"""Speed of every method beside its accuracy and its exact work. Seconds are shown, never asserted.
+
+    python -m pytest tests/benchmarks --benchmark-enable
+
+Without that option each runs once and its counts and errors are checked. Compile time is left out:
+every kernel is called before it is timed. Counts of steps are those of IEEE arithmetic, so a change
+of one step is a change of the code.
+"""
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer import compiled
+from explorer.gauss import packed_rules
+from explorer.states import constants_to_states
+from explorer.trade import STAGES, Solved, Work
+from kernels.constants import constants_of
+from kernels.field import State
+
+SAMPLES = 4096
+# method, step or tolerance, steps of all samples together, 99th percentile of the error
+INTEGRATORS = [
+    ("rk4", 0.1, 293626, 1e-3),
+    ("rk8", 0.25, 118679, 1e-5),
+    ("dopri5", 1e-5, 95141, 1e-4),
+    ("dop853", 1e-7, 73145, 1e-6),
+]
+
+
+@pytest.fixture(scope="module")
+def work():
+    return Work(BODIES["uniform"], SAMPLES, 1)
+
+
+@pytest.mark.parametrize(("method", "setting", "steps", "error"), INTEGRATORS)
+def test_integration_of_passages(benchmark, work, method, setting, steps, error):
+    results = Solved(work, method, setting)
+    results.solve()
+    benchmark(results.solve)
+    assert (results.status == 0).all()
+    assert int(results.steps.sum()) == steps
+    p99 = float(np.percentile(work.errors(results.out), 99))
+    assert p99 <= error
+    benchmark.extra_info |= {"p99 error": p99, "evaluations per passage": STAGES[method] * steps / SAMPLES}
+
+
+def test_passages_by_quadrature(benchmark, work):
+    """Against its own adaptive rules, which the tables do not share."""
+    disk, start = work.disk, work.start
+    got = benchmark(ex.passages, disk, *start, accuracy=1e-9)
+    assert (got.status == 0).all()
+    rules, sizes = packed_rules()
+    found, status = np.empty((8, SAMPLES)), np.zeros(SAMPLES, np.int8)
+    # A start off the vertical by one rounding does not go by tables.
+    h_end = compiled.quadrature.VERTICAL * (1.0 - 2.3e-16)
+    compiled.passages.passage_batch(
+        start[0], start[1] * disk.body.I3 * disk.body.r0, start[2], h_end, 1e-9, rules, sizes, disk.tables,
+        disk.body, disk.series, found, status,
+    )  # fmt: skip
+    p99 = float(np.percentile(abs(found[1] - got.delta_chi), 99))
+    assert p99 <= 1e-12
+    benchmark.extra_info["p99 error"] = p99
+
+
+def test_constants_of_motion(benchmark, work):
+    """In lanes, against one state at a time."""
+    disk, states = work.disk, np.ascontiguousarray(work.initial[:5])
+    found = np.empty((6, SAMPLES))
+    call = (states, disk.whole, disk.body, disk.series, found)
+    compiled.algebra.constants_batch(*call)
+    benchmark(compiled.algebra.constants_batch, *call)
+    one = [
+        constants_of(State(*states[:, i], 0.0, 0.0, 0.0, 0.0, 0.0), disk.body, disk.series) for i in range(SAMPLES)
+    ]
+    error = float(np.max(abs(found[:4].T - np.array(one)[:, :4])))
+    assert error <= 1e-14
+    benchmark.extra_info["largest error"] = error
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_motion_in_time(benchmark, method):
+    """Ten passages of 64 motions, held to their constants; tolerances come from the calibration."""
+    disk = BODIES["uniform"]
+    start = np.linspace(0.5, 1.5, 64)
+    states = constants_to_states(disk, start, 1e-3, 1.0)
+    times = np.linspace(0.0, 30.0, 301)
+
+    def follow():
+        return ex.simulate(disk, states, t_eval=times, observables=("phi", "chi"), method=method, accuracy=1e-6)
+
+    first = follow()
+    got = benchmark(follow)
+    assert (got.status == 0).all()
+    assert (got.steps == first.steps).all()
+    drift = float(abs(got.drift[0]).max())
+    assert drift < 1e-6
+    benchmark.extra_info["drift of energy"] = drift
