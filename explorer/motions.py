@@ -163,9 +163,9 @@ def simulate(
     """Trajectories from initial states, sampled at t_eval (default: 201 times from 0 to t_end).
 
     states: (n, 4) or (4,) rows of phi, phidot, sigma3, sigma4 in the units of the disk, or `States`.
-    t_eval: increasing times >= 0. accuracy is per passage. Over k passages the error of the energy
-    grows like k, that of time and angles like k^2.
-    sigma3_bar and eta are held after every step, so they do not drift; energy is not. States made by
+    t_eval: increasing times >= 0. accuracy is per passage; over k passages errors grow like k.
+    sigma3_bar, eta and the energy are held after every step, so they do not drift; what was taken out
+    of the energy on the way is reported as its drift. States made by
     `constants_to_states` keep the eta_hat they were given, down to 1e-300.
     A state on the falling set has no motion past the fall: status FALLS, values NaN.
     """

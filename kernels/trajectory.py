@@ -6,9 +6,9 @@ from typing import NamedTuple
 from kernels import types
 from kernels._jit import device, kernel, subroutine
 from kernels.adaptive import SHORTEST_STEP
-from kernels.constants import constants_of, onto_constants
+from kernels.constants import constants_of, onto_constants, onto_energy
 from kernels.events import crossed, level
-from kernels.field import ANGLES, PATH, State, speed
+from kernels.field import ANGLES, PATH, State, energy, speed
 from kernels.status import Status
 from kernels.steps import (
     DOP853,
@@ -71,9 +71,13 @@ def trajectory(method, depth, x, pinned, control, event, targets, max_steps, b, 
     """Follow one motion until `event` has taken each value of `targets` in turn.
 
     out (len(targets), 10) receives the states there, in the order of State. Returns status, the
-    number of attempted steps, and the last state reached.
+    number of attempted steps, the last state reached and the energy taken out on the way.
     """
     held = not math.isnan(pinned.sigma3_bar)
+    removed = 0.0
+    if held:
+        x = onto_constants(x, pinned.sigma3_bar, pinned.eta_plus, pinned.eta_minus, b, series)
+    total = energy(x, b)
     unit = speed(x, b)
     if depth == PATH:
         unit *= b.kappa  # sin chi turns at up to kappa times the speed
@@ -83,7 +87,7 @@ def trajectory(method, depth, x, pinned, control, event, targets, max_steps, b, 
         y, accepted, following = attempt_any(method, depth, x, h, control, unit, b)
         if accepted:
             if not all_finite(y):
-                return _NOT_FINITE, step + 1, x
+                return _NOT_FINITE, step + 1, x, removed
             before, after = level(x, event), level(y, event)
             while done < targets.size and crossed(before, after, targets[done]):
                 record(to_depth(locate(method, x, y, h, event, targets[done], b), depth), out[done])
@@ -92,15 +96,17 @@ def trajectory(method, depth, x, pinned, control, event, targets, max_steps, b, 
                 done += 1
                 if again:
                     break
-            x = y
             if held:
-                x = onto_constants(y, pinned.sigma3_bar, pinned.eta_plus, pinned.eta_minus, b, series)
+                y = onto_constants(y, pinned.sigma3_bar, pinned.eta_plus, pinned.eta_minus, b, series)
+                y, excess = onto_energy(y, total, b)
+                removed += excess
+            x = y
             if done == targets.size:
-                return _OK, step + 1, x
+                return _OK, step + 1, x, removed
         elif not following * unit > SHORTEST_STEP:
-            return _TOO_SMALL, step + 1, x
+            return _TOO_SMALL, step + 1, x, removed
         h = following
-    return _STEP_LIMIT, max_steps, x
+    return _STEP_LIMIT, max_steps, x, removed
 
 
 @kernel(
@@ -140,7 +146,7 @@ def trajectory_batch(
     """Every column of states (10, n) through `trajectory`, recorded in out (n, len(targets), 10).
 
     pinned (3, n): rows as Pinned. status (n): samples that come in as not OK are skipped. drift (3, n):
-    as steps.Drift.
+    as steps.Drift, of the energy what was taken out on the way included.
     """
     for i in range(states.shape[1]):
         out[i, :, :] = math.nan
@@ -162,17 +168,18 @@ def trajectory_batch(
         )
         hold = Pinned(pinned[0, i], pinned[1, i], pinned[2, i])
         begin = constants_of(x, b, series)
-        code, steps[i], last = trajectory(
+        code, steps[i], last, removed = trajectory(
             method, depth, x, hold, control[i], event, targets, max_steps, b, series, out[i]
         )
         end = constants_of(last, b, series)
         # Whichever side is nearer decides whether the direction of its races is known.
         near_plus = abs(begin.eta_plus) <= abs(begin.eta_minus)
         moved = drift_between(begin, end, near_plus)
-        drift[0, i], drift[1, i], drift[2, i] = moved.energy, moved.sigma3_bar, moved.eta
+        energy_drift = moved.energy + removed / begin.energy
+        drift[0, i], drift[1, i], drift[2, i] = energy_drift, moved.sigma3_bar, moved.eta
         if code == _OK and not math.isnan(hold.sigma3_bar):
             # The accuracy is per passage, which takes about two units of time; errors add up.
-            code = _OK if abs(moved.energy) <= max_drift * max(1.0, 0.5 * last.t) else _DRIFT
+            code = _OK if abs(energy_drift) <= max_drift * max(1.0, 0.5 * last.t) else _DRIFT
         elif code == _OK:
             eta = begin.eta_plus if near_plus else begin.eta_minus
             code = verdict(moved, eta, math.sqrt(2.0 * begin.energy / b.I1), max_drift)

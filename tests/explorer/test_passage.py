@@ -274,6 +274,29 @@ def test_trajectories_go_the_right_way_round_bounce_after_bounce_at_any_eta():
             np.testing.assert_allclose(getattr(got, name)[row], getattr(want, name), atol=2e-6)
 
 
+@pytest.mark.parametrize(
+    ("method", "accuracy"), [("dopri5", 1e-6), ("dop853", 1e-6), ("rk4", 1e-4), ("rk8", 1e-6)]
+)
+def test_errors_grow_like_the_number_of_passages_not_its_square(method, accuracy):
+    """Against whole periods by quadrature: 1000 of them, and a hundredth."""
+    disk = BODIES["uniform"]
+    states = constants_to_states(disk, 1.0, -1e-6, 1.0)
+    one = ex.periods(states, 1e-11)
+    errors = []
+    for periods in (10, 1000):
+        got = ex.simulate(
+            disk,
+            states,
+            t_eval=periods * one.period,
+            observables=("chi",),
+            method=method,
+            accuracy=accuracy,
+        )
+        errors.append(abs(got.chi[0, 0] - periods * one.chi[0]))
+        assert errors[-1] < 10 * periods * accuracy
+    assert errors[1] < 200 * errors[0]
+
+
 def test_ten_thousand_passages_in_a_row_keep_their_constants():
     """Drift of energy grows with the number of passages and is reported; sigma3_bar and eta cannot drift."""
     disk = BODIES["hoop"]
