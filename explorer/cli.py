@@ -6,6 +6,7 @@ progress and errors to stderr. Nothing heavy is imported before a command is kno
 
 import argparse
 import json
+import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -39,6 +40,9 @@ class _Parser(argparse.ArgumentParser):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit status."""
     options = _parser().parse_args(arguments)
+    if options.arithmetic is not None:
+        # Read when the kernels are first loaded, here and in worker processes.
+        os.environ["NEARFLAT_ARITHMETIC"] = options.arithmetic
     try:
         return options.call(options)
     except (InputError, ImportError) as error:
@@ -60,6 +64,11 @@ def _parser() -> argparse.ArgumentParser:
         prog="nearflat",
         description="Explore the phase space of the rolling disk that nearly falls flat.",
         epilog="example: nearflat demo",
+    )
+    parser.add_argument(
+        "--arithmetic",
+        choices=("strict", "relaxed"),
+        help="relaxed: the compiler may reorder operations; faster, and last digits depend on the machine",
     )
     parser.add_argument("--version", action="version", version=f"nearflat {_version()}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_Parser)

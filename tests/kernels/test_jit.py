@@ -1,6 +1,7 @@
 """The compiler's cache: never stale, never in the way."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -110,3 +111,31 @@ def test_the_kernels_stay_inside_their_arrays(tmp_path):
     """Bounds checks on, with a cache of its own."""
     done = run(PLAIN, ROOT, NUMBA_BOUNDSCHECK="1", NUMBA_CACHE_DIR=str(tmp_path))
     assert done.stdout == run(PLAIN, ROOT).stdout
+
+
+def test_relaxed_arithmetic_differs_by_rounding_only_and_keeps_its_checks():
+    strict = run(PLAIN, ROOT).stdout
+    relaxed = run(PLAIN, ROOT, NEARFLAT_ARITHMETIC="relaxed").stdout
+    assert relaxed != strict
+    for line, other in zip(strict.splitlines(), relaxed.splitlines(), strict=True):
+        numbers, others = (re.findall(r"-?0x[0-9a-fp.+-]+", text) for text in (line, other))
+        assert len(numbers) == len(others) == 24
+        for a, b in zip(numbers, others, strict=True):
+            # Rounding shifts the adaptive steps a little; their own error is near 1e-5.
+            assert float.fromhex(a) == pytest.approx(float.fromhex(b), rel=1e-9, abs=1e-11)
+    spoilt = PLAIN.replace("[0.6, -0.2, 0.9]", "[0.6, np.nan, 0.9]")
+    answers = run(spoilt, ROOT, NEARFLAT_ARITHMETIC="relaxed").stdout
+    assert "[0, 5, 0]" in answers  # not finite
+    assert "[0, 4, 0]" in answers  # step too small
+
+
+def test_an_arithmetic_that_does_not_exist_is_named():
+    done = subprocess.run(
+        [sys.executable, "-c", "from kernels import batch"],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "NEARFLAT_ARITHMETIC": "sloppy"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "NEARFLAT_ARITHMETIC = 'sloppy'" in done.stderr
