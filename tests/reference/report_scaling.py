@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 OUT = Path(__file__).parents[2] / "results" / "scaling"
 PASSAGES = (10**3, 10**4, 10**5, 10**6, 10**7)
 STATES = (10**3, 10**4, 10**5, 10**6, 10**7, 10**8, 10**9)
-PIECE = 1 << 16
+PIECE, BLOCK = 1 << 20, 1 << 12
 
 
 def algebra(samples, jobs):
@@ -29,18 +29,25 @@ def algebra(samples, jobs):
 
     import explorer as ex
     from explorer import compiled
+    from explorer.sampling import chunk_stream
 
     disk = ex.Disk.uniform()
 
     def piece(index, count):
-        rng = np.random.Generator(np.random.Philox(np.random.SeedSequence(1, spawn_key=(index,))))
-        sigma = rng.uniform(-2.0, 2.0, (3, count))
-        states, found = np.empty((5, count)), np.empty((6, count))
-        states[0], states[1] = 1.0, 0.0
-        states[2], states[3], states[4] = sigma
-        compiled.algebra.constants_batch(states, disk.whole, disk.body, disk.series, found)
-        near = np.fmin(abs(found[1]), abs(found[2]))
-        return int((near < 1e-3).sum())
+        random, near = chunk_stream(1, index), 0
+        # Blocks that stay in the processor's second cache.
+        for first in range(0, count, BLOCK):
+            size = min(BLOCK, count - first)
+            if first == 0 or size < BLOCK:
+                states, found = np.empty((5, size)), np.empty((6, size))
+                states[0], states[1] = 1.0, 0.0
+            random.random(out=states[2:])
+            states[2:] *= 4.0
+            states[2:] -= 2.0
+            compiled.algebra.constants_batch(states, disk.whole, disk.body, disk.series, found)
+            distance = np.abs(found[1:3], out=found[1:3])
+            near += np.count_nonzero(np.minimum(distance[0], distance[1], out=distance[0]) < 1e-3)
+        return near
 
     counts = [min(PIECE, samples - i) for i in range(0, samples, PIECE)]
     return sum(Parallel(n_jobs=jobs, backend="threading")(delayed(piece)(i, n) for i, n in enumerate(counts)))
