@@ -12,7 +12,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from explorer.errors import InputError, RunError
+from explorer.cli_runs import add_commands, add_workers, show
+from explorer.errors import InputError, Interrupted, RunError
 
 _SCENES = "falling-set, one-sided, race-angles, or a TOML file that names a scene"
 
@@ -23,6 +24,14 @@ _OPTIONS = (
     ("--box", "box", "BOX", 'where states are drawn: "phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2"'),
     ("--max-energy", "max_energy", "E", "falling-set: only states with energy up to E"),
     ("--eta-hat", "eta_hat", "LOW:HIGH", "distance beside the falling set, both signs: 1e-6:1e-2"),
+    (
+        "--keep",
+        "keep",
+        "WHICH",
+        "samples to store: near F (near, the default), all or none; counts are complete",
+    ),
+    ("--memory", "memory", "SIZE", "budget, as 1GB; decides the size of chunks and is part of what the run is"),
+    ("--states", "states", "FILE", "falling-set: Parquet file with columns phi, phidot, sigma3, sigma4"),
     ("--accuracy", "accuracy", "TOL", "absolute error of angles, relative of times and tilts (default 1e-6)"),
     ("--method", "method", "NAME", "auto, quadrature, rk4, rk8, dopri5 or dop853 (default auto)"),
     ("--grid", "grid", "N", "falling-set: points per axis of a slice (default 401)"),
@@ -47,10 +56,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return options.call(options)
     except (InputError, ImportError) as error:
         return _complain(options, error, 2)
+    except Interrupted as error:
+        return _complain(options, error, 130)
     except RunError as error:
         return _complain(options, error, 1)
     except KeyboardInterrupt:
-        hint = "; finished chunks are kept: add --resume to go on" if options.command == "run" else ""
+        hint = "; finished chunks are kept: nearflat resume DIR goes on" if options.command == "run" else ""
         return _complain(options, f"interrupted{hint}", 130)
 
 
@@ -74,6 +85,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_Parser)
     _add_demo(commands)
     _add_run(commands)
+    add_commands(commands, _add)
     _add_passage(commands)
     _add_plan(commands)
     _add_trade(commands)
@@ -127,8 +139,7 @@ def _add_run(commands: Any) -> None:
         metavar="SLICE",
         help='falling-set: a slice to draw, two ranges and two numbers: "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
     )
-    command.add_argument("--jobs", type=int, metavar="N", help="workers (default 2)")
-    command.add_argument("--backend", metavar="NAME", help="threads or processes")
+    add_workers(command)
     command.add_argument("--out", metavar="DIR", help="default results/<scene>-<disk>-<seed>")
     command.add_argument("--resume", action="store_true", help="go on with the run in --out")
     command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
@@ -210,17 +221,10 @@ def _run(options: argparse.Namespace) -> int:
         given = read_scene_file(Path(options.scene))
     typed = {key: getattr(options, key) for _, key, _, _ in _OPTIONS}
     typed |= {"disk": options.disk, "slices": options.slices, "out": options.out}
-    typed |= {"jobs": options.jobs, "backend": options.backend}
+    typed |= {"jobs": options.jobs, "backend": options.backend, "scheduler": options.scheduler}
     given |= {key: value for key, value in typed.items() if value is not None}
     given |= {"resume": options.resume or given.get("resume", False), "quiet": options.quiet}
-    done = run(**given)
-    if options.json:
-        print(json.dumps(done.summary))
-        return 0
-    for line in done.scene.headline(done.summary):
-        print(line)
-    print(f"Samples, numbers and pictures are in {done.folder}.")
-    return 0
+    return show(run(**given), options.json)
 
 
 def _passage(options: argparse.Namespace) -> int:

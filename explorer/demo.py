@@ -8,7 +8,7 @@ from explorer.errors import InputError
 from explorer.runs import store
 from explorer.runs.progress import note
 from explorer.runs.run import Run, execute
-from explorer.runs.workers import check_workers
+from explorer.runs.workers import Workers
 from explorer.scenes.build import build_scene
 
 _MARK = "demo.json"
@@ -24,14 +24,14 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
 
     Raises InputError where `out` holds something else.
     """
-    check_workers(jobs, "threads")
+    workers = Workers(jobs)
     folder = Path(out)
     scenes = [(build_scene(name, seed=seed, **options), title) for name, options, title in _STEPS]
     _clear(folder)
     runs = []
     for scene, title in scenes:
         note(f"\n{title}", quiet)
-        run = execute(scene, folder / scene.name, jobs=jobs, quiet=quiet)
+        run = execute(scene, folder / scene.name, workers=workers, quiet=quiet)
         for line in scene.headline(run.summary):
             note(f"  {line}", quiet)
         if not (folder / _MARK).exists():

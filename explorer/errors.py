@@ -7,3 +7,7 @@ class InputError(ValueError):
 
 class RunError(RuntimeError):
     """A run failed or a check did not hold. The command line exits with status 1."""
+
+
+class Interrupted(RunError):
+    """A person or the system stopped a run between two chunks. The command line exits with status 130."""

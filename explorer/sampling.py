@@ -6,11 +6,16 @@ Chunk i of a run has a random stream of its own, so a sample depends on the seed
 in the run, never on the number of workers.
 """
 
+import hashlib
 import math
 from dataclasses import dataclass
 from difflib import get_close_matches
+from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from pyarrow.dataset import dataset
 
 from explorer.disk import Disk
 from explorer.errors import InputError
@@ -76,6 +81,45 @@ class Box:
     def describe(self) -> dict[str, list[float]]:
         """What run.json says about the box."""
         return {name: list(getattr(self, name)) for name in COORDINATES}
+
+
+@dataclass(frozen=True)
+class StateFile:
+    """States that a person gives: a Parquet file with columns phi, phidot, sigma3, sigma4.
+
+    sha256 of its bytes is part of what identifies a run. What is not a state gets the status BAD_INPUT.
+    """
+
+    path: Path
+    rows: int
+    sha256: str
+
+    @classmethod
+    def open(cls, path: Path) -> "StateFile":
+        """Raises InputError where the file cannot be read or lacks a column of numbers."""
+        try:
+            with path.open("rb") as stream:
+                sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
+            file = pq.ParquetFile(path)
+        except (OSError, pa.ArrowException) as error:
+            raise InputError(f"--states {path}: cannot be read as Parquet ({error})") from None
+        for name in COORDINATES:
+            kind = file.schema_arrow.field(name).type if name in file.schema_arrow.names else None
+            if kind is None or not (pa.types.is_floating(kind) or pa.types.is_integer(kind)):
+                raise InputError(f"--states {path}: needs a column of numbers {name!r}")
+        if file.metadata.num_rows == 0:
+            raise InputError(f"--states {path}: holds no states")
+        return cls(path.resolve(), file.metadata.num_rows, sha256)
+
+    def read(self, disk: Disk, first: int, count: int) -> tuple[dict[str, Array], States]:
+        """Rows first ... first + count - 1. Missing values are NaN."""
+        table = dataset(self.path, format="parquet").scanner(columns=list(COORDINATES))
+        rows = table.take(pa.array(np.arange(first, first + count)))
+        columns = {name: rows[name].to_numpy().astype(np.float64) for name in COORDINATES}
+        return columns, phi_to_states(disk, **columns)
+
+    def describe(self) -> dict[str, str | int]:
+        return {"file": str(self.path), "rows": self.rows, "sha256": self.sha256}
 
 
 def parse_ranges(text: str, option: str) -> dict[str, Range]:

@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 
 
+_LARGEST = 1e150
+
+
 @dataclass(frozen=True)
 class States:
     """Initial states in the kernels' chart.
@@ -36,6 +39,11 @@ class States:
 
     def __len__(self) -> int:
         return self.natural.shape[1]
+
+    def at(self, rows: NDArray[np.intp]) -> "States":
+        """Some of the states."""
+        exact = None if self.exact is None else np.ascontiguousarray(self.exact[:, rows])
+        return States(self.disk, np.ascontiguousarray(self.natural[:, rows]), self.status[rows], exact)
 
     def reversed(self) -> "States":
         """The same states with time running backwards: phidot changes sign (rho, sigma4 stay)."""
@@ -127,7 +135,8 @@ def _states(disk: Disk, q: Array, z: Array, p: Array, sigma3: Array, sigma4: Arr
     good = (q > 0.0) & (tilt < 0.5 * np.pi)
     with np.errstate(all="ignore"):
         natural = np.stack([q, z, p / unit, sigma3 / (q * unit), sigma4 / unit])
-    good &= np.isfinite(natural).all(axis=0)
+    # Squares beyond overflow; NaN fails the comparison as well.
+    good &= (abs(natural) < _LARGEST).all(axis=0)
     # A placeholder keeps the kernels away from values that mean nothing; the status says so.
     natural[:, ~good] = np.array([[1.0], [0.0], [0.0], [0.0], [0.0]])
     status = np.where(good, compiled.status.Status.OK, compiled.status.Status.BAD_INPUT)

@@ -7,11 +7,10 @@ from numpy.typing import NDArray
 from scipy.stats import binomtest
 
 from explorer import compiled
-from explorer.states import Array
 
 QUANTILES = (0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
 # The central 68.27 % of a normal distribution: one standard deviation either way.
-_ONE_SIGMA = (15.865525393145708, 84.13447460685429)
+ONE_SIGMA = (15.865525393145708, 84.13447460685429)
 
 
 def count_status(status: Iterable[NDArray[np.int8]]) -> dict[str, int]:
@@ -23,22 +22,16 @@ def count_status(status: Iterable[NDArray[np.int8]]) -> dict[str, int]:
     return {Status(code).name.lower(): int(n) for code, n in enumerate(counts) if n}
 
 
-def quantiles(values: Array) -> dict[str, float]:
-    """Named quantiles of finite values; empty where there are none."""
-    finite = values[np.isfinite(values)]
-    if finite.size == 0:
-        return {}
-    found = np.quantile(finite, QUANTILES)
-    return {f"{q:g}": float(v) for q, v in zip(QUANTILES, found, strict=True)}
+def add_counts(parts: Iterable[dict[str, int]]) -> dict[str, int]:
+    """Sums of counts by name, in the order in which names first appear in sorted parts."""
+    total: dict[str, int] = {}
+    for part in parts:
+        for name, count in part.items():
+            total[name] = total.get(name, 0) + count
+    return dict(sorted(total.items()))
 
 
 def share(count: int, total: int) -> dict[str, float | list[float]]:
     """A fraction with its exact (Clopper-Pearson) 95 % interval."""
     interval = binomtest(count, total).proportion_ci(0.95, method="exact")
     return {"value": count / total, "interval_95": [float(interval.low), float(interval.high)]}
-
-
-def half_width(values: Array) -> float:
-    """Half the width of the central 68.27 %: the standard deviation of a normal sample, robust to tails."""
-    low, high = np.percentile(values, _ONE_SIGMA)
-    return float(0.5 * (high - low))

@@ -40,3 +40,14 @@ def reference_passages():
     text = (Path(__file__).parent / "reference" / "passages.json").read_text(encoding="utf-8")
     rows = json.loads(text)
     return [{k: float(v) if k != "disk" else v for k, v in row.items()} for row in rows]
+
+
+def computed(scene):
+    """All chunks of a scene, as a stored run would give them."""
+    from explorer.scenes.base import Chunks
+
+    tables = [scene.compute(index) for index in range(scene.chunks())]
+    return Chunks(
+        tallies=lambda: (json.loads(json.dumps(scene.tally(table))) for table in tables),
+        tables=lambda: (scene.kept(table) for table in tables),
+    )

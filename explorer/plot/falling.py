@@ -20,6 +20,7 @@ from explorer.plot.style import (
     legend,
 )
 from explorer.states import Array
+from explorer.tallies import LogCounts
 
 if TYPE_CHECKING:
     from explorer.scenes.falling_set import ConstantsPlane, SliceMap
@@ -101,18 +102,17 @@ def _zero_line(
     return any(np.size(path.vertices) for path in lines.get_paths())
 
 
-def theta_min_distribution(theta: Array, ax: Axes | None = None) -> Axes:
-    """Share of samples that come flatter than delta, and the slope one of codimension one."""
+def theta_min_distribution(theta: LogCounts, samples: int, ax: Axes | None = None) -> Axes:
+    """Share of `samples` that come flatter than delta, and the slope one of codimension one."""
     ax = axes_or_new(ax)
-    values = np.sort(theta[np.isfinite(theta)])
-    if values.size == 0:
+    if not theta.counts:
         ax.text(0.5, 0.5, "no sample was computed", ha="center", transform=ax.transAxes, fontsize=TEXT)
         return dress(ax, r"$\delta$ (rad)", "share of samples")
-    share = np.arange(1, values.size + 1) / theta.size
-    shown = np.unique(np.geomspace(1, values.size, 400).astype(int)) - 1
-    ax.loglog(values[shown], share[shown], color=PLUS, lw=2, label="samples")
-    if values.size > 100:
-        middle = values.size // 100
+    values, below = theta.cumulative()
+    share = below / samples
+    ax.loglog(values, share, color=PLUS, lw=2, label="samples")
+    if theta.total > 100:
+        middle = int(np.searchsorted(below, theta.total // 100))
         guide = np.array([values[0], values[middle]])
         ax.loglog(
             guide, share[middle] * guide / guide[1], color=DARK, ls="--", lw=1.2, label=r"slope one: $C\,\delta$"

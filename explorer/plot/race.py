@@ -1,13 +1,15 @@
 """Pictures of the race of the contact point."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
 
 from explorer.disk import Disk
 from explorer.plot.style import DARK, MINUS, PLUS, axes_or_new, dress, legend
-from explorer.states import Array
+from explorer.tallies import CELLS_PER_DECADE
 
 _JOINED = 5  # bins of the summary that make one of the picture
 
@@ -37,21 +39,27 @@ def race_histogram(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     )
 
 
-def race_deviation(disk: Disk, eta_hat: Array, race: Array, impact_speed: float, ax: Axes | None = None) -> Axes:
-    """How far each race angle is from its limit against |eta_hat|, with the law eta ln(1/eta).
+def race_deviation(
+    disk: Disk, cells: Mapping[tuple[int, int], int], impact_speed: float, ax: Axes | None = None
+) -> Axes:
+    """How far race angles are from their limit against |eta_hat|, with the law eta ln(1/eta).
 
-    The law is drawn for one impact speed (units of the disk), best the samples' median.
+    cells: how many samples lie in each cell (i, j) of explorer.tallies.count_cells. The law is drawn for
+    one impact speed (units of the disk), best the samples' median.
     """
     ax = axes_or_new(ax)
-    deviation = abs(race - np.sign(eta_hat) * disk.race_limit)
-    good = np.isfinite(deviation) & (deviation > 0.0)
-    size = abs(eta_hat[good])
-    drawn = ax.hexbin(
-        size, deviation[good], xscale="log", yscale="log", gridsize=70, bins="log", mincnt=1, cmap="cividis_r"
-    )
-    bar = ax.figure.colorbar(drawn, ax=ax)
-    bar.set_label("passages per cell")
-    span = np.geomspace(size.min(), size.max(), 100) if size.size else np.array([1e-6, 1e-2])
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    span = np.array([1e-6, 1e-2])
+    if cells:
+        (left, low), (right, high) = (np.array([f(c) for c in zip(*cells, strict=True)]) for f in (min, max))
+        counts = np.full((high - low + 1, right - left + 1), np.nan)
+        for (i, j), count in cells.items():
+            counts[j - low, i - left] = count
+        x, y = (10.0 ** (np.arange(a, b + 2) / CELLS_PER_DECADE) for a, b in ((left, right), (low, high)))
+        drawn = ax.pcolormesh(x, y, counts, norm=LogNorm(1.0, max(2.0, np.nanmax(counts))), cmap="cividis_r")
+        ax.figure.colorbar(drawn, ax=ax).set_label("passages per cell")
+        span = np.geomspace(x[0], x[-1], 100)
     b = disk.body
     natural = span / disk.rate_unit * b.I3 * b.r0
     law = 2.0 / (b.I1 * b.M * (impact_speed / disk.rate_unit) ** 3) * natural * np.log(1.0 / natural)

@@ -1,8 +1,11 @@
 """The folder of a run: may it be used, what does it say, is it the same run."""
 
+import hashlib
+import json
 import os
 import platform
 import sys
+from collections.abc import Callable
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
@@ -12,6 +15,7 @@ from explorer import compiled
 from explorer.errors import InputError, RunError
 from explorer.runs import store
 from explorer.scenes.base import Scene
+from explorer.scenes.build import scene_from_options
 
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pyarrow", "tqdm")
 
@@ -23,6 +27,45 @@ def default_folder(scene: Scene) -> Path:
 def identity(scene: Scene) -> dict[str, Any]:
     """What decides the numbers: two runs with equal identities have equal numbers."""
     return {"options": scene.options(), "kernels": compiled.source_digest()}
+
+
+def digest_of_identity(scene: Scene) -> str:
+    """The part of the identity that all chunks of a run share, however many there are; 16 hex digits."""
+    shared = identity(scene)
+    shared["options"] = {key: value for key, value in shared["options"].items() if key != "samples"}
+    return hashlib.sha256(json.dumps(shared, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str], None]) -> list[int]:
+    """Chunks that are not there or not good. A bad one is renamed to *.bad and reported to `say`."""
+    for leftover in (folder / "chunks").glob("*.tmp"):
+        leftover.unlink(missing_ok=True)
+    good = set()
+    for index, path in store.found_chunks(folder).items():
+        if index >= scene.chunks():
+            raise InputError(
+                f"--samples: {folder} holds {path.name}, which a run of {scene.chunks()} chunks does not have; "
+                "give as many samples as it has, or more"
+            )
+        fault = store.fault_of(path, index, shared, scene.length(index))
+        if fault is None:
+            good.add(index)
+        else:
+            say(f"{path.name}: {fault}; it is computed again")
+            path.replace(path.with_suffix(".bad"))
+    return [index for index in range(scene.chunks()) if index not in good]
+
+
+def scene_of(folder: Path) -> Scene:
+    """The scene of a stored run, from its run.json. Raises InputError."""
+    record = folder / "run.json"
+    if not record.is_file():
+        raise InputError(f"{folder}: holds no run (there is no {record.name})")
+    try:
+        options = dict(store.read_json(record)["identity"]["options"])
+        return scene_from_options(options)
+    except (RunError, KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{record}: is damaged ({error}); start the run anew in another folder") from None
 
 
 def open_folder(folder: Path, scene: Scene, resume: bool) -> None:
@@ -62,7 +105,8 @@ def _check_same(record: Path, scene: Scene) -> None:
             f"--resume: {record.parent} was computed by another version of the kernels; give another folder"
         )
     old, new = before.get("options", {}), now["options"]
-    differing = [key for key in {**old, **new} if old.get(key) != new.get(key)]
+    # More samples may be added to a run: its chunks are those of the longer one.
+    differing = [key for key in {**old, **new} if key != "samples" and old.get(key) != new.get(key)]
     if differing:
         key = differing[0]
         raise InputError(

@@ -1,9 +1,17 @@
-"""File formats of a run: immutable Parquet chunks and JSON, each committed by one rename."""
+"""File formats of a run: immutable Parquet chunks and JSON, each committed by one rename.
 
+A chunk's name carries its number and a digest of its bytes: chunk-000007-<16 hex digits>.parquet. Any
+change of the file, and any exchange with another, is seen by hashing it. Its metadata carry the tally of
+all samples of the chunk, also of those whose rows are not kept, so a summary reads footers only.
+"""
+
+import contextlib
 import hashlib
 import json
 import os
+import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,66 +22,133 @@ import pyarrow.parquet as pq
 from explorer.errors import RunError
 from explorer.scenes.base import Table
 
+_NAME = re.compile(r"chunk-(\d{6,})-([0-9a-f]{16})\.parquet")
+_KEY = b"nearflat"
+_DAMAGE = (OSError, ValueError, KeyError, TypeError, pa.ArrowException)
 
-def chunk_path(folder: Path, index: int) -> Path:
-    return folder / "chunks" / f"chunk-{index:06d}.parquet"
+
+@dataclass(frozen=True)
+class Note:
+    """What a chunk says of itself. samples: how many it stands for, kept or not; digest: of all of them."""
+
+    index: int
+    identity: str
+    samples: int
+    digest: str
+    tally: dict[str, Any]
 
 
-def write_chunk(path: Path, table: Table) -> None:
+def found_chunks(folder: Path) -> dict[int, Path]:
+    """The chunk files of a run by number; of two with the same number, one."""
+    paths = {}
+    for path in sorted((folder / "chunks").glob("chunk-*.parquet")):
+        match = _NAME.fullmatch(path.name)
+        if match:
+            paths[int(match[1])] = path
+    return paths
+
+
+def write_chunk(folder: Path, note: Note, table: Table) -> Path:
     """Write a chunk so that its name exists only if its content is complete and on disk.
 
     Page checksums are on: without them Parquet reads most single flipped bits back as data.
     """
-    temporary = path.with_suffix(f".{os.getpid()}.tmp")
+    place = folder / "chunks"
+    temporary = place / f"chunk-{note.index:06d}.{os.getpid()}.tmp"
     try:
+        text = json.dumps(vars(note), allow_nan=False)
+        content = json.dumps({"note": text, "check": _sha(text.encode())})
         arrow = pa.table({name: pa.array(values) for name, values in table.items()})
+        arrow = arrow.replace_schema_metadata({_KEY: content.encode()})
         with temporary.open("wb") as stream:
             pq.write_table(arrow, stream, compression="zstd", write_page_checksum=True)
             stream.flush()
             os.fsync(stream.fileno())
+        content_digest = _sha(temporary.read_bytes())
         if pq.read_metadata(temporary).num_rows != arrow.num_rows:
-            raise RunError(f"{path}: the file read back differs from what was written")
+            raise RunError(f"{temporary}: the file read back differs from what was written")
+        path = place / f"chunk-{note.index:06d}-{content_digest[:16]}.parquet"
         temporary.replace(path)
+        _sync(place)
     except OSError as error:
-        raise RunError(f"{path}: cannot be written ({error.strerror or error})") from error
+        raise RunError(
+            f"{place}: chunk {note.index} cannot be written ({error.strerror or error}); finished chunks are "
+            f"intact; make room and continue with: nearflat resume {folder}"
+        ) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+    return path
+
+
+def _sync(place: Path) -> None:
+    """Make a rename durable, where folders can be synced."""
+    if os.name == "posix":
+        handle = os.open(place, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _sha(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def read_note(path: Path) -> Note:
+    """What the footer of a chunk says. Raises RunError naming the file."""
+    try:
+        content = json.loads(pq.read_schema(path).metadata[_KEY])
+        if _sha(content["note"].encode()) != content["check"]:
+            raise ValueError("checksum of its metadata")
+        return Note(**json.loads(content["note"]))
+    except _DAMAGE as error:
+        raise _damaged(path, error) from error
 
 
 def read_chunk(path: Path) -> Table:
-    """Read a chunk and verify its checksums. Raises RunError naming the file."""
+    """The kept rows of a chunk, checksums verified. Raises RunError naming the file."""
     try:
         arrow = pq.read_table(path, page_checksum_verification=True)
-    except (OSError, pa.ArrowException) as error:
-        raise RunError(f"{path}: cannot be read or is damaged ({error}); run again with --resume") from error
+    except _DAMAGE as error:
+        raise _damaged(path, error) from error
     return {name: np.asarray(arrow.column(name)) for name in arrow.column_names}
 
 
-def is_intact(path: Path) -> bool:
-    """True if the chunk is there and every page agrees with its checksum."""
-    if not path.exists():
-        return False
+def _damaged(path: Path, error: Exception) -> RunError:
+    return RunError(f"{path}: cannot be read or is damaged ({error}); continue with: nearflat resume DIR")
+
+
+def fault_of(path: Path, index: int, identity: str, samples: int) -> str | None:
+    """What is wrong with a chunk that should have this number, identity and size; None if nothing is."""
+    match = _NAME.fullmatch(path.name)
     try:
-        read_chunk(path)
-    except RunError:
-        return False
-    return True
+        if match is None or _sha(path.read_bytes())[:16] != match[2]:
+            return "its bytes are not those that were written"
+        note = read_note(path)
+    except (OSError, RunError) as error:
+        return str(error)
+    if note.identity != identity:
+        return "it belongs to another run"
+    if note.index != index:
+        return f"it is chunk {note.index}"
+    if note.samples != samples:
+        return f"it stands for {note.samples} samples, not {samples}"
+    return None
 
 
-def read_chunks(folder: Path, count: int) -> Iterator[Table]:
-    """All chunks in order."""
-    for index in range(count):
-        yield read_chunk(chunk_path(folder, index))
-
-
-def digest_of(tables: Iterator[Table]) -> str:
-    """SHA-256 over all columns of all chunks, in order: equal digests are equal numbers."""
+def digest_of(table: Table) -> str:
+    """SHA-256 over all columns: equal digests are equal numbers."""
     digest = hashlib.sha256()
-    for table in tables:
-        for name, values in table.items():
-            digest.update(f"{name}:{values.dtype}:{values.size};".encode())
-            digest.update(np.ascontiguousarray(values).tobytes())
+    for name, values in table.items():
+        digest.update(f"{name}:{values.dtype}:{values.size};".encode())
+        digest.update(np.ascontiguousarray(values).tobytes())
     return digest.hexdigest()
+
+
+def digest_of_all(notes: Iterator[Note]) -> str:
+    """Digest of a run from those of its chunks, in order."""
+    return _sha("".join(note.digest for note in notes).encode())
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
@@ -89,7 +164,8 @@ def write_json(path: Path, content: dict[str, Any]) -> None:
     except OSError as error:
         raise RunError(f"{path}: cannot be written ({error.strerror or error})") from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
 
 
 def read_json(path: Path) -> dict[str, Any]:

@@ -1,37 +1,166 @@
-"""Who computes the chunks: joblib threads (kernels release the GIL) or processes."""
+"""Who computes the chunks: threads (kernels release the GIL), processes, or a dask cluster.
 
+A chunk that a worker took with it when it was killed is computed again by another.
+"""
+
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from joblib import Parallel, delayed
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-from explorer.errors import InputError
+from explorer.errors import InputError, RunError
 from explorer.runs import store
-from explorer.runs.progress import Progress
 from explorer.scenes.base import Scene
 
-BACKENDS = {"threads": "threading", "processes": "loky"}
+BACKENDS = ("threads", "processes", "dask")
+# Rounds without a single new chunk after which killed workers are no longer an accident.
+_PATIENCE = 3
 
 
-def check_workers(jobs: int, backend: str) -> None:
-    """Raise InputError for a number of jobs or a backend that cannot be used."""
-    if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1:
-        raise InputError(f"--jobs {jobs} must be a whole number, 1 or more")
-    if backend not in BACKENDS:
-        raise InputError(f"--backend {backend!r} is not known; choose {' or '.join(BACKENDS)}")
+@dataclass(frozen=True)
+class Workers:
+    """How many, of which kind; scheduler: address of a dask scheduler, or None for one of its own."""
+
+    jobs: int = 2
+    backend: str = "threads"
+    scheduler: str | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.jobs, bool) or not isinstance(self.jobs, int) or self.jobs < 1:
+            raise InputError(f"--jobs {self.jobs} must be a whole number, 1 or more")
+        if self.backend not in BACKENDS:
+            raise InputError(f"--backend {self.backend!r} is not known; choose {' or '.join(BACKENDS)}")
+        if self.scheduler is not None and self.backend != "dask":
+            raise InputError(f"--scheduler {self.scheduler}: is for --backend dask")
+        if self.backend == "dask":
+            _distributed()
+
+    def compute(
+        self, scene: Scene, identity: str, indices: list[int], folder: Path, stop: threading.Event
+    ) -> Iterator[dict[str, int]]:
+        """Compute and store chunks, in any order; yields the count of each status as they are done.
+
+        Starts no further chunk once `stop` is set.
+        """
+        if self.backend == "dask":
+            yield from _by_dask(self, scene, identity, indices, folder, stop)
+        elif self.backend == "threads":
+            yield from _by_joblib("threading", self.jobs, scene, identity, indices, folder, stop)
+        else:
+            yield from _by_processes(self.jobs, scene, identity, indices, folder, stop)
 
 
-def compute_chunks(scene: Scene, folder: Path, jobs: int, backend: str, progress: Progress) -> int:
-    """Compute and store every chunk that is missing or damaged; returns how many."""
-    missing = [i for i in range(scene.chunks()) if not store.is_intact(store.chunk_path(folder, i))]
-    for _ in range(scene.chunks() - len(missing)):
-        progress.advance()
+def compute_chunk(scene: Scene, identity: str, index: int, folder: Path) -> dict[str, int]:
+    """Compute and store one chunk; returns how many samples ended in each status."""
+    try:
+        table = scene.compute(index)
+        tally = scene.tally(table)
+        note = store.Note(index, identity, scene.length(index), store.digest_of(table), tally)
+        store.write_chunk(folder, note, scene.kept(table))
+    except MemoryError:
+        raise RunError(
+            f"chunk {index}: {scene.length(index):,} samples do not fit into memory; start the run anew with "
+            "a smaller --memory"
+        ) from None
+    return tally["status"]
+
+
+def _in_a_process(scene: Scene, identity: str, index: int, folder: Path, parent: int) -> dict[str, int]:
+    if os.getpid() != parent and threading.current_thread() is threading.main_thread():
+        # Ctrl-C reaches the whole group; the parent decides what becomes of running chunks.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    return compute_chunk(scene, identity, index, folder)
+
+
+def _until(indices: list[int], stop: threading.Event) -> Iterator[int]:
+    for index in indices:
+        if stop.is_set():
+            return
+        yield index
+
+
+def _by_joblib(
+    kind: str, jobs: int, scene: Scene, identity: str, indices: list[int], folder: Path, stop: threading.Event
+) -> Iterator[dict[str, int]]:
     pool = Parallel(
-        n_jobs=min(jobs, max(1, len(missing))), backend=BACKENDS[backend], return_as="generator_unordered"
+        n_jobs=min(jobs, max(1, len(indices))),
+        backend=kind,
+        return_as="generator_unordered",
+        pre_dispatch="n_jobs",
+        batch_size=1,
     )
-    for _ in pool(delayed(_compute_chunk)(scene, index, folder) for index in missing):
-        progress.advance()
-    return len(missing)
+    parent = os.getpid()
+    yield from pool(
+        delayed(_in_a_process)(scene, identity, index, folder, parent) for index in _until(indices, stop)
+    )
 
 
-def _compute_chunk(scene: Scene, index: int, folder: Path) -> None:
-    store.write_chunk(store.chunk_path(folder, index), scene.compute(index))
+def _by_processes(
+    jobs: int, scene: Scene, identity: str, indices: list[int], folder: Path, stop: threading.Event
+) -> Iterator[dict[str, int]]:
+    missing, idle = indices, 0
+    while missing and not stop.is_set():
+        try:
+            yield from _by_joblib("loky", jobs, scene, identity, missing, folder, stop)
+            return
+        except TerminatedWorkerError as error:
+            # joblib gives up the whole call; what is on disk counts.
+            there = store.found_chunks(folder)
+            left = [index for index in missing if index not in there]
+            idle = idle + 1 if len(left) == len(missing) else 0
+            if idle >= _PATIENCE:
+                raise RunError(
+                    f"--backend processes: workers are killed again and again ({len(left)} chunks are left; "
+                    f"out of memory?); give fewer --jobs or a smaller --memory. {error}"
+                ) from error
+            missing = left
+
+
+def _distributed() -> Any:
+    try:
+        import distributed
+    except ImportError:
+        raise InputError("--backend dask: needs the extra 'cluster': pip install 'nearflat[cluster]'") from None
+    return distributed
+
+
+def _by_dask(
+    workers: Workers, scene: Scene, identity: str, indices: list[int], folder: Path, stop: threading.Event
+) -> Iterator[dict[str, int]]:
+    distributed = _distributed()
+    place = folder.resolve()  # workers see the same file system
+    cluster = None
+    try:
+        if workers.scheduler is None:
+            cluster = distributed.LocalCluster(
+                n_workers=workers.jobs, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+            )
+        client = distributed.Client(workers.scheduler or cluster, timeout=20)
+    except (OSError, ValueError) as error:
+        raise RunError(f"--scheduler {workers.scheduler}: cannot be reached ({error})") from error
+    try:
+        source = _until(indices, stop)
+        running = distributed.as_completed()
+
+        def submit_next() -> None:
+            index = next(source, None)
+            if index is not None:
+                running.add(client.submit(compute_chunk, scene, identity, index, place, pure=False, retries=2))
+
+        for _ in range(2 * max(1, len(client.scheduler_info()["workers"]) or workers.jobs)):
+            submit_next()
+        for future in running:
+            yield future.result()
+            submit_next()
+    except distributed.KilledWorker as error:
+        raise RunError(f"--backend dask: a chunk killed several workers ({error}); out of memory?") from error
+    finally:
+        client.close()
+        if cluster is not None:
+            cluster.close()

@@ -13,15 +13,28 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from explorer import statistics
 from explorer.disk import Disk
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Table = dict[str, NDArray[Any]]
-# Called as often as wanted; each call starts from the first chunk.
-Tables = Callable[[], Iterator[Table]]
+Tally = dict[str, Any]
 
+
+@dataclass(frozen=True)
+class Chunks:
+    """What a scene computed, in the order of its chunks; each call starts from the first.
+
+    tallies(): of all samples, ready for JSON. tables(): the rows that were kept.
+    """
+
+    tallies: Callable[[], Iterator[Tally]]
+    tables: Callable[[], Iterator[Table]]
+
+
+KEEP = ("none", "near", "all")
 CHUNK_SIZE = 1 << 16  # samples; a kernel call on it stays well under a second
 
 
@@ -50,11 +63,23 @@ class Scene(ABC):
         """The samples of one piece: columns of equal length."""
 
     @abstractmethod
-    def summarise(self, tables: Tables) -> dict[str, Any]:
+    def length(self, index: int) -> int:
+        """How many samples chunk `index` stands for."""
+
+    def tally(self, table: Table) -> Tally:
+        """Counts of all samples of a chunk, ready for JSON; kept whichever rows are."""
+        return {"status": statistics.count_status([table["status"]])}
+
+    def kept(self, table: Table) -> Table:
+        """The rows of a chunk that are stored."""
+        return table
+
+    @abstractmethod
+    def summarise(self, chunks: Chunks) -> dict[str, Any]:
         """The scene's numbers from all samples, in chunk order."""
 
     @abstractmethod
-    def figures(self, summary: dict[str, Any], tables: Tables) -> "Iterable[tuple[str, Figure]]":
+    def figures(self, summary: dict[str, Any], chunks: Chunks) -> "Iterable[tuple[str, Figure]]":
         """Named pictures, drawn one at a time."""
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
@@ -87,18 +112,28 @@ class SampledScene(Scene):
 
     samples: int = 100_000
     chunk_size: int = CHUNK_SIZE
+    keep: str = "near"
+
+    # Memory of one sample while its chunk is computed (bytes), for a budget.
+    bytes_per_sample: ClassVar[int]
 
     def chunks(self) -> int:
         return -(-self.samples // self.chunk_size)
 
-    def chunk_length(self, index: int) -> int:
-        """How many samples chunk `index` holds; only the last is shorter."""
+    def length(self, index: int) -> int:
+        """How many samples chunk `index` stands for; only the last is shorter."""
         return min(self.chunk_size, self.samples - index * self.chunk_size)
 
+    def near(self, table: Table) -> NDArray[np.bool_]:
+        """Rows near F."""
+        return np.ones(table["status"].size, dtype=bool)
+
+    def kept(self, table: Table) -> Table:
+        if self.keep == "all":
+            return table
+        rows = self.near(table) if self.keep == "near" else np.zeros(table["status"].size, dtype=bool)
+        return {name: values[rows] for name, values in table.items()}
+
     def common_options(self) -> dict[str, Any]:
-        return {**super().common_options(), "samples": self.samples, "chunk_size": self.chunk_size}
-
-
-def column(tables: Tables, name: str) -> NDArray[Any]:
-    """One column of all chunks, in order."""
-    return np.concatenate([table[name] for table in tables()])
+        sampled = {"samples": self.samples, "chunk_size": self.chunk_size, "keep": self.keep}
+        return {**super().common_options(), **sampled}

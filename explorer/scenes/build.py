@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -9,13 +10,16 @@ from typing import Any
 from explorer import models
 from explorer.disk import Disk
 from explorer.errors import InputError
-from explorer.sampling import Box, Range, parse_range, parse_ranges
-from explorer.scenes.base import Scene
+from explorer.sampling import Box, Range, StateFile, parse_range, parse_ranges
+from explorer.scenes.base import KEEP, SampledScene, Scene
 from explorer.scenes.beside import check_box, default_box
 from explorer.scenes.falling_set import Slice
 from explorer.scenes.registry import scene_class
 
 MOST_SAMPLES = 10**12
+# Of compiled code and libraries, measured; and the bounds of a chunk (samples).
+BASE_MEMORY = 450e6
+SMALLEST_CHUNK, LARGEST_CHUNK = 1 << 12, 1 << 20
 _SEVERAL_DISKS = ("one-sided",)
 
 
@@ -44,10 +48,76 @@ def build_scene(
         "max_energy": lambda value: _number("--max-energy", value),
         "eta_hat": lambda value: _range("--eta-hat", value),
         "slices": _slices,
+        "keep": lambda value: _one_of("--keep", value, KEEP),
+        "states": _states,
         "grid": lambda value: _whole("--grid", value, 2, 4000),
     }
     values.update({key: readers[key](value) for key, value in given.items()})
+    if "states" in values:
+        _check_states(values)
     return kind(**values)
+
+
+def _check_states(values: dict[str, Any]) -> None:
+    for key in ("box", "max_energy"):
+        if key in values:
+            raise InputError(f"--{key.replace('_', '-')}: the states come from --states; leave it out")
+    rows = values["states"].rows
+    if values.setdefault("samples", rows) > rows:
+        raise InputError(f"--samples {values['samples']}: --states holds {rows}; leave --samples out")
+
+
+def _one_of(option: str, value: Any, known: tuple[str, ...]) -> str:
+    if value not in known:
+        raise InputError(f"{option} {value!r} is not known; choose {' or '.join(known)}")
+    return value
+
+
+def scene_from_options(options: dict[str, Any]) -> Scene:
+    """The scene whose `options()` these are, from run.json. Raises InputError."""
+    given = {key: value for key, value in options.items() if value is not None and key != "theta_min"}
+    name = given.pop("scene")
+    given["disk"] = [Disk(**numbers) for numbers in given.pop("disks")]
+    if "box" in given:
+        ends = {"phi": (0.0, 0.0), "sigma4": (0.0, 0.0)} | given["box"]
+        given["box"] = Box(**{key: tuple(span) for key, span in ends.items()})
+    if "slices" in given:
+        several = [{key: tuple(span) for key, span in stored.items()} for stored in given["slices"]]
+        given["slices"] = tuple(Slice(tuple(ranges.items())) for ranges in several)
+    if "states" in given:
+        stored = given["states"]
+        given["states"] = StateFile.open(Path(stored["file"]))
+        if given["states"].sha256 != stored["sha256"]:
+            raise InputError(f"{stored['file']}: is not the file of states that the run began with")
+    return build_scene(name, **given)
+
+
+def chunk_size_for(kind: type[SampledScene], memory: Any, jobs: int) -> int:
+    """The largest power of two of samples per chunk with which `jobs` chunks at once fit into a budget.
+
+    Raises InputError, with what is needed, where not even small chunks do.
+    """
+    budget = parse_memory(memory)
+    least = BASE_MEMORY + jobs * SMALLEST_CHUNK * kind.bytes_per_sample
+    if budget < least:
+        raise InputError(
+            f"--memory {memory}: {kind.name} with {jobs} jobs needs at least {least / 1e6:.0f}MB; give more"
+        )
+    fits = int((budget - BASE_MEMORY) / (jobs * kind.bytes_per_sample))
+    return min(1 << (fits.bit_length() - 1), LARGEST_CHUNK)
+
+
+def parse_memory(text: Any) -> float:
+    """Bytes from "1GB", "500MB" or a number. Raises InputError."""
+    match = re.fullmatch(r"\s*([0-9.eE+]+)\s*([KMGT]?)(?:i?B)?\s*", str(text), re.IGNORECASE)
+    try:
+        return float(match[1]) * 1000.0 ** " KMGT".index(match[2].upper() or " ") if match else float(text)
+    except (TypeError, ValueError):
+        raise InputError(f"--memory {text!r} is no amount; write 1GB or 500MB") from None
+
+
+def _states(value: Any) -> StateFile:
+    return value if isinstance(value, StateFile) else StateFile.open(Path(str(value)))
 
 
 def _disks(name: str, disk: Any) -> tuple[Disk, ...]:

@@ -8,6 +8,7 @@ the other is a test that a person can see.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -18,17 +19,19 @@ from explorer.disk import Disk
 from explorer.errors import InputError
 from explorer.falling import falls_of
 from explorer.motions import smallest_tilt
-from explorer.sampling import Box, Range, chunk_stream, draw_states, parse_ranges
-from explorer.scenes.base import SampledScene, Table, Tables, column
+from explorer.sampling import Box, Range, StateFile, chunk_stream, draw_states, parse_ranges
+from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.states import (
     COORDINATES,
     Array,
+    States,
     constants_of,
     line_slope,
     natural_constants,
     phi_to_states,
     require_axial_inertia,
 )
+from explorer.tallies import LogCounts, merged, pack, unpack
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,6 +39,13 @@ if TYPE_CHECKING:
 # Cells of the map of all samples over the plane of constants of motion.
 MAP_CELLS = 160
 SLICE_ACCURACY = 1e-3  # of theta_min in a picture
+# Near F, natural units of eta_hat. Rows beyond are counted, not stored, unless all are asked for.
+NEAR = 0.01
+# With more samples than this theta_min is computed near F only.
+MOST_THETA_MIN = 10_000_000
+_FIRST = 16_384
+# The map's theta_min as integers: 3000 to the decade above 1e-20.
+_DEEPEST, _CODES_PER_DECADE, _NO_CODE = -20.0, 3000.0, 65535
 
 
 @dataclass(frozen=True)
@@ -135,7 +145,9 @@ class FallingSet(SampledScene):
     max_energy: float | None = None
     slices: tuple[Slice, ...] | None = None
     grid: int = 401
+    states: StateFile | None = None
 
+    bytes_per_sample: ClassVar[int] = 700
     name: ClassVar[str] = "falling-set"
     observables: ClassVar[tuple[str, ...]] = ("theta_min", "side", "could_fall")
 
@@ -151,23 +163,38 @@ class FallingSet(SampledScene):
 
     def options(self) -> dict[str, Any]:
         slices = self.slices or Slice.defaults(self.disk)
+        source = {"box": self.where.describe(), "max_energy": self.max_energy}
         return {
             **self.common_options(),
-            "box": self.where.describe(),
-            "max_energy": self.max_energy,
+            **(source if self.states is None else {"states": self.states.describe()}),
+            "theta_min": "all" if self.every_theta_min else "near",
             "slices": [{name: list(span) for name, span in s.ranges} for s in slices],
             "grid": self.grid,
         }
 
-    def compute(self, index: int) -> Table:
+    @cached_property
+    def every_theta_min(self) -> bool:
+        """Whether theta_min is computed for all samples, or only near F, where it is all that matters."""
+        return self.samples <= MOST_THETA_MIN
+
+    @property
+    def tube(self) -> float:
+        """|eta_hat| below which a sample is near F, in the units of the disk."""
+        return NEAR * self.disk.rate_unit
+
+    def draw(self, index: int) -> tuple[Table, States]:
+        """The states of a chunk."""
+        if self.states is not None:
+            return self.states.read(self.disk, index * self.chunk_size, self.length(index))
         random = chunk_stream(self.seed, index)
-        columns, states = draw_states(self.disk, self.where, random, self.chunk_length(index), self.max_energy)
+        return draw_states(self.disk, self.where, random, self.length(index), self.max_energy)
+
+    def compute(self, index: int) -> Table:
+        columns, states = self.draw(index)
         found = natural_constants(states)
         exact = falls_of(states, found)
-        how = models.plan(self.observables, self.accuracy, self.method)
-        theta, status, steps = smallest_tilt(states, how, found)
         constants = constants_of(states, found)
-        return {
+        table = {
             **columns,
             "sigma3_bar": constants.sigma3_bar,
             "eta_hat_plus": constants.eta_hat_plus,
@@ -175,61 +202,110 @@ class FallingSet(SampledScene):
             "energy": constants.energy,
             "side": exact.side,
             "could_fall": exact.could_fall,
-            "theta_min": theta,
-            "status": status.astype(np.int8),
-            "steps": steps,
+        }
+        return table | self._flattest(table, states, found, exact.status)
+
+    def _flattest(self, table: Table, states: States, found: Array, status: NDArray[np.int8]) -> Table:
+        """theta_min, status and steps; where theta_min is not computed it is NaN."""
+        how = models.plan(self.observables, self.accuracy, self.method)
+        if self.every_theta_min:
+            theta, status, steps = smallest_tilt(states, how, found)
+            return {"theta_min": theta, "status": status.astype(np.int8), "steps": steps}
+        rows = np.flatnonzero(self.near(table))
+        n = len(states)
+        flattest, code, steps = np.full(n, np.nan), status.astype(np.int8), np.zeros(n, np.int32)
+        flattest[rows], code[rows], steps[rows] = smallest_tilt(
+            states.at(rows), how, np.ascontiguousarray(found[:, rows])
+        )
+        return {"theta_min": flattest, "status": code, "steps": steps}
+
+    def near(self, table: Table) -> NDArray[np.bool_]:
+        distance = np.fmin(abs(table["eta_hat_plus"]), abs(table["eta_hat_minus"]))
+        return (distance <= self.tube) & table["could_fall"]
+
+    def tally(self, table: Table) -> Tally:
+        sides = {}
+        for side, name in ((1, "plus"), (-1, "minus")):
+            eta = table[f"eta_hat_{name}"][table["side"] == side]
+            sides[f"side_{name}_eta_positive"] = int((eta > 0).sum())
+            sides[f"side_{name}_eta_negative"] = int((eta < 0).sum())
+            sides[f"side_{name}_eta_zero"] = int((eta == 0).sum())
+        distance = np.fmin(abs(table["eta_hat_plus"]), abs(table["eta_hat_minus"]))
+        return {
+            **super().tally(table),
+            "sides": sides,
+            "could_fall": int(table["could_fall"].sum()),
+            "theta_min": LogCounts.of(table["theta_min"]).state(),
+            "distance": LogCounts.of(distance[table["could_fall"]]).state(),
+            "plane": pack(self._cells(table)),
         }
 
-    def summarise(self, tables: Tables) -> dict[str, Any]:
-        sides = {f"side_{s}_eta_{e}": 0 for s in ("plus", "minus") for e in ("positive", "negative", "zero")}
-        could = 0
-        for table in tables():
-            could += int(table["could_fall"].sum())
-            for side, name in ((1, "plus"), (-1, "minus")):
-                eta = table[f"eta_hat_{name}"][table["side"] == side]
-                sides[f"side_{name}_eta_positive"] += int((eta > 0).sum())
-                sides[f"side_{name}_eta_negative"] += int((eta < 0).sum())
-                sides[f"side_{name}_eta_zero"] += int((eta == 0).sum())
-        status = statistics.count_status(table["status"] for table in tables())
-        fraction = statistics.share(could, self.samples)
-        return {
+    def summarise(self, chunks: Chunks) -> dict[str, Any]:
+        sides = statistics.add_counts(tally["sides"] for tally in chunks.tallies())
+        status = statistics.add_counts(tally["status"] for tally in chunks.tallies())
+        fraction = statistics.share(sum(tally["could_fall"] for tally in chunks.tallies()), self.samples)
+        summary = {
             "samples": self.samples,
             "side_counts": sides,
             "could_fall_fraction": fraction["value"],
             "could_fall_interval_95": fraction["interval_95"],
-            "theta_min_quantiles": statistics.quantiles(column(tables, "theta_min")),
+            "theta_min_of": "all samples" if self.every_theta_min else f"samples with |eta_hat| <= {self.tube:g}",
+            "theta_min_quantiles": merged(chunks, "theta_min").quantiles(),
+            "distance_quantiles": merged(chunks, "distance").quantiles(),
             "falls": status.get("falls", 0),
             "status": status,
         }
+        return summary
 
-    def figures(self, summary: dict[str, Any], tables: Tables) -> "Iterator[tuple[str, Figure]]":
+    def figures(self, summary: dict[str, Any], chunks: Chunks) -> "Iterator[tuple[str, Figure]]":
         from explorer import plot
 
-        yield "constants-plane", plot.figure_of(plot.constants_plane, self.plane(tables))
+        yield "constants-plane", plot.figure_of(plot.constants_plane, self.plane(chunks))
         for number, where in enumerate(self.slices or Slice.defaults(self.disk), 1):
             found = map_slice(self.disk, where, self.grid)
             yield f"slice-{number}", plot.figure_of(plot.slice_map, found)
-        yield "theta-min", plot.figure_of(plot.theta_min_distribution, column(tables, "theta_min"))
+        theta = merged(chunks, "theta_min")
+        yield "theta-min", plot.figure_of(plot.theta_min_distribution, theta, self.samples)
 
-    def plane(self, tables: Tables) -> "ConstantsPlane":
+    @cached_property
+    def _plane_edges(self) -> tuple[Array, Array]:
+        """Edges of the map of all samples: what holds 99.5 % of the first ones in each direction."""
+        table = constants_of(self._first())
+        sigma3, sigma4 = table.sigma3_bar, table.sigma4_bar
+        good = np.isfinite(sigma3) & np.isfinite(sigma4)
+        reach = [np.percentile(abs(c[good]), 99.5) if good.any() else 1.0 for c in (sigma3, sigma4)]
+        sigma3_edges, sigma4_edges = (np.linspace(-r, r, MAP_CELLS + 1) for r in np.maximum(reach, 1e-300))
+        return sigma3_edges, sigma4_edges
+
+    def _first(self) -> States:
+        """A few states like those of the run."""
+        if self.states is not None:
+            return self.states.read(self.disk, 0, min(_FIRST, self.samples))[1]
+        return draw_states(self.disk, self.where, chunk_stream(self.seed, 0), _FIRST, self.max_energy)[1]
+
+    def _cells(self, table: Table) -> NDArray[np.uint16]:
+        """The smallest theta_min in each cell of the plane of constants, as a code; none is the largest."""
+        sigma4_bar = 0.5 * (table["eta_hat_minus"] - table["eta_hat_plus"])
+        i, j = (
+            np.floor((c - e[0]) * (MAP_CELLS / (e[-1] - e[0])))
+            for c, e in zip((table["sigma3_bar"], sigma4_bar), self._plane_edges, strict=True)
+        )
+        inside = (i >= 0) & (i < MAP_CELLS) & (j >= 0) & (j < MAP_CELLS) & np.isfinite(table["theta_min"])
+        codes = np.full(MAP_CELLS * MAP_CELLS, _NO_CODE, np.uint16)
+        depth = np.log10(np.maximum(table["theta_min"][inside], 10.0**_DEEPEST)) - _DEEPEST
+        place = (j[inside] * MAP_CELLS + i[inside]).astype(np.int64)
+        np.minimum.at(codes, place, np.round(depth * _CODES_PER_DECADE).astype(np.uint16))
+        return codes
+
+    def plane(self, chunks: Chunks) -> "ConstantsPlane":
         """The smallest theta_min of all samples in each cell of the (sigma3_bar, sigma4_bar) plane."""
-        slope = line_slope(self.disk)
-
-        def coordinates(table: Table) -> tuple[Array, Array]:
-            return table["sigma3_bar"], 0.5 * (table["eta_hat_minus"] - table["eta_hat_plus"])
-
-        reach = np.zeros(2)
-        for table in tables():
-            reach = np.maximum(reach, [np.percentile(abs(c), 99.5) for c in coordinates(table)])
-        edges = [np.linspace(-extent, extent, MAP_CELLS + 1) for extent in np.maximum(reach, 1e-300)]
-        smallest = np.full((MAP_CELLS, MAP_CELLS), np.inf)
-        for table in tables():
-            i, j = (np.digitize(c, e) - 1 for c, e in zip(coordinates(table), edges, strict=True))
-            inside = (i >= 0) & (i < MAP_CELLS) & (j >= 0) & (j < MAP_CELLS)
-            inside &= np.isfinite(table["theta_min"])
-            np.minimum.at(smallest, (j[inside], i[inside]), table["theta_min"][inside])
-        smallest[np.isinf(smallest)] = np.nan
-        return ConstantsPlane(self.disk, edges[0], edges[1], smallest, slope)
+        codes = np.full(MAP_CELLS * MAP_CELLS, _NO_CODE, np.uint16)
+        for tally in chunks.tallies():
+            codes = np.minimum(codes, unpack(tally["plane"]))
+        smallest = np.where(codes == _NO_CODE, np.nan, 10.0 ** (codes / _CODES_PER_DECADE + _DEEPEST))
+        return ConstantsPlane(
+            self.disk, *self._plane_edges, smallest.reshape(MAP_CELLS, MAP_CELLS), line_slope(self.disk)
+        )
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         low, high = summary["could_fall_interval_95"]

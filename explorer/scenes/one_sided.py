@@ -20,7 +20,7 @@ from explorer.errors import InputError
 from explorer.limits import AnyLimit, limit_motion
 from explorer.motions import Trajectories, simulate
 from explorer.sampling import Box, Range, chunk_stream
-from explorer.scenes.base import Scene, Table, Tables
+from explorer.scenes.base import Chunks, Scene, Table
 from explorer.scenes.beside import Beside, check_eta_hat, default_box, draw_beside
 from explorer.states import Array, constants_to_states, require_axial_inertia
 
@@ -86,9 +86,11 @@ class OneSided(Scene):
 
     def starts(self, index: int) -> Beside:
         """Points of F of chunk `index`."""
-        disk, block = self.disks[index // self.blocks], index % self.blocks
-        count = min(BLOCK, self.samples - block * BLOCK)
-        return draw_beside(self.where(disk), chunk_stream(self.seed, index), count)
+        disk = self.disks[index // self.blocks]
+        return draw_beside(self.where(disk), chunk_stream(self.seed, index), self._count(index))
+
+    def _count(self, index: int) -> int:
+        return min(BLOCK, self.samples - index % self.blocks * BLOCK)
 
     def compute(self, index: int) -> Table:
         disk, starts = self.disks[index // self.blocks], self.starts(index)
@@ -123,13 +125,17 @@ class OneSided(Scene):
         columns["chi_between"] = motion.chi[:, middle]
         return columns
 
-    def summarise(self, tables: Tables) -> dict[str, Any]:
-        per_disk, source = {}, tables()
+    def length(self, index: int) -> int:
+        disk, starts = self.disks[index // self.blocks], self._count(index)
+        return 2 * starts * len(self.ladder(disk))
+
+    def summarise(self, chunks: Chunks) -> dict[str, Any]:
+        per_disk, source = {}, chunks.tables()
         for disk in self.disks:
             parts = list(islice(source, self.blocks))
             merged = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
             per_disk[disk.name] = self._summarise_disk(disk, merged)
-        status = statistics.count_status(table["status"] for table in tables())
+        status = statistics.add_counts(tally["status"] for tally in chunks.tallies())
         return {"samples": self.samples, "disks": per_disk, "status": status}
 
     def _summarise_disk(self, disk: Disk, table: Table) -> dict[str, Any]:
@@ -171,7 +177,7 @@ class OneSided(Scene):
             "at_eta_hat": float(smallest),
         }
 
-    def figures(self, summary: dict[str, Any], tables: Tables) -> "Iterator[tuple[str, Figure]]":
+    def figures(self, summary: dict[str, Any], chunks: Chunks) -> "Iterator[tuple[str, Figure]]":
         from explorer import plot
 
         yield "distance", plot.figure_of(plot.one_sided_distance, summary)

@@ -5,19 +5,23 @@ along the limit motion on F with the same sigma3_bar and energy (its drift). Its
 sgn(eta) kappa pi, whatever the initial state (Prop. 2).
 """
 
+import math
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from explorer import statistics
 from explorer.errors import RunError
 from explorer.passage import passages
 from explorer.sampling import Box, Range, chunk_stream, log_uniform
-from explorer.scenes.base import SampledScene, Table, Tables, column
+from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.beside import check_eta_hat, default_box, draw_beside
 from explorer.states import Array, require_axial_inertia
+from explorer.tallies import LogCounts, SignedLogCounts, count_cells, merged
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,6 +41,7 @@ class RaceAngles(SampledScene):
 
     name: ClassVar[str] = "race-angles"
     observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "duration")
+    bytes_per_sample: ClassVar[int] = 1000
 
     def __post_init__(self) -> None:
         require_axial_inertia(self.disk)
@@ -57,7 +62,7 @@ class RaceAngles(SampledScene):
         return {**self.common_options(), "box": box, "eta_hat": list(self.span)}
 
     def compute(self, index: int) -> Table:
-        disk, count = self.disk, self.chunk_length(index)
+        disk, count = self.disk, self.length(index)
         random = chunk_stream(self.seed, index)
         start = draw_beside(self.where, random, count)
         eta_hat = log_uniform(random.random(count), *self.span)
@@ -88,71 +93,103 @@ class RaceAngles(SampledScene):
             "status": found.status,
         }
 
-    def summarise(self, tables: Tables) -> dict[str, Any]:
-        race, eta_hat = column(tables, "race_angle"), column(tables, "eta_hat")
+    def tally(self, table: Table) -> Tally:
+        race, eta_hat = table["race_angle"], table["eta_hat"]
+        deviation = race - np.sign(eta_hat) * self.disk.race_limit
+        decade = np.floor(np.log10(abs(eta_hat)) + 1e-12).astype(int)
+        return {
+            **super().tally(table),
+            "wrong_way": int(table["wrong_way"].sum()),
+            "plus": self._one_sign(race, deviation, eta_hat > 0.0),
+            "minus": self._one_sign(race, deviation, eta_hat < 0.0),
+            "decades": {
+                str(exponent): LogCounts.of(abs(deviation[decade == exponent])).state()
+                for exponent in sorted(set(decade.tolist()))
+            },
+            "cells": count_cells(abs(eta_hat), abs(deviation)),
+            "impact_speed": LogCounts.of(table["impact_speed"]).state(),
+            "energy": LogCounts.of(table["energy"]).state(),
+            "error_estimate": LogCounts.of(table["error_estimate"]).state(),
+        }
+
+    def _edges(self) -> Array:
         limit = self.disk.race_limit
-        status = statistics.count_status(table["status"] for table in tables())
-        if not np.isfinite(race).any():
-            raise RunError(
-                f"race-angles: none of {race.size} passages was resolved ({status}); "
-                "raise --eta-hat or change --accuracy"
-            )
-        edges = np.linspace(-REACH * limit, REACH * limit, BINS + 1)
+        return np.linspace(-REACH * limit, REACH * limit, BINS + 1)
+
+    def _one_sign(self, race: Array, deviation: Array, chosen: NDArray[np.bool_]) -> dict[str, Any]:
+        good = chosen & np.isfinite(race)
+        values, edges = race[good], self._edges()
+        counts = np.histogram(values, edges)[0]
+        filled = np.flatnonzero(counts)
+        return {
+            "bins": filled.tolist(),
+            "counts": counts[filled].tolist(),
+            "outside": int((abs(values) > edges[-1]).sum()),
+            "deviation": SignedLogCounts.of(deviation[good]).state(),
+            "sum": math.fsum(deviation[good].tolist()),
+        }
+
+    def summarise(self, chunks: Chunks) -> dict[str, Any]:
+        limit, edges = self.disk.race_limit, self._edges()
+        status = statistics.add_counts(tally["status"] for tally in chunks.tallies())
         summary: dict[str, Any] = {
             "samples": self.samples,
             "limit": limit,
-            "wrong_way": int(column(tables, "wrong_way").sum()),
+            "wrong_way": sum(tally["wrong_way"] for tally in chunks.tallies()),
             "failures": {name: count for name, count in status.items() if name != "ok"},
             "status": status,
         }
         histogram: dict[str, Any] = {"edges": edges.tolist()}
         for sign, name in ((1.0, "plus"), (-1.0, "minus")):
-            values = race[(np.sign(eta_hat) == sign) & np.isfinite(race)]
-            histogram[f"counts_{name}"] = np.histogram(values, edges)[0].tolist()
-            histogram[f"outside_{name}"] = int((abs(values) > edges[-1]).sum())
-            if values.size:
-                summary[f"median_{name}"] = float(np.median(values))
-                summary[f"mean_{name}"] = float(np.mean(values))
-                summary[f"width_{name}"] = statistics.half_width(values)
+            counts, deviation = np.zeros(BINS, np.int64), SignedLogCounts()
+            for tally in chunks.tallies():
+                counts[np.array(tally[name]["bins"], np.int64)] += np.array(tally[name]["counts"], np.int64)
+                deviation.add(SignedLogCounts(tally[name]["deviation"]))
+            histogram[f"counts_{name}"] = counts.tolist()
+            histogram[f"outside_{name}"] = sum(tally[name]["outside"] for tally in chunks.tallies())
+            if deviation.total:
+                mean = math.fsum(tally[name]["sum"] for tally in chunks.tallies()) / deviation.total
+                summary[f"median_{name}"] = sign * limit + deviation.quantile(0.5)
+                summary[f"mean_{name}"] = sign * limit + mean
+                summary[f"width_{name}"] = deviation.half_width()
+        if not any(f"median_{name}" in summary for name in ("plus", "minus")):
+            raise RunError(
+                f"race-angles: none of {self.samples} passages was resolved ({status}); "
+                "raise --eta-hat or change --accuracy"
+            )
+        energy = merged(chunks, "energy")
         summary["histogram"] = histogram
-        summary["by_decade"] = self._by_decade(race, eta_hat)
-        energy = column(tables, "energy")
-        summary["energy_range"] = [float(np.nanmin(energy)), float(np.nanmax(energy))]
-        summary["largest_error_estimate"] = float(np.nanmax(column(tables, "error_estimate")))
+        summary["by_decade"] = self._by_decade(chunks)
+        summary["energy_range"] = [energy.smallest, energy.largest]
+        summary["largest_error_estimate"] = merged(chunks, "error_estimate").largest
         return summary
 
-    def _by_decade(self, race: Array, eta_hat: Array) -> list[dict[str, Any]]:
+    def _by_decade(self, chunks: Chunks) -> list[dict[str, Any]]:
         """How the deviation from the limit shrinks with |eta_hat|."""
-        deviation = abs(race - np.sign(eta_hat) * self.disk.race_limit)
-        decade = np.floor(np.log10(abs(eta_hat)) + 1e-12).astype(int)
-        rows = []
-        for exponent in sorted(set(decade.tolist())):
-            inside = deviation[(decade == exponent) & np.isfinite(deviation)]
-            if inside.size:
-                rows.append(
-                    {
-                        "eta_hat_from": 10.0**exponent,
-                        "passages": int(inside.size),
-                        "median_deviation": float(np.median(inside)),
-                        "largest_deviation": float(inside.max()),
-                    }
-                )
-        return rows
+        decades: dict[int, LogCounts] = {}
+        for tally in chunks.tallies():
+            for exponent, state in tally["decades"].items():
+                decades.setdefault(int(exponent), LogCounts()).add(LogCounts(state))
+        return [
+            {
+                "eta_hat_from": 10.0**exponent,
+                "passages": deviation.total,
+                "median_deviation": deviation.quantile(0.5),
+                "largest_deviation": deviation.largest,
+            }
+            for exponent, deviation in sorted(decades.items())
+            if deviation.total
+        ]
 
-    def figures(self, summary: dict[str, Any], tables: Tables) -> "Iterator[tuple[str, Figure]]":
+    def figures(self, summary: dict[str, Any], chunks: Chunks) -> "Iterator[tuple[str, Figure]]":
         from explorer import plot
 
         yield "histogram", plot.figure_of(plot.race_histogram, summary)
-        yield (
-            "deviation",
-            plot.figure_of(
-                plot.race_deviation,
-                self.disk,
-                column(tables, "eta_hat"),
-                column(tables, "race_angle"),
-                float(np.nanmedian(column(tables, "impact_speed"))),
-            ),
-        )
+        cells: Counter[tuple[int, int]] = Counter()
+        for tally in chunks.tallies():
+            cells.update({(i, j): count for i, j, count in tally["cells"]})
+        speed = merged(chunks, "impact_speed").quantile(0.5)
+        yield "deviation", plot.figure_of(plot.race_deviation, self.disk, cells, speed)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         means = ", ".join(

@@ -30,7 +30,13 @@ BAD = [
     (["run", "faling-set"], "did you mean 'falling-set'"),
     (["run", "race-angles", "--disk", "hop"], "--disk 'hop'"),
     (["run", "race-angles", "--method", "euler"], "--method 'euler'"),
-    (["run", "race-angles", "--backend", "dask"], "--backend 'dask'"),
+    (["run", "race-angles", "--backend", "ray"], "--backend 'ray'"),
+    (["run", "race-angles", "--scheduler", "tcp://127.0.0.1:1"], "--scheduler tcp"),
+    (["run", "race-angles", "--keep", "some"], "--keep 'some'"),
+    (["run", "race-angles", "--memory", "1MB"], "--memory 1MB"),
+    (["status", "nowhere"], "holds no run"),
+    (["verify", "nowhere"], "holds no run"),
+    (["resume", "nowhere"], "holds no run"),
     (["run", "race-angles", "--jobs", "two"], "--jobs"),
     (["run", "race-angles", "--nonsense"], "--nonsense"),
     (["run", "missing.toml"], "cannot be read"),
@@ -164,10 +170,10 @@ def test_an_interrupt_ends_with_status_130_and_says_how_to_go_on(capsys, tmp_pat
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(workers, "_compute_chunk", interrupted)
+    monkeypatch.setattr(workers, "compute_chunk", interrupted)
     status, _, err = run(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / "r", "--jobs", 1)
     assert status == 130
-    assert "--resume" in err
+    assert "continue with: nearflat resume" in err
 
 
 @pytest.mark.parametrize(

@@ -1,13 +1,14 @@
 import matplotlib
 import numpy as np
 import pytest
-from conftest import BODIES
+from conftest import BODIES, computed
 from matplotlib.figure import Figure
 
 from explorer import plot
 from explorer.scenes.build import build_scene
 from explorer.scenes.falling_set import Slice, map_slice
 from explorer.scenes.one_sided import both_sides
+from explorer.tallies import merged
 from explorer.trade import trade
 
 UNIFORM = BODIES["uniform"]
@@ -15,8 +16,8 @@ UNIFORM = BODIES["uniform"]
 
 def made(name, **options):
     scene = build_scene(name, **options)
-    tables = [scene.compute(i) for i in range(scene.chunks())]
-    return scene, tables, scene.summarise(lambda: iter(tables))
+    chunks = computed(scene)
+    return scene, chunks, scene.summarise(chunks)
 
 
 @pytest.fixture(scope="module")
@@ -28,9 +29,9 @@ def pictures():
     cut = map_slice(UNIFORM, Slice.defaults(UNIFORM)[1], 41)
     return {
         "race_histogram": (race_summary,),
-        "race_deviation": (race.disk, races[0]["eta_hat"], races[0]["race_angle"], 1.8),
-        "constants_plane": (falling.plane(lambda: iter(states)),),
-        "theta_min_distribution": (states[0]["theta_min"],),
+        "race_deviation": (race.disk, {(i, j): n for t in races.tallies() for i, j, n in t["cells"]}, 1.8),
+        "constants_plane": (falling.plane(states),),
+        "theta_min_distribution": (merged(states, "theta_min"), 500),
         "slice_map": (cut,),
         "one_sided_distance": (sides,),
         "one_sided_phi": (both,),

@@ -2,10 +2,15 @@ import json
 
 import numpy as np
 import pyarrow.dataset
+import pyarrow.parquet
 import pytest
 
 import explorer as ex
+from explorer.runs import folder as folders
 from explorer.runs import store
+from explorer.runs.inspect import verify
+from explorer.runs.lock import only_one
+from explorer.scenes import falling_set
 
 SMALL = {"samples": 3000, "seed": 5, "eta_hat": "1e-4:1e-2", "chunk_size": 700}
 
@@ -55,33 +60,154 @@ def test_every_scene_gives_the_same_summary_with_one_and_two_jobs(scene, tmp_pat
     assert text(one) == text(two)
 
 
-def test_resume_computes_only_what_is_missing_or_damaged(finished):
+def spoil(path, place=None):
+    content = bytearray(path.read_bytes())
+    content[len(content) // 3 if place is None else place] ^= 4
+    path.write_bytes(content)
+
+
+def test_resume_computes_only_what_is_missing_or_damaged(finished, capsys):
     before, folder = text(finished), finished.folder
-    untouched = store.chunk_path(folder, 0).stat().st_mtime_ns
-    store.chunk_path(folder, 1).unlink()
-    damaged = store.chunk_path(folder, 3)
-    content = bytearray(damaged.read_bytes())
-    content[len(content) // 3] ^= 4
-    damaged.write_bytes(content)
-    again = ex.run("race-angles", out=folder, resume=True, **SMALL)
+    paths = store.found_chunks(folder)
+    untouched = paths[0].stat().st_mtime_ns
+    paths[1].unlink()
+    spoil(paths[3])
+    again = ex.run("race-angles", out=folder, resume=True, quiet=False, **SMALL)
     assert text(again) == before
     assert json.loads((folder / "run.json").read_text())["chunks_computed"] == 2
-    assert store.chunk_path(folder, 0).stat().st_mtime_ns == untouched
+    assert paths[0].stat().st_mtime_ns == untouched
+    assert f"{paths[3].name}: its bytes are not those that were written" in capsys.readouterr().err
+    assert len(list((folder / "chunks").glob("*.bad"))) == 1
 
 
-def test_random_bit_flips_in_a_chunk_are_noticed(finished):
+def test_any_flipped_bit_of_a_chunk_is_noticed(finished):
     rng = np.random.default_rng(0)
-    path = store.chunk_path(finished.folder, 2)
+    path = store.found_chunks(finished.folder)[2]
     content = path.read_bytes()
-    good = store.read_chunk(path)
-    for _ in range(60):
+    assert verify(finished.folder) == []
+    for _ in range(40):
         broken = bytearray(content)
-        place = int(rng.integers(len(content)))
-        broken[place] ^= 1 << int(rng.integers(8))
+        broken[int(rng.integers(len(content)))] ^= 1 << int(rng.integers(8))
         path.write_bytes(broken)
-        if store.is_intact(path):  # a flip in a part that carries no data
-            got = store.read_chunk(path)
-            assert all(np.array_equal(got[k], good[k], equal_nan=True) for k in good)
+        (fault,) = verify(finished.folder)
+        assert path.name in fault
+    path.write_bytes(content[:-100])
+    assert len(verify(finished.folder)) == 1
+
+
+def test_swapped_and_foreign_chunks_are_noticed(finished, tmp_path):
+    other = ex.run("race-angles", out=tmp_path / "other", **{**SMALL, "seed": 6})
+    mine, theirs = store.found_chunks(finished.folder), store.found_chunks(other.folder)
+    content = [mine[i].read_bytes() for i in range(2)]
+    mine[0].write_bytes(content[1])
+    mine[1].write_bytes(content[0])
+    assert len(verify(finished.folder)) == 2
+    mine[0].write_bytes(content[0])
+    mine[1].write_bytes(content[1])
+    # Renamed as well, so that the bytes agree with the name.
+    mine[2].unlink()
+    (mine[2].parent / theirs[2].name).write_bytes(theirs[2].read_bytes())
+    (fault,) = verify(finished.folder)
+    assert "it belongs to another run" in fault
+    (mine[2].parent / theirs[2].name).unlink()
+    moved = mine[3].name.replace("000003", "000002")
+    (mine[2].parent / moved).write_bytes(mine[3].read_bytes())
+    (fault,) = verify(finished.folder)
+    assert "it is chunk 3" in fault
+
+
+def test_samples_can_be_added_to_a_finished_run(finished, tmp_path):
+    whole = ex.run("race-angles", out=tmp_path / "whole", **{**SMALL, "samples": 5000})
+    longer = ex.run("race-angles", out=finished.folder, resume=True, **{**SMALL, "samples": 5000})
+    assert text(longer) == text(whole)
+    # Four full chunks stayed; the fifth was shorter.
+    assert json.loads((finished.folder / "run.json").read_text())["chunks_computed"] == 4
+    with pytest.raises(ex.RunError, match="as many samples as it has, or more"):
+        ex.run("race-angles", out=finished.folder, resume=True, **SMALL)
+
+
+@pytest.mark.parametrize(
+    ("scene", "options"),
+    [
+        ("race-angles", SMALL),
+        ("falling-set", {"samples": 3000, "chunk_size": 900, "grid": 5, "box": "phi=0.1:0.4", "max_energy": 3.0}),
+        ("falling-set", {"samples": 900, "grid": 5, "slices": ["phi=0:1,phidot=0.1,sigma3=0:1,sigma4=0.3"]}),
+        ("one-sided", {"samples": 3, "disk": ["hoop", "m=1,r=1,g=1,I1=0.3,I3=0.5"]}),
+    ],
+)
+def test_the_record_of_a_run_is_enough_to_continue_it(scene, options, tmp_path):
+    run = ex.run(scene, out=tmp_path / "run", **options)
+    again = folders.scene_of(run.folder)
+    assert again.options() == run.scene.options()
+    assert folders.identity(again) == folders.identity(run.scene)
+
+
+@pytest.mark.parametrize("keep", ["none", "near", "all"])
+def test_counts_are_complete_whatever_is_kept(keep, tmp_path):
+    options = {"samples": 4000, "grid": 5, "chunk_size": 1500}
+    every = ex.run("falling-set", out=tmp_path / "all", keep="all", **options)
+    run = ex.run("falling-set", out=tmp_path / "run", keep=keep, **options)
+    for key in ("side_counts", "theta_min_quantiles", "distance_quantiles", "status", "digest"):
+        assert run.summary[key] == every.summary[key]
+    rows = sum(len(table["status"]) for table in run.tables())
+    near = sum(int(run.scene.near(table).sum()) for table in every.tables())
+    assert rows == {"none": 0, "near": near, "all": 4000}[keep]
+    assert near > 0
+
+
+def test_beyond_ten_million_states_theta_min_is_computed_near_f_only(tmp_path, monkeypatch):
+    options = {"samples": 4000, "grid": 5, "keep": "all"}
+    every = ex.run("falling-set", out=tmp_path / "all", **options)
+    monkeypatch.setattr(falling_set, "MOST_THETA_MIN", 100)
+    run = ex.run("falling-set", out=tmp_path / "run", **options)
+    for whole, part in zip(every.tables(), run.tables(), strict=True):
+        near = run.scene.near(whole)
+        np.testing.assert_array_equal(part["theta_min"][near], whole["theta_min"][near])
+        assert np.isnan(part["theta_min"][~near]).all()
+        assert near.any()
+    assert run.summary["side_counts"] == every.summary["side_counts"]
+
+
+def test_a_second_run_in_the_same_folder_is_refused_while_the_first_lives(finished):
+    with only_one(finished.folder), pytest.raises(ex.InputError, match="another run is at work"):
+        ex.run("race-angles", out=finished.folder, resume=True, **SMALL)
+    ex.run("race-angles", out=finished.folder, resume=True, **SMALL)
+
+
+def test_a_budget_decides_the_size_of_chunks_or_is_refused(tmp_path, capsys):
+    run = ex.run("race-angles", out=tmp_path / "run", memory="1GB", samples=1000, quiet=False)
+    size = json.loads((run.folder / "run.json").read_text())["identity"]["options"]["chunk_size"]
+    assert f"chunks of {size:,} samples" in capsys.readouterr().err
+    assert 2 * size * run.scene.bytes_per_sample < 1e9
+    with pytest.raises(ex.InputError, match="needs at least 4"):
+        ex.run("race-angles", out=tmp_path / "small", memory="10MB")
+    with pytest.raises(ex.InputError, match="is no amount"):
+        ex.run("race-angles", out=tmp_path / "small", memory="much")
+
+
+def test_given_states_are_taken_and_bad_ones_flagged(tmp_path):
+    rng = np.random.default_rng(3)
+    columns = {name: rng.uniform(-1, 1, 500) for name in ("phi", "phidot", "sigma3", "sigma4")}
+    clean, spoilt = tmp_path / "clean.parquet", tmp_path / "spoilt.parquet"
+    pyarrow.parquet.write_table(pyarrow.table(columns), clean)
+    bad = rng.choice(500, 5, replace=False)
+    for row, value in zip(bad, (np.nan, np.inf, -np.inf, 1e300, 7.0), strict=True):
+        columns["phi" if value == 7.0 else "sigma3"][row] = value
+    pyarrow.parquet.write_table(pyarrow.table(columns), spoilt)
+    options = {"grid": 5, "keep": "all", "chunk_size": 128}
+    good = ex.run("falling-set", states=clean, out=tmp_path / "good", **options)
+    run = ex.run("falling-set", states=spoilt, out=tmp_path / "run", **options)
+    one, other = (
+        {name: np.concatenate([table[name] for table in done.tables()]) for name in ("status", "theta_min")}
+        for done in (good, run)
+    )
+    assert set(np.flatnonzero(other["status"] == ex.Status.BAD_INPUT)) == set(bad)
+    kept = np.setdiff1d(np.arange(500), bad)
+    np.testing.assert_array_equal(one["theta_min"][kept], other["theta_min"][kept])
+    assert folders.scene_of(run.folder).options() == run.scene.options()
+    for wrong, message in ((tmp_path / "none.parquet", "cannot be read"), (spoilt, "leave it out")):
+        with pytest.raises(ex.InputError, match=message):
+            ex.run("falling-set", states=wrong, box="phi=0", out=tmp_path / "no")
 
 
 def test_resume_refuses_other_options_and_other_kernels(finished):

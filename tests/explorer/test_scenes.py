@@ -3,21 +3,16 @@ import math
 
 import numpy as np
 import pytest
-from conftest import BODIES
+from conftest import BODIES, computed
 
 import explorer as ex
 from explorer.scenes.build import build_scene
 from explorer.scenes.falling_set import Slice, map_slice
 
 
-def tables_of(scene):
-    made = [scene.compute(index) for index in range(scene.chunks())]
-    return lambda: iter(made)
-
-
 def summary_of(name, **options):
     scene = build_scene(name, **options)
-    return scene, scene.summarise(tables_of(scene))
+    return scene, scene.summarise(computed(scene))
 
 
 @pytest.mark.parametrize("disk", ["uniform", "hoop", "matching"])
@@ -59,7 +54,7 @@ def test_no_method_guesses_below_its_resolution(method):
 def test_races_that_nothing_resolves_are_an_error_in_words():
     scene = build_scene("race-angles", samples=100, eta_hat="1e-20:1e-19", method="dopri5")
     with pytest.raises(ex.RunError, match="none of 100 passages was resolved"):
-        scene.summarise(tables_of(scene))
+        scene.summarise(computed(scene))
 
 
 def test_the_race_angle_follows_its_law():

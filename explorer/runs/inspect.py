@@ -1,0 +1,86 @@
+"""What a stored run says of itself: how far, intact, its numbers."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from explorer import compiled, statistics
+from explorer.errors import RunError
+from explorer.runs import folder as folders
+from explorer.runs import store
+from explorer.runs.run import summarise
+
+
+@dataclass(frozen=True)
+class Progressed:
+    """How far a run is: chunks and samples done, of all; counts of each status."""
+
+    scene: str
+    chunks: int
+    chunks_done: int
+    samples_done: int
+    status: dict[str, int]
+    finished: str | None
+    seconds_for_chunks: float | None
+
+
+def status(folder: Path) -> Progressed:
+    """How far the run in `folder` is, from the footers of its chunks. Raises InputError."""
+    scene = folders.scene_of(folder)
+    record = store.read_json(folder / "run.json")
+    notes = []
+    for path in store.found_chunks(folder).values():
+        try:
+            notes.append(store.read_note(path))
+        except RunError:
+            continue  # counts as not done; `verify` says what is wrong with it
+    counts = statistics.add_counts(note.tally["status"] for note in notes)
+    return Progressed(
+        scene.name,
+        scene.chunks(),
+        len(notes),
+        sum(note.samples for note in notes),
+        counts,
+        record.get("finished"),
+        record.get("seconds_for_chunks"),
+    )
+
+
+def verify(folder: Path) -> list[str]:
+    """Everything that is wrong with a stored run, a line each; empty where all is well. Raises InputError."""
+    scene = folders.scene_of(folder)
+    shared, paths = folders.digest_of_identity(scene), store.found_chunks(folder)
+    faults = []
+    if store.read_json(folder / "run.json")["identity"]["kernels"] != compiled.source_digest():
+        # Its own kernels made these chunks; only what they say of themselves can be checked.
+        shared = next((store.read_note(path).identity for path in paths.values()), shared)
+        faults.append("run.json: other kernels than these computed the run; it cannot be resumed with them")
+    known = set(paths.values())
+    strangers = [p for p in sorted((folder / "chunks").glob("*.parquet")) if p not in known]
+    faults += [f"{path.name}: is no chunk of this run, or there are two of its number" for path in strangers]
+    for index in range(scene.chunks()):
+        if index not in paths:
+            faults.append(f"chunk {index}: is missing")
+            continue
+        fault = store.fault_of(paths[index], index, shared, scene.length(index))
+        if fault:
+            faults.append(f"{paths[index].name}: {fault}")
+    faults += [f"{paths[i].name}: is beyond the end of the run" for i in sorted(paths) if i >= scene.chunks()]
+    return faults or _summary_faults(folder, paths, scene.chunks())
+
+
+def _summary_faults(folder: Path, paths: dict[int, Path], count: int) -> list[str]:
+    """A summary that does not belong to the chunks."""
+    if not (folder / "summary.json").exists():
+        return []
+    try:
+        digest = store.read_json(folder / "summary.json").get("digest")
+    except RunError as error:
+        return [str(error)]
+    found = store.digest_of_all(store.read_note(paths[index]) for index in range(count))
+    return [] if digest == found else ["summary.json: does not belong to these chunks; run `nearflat summary`"]
+
+
+def summary(folder: Path) -> dict[str, Any]:
+    """The numbers of a complete run, added up anew from its chunks. Raises InputError or RunError."""
+    return summarise(folder, folders.scene_of(folder))
