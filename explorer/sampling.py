@@ -19,7 +19,7 @@ from pyarrow.dataset import dataset
 
 from explorer.disk import Disk
 from explorer.errors import InputError
-from explorer.states import COORDINATES, Array, States, natural_constants, phi_to_states
+from explorer.states import COORDINATES, Array, natural_constants, phi_to_states
 
 Range = tuple[float, float]
 
@@ -111,12 +111,11 @@ class StateFile:
             raise InputError(f"--states {path}: holds no states")
         return cls(path.resolve(), file.metadata.num_rows, sha256)
 
-    def read(self, disk: Disk, first: int, count: int) -> tuple[dict[str, Array], States]:
+    def read(self, first: int, count: int) -> dict[str, Array]:
         """Rows first ... first + count - 1. Missing values are NaN."""
         table = dataset(self.path, format="parquet").scanner(columns=list(COORDINATES))
         rows = table.take(pa.array(np.arange(first, first + count)))
-        columns = {name: rows[name].to_numpy().astype(np.float64) for name in COORDINATES}
-        return columns, phi_to_states(disk, **columns)
+        return {name: rows[name].to_numpy().astype(np.float64) for name in COORDINATES}
 
     def describe(self) -> dict[str, str | int]:
         return {"file": str(self.path), "rows": self.rows, "sha256": self.sha256}
@@ -153,14 +152,13 @@ def chunk_stream(seed: int, index: int) -> np.random.Generator:
 
 def draw_states(
     disk: Disk, box: Box, random: np.random.Generator, count: int, max_energy: float | None = None
-) -> tuple[dict[str, Array], States]:
-    """`count` states from the box, optionally only those with energy <= max_energy (units of the disk).
+) -> dict[str, Array]:
+    """Coordinates of `count` states from the box, optionally only those with energy <= max_energy.
 
     Raises InputError where fewer than one draw in 10^4 is below the energy.
     """
     if max_energy is None:
-        columns = box.draw(random, count)
-        return columns, phi_to_states(disk, **columns)
+        return box.draw(random, count)
     kept: list[dict[str, Array]] = []
     have = tried = 0
     while have < count:
@@ -174,8 +172,7 @@ def draw_states(
                 f"--max-energy {max_energy:g}: {have} of {tried} states of the box are below it; "
                 "raise it or shrink the box"
             )
-    columns = {name: np.concatenate([part[name] for part in kept])[:count] for name in COORDINATES}
-    return columns, phi_to_states(disk, **columns)
+    return {name: np.concatenate([part[name] for part in kept])[:count] for name in COORDINATES}
 
 
 def log_uniform(unit: Array, low: float, high: float) -> Array:

@@ -134,9 +134,14 @@ def _states(disk: Disk, q: Array, z: Array, p: Array, sigma3: Array, sigma4: Arr
     unit = disk.rate_unit
     good = (q > 0.0) & (tilt < 0.5 * np.pi)
     with np.errstate(all="ignore"):
-        natural = np.stack([q, z, p / unit, sigma3 / (q * unit), sigma4 / unit])
+        natural = np.empty((5, q.size))
+        natural[0], natural[1] = q, z
+        np.divide(p, unit, out=natural[2])
+        np.divide(sigma3, q * unit, out=natural[3])
+        np.divide(sigma4, unit, out=natural[4])
     # Squares beyond overflow; NaN fails the comparison as well.
-    good &= (abs(natural) < _LARGEST).all(axis=0)
+    if not (natural.min(initial=0.0) > -_LARGEST and natural.max(initial=0.0) < _LARGEST):
+        good &= (abs(natural) < _LARGEST).all(axis=0)
     # A placeholder keeps the kernels away from values that mean nothing; the status says so.
     natural[:, ~good] = np.array([[1.0], [0.0], [0.0], [0.0], [0.0]])
     status = np.where(good, compiled.status.Status.OK, compiled.status.Status.BAD_INPUT)

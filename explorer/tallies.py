@@ -16,19 +16,22 @@ PER_DECADE = 400  # bins of logarithmic counts: a quantile is good to 0.3 %
 class LogCounts:
     """Counts of magnitudes in logarithmic bins, with the smallest and largest; zeros on their own.
 
-    A magnitude v lies in bin floor(PER_DECADE log10 v). Counts are exact integers, so the order in
-    which chunks are added does not matter.
+    A magnitude v lies in bin floor(PER_DECADE log10 v); counts[i] is of bin first + i. Counts are exact
+    integers, so the order in which chunks are added does not matter.
     """
 
     def __init__(self, state: dict[str, Any] | None = None) -> None:
-        self.counts: dict[int, int] = {}
+        self.first, self.counts = 0, np.zeros(0, np.int64)
         self.zeros = 0
         self.smallest, self.largest = np.inf, -np.inf
-        if state is not None:
-            self.counts = dict(zip(state["bins"], state["counts"], strict=True))
+        if state is not None and state["range"]:
+            bins = np.array(state["bins"], np.int64)
             self.zeros = state["zeros"]
-            if state["range"]:
-                self.smallest, self.largest = state["range"]
+            self.smallest, self.largest = state["range"]
+            if bins.size:
+                self.first = int(bins[0])
+                self.counts = np.zeros(bins[-1] - bins[0] + 1, np.int64)
+                self.counts[bins - self.first] = state["counts"]
 
     @classmethod
     def of(cls, values: Array) -> "LogCounts":
@@ -38,39 +41,48 @@ class LogCounts:
         if values.size == 0:
             return made
         made.smallest, made.largest = float(values.min()), float(values.max())
-        positive = values[values > 0.0]
+        positive = values if made.smallest > 0.0 else values[values > 0.0]
         made.zeros = int(values.size - positive.size)
-        bins = np.floor(PER_DECADE * np.log10(positive)).astype(np.int64)
-        numbers, counts = np.unique(bins, return_counts=True)
-        made.counts = dict(zip(numbers.tolist(), counts.tolist(), strict=True))
+        if positive.size:
+            bins = np.floor(PER_DECADE * np.log10(positive)).astype(np.int64)
+            made.first = int(bins.min())
+            made.counts = np.bincount(bins - made.first)
         return made
 
     def add(self, other: "LogCounts") -> None:
-        for number, count in other.counts.items():
-            self.counts[number] = self.counts.get(number, 0) + count
         self.zeros += other.zeros
         self.smallest, self.largest = min(self.smallest, other.smallest), max(self.largest, other.largest)
+        if not other.counts.size:
+            return
+        if not self.counts.size:
+            self.first = other.first
+        first = min(self.first, other.first)
+        end = max(self.first + self.counts.size, other.first + other.counts.size)
+        if first < self.first or end > self.first + self.counts.size:
+            wider = np.zeros(end - first, np.int64)
+            wider[self.first - first :][: self.counts.size] = self.counts
+            self.first, self.counts = first, wider
+        self.counts[other.first - first :][: other.counts.size] += other.counts
 
     @property
     def total(self) -> int:
-        return self.zeros + sum(self.counts.values())
+        return self.zeros + int(self.counts.sum())
 
     def state(self) -> dict[str, Any]:
         """Ready for JSON."""
-        bins = sorted(self.counts)
+        filled = np.flatnonzero(self.counts)
         return {
-            "bins": bins,
-            "counts": [self.counts[number] for number in bins],
+            "bins": (filled + self.first).tolist(),
+            "counts": self.counts[filled].tolist(),
             "zeros": self.zeros,
             "range": [self.smallest, self.largest] if self.total else [],
         }
 
     def cumulative(self) -> tuple[Array, NDArray[np.int64]]:
         """Upper edges of the bins that hold something, and how many values lie below each."""
-        bins = np.array(sorted(self.counts), dtype=np.int64)
-        counts = np.array([self.counts[number] for number in bins.tolist()], dtype=np.int64)
-        edges = 10.0 ** ((bins + 1) / PER_DECADE)
-        return np.minimum(edges, self.largest), self.zeros + np.cumsum(counts)
+        filled = np.flatnonzero(self.counts)
+        edges = 10.0 ** ((filled + self.first + 1) / PER_DECADE)
+        return np.minimum(edges, self.largest), self.zeros + np.cumsum(self.counts[filled])
 
     def quantile(self, q: float) -> float:
         """The value below which a share q lies, to the width of a bin; ends are exact. NaN where empty."""

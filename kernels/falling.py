@@ -77,16 +77,17 @@ def barrier_angle(X, well_phi, b, series):
     return low
 
 
-@subroutine
-def reaches_flat(q, z, energy, X, well_phi, b, series):
+@device
+def reaches_flat(q, z, U, dU, energy, X, well_phi, b, series):
     """True if the component of {V < energy} that contains phi reaches phi = +pi/2, for eta_+ = 0.
 
-    From the vertical to flat V only decreases; beyond the vertical a barrier may stand between.
+    V = X^2 U + q there and dV = X^2 dU - z. From the vertical to flat V only decreases; beyond the vertical
+    a barrier may stand between.
     """
-    here = on_f(q, z, X, b, series)
+    V, dV = X * X * U + q, X * X * dU - z
     # A start from rest has E = V up to rounding; it falls if V falls towards flat.
-    at_rest = abs(energy - here.V) <= _ROUNDING * here.V and here.dV < -_ROUNDING
-    if not (energy > potential_at_flat(X, b) and (energy > here.V or at_rest)):
+    at_rest = abs(energy - V) <= _ROUNDING * V and dV < -_ROUNDING
+    if not (energy > potential_at_flat(X, b) and (energy > V or at_rest)):
         return False
     if z >= 0.0:
         return True
@@ -103,12 +104,19 @@ def falls_batch(states, constants, well_phi, b, series, out):
     states (5, n) as State; constants (6, n) as Constants -> out (3, n): 1 or 0 for side +1, the same
     for side -1, and E - V_0.
     """
+    q = z = math.nan
+    here = there = OnF(math.nan, math.nan, math.nan, math.nan)
     for i in range(states.shape[1]):
         X = constants[0, i] / b.r0
         E = constants[3, i]
-        q, z = states[0, i], states[1, i]
-        out[0, i] = 1.0 if reaches_flat(q, z, E, X, well_phi, b, series) else 0.0
-        out[1, i] = 1.0 if reaches_flat(q, -z, E, X, well_phi, b, series) else 0.0
+        if not (states[0, i] == q and states[1, i] == z):
+            # Many draws share one tilt, the vertical above all.
+            q, z = states[0, i], states[1, i]
+            here, there = on_f(q, z, 1.0, b, series), on_f(q, -z, 1.0, b, series)
+        plus = reaches_flat(q, z, here.V - q, here.dV + z, E, X, well_phi, b, series)
+        minus = reaches_flat(q, -z, there.V - q, there.dV - z, E, X, well_phi, b, series)
+        out[0, i] = 1.0 if plus else 0.0
+        out[1, i] = 1.0 if minus else 0.0
         out[2, i] = E - potential_at_flat(X, b)
 
 

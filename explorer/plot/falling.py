@@ -105,7 +105,7 @@ def _zero_line(
 def theta_min_distribution(theta: LogCounts, samples: int, ax: Axes | None = None) -> Axes:
     """Share of `samples` that come flatter than delta, and the slope one of codimension one."""
     ax = axes_or_new(ax)
-    if not theta.counts:
+    if not theta.counts.any():
         ax.text(0.5, 0.5, "no sample was computed", ha="center", transform=ax.transAxes, fontsize=TEXT)
         return dress(ax, r"$\delta$ (rad)", "share of samples")
     values, below = theta.cumulative()

@@ -29,7 +29,7 @@ _DAMAGE = (OSError, ValueError, KeyError, TypeError, pa.ArrowException)
 
 @dataclass(frozen=True)
 class Note:
-    """What a chunk says of itself. samples: how many it stands for, kept or not; digest: of all of them."""
+    """What a chunk says of itself. samples: how many it stands for; digest: of its rows and counts."""
 
     index: int
     identity: str
@@ -137,9 +137,9 @@ def fault_of(path: Path, index: int, identity: str, samples: int) -> str | None:
     return None
 
 
-def digest_of(table: Table) -> str:
-    """SHA-256 over all columns: equal digests are equal numbers."""
-    digest = hashlib.sha256()
+def digest_of(table: Table, tally: dict[str, Any]) -> str:
+    """SHA-256 over the kept rows and the counts of all: equal digests are equal numbers."""
+    digest = hashlib.sha256(json.dumps(tally, sort_keys=True).encode())
     for name, values in table.items():
         digest.update(f"{name}:{values.dtype}:{values.size};".encode())
         digest.update(np.ascontiguousarray(values).tobytes())

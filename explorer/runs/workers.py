@@ -59,10 +59,9 @@ class Workers:
 def compute_chunk(scene: Scene, identity: str, index: int, folder: Path) -> dict[str, int]:
     """Compute and store one chunk; returns how many samples ended in each status."""
     try:
-        table = scene.compute(index)
-        tally = scene.tally(table)
-        note = store.Note(index, identity, scene.length(index), store.digest_of(table), tally)
-        store.write_chunk(folder, note, scene.kept(table))
+        kept, tally = scene.process(index)
+        note = store.Note(index, identity, scene.length(index), store.digest_of(kept, tally), tally)
+        store.write_chunk(folder, note, kept)
     except MemoryError:
         raise RunError(
             f"chunk {index}: {scene.length(index):,} samples do not fit into memory; start the run anew with "

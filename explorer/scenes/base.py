@@ -66,6 +66,11 @@ class Scene(ABC):
     def length(self, index: int) -> int:
         """How many samples chunk `index` stands for."""
 
+    def process(self, index: int) -> tuple[Table, Tally]:
+        """The rows of a chunk that are stored, and the counts of all its samples."""
+        table = self.compute(index)
+        return self.kept(table), self.tally(table)
+
     def tally(self, table: Table) -> Tally:
         """Counts of all samples of a chunk, ready for JSON; kept whichever rows are."""
         return {"status": statistics.count_status([table["status"]])}

@@ -21,6 +21,7 @@ from explorer.falling import falls_of
 from explorer.motions import smallest_tilt
 from explorer.sampling import Box, Range, StateFile, chunk_stream, draw_states, parse_ranges
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
+from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, joined, nearer, no_cells
 from explorer.states import (
     COORDINATES,
     Array,
@@ -31,21 +32,21 @@ from explorer.states import (
     phi_to_states,
     require_axial_inertia,
 )
-from explorer.tallies import LogCounts, merged, pack, unpack
+from explorer.tallies import LogCounts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Cells of the map of all samples over the plane of constants of motion.
-MAP_CELLS = 160
 SLICE_ACCURACY = 1e-3  # of theta_min in a picture
 # Near F, natural units of eta_hat. Rows beyond are counted, not stored, unless all are asked for.
 NEAR = 0.01
-# With more samples than this theta_min is computed near F only.
+BLOCK = 1 << 14
+# With more samples than this theta_min is computed near F only, and nearer.
+NEARER = 0.001
 MOST_THETA_MIN = 10_000_000
 _FIRST = 16_384
 # The map's theta_min as integers: 3000 to the decade above 1e-20.
-_DEEPEST, _CODES_PER_DECADE, _NO_CODE = -20.0, 3000.0, 65535
+_DEEPEST, _CODES_PER_DECADE = -20.0, 3000.0
 
 
 @dataclass(frozen=True)
@@ -180,21 +181,37 @@ class FallingSet(SampledScene):
     @property
     def tube(self) -> float:
         """|eta_hat| below which a sample is near F, in the units of the disk."""
-        return NEAR * self.disk.rate_unit
+        return (NEAR if self.every_theta_min else NEARER) * self.disk.rate_unit
 
-    def draw(self, index: int) -> tuple[Table, States]:
-        """The states of a chunk."""
-        if self.states is not None:
-            return self.states.read(self.disk, index * self.chunk_size, self.length(index))
-        random = chunk_stream(self.seed, index)
-        return draw_states(self.disk, self.where, random, self.length(index), self.max_energy)
+    def draw(self, index: int) -> Iterator[Table]:
+        """Coordinates of the states of a chunk, block by block."""
+        count, random = self.length(index), chunk_stream(self.seed, index)
+        for first in range(0, count, BLOCK):
+            size = min(BLOCK, count - first)
+            if self.states is not None:
+                yield self.states.read(index * self.chunk_size + first, size)
+            else:
+                yield draw_states(self.disk, self.where, random, size, self.max_energy)
 
     def compute(self, index: int) -> Table:
-        columns, states = self.draw(index)
+        return joined([self._block(columns) for columns in self.draw(index)])
+
+    def process(self, index: int) -> tuple[Table, Tally]:
+        # Block by block: what is not kept never leaves the processor's cache.
+        counts, kept = FallingCounts(), []
+        for columns in self.draw(index):
+            block = self._block(columns)
+            counts.add(self._count(block))
+            kept.append(self.kept(block))
+        return joined(kept), counts.tally()
+
+    def _block(self, columns: Table) -> Table:
+        """Everything about a few states, so few that intermediate arrays stay in the processor's cache."""
+        states = phi_to_states(self.disk, **columns)
         found = natural_constants(states)
         exact = falls_of(states, found)
         constants = constants_of(states, found)
-        table = {
+        table: Table = {
             **columns,
             "sigma3_bar": constants.sigma3_bar,
             "eta_hat_plus": constants.eta_hat_plus,
@@ -220,52 +237,57 @@ class FallingSet(SampledScene):
         return {"theta_min": flattest, "status": code, "steps": steps}
 
     def near(self, table: Table) -> NDArray[np.bool_]:
-        distance = np.fmin(abs(table["eta_hat_plus"]), abs(table["eta_hat_minus"]))
-        return (distance <= self.tube) & table["could_fall"]
+        return (nearer(table) <= self.tube) & table["could_fall"]
 
     def tally(self, table: Table) -> Tally:
-        sides = {}
-        for side, name in ((1, "plus"), (-1, "minus")):
-            eta = table[f"eta_hat_{name}"][table["side"] == side]
-            sides[f"side_{name}_eta_positive"] = int((eta > 0).sum())
-            sides[f"side_{name}_eta_negative"] = int((eta < 0).sum())
-            sides[f"side_{name}_eta_zero"] = int((eta == 0).sum())
-        distance = np.fmin(abs(table["eta_hat_plus"]), abs(table["eta_hat_minus"]))
-        return {
-            **super().tally(table),
-            "sides": sides,
-            "could_fall": int(table["could_fall"].sum()),
-            "theta_min": LogCounts.of(table["theta_min"]).state(),
-            "distance": LogCounts.of(distance[table["could_fall"]]).state(),
-            "plane": pack(self._cells(table)),
-        }
+        return self._count(table).tally()
+
+    def _count(self, table: Table) -> "FallingCounts":
+        counts = FallingCounts()
+        sided = table["side"] == 1
+        eta = np.where(sided, table["eta_hat_plus"], table["eta_hat_minus"])
+        for chosen, name in ((sided, "plus"), (~sided, "minus")):
+            counts.sides[f"side_{name}_eta_positive"] = int((chosen & (eta > 0.0)).sum())
+            counts.sides[f"side_{name}_eta_negative"] = int((chosen & (eta < 0.0)).sum())
+            counts.sides[f"side_{name}_eta_zero"] = int((chosen & (eta == 0.0)).sum())
+        counts.status = statistics.count_status([table["status"]])
+        counts.could_fall = int(table["could_fall"].sum())
+        counts.theta_min = LogCounts.of(table["theta_min"])
+        counts.distance = LogCounts.of(nearer(table)[table["could_fall"]])
+        counts.plane = self._cells(table)
+        return counts
+
+    def _total(self, chunks: Chunks) -> "FallingCounts":
+        total = FallingCounts()
+        for tally in chunks.tallies():
+            total.add(FallingCounts.of(tally))
+        return total
 
     def summarise(self, chunks: Chunks) -> dict[str, Any]:
-        sides = statistics.add_counts(tally["sides"] for tally in chunks.tallies())
-        status = statistics.add_counts(tally["status"] for tally in chunks.tallies())
-        fraction = statistics.share(sum(tally["could_fall"] for tally in chunks.tallies()), self.samples)
+        total = self._total(chunks)
+        fraction = statistics.share(total.could_fall, self.samples)
         summary = {
             "samples": self.samples,
-            "side_counts": sides,
+            "side_counts": total.sides,
             "could_fall_fraction": fraction["value"],
             "could_fall_interval_95": fraction["interval_95"],
             "theta_min_of": "all samples" if self.every_theta_min else f"samples with |eta_hat| <= {self.tube:g}",
-            "theta_min_quantiles": merged(chunks, "theta_min").quantiles(),
-            "distance_quantiles": merged(chunks, "distance").quantiles(),
-            "falls": status.get("falls", 0),
-            "status": status,
+            "theta_min_quantiles": total.theta_min.quantiles(),
+            "distance_quantiles": total.distance.quantiles(),
+            "falls": total.status.get("falls", 0),
+            "status": total.status,
         }
         return summary
 
     def figures(self, summary: dict[str, Any], chunks: Chunks) -> "Iterator[tuple[str, Figure]]":
         from explorer import plot
 
-        yield "constants-plane", plot.figure_of(plot.constants_plane, self.plane(chunks))
+        total = self._total(chunks)
+        yield "constants-plane", plot.figure_of(plot.constants_plane, self.plane(total.plane))
         for number, where in enumerate(self.slices or Slice.defaults(self.disk), 1):
             found = map_slice(self.disk, where, self.grid)
             yield f"slice-{number}", plot.figure_of(plot.slice_map, found)
-        theta = merged(chunks, "theta_min")
-        yield "theta-min", plot.figure_of(plot.theta_min_distribution, theta, self.samples)
+        yield "theta-min", plot.figure_of(plot.theta_min_distribution, total.theta_min, self.samples)
 
     @cached_property
     def _plane_edges(self) -> tuple[Array, Array]:
@@ -280,29 +302,29 @@ class FallingSet(SampledScene):
     def _first(self) -> States:
         """A few states like those of the run."""
         if self.states is not None:
-            return self.states.read(self.disk, 0, min(_FIRST, self.samples))[1]
-        return draw_states(self.disk, self.where, chunk_stream(self.seed, 0), _FIRST, self.max_energy)[1]
+            return phi_to_states(self.disk, **self.states.read(0, min(_FIRST, self.samples)))
+        columns = draw_states(self.disk, self.where, chunk_stream(self.seed, 0), _FIRST, self.max_energy)
+        return phi_to_states(self.disk, **columns)
 
     def _cells(self, table: Table) -> NDArray[np.uint16]:
         """The smallest theta_min in each cell of the plane of constants, as a code; none is the largest."""
-        sigma4_bar = 0.5 * (table["eta_hat_minus"] - table["eta_hat_plus"])
+        known = np.flatnonzero(np.isfinite(table["theta_min"]))
+        theta = table["theta_min"][known]
+        sigma4_bar = 0.5 * (table["eta_hat_minus"][known] - table["eta_hat_plus"][known])
         i, j = (
             np.floor((c - e[0]) * (MAP_CELLS / (e[-1] - e[0])))
-            for c, e in zip((table["sigma3_bar"], sigma4_bar), self._plane_edges, strict=True)
+            for c, e in zip((table["sigma3_bar"][known], sigma4_bar), self._plane_edges, strict=True)
         )
-        inside = (i >= 0) & (i < MAP_CELLS) & (j >= 0) & (j < MAP_CELLS) & np.isfinite(table["theta_min"])
-        codes = np.full(MAP_CELLS * MAP_CELLS, _NO_CODE, np.uint16)
-        depth = np.log10(np.maximum(table["theta_min"][inside], 10.0**_DEEPEST)) - _DEEPEST
+        inside = (i >= 0) & (i < MAP_CELLS) & (j >= 0) & (j < MAP_CELLS)
+        codes = no_cells()
+        depth = np.log10(np.maximum(theta[inside], 10.0**_DEEPEST)) - _DEEPEST
         place = (j[inside] * MAP_CELLS + i[inside]).astype(np.int64)
         np.minimum.at(codes, place, np.round(depth * _CODES_PER_DECADE).astype(np.uint16))
         return codes
 
-    def plane(self, chunks: Chunks) -> "ConstantsPlane":
+    def plane(self, codes: NDArray[np.uint16]) -> "ConstantsPlane":
         """The smallest theta_min of all samples in each cell of the (sigma3_bar, sigma4_bar) plane."""
-        codes = np.full(MAP_CELLS * MAP_CELLS, _NO_CODE, np.uint16)
-        for tally in chunks.tallies():
-            codes = np.minimum(codes, unpack(tally["plane"]))
-        smallest = np.where(codes == _NO_CODE, np.nan, 10.0 ** (codes / _CODES_PER_DECADE + _DEEPEST))
+        smallest = np.where(codes == NO_CODE, np.nan, 10.0 ** (codes / _CODES_PER_DECADE + _DEEPEST))
         return ConstantsPlane(
             self.disk, *self._plane_edges, smallest.reshape(MAP_CELLS, MAP_CELLS), line_slope(self.disk)
         )

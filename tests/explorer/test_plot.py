@@ -30,7 +30,7 @@ def pictures():
     return {
         "race_histogram": (race_summary,),
         "race_deviation": (race.disk, {(i, j): n for t in races.tallies() for i, j, n in t["cells"]}, 1.8),
-        "constants_plane": (falling.plane(states),),
+        "constants_plane": (falling.plane(falling._total(states).plane),),
         "theta_min_distribution": (merged(states, "theta_min"), 500),
         "slice_map": (cut,),
         "one_sided_distance": (sides,),

@@ -1,0 +1,72 @@
+"""What scene falling-set counts of states that it does not keep."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer import statistics
+from explorer.scenes.base import Table, Tally
+from explorer.states import Array
+from explorer.tallies import LogCounts, pack, unpack
+
+# Cells of the map of all samples over the plane of constants of motion.
+MAP_CELLS = 160
+NO_CODE = 65535
+
+
+def nearer(table: Table) -> Array:
+    """|eta_hat| on the nearer side."""
+    return np.fmin(abs(table["eta_hat_plus"]), abs(table["eta_hat_minus"]))
+
+
+def joined(tables: list[Table]) -> Table:
+    """Tables one after another."""
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+
+def no_cells() -> NDArray[np.uint16]:
+    """A map with nothing in it."""
+    return np.full(MAP_CELLS * MAP_CELLS, NO_CODE, np.uint16)
+
+
+@dataclass
+class FallingCounts:
+    """Counts of many states: what a chunk's tally holds."""
+
+    sides: dict[str, int] = field(default_factory=dict)
+    status: dict[str, int] = field(default_factory=dict)
+    could_fall: int = 0
+    theta_min: LogCounts = field(default_factory=LogCounts)
+    distance: LogCounts = field(default_factory=LogCounts)
+    plane: NDArray[np.uint16] = field(default_factory=no_cells)
+
+    @classmethod
+    def of(cls, tally: Tally) -> "FallingCounts":
+        return cls(
+            tally["sides"],
+            tally["status"],
+            tally["could_fall"],
+            LogCounts(tally["theta_min"]),
+            LogCounts(tally["distance"]),
+            unpack(tally["plane"]),
+        )
+
+    def add(self, other: "FallingCounts") -> None:
+        self.sides = statistics.add_counts([self.sides, other.sides])
+        self.status = statistics.add_counts([self.status, other.status])
+        self.could_fall += other.could_fall
+        self.theta_min.add(other.theta_min)
+        self.distance.add(other.distance)
+        self.plane = np.minimum(self.plane, other.plane)
+
+    def tally(self) -> Tally:
+        """Ready for JSON."""
+        return {
+            "sides": self.sides,
+            "status": self.status,
+            "could_fall": self.could_fall,
+            "theta_min": self.theta_min.state(),
+            "distance": self.distance.state(),
+            "plane": pack(self.plane),
+        }
