@@ -125,6 +125,11 @@ class SampledScene(Scene):
     def chunks(self) -> int:
         return -(-self.samples // self.chunk_size)
 
+    @classmethod
+    def default_chunk(cls, samples: int) -> int:
+        """Samples per chunk unless a person says otherwise."""
+        return CHUNK_SIZE
+
     def length(self, index: int) -> int:
         """How many samples chunk `index` stands for; only the last is shorter."""
         return min(self.chunk_size, self.samples - index * self.chunk_size)

@@ -55,6 +55,8 @@ def build_scene(
     values.update({key: readers[key](value) for key, value in given.items()})
     if "states" in values:
         _check_states(values)
+    if issubclass(kind, SampledScene) and "samples" in values:
+        values.setdefault("chunk_size", kind.default_chunk(values["samples"]))
     return kind(**values)
 
 

@@ -41,6 +41,7 @@ SLICE_ACCURACY = 1e-3  # of theta_min in a picture
 # Near F, natural units of eta_hat. Rows beyond are counted, not stored, unless all are asked for.
 NEAR = 0.01
 BLOCK = 1 << 14
+LARGE_CHUNK = 1 << 20
 # With more samples than this theta_min is computed near F only, and nearer.
 NEARER = 0.001
 MOST_THETA_MIN = 10_000_000
@@ -148,7 +149,7 @@ class FallingSet(SampledScene):
     grid: int = 401
     states: StateFile | None = None
 
-    bytes_per_sample: ClassVar[int] = 700
+    bytes_per_sample: ClassVar[int] = 300
     name: ClassVar[str] = "falling-set"
     observables: ClassVar[tuple[str, ...]] = ("theta_min", "side", "could_fall")
 
@@ -157,6 +158,11 @@ class FallingSet(SampledScene):
         if self.max_energy is not None:
             # An energy that the box does not reach is refused before anything is written.
             draw_states(self.disk, self.where, chunk_stream(self.seed, 0), 1, self.max_energy)
+
+    @classmethod
+    def default_chunk(cls, samples: int) -> int:
+        # Large runs keep few rows; fewer files then.
+        return super().default_chunk(samples) if samples <= MOST_THETA_MIN else LARGE_CHUNK
 
     @property
     def where(self) -> Box:

@@ -1,0 +1,348 @@
+"""Writes results/faults/: what was broken, how often, and what became of it.
+
+    python tests/faults/report_faults.py        # some minutes; Linux
+
+Runs are killed, their workers are killed, files are spoilt, disks are filled; then they are continued
+and must end with the digest of a run that nothing happened to.
+"""
+
+import itertools
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from explorer.runs import store
+
+OUT = Path(__file__).parents[2] / "results" / "faults"
+KILLS, WORKER_KILLS, SPOILT = 32, 10, 200
+OPTIONS = {"samples": 1_000_000, "eta_hat": "1e-6:1e-2", "chunk_size": 8192, "keep": "all"}
+CHUNKS = -(-OPTIONS["samples"] // OPTIONS["chunk_size"])
+
+# A run in a process of its own. Every start of a chunk is written down; a fault may be built in.
+CHILD = """
+import errno, os, signal, sys
+from pathlib import Path
+from explorer.runs import store, workers
+from explorer.runs.run import execute
+from explorer.runs.workers import Workers
+from explorer.scenes.build import build_scene
+folder, jobs, backend, resume, point, number, options = eval(sys.argv[1])
+calls = 0
+def trip(name):
+    global calls
+    calls += name == point
+    if name == point and calls == number:
+        os.kill(os.getpid(), signal.SIGKILL)
+def wrap(owner, attribute, before, after):
+    inner = getattr(owner, attribute)
+    def outer(*a, **k):
+        trip(before)
+        got = inner(*a, **k)
+        trip(after)
+        return got
+    setattr(owner, attribute, outer)
+if point and not point.startswith("error"):
+    wrap(store.pq, "write_table", "before write", "after write")
+    wrap(os, "fsync", "before fsync", "after fsync")
+    wrap(Path, "replace", "before rename", "after rename")
+if point.startswith("error"):
+    target = {"write": (store.pq, "write_table"), "close": (os, "fsync"), "rename": (Path, "replace")}
+    owner, attribute = target[point.split()[1]]
+    inner = getattr(owner, attribute)
+    def failing(*a, **k):
+        global calls
+        calls += 1
+        if calls > number:
+            code = errno.EDQUOT if number % 2 else errno.ENOSPC
+            raise OSError(code, os.strerror(code))
+        return inner(*a, **k)
+    setattr(owner, attribute, failing)
+plain = workers.compute_chunk
+def noted(scene, identity, index, place):
+    with open(str(folder) + ".started", "a") as log:
+        print(index, file=log)
+    return plain(scene, identity, index, place)
+if backend == "threads":
+    workers.compute_chunk = noted
+scene = build_scene("race-angles", **options)
+try:
+    done = execute(scene, folder, workers=Workers(jobs, backend), resume=resume, figures=False)
+except Exception as error:
+    sys.exit(f"{type(error).__name__}: {error}")
+print(done.summary["digest"])
+"""
+
+
+def start(folder, *, jobs=2, backend="threads", resume=False, point="", number=0, options=OPTIONS):
+    arguments = repr((str(folder), jobs, backend, resume, point, number, options))
+    return subprocess.Popen(
+        [sys.executable, "-c", CHILD, arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+def finish(folder, **options):
+    """The digest at the end, or a raised error with what the run said."""
+    run = start(folder, **options)
+    out, err = run.communicate(timeout=300)
+    if run.returncode != 0:
+        raise RuntimeError(err)
+    return out.split()[-1]
+
+
+def wait_for(run, folder, chunks):
+    """Until so many chunks are there or the run has ended."""
+    while run.poll() is None and len(store.found_chunks(folder)) < chunks:
+        time.sleep(0.002)
+
+
+def started(folder):
+    log = Path(f"{folder}.started")
+    return len(log.read_text().split()) if log.exists() else 0
+
+
+def kills(place, digest):
+    """kill -9 of a run, half of them at a random number of chunks, half at given points of a write."""
+    draw = random.Random(1)
+    points = [f"{when} {what}" for what in ("write", "fsync", "rename") for when in ("before", "after")]
+    same = extra = 0
+    for trial in range(KILLS):
+        folder = place / f"kill-{trial}"
+        if trial % 2:
+            point = points[trial // 2 % len(points)]
+            run = start(folder, point=point, number=draw.randint(3, CHUNKS))
+            run.communicate()
+            assert run.returncode == -signal.SIGKILL, point
+        else:
+            run = start(folder)
+            wait_for(run, folder, draw.randint(0, CHUNKS - 10))
+            time.sleep(draw.uniform(0.0, 0.01))
+            run.kill()
+            run.communicate()
+        same += finish(folder, resume=(folder / "run.json").exists()) == digest
+        extra = max(extra, started(folder) - CHUNKS)
+    return f"{same}/{KILLS} resumed to the same digest; at most {extra} chunks computed twice, with 2 workers"
+
+
+def worker_kills(place, digest, backend):
+    draw = random.Random(2)
+    same = killed = 0
+    for trial in range(WORKER_KILLS):
+        folder = place / f"{backend}-{trial}"
+        run = start(folder, backend=backend)
+        wait_for(run, folder, draw.randint(2, CHUNKS - 20))
+        workers = [
+            child
+            for child in psutil.Process(run.pid).children(recursive=True)
+            if "resource_tracker" not in " ".join(child.cmdline())
+        ]
+        victims = [w for w in workers if not w.children()]
+        if victims and run.poll() is None:
+            draw.choice(victims).kill()
+            killed += 1
+        out, err = run.communicate(timeout=300)
+        same += run.returncode == 0 and out.split()[-1] == digest
+        if run.returncode:
+            print(err[-300:])
+    return f"{killed} workers killed; {same}/{WORKER_KILLS} runs ended by themselves with the same digest"
+
+
+def verify(folder):
+    from explorer.runs.inspect import verify as look
+
+    return look(folder)
+
+
+def spoil(place, digest):
+    """Single flipped bits, truncations, swapped and foreign chunks."""
+    whole, other = place / "whole", place / "other"
+    finish(other, options={**OPTIONS, "seed": 1})
+    draw = random.Random(3)
+    mine, theirs = store.found_chunks(whole), store.found_chunks(other)
+    found = 0
+    for trial in range(SPOILT):
+        path = mine[draw.randrange(CHUNKS)]
+        content = path.read_bytes()
+        kind = ("bit", "bit", "cut", "swap", "foreign")[trial % 5]
+        if kind == "bit":
+            broken = bytearray(content)
+            broken[draw.randrange(len(broken))] ^= 1 << draw.randrange(8)
+        elif kind == "cut":
+            broken = content[: draw.randrange(len(content))]
+        else:
+            source = mine if kind == "swap" else theirs
+            broken = source[draw.choice([i for i in source if source[i].name != path.name])].read_bytes()
+        path.write_bytes(broken)
+        faults = verify(whole)
+        found += len(faults) == 1 and path.name in faults[0]
+        path.write_bytes(content)
+    spoilt = draw.sample(range(CHUNKS), 20)
+    for index in spoilt:
+        mine[index].write_bytes(mine[index].read_bytes()[:-1])
+    before = started(whole)
+    same = finish(whole, resume=True) == digest
+    again = started(whole) - before
+    return (
+        f"{found}/{SPOILT} found by verify, each by name; 20 spoilt at once: resume computed {again} chunks, "
+        f"same digest: {same}"
+    )
+
+
+def full_disk(place, digest):
+    """A small tmpfs where one may be mounted, and errors at each step of a write."""
+    lines = []
+    disk = place / "disk"
+    disk.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=20m", "tmpfs", str(disk)], capture_output=True, check=False
+    )
+    if mounted.returncode == 0:
+        try:
+            run = start(disk / "run")
+            _, err = run.communicate(timeout=300)
+            intact = len(store.found_chunks(disk / "run"))
+            told = err.strip().splitlines()[-1]
+            subprocess.run(["mount", "-o", "remount,size=500m", str(disk)], check=True)
+            same = finish(disk / "run", resume=True) == digest
+            lines.append(f"tmpfs of 20 MB: one line ({told[:60]}...), {intact} chunks intact, same digest: {same}")
+        finally:
+            subprocess.run(["umount", str(disk)], check=True)
+    else:
+        lines.append("tmpfs: could not be mounted here")
+    same = one_line = trials = 0
+    for step, number in itertools.product(("write", "close", "rename"), (20, 31)):
+        folder = place / f"error-{step}-{number}"
+        run = start(folder, point=f"error {step}", number=number)
+        _, err = run.communicate(timeout=300)
+        one_line += len(err.strip().splitlines()) == 1 and str(folder) in err
+        same += finish(folder, resume=True) == digest
+        trials += 1
+    lines.append(
+        f"no space or quota at write, close, rename: {one_line}/{trials} one line with the path, "
+        f"{same}/{trials} resumed to the same digest"
+    )
+    return "; ".join(lines)
+
+
+def small_memory(place):
+    done = nearflat("run", "race-angles", "--memory", "100MB", "--out", place / "memory")
+    return f"exit status {done.returncode}: {done.stderr.strip()}"
+
+
+def nearflat(*arguments, **environment):
+    return subprocess.run(
+        [sys.executable, "-m", "explorer.cli", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **environment},
+    )
+
+
+def bad_states(place):
+    """One in a hundred is not a state."""
+    rng = np.random.default_rng(0)
+    n = 100_000
+    clean = {name: rng.uniform(-1, 1, n) for name in ("phi", "phidot", "sigma3", "sigma4")}
+    spoilt = {name: values.copy() for name, values in clean.items()}
+    bad = rng.choice(n, n // 100, replace=False)
+    for row, name, value in zip(
+        bad, itertools.cycle(clean), itertools.cycle((np.nan, np.inf, -np.inf, 1e300, -7e200)), strict=False
+    ):
+        spoilt[name][row] = value
+    tables = []
+    for name, columns in (("clean", clean), ("spoilt", spoilt)):
+        pq.write_table(pa.table(columns), place / f"{name}.parquet")
+        done = nearflat(
+            "run", "falling-set", "--states", place / f"{name}.parquet", "--keep", "all", "--grid", 3, "--quiet",
+            "--out", place / name,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        tables.append(pa.concat_tables(pq.read_table(p) for p in store.found_chunks(place / name).values()))
+    good, got = tables
+    flagged = np.flatnonzero(np.asarray(got["status"]) == 2)
+    rest = np.setdiff1d(np.arange(n), bad)
+    same = all(
+        np.array_equal(np.asarray(good[name])[rest], np.asarray(got[name])[rest], equal_nan=True)
+        for name in good.column_names
+    )
+    exactly = set(flagged) == set(bad)
+    return f"{len(flagged)} of {len(bad)} flagged, exactly those: {exactly}; neighbours identical: {same}"
+
+
+def two_runs(place):
+    first = start(place / "two")
+    wait_for(first, place / "two", 5)
+    second = nearflat("resume", place / "two")
+    first.communicate()
+    told = second.stderr.strip().splitlines()[-1]
+    return f"exit status {second.returncode}: {told[:120]}; the first one ended: {first.returncode == 0}"
+
+
+def caches(place):
+    """No place for compiled code; a home that is none; spoilt compiled code."""
+    blocked = place / "blocked"
+    blocked.write_text("")
+    lines = []
+    for name, environment in (
+        ("no cache folder", {"NUMBA_CACHE_DIR": str(blocked)}),
+        ("no home", {"HOME": str(blocked), "XDG_CACHE_HOME": str(blocked / "cache"), "NUMBA_CACHE_DIR": ""}),
+    ):
+        done = nearflat("passage", "--json", **environment)
+        lines.append(f"{name}: exit status {done.returncode}, warnings: {done.stderr.count('Warning')}")
+    cache = place / "cache"
+    nearflat("passage", "--json", NUMBA_CACHE_DIR=str(cache))
+    for path in cache.rglob("*.nb[ic]"):
+        path.write_bytes(b"garbage")
+    done = nearflat("passage", "--json", NUMBA_CACHE_DIR=str(cache))
+    ok = json.loads(done.stdout)["status"] == "ok"
+    lines.append(f"spoilt compiled code: exit status {done.returncode}, right answer: {ok}")
+    return "; ".join(lines)
+
+
+def main():
+    OUT.mkdir(parents=True, exist_ok=True)
+    rows = []
+    with tempfile.TemporaryDirectory() as name:
+        place = Path(name)
+        digest = finish(place / "whole")
+        faults = (
+            ("kill -9 of the run", lambda: kills(place, digest)),
+            ("kill -9 of a worker, processes", lambda: worker_kills(place, digest, "processes")),
+            ("kill -9 of a worker, dask", lambda: worker_kills(place, digest, "dask")),
+            ("flipped bits, truncations, swapped and foreign chunks", lambda: spoil(place, digest)),
+            ("full disk, quota, write errors", lambda: full_disk(place, digest)),
+            ("budget too small", lambda: small_memory(place)),
+            ("1 % of the given states are none", lambda: bad_states(place)),
+            ("two runs in one folder", lambda: two_runs(place)),
+            ("caches", lambda: caches(place)),
+        )
+        for fault, make in faults:
+            rows.append((fault, make().replace(str(place), "")))
+            print(*rows[-1], sep=": ", flush=True)
+    lines = [
+        "# Faults",
+        "",
+        "Made by `python tests/faults/report_faults.py`. The run: race-angles, "
+        f"{OPTIONS['samples']:,} samples in {CHUNKS} chunks, all kept, 2 workers. Every digest is compared with",
+        "that of a run that nothing happened to.",
+        "",
+        "| fault | what became of it |",
+        "|---|---|",
+        *(f"| {fault} | {found} |" for fault, found in rows),
+    ]
+    (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
