@@ -16,13 +16,15 @@ from typing import Any
 
 import numpy as np
 
-from explorer.errors import InputError
+from explorer import compiled
+from explorer.errors import InputError, RunError
 from explorer.states import Array
 
 # Shares of the accuracy asked that the measured 99th percentile may take: other bodies, boxes and
 # energies err more than those measured.
 SAFETY = 5.0
 _ROUNDING = 1e-12
+_FEWEST = 4
 
 
 @dataclass(frozen=True)
@@ -75,38 +77,56 @@ class Calibration:
 
 @cache
 def current() -> Calibration:
-    """This machine's calibration, or the shipped one."""
-    path = stored_at()
+    """This machine's calibration, or the shipped one where none was measured with these kernels."""
+    path, advice = stored_at(), "run nearflat trade to measure this machine"
     if path.exists():
         try:
-            return parse(json.loads(path.read_text(encoding="utf-8")), "measured on this machine")
-        except (OSError, ValueError, KeyError, TypeError) as error:
+            table = json.loads(path.read_text(encoding="utf-8"))
+            if table["kernels"] == compiled.source_digest():
+                return parse(table, "measured on this machine")
+            advice = "this machine's was measured with other kernels; run nearflat trade"
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             reason = f"{type(error).__name__}: {error}"
             raise InputError(
                 f"calibration {path} ({reason}) cannot be used; delete it, then nearflat trade"
             ) from None
     text = files("explorer").joinpath("calibration.json").read_text(encoding="utf-8")
-    return parse(json.loads(text), "shipped with nearflat; run nearflat trade to measure this machine")
+    return parse(json.loads(text), f"shipped with nearflat; {advice}")
 
 
 def parse(table: dict[str, Any], origin: str) -> Calibration:
     """A calibration from its JSON form."""
     curves = {}
+    missing = {"rk4", "rk8", "dopri5", "dop853"} - set(table["methods"])
+    if missing:
+        raise ValueError(f"{', '.join(sorted(missing))} missing")
     for name, rows in table["methods"].items():
         columns = np.array(rows, dtype=np.float64).T
         if columns.shape[0] != 4 or not (np.isfinite(columns).all() and (columns > 0.0).all()):
             raise ValueError(f"rows of {name} must be four positive numbers each")
+        if not ((np.diff(columns[0]) < 0.0).all() and (columns[1] > _ROUNDING).sum() >= _FEWEST):
+            raise ValueError(f"rows of {name} must go from coarse to fine, {_FEWEST} or more above rounding")
+        if not columns[1][-1] < columns[1][0]:
+            raise ValueError(f"errors of {name} do not fall")
         curves[name] = Curve(*columns)
-    return Calibration(origin, curves, float(table["quadrature"]))
+    quadrature = float(table["quadrature"])
+    if not 0.0 < quadrature < np.inf:
+        raise ValueError(f"quadrature = {quadrature} is no time")
+    return Calibration(origin, curves, quadrature)
 
 
 def store(table: dict[str, Any]) -> Path:
     """Keep a measured table for this machine; returns where."""
     path = stored_at()
-    path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_suffix(f".{os.getpid()}.tmp")
-    temporary.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
-    temporary.replace(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
+        temporary.replace(path)
+    except OSError as error:
+        raise RunError(
+            f"calibration {path} cannot be kept ({error.strerror}); set NEARFLAT_CALIBRATION"
+        ) from error
     current.cache_clear()
     return path
 

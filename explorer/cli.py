@@ -190,8 +190,8 @@ def _add_trade(commands: Any) -> None:
         "nearflat trade --disk hoop",
     )
     command.add_argument("--disk", default="uniform", metavar="DISK", help="as for run")
-    command.add_argument("--samples", type=int, default=4096, metavar="N", help="passages (default 4096)")
-    command.add_argument("--seed", type=int, default=0, metavar="S", help="seed (default 0)")
+    command.add_argument("--samples", default=4096, metavar="N", help="passages (default 4096)")
+    command.add_argument("--seed", default=0, metavar="S", help="seed (default 0)")
     command.add_argument("--out", default="results/trade", metavar="DIR", help="folder (default results/trade)")
     command.add_argument("--no-store", action="store_true", help="do not keep the result for this machine")
     command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
@@ -280,11 +280,16 @@ def _trade(options: argparse.Namespace) -> int:
     from explorer import calibration, trade
     from explorer.disk import Disk
     from explorer.runs.progress import note
+    from explorer.scenes.build import whole
 
-    disk = Disk.parse(options.disk)
-    rows = trade.trade(disk, options.samples, options.seed, lambda text: note(text, options.quiet))
-    where = None if options.no_store else calibration.store(trade.calibrate(rows))
-    trade.report(disk, rows, Path(options.out), where)
+    disk, out = Disk.parse(options.disk), trade.folder_for(Path(options.out))
+    samples, seed = whole("--samples", options.samples, 1, 10**6), whole("--seed", options.seed, 0, 2**64)
+    rows = trade.trade(disk, samples, seed, lambda text: note(text, options.quiet))
+    command = f"nearflat trade --disk {options.disk} --samples {samples} --seed {seed}"
+    where = None if options.no_store else calibration.stored_at()
+    trade.report(disk, rows, out, command, where)
+    if where is not None:
+        calibration.store(trade.calibrate(rows))
     if options.json:
         print(json.dumps({"disk": disk.describe(), "rows": [vars(row) for row in rows]}))
         return 0

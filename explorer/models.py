@@ -22,6 +22,7 @@ from explorer.states import Array, States
 
 ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH = "algebra", "quadrature", "reduced", "angles", "path"
 RUNGS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
+_WHOLE = 10.0
 FIXED, ADAPTIVE = ("rk4", "rk8"), ("dopri5", "dop853")
 METHODS = ("auto", *FIXED, *ADAPTIVE, "quadrature")
 
@@ -111,8 +112,11 @@ class Plan:
 
     @property
     def held_control(self) -> float:
-        """Tolerance or step for trajectories that are held to their constants: eta cannot drift."""
-        return float(calibration.current().curves[self.method].at(self.accuracy))
+        """Tolerance or step for trajectories that are held to their constants: eta cannot drift.
+
+        The calibration is of ways to the turning point, doubled; here all of the motion is followed.
+        """
+        return float(calibration.current().curves[self.method].at(self.accuracy / _WHOLE))
 
     @property
     def cost(self) -> str:
@@ -125,7 +129,10 @@ class Plan:
         measured = calibration.current()
         nanoseconds, evaluations = measured.curves[self.method].cost(self.accuracy)
         work = f"about {evaluations:.0f} evaluations of the field and {nanoseconds / 1000:.1f} microseconds"
-        return f"{work} per passage, more near F ({measured.origin})"
+        return (
+            f"{work} per passage in lanes at one tolerance ({measured.origin}); several times that for motions "
+            "in time, near F, and where a second, finer integration tells the error"
+        )
 
 
 def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto") -> Plan:
@@ -171,7 +178,7 @@ def _choose(asked: tuple[str, ...], method: str, accuracy: float) -> tuple[str, 
         measured = calibration.current()
         possible = TIGHTEST["dop853"] <= accuracy <= LOOSEST  # else `plan` refuses what is chosen
         chosen = measured.cheapest(ADAPTIVE, accuracy if possible else LOOSEST)
-        why = f"{chosen} because each sample sets its own step near flat, and it is the cheapest at {accuracy:g}"
+        why = f"{chosen} because each sample sets its own step near flat; the cheaper such method at {accuracy:g}"
         return rung, chosen, f"{rung} because of {deepest}; {why} ({measured.origin})"
     if method == "quadrature":
         return rung, method, f"{rung} because of {deepest}; quadrature as asked"

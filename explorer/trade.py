@@ -1,5 +1,6 @@
 """Speed against accuracy, measured: every method at every setting, on passages of a body."""
 
+import platform
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,6 +21,7 @@ SETTINGS = {
     "dopri5": tuple(10.0 ** -np.arange(3.0, 14.5)),
     "dop853": tuple(10.0 ** -np.arange(4.0, 15.5)),
 }
+FEWEST = 1024  # samples; with fewer, overheads are measured
 STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
 # Errors are calibrated on all of these, so that they hold for bodies nobody measured.
 BODIES = (Disk.uniform(), Disk.hoop(), Disk(I1=0.02, I3=0.04), Disk(I1=0.5, I3=0.3))
@@ -45,9 +47,15 @@ def trade(disk: Disk, samples: int = 4096, seed: int = 0, say: Any = lambda text
     Starts as race-angles draws them, |eta_hat| from 1e-3 to 1e-1. Error: largest of delta chi, delta psi
     (rad) and duration (relative), against quadrature at 1e-11. Cost: one core, compile time apart.
     """
-    if not 256 <= samples <= 1_000_000:
-        raise InputError(f"--samples {samples} must lie between 256 and 1000000")
+    if not FEWEST <= samples <= 1_000_000:
+        raise InputError(f"--samples {samples} must lie between {FEWEST} and 1000000")
+    if seed < 0:
+        raise InputError(f"--seed {seed} must be 0 or more")
     work = Work(disk, samples, seed)
+    if not (work.exact.status == compiled.status.Status.OK).mean() > 0.99:
+        raise InputError(
+            f"--disk {disk.name}: quadrature does not reach 1e-11 for this body; nothing to compare with"
+        )
     rows = [work.quadrature()]
     for method, settings in SETTINGS.items():
         say(f"measuring {method}")
@@ -191,20 +199,29 @@ def table(rows: list[Row]) -> list[str]:
     return lines
 
 
-def report(disk: Disk, rows: list[Row], out: Path, where: Path | None) -> None:
+def folder_for(out: Path) -> Path:
+    """The folder for a report, made now rather than after the measurement. Raises InputError."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"--out {out}: cannot be written ({error.strerror}); give a folder that can") from None
+    return out
+
+
+def report(disk: Disk, rows: list[Row], out: Path, command: str, where: Path | None) -> None:
     """README.md and trade.png in the folder `out`."""
     from explorer.plot import figure_of, work_precision
 
-    out.mkdir(parents=True, exist_ok=True)
     lines = [
         f"# Speed against accuracy: {disk.name}",
         "",
-        f"Made by `nearflat trade --disk {disk.name}`. Passages from vertical to vertical, as race-angles draws",
-        "them, |eta_hat| from 1e-3 to 1e-1. Error: the largest of delta chi, delta psi (rad) and duration",
-        "(relative) against quadrature; for quadrature its own estimate. Integrators go to the turning point",
-        "and double. One core, without compile time. Rows marked * are the Pareto front of the integrators: none",
-        "beats them in both error and time. Quadrature gives passages and periods only; where the motion in time",
-        "is asked for, an integrator must follow it. Compare times within this table only.",
+        f"Made by `{command}` on {platform.machine()}, {platform.system()}.",
+        "Passages from vertical to vertical as race-angles draws them, |eta_hat| from 1e-3 to 1e-1. Error: the",
+        "largest of delta chi, delta psi (rad) and duration (relative) against quadrature; for quadrature its own",
+        "estimate. Integrators go to the turning point and double. One core, without compile time. Rows marked",
+        "* are the Pareto front of the integrators: none beats them in both error and time. Quadrature gives",
+        "passages and periods only; where the motion in time is asked for, an integrator must follow it. Compare",
+        "times within this table only.",
         "",
         *table(rows),
         "",

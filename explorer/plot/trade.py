@@ -35,4 +35,6 @@ def work_precision(rows: Sequence[Any], ax: Axes | None = None) -> Axes:
     ax.invert_xaxis()
     ax.grid(alpha=0.3)
     ax.legend(fontsize=SMALL, frameon=False)
-    return dress(ax, "error, 99th percentile (rad)", "time per passage (ns)", "Speed against accuracy")
+    return dress(
+        ax, "error, 99th percentile (rad; of times, relative)", "time per passage (ns)", "Speed against accuracy"
+    )

@@ -35,22 +35,22 @@ def build_scene(
             raise InputError(f"--{key.replace('_', '-')}: {name} takes no such option")
     values: dict[str, Any] = {
         "disks": _disks(name, disk),
-        "seed": _whole("--seed", seed, 0, 2**128 - 1),
+        "seed": whole("--seed", seed, 0, 2**128 - 1),
         "accuracy": _number("--accuracy", accuracy),
         "method": method,
     }
     models.plan(kind.observables, values["accuracy"], method)
     first = values["disks"][0]
     readers = {
-        "samples": lambda value: _whole("--samples", value, 1, MOST_SAMPLES),
-        "chunk_size": lambda value: _whole("chunk_size", value, 1, 10**8),
+        "samples": lambda value: whole("--samples", value, 1, MOST_SAMPLES),
+        "chunk_size": lambda value: whole("chunk_size", value, 1, 10**8),
         "box": lambda value: _box(name, first, value),
         "max_energy": lambda value: _number("--max-energy", value),
         "eta_hat": lambda value: _range("--eta-hat", value),
         "slices": _slices,
         "keep": lambda value: _one_of("--keep", value, KEEP),
         "states": _states,
-        "grid": lambda value: _whole("--grid", value, 2, 4000),
+        "grid": lambda value: whole("--grid", value, 2, 4000),
     }
     values.update({key: readers[key](value) for key, value in given.items()})
     if "states" in values:
@@ -145,7 +145,7 @@ def _number(option: str, value: Any) -> float:
     return number
 
 
-def _whole(option: str, value: Any, low: int, high: int) -> int:
+def whole(option: str, value: Any, low: int, high: int) -> int:
     """A whole number written any way: 1000000, 1e6."""
     if isinstance(value, int) and not isinstance(value, bool):
         number: float | int = value

@@ -37,7 +37,7 @@ def pictures():
         "one_sided_phi": (both,),
         "one_sided_chi": (both,),
         "contact_paths": (both,),
-        "work_precision": (trade(UNIFORM, 256),),
+        "work_precision": (trade(UNIFORM, 1024),),
     }
 
 

@@ -1,13 +1,14 @@
 """The measured trade of speed for accuracy, and what is chosen from it."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer import calibration, cli, trade
+from explorer import calibration, cli, compiled, trade
 from explorer.models import plan
 from explorer.motions import turning_points
 from explorer.plot import work_precision
@@ -26,7 +27,7 @@ def private(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module")
 def rows():
-    return trade.trade(BODIES["hoop"], 256)
+    return trade.trade(BODIES["hoop"], 1024)
 
 
 def test_every_method_is_measured_over_many_decades(rows):
@@ -46,7 +47,7 @@ def test_finer_settings_cost_more_evaluations_and_err_less(rows):
 
 
 def test_field_evaluations_are_exactly_reproducible(rows):
-    again = trade.trade(BODIES["hoop"], 256)
+    again = trade.trade(BODIES["hoop"], 1024)
     assert [row.evaluations for row in again] == [row.evaluations for row in rows]
     assert [row.p99 for row in again] == [row.p99 for row in rows]
 
@@ -85,11 +86,34 @@ def test_a_stored_table_is_read_back_and_decides(private, rows):
     assert plan(("chi",), 1e-3).method == "dop853"
 
 
-@pytest.mark.parametrize("text", ["", "{}", '{"methods": {"rk4": [[1, 2, 3]]}, "quadrature": 1}', "[1]"])
-def test_a_damaged_table_is_named_not_used(private, text):
-    private.write_text(text)
+def shipped():
+    table = json.loads((Path(calibration.__file__).parent / "calibration.json").read_text())
+    return {**table, "kernels": compiled.source_digest()}
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda table: {},
+        lambda table: [1],
+        lambda table: {**table, "methods": {"rk4": table["methods"]["rk4"]}},
+        lambda table: {**table, "methods": []},
+        lambda table: {**table, "quadrature": float("nan")},
+        lambda table: {**table, "methods": {k: [[1, 2, 3]] for k in table["methods"]}},
+        lambda table: {**table, "methods": {k: rows[:1] for k, rows in table["methods"].items()}},
+        lambda table: {**table, "methods": {k: rows[::-1] for k, rows in table["methods"].items()}},
+        lambda table: {**table, "methods": {k: [rows[0]] * 5 for k, rows in table["methods"].items()}},
+    ],
+)
+def test_a_damaged_table_is_named_not_used(private, spoil):
+    private.write_text(json.dumps(spoil(shipped())))
     with pytest.raises(ex.InputError, match="calibration"):
         plan(("chi",), 1e-6)
+
+
+def test_a_table_of_other_kernels_is_not_used(private):
+    private.write_text(json.dumps({**shipped(), "kernels": "0" * 64}))
+    assert "measured with other kernels" in plan(("chi",), 1e-6).reason
 
 
 def test_settings_are_monotone_in_the_accuracy(private):
@@ -139,6 +163,49 @@ def test_the_accuracy_asked_is_met_by_work_nobody_calibrated_on(private, method,
         assert tilt.size == 0 or np.percentile(tilt, 99) <= accuracy
 
 
+@pytest.mark.parametrize("exponent", range(2, 11))
+@pytest.mark.parametrize("method", ["auto", "rk8", "dopri5"])
+def test_motions_in_time_meet_the_accuracy_too(private, method, exponent):
+    """A whole passage followed in time, against quadrature."""
+    rng = np.random.default_rng(100 + exponent)
+    errors = []
+    for disk in (ex.Disk.uniform(), ex.Disk(I1=0.3, I3=0.25)):
+        start = (
+            rng.uniform(-2, 2, 60),
+            rng.choice([-1, 1], 60) * 10 ** rng.uniform(-3, -1, 60),
+            rng.uniform(0.5, 2, 60),
+        )
+        exact = ex.passages(disk, *start, accuracy=1e-11)
+        for i in np.flatnonzero(exact.status == 0):
+            state = constants_to_states(disk, *(column[i : i + 1] for column in start))
+            got = ex.simulate(
+                disk,
+                state,
+                t_eval=exact.duration[i : i + 1],
+                observables=("chi", "psi"),
+                method=method,
+                accuracy=10.0**-exponent,
+            )
+            errors += [abs(got.chi[0, 0] - exact.delta_chi[i]), abs(got.psi[0, 0] - exact.delta_psi[i])]
+    assert np.percentile(errors, 99) <= 10.0**-exponent
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--seed", "-1"], "--seed -1"),
+        (["--disk", "m=1,r=1,g=1,I1=0.5,I3=1e-9"], "--disk"),
+        (["--samples", "x"], "--samples"),
+    ],
+)
+def test_bad_arguments_are_named_before_anything_is_measured(private, arguments, message, capsys, tmp_path):
+    assert cli.main(["trade", "--no-store", "--out", str(tmp_path / "t"), "--quiet", *arguments]) == 2
+    assert message in capsys.readouterr().err
+    (tmp_path / "file").write_text("")
+    assert cli.main(["trade", "--no-store", "--out", str(tmp_path / "file")]) == 2
+    assert "cannot be written" in capsys.readouterr().err
+
+
 def test_the_picture_shows_every_method_and_the_front(rows):
     ax = work_precision(rows)
     labels = [text.get_text() for text in ax.get_legend().get_texts()]
@@ -150,7 +217,7 @@ def test_the_picture_shows_every_method_and_the_front(rows):
 
 def test_the_command_prints_writes_and_stores(private, tmp_path, capsys):
     out = tmp_path / "out"
-    common = ["trade", "--samples", "256", "--out", str(out), "--quiet"]
+    common = ["trade", "--samples", "1024", "--out", str(out), "--quiet"]
     assert cli.main([*common, "--disk", "hoop", "--no-store"]) == 0
     assert not private.exists()
     assert "| rk8 |" in capsys.readouterr().out

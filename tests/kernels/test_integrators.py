@@ -1,11 +1,13 @@
 """Orders of both methods, events, and the promises of the batches."""
 
+import re
+
 import numba
 import numpy as np
 import pytest
 from conftest import BODIES
 
-from kernels import batch, events, trajectory
+from kernels import batch, events, trajectory, types
 from kernels.adaptive import GROW, SHRINK, dopri5_step, error_norm, step_factor
 from kernels.eighth import eighth_order_step
 from kernels.field import ANGLES, PATH, REDUCED, State, energy, speed
@@ -30,6 +32,22 @@ def march(method, x, h, steps, b):
 
 def start(sigma4=0.65, chi=0.3):
     return State(1.0, 0.0, -1.0, 1.0, sigma4, 0.0, chi, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("method", [RK4, RK8, DOPRI5, DOP853])
+def test_the_lanes_of_every_method_are_packed(method):
+    """Packed arithmetic outnumbers scalar many times; a change that stops the vectoriser shows here."""
+    signature = numba.void(types.vector, types.event, types.number, types.body)
+
+    @numba.njit(signature, error_model="numpy")
+    def step_all(W, event, target, b):
+        batch.sweep(method, ANGLES, W, event, target, b)
+
+    (assembly,) = step_all.inspect_asm().values()
+    found = re.findall(r"^\s+v?(?:add|sub|mul)(pd|sd)\s", assembly, re.MULTILINE)
+    if "pd" not in found:
+        pytest.skip("this machine has no packed double arithmetic")
+    assert found.count("pd") > 5 * found.count("sd")
 
 
 def summed_errors(method, counts, length, starts, b):
