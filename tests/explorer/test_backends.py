@@ -1,0 +1,152 @@
+"""Workers of every kind, killed and stopped, give the numbers of an undisturbed run."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import numpy as np
+import psutil
+import pytest
+
+import explorer as ex
+from explorer.runs import store
+
+OPTIONS = {"samples": 800_000, "seed": 3, "keep": "all"}
+COMMAND = ["run", "race-angles", "--samples", "8e5", "--seed", "3", "--keep", "all"]
+
+
+def nearflat(*arguments):
+    return subprocess.Popen(
+        [sys.executable, "-m", "explorer.cli", *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def wait_for_chunks(run, folder, count):
+    while run.poll() is None and len(store.found_chunks(folder)) < count:
+        time.sleep(0.005)
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    return ex.run("race-angles", out=tmp_path_factory.mktemp("plain") / "run", **OPTIONS).summary["digest"]
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """A real scheduler and two workers on loopback; yields the address."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+    common = ["--dashboard-address", ":0"]
+    programs = [["scheduler", "--host", "127.0.0.1", "--port", str(port), *common]]
+    programs += [["worker", address, "--nthreads", "1", "--no-nanny", *common]] * 2
+    running = []
+    for program in programs:
+        running.append(
+            subprocess.Popen(
+                [sys.executable, "-m", "distributed.cli.dask_" + program[0], *program[1:]],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
+        )
+        time.sleep(1.0)
+    yield address
+    for process in running:
+        process.kill()
+        process.wait()
+
+
+def test_processes_give_the_digest_of_threads(undisturbed, tmp_path):
+    run = ex.run("race-angles", out=tmp_path / "run", backend="processes", **OPTIONS)
+    assert run.summary["digest"] == undisturbed
+
+
+def test_a_dask_cluster_gives_the_digest_of_threads(undisturbed, cluster, tmp_path):
+    done = nearflat(*COMMAND, "--json", "--backend", "dask", "--scheduler", cluster, "--out", tmp_path / "run")
+    out, err = done.communicate(timeout=120)
+    assert done.returncode == 0, err
+    assert json.loads(out)["digest"] == undisturbed
+
+
+def test_a_scheduler_that_is_not_there_is_named(tmp_path):
+    done = nearflat(
+        "run", "race-angles", "--backend", "dask", "--scheduler", "tcp://127.0.0.1:9", "--out", tmp_path / "run"
+    )
+    _, err = done.communicate(timeout=120)
+    assert done.returncode == 1
+    assert "tcp://127.0.0.1:9: cannot be reached" in err.splitlines()[-1]
+
+
+def test_a_killed_process_costs_its_chunks_a_second_try_not_the_run(undisturbed, tmp_path):
+    done = nearflat(*COMMAND, "--backend", "processes", "--out", tmp_path / "run", "--json")
+    wait_for_chunks(done, tmp_path / "run", 2)
+    workers = [
+        child
+        for child in psutil.Process(done.pid).children(recursive=True)
+        if "resource_tracker" not in " ".join(child.cmdline()) and not child.children()
+    ]
+    assert workers
+    workers[0].kill()
+    out, err = done.communicate(timeout=200)
+    assert done.returncode == 0, err
+    assert json.loads(out)["digest"] == undisturbed
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_a_stopped_run_continues_to_the_same_digest(number, undisturbed, tmp_path):
+    folder = tmp_path / "run"
+    done = nearflat(*COMMAND, "--out", folder)
+    wait_for_chunks(done, folder, 2)
+    os.kill(done.pid, number)
+    _, err = done.communicate(timeout=120)
+    if number != signal.SIGKILL:
+        assert done.returncode == 130
+        assert f"continue with: nearflat resume {folder}" in err.splitlines()[-1]
+        assert not list((folder / "chunks").glob("*.tmp"))
+    assert not (folder / "summary.json").exists()
+    there = set(store.found_chunks(folder).values())
+    assert 2 <= len(there) < 13
+    again = nearflat("resume", folder, "--json")
+    out, err = again.communicate(timeout=120)
+    assert again.returncode == 0, err
+    assert there <= set(store.found_chunks(folder).values())
+    assert json.loads(out)["digest"] == undisturbed
+
+
+def test_the_commands_that_look_at_a_run(tmp_path):
+    folder = tmp_path / "run"
+    run = ex.run("race-angles", out=folder, samples=5000, chunk_size=1000)
+    store.found_chunks(folder)[2].unlink()
+    for command, status, text in (
+        ("status", 0, "4 of 5 chunks, 4,000 samples"),
+        ("verify", 1, "chunk 2: is missing"),
+        ("summary", 1, "1 of 5 chunks are missing"),
+        ("resume", 0, "wrong way: 0"),
+        ("status", 0, "5 of 5 chunks"),
+        ("verify", 0, "intact"),
+        ("summary", 0, "wrong way: 0"),
+    ):
+        done = nearflat(command, folder)
+        out, err = done.communicate(timeout=60)
+        assert (done.returncode, text in out + err) == (status, True), (command, out, err)
+    assert json.loads((folder / "summary.json").read_text())["digest"] == run.summary["digest"]
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_chunks_are_read_by_pandas_and_duckdb(tmp_path):
+    duckdb, pandas = pytest.importorskip("duckdb"), pytest.importorskip("pandas")
+    run = ex.run("race-angles", out=tmp_path / "run", samples=5000, chunk_size=1000)
+    places = run.folder / "chunks"
+    frame = pandas.read_parquet(places)
+    assert len(frame) == 5000
+    ((mean,),) = duckdb.sql(f"select avg(race_angle) from '{places}/*.parquet' where eta_hat > 0").fetchall()
+    assert mean == pytest.approx(frame.race_angle[frame.eta_hat > 0].mean())
+    assert np.isfinite(mean)
