@@ -69,6 +69,14 @@ def well(disk: Disk) -> tuple[float, float]:
     return float(found.x), float(np.sqrt(-found.fun)) * disk.body.r0
 
 
+def could_fall(states: States, found: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether states could fall on side +1 and on side -1, were eta there zero. found: natural_constants."""
+    out = np.empty((3, len(states)))
+    disk = states.disk
+    compiled.falling.falls_batch(states.natural, found, well(disk)[0], disk.body, disk.series, out)
+    return out[0] > 0.0, out[1] > 0.0
+
+
 def falls_of(states: States, found: Array | None = None) -> Falls:
     """Where states lie relative to F. `found` may carry their natural_constants."""
     disk = states.disk

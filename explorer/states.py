@@ -57,7 +57,11 @@ def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLi
     require_disk(disk)
     columns = _broadcast(phi, phidot, sigma3, sigma4)
     angle = np.where(np.isfinite(columns[0]), columns[0], np.pi)
-    return _states(disk, np.cos(angle), np.sin(angle), -columns[1], columns[2], columns[3], abs(angle))
+    if angle.size and (angle == angle[0]).all():
+        q, z = (np.full(angle.size, f(angle[0])) for f in (np.cos, np.sin))
+    else:
+        q, z = np.cos(angle), np.sin(angle)
+    return _states(disk, q, z, -columns[1], columns[2], columns[3], abs(angle))
 
 
 def theta_to_states(

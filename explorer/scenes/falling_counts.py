@@ -20,6 +20,18 @@ def nearer(table: Table) -> Array:
     return np.fmin(abs(table["eta_hat_plus"]), abs(table["eta_hat_minus"]))
 
 
+def count_sides(on_plus: NDArray[np.bool_], eta: Array) -> dict[str, int]:
+    """States by nearer side and sign of eta; NaN is in none."""
+    above, zero = eta > 0.0, eta == 0.0
+    below = eta < 0.0
+    counts = {}
+    for name, chosen in (("plus", on_plus), ("minus", ~on_plus)):
+        counts[f"side_{name}_eta_positive"] = int(np.count_nonzero(chosen & above))
+        counts[f"side_{name}_eta_negative"] = int(np.count_nonzero(chosen & below))
+        counts[f"side_{name}_eta_zero"] = int(np.count_nonzero(chosen & zero)) if zero.any() else 0
+    return counts
+
+
 def joined(tables: list[Table]) -> Table:
     """Tables one after another."""
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}

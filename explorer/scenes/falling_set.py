@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from explorer import compiled, models, statistics
 from explorer.disk import Disk
 from explorer.errors import InputError
-from explorer.falling import falls_of
+from explorer.falling import could_fall, falls_of
 from explorer.motions import smallest_tilt
 from explorer.sampling import Box, Range, StateFile, chunk_stream, draw_states, parse_ranges
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
-from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, joined, nearer, no_cells
+from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_sides, joined, nearer, no_cells
 from explorer.states import (
     COORDINATES,
     Array,
@@ -46,6 +46,7 @@ LARGE_CHUNK = 1 << 20
 NEARER = 0.001
 MOST_THETA_MIN = 10_000_000
 _FIRST = 16_384
+_WIDER = 1.0 + 1e-9  # rounding of a distance must not decide what is looked at
 # The map's theta_min as integers: 3000 to the decade above 1e-20.
 _DEEPEST, _CODES_PER_DECADE = -20.0, 3000.0
 
@@ -206,10 +207,38 @@ class FallingSet(SampledScene):
         # Block by block: what is not kept never leaves the processor's cache.
         counts, kept = FallingCounts(), []
         for columns in self.draw(index):
-            block = self._block(columns)
-            counts.add(self._count(block))
+            if self.every_theta_min or self.keep == "all":
+                block = self._block(columns)
+                found = self._count(block)
+            else:
+                found, block = self._sift(columns)
+            counts.add(found)
             kept.append(self.kept(block))
         return joined(kept), counts.tally()
+
+    def _sift(self, columns: Table) -> tuple[FallingCounts, Table]:
+        """Counts of all states of a block, and all about those near F, the only ones with a theta_min."""
+        disk = self.disk
+        states = phi_to_states(disk, **columns)
+        found = natural_constants(states)
+        could_plus, could_minus = could_fall(states, found)
+        plus, minus = found[1], found[2]
+        near_plus = ~(abs(minus) < abs(plus))
+        eta = np.where(near_plus, plus, minus)
+        could = np.where(near_plus, could_plus, could_minus)
+        distance = abs(eta) * (disk.rate_unit / (disk.body.I3 * disk.body.r0))
+        near = np.flatnonzero((distance <= self.tube * _WIDER) & could)
+        block = self._block({name: values[near] for name, values in columns.items()})
+        counts = FallingCounts(could_fall=int(could.sum()), distance=LogCounts.of(distance[could]))
+        counts.sides = count_sides(near_plus, eta)
+        counts.status = statistics.count_status([states.status])
+        # Which states are on F to rounding, or have a theta_min, is known of those near F only.
+        counts.status = statistics.add_counts([counts.status, statistics.count_status([block["status"]])])
+        for name, count in statistics.count_status([states.status[near]]).items():
+            counts.status[name] -= count
+        counts.status = {name: count for name, count in counts.status.items() if count}
+        counts.theta_min, counts.plane = LogCounts.of(block["theta_min"]), self._cells(block)
+        return counts, block
 
     def _block(self, columns: Table) -> Table:
         """Everything about a few states, so few that intermediate arrays stay in the processor's cache."""
@@ -251,11 +280,7 @@ class FallingSet(SampledScene):
     def _count(self, table: Table) -> "FallingCounts":
         counts = FallingCounts()
         sided = table["side"] == 1
-        eta = np.where(sided, table["eta_hat_plus"], table["eta_hat_minus"])
-        for chosen, name in ((sided, "plus"), (~sided, "minus")):
-            counts.sides[f"side_{name}_eta_positive"] = int((chosen & (eta > 0.0)).sum())
-            counts.sides[f"side_{name}_eta_negative"] = int((chosen & (eta < 0.0)).sum())
-            counts.sides[f"side_{name}_eta_zero"] = int((chosen & (eta == 0.0)).sum())
+        counts.sides = count_sides(sided, np.where(sided, table["eta_hat_plus"], table["eta_hat_minus"]))
         counts.status = statistics.count_status([table["status"]])
         counts.could_fall = int(table["could_fall"].sum())
         counts.theta_min = LogCounts.of(table["theta_min"])

@@ -166,6 +166,13 @@ def test_beyond_ten_million_states_theta_min_is_computed_near_f_only(tmp_path, m
         assert np.isnan(part["theta_min"][~near]).all()
         assert near.any()
     assert run.summary["side_counts"] == every.summary["side_counts"]
+    sifted = ex.run("falling-set", out=tmp_path / "near", **{**options, "keep": "near"})
+    for key in ("side_counts", "could_fall_fraction", "distance_quantiles", "theta_min_quantiles", "status"):
+        assert sifted.summary[key] == run.summary[key]
+    for part, table in zip(sifted.tables(), run.tables(), strict=True):
+        near = run.scene.near(table)
+        for name, values in part.items():
+            np.testing.assert_array_equal(values, table[name][near])
 
 
 def test_a_second_run_in_the_same_folder_is_refused_while_the_first_lives(finished):

@@ -239,6 +239,9 @@ def small_memory(place):
     return f"exit status {done.returncode}: {done.stderr.strip()}"
 
 
+PASSAGE = ("passage", "--sigma3-bar", "1", "--eta-hat", "1e-6", "--phidot", "1", "--json")
+
+
 def nearflat(*arguments, **environment):
     return subprocess.run(
         [sys.executable, "-m", "explorer.cli", *map(str, arguments)],
@@ -298,13 +301,13 @@ def caches(place):
         ("no cache folder", {"NUMBA_CACHE_DIR": str(blocked)}),
         ("no home", {"HOME": str(blocked), "XDG_CACHE_HOME": str(blocked / "cache"), "NUMBA_CACHE_DIR": ""}),
     ):
-        done = nearflat("passage", "--json", **environment)
+        done = nearflat(*PASSAGE, **environment)
         lines.append(f"{name}: exit status {done.returncode}, warnings: {done.stderr.count('Warning')}")
     cache = place / "cache"
-    nearflat("passage", "--json", NUMBA_CACHE_DIR=str(cache))
+    nearflat(*PASSAGE, NUMBA_CACHE_DIR=str(cache))
     for path in cache.rglob("*.nb[ic]"):
         path.write_bytes(b"garbage")
-    done = nearflat("passage", "--json", NUMBA_CACHE_DIR=str(cache))
+    done = nearflat(*PASSAGE, NUMBA_CACHE_DIR=str(cache))
     ok = json.loads(done.stdout)["status"] == "ok"
     lines.append(f"spoilt compiled code: exit status {done.returncode}, right answer: {ok}")
     return "; ".join(lines)
