@@ -143,9 +143,11 @@ def _states(disk: Disk, q: Array, z: Array, p: Array, sigma3: Array, sigma4: Arr
         np.divide(p, unit, out=natural[2])
         np.divide(sigma3, q * unit, out=natural[3])
         np.divide(sigma4, unit, out=natural[4])
-    # Squares beyond overflow; NaN fails the comparison as well.
-    if not (natural.min(initial=0.0) > -_LARGEST and natural.max(initial=0.0) < _LARGEST):
-        good &= (abs(natural) < _LARGEST).all(axis=0)
+    # Squares beyond overflow; NaN fails the comparison as well. rho may be large near flat.
+    rates = natural[2], natural[3] * q, natural[4]
+    if not all(rate.min(initial=0.0) > -_LARGEST and rate.max(initial=0.0) < _LARGEST for rate in rates):
+        good &= np.all([abs(rate) < _LARGEST for rate in rates], axis=0)
+    good &= np.isfinite(natural[3])
     # A placeholder keeps the kernels away from values that mean nothing; the status says so.
     natural[:, ~good] = np.array([[1.0], [0.0], [0.0], [0.0], [0.0]])
     status = np.where(good, compiled.status.Status.OK, compiled.status.Status.BAD_INPUT)

@@ -140,7 +140,7 @@ def _by_dask(
             cluster = distributed.LocalCluster(
                 n_workers=workers.jobs, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
             )
-        client = distributed.Client(workers.scheduler or cluster, timeout=10)
+        client = distributed.Client(workers.scheduler or cluster, timeout=5)
     except (OSError, ValueError) as error:
         raise RunError(f"--scheduler {workers.scheduler}: cannot be reached ({error})") from error
     try:
