@@ -41,17 +41,21 @@ def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str],
     for leftover in (folder / "chunks").glob("*.tmp"):
         leftover.unlink(missing_ok=True)
     good = set()
-    for index, path in store.found_chunks(folder).items():
-        if index >= scene.chunks():
+    for path in sorted((folder / "chunks").glob("*.parquet")):
+        index = store.number_of(path)
+        if index is not None and index >= scene.chunks():
             raise InputError(
                 f"--samples: {folder} holds {path.name}, which a run of {scene.chunks()} chunks does not have; "
                 "give as many samples as it has, or more"
             )
-        fault = store.fault_of(path, index, shared, scene.length(index))
-        if fault is None:
+        if index is None:
+            fault: str | None = "is no chunk of a run"
+        else:
+            fault = store.fault_of(path, index, shared, scene.length(index))
+        if fault is None and index is not None:
             good.add(index)
         else:
-            say(f"{path.name}: {fault}; it is computed again")
+            say(f"{path.name}: {fault}; it is put aside as *.bad")
             path.replace(path.with_suffix(".bad"))
     return [index for index in range(scene.chunks()) if index not in good]
 
@@ -64,6 +68,8 @@ def scene_of(folder: Path) -> Scene:
     try:
         options = dict(store.read_json(record)["identity"]["options"])
         return scene_from_options(options)
+    except InputError:
+        raise
     except (RunError, KeyError, TypeError, ValueError) as error:
         raise InputError(f"{record}: is damaged ({error}); start the run anew in another folder") from None
 

@@ -48,6 +48,12 @@ def found_chunks(folder: Path) -> dict[int, Path]:
     return paths
 
 
+def number_of(path: Path) -> int | None:
+    """The number in the name of a chunk; None where the name is not a chunk's."""
+    match = _NAME.fullmatch(path.name)
+    return int(match[1]) if match else None
+
+
 def write_chunk(folder: Path, note: Note, table: Table) -> Path:
     """Write a chunk so that its name exists only if its content is complete and on disk.
 

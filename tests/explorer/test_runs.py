@@ -116,6 +116,19 @@ def test_swapped_and_foreign_chunks_are_noticed(finished, tmp_path):
     assert "it is chunk 3" in fault
 
 
+def test_strangers_among_the_chunks_are_put_aside(finished, capsys):
+    before, chunks = text(finished), finished.folder / "chunks"
+    for name in ("x.parquet", "chunk-000001-0000000000000000.parquet", "chunk-000001-ffffffffffffffff.parquet"):
+        (chunks / name).write_bytes(store.found_chunks(finished.folder)[2].read_bytes())
+    assert len(verify(finished.folder)) >= 3
+    again = ex.run("race-angles", out=finished.folder, resume=True, quiet=False, **SMALL)
+    assert text(again) == before
+    assert verify(finished.folder) == []
+    assert len(list(chunks.glob("*.bad"))) == 3
+    assert "x.parquet: is no chunk of a run" in capsys.readouterr().err
+    assert json.loads((finished.folder / "run.json").read_text())["chunks_computed"] == 0
+
+
 def test_samples_can_be_added_to_a_finished_run(finished, tmp_path):
     whole = ex.run("race-angles", out=tmp_path / "whole", **{**SMALL, "samples": 5000})
     longer = ex.run("race-angles", out=finished.folder, resume=True, **{**SMALL, "samples": 5000})
@@ -212,6 +225,9 @@ def test_given_states_are_taken_and_bad_ones_flagged(tmp_path):
     kept = np.setdiff1d(np.arange(500), bad)
     np.testing.assert_array_equal(one["theta_min"][kept], other["theta_min"][kept])
     assert folders.scene_of(run.folder).options() == run.scene.options()
+    pyarrow.parquet.write_table(pyarrow.table(columns).slice(1), spoilt)
+    with pytest.raises(ex.InputError, match="is not the file of states that the run began with"):
+        folders.scene_of(run.folder)
     for wrong, message in ((tmp_path / "none.parquet", "cannot be read"), (spoilt, "leave it out")):
         with pytest.raises(ex.InputError, match=message):
             ex.run("falling-set", states=wrong, box="phi=0", out=tmp_path / "no")
