@@ -104,7 +104,11 @@ class StateFile:
         except (OSError, pa.ArrowException) as error:
             raise InputError(f"--states {path}: cannot be read as Parquet ({error})") from None
         for name in COORDINATES:
-            kind = file.schema_arrow.field(name).type if name in file.schema_arrow.names else None
+            kind = (
+                file.schema_arrow.field(name).type
+                if file.schema_arrow.names.count(name) == 1 and name in file.schema_arrow.names
+                else None
+            )
             if kind is None or not (pa.types.is_floating(kind) or pa.types.is_integer(kind)):
                 raise InputError(f"--states {path}: needs a column of numbers {name!r}")
         if file.metadata.num_rows == 0:

@@ -38,7 +38,7 @@ def digest_of_identity(scene: Scene) -> str:
 
 def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str], None]) -> list[int]:
     """Chunks that are not there or not good. A bad one is renamed to *.bad and reported to `say`."""
-    for leftover in (folder / "chunks").glob("*.tmp"):
+    for leftover in (folder / "chunks").glob(".chunk-*.tmp"):
         leftover.unlink(missing_ok=True)
     good = set()
     for path in sorted((folder / "chunks").glob("*.parquet")):
@@ -55,8 +55,9 @@ def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str],
         if fault is None and index is not None:
             good.add(index)
         else:
-            say(f"{path.name}: {fault}; it is put aside as *.bad")
-            path.replace(path.with_suffix(".bad"))
+            say(f"{path.name}: {fault}; it is put aside in {folder / 'bad'}")
+            (folder / "bad").mkdir(exist_ok=True)
+            path.replace(folder / "bad" / path.name)
     return [index for index in range(scene.chunks()) if index not in good]
 
 
@@ -111,6 +112,10 @@ def _check_same(record: Path, scene: Scene) -> None:
             f"--resume: {record.parent} was computed by another version of the kernels; give another folder"
         )
     old, new = before.get("options", {}), now["options"]
+    if new.get("samples", 0) < old.get("samples", 0):
+        raise InputError(
+            f"--samples {new['samples']}: {record.parent} has {old['samples']}; give as many, or more"
+        )
     # More samples may be added to a run: its chunks are those of the longer one.
     differing = [key for key in {**old, **new} if key != "samples" and old.get(key) != new.get(key)]
     if differing:
@@ -119,6 +124,14 @@ def _check_same(record: Path, scene: Scene) -> None:
             f"--resume: {record.parent} was run with {key} = {old.get(key)}, now {key} = {new.get(key)}; "
             "give the same options or another folder"
         )
+
+
+def begun(folder: Path) -> str:
+    """When the run in `folder` was first started; now, where it is new."""
+    try:
+        return str(store.read_json(folder / "run.json")["started"])
+    except (RunError, KeyError, TypeError):
+        return now()
 
 
 def write_record(folder: Path, scene: Scene, started: str, **more: Any) -> None:

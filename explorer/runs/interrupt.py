@@ -1,16 +1,19 @@
 """Ctrl-C and SIGTERM: the first lets running chunks finish, the second stops at once."""
 
 import contextlib
+import os
 import signal
+import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 from types import FrameType
 
 from explorer.runs.progress import note
 
 
 @contextlib.contextmanager
-def graceful(quiet: bool) -> Iterator[threading.Event]:
+def graceful(folder: Path, quiet: bool) -> Iterator[threading.Event]:
     """An event that the first signal sets. Elsewhere than in the main thread signals are left alone."""
     stop = threading.Event()
     if threading.current_thread() is not threading.main_thread():
@@ -19,7 +22,9 @@ def graceful(quiet: bool) -> Iterator[threading.Event]:
 
     def handle(number: int, frame: FrameType | None) -> None:
         if stop.is_set():
-            raise KeyboardInterrupt
+            # Threads may be deep in compiled code: leave without asking them. Chunks are whole or not there.
+            print(f"stopped; continue with: nearflat resume {folder}", file=sys.stderr, flush=True)
+            os._exit(130)
         stop.set()
         note("stopping when the running chunks are done; once more stops now", quiet)
 

@@ -73,7 +73,7 @@ def execute(
 def _fill(scene: Scene, folder: Path, workers: Workers, quiet: bool, figures: bool) -> Run:
     """Compute, store, summarise and draw."""
     compiled.warmup(lambda text: note(text, quiet))
-    started, clock = folders.now(), time.monotonic()
+    started, clock = folders.begun(folder), time.monotonic()
     how = {"jobs": workers.jobs, "backend": workers.backend}
     folders.write_record(folder, scene, started, finished=None, **how)
     computed = _compute(scene, folder, workers, quiet)
@@ -102,7 +102,7 @@ def _compute(scene: Scene, folder: Path, workers: Workers, quiet: bool) -> int:
     progress = Progress(scene.chunks(), scene.name, quiet)
     progress.already(scene.chunks() - len(missing))
     done = 0
-    with graceful(quiet) as stop:
+    with graceful(folder, quiet) as stop:
         try:
             for status in workers.compute(scene, identity, missing, folder, stop):
                 done += 1

@@ -60,7 +60,7 @@ def write_chunk(folder: Path, note: Note, table: Table) -> Path:
     Page checksums are on: without them Parquet reads most single flipped bits back as data.
     """
     place = folder / "chunks"
-    temporary = place / f"chunk-{note.index:06d}.{os.getpid()}.tmp"
+    temporary = place / f".chunk-{note.index:06d}.{os.getpid()}.tmp"  # readers of the folder skip the dot
     try:
         text = json.dumps(vars(note), allow_nan=False)
         content = json.dumps({"note": text, "check": _sha(text.encode())})

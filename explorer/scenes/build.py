@@ -19,6 +19,7 @@ from explorer.scenes.registry import scene_class
 MOST_SAMPLES = 10**12
 # Of compiled code and libraries, measured; and the bounds of a chunk (samples).
 BASE_MEMORY = 450e6
+SHARERS = 4
 SMALLEST_CHUNK, LARGEST_CHUNK = 1 << 12, 1 << 20
 _SEVERAL_DISKS = ("one-sided",)
 
@@ -95,15 +96,17 @@ def scene_from_options(options: dict[str, Any]) -> Scene:
 
 
 def chunk_size_for(kind: type[SampledScene], memory: Any, jobs: int) -> int:
-    """The largest power of two of samples per chunk with which `jobs` chunks at once fit into a budget.
+    """The largest power of two of samples per chunk with which a few chunks at once fit into a budget.
+
+    The same for all `jobs` up to SHARERS, so that the numbers do not depend on them.
 
     Raises InputError, with what is needed, where not even small chunks do.
     """
-    budget = parse_memory(memory)
+    budget, jobs = parse_memory(memory), max(jobs, SHARERS)
     least = BASE_MEMORY + jobs * SMALLEST_CHUNK * kind.bytes_per_sample
     if budget < least:
         raise InputError(
-            f"--memory {memory}: {kind.name} with {jobs} jobs needs at least {least / 1e6:.0f}MB; give more"
+            f"--memory {memory}: {kind.name} with up to {jobs} jobs needs at least {least / 1e6:.0f}MB; give more"
         )
     fits = int((budget - BASE_MEMORY) / (jobs * kind.bytes_per_sample))
     return min(1 << (fits.bit_length() - 1), LARGEST_CHUNK)
@@ -113,7 +116,10 @@ def parse_memory(text: Any) -> float:
     """Bytes from "1GB", "500MB" or a number. Raises InputError."""
     match = re.fullmatch(r"\s*([0-9.eE+]+)\s*([KMGT]?)(?:i?B)?\s*", str(text), re.IGNORECASE)
     try:
-        return float(match[1]) * 1000.0 ** " KMGT".index(match[2].upper() or " ") if match else float(text)
+        size = float(match[1]) * 1000.0 ** " KMGT".index(match[2].upper() or " ") if match else float(text)
+        if not 0.0 < size < 1e18:
+            raise ValueError(text)
+        return size
     except (TypeError, ValueError):
         raise InputError(f"--memory {text!r} is no amount; write 1GB or 500MB") from None
 

@@ -111,7 +111,7 @@ def test_a_stopped_run_continues_to_the_same_digest(number, undisturbed, tmp_pat
     if number != signal.SIGKILL:
         assert done.returncode == 130
         assert f"continue with: nearflat resume {folder}" in err.splitlines()[-1]
-        assert not list((folder / "chunks").glob("*.tmp"))
+        assert not list((folder / "chunks").glob(".*.tmp"))
     assert not (folder / "summary.json").exists()
     there = set(store.found_chunks(folder).values())
     assert 2 <= len(there) < 13

@@ -8,7 +8,7 @@ import pytest
 import explorer as ex
 from explorer.runs import folder as folders
 from explorer.runs import store
-from explorer.runs.inspect import verify
+from explorer.runs.inspect import summary, verify
 from explorer.runs.lock import only_one
 from explorer.scenes import falling_set
 
@@ -77,7 +77,7 @@ def test_resume_computes_only_what_is_missing_or_damaged(finished, capsys):
     assert json.loads((folder / "run.json").read_text())["chunks_computed"] == 2
     assert paths[0].stat().st_mtime_ns == untouched
     assert f"{paths[3].name}: its bytes are not those that were written" in capsys.readouterr().err
-    assert len(list((folder / "chunks").glob("*.bad"))) == 1
+    assert len(list((folder / "bad").iterdir())) == 1
 
 
 def test_any_flipped_bit_of_a_chunk_is_noticed(finished):
@@ -124,7 +124,8 @@ def test_strangers_among_the_chunks_are_put_aside(finished, capsys):
     again = ex.run("race-angles", out=finished.folder, resume=True, quiet=False, **SMALL)
     assert text(again) == before
     assert verify(finished.folder) == []
-    assert len(list(chunks.glob("*.bad"))) == 3
+    assert len(list((finished.folder / "bad").iterdir())) == 3
+    assert pyarrow.dataset.dataset(chunks).to_table().num_rows == 3000
     assert "x.parquet: is no chunk of a run" in capsys.readouterr().err
     assert json.loads((finished.folder / "run.json").read_text())["chunks_computed"] == 0
 
@@ -135,7 +136,7 @@ def test_samples_can_be_added_to_a_finished_run(finished, tmp_path):
     assert text(longer) == text(whole)
     # Four full chunks stayed; the fifth was shorter.
     assert json.loads((finished.folder / "run.json").read_text())["chunks_computed"] == 4
-    with pytest.raises(ex.RunError, match="as many samples as it has, or more"):
+    with pytest.raises(ex.InputError, match="give as many, or more"):
         ex.run("race-angles", out=finished.folder, resume=True, **SMALL)
 
 
@@ -201,8 +202,20 @@ def test_a_budget_decides_the_size_of_chunks_or_is_refused(tmp_path, capsys):
     assert 2 * size * run.scene.bytes_per_sample < 1e9
     with pytest.raises(ex.InputError, match="needs at least 4"):
         ex.run("race-angles", out=tmp_path / "small", memory="10MB")
-    with pytest.raises(ex.InputError, match="is no amount"):
-        ex.run("race-angles", out=tmp_path / "small", memory="much")
+    for wrong in ("much", "nan", "inf", "1e400", "-1GB", 0):
+        with pytest.raises(ex.InputError, match="is no amount"):
+            ex.run("race-angles", out=tmp_path / "small", memory=wrong)
+    one, two = (ex.run("race-angles", out=tmp_path / str(n), memory="1GB", jobs=n, samples=1000) for n in (1, 2))
+    assert one.summary["digest"] == two.summary["digest"]
+
+
+def test_a_summary_is_not_made_of_another_run_s_chunks(finished):
+    record = finished.folder / "run.json"
+    content = json.loads(record.read_text())
+    content["identity"]["options"]["seed"] = 7
+    record.write_text(json.dumps(content))
+    with pytest.raises(ex.RunError, match="not those that"):
+        summary(finished.folder)
 
 
 def test_given_states_are_taken_and_bad_ones_flagged(tmp_path):
