@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from explorer.cli_runs import add_commands, add_workers, show
+from explorer.cli_runs import add_commands, add_json, add_workers, show
 from explorer.errors import InputError, Interrupted, RunError
 
 _SCENES = "falling-set, one-sided, race-angles, or a TOML file that names a scene"
@@ -111,7 +111,7 @@ def _add_demo(commands: Any) -> None:
     command.add_argument("--out", default="results/demo", metavar="DIR", help="default results/demo")
     command.add_argument("--jobs", type=int, default=2, metavar="N", help="threads (default 2)")
     command.add_argument("--seed", default=0, metavar="S", help="seed of the random streams (default 0)")
-    command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+    add_json(command)
 
 
 def _add_run(commands: Any) -> None:
@@ -142,7 +142,7 @@ def _add_run(commands: Any) -> None:
     add_workers(command)
     command.add_argument("--out", metavar="DIR", help="default results/<scene>-<disk>-<seed>")
     command.add_argument("--resume", action="store_true", help="go on with the run in --out")
-    command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+    add_json(command)
 
 
 def _add_passage(commands: Any) -> None:
@@ -164,7 +164,7 @@ def _add_passage(commands: Any) -> None:
     command.add_argument("--accuracy", type=float, default=1e-6, metavar="TOL", help="as for run")
     command.add_argument("--method", default="auto", metavar="NAME", help="as for run")
     command.add_argument("--window", type=float, metavar="Q", help="cos phi at which to start and stop")
-    command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+    add_json(command)
 
 
 def _add_plan(commands: Any) -> None:
@@ -178,7 +178,7 @@ def _add_plan(commands: Any) -> None:
     command.add_argument("scene", metavar="SCENE", help=_SCENES)
     command.add_argument("--accuracy", type=float, metavar="TOL", help="as for run")
     command.add_argument("--method", metavar="NAME", help="as for run")
-    command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+    add_json(command)
 
 
 def _add_trade(commands: Any) -> None:
@@ -194,7 +194,7 @@ def _add_trade(commands: Any) -> None:
     command.add_argument("--seed", default=0, metavar="S", help="seed (default 0)")
     command.add_argument("--out", default="results/trade", metavar="DIR", help="folder (default results/trade)")
     command.add_argument("--no-store", action="store_true", help="do not keep the result for this machine")
-    command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+    add_json(command)
 
 
 def _add_warmup(commands: Any) -> None:

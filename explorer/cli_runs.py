@@ -21,7 +21,12 @@ def add_commands(commands: Any, add: Callable[..., argparse.ArgumentParser]) -> 
         command.add_argument("folder", metavar="DIR", help="folder of a run")
         if name == "resume":
             add_workers(command)
-        command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+        add_json(command)
+
+
+def add_json(command: argparse.ArgumentParser) -> None:
+    """The option of every command that prints a result."""
+    command.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
 def add_workers(command: argparse.ArgumentParser) -> None:

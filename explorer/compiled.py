@@ -6,7 +6,6 @@ one found first on the path wins. So everything in `explorer` reaches kernels th
 
 import importlib
 import importlib.util
-import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -76,11 +75,3 @@ def warmup(say: Callable[[str], None] = lambda text: None) -> int:
     for kernel in registry.values():
         kernel.compile()
     return len(fresh)
-
-
-def forget() -> None:
-    """Drop loaded modules of the compiled layer, for tests of the door itself."""
-    for name in _MODULES:
-        globals().pop(name, None)
-    for name in [key for key in sys.modules if key == "kernels" or key.startswith("kernels.")]:
-        del sys.modules[name]

@@ -4,7 +4,6 @@ People give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
 (q, z, p, rho, sigma4) in natural units, which keep full relative accuracy near flat.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -115,15 +114,6 @@ def require_axial_inertia(disk: Disk) -> None:
     require_disk(disk)
     if not disk.body.I3 > 0.0:
         raise InputError("disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")
-
-
-def concatenate(disk: Disk, parts: Sequence[States]) -> States:
-    """Several batches of states of one disk as one."""
-    return States(
-        disk,
-        np.concatenate([part.natural for part in parts], axis=1),
-        np.concatenate([part.status for part in parts]),
-    )
 
 
 def _broadcast(*arguments: ArrayLike) -> list[Array]:

@@ -115,17 +115,18 @@ def test_events_are_located_to_rounding(method, event, target):
     assert events.level(y, event) == pytest.approx(target, abs=5e-16)
 
 
-def run_batch(method, depth, states, control, max_steps=100_000, max_drift=1e-2, target=0.0, event=None):
+def run_batch(method, depth, states, control, max_steps=100_000, max_drift=1e-2, before=Status.OK):
     n = states.shape[1]
     out, drift = np.empty((8, n)), np.empty((3, n))
-    status, steps = np.zeros(n, np.int8), np.zeros(n, np.int32)
+    # The steps are counted from 0, whatever is in the array.
+    status, steps = np.full(n, before, np.int8), np.ones(n, np.int32)
     batch.first_event_batch(
         method,
         depth,
         states,
         np.full(n, control),
-        event or events.TURNING_POINT,
-        target,
+        events.TURNING_POINT,
+        0.0,
         max_steps,
         max_drift,
         UNIFORM.body,
@@ -244,26 +245,8 @@ def test_an_eta_below_the_methods_error_is_unresolved_not_guessed():
 
 def test_samples_marked_beforehand_are_skipped_and_keep_their_status():
     states = random_states(20)
-    n = 20
-    out, drift = np.empty((8, n)), np.empty((3, n))
-    status, steps = np.zeros(n, np.int8), np.ones(n, np.int32)
-    status[::2] = Status.BAD_INPUT
-    batch.first_event_batch(
-        DOPRI5,
-        ANGLES,
-        states,
-        np.full(n, 1e-6),
-        events.TURNING_POINT,
-        0.0,
-        1000,
-        1e-2,
-        UNIFORM.body,
-        UNIFORM.series,
-        out,
-        status,
-        steps,
-        drift,
-    )
+    marked = np.tile([Status.BAD_INPUT, Status.OK], 10)
+    _, status, steps, _ = run_batch(DOPRI5, ANGLES, states, 1e-6, max_steps=1000, before=marked)
     assert (status[::2] == Status.BAD_INPUT).all()
     assert (status[1::2] == Status.OK).all()
     assert (steps[::2] == 0).all()

@@ -77,27 +77,11 @@ def numbalsoda_on(name, regular):
     starts, ends = _starts_and_ends(regular)
     starts = np.ascontiguousarray(starts.T)
 
-    if regular:
+    field, size = _compiled_field(regular), starts.shape[1]
 
-        @cfunc(numbalsoda.lsoda_sig)
-        def right_hand_side(_t, u_, du_, _data):
-            u, du = carray(u_, 6), carray(du_, 6)
-            q, z, p, rho, s4 = u[0], u[1], u[2], u[3], u[4]
-            du[0], du[1] = z * q * p, -q * q * p
-            du[2] = z * rho * rho / KAPPA2 - q * (J / M * rho * s4 + z / M)
-            du[3] = K * q * s4 * p - z * rho * p
-            du[4], du[5] = q * p * rho / J, rho
-
-    else:
-
-        @cfunc(numbalsoda.lsoda_sig)
-        def right_hand_side(_t, u_, du_, _data):
-            u, du = carray(u_, 5), carray(du_, 5)
-            q, z, s3, s4 = np.cos(u[0]), np.sin(u[0]), u[2], u[3]
-            du[0] = u[1]
-            du[1] = (-I1 * z * s3 * s3 / (q * q * q) + J * s3 * s4 / q + z) / M
-            du[2], du[3] = -K * q * u[1] * s4, -u[1] * s3 / (q * J)
-            du[4] = s3 / (q * q)
+    @cfunc(numbalsoda.lsoda_sig)
+    def right_hand_side(_t, u, du, _data):
+        field(carray(u, size), carray(du, size))
 
     address = right_hand_side.address
 
@@ -124,29 +108,13 @@ def cyrk_on(regular):
     starts, ends = _starts_and_ends(regular)
     starts = np.ascontiguousarray(starts.T)
 
-    if regular:
+    field, size = _compiled_field(regular), starts.shape[1]
 
-        @njit
-        def right_hand_side(_t, u):
-            du = np.empty(6)
-            q, z, p, rho, s4 = u[0], u[1], u[2], u[3], u[4]
-            du[0], du[1] = z * q * p, -q * q * p
-            du[2] = z * rho * rho / KAPPA2 - q * (J / M * rho * s4 + z / M)
-            du[3] = K * q * s4 * p - z * rho * p
-            du[4], du[5] = q * p * rho / J, rho
-            return du
-
-    else:
-
-        @njit
-        def right_hand_side(_t, u):
-            du = np.empty(5)
-            q, z, s3, s4 = np.cos(u[0]), np.sin(u[0]), u[2], u[3]
-            du[0] = u[1]
-            du[1] = (-I1 * z * s3 * s3 / (q * q * q) + J * s3 * s4 / q + z) / M
-            du[2], du[3] = -K * q * u[1] * s4, -u[1] * s3 / (q * J)
-            du[4] = s3 / (q * q)
-            return du
+    @njit
+    def right_hand_side(_t, u):
+        du = np.empty(size)
+        field(u, du)
+        return du
 
     @njit
     def run(n, tolerance):
@@ -204,6 +172,29 @@ def _starts_and_ends(regular):
     if regular:
         return work().regular, work().s_end
     return work().plain, np.full(work().plain.shape[1], T_END)
+
+
+def _compiled_field(regular):
+    """Writes du; for the peers that take a compiled right-hand side, which inlines it."""
+    from numba import njit
+
+    @njit
+    def regular_into(u, du):
+        q, z, p, rho, s4 = u[0], u[1], u[2], u[3], u[4]
+        du[0], du[1] = z * q * p, -q * q * p
+        du[2] = z * rho * rho / KAPPA2 - q * (J / M * rho * s4 + z / M)
+        du[3] = K * q * s4 * p - z * rho * p
+        du[4], du[5] = q * p * rho / J, rho
+
+    @njit
+    def plain_into(u, du):
+        q, z, s3, s4 = np.cos(u[0]), np.sin(u[0]), u[2], u[3]
+        du[0] = u[1]
+        du[1] = (-I1 * z * s3 * s3 / (q * q * q) + J * s3 * s4 / q + z) / M
+        du[2], du[3] = -K * q * u[1] * s4, -u[1] * s3 / (q * J)
+        du[4] = s3 / (q * q)
+
+    return regular_into if regular else plain_into
 
 
 def _heyoka_equations(regular):
