@@ -66,8 +66,8 @@ def decay(W, source, target, n):
 
 
 @subroutine
-def growth(W, source, target, n):
-    """Row `target` = 1 - exp(-d), its relative error some 1e-14 at any d; row _X is as `decay` left it."""
+def growth(W, target, n):
+    """Row `target` = 1 - exp(-d), its relative error some 1e-14 at any d; d is that of the last `decay`."""
     polynomial(W, target, _GROWN, n)
     for j in range(n):
         W[target * ROOM + j] = W[target * ROOM + j] * (0.5 * _STRETCH * (1.0 + W[_X * ROOM + j]))
@@ -87,7 +87,7 @@ def place(W, n, h_end, h_turn, y_end):
     for j in range(n):
         W[_Y * ROOM + j] = y_end - W[GAP * ROOM + j]
     decay(W, _Y, E2, n)
-    growth(W, _Y, _LEFT, n)
+    growth(W, _LEFT, n)
     decay(W, GAP, _FALL, n)
     end2 = math.exp(-2.0 * y_end)
     for j in range(n):

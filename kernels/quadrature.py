@@ -43,14 +43,13 @@ _LIMIT = int(Status.STEP_LIMIT)
 class Point(NamedTuple):
     """A tilt on a motion with constants (X, Y), side +1.
 
-    shape: sqrt(1 - h^2/4) = cos(theta/2); D: dominant solution; smooth: X (rho/S) h/2, the part of
-    sigma3/h without eta; ratio: sigma3/q; V: amended potential above V_0; slope: h dV/dh.
+    shape: sqrt(1 - h^2/4) = cos(theta/2); D: dominant solution; ratio: sigma3/q; V: amended potential
+    above V_0; slope: h dV/dh.
     """
 
     S: float
     shape: float
     D: float
-    smooth: float
     ratio: float
     sigma4: float
     V: float
@@ -87,7 +86,7 @@ def point(h, X, Y, b, series):
     rise = (X * S * chaplygin.slope_excess(S, series) + Y * f.dD) / b.k
     V = 0.5 * b.I1 * ratio * ratio + 0.5 * b.J * rise * (2.0 * flat + rise) + q
     slope = h / shape * (b.J * ratio * sigma4 + z) - b.I1 * z * ratio * ratio / (shape * shape)
-    return Point(S, shape, f.D, smooth, ratio, sigma4, V, slope)
+    return Point(S, shape, f.D, ratio, sigma4, V, slope)
 
 
 @subroutine

@@ -33,13 +33,6 @@ _CUBIC_STEPS = 3
 _SHORT, _SHORTER, _LAST = 1e-3, 1e-5, 1e-8
 
 
-class Limits(NamedTuple):
-    """Stopping rules of a batch: the step cap, and the drift above which a sample is refused."""
-
-    max_steps: int = 200_000
-    max_drift: float = 1e-3
-
-
 class Drift(NamedTuple):
     """How far the constants of motion moved: relative energy; sigma3_bar and eta on the near side."""
 

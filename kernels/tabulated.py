@@ -20,7 +20,6 @@ import math
 from kernels import tables
 from kernels._jit import contracted_device, contracted_subroutine
 from kernels.elementary import arctan, exp_fall, horner, log_ratio
-from kernels.status import Status
 
 LANES = 32
 WIDEST = 0.2  # of h_m: well inside HANDOVER
@@ -31,7 +30,6 @@ _NEWTON = 5  # from the guess of first order to rounding, for h_m <= WIDEST
 _EPSILON = 2.2e-16
 _NOISE = 100.0  # units of rounding, as in quadrature
 
-_OK = int(Status.OK)
 # Rows of the work array: entry (row, i) stands at row * LANES + i, as in `batch`.
 X, Y, LEVEL, H_TURN, LOG_TURN, CHECK, NOISE = range(7)
 _TAU, _CAP, _LOG_CAP, _WIDTH, _TURN2, _RACE, _PULL, _SPIN, _SLOW, _REST0, _REST1 = range(7, 18)
