@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial import Chebyshev
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
@@ -16,6 +17,8 @@ from explorer.states import (
     phi_to_states,
     require_axial_inertia,
 )
+
+_BARRIER_DEGREE = 24  # both series are at rounding
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,24 @@ def well(disk: Disk) -> tuple[float, float]:
         minus_critical, bounds=(-0.5 * np.pi + 1e-6, -1e-6), method="bounded", options={"xatol": 1e-10}
     )
     return float(found.x), float(np.sqrt(-found.fun)) * disk.body.r0
+
+
+@lru_cache(maxsize=64)
+def barrier(disk: Disk) -> tuple[Chebyshev, Chebyshev]:
+    """phi and V of the barrier between that well and the vertical, series in sqrt(1 - |sigma3_bar|/sigma3_bar*).
+
+    Well and barrier merge at sigma3_bar*, where both have a root; in this variable they are analytic.
+    """
+    angle, largest = well(disk)
+
+    def top(depth: Array, row: int) -> Array:
+        out = np.empty((2, depth.size))
+        bar = np.ascontiguousarray(largest * (1.0 - depth * depth))
+        compiled.falling.barrier_batch(bar, angle, disk.body, disk.series, out)
+        return out[row]
+
+    phi, V = (Chebyshev.interpolate(top, _BARRIER_DEGREE, domain=[0.0, 1.0], args=(row,)) for row in (0, 1))
+    return phi, V
 
 
 def could_fall(states: States, found: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

@@ -133,3 +133,33 @@ def on_f_batch(theta, X, b, series, out):
     for i in range(theta.size):
         f = on_f(math.sin(theta[i]), math.cos(theta[i]), X, b, series)
         out[0, i], out[1, i], out[2, i], out[3, i] = f.turn, f.sigma4, f.V, f.dV
+
+
+@kernel(types.vector, types.vector, types.body, types.matrix, types.matrix)
+def line_chart_batch(q, z, b, series, out):
+    """The linear map from (sigma3_bar, eta_hat_+) to (sigma3, sigma4) where cos phi = q, sin phi = z.
+
+    out (4, n): sigma3 = out[0] sigma3_bar + out[1] eta_hat, sigma4 = out[2] sigma3_bar + out[3] eta_hat. Its
+    determinant is -1 at every tilt: dsigma3 dsigma4 = dsigma3_bar deta_hat. Needs I3 > 0. Eqs (3.5), (6.2).
+    """
+    for i in range(q.size):
+        S, log_S = depth_below_vertical(q[i], z[i])
+        f = chaplygin.solutions(S, log_S, b.c, series)
+        if z[i] >= 0.0:
+            out[0, i], out[1, i] = f.rho / b.r0, b.k * b.r0 * f.D
+            out[2, i], out[3, i] = f.drho / (b.k * b.r0), b.r0 * f.dD
+        else:
+            # Seen from the other hemisphere eta_- = 2 I1 r'(0) sigma3_bar - eta_+
+            out[0, i], out[1, i] = f.rho / b.r0 + 2.0 * b.dr0 * f.D, -b.k * b.r0 * f.D
+            out[2, i], out[3, i] = -(f.drho / b.r0 + 2.0 * b.dr0 * f.dD) / b.k, b.r0 * f.dD
+
+
+@kernel(types.vector, types.number, types.body, types.matrix, types.matrix)
+def barrier_batch(sigma3_bar, well_phi, b, series, out):
+    """out (2, n): phi and V of the barrier between the non-falling well and the vertical; NaN if none."""
+    for i in range(sigma3_bar.size):
+        X = sigma3_bar[i] / b.r0
+        phi = barrier_angle(X, well_phi, b, series)
+        out[0, i], out[1, i] = phi, math.nan
+        if phi < 0.0:
+            out[1, i] = on_f(math.cos(phi), math.sin(phi), X, b, series).V

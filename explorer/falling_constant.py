@@ -1,0 +1,214 @@
+"""The constant C of P(theta_min < delta) = C delta (1 + o(1)), by deterministic quadrature over F.
+
+    C = sum over sides of  integral of f 2 A sqrt(I1 M) delta(eta) 1_F dphi dphidot dsigma3 dsigma4
+
+With dsigma3 dsigma4 = dsigma3_bar deta_hat at every tilt the delta function leaves an integral over
+(phi, phidot, sigma3_bar) on the line eta = 0. The innermost, over phidot, is analytic between known ends: the
+box, the energy, and the barrier that a start beyond the vertical must pass to belong to F.
+
+Where a density does not vanish at flat, states near one flat state with sigma3 of order one have energies
+like 1/theta^2, and come that much nearer to the other one: P is of order delta ln(1/delta) then, and there is
+no C. A bound on the energy mends it.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from explorer import compiled
+from explorer.box_integrals import Frame, along, difference, panels_between, refined
+from explorer.density import ANY_ENERGY, Density, Function
+from explorer.disk import Disk
+from explorer.errors import InputError
+from explorer.falling import barrier, well
+from explorer.sampling import Box, Range
+from explorer.states import Array, require_axial_inertia
+
+# Relative rounding of a sum of positive terms, and of the solutions in it.
+_ROUNDING = 1e-13
+_BISECTIONS = 40
+
+
+@dataclass(frozen=True)
+class FallingConstant:
+    """C and what it is made of; all are numbers per radian of tilt.
+
+    value: plus + minus, with `error`, an estimate of its absolute error. plus, minus: from the two sides of F.
+    mass: integral of the density over the box, natural units. value is infinite where the density does not
+    vanish at flat and the energy has no bound: P(theta_min < delta) is of order delta ln(1/delta) there.
+    """
+
+    value: float
+    error: float
+    plus: float
+    minus: float
+    mass: float
+
+
+def falling_constant(
+    disk: Disk,
+    box: Box | str | None = None,
+    *,
+    energy: Range | None = None,
+    gaussian: str | None = None,
+    density: Function | None = None,
+) -> FallingConstant:
+    """C of P(theta_min < delta) = C delta for states drawn from a density.
+
+    box: as for `run` (default: the vertical, rates within two natural units). energy: (low, high), only states
+    in this range. gaussian: "phidot=MEAN:DEVIATION,...". density: a function of (phi, phidot, sigma3, sigma4),
+    arrays in the units of the disk, not negative; no need to normalise it. Needs I3 > 0. Raises InputError.
+    Source: sections 6.2 and 7.1 of the paper for F, A and eta.
+    """
+    require_axial_inertia(disk)
+    return constant_of(disk, Density.of(disk, box, energy, gaussian, density))
+
+
+def constant_of(disk: Disk, density: Density) -> FallingConstant:
+    """As falling_constant, of a Density."""
+    frame = Frame(disk, density)
+    mass, mass_error = frame.mass()
+    if not mass > 0.0:
+        raise InputError(_NOTHING.format("--energy" if density.energy != ANY_ENERGY else "density"))
+    if frame.reaches_flat():
+        return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass)
+    parts = [
+        difference(lambda level, s=side: refined(Line(frame, s, level).integral), frame.energy) for side in (1, -1)
+    ]
+    plus, minus = parts[0][0] / mass, parts[1][0] / mass
+    value = plus + minus
+    error = (parts[0][1] + parts[1][1] + value * mass_error) / mass + _ROUNDING * value
+    return FallingConstant(value, error, plus, minus, mass)
+
+
+_NOTHING = "{}: the density is zero in all of the box; widen one of them"
+
+
+@dataclass(frozen=True)
+class Line:
+    """The line eta = 0 on one side, seen as side +1: the other side is the mirror image, eq. (3.2)."""
+
+    frame: Frame
+    side: int
+    energy: float
+
+    def integral(self, panels: int) -> tuple[float, float]:
+        """Integral of f 2 A sqrt(I1 M)/(I3 r(0)) over phi, phidot and sigma3_bar, and its error."""
+        turn = well(self.frame.disk)[0]
+        frame = self.frame
+        kinetic = [0.5 * frame.disk.body.M * speed**2 for speed in frame.range("phidot")]
+        middle = [turn, *(-math.acos(1.0 - level) for level in kinetic if level < 2.0)]
+        pieces = [
+            tuple(sorted((self.side * a, self.side * b))) for a, b in frame.pieces([self.side * m for m in middle])
+        ]
+        return along(lambda phi: self._at(phi, panels), pieces, 32 if self.frame.even else 1)
+
+    def _rates(self, name: str) -> Range:
+        low, high = self.frame.range(name)
+        return (low, high) if self.side > 0 or name == "sigma3" else (-high, -low)
+
+    def _at(self, phi: Array, panels: int) -> Array:
+        """The integral over phidot and sigma3_bar at tilts phi."""
+        frame, b, side = self.frame, self.frame.disk.body, self.side
+        q, z = np.cos(phi), np.sin(phi)
+        chart = np.empty((4, phi.size))
+        compiled.falling.line_chart_batch(q, z, b, frame.disk.series, chart)
+        a, c = chart[0], chart[2]
+        curvature = 0.5 * (b.I1 * (a / q) ** 2 + b.J * c * c)  # V = q + curvature sigma3_bar^2
+        bar, weight = self._bars(phi, a, c, curvature, panels)
+        V = q[:, None] + curvature[:, None] * bar * bar
+        rise = 2.0 / b.M * (V - 0.5 * b.J * (bar / (b.k * b.r0)) ** 2)
+        least = self._least_speed(phi, bar, V)
+        most = np.sqrt(np.maximum(2.0 / b.M * (self.energy - V), 0.0))
+        weight = weight * (self.energy >= V) * (2.0 * math.sqrt(b.I1 * b.M) / (b.I3 * b.r0))
+        columns = side * phi[:, None], a[:, None] * bar, side * c[:, None] * bar
+        return (weight * frame.over_speeds(columns, least, most, rise, panels)).sum(axis=-1)
+
+    def _bars(self, phi: Array, a: Array, c: Array, curvature: Array, panels: int) -> tuple[Array, Array]:
+        """sigma3_bar on the line within the box (n, nodes), and the weight of its step."""
+        frame = self.frame
+        if not (frame.free("sigma3") and frame.free("sigma4")):
+            return self._only_bar(a, c)
+        left = self.energy - np.cos(phi)
+        reach = np.sqrt(np.maximum(left, 0.0) / curvature)
+        ends = ends_of_bar(a, c, self._rates("sigma3"), self._rates("sigma4"))
+        low = np.maximum(ends[0], -reach)
+        high = np.maximum(np.minimum(ends[1], reach), low)
+        kinetic = [0.5 * frame.disk.body.M * speed**2 for speed in frame.range("phidot")]
+        turns = [np.sqrt(np.maximum(left - level, 0.0) / curvature) for level in kinetic]
+        turns = [turn for turn in turns if np.isfinite(turn).all()] + self._barrier_ends(phi, [0.0, *kinetic])
+        bells = [
+            s / m
+            for name, m, sign in (("sigma3", a, 1.0), ("sigma4", c, self.side))
+            for s in frame.bells(name)
+            for m in [sign * m]
+        ]
+        inner = [sign * turn for turn in turns for sign in (1.0, -1.0)]
+        return panels_between([low, np.zeros_like(low), *inner, *bells, high], panels)
+
+    def _only_bar(self, a: Array, c: Array) -> tuple[Array, Array]:
+        """Where the box fixes sigma3 or sigma4 the line is met at one sigma3_bar."""
+        free3 = self.frame.free("sigma3")
+        fixed, other, m, n = ("sigma4", "sigma3", c, a) if free3 else ("sigma3", "sigma4", a, c)
+        bar = self._rates(fixed)[0] / m
+        low, high = self._rates(other)
+        # eta_hat changes by |m| as the free coordinate does by 1: the determinant of the chart is -1.
+        weight = ((n * bar >= low) & (n * bar <= high)) / abs(m)
+        return bar[:, None], weight[:, None]
+
+    def _barrier(self, phi: Array, bar: Array) -> Array:
+        """Height of the barrier between a start beyond the vertical and flat, -inf if none; shapes as given."""
+        disk = self.frame.disk
+        largest, (angle, height) = well(disk)[1], barrier(disk)
+        depth = np.sqrt(np.maximum(1.0 - abs(bar) / largest, 0.0))
+        blocked = (abs(bar) < largest) & (phi < angle(depth))
+        return np.where(blocked, height(depth), -np.inf)
+
+    def _least_speed(self, phi: Array, bar: Array, V: Array) -> Array:
+        """|phidot| below which a start beyond the vertical does not pass the barrier on its way to flat."""
+        least = np.zeros(bar.shape)
+        beyond = phi < 0.0
+        if beyond.any():
+            height = self._barrier(phi[beyond, None], bar[beyond]) - V[beyond]
+            least[beyond] = np.sqrt(2.0 / self.frame.disk.body.M * np.maximum(height, 0.0))
+        return least
+
+    def _barrier_ends(self, phi: Array, levels: Sequence[float]) -> list[Array]:
+        """sigma3_bar > 0 where the barrier begins to stand in the way, and where it takes given kinetic energies.
+
+        Between 0 and the first its height above the start falls; NaN where there is no such point.
+        """
+        if not (phi < 0.0).any():
+            return []
+        disk = self.frame.disk
+        b, (well_phi, largest) = disk.body, well(disk)
+        critical = np.empty(phi.size)
+        compiled.falling.critical_X2_batch(np.minimum(phi, -1e-12), b, disk.series, critical)
+        own = np.sqrt(np.maximum(critical, 0.0)) * b.r0
+        most = np.where(phi < 0.0, np.where(phi < well_phi, largest, np.minimum(own, largest)), np.nan)
+        chart = np.empty((4, phi.size))
+        compiled.falling.line_chart_batch(np.cos(phi), np.sin(phi), b, disk.series, chart)
+        curvature = 0.5 * (b.I1 * (chart[0] / np.cos(phi)) ** 2 + b.J * chart[2] ** 2)
+        found = [most]
+        for level in levels:
+            low, high = np.zeros(phi.size), np.nan_to_num(most)
+            for _ in range(_BISECTIONS):
+                middle = 0.5 * (low + high)
+                above = self._barrier(phi, middle) - np.cos(phi) - curvature * middle**2 > level
+                low, high = np.where(above, middle, low), np.where(above, high, middle)
+            found.append(np.where(phi < 0.0, low, np.nan))
+        return found
+
+
+def ends_of_bar(
+    a: Array, c: Array, sigma3: Range, sigma4: Range, slack3: Array | float = 0.0, slack4: Array | float = 0.0
+) -> tuple[Array, Array]:
+    """Ends of x with a x in the range sigma3 and c x in sigma4, both widened by their slack."""
+    low, high = -np.inf, np.inf
+    for m, (first, last), slack in ((a, sigma3, slack3), (c, sigma4, slack4)):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            one, other = (first - slack) / m, (last + slack) / m
+        low, high = np.fmax(low, np.fmin(one, other)), np.fmin(high, np.fmax(one, other))
+    return low, high
