@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from explorer.errors import InputError as InputError
     from explorer.errors import RunError as RunError
     from explorer.falling import falls as falls
+    from explorer.falling_constant import falling_constant as falling_constant
     from explorer.limits import limit_motion as limit_motion
     from explorer.motions import simulate as simulate
     from explorer.passage import passage_forces as passage_forces
@@ -35,6 +36,7 @@ _HOMES = {
     "constants": "states",
     "constants_to_states": "states",
     "falls": "falling",
+    "falling_constant": "falling_constant",
     "limit_motion": "limits",
     "passage_forces": "passage",
     "passages": "passage",

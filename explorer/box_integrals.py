@@ -209,14 +209,12 @@ class Frame:
         if low == high:
             return np.full((*left.shape, 1), low), np.ones((*left.shape, 1))
         reach = np.sqrt(np.maximum(left, 0.0) / inertia)
-        turns = (
-            [np.sqrt(np.maximum(left - corner, 0.0) / inertia) for corner in corners]
-            if np.isfinite(reach).all()
-            else []
-        )
+        bounded = corners if np.isfinite(reach).all() else []
+        turns = [np.sqrt(np.maximum(left - corner, 0.0) / inertia) for corner in bounded]
         first, last = np.maximum(low, -reach), np.minimum(high, reach)
-        ends = [first, *(sign * turn for turn in turns for sign in (1.0, -1.0)), *self.bells(name), last]
-        return panels_between([np.broadcast_to(end, reach.shape) for end in ends], panels)
+        inner = [sign * turn for turn in turns for sign in (1.0, -1.0)]
+        bells = [np.full_like(reach, bell) for bell in self.bells(name)]
+        return panels_between([first, *inner, *bells, last], panels)
 
     def speeds(self, least: Array, most: Array, bend: Array, panels: int) -> tuple[Array, Array]:
         """Nodes and weights in phidot over the part of the box with least <= |phidot| <= most, on a last axis.
@@ -230,10 +228,8 @@ class Frame:
         bells = self.bells("phidot")
         speeds, steps = [], []
         for sign, inner, outer in self._halves(least, most):
-            ends = [
-                np.arcsinh(np.clip(x, inner, outer) / bend) for x in (inner, *(sign * m for m in bells), outer)
-            ]
-            u, step = panels_between(ends, panels)
+            middle = [np.clip(sign * bell, inner, outer) for bell in bells]
+            u, step = panels_between([np.arcsinh(end / bend) for end in (inner, *middle, outer)], panels)
             speeds.append(sign * bend[..., None] * np.sinh(u))
             steps.append(step * bend[..., None] * np.cosh(u))
         return np.concatenate(speeds, axis=-1), np.concatenate(steps, axis=-1)

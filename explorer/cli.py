@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 from explorer.cli_runs import add_commands, add_json, add_workers, show
 from explorer.errors import InputError, Interrupted, RunError
 
-_SCENES = "falling-set, one-sided, race-angles, or a TOML file that names a scene"
+_SCENES = "falling-set, measure-zero, one-sided, race-angles, or a TOML file that names a scene"
 
 # Scene options in the order of --help: flag, keyword, metavar, help.
 _OPTIONS = (
@@ -34,6 +34,11 @@ _OPTIONS = (
     ("--states", "states", "FILE", "falling-set: Parquet file with columns phi, phidot, sigma3, sigma4"),
     ("--accuracy", "accuracy", "TOL", "absolute error of angles, relative of times and tilts (default 1e-6)"),
     ("--method", "method", "NAME", "auto, quadrature, rk4, rk8, dopri5 or dop853 (default auto)"),
+    ("--energy", "energy", "LOW:HIGH", "measure-zero: only states with an energy in this range (-inf:3)"),
+    ("--gaussian", "gaussian", "BELLS", 'measure-zero: "phidot=MEAN:DEVIATION,..." instead of uniform in the box'),
+    ("--ladder", "ladder", "LOW:HIGH", "measure-zero: tilts delta in rad, by decades (default 1e-15:1e-1)"),
+    ("--tube", "tube", "N", "measure-zero: draws per delta and side in tubes beside F (default 262144)"),
+    ("--sampling", "sampling", "HOW", "measure-zero: random or sobol, for the tubes (default random)"),
     ("--grid", "grid", "N", "falling-set: points per axis of a slice (default 401)"),
 )
 

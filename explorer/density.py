@@ -9,16 +9,20 @@ import hashlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
 
 from explorer.disk import Disk
 from explorer.errors import InputError
-from explorer.sampling import Box, Range, parse_ranges
-from explorer.states import COORDINATES, Array
+from explorer.sampling import BLOCK, Box, Range, gather, parse_ranges
+from explorer.states import COORDINATES, Array, natural_constants, phi_to_states
 
 ANY_ENERGY: Range = (-math.inf, math.inf)
+_SEARCHED = 1 << 15
 Function = Callable[[Array, Array, Array, Array], Array]
 
 
@@ -102,7 +106,7 @@ class Density:
             )
         return values.reshape(shape)
 
-    def inside(self, phi: Array, phidot: Array, sigma3: Array, sigma4: Array, energy: Array) -> Array:
+    def inside(self, phi: Array, phidot: Array, sigma3: Array, sigma4: Array, energy: Array) -> NDArray[np.bool_]:
         """Whether states lie in the box and in the range of energy; fixed coordinates are taken for granted."""
         good = (energy >= self.energy[0]) & (energy <= self.energy[1])
         for name, column in zip(COORDINATES, (phi, phidot, sigma3, sigma4), strict=True):
@@ -110,6 +114,41 @@ class Density:
                 low, high = getattr(self.box, name)
                 good &= (column >= low) & (column <= high)
         return good
+
+    def draw(self, disk: Disk, random: np.random.Generator, count: int) -> dict[str, Array]:
+        """`count` states, drawn from the density by rejection; Gaussians by their inverse.
+
+        Raises InputError where hardly a draw is kept, or where a function turns out larger than at the points
+        at which its maximum was sought.
+        """
+
+        def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
+            drawn = self.box.draw(random, BLOCK)
+            for name, (mean, deviation) in self.gaussian:
+                low, high = ((end - mean) / deviation for end in getattr(self.box, name))
+                unit = (drawn[name] - getattr(self.box, name)[0]) / (deviation * (high - low))
+                drawn[name] = mean + deviation * ndtri(ndtr(low) + (ndtr(high) - ndtr(low)) * unit)
+            good = np.ones(BLOCK, bool)
+            if self.energy != ANY_ENERGY:
+                energy = natural_constants(phi_to_states(disk, **drawn))[3] * disk.energy_unit
+                good = (energy >= self.energy[0]) & (energy <= self.energy[1])
+            if self.function is not None:
+                values = self._called(drawn)
+                if values.max() > self._bound:
+                    raise InputError(
+                        f"density: is {values.max():g}, more than 1.5 times its largest value at {_SEARCHED} "
+                        "points of the box; shrink the box to where it is large"
+                    )
+                good &= random.random(BLOCK) * self._bound < values
+            return drawn, good
+
+        return gather(block, count, "density: {} draws from the box were kept; widen --energy")
+
+    @cached_property
+    def _bound(self) -> float:
+        """What the function is taken not to exceed: half more than its largest value at many points."""
+        points = self.box.draw(np.random.Generator(np.random.Philox(1)), _SEARCHED)
+        return 1.5 * float(self._called(points).max())
 
     def describe(self) -> dict[str, Any]:
         """What run.json says. A function is identified by its values at fixed points of the box."""

@@ -74,9 +74,7 @@ def constant_of(disk: Disk, density: Density) -> FallingConstant:
         raise InputError(_NOTHING.format("--energy" if density.energy != ANY_ENERGY else "density"))
     if frame.reaches_flat():
         return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass)
-    parts = [
-        difference(lambda level, s=side: refined(Line(frame, s, level).integral), frame.energy) for side in (1, -1)
-    ]
+    parts = [difference(Sided(frame, side), frame.energy) for side in (1, -1)]
     plus, minus = parts[0][0] / mass, parts[1][0] / mass
     value = plus + minus
     error = (parts[0][1] + parts[1][1] + value * mass_error) / mass + _ROUNDING * value
@@ -84,6 +82,17 @@ def constant_of(disk: Disk, density: Density) -> FallingConstant:
 
 
 _NOTHING = "{}: the density is zero in all of the box; widen one of them"
+
+
+@dataclass(frozen=True)
+class Sided:
+    """The integral over F on one side as a function of the largest energy."""
+
+    frame: Frame
+    side: int
+
+    def __call__(self, energy: float) -> tuple[float, float]:
+        return refined(Line(self.frame, self.side, energy).integral)
 
 
 @dataclass(frozen=True)
@@ -100,9 +109,8 @@ class Line:
         frame = self.frame
         kinetic = [0.5 * frame.disk.body.M * speed**2 for speed in frame.range("phidot")]
         middle = [turn, *(-math.acos(1.0 - level) for level in kinetic if level < 2.0)]
-        pieces = [
-            tuple(sorted((self.side * a, self.side * b))) for a, b in frame.pieces([self.side * m for m in middle])
-        ]
+        given = frame.pieces([self.side * m for m in middle])
+        pieces = [(a, b) if self.side > 0 else (-b, -a) for a, b in given]
         return along(lambda phi: self._at(phi, panels), pieces, 32 if self.frame.even else 1)
 
     def _rates(self, name: str) -> Range:
@@ -133,7 +141,7 @@ class Line:
             return self._only_bar(a, c)
         left = self.energy - np.cos(phi)
         reach = np.sqrt(np.maximum(left, 0.0) / curvature)
-        ends = ends_of_bar(a, c, self._rates("sigma3"), self._rates("sigma4"))
+        ends = ends_of_bar((a, *self._rates("sigma3"), 0.0), (c, *self._rates("sigma4"), 0.0))
         low = np.maximum(ends[0], -reach)
         high = np.maximum(np.minimum(ends[1], reach), low)
         kinetic = [0.5 * frame.disk.body.M * speed**2 for speed in frame.range("phidot")]
@@ -202,12 +210,10 @@ class Line:
         return found
 
 
-def ends_of_bar(
-    a: Array, c: Array, sigma3: Range, sigma4: Range, slack3: Array | float = 0.0, slack4: Array | float = 0.0
-) -> tuple[Array, Array]:
-    """Ends of x with a x in the range sigma3 and c x in sigma4, both widened by their slack."""
-    low, high = -np.inf, np.inf
-    for m, (first, last), slack in ((a, sigma3, slack3), (c, sigma4, slack4)):
+def ends_of_bar(*limits: tuple[Array, float, float, Array | float]) -> tuple[Array, Array]:
+    """Ends of x with low - slack <= m x <= high + slack for every (m, low, high, slack)."""
+    low, high = np.full(limits[0][0].shape, -np.inf), np.full(limits[0][0].shape, np.inf)
+    for m, first, last, slack in limits:
         with np.errstate(divide="ignore", invalid="ignore"):
             one, other = (first - slack) / m, (last + slack) / m
         low, high = np.fmax(low, np.fmin(one, other)), np.fmin(high, np.fmax(one, other))

@@ -8,6 +8,7 @@ in the run, never on the number of workers.
 
 import hashlib
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -15,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 from pyarrow.dataset import dataset
 
 from explorer.disk import Disk
@@ -25,7 +27,7 @@ Range = tuple[float, float]
 
 # Rejection at an energy gives up below this share of accepted draws.
 _SMALLEST_SHARE = 1e-4
-_BLOCK = 8192
+BLOCK = 8192
 
 
 @dataclass(frozen=True)
@@ -163,19 +165,31 @@ def draw_states(
     """
     if max_energy is None:
         return box.draw(random, count)
+
+    def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
+        drawn = box.draw(random, BLOCK)
+        found = natural_constants(phi_to_states(disk, **drawn))
+        return drawn, found[3] * disk.energy_unit <= max_energy
+
+    return gather(block, count, f"--max-energy {max_energy:g}: {{}} states of the box are below it; raise it")
+
+
+def gather(
+    block: Callable[[], tuple[dict[str, Array], NDArray[np.bool_]]], count: int, remedy: str
+) -> dict[str, Array]:
+    """The first `count` states that are kept of blocks of draws: rejection.
+
+    block: returns BLOCK states and which of them to keep. remedy: what an InputError says where fewer than one
+    draw in 10^4 is kept, with {} for how many were.
+    """
     kept: list[dict[str, Array]] = []
     have = tried = 0
     while have < count:
-        block = box.draw(random, _BLOCK)
-        found = natural_constants(phi_to_states(disk, **block))
-        below = found[3] * disk.energy_unit <= max_energy
-        kept.append({name: values[below] for name, values in block.items()})
-        have, tried = have + int(below.sum()), tried + _BLOCK
-        if tried >= 8 * _BLOCK and have < _SMALLEST_SHARE * tried:
-            raise InputError(
-                f"--max-energy {max_energy:g}: {have} of {tried} states of the box are below it; "
-                "raise it or shrink the box"
-            )
+        drawn, good = block()
+        kept.append({name: values[good] for name, values in drawn.items()})
+        have, tried = have + int(good.sum()), tried + good.size
+        if tried >= 8 * BLOCK and have < _SMALLEST_SHARE * tried:
+            raise InputError(f"{remedy.format(f'{have} of {tried}')} or shrink the box")
     return {name: np.concatenate([part[name] for part in kept])[:count] for name in COORDINATES}
 
 

@@ -35,3 +35,9 @@ def share(count: int, total: int) -> dict[str, float | list[float]]:
     """A fraction with its exact (Clopper-Pearson) 95 % interval."""
     interval = binomtest(count, total).proportion_ci(0.95, method="exact")
     return {"value": count / total, "interval_95": [float(interval.low), float(interval.high)]}
+
+
+def upper_bound(count: int, total: int, level: float = 0.95) -> float:
+    """The exact one-sided (Clopper-Pearson) upper bound of a probability after `count` of `total`."""
+    interval = binomtest(count, total, alternative="less").proportion_ci(level, method="exact")
+    return float(interval.high)

@@ -7,6 +7,7 @@ with them eta.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -106,7 +107,8 @@ class Tube:
         other = 2.0 * b.I1 * b.dr0 / (b.I3 * b.r0) * bar - eta
         unit_rate, side = disk.rate_unit, self.side
         given = side * phi, side * phidot * unit_rate, s3 * unit_rate, side * s4 * unit_rate
-        counted = frame.density.inside(*given, energy * disk.energy_unit) & (abs(eta) <= abs(other)) & (width > 0.0)
+        counted = frame.density.inside(*given, energy * disk.energy_unit)
+        counted &= (abs(eta) <= abs(other)) & (width > 0.0)
         weight = np.where(counted, weight * width / mass, 0.0)
         weight[counted] *= frame.density.shape(*(column[counted] for column in given))
         theta, status = self._tilts(place, bar, eta, other, np.flatnonzero(weight > 0.0), accuracy)
@@ -114,17 +116,19 @@ class Tube:
             given[0], given[1], bar * unit_rate, eta * unit_rate, energy * disk.energy_unit, weight, theta, status
         )
 
-    def _beside(self, place: "Place", columns: "object") -> tuple[Array, Array, Array]:
+    def _beside(self, place: "Place", columns: Iterator[Array]) -> tuple[Array, Array, Array]:
         """sigma3_bar, eta_hat, and the density of these draws to the power -1."""
         frame = self.frame
-        box = [self._range(name) for name in ("sigma3", "sigma4")]
+        box = self._range("sigma3"), self._range("sigma4")
         most3, most4 = (max(map(abs, span)) for span in box)
         top = place.tilting + 0.5 * place.inertia3 * most3**2 + 0.5 * place.inertia4 * most4**2
         top = np.minimum(top, frame.energy[1])
         widest = np.minimum(widest_eta(top, self.delta, frame.disk), abs(place.c) * most3 + abs(place.a) * most4)
         if not (frame.free("sigma3") and frame.free("sigma4")):
             return self._on_segment(place, box, widest, next(columns))
-        low, high = ends_of_bar(place.a, place.c, *box, abs(place.a2) * widest, abs(place.c2) * widest)
+        low, high = ends_of_bar(
+            (place.a, *box[0], abs(place.a2) * widest), (place.c, *box[1], abs(place.c2) * widest)
+        )
         span = np.maximum(high - low, 0.0)
         bar = np.where(span > 0.0, low + span * next(columns), 0.0)
         half = self._half(place, bar, widest)
@@ -150,7 +154,7 @@ class Tube:
         return np.where(settled, np.minimum(half, widest), widest)
 
     def _on_segment(
-        self, place: "Place", box: list[Range], widest: Array, unit: Array
+        self, place: "Place", box: tuple[Range, Range], widest: Array, unit: Array
     ) -> tuple[Array, Array, Array]:
         """Where the box fixes sigma3 or sigma4: eta_hat is all that is drawn, and sets the free one."""
         fixed3 = not self.frame.free("sigma3")

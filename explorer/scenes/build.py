@@ -14,6 +14,7 @@ from explorer.sampling import Box, Range, StateFile, parse_range, parse_ranges
 from explorer.scenes.base import KEEP, SampledScene, Scene
 from explorer.scenes.beside import check_box, default_box
 from explorer.scenes.falling_set import Slice
+from explorer.scenes.measure_zero import SAMPLING
 from explorer.scenes.registry import scene_class
 
 MOST_SAMPLES = 10**12
@@ -51,6 +52,12 @@ def build_scene(
         "slices": _slices,
         "keep": lambda value: _one_of("--keep", value, KEEP),
         "states": _states,
+        "energy": lambda value: _range("--energy", value),
+        "gaussian": _text,
+        "density": lambda value: value,
+        "ladder": lambda value: _range("--ladder", value),
+        "tube": lambda value: whole("--tube", value, 2, 10**9),
+        "sampling": lambda value: _one_of("--sampling", value, SAMPLING),
         "grid": lambda value: whole("--grid", value, 2, 4000),
     }
     values.update({key: readers[key](value) for key, value in given.items()})
@@ -59,6 +66,13 @@ def build_scene(
     if issubclass(kind, SampledScene) and "samples" in values:
         values.setdefault("chunk_size", kind.default_chunk(values["samples"]))
     return kind(**values)
+
+
+def _text(value: Any) -> str:
+    """Gaussians as text; a mapping, as run.json has it, is written so."""
+    if isinstance(value, dict):
+        return ",".join(f"{name}={mean!r}:{deviation!r}" for name, (mean, deviation) in value.items())
+    return str(value)
 
 
 def _check_states(values: dict[str, Any]) -> None:
@@ -84,6 +98,10 @@ def scene_from_options(options: dict[str, Any]) -> Scene:
     if "box" in given:
         ends = {"phi": (0.0, 0.0), "sigma4": (0.0, 0.0)} | given["box"]
         given["box"] = Box(**{key: tuple(span) for key, span in ends.items()})
+    if isinstance(given.get("density"), dict):
+        raise InputError(
+            "this run has a density that was given in Python; go on with run(..., density=..., resume=True) there"
+        )
     if "slices" in given:
         several = [{key: tuple(span) for key, span in stored.items()} for stored in given["slices"]]
         given["slices"] = tuple(Slice(tuple(ranges.items())) for ranges in several)
@@ -167,7 +185,7 @@ def whole(option: str, value: Any, low: int, high: int) -> int:
 def _box(name: str, disk: Disk, value: Any) -> Box:
     if isinstance(value, Box):
         return value
-    if name == "falling-set":
+    if name in ("falling-set", "measure-zero"):
         return Box.parse(str(value), Box.default(disk))
     box = Box.parse(str(value), default_box(disk))
     check_box(box, tuple(parse_ranges(str(value), "--box")), name)

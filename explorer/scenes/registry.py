@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
 SCENES = {
     "falling-set": ("explorer.scenes.falling_set", "FallingSet"),
+    "measure-zero": ("explorer.scenes.measure_zero", "MeasureZero"),
     "one-sided": ("explorer.scenes.one_sided", "OneSided"),
     "race-angles": ("explorer.scenes.race_angles", "RaceAngles"),
 }

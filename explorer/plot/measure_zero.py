@@ -1,0 +1,97 @@
+"""Pictures of the law P(theta_min < delta) = C delta."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import NullFormatter
+
+from explorer.plot.style import DARK, FOURTH, MINUS, PLUS, SMALL, THIRD, axes_or_new, dress, legend
+from explorer.scenes.measure_zero_summary import PLATEAU, SHAPE_BINS, wrong_laws
+
+_SHARE = r"$P(\theta_{\min} < \delta)$"
+
+
+def falling_ladder(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
+    """Estimates with intervals over the ladder, the line C delta, and laws that it is not."""
+    ax = axes_or_new(ax)
+    rows = summary["ladder"]
+    delta = np.array([row["delta"] for row in rows])
+    constant = summary["constant_predicted"]
+    if constant > 0.0:
+        ax.loglog(delta, constant * delta, color=DARK, lw=1.2, label=rf"$C\,\delta$, $C={constant:.5f}$")
+        top = summary.get("law_limit", delta[0])
+        styles = {
+            "dimension_two": (FOURTH, ":", r"not: $\propto\delta^2$"),
+            "plateau": (THIRD, "--", f"not: falls with $10^{{{np.log10(PLATEAU):.0f}}}$"),
+        }
+        for name, (colour, style, label) in styles.items():
+            ax.loglog(delta, wrong_laws(constant, top)[name](delta), color=colour, ls=style, lw=1.6, label=label)
+    _points(ax, rows, "estimate", "interval_95_simultaneous", PLUS, "o", "tubes, 95 % (all at once)")
+    hits = [{"delta": row["delta"], **row["plain"]} for row in rows if row["count"]]
+    _points(ax, hits, "value", "interval_95", MINUS, "s", f"{summary['samples']:,} plain draws, 95 %")
+    bound = summary["upper_bound_95"]
+    ax.axhline(bound, color=MINUS, lw=1.0, ls="-.")
+    ax.annotate(
+        f"{summary['falls']} falls: at most {bound:.1e}",
+        (delta[-1], bound),
+        xytext=(2, 4),
+        textcoords="offset points",
+        fontsize=SMALL,
+        color=MINUS,
+    )
+    if constant > 0.0:
+        ax.set_ylim(0.1 * constant * delta[-1], 10.0)
+    legend(ax, loc="lower right")
+    ax.grid(alpha=0.3)
+    return dress(ax, r"$\delta$ (rad)", _SHARE, f"Falling has measure zero, {summary['disks'][0]['name']} disk")
+
+
+def _points(ax: Axes, rows: list[Any], value: str, interval: str, colour: str, marker: str, label: str) -> None:
+    if not rows:
+        return
+    x = np.array([row["delta"] for row in rows])
+    y = np.array([row[value] for row in rows])
+    low, high = np.array([row[interval] for row in rows]).T
+    shown = y > 0.0
+    spread = np.maximum(np.stack([y - low, high - y]), 0.0)[:, shown]
+    look: dict[str, Any] = {"fmt": marker, "color": colour, "ms": 5, "mfc": "none", "mew": 1.3, "capsize": 2}
+    ax.errorbar(x[shown], y[shown], spread, lw=1.2, label=label, **look)
+
+
+def _bars(ax: Axes, x: Any, y: Any, spread: Any, label: str) -> None:
+    ax.errorbar(x, y, spread, fmt="o", color=PLUS, ms=5, lw=1.4, capsize=3, label=label)
+
+
+def constant_convergence(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
+    """The estimate of C against the number of draws, with the prediction."""
+    ax = axes_or_new(ax)
+    rows, predicted = summary["convergence"], summary["constant_predicted"]
+    draws = np.array([row["draws"] for row in rows])
+    off = np.array([row["value"] for row in rows]) / predicted - 1.0
+    low, high = np.array([row["interval_95"] for row in rows]).T / predicted - 1.0
+    ax.axhline(0.0, color=DARK, lw=1.2, label=f"quadrature over F: $C={predicted:.6f}$")
+    name = "scrambled Sobol points" if summary["sampling"] == "sobol" else "independent draws"
+    _bars(ax, draws, off, np.stack([off - low, high - off]), f"{name}, 95 %")
+    guide = (high - off)[-1] * np.sqrt(draws[-1] / draws)
+    for sign, label in ((1.0, r"$N^{-1/2}$"), (-1.0, None)):
+        ax.plot(draws, sign * guide, color=MINUS, ls="--", lw=1.0, label=label)
+    ax.set_xscale("log")
+    ax.xaxis.set_minor_formatter(NullFormatter())
+    legend(ax, loc="upper right")
+    ax.grid(alpha=0.3)
+    return dress(ax, "draws in tubes", "estimate of $C$ / prediction $-\\,1$", "How the estimate of $C$ settles")
+
+
+def tilt_density(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
+    """theta_min / delta of the hits against the constant density that the law predicts."""
+    ax = axes_or_new(ax)
+    found = summary["splits"]["tilt"]
+    middle = (np.arange(SHAPE_BINS) + 0.5) / SHAPE_BINS
+    share, error = np.array(found["share"]) * SHAPE_BINS, np.array(found["error"]) * SHAPE_BINS
+    ax.axhline(1.0, color=DARK, lw=1.2, label="predicted")
+    _bars(ax, middle, share, 1.96 * error, "draws, 95 %")
+    legend(ax, loc="upper right")
+    ax.grid(alpha=0.3)
+    title = f"Density of the smallest tilt, p-value {found['p_value']:.2g}"
+    return dress(ax, r"$\theta_{\min}/\delta$", "density", title)

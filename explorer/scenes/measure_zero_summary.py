@@ -1,0 +1,325 @@
+"""What scene measure-zero makes of its sums: estimates, fits, tests and how the probability splits."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from explorer import laws, statistics
+from explorer.falling_constant import constant_of
+from explorer.laws import Estimate, Ladder, Law
+from explorer.scenes.base import Chunks, Tally
+from explorer.states import Array
+
+if TYPE_CHECKING:
+    from explorer.scenes.measure_zero import MeasureZero
+
+SHAPE_BINS = 20  # of theta_min / delta
+# Laws that it is not: what is put in their place.
+PLATEAU, OFF = 1e-6, 0.02
+
+
+@dataclass(frozen=True)
+class Tubes:
+    """Sums of the batches of every tube: arrays (rungs, 2 sides, batches, ...), side +1 first."""
+
+    by_batches: bool
+    draws: Array
+    sum: Array
+    squares: Array
+    sum_eta_positive: Array
+    hits: Array
+    unresolved: Array
+    energy: Array
+    energy_squares: Array
+    tilt: Array
+    tilt_squares: Array
+
+    @classmethod
+    def of(cls, tallies: list[Tally], rungs: int, by_batches: bool) -> "Tubes":
+        columns = {}
+        for name in _COLUMNS:
+            values = np.array([tally[name] for tally in tallies], np.float64)
+            columns[name] = values.reshape(rungs, 2, -1, *values.shape[1:])
+        return cls(by_batches, **columns)
+
+    def first(self, batches: int) -> "Tubes":
+        """Only the first batches of every tube."""
+        return Tubes(self.by_batches, **{name: getattr(self, name)[:, :, :batches] for name in _COLUMNS})
+
+    def estimate(self, rung: int, side: int) -> Estimate:
+        """P(theta_min < delta) on one side of F."""
+        return self.mean(self.sum[rung, side], self.squares[rung, side], self.draws[rung, side])
+
+    def mean(self, sums: Array, squares: Array, draws: Array) -> Estimate:
+        """Mean of the draws of all batches; of Sobol points the batches, each a scramble, tell the error."""
+        count = float(draws.sum())
+        mean = math.fsum(sums) / count
+        if self.by_batches:
+            each = sums / draws
+            spread = float(((each - each.mean()) ** 2).sum()) / max(each.size - 1, 1)
+            return Estimate(mean, math.sqrt(spread / each.size), max(each.size - 1, 1))
+        variance = max(math.fsum(squares) / count - mean * mean, 0.0)
+        return Estimate(mean, math.sqrt(variance / max(count - 1.0, 1.0)), max(count - 1.0, 1.0))
+
+    def rung(self, rung: int) -> Estimate:
+        """P(theta_min < delta), both sides."""
+        return laws.total([self.estimate(rung, side) for side in (0, 1)])
+
+    def ladder(self, delta: Array) -> Ladder:
+        found = [self.rung(rung) for rung in range(delta.size)]
+        columns = zip(*((e.value, e.error, e.dof) for e in found), strict=True)
+        return Ladder(delta, *(np.array(column) for column in columns))
+
+    def effective_size(self, rung: int) -> float:
+        """Hits of equal weight that would say as much: (sum of weights)^2 / sum of their squares."""
+        squares = math.fsum(self.squares[rung].ravel())
+        return math.fsum(self.sum[rung].ravel()) ** 2 / squares if squares > 0.0 else 0.0
+
+
+_COLUMNS = tuple(Tubes.__annotations__)[1:]
+
+
+def summarise(scene: "MeasureZero", chunks: Chunks) -> dict[str, Any]:
+    tallies = list(chunks.tallies())
+    plain = [tally for tally in tallies if tally["kind"] == "plain"]
+    tubes = Tubes.of([t for t in tallies if t["kind"] == "tube"], scene.deltas.size, scene.sampling == "sobol")
+    status = statistics.add_counts(tally["status"] for tally in tallies)
+    falls = sum(tally["status"].get("falls", 0) for tally in plain)
+    below = np.sum([tally["hits"] for tally in plain], axis=0)
+    summary: dict[str, Any] = {
+        "samples": scene.samples,
+        "falls": falls,
+        "upper_bound_95": statistics.upper_bound(falls, scene.samples),
+        "status": status,
+        "constant_predicted": scene.constant.value,
+        "constant_predicted_error": scene.constant.error,
+        "ladder": _rows(scene, tubes, below),
+        "race": {key: sum(tally["race"][key] for tally in plain) for key in plain[0]["race"]},
+        "slope": None,
+        "constant": None,
+    }
+    ladder = tubes.ladder(scene.deltas)
+    tested = ladder.at(scene.deltas <= scene.law_limit)
+    if not (scene.constant.value > 0.0 and (tested.value > 0.0).all()):
+        return summary
+    summary["slope"] = _described(laws.fit_slope(tested))
+    summary["constant"] = _described(laws.fit_constant(tested))
+    summary["law_limit"] = scene.law_limit
+    summary |= _tests(scene, tested, below.sum(axis=1))
+    summary["power"] = _power(scene, tubes)
+    summary["splits"] = _splits(scene, tubes, ladder)
+    summary["convergence"] = _convergence(scene, tubes)
+    if scene.sampling == "sobol":
+        summary["sobol_gain"] = _gain(scene, tubes)
+    return summary
+
+
+def _described(found: Estimate) -> dict[str, Any]:
+    return {"value": found.value, "error": found.error, "interval_95": found.interval()}
+
+
+def _rows(scene: "MeasureZero", tubes: Tubes, below: Array) -> list[dict[str, Any]]:
+    """The ladder: counts of plain draws with exact intervals, and estimates from the tubes."""
+    level = laws.simultaneous(scene.deltas.size)
+    rows = []
+    for k, delta in enumerate(scene.deltas):
+        count, found = int(below[k].sum()), tubes.rung(k)
+        # A draw whose tilt is not known may be a hit or not.
+        unknown = math.fsum((tubes.unresolved[k] / tubes.draws[k].sum(axis=1, keepdims=True)).ravel())
+        rows.append(
+            {
+                "delta": float(delta),
+                "count": count,
+                "plain": statistics.share(count, scene.samples),
+                "estimate": found.value,
+                "error": found.error,
+                "interval_95": _widened(found.interval(), unknown),
+                "interval_95_simultaneous": _widened(found.interval(level), unknown),
+                "tube_draws": int(tubes.draws[k].sum()),
+                "tube_hits": int(tubes.hits[k].sum()),
+                "effective_sample_size": tubes.effective_size(k),
+                "unresolved": unknown,
+                "predicted": scene.constant.value * float(delta),
+            }
+        )
+    return rows
+
+
+def _widened(interval: list[float], unknown: float) -> list[float]:
+    return [max(interval[0], 0.0), interval[1] + unknown]
+
+
+def wrong_laws(constant: float, top: float) -> dict[str, Law]:
+    """Laws that codimension one rules out, by name; `top` is the largest delta they are compared at."""
+    return {
+        "dimension_two": lambda delta: constant * delta * (delta / top),
+        "plateau": lambda delta: constant * delta + PLATEAU,
+        "constant_off": lambda delta: constant * (1.0 + OFF) * delta,
+    }
+
+
+def _tests(scene: "MeasureZero", tested: Ladder, below: NDArray[np.int64]) -> dict[str, Any]:
+    """p-values of the law and of wrong ones, from tubes, from plain counts, and from both."""
+    constant = scene.constant
+    counts = below[scene.deltas <= scene.law_limit]
+    known: dict[str, Law] = {"law": lambda delta: constant.value * delta}
+    known |= wrong_laws(constant.value, float(tested.delta[0]))
+    apart: dict[str, dict[str, float]] = {"tubes": {}, "counts": {}}
+    for name, law in known.items():
+        apart["tubes"][name] = laws.ladder_p(tested, law, constant.error / constant.value)
+        apart["counts"][name] = laws.counts_p(tested.delta, counts, scene.samples, law)
+    together = {name: laws.either_p(apart["tubes"][name], apart["counts"][name]) for name in known}
+    return {"p_value": together, "p_value_tubes": apart["tubes"], "p_value_counts": apart["counts"]}
+
+
+def _relative_variance(tubes: Tubes, rungs: NDArray[np.intp]) -> float:
+    """Relative variance of one draw of a tube with both sides taken in turn, mean over the rungs."""
+    each = []
+    for rung in rungs:
+        found, draws = tubes.rung(int(rung)), tubes.draws[rung].sum()
+        each.append((found.error / found.value) ** 2 * draws)
+    return float(np.mean(each))
+
+
+def _power(scene: "MeasureZero", tubes: Tubes) -> dict[str, Any]:
+    """Draws with which the test rejects a wrong law, at 5 %, with probability 95 %."""
+    rungs = np.flatnonzero(scene.deltas <= scene.law_limit)
+    delta, constant = scene.deltas[rungs], scene.constant.value
+    variance = _relative_variance(tubes, rungs)
+
+    def right(delta: Array) -> Array:
+        return constant * delta
+
+    found: dict[str, Any] = {"relative_variance_of_a_draw": variance}
+    for name, law in wrong_laws(constant, float(delta[0])).items():
+        found[name] = {
+            "tube_draws": delta.size * laws.draws_to_reject(delta, right, law, variance),
+            "plain_draws": laws.plain_draws_to_reject(delta, right, law),
+        }
+    return found
+
+
+def _splits(scene: "MeasureZero", tubes: Tubes, ladder: Ladder) -> dict[str, Any]:
+    """By side, sign of eta, energy, and tilt; all shares of the rungs of the law but for the sign of eta."""
+    rungs = np.flatnonzero(scene.deltas <= scene.law_limit)
+    unit = scene.deltas[rungs]
+    sides = []
+    for side in (0, 1):
+        parts = [tubes.estimate(int(rung), side) for rung in rungs]
+        sides.append(laws.total(parts, 1.0 / (unit * unit.size)))
+    both = laws.total(sides)
+    error = math.hypot(sides[1].value * sides[0].error, sides[0].value * sides[1].error) / both.value**2
+    plus = Estimate(sides[0].value / both.value, error, both.dof)
+    return {
+        "side_plus": {**_described(plus), "predicted": scene.constant.plus / scene.constant.value},
+        "eta_positive": _signs(scene, tubes, ladder),
+        "energy": _by_energy(scene, tubes, rungs),
+        "tilt": _by_tilt(tubes, scene.deltas, rungs),
+    }
+
+
+def _signs(scene: "MeasureZero", tubes: Tubes, ladder: Ladder) -> list[dict[str, Any]]:
+    """(P(eta > 0) - P(eta < 0)) / P, rung by rung, and how much P itself is off C delta."""
+    rows = []
+    for k, delta in enumerate(scene.deltas):
+        # The sum over draws of +-weight has the same squares as that of weight.
+        net = 2.0 * tubes.sum_eta_positive[k] - tubes.sum[k]
+        signed = [tubes.mean(net[s], tubes.squares[k, s], tubes.draws[k, s]) for s in (0, 1)]
+        found = laws.total(signed, np.full(2, 1.0 / ladder.value[k]))
+        off = Estimate(ladder.value[k] / (scene.constant.value * delta), 0.0)
+        error = ladder.error[k] / (scene.constant.value * delta)
+        rows.append(
+            {
+                "delta": float(delta),
+                "asymmetry": found.value,
+                "asymmetry_interval_95": found.interval(),
+                "correction": off.value - 1.0,
+                "correction_interval_95": replace(off, value=off.value - 1.0, error=error).interval(),
+            }
+        )
+    return rows
+
+
+def _shares(tubes: Tubes, name: str, unit: Array, rungs: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Shares of the bins of a histogram of weights, and their standard errors.
+
+    Rungs count alike, whatever their delta. A share is a ratio: its error is that of (1 in the bin) - share.
+    """
+    scale = unit[:, None, None, None]
+    sums = getattr(tubes, name)[rungs] / scale
+    squares = getattr(tubes, f"{name}_squares")[rungs] / scale**2
+    bins, total = sums.sum(axis=(0, 1, 2)), sums.sum()
+    share = bins / total
+    own = squares.sum(axis=(0, 1, 2))
+    variance = own * (1.0 - 2.0 * share) + share**2 * own.sum()
+    return share, np.sqrt(np.maximum(variance, 0.0)) / total
+
+
+def _by_energy(scene: "MeasureZero", tubes: Tubes, rungs: NDArray[np.intp]) -> list[dict[str, Any]]:
+    edges = scene.energy_edges
+    if not edges.size:
+        return []
+    share, error = _shares(tubes, "energy", scene.deltas[rungs], rungs)
+    low, high = scene.source.energy
+    below = [0.0]
+    for edge in edges:
+        part = constant_of(scene.disk, replace(scene.source, energy=(low, float(edge))))
+        below.append(part.value * part.mass / (scene.constant.value * scene.constant.mass))
+    ends = [low, *map(float, edges), high]
+    return [
+        {
+            "energy_from": _finite(ends[i]),
+            "energy_to": _finite(ends[i + 1]),
+            "share": float(share[i]),
+            "error": float(error[i]),
+            "predicted": predicted,
+        }
+        for i, predicted in enumerate(np.diff([*below, 1.0]).tolist())
+    ]
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _by_tilt(tubes: Tubes, delta: Array, rungs: NDArray[np.intp]) -> dict[str, Any]:
+    """theta_min / delta of the hits: uniform, if the density of theta_min is constant near 0."""
+    share, error = _shares(tubes, "tilt", delta[rungs], rungs)
+    expected = 1.0 / SHAPE_BINS
+    with np.errstate(divide="ignore", invalid="ignore"):
+        squares = np.where(error > 0.0, ((share - expected) / error) ** 2, 0.0)
+    statistic = float(squares.sum()) * (1.0 - expected)
+    return {
+        "share": share.tolist(),
+        "error": error.tolist(),
+        "predicted": expected,
+        "p_value": float(chi2.sf(statistic, SHAPE_BINS - 1)),
+    }
+
+
+def _convergence(scene: "MeasureZero", tubes: Tubes) -> list[dict[str, Any]]:
+    """C from the first 1, 2, 4 ... batches of every tube."""
+    batches, rows = tubes.draws.shape[2], []
+    rungs = scene.deltas <= scene.law_limit
+    counts = [2**j for j in range(30) if 2**j < batches] + [batches]
+    for count in counts:
+        if scene.sampling == "sobol" and count < 4:
+            continue
+        some = tubes.first(count)
+        found = laws.fit_constant(some.ladder(scene.deltas).at(rungs))
+        rows.append({"draws": int(some.draws[rungs].sum()), **_described(found)})
+    return rows
+
+
+def _gain(scene: "MeasureZero", tubes: Tubes) -> float:
+    """Variance of independent draws over that of Sobol points, the same number of each; over the law's rungs."""
+    alone = replace(tubes, by_batches=False)
+    variance = []
+    for kind in (alone, tubes):
+        ladder = kind.ladder(scene.deltas).at(scene.deltas <= scene.law_limit)
+        variance.append(float(((ladder.error / ladder.value) ** 2).mean()))
+    return variance[0] / variance[1]
