@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from explorer.errors import RunError as RunError
     from explorer.falling import falls as falls
     from explorer.falling_constant import falling_constant as falling_constant
+    from explorer.invariance import flow_stretch as flow_stretch
+    from explorer.invariance import push_forward as push_forward
     from explorer.limits import limit_motion as limit_motion
     from explorer.motions import simulate as simulate
     from explorer.passage import passage_forces as passage_forces
@@ -37,12 +39,14 @@ _HOMES = {
     "constants_to_states": "states",
     "falls": "falling",
     "falling_constant": "falling_constant",
+    "flow_stretch": "invariance",
     "limit_motion": "limits",
     "passage_forces": "passage",
     "passages": "passage",
     "periods": "passage",
     "phi_to_states": "states",
     "plot": "",
+    "push_forward": "invariance",
     "run": "api",
     "simulate": "motions",
     "theta_to_states": "states",

@@ -11,6 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import cubature
+from scipy.special import ndtr
 
 from explorer.density import ANY_ENERGY, Density
 from explorer.disk import Disk
@@ -20,24 +21,29 @@ from explorer.states import COORDINATES, Array
 
 _HALF_PI = 0.5 * math.pi
 # Panels are halved until the result changes by less than this, relatively, or as often as is bearable.
-_TOLERANCE = 1e-7
+TOLERANCE = 1e-7
+_ROUGH = 1e-4  # with this one panel does
 _FINEST = 4
 _NODES = 12  # of the rule on a panel
 _MOST_PARTS = 100  # of the range of phi
 # Points a side at which the density at flat is looked at, and what counts as zero: cos of pi/2 in doubles.
 _FACE, _VANISHING = 13, 1e-12
 # Distances from the middle of a Gaussian, in standard deviations, where panels end.
-_BELL = (-7.0, -3.0, 0.0, 3.0, 7.0)
+_BELL = (-5.0, 0.0, 5.0)
 
 
-def refined(integral: Callable[[int], tuple[float, float]], finest: int = _FINEST) -> tuple[float, float]:
+def refined(
+    integral: Callable[[int], tuple[float, float]], tolerance: float, finest: int = _FINEST
+) -> tuple[float, float]:
     """integral(m), m panels in place of one, for m = 1, 2, 4 ... until it settles; with its error."""
-    panels, (last, _) = 1, integral(1)
+    panels, (last, error) = 1, integral(1)
+    if tolerance >= _ROUGH:
+        return last, error
     while True:
         panels *= 2
         value, error = integral(panels)
         change = abs(value - last)
-        if change <= _TOLERANCE * abs(value) or panels >= finest:
+        if change <= tolerance * abs(value) or panels >= finest:
             return value, error + change
         last = value
 
@@ -50,7 +56,9 @@ def difference(f: Callable[[float], tuple[float, float]], energy: Range) -> tupl
     return upper[0] - lower[0], upper[1] + lower[1]
 
 
-def along(f: Callable[[Array], Array], pieces: Sequence[Range], at_once: int) -> tuple[float, float]:
+def along(
+    f: Callable[[Array], Array], pieces: Sequence[Range], at_once: int, tolerance: float
+) -> tuple[float, float]:
     """Integral of f (n) -> (n) over pieces of the range of phi; f at phi where a piece is a point.
 
     at_once: how many values of phi fit into memory together with all nodes of the other coordinates.
@@ -71,7 +79,7 @@ def along(f: Callable[[Array], Array], pieces: Sequence[Range], at_once: int) ->
             total += float(f(np.array([low]))[0])
             continue
         found = cubature(
-            in_parts, [-_HALF_PI], [_HALF_PI], rtol=_TOLERANCE, atol=1e-300, max_subdivisions=_MOST_PARTS
+            in_parts, [-_HALF_PI], [_HALF_PI], rtol=tolerance, atol=1e-300, max_subdivisions=_MOST_PARTS
         )
         total, error = total + float(found.estimate), error + float(found.error)
     return total, error
@@ -100,6 +108,7 @@ class Frame:
 
     disk: Disk
     density: Density
+    tolerance: float = TOLERANCE
 
     @property
     def energy(self) -> Range:
@@ -130,14 +139,29 @@ class Frame:
 
     def mass(self) -> tuple[float, float]:
         """Integral of the density, and its error."""
-        if self.density.flat_box and self.density.energy == ANY_ENERGY:
-            ends = [self.range(name) for name in COORDINATES if self.free(name)]
-            return math.prod(high - low for low, high in ends), 0.0
-        return difference(lambda level: refined(lambda m: self._below(level, m), 2), self.energy)
+        if self.density.function is None and self.density.energy == ANY_ENERGY:
+            return math.prod(self._one(name) for name in COORDINATES if self.free(name)), 0.0
+        # With a bound of the energy there are more ends of panels, and more panels to begin with.
+        finest = _FINEST if self.density.energy == ANY_ENERGY else 2
+        return difference(
+            lambda level: refined(lambda m: self._below(level, m), self.tolerance, finest), self.energy
+        )
+
+    def _one(self, name: str) -> float:
+        """Integral of the factor of one coordinate over the box."""
+        low, high = self.range(name)
+        pairs = dict(self.density.gaussian)
+        if name not in pairs:
+            return high - low
+        mean, deviation = (value / self.unit(name) for value in pairs[name])
+        ends = (low - mean) / deviation, (high - mean) / deviation
+        # Of the two tails the smaller: no cancellation far from the middle.
+        share = ndtr(-ends[0]) - ndtr(-ends[1]) if ends[0] > 0.0 else ndtr(ends[1]) - ndtr(ends[0])
+        return math.sqrt(2.0 * math.pi) * deviation * float(share)
 
     def _below(self, energy: float, panels: int) -> tuple[float, float]:
         """Integral of the density over energies up to `energy`."""
-        return along(lambda phi: self._over_rates(phi, energy, panels), self.pieces([]), 1)
+        return along(lambda phi: self._over_rates(phi, energy, panels), self.pieces([]), 1, self.tolerance)
 
     def pieces(self, middle: Sequence[float]) -> list[Range]:
         """The range of phi, cut at the vertical, at Gaussians' middles, and at some more."""

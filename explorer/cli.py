@@ -34,7 +34,12 @@ _OPTIONS = (
     ("--states", "states", "FILE", "falling-set: Parquet file with columns phi, phidot, sigma3, sigma4"),
     ("--accuracy", "accuracy", "TOL", "absolute error of angles, relative of times and tilts (default 1e-6)"),
     ("--method", "method", "NAME", "auto, quadrature, rk4, rk8, dopri5 or dop853 (default auto)"),
-    ("--energy", "energy", "LOW:HIGH", "measure-zero: only states with an energy in this range (-inf:3)"),
+    (
+        "--energy",
+        "energy",
+        "LOW:HIGH",
+        "measure-zero: only states of an energy in this range; :HIGH, LOW: too",
+    ),
     ("--gaussian", "gaussian", "BELLS", 'measure-zero: "phidot=MEAN:DEVIATION,..." instead of uniform in the box'),
     ("--ladder", "ladder", "LOW:HIGH", "measure-zero: tilts delta in rad, by decades (default 1e-15:1e-1)"),
     ("--tube", "tube", "N", "measure-zero: draws per delta and side in tubes beside F (default 262144)"),

@@ -29,6 +29,7 @@ _MODULES = (
     "steps",
     "tables",
     "trajectory",
+    "variation",
 )
 _LOCK = threading.RLock()
 

@@ -64,7 +64,7 @@ class Density:
         cls,
         disk: Disk,
         box: "Box | str | None" = None,
-        energy: Range | None = None,
+        energy: Any = None,
         gaussian: str | None = None,
         density: Function | None = None,
     ) -> "Density":
@@ -72,7 +72,19 @@ class Density:
         if box is None or isinstance(box, str):
             box = Box.parse(box, Box.default(disk)) if box else Box.default(disk)
         bells = tuple(parse_ranges(gaussian, "--gaussian").items()) if gaussian else ()
-        return cls(box, ANY_ENERGY if energy is None else energy, bells, density)
+        return cls(box, ANY_ENERGY if energy is None else cls.parse_energy(energy), bells, density)
+
+    @staticmethod
+    def parse_energy(value: Any) -> Range:
+        """(low, high) from "LOW:HIGH", ":HIGH", "LOW:" or a pair, where None is no bound. Raises InputError."""
+        try:
+            low, high = value.split(":") if isinstance(value, str) else value
+            return (
+                -math.inf if low is None or low == "" else float(low),
+                math.inf if high is None or high == "" else float(high),
+            )
+        except (TypeError, ValueError):
+            raise InputError(f"--energy {value!r} is not a range; write LOW:HIGH, :HIGH or LOW:") from None
 
     @property
     def flat_box(self) -> bool:
@@ -154,7 +166,7 @@ class Density:
         """What run.json says. A function is identified by its values at fixed points of the box."""
         described: dict[str, Any] = {"box": self.box.describe()}
         if self.energy != ANY_ENERGY:
-            described["energy"] = list(self.energy)
+            described["energy"] = [end if math.isfinite(end) else None for end in self.energy]
         if self.gaussian:
             described["gaussian"] = {name: list(pair) for name, pair in self.gaussian}
         if self.function is not None:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from explorer import compiled
-from explorer.box_integrals import Frame, along, difference, panels_between, refined
+from explorer.box_integrals import TOLERANCE, Frame, along, difference, panels_between, refined
 from explorer.density import ANY_ENERGY, Density, Function
 from explorer.disk import Disk
 from explorer.errors import InputError
@@ -51,24 +51,25 @@ def falling_constant(
     disk: Disk,
     box: Box | str | None = None,
     *,
-    energy: Range | None = None,
+    energy: str | tuple[float | None, float | None] | None = None,
     gaussian: str | None = None,
     density: Function | None = None,
 ) -> FallingConstant:
     """C of P(theta_min < delta) = C delta for states drawn from a density.
 
     box: as for `run` (default: the vertical, rates within two natural units). energy: (low, high), only states
-    in this range. gaussian: "phidot=MEAN:DEVIATION,...". density: a function of (phi, phidot, sigma3, sigma4),
-    arrays in the units of the disk, not negative; no need to normalise it. Needs I3 > 0. Raises InputError.
+    in this range; None is no bound. gaussian: "phidot=MEAN:DEVIATION,...". density: a function of (phi, phidot,
+    sigma3, sigma4), arrays in the units of the disk, not negative; no need to normalise it. Needs I3 > 0.
+    Raises InputError.
     Source: sections 6.2 and 7.1 of the paper for F, A and eta.
     """
     require_axial_inertia(disk)
     return constant_of(disk, Density.of(disk, box, energy, gaussian, density))
 
 
-def constant_of(disk: Disk, density: Density) -> FallingConstant:
-    """As falling_constant, of a Density."""
-    frame = Frame(disk, density)
+def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> FallingConstant:
+    """As falling_constant, of a Density; tolerance: relative error to try for."""
+    frame = Frame(disk, density, tolerance)
     mass, mass_error = frame.mass()
     if not mass > 0.0:
         raise InputError(_NOTHING.format("--energy" if density.energy != ANY_ENERGY else "density"))
@@ -92,7 +93,7 @@ class Sided:
     side: int
 
     def __call__(self, energy: float) -> tuple[float, float]:
-        return refined(Line(self.frame, self.side, energy).integral)
+        return refined(Line(self.frame, self.side, energy).integral, self.frame.tolerance)
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ class Line:
         middle = [turn, *(-math.acos(1.0 - level) for level in kinetic if level < 2.0)]
         given = frame.pieces([self.side * m for m in middle])
         pieces = [(a, b) if self.side > 0 else (-b, -a) for a, b in given]
-        return along(lambda phi: self._at(phi, panels), pieces, 32 if self.frame.even else 1)
+        return along(lambda phi: self._at(phi, panels), pieces, 32 if frame.even else 1, frame.tolerance)
 
     def _rates(self, name: str) -> Range:
         low, high = self.frame.range(name)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from explorer import models
+from explorer.density import Density
 from explorer.disk import Disk
 from explorer.errors import InputError
 from explorer.sampling import Box, Range, StateFile, parse_range, parse_ranges
@@ -52,7 +53,7 @@ def build_scene(
         "slices": _slices,
         "keep": lambda value: _one_of("--keep", value, KEEP),
         "states": _states,
-        "energy": lambda value: _range("--energy", value),
+        "energy": Density.parse_energy,
         "gaussian": _text,
         "density": lambda value: value,
         "ladder": lambda value: _range("--ladder", value),

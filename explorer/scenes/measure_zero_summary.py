@@ -10,9 +10,11 @@ from scipy.stats import chi2
 
 from explorer import laws, statistics
 from explorer.falling_constant import constant_of
+from explorer.invariance import flow_stretch, push_forward
 from explorer.laws import Estimate, Ladder, Law
+from explorer.sampling import chunk_stream
 from explorer.scenes.base import Chunks, Tally
-from explorer.states import Array
+from explorer.states import Array, phi_to_states
 
 if TYPE_CHECKING:
     from explorer.scenes.measure_zero import MeasureZero
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
 SHAPE_BINS = 20  # of theta_min / delta
 # Laws that it is not: what is put in their place.
 PLATEAU, OFF = 1e-6, 0.02
+_ROUGHLY = 1e-4  # relative error of the predicted shares of energies, below those of the draws
+# For the invariance of the measure: states, their stream, and a time in natural units.
+_FOLLOWED, _INVARIANCE, _LATER = 256, (1 << 40) + 1, 5.0
 
 
 @dataclass(frozen=True)
@@ -98,6 +103,7 @@ def summarise(scene: "MeasureZero", chunks: Chunks) -> dict[str, Any]:
         "constant_predicted": scene.constant.value,
         "constant_predicted_error": scene.constant.error,
         "ladder": _rows(scene, tubes, below),
+        "invariance": _invariance(scene),
         "race": {key: sum(tally["race"][key] for tally in plain) for key in plain[0]["race"]},
         "slope": None,
         "constant": None,
@@ -116,6 +122,18 @@ def summarise(scene: "MeasureZero", chunks: Chunks) -> dict[str, Any]:
     if scene.sampling == "sobol":
         summary["sobol_gain"] = _gain(scene, tubes)
     return summary
+
+
+def _invariance(scene: "MeasureZero") -> dict[str, float]:
+    """Whether the measure is one: the flow's determinant, and states pushed forward."""
+    start = scene.source.draw(scene.disk, chunk_stream(scene.seed, _INVARIANCE), _FOLLOWED)
+    found = flow_stretch(phi_to_states(scene.disk, **start))
+    time = _LATER * scene.disk.time_unit
+    return {
+        "determinant_error": float(np.nanmax(abs(found.determinant - 1.0))),
+        "determinant_rounding": float(np.nanmax(found.rounding)),
+        "push_forward_p_value": push_forward(scene.disk, time, seed=scene.seed).p_value,
+    }
 
 
 def _described(found: Estimate) -> dict[str, Any]:
@@ -267,7 +285,7 @@ def _by_energy(scene: "MeasureZero", tubes: Tubes, rungs: NDArray[np.intp]) -> l
     low, high = scene.source.energy
     below = [0.0]
     for edge in edges:
-        part = constant_of(scene.disk, replace(scene.source, energy=(low, float(edge))))
+        part = constant_of(scene.disk, replace(scene.source, energy=(low, float(edge))), _ROUGHLY)
         below.append(part.value * part.mass / (scene.constant.value * scene.constant.mass))
     ends = [low, *map(float, edges), high]
     return [
