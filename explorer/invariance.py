@@ -28,8 +28,8 @@ class Stretch:
     """The flow's derivative along motions.
 
     time (n): in the units of the disk. matrix (n, 4, 4): of (phi, phidot, sigma3, sigma4) at that time by the
-    same at the start, natural units. determinant (n): 1 for a measure that is invariant. rounding (n): what
-    rounding may do to it, since near flat the flow stretches by 1/theta_min one way and shrinks the other.
+    same at the start, natural units. determinant (n): 1 for a measure that is invariant. rounding (n): the
+    order of what rounding does to it, near flat the flow stretches one way and shrinks another.
     """
 
     time: Array

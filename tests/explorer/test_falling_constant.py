@@ -1,0 +1,171 @@
+import math
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer.density import Density
+from explorer.falling import could_fall, impact_speed
+from explorer.falling_constant import constant_of, falling_constant
+from explorer.states import natural_constants, phi_to_states
+
+FULL = f"phi={-0.5 * math.pi!r}:{0.5 * math.pi!r}"
+
+
+def by_grid(disk, box, points, energy=math.inf):
+    """The same integral the slow way: midpoints of the box without sigma4, which the line itself sets."""
+    names = ("phi", "phidot", "sigma3")
+    axes, volume = [], 1.0
+    for name in names:
+        low, high = box[name]
+        count = points if low < high else 1
+        axes.append(low + (high - low) * (np.arange(count) + 0.5) / count)
+        volume *= (high - low) if low < high else 1.0
+    phi, phidot, sigma3 = (a.ravel() for a in np.meshgrid(*axes, indexing="ij"))
+    low, high = box["sigma4"]
+    total, b = 0.0, disk.body
+    for side in (1, -1):
+        # eta is linear in sigma4: two states give the line.
+        row = 1 if side > 0 else 2
+        etas = [natural_constants(phi_to_states(disk, phi, phidot, sigma3, s4))[row] for s4 in (0.0, 1.0)]
+        slope = etas[1] - etas[0]
+        sigma4 = -etas[0] / slope
+        states = phi_to_states(disk, phi, phidot, sigma3, sigma4)
+        found = natural_constants(states)
+        member = could_fall(states, found)[0 if side > 0 else 1]
+        member &= (sigma4 >= low) & (sigma4 <= high) & (found[3] <= energy)
+        A = np.where(member, impact_speed(disk, found[0], found[3]), 0.0)
+        total += (2.0 * A * math.sqrt(b.I1 * b.M) / abs(slope)).mean() * volume
+    return total
+
+
+KNOWN = {"uniform": 1.46927077, "hoop": 1.21297997, "matching": 1.34905541}
+
+
+@pytest.mark.parametrize(("name", "value"), KNOWN.items())
+def test_the_default_box_gives_the_known_constant(name, value):
+    """The first stands in the mathematics to six digits, the others are ours, checked by the grids below."""
+    found = falling_constant(BODIES[name])
+    assert found.value == pytest.approx(value, abs=1e-7)
+    assert found.error < 1e-8
+    assert found.plus == pytest.approx(found.minus, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["uniform", "hoop", "thick"])
+@pytest.mark.parametrize(
+    "box",
+    [
+        "phi=0.4",
+        "phi=-0.9,phidot=-1:2",
+        "phi=-1.1:0.2,sigma3=-0.5:1",
+        "phi=-1:1,phidot=0.3",
+        "phi=-0.6:1.2,sigma3=0.2:0.4,sigma4=-0.3:1",
+    ],
+)
+def test_quadrature_agrees_with_a_grid_of_states_on_the_line(name, box):
+    """Membership by `could_fall`, A by `impact_speed`, the line from two states: nothing in common but F."""
+    disk = BODIES[name]
+    density = Density.of(disk, box)
+    found = constant_of(disk, density)
+    ends = density.box.describe()
+    tilted = "phi" in density.box.free
+    slow = by_grid(disk, ends, 60 if tilted and "phidot" in density.box.free else (400 if tilted else 1600))
+    slow /= math.prod(ends[n][1] - ends[n][0] for n in density.box.free)
+    assert found.value == pytest.approx(slow, rel=1e-2 if tilted else 4e-3)
+    assert found.error < 1e-5 * found.value
+
+
+def test_an_energy_cut_agrees_with_a_grid():
+    disk = ex.Disk.uniform()
+    density = Density.of(disk, "phi=-1:1", (None, 2.0))
+    found = constant_of(disk, density)
+    slow = by_grid(disk, density.box.describe(), 60, energy=2.0) / found.mass
+    assert found.value == pytest.approx(slow, rel=1e-2)
+
+
+def test_the_mass_of_an_energy_cut_is_the_volume_of_its_ellipsoids():
+    """A box that holds all states of an energy: 4/3 pi times the axes, integrated over phi in closed form."""
+    disk = ex.Disk.uniform()
+    b, E = disk.body, 1.8
+    found = falling_constant(disk, FULL + ",phidot=-9:9,sigma3=-9:9,sigma4=-9:9", energy=(None, E))
+    phi = 0.5 * math.pi * np.sin(0.5 * math.pi * (np.arange(20_000) + 0.5) / 10_000 - 0.5 * math.pi)
+    step = 0.25 * math.pi**2 * np.cos(0.5 * math.pi * (np.arange(20_000) + 0.5) / 10_000 - 0.5 * math.pi) / 10_000
+    axes = (2.0 * (E - np.cos(phi))) ** 1.5 * np.cos(phi) / math.sqrt(b.M * b.J * b.I1)
+    assert found.mass == pytest.approx(float((4.0 / 3.0 * math.pi * axes * step).sum()), rel=1e-6)
+
+
+def test_energy_shells_add_up():
+    disk = ex.Disk.hoop()
+    shells = [falling_constant(disk, "phi=-0.8:0.8", energy=e) for e in ((None, 2.0), (2.0, 3.0), (3.0, None))]
+    whole = falling_constant(disk, "phi=-0.8:0.8")
+    assert sum(s.mass for s in shells) == pytest.approx(whole.mass, rel=1e-6)
+    assert sum(s.mass * s.value for s in shells) == pytest.approx(whole.mass * whole.value, rel=1e-5)
+
+
+def test_units_do_not_matter():
+    natural = falling_constant(ex.Disk.hoop(), "phi=-0.5:0.7,sigma3=-1:2")
+    disk = ex.Disk.hoop(m=3.0, r=0.2, g=9.81)
+    u = disk.rate_unit
+    scaled = f"phi=-0.5:0.7,phidot={-2 * u}:{2 * u},sigma3={-u}:{2 * u},sigma4={-2 * u}:{2 * u}"
+    assert falling_constant(disk, scaled).value == pytest.approx(natural.value, rel=1e-6)
+
+
+def test_a_density_and_its_mirror_image_change_sides():
+    """Eq. (3.2): (phi, sigma4) -> (-phi, -sigma4)."""
+    one = falling_constant(ex.Disk.uniform(), "phi=-0.2:0.9,sigma4=-0.5:1.5,phidot=-1:2")
+    other = falling_constant(ex.Disk.uniform(), "phi=-0.9:0.2,sigma4=-1.5:0.5,phidot=-2:1")
+    assert one.plus == pytest.approx(other.minus, rel=1e-6)
+    assert one.plus != pytest.approx(one.minus, rel=1e-2)
+
+
+def test_gaussians_in_words_and_in_python_agree():
+    disk = ex.Disk.uniform()
+    words = falling_constant(disk, gaussian="sigma3=0.3:0.5,phidot=0:1")
+
+    def bell(phi, phidot, sigma3, sigma4):
+        return 7.0 * np.exp(-0.5 * ((sigma3 - 0.3) / 0.5) ** 2 - 0.5 * phidot**2)
+
+    assert falling_constant(disk, density=bell).value == pytest.approx(words.value, rel=1e-6)
+    assert words.value != pytest.approx(falling_constant(disk).value, rel=1e-2)
+
+
+def test_a_narrow_gaussian_is_not_missed():
+    disk, box = ex.Disk.uniform(), "sigma3=-2:2,sigma4=-2:2"
+    found = falling_constant(disk, box, gaussian="sigma3=1:1e-4,phidot=1:1e-4")
+    at = falling_constant(disk, "phidot=0.9999:1.0001,sigma3=0.9999:1.0001")
+    assert found.value == pytest.approx(at.value, rel=1e-5)
+
+
+def test_a_box_beside_the_lines_has_no_constant():
+    assert falling_constant(ex.Disk.uniform(), "sigma3=1:2,sigma4=-0.1:0.1").value == 0.0
+
+
+def test_a_density_that_does_not_vanish_at_flat_has_none_unless_the_energy_is_bounded():
+    disk = ex.Disk.uniform()
+    assert falling_constant(disk, FULL).value == math.inf
+    vanishing = Density.of(disk, FULL, density=lambda phi, *_: np.cos(phi) ** 2)
+    assert constant_of(disk, vanishing, 1e-3).value < math.inf
+    assert falling_constant(disk, FULL, energy=":3").value == pytest.approx(2.1468059, abs=2e-6)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"box": "sigma3=1,sigma4=0.5"}, "sigma3 and sigma4 are both fixed"),
+        ({"box": "sigma3=2:1"}, "is empty"),
+        ({"energy": (3.0, 2.0)}, "is empty"),
+        ({"energy": "some"}, "is not a range"),
+        ({"energy": (None, 0.5)}, "zero in all of the box"),
+        ({"gaussian": "phi=0:1"}, "the box fixes it"),
+        ({"gaussian": "sigma3=0:-1"}, "MEAN:DEVIATION"),
+        ({"density": 3.0}, "cannot be called"),
+        ({"density": lambda *_: np.nan}, "is nan at phi = 0"),
+        ({"density": lambda phi, phidot, s3, s4: s3}, "not negative"),
+        ({"density": lambda *_: 0.0}, "zero in all of the box"),
+        ({"density": lambda *_: np.ones(3)}, "one number for every state"),
+    ],
+)
+def test_bad_input_is_named(options, message):
+    with pytest.raises(ex.InputError, match=message):
+        falling_constant(ex.Disk.uniform(), **options)

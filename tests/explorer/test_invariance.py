@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+
+
+@pytest.mark.parametrize("name", ["uniform", "hoop", "matching", "thick"])
+@pytest.mark.parametrize("steps", [20, 200, 800])
+def test_the_flow_has_determinant_one(name, steps):
+    """|det - 1| < 1e-10 along motions through many passages: the measure is invariant."""
+    disk = BODIES[name]
+    draw = np.random.default_rng(steps).uniform
+    given = draw(-1.3, 1.3, 300), *(disk.rate_unit * draw(-2.0, 2.0, (3, 300)))
+    known = ex.constants(disk, *given)
+    away = np.fmin(abs(known.eta_hat_plus), abs(known.eta_hat_minus)) > 0.05 * disk.rate_unit
+    found = ex.flow_stretch(ex.phi_to_states(disk, *(column[away] for column in given)), steps=steps)
+    assert away.sum() > 150
+    assert found.time.max() > 0.03 * steps * disk.time_unit
+    assert abs(found.determinant - 1.0).max() < 1e-10
+
+
+@pytest.mark.parametrize("eta_hat", [1e-2, -1e-3, 1e-4, -1e-5, 1e-6])
+@pytest.mark.parametrize("steps", [100, 250, 400])
+def test_the_determinant_stays_one_beside_f_to_the_rounding_of_its_stretch(eta_hat, steps):
+    """Beside F the flow stretches by 1/eta, and so does rounding; nothing else does."""
+    states = ex.constants_to_states(ex.Disk.uniform(), 1.0, eta_hat, 1.0)
+    found = ex.flow_stretch(states, steps=steps)
+    assert abs(found.determinant[0] - 1.0) < 1e-12 + 1e-14 / abs(eta_hat)
+
+
+def test_states_of_the_measure_are_distributed_as_before_and_others_are_not():
+    disk = ex.Disk.hoop()
+    good = ex.push_forward(disk, 4.0, 10_000, seed=2)
+    assert good.failed == 0
+    assert good.p_value > 0.01
+    bad = ex.push_forward(disk, 4.0, 10_000, seed=2, twist=1.0)
+    assert bad.p_value < 1e-6
+
+
+def test_p_values_of_the_invariant_measure_are_spread_evenly():
+    """Eleven independent tests: neither all small nor all large."""
+    disk = ex.Disk.uniform(m=2.0, r=0.3, g=9.81)
+    time = 3.0 * disk.time_unit
+    cells = [ex.push_forward(disk, time, 4000, seed=s).p_values["cells"] for s in range(11)]
+    assert min(cells) > 1e-3
+    assert 0.1 < np.median(cells) < 0.9
+
+
+def test_bad_input_is_named():
+    disk = ex.Disk.uniform()
+    with pytest.raises(ex.InputError, match="an upright disk"):
+        ex.push_forward(disk, 1.0, energy=0.5)
+    with pytest.raises(ex.InputError, match="at least one step"):
+        ex.flow_stretch(ex.phi_to_states(disk, 0.0, 1.0, 1.0, 1.0), steps=0)

@@ -1,0 +1,273 @@
+import itertools
+import json
+import math
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer import laws
+from explorer.density import Density
+from explorer.falling_constant import constant_of
+from explorer.laws import Ladder
+from explorer.models import plan
+from explorer.motions import smallest_tilt
+from explorer.scenes.base import Chunks
+from explorer.scenes.build import build_scene
+from explorer.states import natural_constants, phi_to_states
+from explorer.tubes import Place, dimensions, draw_tube, widest_eta
+
+SMALL = {"samples": 40_000, "tube": 2048}
+
+
+def summary_of(**options):
+    scene = build_scene("measure-zero", **options)
+    done = [scene.process(index) for index in range(scene.chunks())]
+    tallies = [json.loads(json.dumps(tally)) for _, tally in done]
+    chunks = Chunks(tallies=lambda: iter(tallies), tables=lambda: iter([table for table, _ in done]))
+    return scene, scene.summarise(chunks), chunks
+
+
+@pytest.fixture(scope="module")
+def uniform():
+    return summary_of(**SMALL)
+
+
+@pytest.mark.parametrize("disk", ["uniform", "hoop", "matching"])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"box": "phi=-1:1"},
+        {"box": "phi=-1.5:1.5", "energy": ":3"},
+        {"box": "phi=-0.5:1,sigma4=0.3"},
+        {"box": "phi=0.2", "gaussian": "sigma3=0:0.7,phidot=0.5:0.4"},
+        {"sampling": "sobol"},
+    ],
+    ids=["vertical", "tilted", "energy", "fixed", "gaussian", "sobol"],
+)
+def test_slope_and_constant_are_those_of_codimension_one(disk, options):
+    """Every estimate within 4 standard errors, and errors as small as the draws allow."""
+    _, found, _ = summary_of(disk=disk, samples=4096, tube=2048, **options)
+    assert found["falls"] == 0
+    followed = sum(count for name, count in found["status"].items() if name != "not followed")
+    assert found["status"]["ok"] == followed
+    slope, constant = found["slope"], found["constant"]
+    assert abs(slope["value"] - 1.0) < 4.0 * slope["error"] < 0.01
+    assert abs(constant["value"] - found["constant_predicted"]) < 4.0 * constant["error"]
+    assert constant["error"] < 0.01 * constant["value"]
+    assert found["p_value"]["law"] > 1e-4
+    rungs = sum(row["delta"] <= found["law_limit"] for row in found["ladder"])
+    for name in ("dimension_two", "plateau", "constant_off"):
+        if 2 * 2048 * rungs > 2 * found["power"][name]["tube_draws"]:
+            assert found["p_value"][name] < 0.05
+    assert found["p_value"]["plateau"] == 0.0
+    assert found["race"]["wrong"] == 0 < found["race"]["right"]
+
+
+def test_plain_counts_and_tubes_agree_where_both_have_hits(uniform):
+    """Independent of the law: delta = 0.1 and 0.01, where it is off by 10 % and 1 %."""
+    _, found, _ = uniform
+    for row in found["ladder"][:3]:
+        low, high = row["plain"]["interval_95"]
+        spread = 0.5 * (high - low)
+        assert abs(row["plain"]["value"] - row["estimate"]) < 1.6 * spread
+    assert found["ladder"][0]["estimate"] < 0.95 * found["ladder"][0]["predicted"]
+
+
+def test_no_falls_are_bounded_exactly(uniform):
+    _, found, _ = uniform
+    assert found["falls"] == 0
+    assert found["upper_bound_95"] == pytest.approx(1.0 - 0.05 ** (1.0 / 40_000), rel=1e-9)
+
+
+def test_probability_splits_as_predicted(uniform):
+    _, found, _ = uniform
+    side = found["splits"]["side_plus"]
+    assert abs(side["value"] - side["predicted"]) < 4.0 * side["error"]
+    shares = found["splits"]["energy"]
+    assert sum(row["share"] for row in shares) == pytest.approx(1.0)
+    assert sum(row["predicted"] for row in shares) == pytest.approx(1.0)
+    for row in shares:
+        assert abs(row["share"] - row["predicted"]) < 4.5 * row["error"]
+    assert found["splits"]["tilt"]["p_value"] > 1e-3
+    for row in found["splits"]["eta_positive"][3:]:
+        assert abs(row["asymmetry"]) < 0.2
+
+
+def test_the_correction_to_the_law_shrinks_like_delta():
+    """P/(C delta) - 1 at delta = 0.1 and 0.01 differ by about ten; Sobol points see it."""
+    _, found, _ = summary_of(samples=4096, tube=1 << 14, sampling="sobol", ladder="1e-6:1e-1")
+    corrections = [row["correction"] for row in found["splits"]["eta_positive"]]
+    assert corrections[0] < -0.05
+    assert 0.04 < corrections[1] / corrections[0] < 0.2
+    assert abs(corrections[3]) < 1e-3
+    assert found["sobol_gain"] > 3.0
+
+
+@pytest.mark.parametrize("name", ["uniform", "thick", "heavy-core"])
+@pytest.mark.parametrize("delta", [0.3, 0.03])
+def test_a_tube_holds_every_state_that_comes_flatter(name, delta):
+    """|eta_hat| of plain draws with theta_min < delta never exceeds the bound that tubes are cut at."""
+    disk = BODIES[name]
+    draw = np.random.default_rng(9).uniform
+    states = phi_to_states(disk, draw(-1.5, 1.5, 20_000), *(disk.rate_unit * draw(-2, 2, (3, 20_000))))
+    found = natural_constants(states)
+    theta, status, _ = smallest_tilt(states, plan(("theta_min",)), found)
+    flat = (status == 0) & (theta < delta)
+    eta = np.fmin(abs(found[1]), abs(found[2]))[flat] / (disk.body.I3 * disk.body.r0)
+    assert flat.sum() > 100
+    assert (eta <= widest_eta(found[3][flat], delta, disk)).all()
+
+
+@pytest.mark.parametrize("box", [None, "phi=-1.2:1.2", "phi=-1.5:1.5,sigma3=0.1"])
+@pytest.mark.parametrize("side", [1, -1])
+def test_draws_of_a_tube_are_states_with_the_eta_they_claim(box, side):
+    """At an eta that a state can express, the constants of motion of the state itself agree."""
+    disk = ex.Disk.hoop(m=2.0, r=0.5, g=9.81)
+    density = Density.of(disk, box)
+    unit = np.random.default_rng(3).random((500, dimensions(density)))
+    found = draw_tube(disk, density, constant_of(disk, density).mass, side, 0.05, unit)
+    rows = found.weight > 0.0
+
+    unit_rate = disk.rate_unit
+    place = Place.at(disk, side * found.phi[rows], side * found.phidot[rows] / unit_rate)
+    s3, s4 = place.rates(found.sigma3_bar[rows] / unit_rate, found.eta_hat[rows] / unit_rate)
+    given = found.phi[rows], found.phidot[rows], s3 * unit_rate, side * s4 * unit_rate
+    states, known = phi_to_states(disk, *given), ex.constants(disk, *given)
+    here = known.eta_hat_plus if side > 0 else known.eta_hat_minus
+    np.testing.assert_allclose(here, found.eta_hat[rows], atol=1e-13 * disk.rate_unit)
+    np.testing.assert_allclose(known.sigma3_bar, found.sigma3_bar[rows], atol=1e-12 * disk.rate_unit)
+    np.testing.assert_allclose(known.energy, found.energy[rows], rtol=1e-12)
+    theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-8))
+    np.testing.assert_allclose(theta[status == 0], found.theta_min[rows][status == 0], rtol=1e-6)
+
+
+def test_intervals_cover_over_four_hundred_small_runs():
+    """Each run has its own draws: 256 a side at four depths. Between 92 % and 98 % of 95 % intervals hold."""
+    disk = ex.Disk.uniform()
+    density = Density.of(disk, "phi=-1:1")
+    constant = constant_of(disk, density)
+    runs, draws, deltas = 400, 256, np.array([1e-5, 1e-8, 1e-11, 1e-14])
+    means, errors = np.empty((deltas.size, runs)), np.empty((deltas.size, runs))
+    random = np.random.default_rng(12)
+    for k, delta in enumerate(deltas):
+        values, squares = np.zeros(runs), np.zeros(runs)
+        for side in (1, -1):
+            found = draw_tube(disk, density, constant.mass, side, delta, random.random((runs * draws, 4)), 1e-4)
+            hits = (found.weight * (found.theta_min < delta)).reshape(runs, draws)
+            values += hits.mean(axis=1)
+            squares += hits.var(axis=1, ddof=1) / draws
+        means[k], errors[k] = values, np.sqrt(squares)
+    inside = np.zeros(3)
+    for run in range(runs):
+        ladder = Ladder(deltas, means[:, run], errors[:, run], np.full(deltas.size, 2.0 * draws - 2.0))
+        checks = ((laws.fit_constant(ladder), constant.value), (laws.fit_slope(ladder), 1.0))
+        for i, (fit, truth) in enumerate(checks):
+            low, high = fit.interval()
+            inside[i] += low <= truth <= high
+        low, high = laws.Estimate(means[0, run], errors[0, run], 2.0 * draws - 2.0).interval()
+        inside[2] += low <= constant.value * deltas[0] <= high
+    assert (inside / runs >= 0.92).all(), inside / runs
+    assert (inside / runs <= 0.98).all(), inside / runs
+
+
+def test_numbers_do_not_depend_on_jobs(tmp_path):
+    options = {"samples": 20_000, "tube": 20_000, "ladder": "1e-7:1e-1"}
+    found = [ex.run("measure-zero", out=tmp_path / str(jobs), jobs=jobs, **options) for jobs in (1, 3)]
+    assert found[0].summary == found[1].summary
+    tables = [list(run.tables()) for run in found]
+    for one, other in zip(*tables, strict=True):
+        for name in one:
+            np.testing.assert_array_equal(one[name], other[name])
+
+
+def test_weights_are_stored_with_the_samples(tmp_path):
+    run = ex.run("measure-zero", out=tmp_path / "all", samples=1000, tube=512, keep="all")
+    rows = list(run.tables())
+    tube = [table for table in rows if table["delta"].size and np.isfinite(table["delta"][0])]
+    at = [table for table in tube if table["delta"][0] == 1e-9]
+    again = sum(float((t["weight"] * (t["theta_min"] < 1e-9)).mean()) for t in at)
+    row = next(row for row in run.summary["ladder"] if row["delta"] == 1e-9)
+    assert again == pytest.approx(row["estimate"], rel=1e-12)
+    assert row["effective_sample_size"] > 300
+    assert {path.stem for path in (run.folder / "figures").glob("*.png")} == {"ladder", "convergence", "tilt"}
+
+
+def test_a_box_that_misses_the_falling_set_says_so(tmp_path):
+    run = ex.run("measure-zero", out=tmp_path / "none", samples=1000, tube=512, box="sigma3=1:2,sigma4=-0.1:0.1")
+    assert run.summary["constant_predicted"] == 0.0
+    assert run.summary["constant"] is None is run.summary["slope"]
+    assert "misses the falling set: C = 0" in run.scene.headline(run.summary)[-1]
+    assert all(row["estimate"] == 0.0 for row in run.summary["ladder"][2:])
+
+
+def test_a_density_given_in_python_is_sampled_and_identified(tmp_path):
+    def near_zero(phi, phidot, sigma3, sigma4):
+        return np.exp(-(sigma3**2) - sigma4**2)
+
+    options = {"samples": 20_000, "tube": 1024, "ladder": "1e-8:1e-1", "out": tmp_path / "mine"}
+    run = ex.run("measure-zero", density=near_zero, **options)
+    plain, tube = (run.summary["ladder"][0][key] for key in ("plain", "estimate"))
+    assert plain["interval_95"][0] * 0.97 < tube < plain["interval_95"][1] * 1.03
+    assert (
+        abs(run.summary["constant"]["value"] - run.summary["constant_predicted"])
+        < 4 * run.summary["constant"]["error"]
+    )
+    again = ex.run("measure-zero", density=near_zero, resume=True, **options)
+    assert again.summary == run.summary
+    with pytest.raises(ex.InputError):
+        ex.run("measure-zero", density=lambda phi, *_: 1.0 + phi**2, resume=True, **options)
+    from explorer.runs.folder import scene_of
+
+    with pytest.raises(ex.InputError, match="given in Python"):
+        scene_of(tmp_path / "mine")
+
+
+def test_a_run_can_be_resumed_from_its_folder(tmp_path):
+    from explorer.runs.folder import scene_of
+
+    options = {"energy": "1.2:4", "gaussian": "sigma3=0.5:1", "box": "phi=-1:1", "sampling": "sobol"}
+    run = ex.run("measure-zero", out=tmp_path / "run", samples=1000, tube=512, ladder="1e-7:1e-1", **options)
+    assert scene_of(tmp_path / "run").options() == run.scene.options()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"ladder": "1e-300:1e-1"}, "--ladder"),
+        ({"ladder": "1e-3:2"}, "--ladder"),
+        ({"ladder": "1e-1:1e-15"}, "LOW:HIGH"),
+        ({"ladder": "1e-4:1e-1"}, "two decades below"),
+        ({"ladder": "nan:1"}, "--ladder"),
+        ({"tube": 1}, "--tube"),
+        ({"tube": 20, "sampling": "sobol"}, "16 scrambles"),
+        ({"sampling": "halton"}, "--sampling"),
+        ({"box": "sigma4=2:1"}, "is empty"),
+        ({"box": "sigma3=0,sigma4=0"}, "both fixed"),
+        ({"box": f"phi=0:{0.5 * math.pi!r}"}, "delta ln"),
+        ({"energy": "3:2"}, "is empty"),
+        ({"energy": "much"}, "--energy"),
+        ({"gaussian": "sigma3=0"}, "MEAN:DEVIATION"),
+        ({"density": lambda *_: -1.0}, "not negative"),
+        ({"density": lambda *_: np.nan}, "is nan"),
+        ({"disk": "m=1,r=1,g=1,I1=0.5,I3=0"}, "I3"),
+        ({"max_energy": 3}, "takes no such option"),
+    ],
+)
+def test_bad_input_is_named(options, message):
+    with pytest.raises(ex.InputError, match=message):
+        build_scene("measure-zero", **options).options()
+
+
+def test_an_energy_that_the_box_does_not_reach_is_refused(tmp_path):
+    with pytest.raises((ex.InputError, ex.RunError), match="energy"):
+        ex.run("measure-zero", out=tmp_path / "x", energy=":0.5", samples=1000, tube=512)
+
+
+def test_rungs_are_decades(uniform):
+    scene, _, _ = uniform
+    assert scene.deltas[0] == 0.1
+    assert scene.deltas[-1] == 1e-15
+    assert all(a == pytest.approx(10 * b) for a, b in itertools.pairwise(scene.deltas))
