@@ -4,6 +4,7 @@ import pytest
 from conftest import BODIES, computed
 from matplotlib.figure import Figure
 
+import explorer as ex
 from explorer import plot
 from explorer.scenes.build import build_scene
 from explorer.scenes.falling_set import Slice, map_slice
@@ -20,12 +21,18 @@ def made(name, **options):
     return scene, chunks, scene.summarise(chunks)
 
 
+def measure_zero(folder):
+    options = {"samples": 2000, "tube": 1024, "disk": "hoop"}
+    return ex.run("measure-zero", out=folder / "run", **options).summary
+
+
 @pytest.fixture(scope="module")
-def pictures():
+def pictures(tmp_path_factory):
     race, races, race_summary = made("race-angles", samples=500)
     falling, states, _ = made("falling-set", samples=500)
     _, _, sides = made("one-sided", samples=1, disk="hoop")
     both = both_sides(BODIES["hoop"], (1.0, 1.0, 1))
+    law = measure_zero(tmp_path_factory.mktemp("law"))
     cut = map_slice(UNIFORM, Slice.defaults(UNIFORM)[1], 41)
     return {
         "race_histogram": (race_summary,),
@@ -38,6 +45,7 @@ def pictures():
         "one_sided_chi": (both,),
         "contact_paths": (both,),
         "work_precision": (trade(UNIFORM, 1024),),
+        **dict.fromkeys(("falling_ladder", "constant_convergence", "tilt_density"), (law,)),
     }
 
 
@@ -73,3 +81,24 @@ def test_the_exact_lines_are_drawn_over_the_map_of_samples(pictures):
     ax = plot.constants_plane(*pictures["constants_plane"])
     slopes = [np.diff(line.get_ydata())[0] / np.diff(line.get_xdata())[0] for line in ax.lines]
     assert slopes == pytest.approx([0.7285923160189477, -0.7285923160189477])
+
+
+def test_the_ladder_lies_on_its_line_and_off_the_others(pictures):
+    """Data of the artists: the line C delta, two laws that it is not, and the estimates of the summary."""
+    (summary,) = pictures["falling_ladder"]
+    ax = plot.falling_ladder(summary)
+    delta = np.array([row["delta"] for row in summary["ladder"]])
+    line, square, plateau = (np.asarray(artist.get_ydata()) for artist in ax.lines[:3])
+    np.testing.assert_allclose(line, summary["constant_predicted"] * delta)
+    assert (square[delta < 1e-5] < 0.2 * line[delta < 1e-5]).all()
+    assert plateau[-1] == pytest.approx(1e-6, rel=1e-6)
+    tubes = ax.containers[0].lines[0]
+    np.testing.assert_allclose(tubes.get_ydata(), [row["estimate"] for row in summary["ladder"]])
+    np.testing.assert_allclose(tubes.get_ydata()[3:], line[3:], rtol=0.1)
+
+
+def test_the_convergence_ends_at_the_constant_of_the_summary(pictures):
+    (summary,) = pictures["constant_convergence"]
+    ax = plot.constant_convergence(summary)
+    last = ax.containers[0].lines[0].get_ydata()[-1]
+    assert last == pytest.approx(summary["constant"]["value"] / summary["constant_predicted"] - 1.0)

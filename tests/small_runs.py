@@ -1,0 +1,39 @@
+"""How often intervals of small runs of scene measure-zero contain the truth."""
+
+import numpy as np
+
+from explorer import laws
+from explorer.falling_constant import constant_of
+from explorer.laws import Estimate, Ladder
+from explorer.tubes import dimensions, draw_tube
+
+DELTAS = np.array([1e-5, 1e-8, 1e-11, 1e-14])
+
+
+def coverage(disk, density, runs, draws, seed):
+    """Shares of `runs` whose 95 % interval holds: of C, of the slope, and of P at the first rung.
+
+    Every run has draws of its own, `draws` for each rung and side. The truth is C by quadrature.
+    """
+    constant = constant_of(disk, density)
+    means, errors = np.empty((DELTAS.size, runs)), np.empty((DELTAS.size, runs))
+    random = np.random.default_rng(seed)
+    for k, delta in enumerate(DELTAS):
+        values, squares = np.zeros(runs), np.zeros(runs)
+        for side in (1, -1):
+            points = random.random((runs * draws, dimensions(density)))
+            found = draw_tube(disk, density, constant.mass, side, delta, points, 1e-4)
+            hits = (found.weight * (found.theta_min < delta)).reshape(runs, draws)
+            values += hits.mean(axis=1)
+            squares += hits.var(axis=1, ddof=1) / draws
+        means[k], errors[k] = values, np.sqrt(squares)
+    dof = np.full(DELTAS.size, 2.0 * draws - 2.0)
+    truths = constant.value, 1.0, constant.value * DELTAS[0]
+    inside = np.zeros(3)
+    for run in range(runs):
+        ladder = Ladder(DELTAS, means[:, run], errors[:, run], dof)
+        first = Estimate(means[0, run], errors[0, run], dof[0])
+        for i, found in enumerate((laws.fit_constant(ladder), laws.fit_slope(ladder), first)):
+            low, high = found.interval()
+            inside[i] += low <= truths[i] <= high
+    return (inside / runs).tolist()
