@@ -1,5 +1,4 @@
 import numpy as np
-import plain_disk
 import pytest
 from conftest import BODIES
 from hypothesis import given
@@ -8,6 +7,7 @@ from hypothesis import strategies as st
 import explorer as ex
 from explorer.models import plan
 from explorer.motions import turning_points
+from explorer.paper import plain as plain_disk
 from explorer.states import constants_to_states, line_slope, natural_constants
 
 ALL = ("phi", "phidot", "sigma3", "sigma4", "chi", "psi", "path", "contact")

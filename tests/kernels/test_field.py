@@ -1,7 +1,7 @@
 import numpy as np
-import plain_disk
 import pytest
 
+from explorer.paper import plain as plain_disk
 from kernels.field import State, energy, field, speed
 
 

@@ -1,0 +1,1 @@
+"""The paper reproduced: its statements as checks, its figures, its misprints."""
