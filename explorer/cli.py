@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
+from explorer import cli_paper
 from explorer.cli_runs import add_commands, add_json, add_workers, show
 from explorer.errors import InputError, Interrupted, RunError
 
@@ -99,6 +100,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_passage(commands)
     _add_plan(commands)
     _add_trade(commands)
+    cli_paper.add_commands(commands, _add)
     _add_warmup(commands)
     return parser
 
