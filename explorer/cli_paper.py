@@ -1,11 +1,13 @@
-"""The commands `nearflat paper` and `nearflat portrait`."""
+"""The commands `nearflat paper`, `nearflat portrait` and `nearflat gallery`."""
 
 import argparse
 import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from explorer.cli_runs import add_json
+from explorer.errors import InputError
 
 
 def add_commands(commands: Any, add: Callable[..., argparse.ArgumentParser]) -> None:
@@ -21,6 +23,27 @@ def add_commands(commands: Any, add: Callable[..., argparse.ArgumentParser]) -> 
     command.add_argument("--out", default="results/paper", metavar="DIR", help="default results/paper")
     command.add_argument("--jobs", type=int, default=2, metavar="N", help="threads (default 2)")
     add_json(command)
+    command = add(
+        commands,
+        "gallery",
+        _gallery,
+        "Write the page of a folder of results: every picture with the command that makes it.",
+        "nearflat gallery results",
+    )
+    command.add_argument("folder", nargs="?", default="results", metavar="DIR", help="default results")
+
+
+def _gallery(options: argparse.Namespace) -> int:
+    from explorer.gallery import gallery
+
+    page = Path(options.folder) / "README.md"
+    text = gallery(options.folder)
+    try:
+        page.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{page}: cannot be written ({error.strerror})") from None
+    print(f"wrote {page}")
+    return 0
 
 
 def _paper(options: argparse.Namespace) -> int:

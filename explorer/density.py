@@ -41,11 +41,6 @@ class Density:
     function: Function | None = None
 
     def __post_init__(self) -> None:
-        if not {"sigma3", "sigma4"} & set(self.box.free):
-            raise InputError(
-                "--box: sigma3 and sigma4 are both fixed, and then the falling set is met at isolated tilts "
-                "or not at all; give one of them a range"
-            )
         low, high = self.energy
         if math.isnan(low) or math.isnan(high) or not low < high:
             raise InputError(f"--energy {low:g}:{high:g} is empty; give LOW:HIGH, the smaller number first")

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from explorer import compiled
 from explorer.box_integrals import TOLERANCE, Frame, along, difference, panels_between, refined
@@ -29,6 +30,8 @@ from explorer.states import Array, require_axial_inertia
 # Relative rounding of a sum of positive terms, and of the solutions in it.
 _ROUNDING = 1e-13
 _BISECTIONS = 40
+# Tilts at which a sign of eta is sought, and a step for its derivative.
+_SCAN, _STEP = 4001, 1e-5
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,8 @@ class FallingConstant:
 
     value: plus + minus, with `error`, an estimate of its absolute error. plus, minus: from the two sides of F.
     mass: integral of the density over the box, natural units. value is infinite where the density does not
-    vanish at flat and the energy has no bound: P(theta_min < delta) is of order delta ln(1/delta) there.
+    vanish at flat and the energy has no bound: P(theta_min < delta) is of order delta ln(1/delta) there; and
+    for sigma3 = sigma4 = 0, where all states fall.
     """
 
     value: float
@@ -60,8 +64,8 @@ def falling_constant(
     box: as for `run` (default: the vertical, rates within two natural units). energy: (low, high), only states
     in this range; None is no bound. gaussian: "phidot=MEAN:DEVIATION,...". density: a function of (phi, phidot,
     sigma3, sigma4), arrays in the units of the disk, not negative; no need to normalise it. Needs I3 > 0.
-    Raises InputError.
-    Source: sections 6.2 and 7.1 of the paper for F, A and eta.
+    A function that is large in less than a twentieth of the box may be missed: shrink the box to it.
+    Raises InputError. Source: sections 6.2 and 7.1 of the paper for F, A and eta.
     """
     require_axial_inertia(disk)
     return constant_of(disk, Density.of(disk, box, energy, gaussian, density))
@@ -73,13 +77,18 @@ def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> F
     mass, mass_error = frame.mass()
     if not mass > 0.0:
         raise InputError(_NOTHING.format("--energy" if density.energy != ANY_ENERGY else "density"))
-    if frame.reaches_flat():
+    if frame.reaches_flat() or _all_on_f(density.box):
         return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass)
     parts = [difference(Sided(frame, side), frame.energy) for side in (1, -1)]
     plus, minus = parts[0][0] / mass, parts[1][0] / mass
     value = plus + minus
     error = (parts[0][1] + parts[1][1] + value * mass_error) / mass + _ROUNDING * value
     return FallingConstant(value, error, plus, minus, mass)
+
+
+def _all_on_f(box: Box) -> bool:
+    """Whether the box is the inverted pendulum, sigma3 = sigma4 = 0: all of it falls."""
+    return box.sigma3 == box.sigma4 == (0.0, 0.0)
 
 
 _NOTHING = "{}: the density is zero in all of the box; widen one of them"
@@ -106,10 +115,16 @@ class Line:
 
     def integral(self, panels: int) -> tuple[float, float]:
         """Integral of f 2 A sqrt(I1 M)/(I3 r(0)) over phi, phidot and sigma3_bar, and its error."""
-        turn = well(self.frame.disk)[0]
         frame = self.frame
+        if not (frame.free("sigma3") or frame.free("sigma4")):
+            points = [(x, x) for x in self._crossings()]
+            return along(lambda phi: self._at(phi, panels), points, 1, frame.tolerance)
         kinetic = [0.5 * frame.disk.body.M * speed**2 for speed in frame.range("phidot")]
-        middle = [turn, *(-math.acos(1.0 - level) for level in kinetic if level < 2.0)]
+        middle = [well(frame.disk)[0], *(-math.acos(1.0 - level) for level in kinetic if level < 2.0)]
+        if self.energy < 1.0:
+            middle += [math.acos(self.energy), -math.acos(self.energy)]
+        # Between these tilts the line enters and leaves the box: a narrow box is met nowhere else.
+        middle += self._crossings()
         given = frame.pieces([self.side * m for m in middle])
         pieces = [(a, b) if self.side > 0 else (-b, -a) for a, b in given]
         return along(lambda phi: self._at(phi, panels), pieces, 32 if frame.even else 1, frame.tolerance)
@@ -121,10 +136,8 @@ class Line:
     def _at(self, phi: Array, panels: int) -> Array:
         """The integral over phidot and sigma3_bar at tilts phi."""
         frame, b, side = self.frame, self.frame.disk.body, self.side
-        q, z = np.cos(phi), np.sin(phi)
-        chart = np.empty((4, phi.size))
-        compiled.falling.line_chart_batch(q, z, b, frame.disk.series, chart)
-        a, c = chart[0], chart[2]
+        q = np.cos(phi)
+        a, c = self._chart(phi)
         curvature = 0.5 * (b.I1 * (a / q) ** 2 + b.J * c * c)  # V = q + curvature sigma3_bar^2
         bar, weight = self._bars(phi, a, c, curvature, panels)
         V = q[:, None] + curvature[:, None] * bar * bar
@@ -139,7 +152,7 @@ class Line:
         """sigma3_bar on the line within the box (n, nodes), and the weight of its step."""
         frame = self.frame
         if not (frame.free("sigma3") and frame.free("sigma4")):
-            return self._only_bar(a, c)
+            return self._only_bar(phi, a, c)
         left = self.energy - np.cos(phi)
         reach = np.sqrt(np.maximum(left, 0.0) / curvature)
         ends = ends_of_bar((a, *self._rates("sigma3"), 0.0), (c, *self._rates("sigma4"), 0.0))
@@ -148,18 +161,55 @@ class Line:
         kinetic = [0.5 * frame.disk.body.M * speed**2 for speed in frame.range("phidot")]
         turns = [np.sqrt(np.maximum(left - level, 0.0) / curvature) for level in kinetic]
         turns = [turn for turn in turns if np.isfinite(turn).all()] + self._barrier_ends(phi, [0.0, *kinetic])
-        bells = [
-            s / m
-            for name, m, sign in (("sigma3", a, 1.0), ("sigma4", c, self.side))
-            for s in frame.bells(name)
-            for m in [sign * m]
-        ]
+        bells = [bell / a for bell in frame.bells("sigma3")]
+        bells += [bell / (self.side * c) for bell in frame.bells("sigma4")]
         inner = [sign * turn for turn in turns for sign in (1.0, -1.0)]
         return panels_between([low, np.zeros_like(low), *inner, *bells, high], panels)
 
-    def _only_bar(self, a: Array, c: Array) -> tuple[Array, Array]:
+    def _chart(self, phi: Array) -> tuple[Array, Array]:
+        """sigma3 and sigma4 on the line, by sigma3_bar."""
+        disk, chart = self.frame.disk, np.empty((4, phi.size))
+        compiled.falling.line_chart_batch(np.cos(phi), np.sin(phi), disk.body, disk.series, chart)
+        return chart[0], chart[2]
+
+    def _corners(self) -> tuple[Array, Array]:
+        """Pairs of rates at corners of the box, and of what Gaussians leave of it."""
+        ends = []
+        for name in ("sigma3", "sigma4"):
+            sign = 1.0 if name == "sigma3" else float(self.side)
+            ends.append(sorted({*self._rates(name), *(sign * bell for bell in self.frame.bells(name))}))
+        s3, s4 = np.meshgrid(*ends)
+        return s3.ravel(), s4.ravel()
+
+    def _crossings(self) -> list[float]:
+        """Tilts at which the line passes a corner of the box. eta_hat = c sigma3 - a sigma4 there is 0."""
+        low, high = sorted(self.side * end for end in self.frame.range("phi"))
+        if not low < high:
+            return []
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        phi = middle + half * np.sin(np.linspace(-0.5 * math.pi, 0.5 * math.pi, _SCAN)[1:-1])
+        a, c = self._chart(phi)
+        found = []
+        for s3, s4 in zip(*self._corners(), strict=True):
+
+            def eta(x: float, s3: float = s3, s4: float = s4) -> float:
+                a, c = self._chart(np.array([x]))
+                return float(c[0] * s3 - a[0] * s4)
+
+            sign = np.sign(c * s3 - a * s4)
+            found += [brentq(eta, phi[i], phi[i + 1]) for i in np.flatnonzero(sign[1:] * sign[:-1] < 0.0)]
+        return found
+
+    def _only_bar(self, phi: Array, a: Array, c: Array) -> tuple[Array, Array]:
         """Where the box fixes sigma3 or sigma4 the line is met at one sigma3_bar."""
         free3 = self.frame.free("sigma3")
+        if not (free3 or self.frame.free("sigma4")):
+            # On the line sigma3 = a bar and sigma4 = c bar; the larger of the two says bar best.
+            s3, s4 = self._rates("sigma3")[0], self._rates("sigma4")[0]
+            bar = (a * s3 + c * s4) / (a * a + c * c)
+            after, before = self._chart(phi + _STEP), self._chart(phi - _STEP)
+            slope = ((after[1] - before[1]) * s3 - (after[0] - before[0]) * s4) / (2.0 * _STEP)
+            return bar[:, None], (1.0 / abs(slope))[:, None]
         fixed, other, m, n = ("sigma4", "sigma3", c, a) if free3 else ("sigma3", "sigma4", a, c)
         bar = self._rates(fixed)[0] / m
         low, high = self._rates(other)
@@ -197,9 +247,8 @@ class Line:
         compiled.falling.critical_X2_batch(np.minimum(phi, -1e-12), b, disk.series, critical)
         own = np.sqrt(np.maximum(critical, 0.0)) * b.r0
         most = np.where(phi < 0.0, np.where(phi < well_phi, largest, np.minimum(own, largest)), np.nan)
-        chart = np.empty((4, phi.size))
-        compiled.falling.line_chart_batch(np.cos(phi), np.sin(phi), b, disk.series, chart)
-        curvature = 0.5 * (b.I1 * (chart[0] / np.cos(phi)) ** 2 + b.J * chart[2] ** 2)
+        a, c = self._chart(phi)
+        curvature = 0.5 * (b.I1 * (a / np.cos(phi)) ** 2 + b.J * c * c)
         found = [most]
         for level in levels:
             low, high = np.zeros(phi.size), np.nan_to_num(most)

@@ -124,8 +124,8 @@ def statements_page(rows: Sequence[Row]) -> str:
     lines = [
         "# The statements of the paper, checked",
         "",
-        "Made by `nearflat paper`. The paper is Cushman & Duistermaat, *Nearly flat falling motions of the rolling",
-        "disk*, Regul. Chaotic Dyn. 11 (2006) 31-60. [corrected]: as `misprints.md` says.",
+        "Made by `nearflat paper`. Cushman & Duistermaat, *Nearly flat falling motions of the rolling disk*,",
+        "Regul. Chaotic Dyn. 11 (2006) 31-60. [corrected]: as `misprints.md` says.",
         "",
         f"{len(rows) - len(failed)} of {len(rows)} hold." + (f" Failing: {', '.join(failed)}." if failed else ""),
     ]

@@ -75,6 +75,11 @@ class MeasureZero(SampledScene):
             raise InputError(f"--ladder {low:g}:{high:g} must be LOW:HIGH within 1e-250:1 (tilts in rad)")
         if self.sampling == "sobol" and self.tube < 2 * SCRAMBLES:
             raise InputError(f"--tube {self.tube}: Sobol points come in {SCRAMBLES} scrambles; give more draws")
+        if not {"sigma3", "sigma4"} & set(self.source.box.free):
+            raise InputError(
+                "--box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "
+                "all, and there are no tubes; give one of them a range (falling_constant gives C in Python)"
+            )
         if Frame(self.disk, self.source).reaches_flat():
             raise InputError(
                 "--box reaches flat (phi = +-pi/2) where the density does not vanish and the energy has no bound: "

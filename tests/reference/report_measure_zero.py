@@ -78,7 +78,7 @@ def main():
                 for name in ("ladder", "convergence", "tilt"):
                     shutil.copy(run.folder / "figures" / f"{name}.png", OUT / f"{name}.png")
     lines += ["", "## The ladder of the first row", "", "![ladder](ladder.png)", ""]
-    lines += ladder_lines(first) + power_lines(first) + split_lines(first)
+    lines += [*ladder_lines(first), *power_lines(first), *split_lines(first)]
     lines += ["", "![convergence](convergence.png)", "", "![tilt](tilt.png)", "", *coverage_lines(), ""]
     (OUT / "README.md").write_text("\n".join(lines), encoding="utf-8")
 
