@@ -1,0 +1,150 @@
+"""The paper's figures: the data behind the lines, and statement 58."""
+
+import numpy as np
+import pytest
+
+import explorer as ex
+from explorer.paper import figure_statement
+from explorer.paper.figures import CHI0, ETA_HAT, FIGURES, ZOOM, figure, limit, motion, period_of
+from explorer.paper.statement import STATEMENTS
+
+CASES = [(disk, eta_hat) for disk in (ex.Disk.uniform(), ex.Disk.hoop()) for eta_hat in (ETA_HAT, -ETA_HAT)]
+
+
+@pytest.fixture(params=CASES, ids=lambda case: f"{case[0].name}{case[1]:+g}", scope="module")
+def case(request):
+    disk, eta_hat = request.param
+    return disk, eta_hat, motion(disk, eta_hat, 3.0), limit(disk, int(np.sign(eta_hat)), 11.0)
+
+
+def test_the_curve_is_upright_again_after_each_period(case):
+    disk, eta_hat, here, _ = case
+    tau = period_of(disk, eta_hat)
+    assert here.t[-1] == pytest.approx(3.0 * tau, rel=1e-14)
+    assert np.interp(tau * np.arange(4), here.t, here.phi) == pytest.approx(np.zeros(4), abs=1e-4)
+
+
+def test_the_samples_meet_the_flattest_moment_of_every_period(case):
+    disk, eta_hat, here, _ = case
+    flattest = ex.passages(disk, 1.0, eta_hat, 1.0).theta_min[0]
+    for flat in here.flat:
+        near = abs(here.t - flat) < 0.2
+        assert 0.5 * np.pi - here.phi[near].max() == pytest.approx(flattest, rel=1e-6)
+    assert here.flat.size == 3
+
+
+def test_steps_of_chi_are_small_enough_to_draw(case):
+    assert abs(np.diff(case[2].chi)).max() < 0.2
+
+
+def test_the_start_is_on_the_circle_in_the_upper_right_quadrant(case):
+    here = case[2]
+    assert np.hypot(*here.axis[0]) == pytest.approx(1.0, abs=1e-15)
+    assert (here.axis[0] > 0.0).all()
+    assert here.chi[0] == CHI0
+    assert here.centre[0] == pytest.approx([0.0, 0.0], abs=1e-15)
+
+
+def test_the_zoom_holds_the_race(case):
+    """All of the loop about the origin: chi gains kappa pi, to 0.1 kappa pi, inside the window."""
+    disk, eta_hat, here, _ = case
+    inside = ((here.axis > ZOOM[0]) & (here.axis < ZOOM[1])).all(axis=1) & (abs(here.t - here.flat[0]) < 0.5)
+    turned = here.chi[inside][-1] - here.chi[inside][0]
+    assert np.sign(eta_hat) * turned == pytest.approx(disk.race_limit, rel=0.1)
+
+
+def test_the_motion_swings_into_the_other_hemisphere_and_comes_nowhere_near_flat_there(case):
+    assert -1.4 < case[2].phi.min() < -0.3
+
+
+def test_the_contact_point_is_on_the_rim_below_the_centre(case):
+    here = case[2]
+    apart = np.hypot(*(here.contact - here.centre).T)
+    assert apart == pytest.approx(abs(np.sin(here.phi)), abs=1e-12)
+
+
+def distances(here, there):
+    """Largest distance to the limit over the motion, away from impacts, of each thing that is drawn."""
+    calm = abs(here.t[:, None] - np.concatenate([here.flat, there.flat])).min(axis=1) > 0.12
+    assert calm.sum() > 800
+    t, first = np.unique(there.t, return_index=True)
+    for name in ("phi", "chi", "centre", "contact"):
+        ours, theirs = (np.atleast_2d(getattr(curve, name).T) for curve in (here, there))
+        apart = [abs(o - np.interp(here.t, t, x[first])) for o, x in zip(ours, theirs, strict=True)]
+        yield np.max(apart, axis=0)[calm].max()
+
+
+def test_limit_lines_lie_beside_the_motion_and_closer_with_smaller_eta(case):
+    """eta ln(1/eta) falls by a factor 7.5 from 0.001 to 0.0001; at 0.01 terms of order eta still count."""
+    disk, eta_hat, here, there = case
+    wide, close, closer = (
+        list(distances(curve, there)) for curve in (here, *(motion(disk, s * eta_hat, 3.0) for s in (0.1, 0.01)))
+    )
+    assert all(b < a for a, b in zip(wide, close, strict=True))
+    assert all(c < b / 5.0 for b, c in zip(close, closer, strict=True))
+
+
+def test_the_limit_jumps_by_the_race_number_round_the_rim(case):
+    disk, eta_hat, _, there = case
+    for flat in there.flat:
+        race = there.t == flat
+        assert np.ptp(there.chi[race]) == pytest.approx(disk.race_limit, rel=1e-12)
+        assert np.sign(there.chi[race][-1] - there.chi[race][0]) == np.sign(eta_hat)
+        assert np.hypot(*(there.contact - there.centre)[race].T) == pytest.approx(np.ones(race.sum()), rel=1e-9)
+        before, after = np.flatnonzero(race)[[0, -1]] + [-1, 1]
+        for name in ("chi", "centre", "contact"):
+            values = getattr(there, name)
+            assert np.max(abs(values[race][0] - values[before])) < 0.04, name
+            assert np.max(abs(values[race][-1] - values[after])) < 0.04, name
+
+
+def test_the_path_of_the_hoop_fits_the_ticks_of_figure_7():
+    """Ticks inside the frame: 0.5 to 3 and -1 to 1.5 on the left, -1.5 to 1.5 and -1 to 2 on the right."""
+    ticks = {
+        ETA_HAT: ((-0.5, 0.0, 3.0, 3.5), (-1.5, -1.0, 1.5, 2.0)),
+        -ETA_HAT: ((-2, -1.5, 1.5, 2), (-1.5, -1, 2, 2.5)),
+    }
+    for eta_hat, axes in ticks.items():
+        for path, (below, first, last, above) in zip(
+            motion(ex.Disk.hoop(), eta_hat, 3.0).centre.T, axes, strict=True
+        ):
+            assert below < path.min() < first
+            assert last < path.max() < above
+
+
+@pytest.mark.parametrize("number", FIGURES)
+def test_each_figure_shows_its_panels_with_body_eta_and_limit(number):
+    plan, made = FIGURES[number], figure(number)
+    assert len(made.axes) == 2
+    for (eta_hat, options), ax in zip(plan.panels, made.axes, strict=True):
+        assert f"{eta_hat:+g}" in ax.get_title()
+        assert plan.disk.name in ax.get_title()
+        lines = {line.get_label(): line for line in ax.get_lines()}
+        here = motion(plan.disk, eta_hat, plan.turns)
+        there = limit(plan.disk, int(np.sign(eta_hat)), here.t[-1])
+        kind = options.get("what", "axis")
+        expected = there.chi if number == 1 else getattr(there, kind)[:, 1]
+        np.testing.assert_array_equal(lines["limit"].get_ydata(), expected)
+        if options.get("zoom"):
+            assert ax.get_xlim() == ax.get_ylim() == ZOOM
+    assert plan.caption.startswith(f"Fig. {number}. ")
+    assert "inferred" in plan.caption
+
+
+@pytest.mark.parametrize("number", [0, 10, "1"])
+def test_another_number_is_refused_in_a_sentence(number):
+    with pytest.raises(ex.InputError, match="from 1 to 9"):
+        figure(number)
+
+
+def test_statement_58_holds():
+    findings = list(STATEMENTS[58].check())
+    assert len(findings) == 56
+    assert [found.computed for found in findings if not found.passed] == []
+
+
+def test_statement_58_notices_a_wrong_digit(monkeypatch):
+    key = ("hoop", -0.01)
+    wrong = figure_statement.TABLE[key].replace("1.61133", "1.61132")
+    monkeypatch.setattr(figure_statement, "TABLE", {key: wrong})
+    assert [found.passed for found in STATEMENTS[58].check()].count(False) == 1
