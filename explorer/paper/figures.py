@@ -31,10 +31,18 @@ _WIDTH, _HEIGHT = 8.4, 4.5
 _RACE_POINTS = 200
 _BODY_WORDS = {"uniform": "the uniform disk", "hoop": "the hoop"}
 
+CHI0_FITS = (0.41, 0.57)  # rad: what the ticks of Fig. 7 leave, to the last digit
+
 INFERRED = (
-    "The paper does not give chi(0); 0.5 rad is inferred from the ticks of its Fig. 7 and from the start in the "
-    "upper right quadrant of its Figs. 2 and 3. The centre starts above the origin."
+    f"Not given in the paper: chi(0), here {CHI0:g} rad; the ticks of its Fig. 7 leave {CHI0_FITS[0]:g} to "
+    f"{CHI0_FITS[1]:g}."
 )
+_INFERRED_TOO = {
+    1: "The paper says somewhat more than three periods.",
+    **dict.fromkeys((2, 4, 5), "The window on the right is that of Fig. 3, whose ticks are known."),
+    7: "The length is inferred: 3.4 periods no longer fit the ticks.",
+    **dict.fromkeys((6, 8, 9), "The length is inferred: as in Fig. 7."),
+}
 
 
 @dataclass(frozen=True)
@@ -215,8 +223,8 @@ def _sides(**options: Any) -> tuple[tuple[float, dict[str, Any]], ...]:
 def _caption(number: int, shows: str, disk: Disk, turns: float, panels: str) -> str:
     return (
         f"Fig. {number}. {shows} for {_BODY_WORDS[disk.name]}, over {turns:g} periods; {panels}. "
-        f"Dotted: the one-sided limit of the same start. {INFERRED}"
-    )
+        f"Dotted: the one-sided limit, same start with eta_+ = 0. {INFERRED} {_INFERRED_TOO.get(number, '')}"
+    ).rstrip()
 
 
 def _make() -> dict[int, PaperFigure]:

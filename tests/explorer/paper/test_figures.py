@@ -5,7 +5,7 @@ import pytest
 
 import explorer as ex
 from explorer.paper import figure_statement
-from explorer.paper.figures import CHI0, ETA_HAT, FIGURES, ZOOM, figure, limit, motion, period_of
+from explorer.paper.figures import CHI0, CHI0_FITS, ETA_HAT, FIGURES, ZOOM, figure, limit, motion, period_of
 from explorer.paper.statement import STATEMENTS
 
 CASES = [(disk, eta_hat) for disk in (ex.Disk.uniform(), ex.Disk.hoop()) for eta_hat in (ETA_HAT, -ETA_HAT)]
@@ -98,18 +98,33 @@ def test_the_limit_jumps_by_the_race_number_round_the_rim(case):
             assert np.max(abs(values[race][-1] - values[after])) < 0.04, name
 
 
-def test_the_path_of_the_hoop_fits_the_ticks_of_figure_7():
-    """Ticks inside the frame: 0.5 to 3 and -1 to 1.5 on the left, -1.5 to 1.5 and -1 to 2 on the right."""
-    ticks = {
-        ETA_HAT: ((-0.5, 0.0, 3.0, 3.5), (-1.5, -1.0, 1.5, 2.0)),
-        -ETA_HAT: ((-2, -1.5, 1.5, 2), (-1.5, -1, 2, 2.5)),
-    }
-    for eta_hat, axes in ticks.items():
-        for path, (below, first, last, above) in zip(
-            motion(ex.Disk.hoop(), eta_hat, 3.0).centre.T, axes, strict=True
-        ):
-            assert below < path.min() < first
-            assert last < path.max() < above
+def fits_figure_7(turns):
+    """A test of chi(0): whether the hoop's paths reach the outermost ticks of Fig. 7 and not the next ones.
+
+    Ticks: 0.5 to 3 and -1 to 1.5 on the left, -1.5 to 1.5 and -1 to 2 on the right; none at the origin.
+    """
+    left, right = ((-0.5, 0.5, 3, 3.5), (-1.5, -1, 1.5, 2)), ((-2, -1.5, 1.5, 2), (-1.5, -1, 2, 2.5))
+    paths = [motion(ex.Disk.hoop(), eta_hat, turns).centre @ [1, 1j] for eta_hat in (ETA_HAT, -ETA_HAT)]
+
+    def fits(chi0):
+        turned = [path * np.exp(1j * (chi0 - CHI0)) for path in paths]
+        return all(
+            below < x.min() < first and last < x.max() < above
+            for path, axes in zip(turned, (left, right), strict=True)
+            for x, (below, first, last, above) in zip((path.real, path.imag), axes, strict=True)
+        )
+
+    return fits
+
+
+def test_the_ticks_of_figure_7_leave_the_stated_range_of_chi0():
+    fits, (low, high) = fits_figure_7(FIGURES[7].turns), CHI0_FITS
+    assert low < CHI0 < high
+    around = np.arange(-3.14, 3.14, 0.005)
+    found = [chi0 for chi0 in around if fits(chi0)]
+    assert min(found) == pytest.approx(low, abs=0.0051)
+    assert max(found) == pytest.approx(high, abs=0.0051)
+    assert not any(map(fits_figure_7(3.4), around))
 
 
 @pytest.mark.parametrize("number", FIGURES)
@@ -128,7 +143,7 @@ def test_each_figure_shows_its_panels_with_body_eta_and_limit(number):
         if options.get("zoom"):
             assert ax.get_xlim() == ax.get_ylim() == ZOOM
     assert plan.caption.startswith(f"Fig. {number}. ")
-    assert "inferred" in plan.caption
+    assert "Not given in the paper: chi(0)" in plan.caption
 
 
 @pytest.mark.parametrize("number", [0, 10, "1"])
