@@ -12,6 +12,7 @@ from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from scipy.special import rgamma
 
 import explorer as ex
 from explorer.paper import plain
@@ -35,9 +36,14 @@ def far(found: Any, wanted: Any) -> float:
     return float(np.max(np.abs(np.asarray(found) - np.asarray(wanted))))
 
 
+def largest(values: Any) -> float:
+    """The largest of some numbers; NaN if there is one, where Python's max might pass it over."""
+    return float(np.max(values))
+
+
 def worst(measure: Callable[[ex.Disk], float]) -> float:
     """The largest of a distance over the bodies; NaN if there is one."""
-    return float(np.max([measure(disk) for disk in BODIES]))
+    return largest([measure(disk) for disk in BODIES])
 
 
 def sample(disk: ex.Disk) -> _Array:
@@ -258,3 +264,23 @@ def scaled_slope(c: float, d: float, X: Any, Y: Any, z: Any) -> Any:
     x, y, _W = scaled(c, d, X, Y, z)
     q2 = 1.0 - z * z
     return d * z * x * x / q2**2 + (d + c) * x * y / q2 - z / np.sqrt(q2)
+
+
+def coefficients(c: float, terms: int) -> _Array:
+    """2^n r_n for n = 0 .. terms, eqs (5.2), (5.3), so that no power overflows."""
+    n = np.arange(1, terms)
+    return np.concatenate([[0.0, 2.0], 2.0 * np.cumprod((c + n * (n - 1.0)) / (n * (n + 1.0)))])
+
+
+def recessive(c: float, z: Any, terms: int = 120) -> tuple[Any, Any]:
+    """r and r' by eq. (5.1); 120 terms are at rounding for z <= 0.4."""
+    scaled = coefficients(c, terms)
+    x = 0.5 * (1.0 + z)
+    return polyval(x, scaled), 0.5 * polyval(x, scaled[1:] * np.arange(1, terms + 1))
+
+
+def at_vertical(c: Any) -> tuple[Any, Any]:
+    """r(0), r'(0) by eqs (5.11), (5.12); c may be complex."""
+    root = np.sqrt(1.0 - 4.0 * np.asarray(c, dtype=complex)) / 4.0
+    r0 = 0.5 * np.sqrt(np.pi) * rgamma(1.25 - root) * rgamma(1.25 + root)
+    return r0, np.sqrt(np.pi) * rgamma(0.75 - root) * rgamma(0.75 + root)
