@@ -1,6 +1,6 @@
 """The paper's formulas as they stand in it, corrected where it errs, and the bodies that rows are tried on.
 
-Written for reading, with the disk's own units; they share nothing with the compiled layer.
+Written for reading, in the disk's own units. Only `followed` calls the explorer, whose motions they judge.
 """
 
 from collections.abc import Callable
