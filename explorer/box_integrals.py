@@ -26,8 +26,8 @@ _ROUGH = 1e-4  # with this one panel does
 _FINEST = 4
 _NODES = 12  # of the rule on a panel
 _MOST_PARTS = 100  # of the range of phi
-# Points a side at which the density at flat is looked at, and what counts as zero: cos of pi/2 in doubles.
-_FACE, _VANISHING = 13, 1e-12
+# The density beside flat: points a side, the share of its largest value that counts as zero, distance.
+_FACE, _VANISHING, _BESIDE = 13, 1e-3, 1e-9
 # Distances from the middle of a Gaussian, in standard deviations, where panels end.
 _BELL = (-5.0, 0.0, 5.0)
 
@@ -140,14 +140,14 @@ class Frame:
     def mass(self) -> tuple[float, float]:
         """Integral of the density, and its error."""
         if self.density.function is None and self.density.energy == ANY_ENERGY:
-            return math.prod(self._one(name) for name in COORDINATES if self.free(name)), 0.0
+            return math.prod(self.one(name) for name in COORDINATES if self.free(name)), 0.0
         # With a bound of the energy there are more ends of panels, and more panels to begin with.
         finest = _FINEST if self.density.energy == ANY_ENERGY else 2
         return difference(
             lambda level: refined(lambda m: self._below(level, m), self.tolerance, finest), self.energy
         )
 
-    def _one(self, name: str) -> float:
+    def one(self, name: str) -> float:
         """Integral of the factor of one coordinate over the box."""
         low, high = self.range(name)
         pairs = dict(self.density.gaussian)
@@ -263,9 +263,29 @@ class Frame:
         if not self.free("phi") or math.isfinite(self.energy[1]):
             return False
         ends = [end for end in self.range("phi") if abs(end) >= _HALF_PI * (1.0 - 1e-15)]
-        grid = np.meshgrid(*(np.linspace(*self.range(name), _FACE) for name in COORDINATES[1:]))
-        columns = [column.ravel() for column in grid]
-        return any(bool(self.shape(np.full(1, end), *columns).max() > _VANISHING) for end in ends)
+        if not ends:
+            return False
+        grid = np.meshgrid(*(np.linspace(*self.range(name), _FACE) for name in COORDINATES))
+        largest = float(self.shape(*(column.ravel() for column in grid)).max())
+        face = np.meshgrid(*(np.linspace(*self.range(name), _FACE) for name in COORDINATES[1:]))
+        rates = [column.ravel() for column in face]
+        beside = [math.copysign(_HALF_PI - _BESIDE, end) for end in ends]
+        return any(float(self.shape(np.full(1, phi), *rates).max()) > _VANISHING * largest for phi in beside)
+
+    def narrowest(self) -> float:
+        """The narrowest width of the density in sigma3 and sigma4; of a fixed one its distance from 0, if any."""
+        widths = []
+        for name in ("sigma3", "sigma4"):
+            low, high = self.range(name)
+            bells = [pair[1] / self.unit(name) for which, pair in self.density.gaussian if which == name]
+            widths += [high - low, *bells] if self.free(name) else [abs(low) or math.inf]
+        return min(widths)
+
+    def most_energy(self) -> float:
+        """An energy that few states of the box exceed: the largest there is in it at the vertical."""
+        b = self.disk.body
+        kinetic = sum(m * self._most(n) ** 2 for n, m in (("phidot", b.M), ("sigma3", b.I1), ("sigma4", b.J)))
+        return min(1.0 + 0.5 * kinetic, self.energy[1])
 
 
 def _root_integral(low: Array, high: Array, rise: Array) -> Array:

@@ -23,6 +23,9 @@ from explorer.states import COORDINATES, Array, natural_constants, phi_to_states
 
 ANY_ENERGY: Range = (-math.inf, math.inf)
 _SEARCHED = 1 << 15
+# In natural units: the fastest rates and least inertias that are sampled; deviations as shares of the box.
+_FASTEST, _LEAST, _THINNEST = 1e4, 1e-4, 1e-6
+_REACH = 8.5  # deviations of a Gaussian beyond which nothing is left of it in doubles
 Function = Callable[[Array, Array, Array, Array], Array]
 
 
@@ -47,6 +50,11 @@ class Density:
         for name, (mean, deviation) in self.gaussian:
             if name not in self.box.free:
                 raise InputError(f"--gaussian {name}: the box fixes it; give it a range in --box")
+            low, high = getattr(self.box, name)
+            if math.isfinite(deviation) and 0.0 < deviation < _THINNEST * (high - low):
+                raise InputError(
+                    f"--gaussian {name}: a deviation of {deviation:g} is a point; fix {name} in --box"
+                )
             if not (math.isfinite(mean) and math.isfinite(deviation) and deviation > 0.0):
                 raise InputError(
                     f"--gaussian {name} = {mean:g}:{deviation:g}; write MEAN:DEVIATION, deviation > 0"
@@ -66,7 +74,15 @@ class Density:
         """A density from what people give; the box defaults to Box.default. Raises InputError."""
         if box is None or isinstance(box, str):
             box = Box.parse(box, Box.default(disk)) if box else Box.default(disk)
-        bells = tuple(parse_ranges(gaussian, "--gaussian").items()) if gaussian else ()
+        bells = () if gaussian is None else tuple(parse_ranges(gaussian, "--gaussian").items())
+        for name, reach in zip(COORDINATES[1:], (box.phidot, box.sigma3, box.sigma4), strict=True):
+            if max(map(abs, reach)) > _FASTEST * disk.rate_unit:
+                raise InputError(f"--box {name}: rates beyond {_FASTEST:g} sqrt(g/r) are not sampled; narrow it")
+        if not (disk.body.I1 >= _LEAST and disk.body.k >= _LEAST):
+            raise InputError(
+                f"disk: I1/(m r^2) = {disk.body.I1:g}, I3/I1 = {disk.body.k:g}: below {_LEAST:g} the lines of the "
+                "falling set are too steep for this; give a disk with larger ones"
+            )
         return cls(box, ANY_ENERGY if energy is None else cls.parse_energy(energy), bells, density)
 
     @staticmethod
@@ -74,10 +90,13 @@ class Density:
         """(low, high) from "LOW:HIGH", ":HIGH", "LOW:" or a pair, where None is no bound. Raises InputError."""
         try:
             low, high = value.split(":") if isinstance(value, str) else value
-            return (
+            ends = (
                 -math.inf if low is None or low == "" else float(low),
                 math.inf if high is None or high == "" else float(high),
             )
+            if any(map(math.isnan, ends)):
+                raise ValueError(value)
+            return ends
         except (TypeError, ValueError):
             raise InputError(f"--energy {value!r} is not a range; write LOW:HIGH, :HIGH or LOW:") from None
 
@@ -98,13 +117,17 @@ class Density:
 
     def _called(self, columns: dict[str, Array]) -> Array:
         assert self.function is not None
-        flat = {name: np.ravel(column) for name, column in columns.items()}
+        flat = {name: np.array(column).ravel() for name, column in columns.items()}
         shape = columns["phi"].shape
         try:
-            given = np.asarray(self.function(*flat.values()), dtype=np.float64)
-            values = np.broadcast_to(given, flat["phi"].shape)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"density: {error}; it must return one number for every state") from None
+            given = np.asarray(self.function(*(column.copy() for column in flat.values())))
+            if given.dtype.kind not in "fiub":
+                raise TypeError(f"it returned {given.dtype}")
+            values = np.broadcast_to(given, flat["phi"].shape).astype(np.float64)
+        except Exception as error:
+            # Whatever a function of somebody else does is about the density.
+            text = f"density: {type(error).__name__}: {error}; it must return one real number for every state"
+            raise InputError(text) from error
         bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0.0)))
         if bad.size:
             where = ", ".join(f"{name} = {column[bad[0]]:.6g}" for name, column in flat.items())
@@ -131,10 +154,9 @@ class Density:
 
         def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
             drawn = self.box.draw(random, BLOCK)
-            for name, (mean, deviation) in self.gaussian:
-                low, high = ((end - mean) / deviation for end in getattr(self.box, name))
-                unit = (drawn[name] - getattr(self.box, name)[0]) / (deviation * (high - low))
-                drawn[name] = mean + deviation * ndtri(ndtr(low) + (ndtr(high) - ndtr(low)) * unit)
+            for name, _ in self.gaussian:
+                low, high = getattr(self.box, name)
+                drawn[name] = self.at_share(name, (drawn[name] - low) / (high - low))
             good = np.ones(BLOCK, bool)
             if self.energy != ANY_ENERGY:
                 energy = natural_constants(phi_to_states(disk, **drawn))[3] * disk.energy_unit
@@ -149,7 +171,28 @@ class Density:
                 good &= random.random(BLOCK) * self._bound < values
             return drawn, good
 
-        return gather(block, count, "density: {} draws from the box were kept; widen --energy")
+        what = "--energy" if self.energy != ANY_ENERGY else "density"
+        return gather(block, count, what + ": only {} draws from the box were kept; widen it")
+
+    def at_share(self, name: str, unit: Array) -> Array:
+        """Values of a coordinate below which shares `unit` of its own factor in the box lie."""
+        low, high = getattr(self.box, name)
+        pair = dict(self.gaussian).get(name)
+        if pair is None:
+            return low + (high - low) * unit
+        mean, deviation = pair
+        first, last = (low - mean) / deviation, (high - mean) / deviation
+        # From the nearer tail: far from the middle the other one has no digits.
+        sign = -1.0 if first > 0.0 else 1.0
+        tails = ndtr(sign * first), ndtr(sign * last)
+        values = mean + sign * deviation * ndtri(tails[0] + (tails[1] - tails[0]) * unit)
+        return np.clip(values, low, high)
+
+    def reach(self, name: str) -> Range:
+        """The part of the box in which a coordinate's own factor is not zero in doubles."""
+        low, high = getattr(self.box, name)
+        mean, deviation = dict(self.gaussian).get(name, (0.0, math.inf))
+        return max(low, mean - _REACH * deviation), min(high, mean + _REACH * deviation)
 
     @cached_property
     def _bound(self) -> float:
@@ -166,7 +209,10 @@ class Density:
             described["gaussian"] = {name: list(pair) for name, pair in self.gaussian}
         if self.function is not None:
             points = self.box.draw(np.random.Generator(np.random.Philox(0)), 256)
-            digest = hashlib.sha256(self._called(points).astype("<f8").tobytes()).hexdigest()
+            values = self._called(points)
+            if (values != self._called(points)).any():
+                raise InputError("density: it changes from call to call; give a function of the state alone")
+            digest = hashlib.sha256(values.astype("<f8").tobytes()).hexdigest()
             described["density"] = {
                 "function": getattr(self.function, "__qualname__", "unnamed"),
                 "sha256_of_values": digest,

@@ -38,7 +38,8 @@ _SCAN, _STEP = 4001, 1e-5
 class FallingConstant:
     """C and what it is made of; all are numbers per radian of tilt.
 
-    value: plus + minus, with `error`, an estimate of its absolute error. plus, minus: from the two sides of F.
+    value: plus + minus, with `error`, an estimate of its absolute error. plus, minus: from the two sides of F;
+    where a box that fixes sigma3 = 0 or sigma4 = 0 has the same states beside both, value counts them once.
     mass: integral of the density over the box, natural units. value is infinite where the density does not
     vanish at flat and the energy has no bound: P(theta_min < delta) is of order delta ln(1/delta) there; and
     for sigma3 = sigma4 = 0, where all states fall.
@@ -80,10 +81,17 @@ def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> F
     if frame.reaches_flat() or _all_on_f(density.box):
         return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass)
     parts = [difference(Sided(frame, side), frame.energy) for side in (1, -1)]
-    plus, minus = parts[0][0] / mass, parts[1][0] / mass
-    value = plus + minus
-    error = (parts[0][1] + parts[1][1] + value * mass_error) / mass + _ROUNDING * value
+    if _lines_meet(density.box):
+        parts.append(difference(Sided(frame, 1, both=True), frame.energy))
+    plus, minus, *both = (part[0] / mass for part in parts)
+    value = plus + minus - sum(both)
+    error = (sum(part[1] for part in parts) + value * mass_error) / mass + _ROUNDING * value
     return FallingConstant(value, error, plus, minus, mass)
+
+
+def _lines_meet(box: Box) -> bool:
+    """Whether l_+ and l_- meet the box in the same states: one rate fixed at 0, where sigma3_bar = 0 on both."""
+    return (0.0, 0.0) in (box.sigma3, box.sigma4)
 
 
 def _all_on_f(box: Box) -> bool:
@@ -100,18 +108,23 @@ class Sided:
 
     frame: Frame
     side: int
+    both: bool = False
 
     def __call__(self, energy: float) -> tuple[float, float]:
-        return refined(Line(self.frame, self.side, energy).integral, self.frame.tolerance)
+        return refined(Line(self.frame, self.side, energy, self.both).integral, self.frame.tolerance)
 
 
 @dataclass(frozen=True)
 class Line:
-    """The line eta = 0 on one side, seen as side +1: the other side is the mirror image, eq. (3.2)."""
+    """The line eta = 0 on one side, seen as side +1: the other side is the mirror image, eq. (3.2).
+
+    both: only what comes as flat on the other side too, where both lines meet the box at sigma3_bar = 0.
+    """
 
     frame: Frame
     side: int
     energy: float
+    both: bool = False
 
     def integral(self, panels: int) -> tuple[float, float]:
         """Integral of f 2 A sqrt(I1 M)/(I3 r(0)) over phi, phidot and sigma3_bar, and its error."""
@@ -214,7 +227,11 @@ class Line:
         bar = self._rates(fixed)[0] / m
         low, high = self._rates(other)
         # eta_hat changes by |m| as the free coordinate does by 1: the determinant of the chart is -1.
-        weight = ((n * bar >= low) & (n * bar <= high)) / abs(m)
+        width = abs(m)
+        if self.both:
+            there = self._chart(-phi)
+            width = np.maximum(width, abs(there[0] if fixed == "sigma3" else there[1]))
+        weight = ((n * bar >= low) & (n * bar <= high)) / width
         return bar[:, None], weight[:, None]
 
     def _barrier(self, phi: Array, bar: Array) -> Array:
@@ -228,6 +245,9 @@ class Line:
     def _least_speed(self, phi: Array, bar: Array, V: Array) -> Array:
         """|phidot| below which a start beyond the vertical does not pass the barrier on its way to flat."""
         least = np.zeros(bar.shape)
+        if self.both:
+            # The inverted pendulum reaches both sides if it passes the vertical, V = 1.
+            return np.sqrt(2.0 / self.frame.disk.body.M * np.maximum(1.0 - V, 0.0))
         beyond = phi < 0.0
         if beyond.any():
             height = self._barrier(phi[beyond, None], bar[beyond]) - V[beyond]

@@ -23,6 +23,8 @@ from explorer.states import Array
 
 _MARGIN = 1.02
 _ROUNDS = 12
+_TIE = 1.0 - 1e-12
+_SCAN = 2001
 
 
 @dataclass(frozen=True)
@@ -85,8 +87,22 @@ class Tube:
     delta: float
 
     def _range(self, name: str) -> Range:
-        low, high = self.frame.range(name)
+        """Where the density is not zero, as seen from this side; natural units."""
+        low, high = (end / self.frame.unit(name) for end in self.frame.density.reach(name))
         return (low, high) if self.side > 0 or name == "sigma3" else (-high, -low)
+
+    def _tilts_met(self) -> Range:
+        """The tilts between which the tube passes the box."""
+        low, high = self._range("phi")
+        phi = np.linspace(low, high, _SCAN)
+        fastest = np.full(_SCAN, max(map(abs, self._range("phidot"))))
+        if not (self.frame.free("sigma3") and self.frame.free("sigma4")):
+            return low, high
+        span = self._spans(Place.at(self.frame.disk, phi, fastest))[2]
+        met = np.flatnonzero(span > 0.0)
+        if not met.size:
+            return low, high
+        return phi[max(met[0] - 1, 0)], phi[min(met[-1] + 1, _SCAN - 1)]
 
     def draw(self, unit: Array, mass: float, accuracy: float) -> Draws:
         frame, b, disk = self.frame, self.frame.disk.body, self.frame.disk
@@ -96,7 +112,16 @@ class Tube:
         for name in ("phi", "phidot"):
             low, high = self._range(name)
             start[name] = np.full(unit.shape[0], low)
-            if frame.free(name):
+            bell = dict(frame.density.gaussian).get(name)
+            if bell is not None:
+                share = next(columns)
+                value = frame.density.at_share(name, share if self.side > 0 else 1.0 - share)
+                start[name] = self.side * value / frame.unit(name)
+                # Drawn from its own factor: what it weighs is that factor's integral over the factor.
+                away = (value - bell[0]) / bell[1]
+                weight *= frame.one(name) * np.exp(0.5 * away * away)
+            elif frame.free(name):
+                low, high = self._tilts_met() if name == "phi" else (low, high)
                 start[name] = low + (high - low) * next(columns)
                 weight *= high - low
         phi, phidot = start["phi"], start["phidot"]
@@ -108,7 +133,9 @@ class Tube:
         unit_rate, side = disk.rate_unit, self.side
         given = side * phi, side * phidot * unit_rate, s3 * unit_rate, side * s4 * unit_rate
         counted = frame.density.inside(*given, energy * disk.energy_unit)
-        counted &= (abs(eta) <= abs(other)) & (width > 0.0)
+        # A state beside both lines counts once, on the nearer side; equally near, up to rounding, on side +1.
+        nearer = abs(eta) * _TIE <= abs(other) if side > 0 else abs(eta) < abs(other) * _TIE
+        counted &= nearer & (width > 0.0)
         weight = np.where(counted, weight * width / mass, 0.0)
         weight[counted] *= frame.density.shape(*(column[counted] for column in given))
         theta, status = self._tilts(place, bar, eta, other, np.flatnonzero(weight > 0.0), accuracy)
@@ -119,21 +146,30 @@ class Tube:
     def _beside(self, place: "Place", columns: Iterator[Array]) -> tuple[Array, Array, Array]:
         """sigma3_bar, eta_hat, and the density of these draws to the power -1."""
         frame = self.frame
-        box = self._range("sigma3"), self._range("sigma4")
-        most3, most4 = (max(map(abs, span)) for span in box)
-        top = place.tilting + 0.5 * place.inertia3 * most3**2 + 0.5 * place.inertia4 * most4**2
-        top = np.minimum(top, frame.energy[1])
-        widest = np.minimum(widest_eta(top, self.delta, frame.disk), abs(place.c) * most3 + abs(place.a) * most4)
         if not (frame.free("sigma3") and frame.free("sigma4")):
-            return self._on_segment(place, box, widest, next(columns))
-        low, high = ends_of_bar(
-            (place.a, *box[0], abs(place.a2) * widest), (place.c, *box[1], abs(place.c2) * widest)
-        )
-        span = np.maximum(high - low, 0.0)
+            return self._on_segment(place, self._widest(place), next(columns))
+        low, widest, span = self._spans(place)
         bar = np.where(span > 0.0, low + span * next(columns), 0.0)
         half = self._half(place, bar, widest)
         eta = half * (2.0 * next(columns) - 1.0)
         return bar, eta, 2.0 * half * span
+
+    def _widest(self, place: "Place") -> Array:
+        """A bound of |eta_hat| at these tilts and speeds, for states of the box that come flatter than delta."""
+        most3, most4 = (max(map(abs, self._range(name))) for name in ("sigma3", "sigma4"))
+        top = place.tilting + 0.5 * place.inertia3 * most3**2 + 0.5 * place.inertia4 * most4**2
+        top = np.minimum(top, self.frame.energy[1])
+        bound = widest_eta(top, self.delta, self.frame.disk)
+        return np.minimum(bound, abs(place.c) * most3 + abs(place.a) * most4)
+
+    def _spans(self, place: "Place") -> tuple[Array, Array, Array]:
+        """Smallest sigma3_bar in the tube, half its width in eta_hat, and the span of sigma3_bar (0: not met)."""
+        widest = self._widest(place)
+        low, high = ends_of_bar(
+            (place.a, *self._range("sigma3"), abs(place.a2) * widest),
+            (place.c, *self._range("sigma4"), abs(place.c2) * widest),
+        )
+        return low, widest, np.maximum(high - low, 0.0)
 
     def _half(self, place: "Place", bar: Array, widest: Array) -> Array:
         """Half the width of the tube: a bound x >= widest_eta(energies within x), if `widest` is not smaller.
@@ -153,12 +189,10 @@ class Tube:
             half = np.where(settled, half, needed * _MARGIN)
         return np.where(settled, np.minimum(half, widest), widest)
 
-    def _on_segment(
-        self, place: "Place", box: tuple[Range, Range], widest: Array, unit: Array
-    ) -> tuple[Array, Array, Array]:
+    def _on_segment(self, place: "Place", widest: Array, unit: Array) -> tuple[Array, Array, Array]:
         """Where the box fixes sigma3 or sigma4: eta_hat is all that is drawn, and sets the free one."""
         fixed3 = not self.frame.free("sigma3")
-        fixed = box[0][0] if fixed3 else box[1][0]
+        fixed = self._range("sigma3" if fixed3 else "sigma4")[0]
         m, m2 = (place.a, place.a2) if fixed3 else (place.c, place.c2)
         eta = widest * (2.0 * unit - 1.0)
         # d(free)/d(eta_hat) = 1/|m| since the chart's determinant is -1

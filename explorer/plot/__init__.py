@@ -1,7 +1,7 @@
 """Pictures. Each function takes ax=None and returns the Axes; none shows or touches global settings."""
 
 from explorer.plot.falling import constants_plane, slice_map, theta_min_distribution
-from explorer.plot.measure_zero import constant_convergence, falling_ladder, tilt_density
+from explorer.plot.measure_zero import constant_convergence, falling_ladder, ladder_ratio, tilt_density
 from explorer.plot.one_sided import contact_paths, one_sided_chi, one_sided_distance, one_sided_phi
 from explorer.plot.race import race_deviation, race_histogram
 from explorer.plot.style import figure_of, stacked
@@ -13,6 +13,7 @@ __all__ = [
     "contact_paths",
     "falling_ladder",
     "figure_of",
+    "ladder_ratio",
     "one_sided_chi",
     "one_sided_distance",
     "one_sided_phi",

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 
 from explorer.plot.style import DARK, FOURTH, MINUS, PLUS, SMALL, THIRD, axes_or_new, dress, legend
-from explorer.scenes.measure_zero_summary import PLATEAU, SHAPE_BINS, wrong_laws
+from explorer.scenes.measure_zero_summary import OFF, PLATEAU, SHAPE_BINS, wrong_laws
 
 _SHARE = r"$P(\theta_{\min} < \delta)$"
 
@@ -26,7 +26,8 @@ def falling_ladder(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
             "plateau": (THIRD, "--", f"not: falls with $10^{{{np.log10(PLATEAU):.0f}}}$"),
         }
         for name, (colour, style, label) in styles.items():
-            ax.loglog(delta, wrong_laws(constant, top)[name](delta), color=colour, ls=style, lw=1.6, label=label)
+            shares = wrong_laws(constant, top)[name](delta)
+            ax.loglog(delta[shares < 1.0], shares[shares < 1.0], color=colour, ls=style, lw=1.6, label=label)
     _points(ax, rows, "estimate", "interval_95_simultaneous", PLUS, "o", "tubes, 95 % (all at once)")
     hits = [{"delta": row["delta"], **row["plain"]} for row in rows if row["count"]]
     _points(ax, hits, "value", "interval_95", MINUS, "s", f"{summary['samples']:,} plain draws, 95 %")
@@ -41,10 +42,33 @@ def falling_ladder(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
         color=MINUS,
     )
     if constant > 0.0:
-        ax.set_ylim(0.1 * constant * delta[-1], 10.0)
-    legend(ax, loc="lower right")
+        ax.set_ylim(0.1 * constant * delta[-1], 1e5)
+    legend(ax, loc="upper left", ncols=2)
     ax.grid(alpha=0.3)
     return dress(ax, r"$\delta$ (rad)", _SHARE, f"Falling has measure zero, {summary['disks'][0]['name']} disk")
+
+
+def ladder_ratio(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
+    """The ladder over its line: what an error of some percent in C would look like."""
+    ax = axes_or_new(ax)
+    constant = summary["constant_predicted"]
+    keys = ("estimate", "interval_95_simultaneous")
+    rows = []
+    for row in summary["ladder"]:
+        unit = constant * row["delta"]
+        rows.append(
+            {"delta": row["delta"], "ratio": row[keys[0]] / unit, "ends": [end / unit for end in row[keys[1]]]}
+        )
+    ax.set_xscale("log")
+    ax.axhline(1.0, color=DARK, lw=1.2)
+    ax.axhline(1.0 + OFF, color=FOURTH, lw=1.4, ls=":", label=f"not: $C$ off by {100 * OFF:.0f} %")
+    ax.axvspan(summary["ladder"][-1]["delta"] / 3.0, 2.0 * summary["law_limit"], color=DARK, alpha=0.06, lw=0)
+    _points(ax, rows, "ratio", "ends", PLUS, "o", "tubes, 95 % (all at once)")
+    reach = max(1.5 * OFF, 1.3 * max(abs(end - 1.0) for row in rows[4:] or rows for end in row["ends"]))
+    ax.set_ylim(1.0 - reach, 1.0 + reach)
+    legend(ax, loc="lower left")
+    ax.grid(alpha=0.3)
+    return dress(ax, r"$\delta$ (rad)", r"$P / (C\,\delta)$", "The same over its line; tested where shaded")
 
 
 def _points(ax: Axes, rows: list[Any], value: str, interval: str, colour: str, marker: str, label: str) -> None:
@@ -74,13 +98,18 @@ def constant_convergence(summary: dict[str, Any], ax: Axes | None = None) -> Axe
     name = "scrambled Sobol points" if summary["sampling"] == "sobol" else "independent draws"
     _bars(ax, draws, off, np.stack([off - low, high - off]), f"{name}, 95 %")
     guide = (high - off)[-1] * np.sqrt(draws[-1] / draws)
-    for sign, label in ((1.0, r"$N^{-1/2}$"), (-1.0, None)):
+    for sign, label in ((1.0, r"$\propto N^{-1/2}$"), (-1.0, None)):
         ax.plot(draws, sign * guide, color=MINUS, ls="--", lw=1.0, label=label)
     ax.set_xscale("log")
     ax.xaxis.set_minor_formatter(NullFormatter())
     legend(ax, loc="upper right")
     ax.grid(alpha=0.3)
-    return dress(ax, "draws in tubes", "estimate of $C$ / prediction $-\\,1$", "How the estimate of $C$ settles")
+    return dress(
+        ax,
+        "draws in tubes",
+        "estimate of $C$ / prediction $-\\,1$",
+        "How the estimate of $C$ settles (each point holds the draws of those before)",
+    )
 
 
 def tilt_density(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
@@ -93,5 +122,5 @@ def tilt_density(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     _bars(ax, middle, share, 1.96 * error, "draws, 95 %")
     legend(ax, loc="upper right")
     ax.grid(alpha=0.3)
-    title = f"Density of the smallest tilt, p-value {found['p_value']:.2g}"
+    title = rf"Smallest tilt of the hits of all tubes, $\delta \leq$ {summary['law_limit']:.1g} rad"
     return dress(ax, r"$\theta_{\min}/\delta$", "density", title)

@@ -22,7 +22,7 @@ from explorer.falling_constant import FallingConstant, constant_of
 from explorer.motions import smallest_tilt, turning_points
 from explorer.sampling import Box, Range, chunk_stream
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
-from explorer.scenes.measure_zero_summary import SHAPE_BINS, summarise
+from explorer.scenes.measure_zero_summary import FEWEST_HITS, SHAPE_BINS, summarise
 from explorer.states import Array, natural_constants, phi_to_states, require_axial_inertia
 from explorer.tubes import Draws, dimensions, draw_tube, widest_eta
 
@@ -34,6 +34,7 @@ SCRAMBLES = 16
 # The next term of the law is of order delta: 1e-4 of C here, and rungs above only measure it.
 LAW_LIMIT = 1e-4
 _NEAREST_FLAT = 0.01  # share of the box's distance from flat up to which the law may be tested
+_NARROWEST = 1e-3  # half-width of a tube over the narrowest width of the density, likewise
 ENERGY_BINS = 6
 _BATCH = 1 << 14
 _CHECKED = 256  # hits per chunk whose race is followed by integration
@@ -60,7 +61,7 @@ class MeasureZero(SampledScene):
     gaussian: str | None = None
     density: Function | None = None
     ladder: Range = (1e-15, 1e-1)
-    samples: int = 1_000_000
+    samples: int = 4_000_000  # enough to see a probability of 1e-6, were there one
     tube: int = 1 << 18
     sampling: str = "random"
 
@@ -71,8 +72,8 @@ class MeasureZero(SampledScene):
     def __post_init__(self) -> None:
         require_axial_inertia(self.disk)
         low, high = self.ladder
-        if not 1e-250 <= low < high <= 1.0:
-            raise InputError(f"--ladder {low:g}:{high:g} must be LOW:HIGH within 1e-250:1 (tilts in rad)")
+        if not 1e-100 <= low < high <= 1.0:
+            raise InputError(f"--ladder {low:g}:{high:g} must be LOW:HIGH within 1e-100:1 (tilts in rad)")
         if self.sampling == "sobol" and self.tube < 2 * SCRAMBLES:
             raise InputError(f"--tube {self.tube}: Sobol points come in {SCRAMBLES} scrambles; give more draws")
         if not {"sigma3", "sigma4"} & set(self.source.box.free):
@@ -85,9 +86,12 @@ class MeasureZero(SampledScene):
                 "--box reaches flat (phi = +-pi/2) where the density does not vanish and the energy has no bound: "
                 "P is of order delta ln(1/delta) there, there is no C; give --energy LOW:HIGH, or keep phi away"
             )
+        # What draws nothing, or is no density, is refused before anything is written.
+        self.source.draw(self.disk, chunk_stream(self.seed, 0), 1)
         if np.count_nonzero(self.deltas <= self.law_limit) < 2:
             raise InputError(
-                f"--ladder {low:g}:{high:g}: needs two decades below {self.law_limit:g}, where the law holds"
+                f"--ladder {low:g}:{high:g}: needs two rungs at or below {self.law_limit:.1e}, where the law "
+                "holds for this box and disk; give a smaller LOW"
             )
 
     @cached_property
@@ -105,8 +109,13 @@ class MeasureZero(SampledScene):
     @cached_property
     def law_limit(self) -> float:
         """The largest delta at which the next term of the law may be neglected."""
+        frame = Frame(self.disk, self.source)
         away = 0.5 * np.pi - max(map(abs, self.source.box.phi))
-        return float(min(LAW_LIMIT, _NEAREST_FLAT * away)) if away > 0.0 else LAW_LIMIT
+        near_flat = _NEAREST_FLAT * away if away > 0.0 else LAW_LIMIT
+        narrow = (
+            _NARROWEST * frame.narrowest() / float(widest_eta(np.array([frame.most_energy()]), 1e-9, self.disk)[0])
+        )
+        return float(min(LAW_LIMIT, near_flat, narrow * 1e-9))
 
     @cached_property
     def constant(self) -> FallingConstant:
@@ -126,17 +135,16 @@ class MeasureZero(SampledScene):
         return super().chunks() + 2 * self.deltas.size * self._parts
 
     def piece(self, index: int) -> Piece:
-        """What chunk `index` is."""
-        plain = super().chunks()
-        if index < plain:
-            return Piece(-1, 0, index)
-        tube, part = divmod(index - plain, self._parts)
+        """What chunk `index` is. Plain draws come last, so that a longer run keeps all chunks of a shorter one."""
+        tube, part = divmod(index, self._parts)
+        if tube >= 2 * self.deltas.size:
+            return Piece(-1, 0, index - 2 * self.deltas.size * self._parts)
         return Piece(tube // 2, 1 if tube % 2 == 0 else -1, part)
 
     def length(self, index: int) -> int:
         piece = self.piece(index)
         if piece.rung < 0:
-            return super().length(index)
+            return super().length(piece.part)
         if self.sampling == "sobol":
             return 1 << int(np.log2(self.tube // SCRAMBLES))
         return min(_BATCH, self.tube - piece.part * _BATCH)
@@ -258,24 +266,39 @@ class MeasureZero(SampledScene):
     def figures(self, summary: dict[str, Any], chunks: Chunks) -> "Iterator[tuple[str, Figure]]":
         from explorer import plot
 
-        yield "ladder", plot.figure_of(plot.falling_ladder, summary)
-        if summary["constant"]:
-            yield "convergence", plot.figure_of(plot.constant_convergence, summary)
-            yield "tilt", plot.figure_of(plot.tilt_density, summary)
+        if not summary["constant"]:
+            yield "ladder", plot.figure_of(plot.falling_ladder, summary)
+            return
+        yield (
+            "ladder",
+            plot.stacked(
+                lambda ax: plot.falling_ladder(summary, ax), lambda ax: plot.ladder_ratio(summary, ax), height=8.4
+            ),
+        )
+        yield "convergence", plot.figure_of(plot.constant_convergence, summary)
+        yield "tilt", plot.figure_of(plot.tilt_density, summary)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         lines = [
             f"{summary['samples']:,} states drawn, {summary['falls']} fell: the probability of falling is below "
             f"{summary['upper_bound_95']:.2e} (95 %, exact)"
         ]
-        if not summary["constant"]:
+        if summary["constant_predicted"] == 0.0:
             return [*lines, "the box misses the falling set: C = 0, and no law to test"]
+        if not summary["constant"]:
+            fewest = min(row["effective_sample_size"] for row in summary["ladder"])
+            few = f"C predicted {summary['constant_predicted']:.6g}; not estimated: a rung has hits worth"
+            remedy = f"fewer than {FEWEST_HITS}; raise --tube, or narrow --box to where the density is"
+            return [*lines, f"{few} {fewest:.0f} equal ones, {remedy}"]
         slope, constant = summary["slope"], summary["constant"]
         return [
             *lines,
             f"slope of P(theta_min < delta): {slope['value']:.6f} (95 %: {_text(slope['interval_95'], 6)})",
             f"C: {constant['value']:.5f} (95 %: {_text(constant['interval_95'], 5)}), predicted "
-            f"{summary['constant_predicted']:.6f}; p-value of the law {summary['p_value']['law']:.2g}",
+            f"{summary['constant_predicted']:.6f} +- {summary['constant_predicted_error']:.0e}",
+            f"p-value of the law {summary['p_value']['law']:.2g} (draws in tubes), "
+            f"{summary['p_value_counts']['law']:.2g} (plain counts); that both agree "
+            f"{summary['p_value_counts_against_tubes']:.2g}",
         ]
 
 

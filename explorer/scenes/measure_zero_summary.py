@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
 
 from explorer import laws, statistics
 from explorer.falling_constant import constant_of
@@ -19,7 +19,9 @@ from explorer.states import Array, phi_to_states
 if TYPE_CHECKING:
     from explorer.scenes.measure_zero import MeasureZero
 
+FEWEST_HITS = 50  # worth of equal weight in a rung; with fewer its interval is not to be trusted
 SHAPE_BINS = 20  # of theta_min / delta
+_MANY = 25  # plain hits, enough for a normal distribution
 # Laws that it is not: what is put in their place.
 PLATEAU, OFF = 1e-6, 0.02
 _ROUGHLY = 1e-4  # relative error of the predicted shares of energies, below those of the draws
@@ -110,13 +112,15 @@ def summarise(scene: "MeasureZero", chunks: Chunks) -> dict[str, Any]:
     }
     ladder = tubes.ladder(scene.deltas)
     tested = ladder.at(scene.deltas <= scene.law_limit)
-    if not (scene.constant.value > 0.0 and (tested.value > 0.0).all()):
+    enough = all(row["effective_sample_size"] >= FEWEST_HITS for row in summary["ladder"])
+    if not (scene.constant.value > 0.0 and enough):
         return summary
     summary["slope"] = _described(laws.fit_slope(tested))
     summary["constant"] = _described(laws.fit_constant(tested))
     summary["law_limit"] = scene.law_limit
     summary |= _tests(scene, tested, below.sum(axis=1))
     summary["power"] = _power(scene, tubes)
+    summary["p_value_counts_against_tubes"] = _agreement(scene, ladder, below.sum(axis=1))
     summary["splits"] = _splits(scene, tubes, ladder)
     summary["convergence"] = _convergence(scene, tubes)
     if scene.sampling == "sobol":
@@ -181,7 +185,7 @@ def wrong_laws(constant: float, top: float) -> dict[str, Law]:
 
 
 def _tests(scene: "MeasureZero", tested: Ladder, below: NDArray[np.int64]) -> dict[str, Any]:
-    """p-values of the law and of wrong ones, from tubes, from plain counts, and from both."""
+    """p-values of the law and of wrong ones: from tubes, from plain counts, and the one that can tell."""
     constant = scene.constant
     counts = below[scene.deltas <= scene.law_limit]
     known: dict[str, Law] = {"law": lambda delta: constant.value * delta}
@@ -190,8 +194,18 @@ def _tests(scene: "MeasureZero", tested: Ladder, below: NDArray[np.int64]) -> di
     for name, law in known.items():
         apart["tubes"][name] = laws.ladder_p(tested, law, constant.error / constant.value)
         apart["counts"][name] = laws.counts_p(tested.delta, counts, scene.samples, law)
-    together = {name: laws.either_p(apart["tubes"][name], apart["counts"][name]) for name in known}
-    return {"p_value": together, "p_value_tubes": apart["tubes"], "p_value_counts": apart["counts"]}
+    # Tubes hold what is beside F. Falls anywhere else are for plain draws to find.
+    headline = {name: apart["counts" if name == "plateau" else "tubes"][name] for name in known}
+    return {"p_value": headline, "p_value_tubes": apart["tubes"], "p_value_counts": apart["counts"]}
+
+
+def _agreement(scene: "MeasureZero", ladder: Ladder, below: NDArray[np.int64]) -> float:
+    """p-value that plain counts and tubes estimate the same, whatever the law; of all rungs, after Bonferroni."""
+    share = np.clip(ladder.value, 1e-300, 1.0)
+    spread = np.sqrt(share * (1.0 - share) / scene.samples + ladder.error**2)
+    many = below >= _MANY
+    away = abs(below / scene.samples - ladder.value)[many] / spread[many]
+    return float(min(1.0, 2.0 * many.sum() * norm.sf(away.max(initial=0.0)))) if many.any() else 1.0
 
 
 def _relative_variance(tubes: Tubes, rungs: NDArray[np.intp]) -> float:
@@ -214,9 +228,10 @@ def _power(scene: "MeasureZero", tubes: Tubes) -> dict[str, Any]:
 
     found: dict[str, Any] = {"relative_variance_of_a_draw": variance}
     for name, law in wrong_laws(constant, float(delta[0])).items():
+        beside = delta.size * laws.draws_to_reject(delta, right, law, variance)
         found[name] = {
-            "tube_draws": delta.size * laws.draws_to_reject(delta, right, law, variance),
-            "plain_draws": laws.plain_draws_to_reject(delta, right, law),
+            "tube_draws": None if name == "plateau" else beside,
+            "plain_draws": _finite(laws.plain_draws_to_reject(delta, right, law)),
         }
     return found
 

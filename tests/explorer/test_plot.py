@@ -45,7 +45,7 @@ def pictures(tmp_path_factory):
         "one_sided_chi": (both,),
         "contact_paths": (both,),
         "work_precision": (trade(UNIFORM, 1024),),
-        **dict.fromkeys(("falling_ladder", "constant_convergence", "tilt_density"), (law,)),
+        **dict.fromkeys(("falling_ladder", "ladder_ratio", "constant_convergence", "tilt_density"), (law,)),
     }
 
 
