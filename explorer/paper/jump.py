@@ -13,7 +13,6 @@ from numpy.polynomial.polynomial import polyfit
 
 from explorer.disk import Disk
 from explorer.limits import limit_motion
-from explorer.motions import simulate
 from explorer.paper import plain
 from explorer.paper.fall import (
     HOOP,
@@ -24,6 +23,7 @@ from explorer.paper.fall import (
     closed_form,
     exponent,
     near,
+    observed,
     shot_slope,
 )
 from explorer.paper.race import CASES, ROOT, SMALL, beside, case, horizontal, logarithmic, order_of, planar
@@ -48,11 +48,9 @@ def risen(disk: Disk, sign: int, eta_hat: float = 1e-8) -> Risen:
     """From the vertical with speed and sigma3_bar of 1 towards side +1, approached from sgn(eta) = sign."""
     time = 5.0 / 3.0 * limit_motion(disk, constants_to_states(disk, 1.0, 0.0, 1.0)).impacts(9.0)[:1]
     start = constants_to_states(disk, 1.0, sign * eta_hat, 1.0)
-    names = ("phi", "chi", "psi", "path")
-    run = simulate(disk, start, t_eval=time, observables=names, method="dop853", accuracy=1e-11)
-    phi, chi, psi = (float(getattr(run, name)[0, 0]) for name in names[:3])
+    phi, chi, psi, path = (row[0, 0] for row in observed(disk, start, time, "phi", "chi", "psi", "path"))
     turned = plain.turn(3, chi) @ plain.turn(2, 0.5 * np.pi - phi) @ plain.turn(3, -psi - np.pi)
-    return Risen(chi, turned, run.path[0, 0])
+    return Risen(float(chi), turned, path)
 
 
 def apart(disk: Disk) -> tuple[float, float]:
@@ -111,8 +109,7 @@ def _through_the_race(disk: Disk, eta_hat: float) -> tuple[float, float, dict[st
     times = 0.5 * found.duration[0] + found.theta_min[0] / found.impact_speed[0] * np.sinh(y)
     names = ("phi", "phidot", "sigma3", "sigma4", "chi", "path", "contact")
     start = constants_to_states(disk, 1.0, eta_hat, 1.0)
-    run = simulate(disk, start, t_eval=times, observables=names, method="dop853", accuracy=1e-11)
-    values = {name: getattr(run, name)[0] for name in names}
+    values = {name: row[0] for name, row in zip(names, observed(disk, start, times, *names), strict=True)}
     values["contact_speed"] = np.linalg.norm(np.gradient(values["contact"], times, axis=0, edge_order=2), axis=1)
     values["speed"] = np.linalg.norm(np.gradient(values["path"], times, axis=0, edge_order=2), axis=1)
     return float(found.energy[0]), float(found.impact_speed[0]), values
@@ -223,12 +220,11 @@ def spin() -> Iterator[Finding]:
         hits = limit.impacts(2.2 * limit.period)
         times = 0.5 * (hits[0] + hits[1]) + np.array([0.0, limit.period])
         start = constants_to_states(disk, 0.0, 1e-8, 1.0)
-        names = ("phidot", "chi", "psi")
-        run0 = simulate(disk, start, t_eval=times, observables=names, method="dop853", accuracy=1e-10)
+        chi, psi = (row[0] for row in observed(disk, start, times, "chi", "psi"))
         why, what = "midway between impacts; η ln(1/η)", f"{disk.name}, σ̄₃ = 0, after impacts on sides + and −:"
-        yield near(f"{what} χ/Δχ", run0.chi[0] / unit, [1.0, 0.0], 1e-6, why)
-        yield near(f"{what} ψ/Δχ", run0.psi[0] / unit, [1.0, 2.0], 1e-6, why)
-        yield near(f"{what} χ off the limit motion", run0.chi[0], limit(times).chi, 1e-5, why)
+        yield near(f"{what} χ/Δχ", chi / unit, [1.0, 0.0], 1e-6, why)
+        yield near(f"{what} ψ/Δχ", psi / unit, [1.0, 2.0], 1e-6, why)
+        yield near(f"{what} χ off the limit motion", chi, limit(times).chi, 1e-5, why)
 
 
 @statement(57, "SEC-1", "Section 1: for the uniform disk and the hoop the two limits differ, by 2Δχ mod 2π.")
