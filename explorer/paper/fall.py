@@ -128,7 +128,7 @@ def lines() -> Iterator[Finding]:
         yield near(f"{disk.name}: σ₃ near flat on l₋", flat[0], 0.0, 1e-6, "σ₃ is of order tilt² = 1e-6 there")
 
 
-@statement(28, "LEMMA-3", "Lemma 3: off l±, V ~ η±²/4I₁(1∓σ₁) and V′ ~ ±η±²/4I₁(1∓σ₁)² as σ₁ → ±1, (6.3), (6.4).")
+@statement(28, "LEMMA-3", "Lemma 3, (6.3), (6.4): off l± V ~ η²/4I₁(1∓σ₁), V′ ~ ±η²/4I₁(1∓σ₁)²; rest [corrected].")
 def barrier_off_lines() -> Iterator[Finding]:
     step, coarse = 1e-4, np.geomspace(0.03, 1e-3, 12)
     for disk, side in ((UNIFORM, 1), (HOOP, -1), (THICK, 1), (THICK, -1)):
