@@ -106,9 +106,8 @@ def bounce() -> Iterator[Finding]:
         runs = [passage(disk, eta) for eta in ETAS]
         eta = np.array([run.eta for run in runs])
         theta = np.array([run.theta_min for run in runs])
-        lead = (
-            np.array([run.theta_min * disk.I1**0.5 * (2.0 * (run.energy - run.V0)) ** 0.5 for run in runs]) / eta
-        )
+        excess = np.array([run.energy - run.V0 for run in runs])
+        lead = theta * np.sqrt(2.0 * disk.I1 * excess) / eta
         yield near(f"{disk.name}: exponent of θ_min in η, 1e-2 to 1e-5", exponent(eta, theta), 1.0, 0.02, _LOG)
         left = logarithmic(eta[1:], lead[1:] - 1.0)[1]
         yield at_most(f"{disk.name}: θ_min√(2I₁(E−V₀))/η − 1, misfit of η ln(1/η) and η", left, 0.05, "η² ln²η")
@@ -116,17 +115,18 @@ def bounce() -> Iterator[Finding]:
         unit = disk.I3 * closed_form(disk)[0] * np.array([1e-8, 1e-8, 1e-12, 1e-12])
         lead = tiny.theta_min * tiny.impact_speed * np.sqrt(disk.I1 * (disk.I1 + 1.0)) / unit
         yield near(f"{disk.name}: θ_min√(2I₁(E−V₀))/η at ±1e-8, ±1e-12 by quadrature", lead, 1.0, 1e-6, _LOG)
-        widths = np.array([np.diff(level(run, 0.5))[0] * run.A / run.theta_min for run in runs])
-        yield near(f"{disk.name}: time with V−V₀ > ½(E−V₀), over 2θ_min/A", widths[-1] / 2.0, 1.0, 1e-3, _LOG)
+        times = np.array([np.diff(level(run, 0.5))[0] for run in runs])
+        run, rate = runs[-1], exponent(eta, times)
+        yield near(f"{disk.name}: exponent in η of the time with V−V₀ > ½(E−V₀)", rate, 1.0, 0.02, _LOG)
+        width = times[-1] * run.A / (2.0 * run.theta_min)
+        yield near(f"{disk.name}: that time over 2θ_min/A, η̂ = 1e-5", width, 1.0, 1e-3, _LOG)
         rates = runs[2].at(runs[2].middle + np.linspace(-8.0, 8.0, 400) * runs[2].theta_min / runs[2].A)[1]
         rise = -float(np.diff(rates).min() / runs[2].A)
         yield at_most(f"{disk.name}: largest fall of tilt's rate while it goes from −A to A", rise, 0.0, "a sign")
-        push = []
-        for run in runs:
-            step = 1e-3 * run.theta_min / run.A
-            speeding = np.diff(run.at(run.middle + np.array([-step, step]))[1])[0] / (2.0 * step)
-            push.append(float((disk.I1 + 1.0) * speeding * disk.I1 * run.theta_min**3 / run.eta**2))
-        yield near(f"{disk.name}: ±V′ over η²/I₁cos³φ at θ_m, (7.6) [corrected]", push[-1], 1.0, 1e-3, _LOG)
+        step = 1e-3 * run.theta_min / run.A
+        speeding = np.diff(run.at(run.middle + np.array([-step, step]))[1])[0] / (2.0 * step)
+        push = float((disk.I1 + 1.0) * speeding * disk.I1 * run.theta_min**3 / run.eta**2)
+        yield near(f"{disk.name}: ±V′ over η²/I₁cos³φ at θ_m, (7.6) [corrected]", push, 1.0, 1e-3, _LOG)
         ends = rates[[0, -1]] / runs[2].A
         want, why = 8.0 / np.sqrt(65.0) * np.array([-1.0, 1.0]), "η ln(1/η) and gravity"
         yield near(f"{disk.name}: its rate 8 θ_m/A before and after, over A", ends, want, 1e-3, why)
