@@ -15,13 +15,13 @@ from explorer import compiled
 from explorer.disk import Disk
 from explorer.errors import InputError
 from explorer.motions import simulate
-from explorer.passage import periods
-from explorer.states import Array, States, constants_to_states, require_axial_inertia
+from explorer.passage import Periods, periods
+from explorer.states import Array, States, columns_of, constants_to_states, require_axial_inertia
 
 _ACCURACY = 1e-9
 _MOST_PERIODS = 10_000
 _FIRST_TIMES = 64
-_FINEST = 14  # halvings of a step of time
+_FINEST = 30  # halvings of a step of time
 _STEP = 0.12  # rad of chi between two points of a path
 
 
@@ -63,7 +63,7 @@ def drift_per_period(states: States) -> Drift:
     return Drift(found.period, found.chi, step, radius, found.status)
 
 
-def _periods(states: States):  # type: ignore[no-untyped-def]
+def _periods(states: States) -> Periods:
     """Periods, with eta as it was given where it was."""
     if states.exact is None:
         return periods(states)
@@ -88,7 +88,10 @@ def resonance(
             raise InputError(f"resonance: no period at sigma3_bar = {sigma3_bar:g}: {sentence} Move `between`")
         return float(found.chi[0]) / (2.0 * math.pi) - turns
 
-    low, high = between
+    ends = columns_of(between=between)[0]
+    if ends.size != 2 or isinstance(turns, bool) or not isinstance(turns, int):
+        raise InputError(f"resonance: between = {between!r}, turns = {turns!r}: give two numbers and a whole one")
+    low, high = float(ends[0]), float(ends[1])
     first, last = excess(low), excess(high)
     if first * last > 0.0:
         raise InputError(

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from explorer.disk import Disk
@@ -11,7 +12,7 @@ from explorer.drift import dense_times
 from explorer.errors import InputError
 from explorer.motions import simulate
 from explorer.passage import passages
-from explorer.states import Array, constants_to_states, require_axial_inertia
+from explorer.states import Array, States, constants_to_states, require_axial_inertia
 
 FRAMES = 100
 BETWEEN = 6  # points of a trail per frame
@@ -40,7 +41,7 @@ class Film:
     psi: dict[int, Array]
     centre: dict[int, Array]
     contact: dict[int, Array]
-    frames: Array
+    frames: NDArray[np.intp]
 
     def rim(self, sign: int, row: int, angles: Array) -> Array:
         """Points of the rim (n, 3) at angles (rad) from the contact point, eqs (2.34), (2.35)."""
@@ -66,9 +67,7 @@ def film(
     if isinstance(frames, bool) or not isinstance(frames, int) or not 2 <= frames <= _MOST_FRAMES:
         raise InputError(f"frames = {frames!r}: give a whole number from 2 to {_MOST_FRAMES}")
     if not (isinstance(eta_hat, int | float) and _SMALLEST * disk.rate_unit <= eta_hat < math.inf):
-        raise InputError(
-            f"eta_hat = {eta_hat!r}: give a number from {_SMALLEST:g} sqrt(g/r) up, both signs are shown"
-        )
+        raise InputError(f"eta_hat = {eta_hat!r}: give a number from {_SMALLEST:g} sqrt(g/r) up, without its sign")
     signed = np.array([eta_hat, -eta_hat])
     found = passages(disk, sigma3_bar, signed, phidot)
     if found.status.any():
@@ -105,7 +104,7 @@ def film(
     )
 
 
-def _times(disk: Disk, states, duration: Array, count: int) -> Array:  # type: ignore[no-untyped-def]
+def _times(disk: Disk, states: States, duration: Array, count: int) -> Array:
     """Times from the flattest moment, equally spaced in s with dt = q ds, q the smaller of both cos(phi)."""
     # A hair inside: rounding must not ask for a time before the start.
     end = 0.5 * float(duration.min()) * (1.0 - 1e-12)

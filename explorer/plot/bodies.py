@@ -1,6 +1,6 @@
 """Pictures over all bodies: race number, gap of the two limit motions, turn per bounce."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from explorer.errors import InputError
 from explorer.plot.style import DARK, DISK_COLOURS, MINUS, PLUS, SMALL, THIRD, axes_or_new, dress, legend, stacked
+from explorer.states import Array
 
 if TYPE_CHECKING:
     from explorer.bounce import Bounces
@@ -22,7 +23,6 @@ def race_number(
     numbers: "RaceNumbers",
     measured: "MeasuredGaps | None" = None,
     ax: Axes | None = None,
-    named: Mapping[float, str] = NAMED,
 ) -> Axes:
     """kappa against m r^2/I1: the contact point races by kappa pi. measured: race angles by quadrature."""
     ax = axes_or_new(ax)
@@ -30,7 +30,7 @@ def race_number(
     _matching(ax, numbers, np.sqrt(1.0 + numbers.matching))
     if measured is not None:
         _measured(ax, measured.ratio, measured.kappa)
-    _named(ax, numbers, named, np.interp)
+    _named(ax, numbers, np.sqrt)
     ax.set_ylim(0.8, 1.08 * numbers.kappa[-1])
     ax.grid(alpha=0.3)
     legend(ax, loc="lower right")
@@ -41,7 +41,6 @@ def race_gap(
     numbers: "RaceNumbers",
     measured: "MeasuredGaps | None" = None,
     ax: Axes | None = None,
-    named: Mapping[float, str] = NAMED,
 ) -> Axes:
     """2 kappa pi mod 2 pi against m r^2/I1, zero for the matching bodies; it jumps by a whole turn there."""
     ax = axes_or_new(ax)
@@ -51,7 +50,7 @@ def race_gap(
     _matching(ax, numbers, 0.0 * numbers.matching)
     if measured is not None:
         _measured(ax, measured.ratio, measured.gap)
-    _named(ax, numbers, named, lambda at, ratio, _gap: 2.0 * np.pi * (np.sqrt(1.0 + at) % 1.0))
+    _named(ax, numbers, lambda square: 2.0 * np.pi * (np.sqrt(square) % 1.0))
     ax.set_ylim(-0.35, 2.0 * np.pi + 0.2)
     ax.set_yticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
     ax.grid(alpha=0.3)
@@ -68,22 +67,20 @@ def race_bodies(numbers: "RaceNumbers", measured: "MeasuredGaps | None" = None) 
     )
 
 
-def _matching(ax: Axes, numbers: "RaceNumbers", at: np.ndarray) -> None:
+def _matching(ax: Axes, numbers: "RaceNumbers", at: Array) -> None:
     ax.plot(numbers.matching, at, "D", color=MINUS, ms=7, label=r"$m r^2/I_1 = l^2 - 1$: both limits agree")
 
 
-def _measured(ax: Axes, ratio: np.ndarray, value: np.ndarray) -> None:
+def _measured(ax: Axes, ratio: Array, value: Array) -> None:
     ax.plot(ratio, value, "o", mfc="none", mec=DARK, ms=12, label="measured beside $F$")
 
 
-def _named(ax: Axes, numbers: "RaceNumbers", named: Mapping[float, str], height) -> None:  # type: ignore[no-untyped-def]
-    for ratio, name in named.items():
+def _named(ax: Axes, numbers: "RaceNumbers", height: Callable[[float], float]) -> None:
+    for ratio, name in NAMED.items():
         if ratio <= numbers.ratio[-1]:
-            value = float(height(ratio, numbers.ratio, numbers.kappa))
-            ax.plot([ratio], [value], "s", color=THIRD, ms=6)
-            ax.annotate(
-                name, (ratio, value), xytext=(-7, 9), textcoords="offset points", ha="right", fontsize=SMALL
-            )
+            at = ratio, height(1.0 + ratio)
+            ax.plot(*[[value] for value in at], "s", color=THIRD, ms=6)
+            ax.annotate(name, at, xytext=(-7, 9), textcoords="offset points", ha="right", fontsize=SMALL)
 
 
 def bounce_turns(found: Sequence["Bounces"], ax: Axes | None = None) -> Axes:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -50,7 +51,7 @@ def race_slice_map(found: "RaceSlice", ax: Axes | None = None) -> Axes:
     return dress(ax, axis_label(first), axis_label(second), f"$F$ is the edge of the two colours: {fixed}")
 
 
-def _tilt_bar(ax: Axes, mesh) -> None:  # type: ignore[no-untyped-def]
+def _tilt_bar(ax: Axes, mesh: ScalarMappable) -> None:
     bar = ax.figure.colorbar(mesh, ax=ax)
     decades = np.array([-2.0, -1.0, 0.0])
     heights = (decades - _FLATTEST) / (_TOP - _FLATTEST)
