@@ -51,9 +51,12 @@ class Film:
         turned = np.cos(angles)[:, None] * down + np.sin(angles)[:, None] * along
         return np.asarray(self.centre[sign][row] + self.disk.r * turned)
 
-    def mark(self, sign: int, row: int) -> Array:
-        """A point of the rim that belongs to the body, (3): on top at the start, -psi from the contact later."""
-        return np.asarray(self.rim(sign, row, np.array([math.pi - self.psi[sign][row]]))[0])
+    def mark(self, sign: int, row: int, place: float = math.pi) -> Array:
+        """A point of the rim that belongs to the body, (3): the one that touches the table when psi = place.
+
+        By default it is on top at the start.
+        """
+        return np.asarray(self.rim(sign, row, np.array([place - self.psi[sign][row]]))[0])
 
 
 def film(

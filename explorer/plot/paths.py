@@ -60,7 +60,7 @@ def wander_distance(named: Mapping[str, "Wander"], ax: Axes | None = None) -> Ax
         if 2.0 * drift.radius[0] / r < _BOUNDED:
             ax.axhline(2.0 * drift.radius[0] / r, color=colour, lw=1, ls=":")
     ax.plot([], [], ".", color=DARK, label="after each period, from one period alone")
-    ax.plot([], [], color=DARK, lw=1, ls=":", label="no further than this, ever")
+    ax.plot([], [], color=DARK, lw=1, ls=":", label="bound of these dots")
     ax.set_ylim(0.0, 1.05 * largest)
     legend(ax, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2)
     return dress(ax, "t (periods)", "distance from the start (radii)", "Only a resonance walks away")

@@ -48,7 +48,7 @@ def race_slice_map(found: "RaceSlice", ax: Axes | None = None) -> Axes:
         legend(ax, handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)
     fixed = ", ".join(f"{axis_label(key).split(' ')[0]} = {value:g}" for key, value in at.slice.fixed.items())
     first, second = at.slice.axes
-    return dress(ax, axis_label(first), axis_label(second), f"$F$ is the edge of the two colours: {fixed}")
+    return dress(ax, axis_label(first), axis_label(second), f"$F$ is where the strong colours meet: {fixed}")
 
 
 def _tilt_bar(ax: Axes, mesh: ScalarMappable) -> None:
