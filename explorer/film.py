@@ -71,6 +71,9 @@ def film(
         raise InputError(f"frames = {frames!r}: give a whole number from 2 to {_MOST_FRAMES}")
     if not (isinstance(eta_hat, int | float) and _SMALLEST * disk.rate_unit <= eta_hat < math.inf):
         raise InputError(f"eta_hat = {eta_hat!r}: give a number from {_SMALLEST:g} sqrt(g/r) up, without its sign")
+    for name, value in (("sigma3_bar", sigma3_bar), ("phidot", phidot)):
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"{name} = {value!r}: a film shows one motion on each side; give one number")
     signed = np.array([eta_hat, -eta_hat])
     found = passages(disk, sigma3_bar, signed, phidot)
     if found.status.any():

@@ -54,10 +54,8 @@ class _Panel:
         (self.spoke,) = ax.plot([], [], color=DARK, lw=0.9)
         (self.mark,) = ax.plot([], [], "s", color="white", mec=DARK, ms=7)
         (self.contact,) = ax.plot([], [], "o", color=colour, mec=DARK, ms=8)
-        ax.set_title(
-            rf"$\hat\eta$ = {sign * shown.eta_hat:+g}: the contact races ${'+' if sign > 0 else '-'}\kappa\pi$",
-            fontsize=SMALL,
-        )
+        turn = shown.chi[sign][-1] - shown.chi[sign][0]
+        ax.set_title(rf"$\hat\eta$ = {sign * shown.eta_hat:+g}: contact turns by {turn:+.2f} rad", fontsize=SMALL)
         ax.set_xlim(limits[0][0], limits[1][0])
         ax.set_ylim(limits[0][1], limits[1][1])
         ax.set_aspect("equal", adjustable="box")
@@ -86,7 +84,8 @@ class Scene:
         limits = self._limits()
         self.panels = [_Panel(ax, shown, sign, limits) for ax, sign in zip(axes, (1, -1), strict=True)]
         name = "" if shown.disk.name == "custom" else f", {shown.disk.name} disk"
-        self.figure.suptitle(f"Both sides of the falling set{name}", fontsize=TEXT, y=0.985)
+        race = rf"$\kappa\pi$ = {shown.disk.race_limit:.2f} rad"
+        self.figure.suptitle(f"Both sides of the falling set{name}: {race}", fontsize=TEXT, y=0.985)
         # Letters of one width: the line must not jump from frame to frame.
         self.clock = self.figure.text(0.5, 0.035, "", ha="center", fontsize=SMALL, family="monospace")
 

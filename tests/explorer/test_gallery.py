@@ -391,6 +391,8 @@ def test_the_artists_of_the_film_follow_the_rows(shown):
         (lambda: wander(start(UNIFORM, 1.0, 0.0), 3), "no period"),
         (lambda: film(UNIFORM, eta_hat=-0.05), "eta_hat = -0.05"),
         (lambda: film(UNIFORM, frames=1), "frames = 1"),
+        (lambda: film(UNIFORM, sigma3_bar=[1.0, 2.0]), "sigma3_bar = [1.0, 2.0]"),
+        (lambda: film(UNIFORM, sigma3_bar=math.nan), "sigma3_bar = nan"),
         (lambda: film(UNIFORM, phidot=-1.0), "phidot = -1.0"),
         (lambda: animation.animate("fall.png", UNIFORM), ".gif"),
         (lambda: animation.animate("no/such/folder/fall.gif", UNIFORM), "make it first"),
