@@ -367,10 +367,8 @@ def level_energies(potential: Potential, energies: tuple[float, float] | None = 
                 f"energies {low:g}:{high:g}: no motion with these constants has an energy up to {bottom:.6g}; "
                 "give a larger HIGH"
             )
-        low = max(low, bottom)
-    levels = np.linspace(low, high, count + 1)
-    # The bottom itself is a point; a range that a person gave keeps its lower end
-    return levels[1:] if low == bottom else levels
+    # The bottom itself is no curve; a range that a person gave above it keeps its lower end
+    return np.linspace(low, high, count) if low > bottom else np.linspace(bottom, high, count + 1)[1:]
 
 
 def _phi(y: float, end: str = TURNING) -> float:

@@ -257,3 +257,15 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
         rows.append((float(value), [e.phi for e in found]))
     close()
     return tuple(pieces)
+
+
+def path_values(disk: Disk, path: str) -> tuple[Array, tuple[float, ...]]:
+    """Values of a path's parameter, dense where branches meet or reach flat, and the thresholds on it."""
+    if path == "line":
+        edge = well(disk)[1] * disk.rate_unit
+    else:
+        edge = spinning_threshold(disk) if path == "spinning" else rolling_threshold(disk)
+    near = np.geomspace(1e-7, 1.0, 100)
+    # Towards zero tilts reach flat
+    half = edge * np.unique(np.concatenate([1.0 - near[:-1], 1.0 + near, np.geomspace(1e-5, 0.1, 40)]))
+    return np.concatenate([-half[::-1], half]), (edge, -edge)

@@ -1,0 +1,298 @@
+"""Phase portraits of the tilt, the amended potential, and where steady motions are and which are stable."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.patches import Patch
+
+from explorer.disk import Disk
+from explorer.falling import well
+from explorer.plot.style import (
+    DARK,
+    DISK_COLOURS,
+    FOURTH,
+    MINUS,
+    PLUS,
+    SMALL,
+    TEXT,
+    THIRD,
+    axes_or_new,
+    dress,
+    legend,
+)
+from explorer.portrait import CENTRE, SADDLE, Potential, level_energies
+from explorer.states import Array, line_slope
+from explorer.steady import (
+    PATHS,
+    Branch,
+    last_unstable_tilt,
+    rolling_threshold,
+    spinning_threshold,
+    stability_edges,
+    steady_motions,
+)
+
+FALLS, BOUNCES, UNSTABLE = "#F6D6C2", "#DCEAF5", "#F3E3EE"
+TILTS = (0.2, 0.5, 0.8, 1.1, 1.4)
+RADII = (0.5, 1.0, 2.0, 5.0)
+_MARKS = {CENTRE: ("o", PLUS, "centre"), SADDLE: ("X", MINUS, "saddle")}
+_HALF = 0.5 * np.pi
+_FLAT_TICKS = ([-_HALF, -0.5, 0.0, 0.5, _HALF], [r"$-\pi/2$", "-0.5", "0", "0.5", r"$\pi/2$"])
+_RATE = "(rad per unit of time)"
+
+
+def phase_portrait(
+    potential: Potential, energies: tuple[float, float] | None = None, ax: Axes | None = None
+) -> Axes:
+    """Levels of the energy over (phi, phidot), separatrices and equilibria; shaded by what falls and what bounces.
+
+    energies: range of the levels (units of the disk). A flat state behind a wall is a thick line, one that motions
+    reach is dotted.
+    """
+    ax = axes_or_new(ax)
+    curves = [
+        potential.curve(piece)
+        for energy in level_energies(potential, energies)
+        for piece in potential.components(float(energy))
+    ]
+    separatrices = [potential.curve(piece) for each in potential.separatrices() for piece in each.branches]
+    fastest = 1.08 * max(speed.max() for _, speed in curves)
+    _shade(ax, potential, fastest)
+    looks = (("level", curves, DARK, 0.8), ("separatrix", separatrices, FOURTH, 2.4))
+    for name, found, colour, width in looks:
+        for number, (phi, speed) in enumerate(found):
+            ax.plot(phi, speed, color=colour, lw=width, label=None if number else name)
+            ax.plot(phi, -speed, color=colour, lw=width)
+    walls = {side: bool(np.isinf(potential.flat_value(side))) for side in (-1, 1)}
+    for side, wall in walls.items():
+        name, colour, style, width = ("wall", DARK, "-", 4.0) if wall else ("flat", MINUS, ":", 2.5)
+        label = None if side > 0 and walls[-1] == wall else name
+        ax.axvline(side * _HALF, color=colour, ls=style, lw=width, label=label)
+    _mark(ax, potential, at_energy=False)
+    ax.set_xlim(-1.68, 1.68)
+    ax.set_ylim(-fastest, fastest)
+    ax.set_xticks(*_FLAT_TICKS)
+    falling = np.isfinite(potential.falling_edge(np.zeros(1))[0])
+    patches = [Patch(color=FALLS, label="falls")] if falling else []
+    handles = [*patches, Patch(color=BOUNCES, label="bounces"), *ax.get_legend_handles_labels()[0]]
+    legend(ax, handles=handles, loc="upper center", ncols=2)
+    return dress(ax, r"$\varphi$ (rad)", rf"$\dot\varphi$ {_RATE}", _title(potential))
+
+
+def _shade(ax: Axes, potential: Potential, fastest: float) -> None:
+    y = np.linspace(-9.0, 9.0, 1201)
+    phi, edge = np.arctan(np.sinh(y)), np.minimum(potential.falling_edge(y), fastest)
+    ax.axvspan(-_HALF, _HALF, color=BOUNCES, lw=0, zorder=0)
+    for sign in (1, -1):
+        ax.fill_between(phi, sign * edge, sign * fastest, color=FALLS, lw=0, zorder=0)
+
+
+def _mark(ax: Axes, potential: Potential, at_energy: bool, x: str = "phi", named: bool = True) -> None:
+    seen: set[str] = set()
+    for found in potential.equilibria:
+        if found.kind in _MARKS:
+            marker, colour, name = _MARKS[found.kind]
+            label = name if named and name not in seen else None
+            seen.add(name)
+            height = found.energy if at_energy else 0.0
+            style: dict[str, Any] = {"color": colour, "mec": "white", "ms": 9, "ls": "", "zorder": 5}
+            ax.plot([getattr(found, x)], [height], marker=marker, label=label, **style)
+
+
+def _title(potential: Potential) -> str:
+    line = "l_+" if potential.side > 0 else "l_-"
+    where = f"on ${line}$" if potential.eta == 0.0 else rf"$\hat\eta$ = {potential.eta_hat:.4g} beside ${line}$"
+    return rf"{potential.disk.name}: $\bar\sigma_3$ = {potential.sigma3_bar:.4g}, {where}"
+
+
+def potential_curves(potentials: Sequence[Potential], near_flat: bool = False, ax: Axes | None = None) -> Axes:
+    """The amended potential of several constants, with its equilibria: walls off the line, V_0 on it.
+
+    near_flat: over the tilt from the flat state of their side, on a logarithmic axis, where the wall rises.
+    """
+    ax = axes_or_new(ax)
+    upright = [float(p.V(0.0)) for p in potentials]
+    unit = potentials[0].disk.energy_unit
+    top = max(upright) + (0.6 if not near_flat else 0.2) * unit
+    y = np.linspace(0.0, 14.0, 1401) if near_flat else np.linspace(-9.0, 9.0, 1801)
+    ordered = sorted(potentials, key=lambda p: (p.eta != 0.0, p.eta < 0.0, abs(p.eta)))
+    counts = {1: 0, -1: 0}
+    for number, potential in enumerate(ordered):
+        sign = int(np.sign(potential.eta))
+        style: dict[str, Any] = {"color": DARK, "lw": 2.4}
+        if sign:
+            style = {
+                "color": PLUS if sign > 0 else MINUS,
+                "lw": 1.5,
+                "ls": ("-", "--", "-.", ":")[counts[sign] % 4],
+            }
+            counts[sign] += 1
+        side = potential.side if near_flat else 1
+        V = potential.at_y(side * y)[0] * unit
+        x = 2.0 * np.arctan(np.exp(-y)) if near_flat else np.arctan(np.sinh(y))
+        label = r"on the line, $\hat\eta$ = 0" if sign == 0 else rf"$\hat\eta$ = {potential.eta_hat:.4g}"
+        ax.plot(x, np.where(top >= V, V, np.nan), label=label, **style)
+        if not near_flat:
+            _mark(ax, potential, at_energy=True, named=number == 0)
+        if sign == 0:
+            end = 1e-6 if near_flat else potential.side * _HALF
+            ax.plot([end], [potential.flat_value(potential.side) * unit], "s", color=DARK, ms=7, label=r"$V_0$")
+    ax.set_ylim(0.0, top)
+    legend(ax, loc="upper left" if near_flat else "lower left", ncols=1 if near_flat else 2)
+    disk, bar = potentials[0].disk.name, potentials[0].sigma3_bar
+    title = rf"{disk}: amended potential at $\bar\sigma_3$ = {bar:.4g}"
+    if near_flat:
+        ax.set_xscale("log")
+        ax.set_xlim(8e-7, 2.0)
+        return dress(ax, r"tilt from flat $\theta$ (rad)", r"$V$ (energy; $m g r$ = " f"{unit:.3g})", title)
+    ax.set_xlim(-1.68, 1.68)
+    ax.set_xticks(*_FLAT_TICKS)
+    return dress(ax, r"$\varphi$ (rad)", r"$V$ (energy; $m g r$ = " f"{unit:.3g})", title)
+
+
+def fold_curve(disk: Disk, points: int = 400) -> tuple[Array, Array]:
+    """(sigma3_bar, sigma4_bar) where two steady motions merge (V' = V'' = 0), a closed curve with four cusps.
+
+    The cusps are the thresholds of spinning upright and of straight rolling. Inside there is a saddle.
+    """
+    # In t both ends, where the two edges meet, and the vertical are smooth; t = 0 is kept out
+    t = _HALF * (1.0 - np.linspace(0.0, 1.0, points)[:-1] ** 2)
+    phi = last_unstable_tilt(disk) * (1.0 - 1e-12) * np.sin(t)
+    fast, slow = (np.nan_to_num(row) for row in stability_edges(disk, phi))
+    tilts = np.concatenate([-phi[::-1], -phi, phi[::-1], phi])
+    turns = np.concatenate([slow[::-1], fast, fast[::-1], slow])
+    half = steady_motions(disk, tilts, turns)
+    x = np.concatenate([half.sigma3_bar, -half.sigma3_bar, half.sigma3_bar[:1]])
+    return x, np.concatenate([half.sigma4_bar, -half.sigma4_bar, half.sigma4_bar[:1]])
+
+
+def steady_plane(disk: Disk, ax: Axes | None = None) -> Axes:
+    """The plane (sigma3_bar, sigma4_bar): l_+-, steady motions at several tilts, and where wells beside F exist.
+
+    Each coloured curve holds the constants with a steady motion at one tilt |phi|; dashed where it is unstable.
+    """
+    ax = axes_or_new(ax)
+    unit = disk.rate_unit
+    x, y = fold_curve(disk)
+    ax.fill(x, y, color=UNSTABLE, lw=0, label="a saddle exists")
+    ax.plot(x, y, color=FOURTH, lw=1.6)
+    width = 1.7 * max(float(abs(x).max()), float(abs(y).max()))
+    turn = np.geomspace(1e-3, 1e3, 1200) * unit
+    for colour, tilt in zip(DISK_COLOURS, TILTS, strict=False):
+        for phi in (tilt, -tilt):
+            for sign in (1.0, -1.0):
+                found = steady_motions(disk, phi, sign * turn)
+                label = rf"$|\varphi|$ = {tilt:g}" if phi > 0.0 < sign else None
+                for stable, style in ((True, "-"), (False, "--")):
+                    where = found.stable == stable
+                    bar3, bar4 = (np.where(where, v, np.nan) for v in (found.sigma3_bar, found.sigma4_bar))
+                    if where.any():
+                        ax.plot(bar3, bar4, color=colour, ls=style, lw=1.2, label=label if stable else None)
+    slope, most = line_slope(disk), well(disk)[1] * unit
+    for number, side in enumerate((1, -1)):
+        ends, inner = np.array([-3.0, 3.0]) * width, np.array([-most, most])
+        ax.plot(ends, side * slope * ends, color=DARK, lw=1.2, label=None if number else r"$l_+$, $l_-$: falling")
+        ax.plot(
+            inner,
+            side * slope * inner,
+            color=DARK,
+            lw=4.5,
+            label=None if number else "with a well that never falls",
+        )
+    spin, roll = spinning_threshold(disk), rolling_threshold(disk)
+    ax.plot(
+        [spin, -spin, 0.0, 0.0], [0.0, 0.0, roll, -roll], "D", color=DARK, mfc="white", ms=7, label="thresholds"
+    )
+    ax.set_xlim(-width, width)
+    ax.set_ylim(-width, width)
+    legend(ax, loc="center left", bbox_to_anchor=(1.01, 0.5))
+    return dress(
+        ax,
+        rf"$\bar\sigma_3$ {_RATE}",
+        rf"$\bar\sigma_4$ {_RATE}",
+        f"Steady motions and the falling lines: {disk.name}",
+    )
+
+
+def steady_map(disk: Disk, ax: Axes | None = None) -> Axes:
+    """Circular rolling over lean and rate of turning: which motions are stable, and the radii of their circles.
+
+    At lean 0 stands spinning upright, stable above its threshold; straight rolling is the corner.
+    """
+    ax = axes_or_new(ax)
+    unit = disk.rate_unit
+    lean, turn = np.linspace(1e-3, 1.5, 241), np.linspace(0.02, 3.2, 321) * unit
+    found = steady_motions(disk, -lean[None, :], turn[:, None])
+    ax.pcolormesh(
+        lean,
+        turn,
+        found.stable,
+        cmap=ListedColormap([FALLS, BOUNCES]),
+        vmin=0,
+        vmax=1,
+        shading="nearest",
+        zorder=0,
+    )
+    lines = ax.contour(lean, turn, found.radius / disk.r, levels=RADII, colors=DARK, linewidths=1.0)
+    ax.clabel(lines, fmt=lambda value: f"R = {value:g} r", fontsize=SMALL)
+    last = last_unstable_tilt(disk)
+    phi = last * np.sin(np.linspace(0.0, _HALF, 200))[1:-1]
+    fast, slow = stability_edges(disk, phi)
+    ax.plot(
+        np.concatenate([phi, phi[::-1]]),
+        np.concatenate([slow, fast[::-1]]),
+        color=FOURTH,
+        lw=2.4,
+        label=r"$V'' = 0$",
+    )
+    spin = spinning_threshold(disk)
+    ax.plot([0.0, 0.0], [spin, turn[-1]], color=PLUS, lw=4.0, clip_on=False, label="spinning upright, stable")
+    ax.plot(
+        [0.0, 0.0], [0.0, spin], color=MINUS, lw=4.0, ls=(0, (1.5, 1.0)), clip_on=False, label="spinning, unstable"
+    )
+    ax.set_xlim(0.0, 1.5)
+    ax.set_ylim(0.0, turn[-1])
+    handles = [Patch(color=BOUNCES, label="stable"), Patch(color=FALLS, label="unstable")]
+    legend(
+        ax,
+        handles=[*handles, *ax.get_legend_handles_labels()[0]],
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=3,
+    )
+    # Curves are everywhere inside: the legend goes between them and the title
+    ax.set_title(f"Circular rolling: {disk.name}", fontsize=TEXT, pad=50)
+    return dress(ax, r"lean $|\varphi|$ (rad)", rf"turning $\dot\chi$ {_RATE}")
+
+
+_PATH_NAMES = {
+    "spinning": (r"$\bar\sigma_3$", r"$\bar\sigma_4$ = 0: spinning upright"),
+    "rolling": (r"$\bar\sigma_4$", r"$\bar\sigma_3$ = 0: straight rolling"),
+    "line": (r"$\bar\sigma_3$", r"on $l_+$: beside the falling motions"),
+}
+
+
+def bifurcations(
+    disk: Disk, path: str, branches: Sequence[Branch], marks: Sequence[float], ax: Axes | None = None
+) -> Axes:
+    """Tilts of all steady motions along a path through the plane of constants; marks: thresholds on it."""
+    ax = axes_or_new(ax)
+    assert path in PATHS
+    looks = {CENTRE: (PLUS, "-", "stable"), SADDLE: (MINUS, "--", "unstable")}
+    seen: set[str] = set()
+    for branch in branches:
+        colour, style, name = looks[branch.kind]
+        ax.plot(branch.parameter, branch.phi, color=colour, ls=style, lw=2.0, label=None if name in seen else name)
+        seen.add(name)
+    for number, mark in enumerate(marks):
+        ax.axvline(mark, color=THIRD, lw=1.2, ls=":", label=None if number else f"threshold {abs(mark):.6g}")
+    ax.set_ylim(-1.68, 1.68)
+    ax.set_yticks(*_FLAT_TICKS)
+    for flat in (-_HALF, _HALF):
+        ax.axhline(flat, color=DARK, lw=0.6)
+    legend(ax, loc="upper right")
+    symbol, name = _PATH_NAMES[path]
+    return dress(ax, f"{symbol} {_RATE}", r"$\varphi$ of steady motions (rad)", f"{disk.name}, {name}")
