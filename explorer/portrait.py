@@ -135,9 +135,12 @@ class Potential:
             s4 = self.side * (chart[2] * self.bar + chart[3] * self.eta)
             rho = s3 / q
             V = 0.5 * b.I1 * rho * rho + 0.5 * b.J * s4 * s4 + q
-            parts = b.I1 * rho * (rho / q) * z, -b.J * rho * s4, -z
+            slope = b.I1 * rho * (rho / q) * z - b.J * rho * s4 - z
             curvature = curvature_of(q, z, s3, s4, b)
-        return V, sum(parts[1:], parts[0]), curvature, sum(map(abs, parts[1:]), abs(parts[0]))
+            # What rounds: sigma3 and sigma4 are differences themselves
+            most3, most4 = (abs(chart[k] * self.bar) + abs(chart[k + 1] * self.eta) for k in (0, 2))
+            size = most3 / q * (b.I1 * most3 / q * abs(z) / q + b.J * most4) + abs(z)
+        return V, slope, curvature, size
 
     def _of_phi(self, phi: ArrayLike, row: int) -> Array:
         angle = np.asarray(phi, dtype=np.float64)
@@ -321,11 +324,15 @@ def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, side: int = 1) 
 
 
 def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
-    """V at given sigma3_bar, sigma4_bar (rad per unit of time), seen from the nearer line."""
+    """V at given sigma3_bar, sigma4_bar (rad per unit of time), seen from the nearer line.
+
+    Constants on that line to rounding count as on it; `on_line` takes any distance.
+    """
     _require_numbers(sigma3_bar=sigma3_bar, sigma4_bar=sigma4_bar)
     slope, bar, spin = line_slope(disk), sigma3_bar / disk.rate_unit, sigma4_bar / disk.rate_unit
     side = 1 if abs(slope * bar - spin) <= abs(slope * bar + spin) else -1
-    return Potential(disk, bar, slope * bar - side * spin, side)
+    eta = slope * bar - side * spin
+    return Potential(disk, bar, 0.0 if abs(eta) <= 4.0 * _EPS * abs(spin) else eta, side)
 
 
 def require_well(disk: Disk, sigma3_bar: float) -> None:

@@ -60,7 +60,7 @@ def phase_portrait(
     ]
     separatrices = [potential.curve(piece) for each in potential.separatrices() for piece in each.branches]
     fastest = 1.08 * max(speed.max() for _, speed in curves)
-    _shade(ax, potential, fastest)
+    _shade(ax, potential, 1.3 * fastest)
     looks = (("level", curves, DARK, 0.8), ("separatrix", separatrices, FOURTH, 2.4))
     for name, found, colour, width in looks:
         for number, (phi, speed) in enumerate(found):
@@ -73,7 +73,7 @@ def phase_portrait(
         ax.axvline(side * _HALF, color=colour, ls=style, lw=width, label=label)
     _mark(ax, potential, at_energy=False)
     ax.set_xlim(-1.68, 1.68)
-    ax.set_ylim(-fastest, fastest)
+    ax.set_ylim(-1.3 * fastest, 1.3 * fastest)  # the legend stands above the levels
     ax.set_xticks(*_FLAT_TICKS)
     falling = np.isfinite(potential.falling_edge(np.zeros(1))[0])
     patches = [Patch(color=FALLS, label="falls")] if falling else []
@@ -117,7 +117,7 @@ def potential_curves(potentials: Sequence[Potential], near_flat: bool = False, a
     upright = [float(p.V(0.0)) for p in potentials]
     unit = potentials[0].disk.energy_unit
     top = max(upright) + (0.6 if not near_flat else 0.2) * unit
-    y = np.linspace(0.0, 14.0, 1401) if near_flat else np.linspace(-9.0, 9.0, 1801)
+    y = np.linspace(0.0, 14.5, 1451) if near_flat else np.linspace(-9.0, 9.0, 1801)
     ordered = sorted(potentials, key=lambda p: (p.eta != 0.0, p.eta < 0.0, abs(p.eta)))
     counts = {1: 0, -1: 0}
     for number, potential in enumerate(ordered):
@@ -200,7 +200,7 @@ def steady_plane(disk: Disk, ax: Axes | None = None) -> Axes:
             side * slope * inner,
             color=DARK,
             lw=4.5,
-            label=None if number else "with a well that never falls",
+            label=None if number else "a well besides",
         )
     spin, roll = spinning_threshold(disk), rolling_threshold(disk)
     ax.plot(
@@ -249,13 +249,12 @@ def steady_map(disk: Disk, ax: Axes | None = None) -> Axes:
         label=r"$V'' = 0$",
     )
     spin = spinning_threshold(disk)
-    ax.plot([0.0, 0.0], [spin, turn[-1]], color=PLUS, lw=4.0, clip_on=False, label="spinning upright, stable")
-    ax.plot(
-        [0.0, 0.0], [0.0, spin], color=MINUS, lw=4.0, ls=(0, (1.5, 1.0)), clip_on=False, label="spinning, unstable"
-    )
+    upright: dict[str, Any] = {"lw": 4.0, "clip_on": False}
+    ax.plot([0.0, 0.0], [spin, turn[-1]], color=PLUS, label="upright, stable", **upright)
+    ax.plot([0.0, 0.0], [0.0, spin], color=MINUS, ls=(0, (1.5, 1.0)), label="upright, unstable", **upright)
     ax.set_xlim(0.0, 1.5)
     ax.set_ylim(0.0, turn[-1])
-    handles = [Patch(color=BOUNCES, label="stable"), Patch(color=FALLS, label="unstable")]
+    handles: list[Any] = [Patch(color=BOUNCES, label="stable"), Patch(color=FALLS, label="unstable")]
     legend(
         ax,
         handles=[*handles, *ax.get_legend_handles_labels()[0]],
