@@ -137,8 +137,9 @@ class Potential:
             V = 0.5 * b.I1 * rho * rho + 0.5 * b.J * s4 * s4 + q
             slope = b.I1 * rho * (rho / q) * z - b.J * rho * s4 - z
             curvature = curvature_of(q, z, s3, s4, b)
-            # What rounds: sigma3 and sigma4 are differences themselves
-            most3, most4 = (abs(chart[k] * self.bar) + abs(chart[k + 1] * self.eta) for k in (0, 2))
+            # What rounds: sigma3 and sigma4 are sums, and at the vertical D is a difference of terms of order 1
+            most3 = abs(chart[0] * self.bar) + np.maximum(abs(chart[1]), b.k * b.r0) * abs(self.eta)
+            most4 = abs(chart[2] * self.bar) + abs(chart[3] * self.eta)
             size = most3 / q * (b.I1 * most3 / q * abs(z) / q + b.J * most4) + abs(z)
         return V, slope, curvature, size
 
