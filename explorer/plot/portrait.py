@@ -139,7 +139,8 @@ def potential_curves(potentials: Sequence[Potential], near_flat: bool = False, a
             _mark(ax, potential, at_energy=True, named=number == 0)
         if sign == 0:
             end = 1e-6 if near_flat else potential.side * _HALF
-            ax.plot([end], [potential.flat_value(potential.side) * unit], "s", color=DARK, ms=7, label=r"$V_0$")
+            style = {"color": DARK, "ms": 7, "ls": "", "clip_on": False, "zorder": 6}
+            ax.plot([end], [potential.flat_value(potential.side) * unit], marker="s", label=r"$V_0$", **style)
     ax.set_ylim(0.0, top)
     legend(ax, loc="upper left" if near_flat else "lower left", ncols=1 if near_flat else 2)
     disk, bar = potentials[0].disk.name, potentials[0].sigma3_bar
