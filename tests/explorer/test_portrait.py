@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 import explorer as ex
-from explorer.falling import well
+from explorer.falling import impact_speed, well
 from explorer.plot import portrait as pictures
 from explorer.portrait import (
     CENTRE,
@@ -155,9 +155,13 @@ def test_levels_conserve_energy_against_the_constants_of_states(body, row):
             for i in inner:
                 found = ex.constants(body, *state_at(potential, phi[i], phidot[i])).energy[0]
                 assert found == pytest.approx(energy, rel=1e-10)
-            for end, edge in zip(piece.ends, (piece.low, piece.high), strict=True):
+            ends = zip(piece.ends, (piece.low, piece.high), phidot[[0, -1]], strict=True)
+            for end, edge, speed in ends:
                 if end == FLAT:
                     assert abs(edge) == 0.5 * math.pi
+                    bar, natural = np.array([potential.bar]), np.array([energy / body.energy_unit])
+                    impact = impact_speed(body, bar, natural)[0] * body.rate_unit
+                    assert speed == pytest.approx(impact, rel=1e-12)
                 elif abs(edge) < 1.5:
                     assert float(potential.V(edge)) == pytest.approx(energy, rel=1e-12)
 
@@ -206,7 +210,7 @@ def test_at_least_one_separatrix_was_tested():
 
 
 def test_symmetric_saddles_are_joined_to_each_other():
-    """A potential with two equal maxima, made by hand: a disk has one saddle at most."""
+    """A potential with two equal maxima, made by hand: no disk that was tried has two saddles."""
 
     class Two(Potential):
         def terms(self, q, z):
@@ -214,6 +218,8 @@ def test_symmetric_saddles_are_joined_to_each_other():
             # Maxima of -cos 4 phi at +-pi/4, kept in by a steep wall
             wall = np.maximum(abs(phi) - 0.9, 0.0)
             V = -np.cos(4.0 * phi) + 200.0 * wall**3
+            # and equal to rounding only
+            V = V * np.where(phi > 0.0, 1.0 + 4e-16, 1.0)
             dV = 4.0 * np.sin(4.0 * phi) + 600.0 * np.sign(phi) * wall**2
             d2V = 16.0 * np.cos(4.0 * phi) + 1200.0 * wall
             return V, dV, d2V, abs(4.0 * np.sin(4.0 * phi)) + 600.0 * wall**2 + 1e-3
@@ -416,6 +422,9 @@ def test_the_portrait_draws_levels_separatrix_equilibria_and_walls():
     phi, phidot = separatrix.get_data()
     energy = 0.5 * UNIFORM.body.M * phidot**2 + potential.V(phi)
     assert energy == pytest.approx(potential.separatrices()[0].saddle.energy, rel=1e-12)
+    lower = ax.lines[list(ax.lines).index(separatrix) + 1]
+    assert (lower.get_xdata() == phi).all()
+    assert (lower.get_ydata() == -phidot).all()
     marks = {
         label: [float(line.get_xdata()[0]) for line in ax.lines if line.get_marker() == m]
         for label, m in ((CENTRE, "o"), (SADDLE, "X"))
