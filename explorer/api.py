@@ -26,11 +26,12 @@ def run(
 ) -> Run:
     """Run a scene and store it; returns its summary, folder and samples.
 
-    scene: 'falling-set', 'measure-zero', 'one-sided' or 'race-angles'. options, as on the command line:
-    disk (a Disk, a name, or several for one-sided), samples, seed, box, max_energy, eta_hat, accuracy, method,
-    slices, grid, keep ('near', 'all', 'none': which samples are stored), states (a Parquet file instead of
-    box), chunk_size; for measure-zero energy, gaussian, density (a function of four arrays), ladder, tube,
-    sampling. memory: a budget such as '1GB', which decides chunk_size. backend: 'threads',
+    scene: 'falling-set', 'measure-zero', 'one-sided', 'portrait' or 'race-angles'. options, as on the command
+    line: disk (a Disk, a name, or several for one-sided), samples, seed, box, max_energy, eta_hat,
+    accuracy, method, slices, grid, keep ('near', 'all', 'none': which samples are stored), states (a
+    Parquet file instead of box), chunk_size; for measure-zero energy, gaussian, density (a function of four
+    arrays), ladder, tube, sampling; for portrait sigma3_bar, sigma4_bar or eta_hat, energies, well. memory:
+    a budget such as '1GB', which decides chunk_size. backend: 'threads',
     'processes' or 'dask', with the scheduler's address.
     out: a folder that holds no run yet (default results/<scene>-<disk>-<seed>).
     Raises InputError before anything is written; RunError if writing fails.

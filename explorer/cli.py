@@ -16,7 +16,7 @@ from explorer import cli_paper
 from explorer.cli_runs import add_commands, add_json, add_workers, show
 from explorer.errors import InputError, Interrupted, RunError
 
-_SCENES = "falling-set, measure-zero, one-sided, race-angles, or a TOML file that names a scene"
+_SCENES = "falling-set, measure-zero, one-sided, portrait, race-angles, or a TOML file that names a scene"
 
 # Scene options in the order of --help: flag, keyword, metavar, help.
 _OPTIONS = (
@@ -24,7 +24,15 @@ _OPTIONS = (
     ("--seed", "seed", "S", "seed of the random streams (default 0)"),
     ("--box", "box", "BOX", 'where states are drawn: "phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2"'),
     ("--max-energy", "max_energy", "E", "falling-set: only states with energy up to E"),
-    ("--eta-hat", "eta_hat", "LOW:HIGH", "distance beside the falling set, both signs: 1e-6:1e-2"),
+    (
+        "--eta-hat",
+        "eta_hat",
+        "LOW:HIGH",
+        "distance beside the falling set, both signs: 1e-6:1e-2; portrait: one number, 0 is on the line",
+    ),
+    ("--sigma3-bar", "sigma3_bar", "X", "portrait: constant of motion (default 0.25 natural units)"),
+    ("--sigma4-bar", "sigma4_bar", "X", "portrait: the other constant, instead of --eta-hat"),
+    ("--energies", "energies", "LOW:HIGH", "portrait: energies of the levels"),
     (
         "--keep",
         "keep",
@@ -151,6 +159,9 @@ def _add_run(commands: Any) -> None:
         metavar="SLICE",
         help='falling-set: a slice to draw, two ranges and two numbers: "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
     )
+    command.add_argument(
+        "--well", action="store_const", const=True, help="portrait: insist on a well beside the falling motions"
+    )
     add_workers(command)
     command.add_argument("--out", metavar="DIR", help="default results/<scene>-<disk>-<seed>")
     command.add_argument("--resume", action="store_true", help="go on with the run in --out")
@@ -232,7 +243,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.scene.endswith(".toml"):
         given = read_scene_file(Path(options.scene))
     typed = {key: getattr(options, key) for _, key, _, _ in _OPTIONS}
-    typed |= {"disk": options.disk, "slices": options.slices, "out": options.out}
+    typed |= {"disk": options.disk, "slices": options.slices, "well": options.well, "out": options.out}
     typed |= {"jobs": options.jobs, "backend": options.backend, "scheduler": options.scheduler}
     given |= {key: value for key, value in typed.items() if value is not None}
     given |= {"resume": options.resume or given.get("resume", False), "quiet": options.quiet}

@@ -49,6 +49,8 @@ class Scene(ABC):
 
     name: ClassVar[str]
     observables: ClassVar[tuple[str, ...]]
+    # Readers of options that mean something of their own here.
+    readers: ClassVar[dict[str, Callable[[Any], Any]]] = {}
 
     @abstractmethod
     def options(self) -> dict[str, Any]:

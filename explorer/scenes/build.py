@@ -61,6 +61,7 @@ def build_scene(
         "sampling": lambda value: _one_of("--sampling", value, SAMPLING),
         "grid": lambda value: whole("--grid", value, 2, 4000),
     }
+    readers.update(kind.readers)
     values.update({key: readers[key](value) for key, value in given.items()})
     if "states" in values:
         _check_states(values)

@@ -12,6 +12,7 @@ SCENES = {
     "falling-set": ("explorer.scenes.falling_set", "FallingSet"),
     "measure-zero": ("explorer.scenes.measure_zero", "MeasureZero"),
     "one-sided": ("explorer.scenes.one_sided", "OneSided"),
+    "portrait": ("explorer.scenes.portrait", "Portrait"),
     "race-angles": ("explorer.scenes.race_angles", "RaceAngles"),
 }
 

@@ -6,9 +6,11 @@ from matplotlib.figure import Figure
 
 import explorer as ex
 from explorer import plot
+from explorer.portrait import on_line
 from explorer.scenes.build import build_scene
 from explorer.scenes.falling_set import Slice, map_slice
 from explorer.scenes.one_sided import both_sides
+from explorer.steady import bifurcation
 from explorer.tallies import merged
 from explorer.trade import trade
 
@@ -44,6 +46,11 @@ def pictures(tmp_path_factory):
         "one_sided_phi": (both,),
         "one_sided_chi": (both,),
         "contact_paths": (both,),
+        "phase_portrait": (on_line(UNIFORM, 0.25),),
+        "potential_curves": ([on_line(UNIFORM, 0.25, eta) for eta in (0.0, 0.01)],),
+        "steady_plane": (UNIFORM,),
+        "steady_map": (UNIFORM,),
+        "bifurcations": (UNIFORM, "line", bifurcation(UNIFORM, "line", [0.1, 0.2, 0.3, 0.4]), (0.34,)),
         "work_precision": (trade(UNIFORM, 1024),),
         **dict.fromkeys(("falling_ladder", "ladder_ratio", "constant_convergence", "tilt_density"), (law,)),
     }

@@ -523,3 +523,22 @@ def test_every_figure_of_the_scene_is_drawn(tmp_path):
             assert ax.get_ylabel()
     assert names[:2] == ["portrait-on", "portrait-beside"]
     assert len(names) == len(set(names)) == 9
+
+
+def test_a_run_stores_its_levels_and_goes_on(tmp_path):
+    run = ex.run("portrait", out=tmp_path / "run", disk="hoop", eta_hat="0.02", energies="0.5:2", well=True)
+    assert run.summary["eta_hat"] == 0.02
+    tables = list(run.tables())
+    assert len(tables) == 2
+    assert [np.unique(table["energy"]).size for table in tables] == [9, 9]
+    assert (tmp_path / "run" / "figures" / "steady-plane.svg").exists()
+    with pytest.raises(ex.InputError, match="resume"):
+        ex.run("portrait", out=tmp_path / "run", disk="hoop", eta_hat=0.02)
+    again = ex.run(
+        "portrait", out=tmp_path / "run", disk="hoop", eta_hat=0.02, energies=(0.5, 2.0), well=True, resume=True
+    )
+    assert again.summary == run.summary
+    for name, value in (("energies", "far"), ("well", "yes"), ("sigma3_bar", "far"), ("eta_hat", "1:2")):
+        with pytest.raises(ex.InputError, match=f"--{name.replace('_', '-')}"):
+            ex.run("portrait", out=tmp_path / "none", **{name: value})
+    assert not (tmp_path / "none").exists()
