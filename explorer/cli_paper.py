@@ -25,12 +25,41 @@ def add_commands(commands: Any, add: Callable[..., argparse.ArgumentParser]) -> 
     add_json(command)
     command = add(
         commands,
+        "portrait",
+        _portrait,
+        "Draw phase portraits, steady motions, slices, race numbers, bounces, paths and a film.",
+        "nearflat portrait --disk hoop --only paths",
+    )
+    command.add_argument("--disk", default="uniform", metavar="DISK", help="as for run (default uniform)")
+    command.add_argument("--only", metavar="GROUP", help="phase, slices, race, bounces, paths or film")
+    for flag, text in (
+        ("--sigma3-bar", "phase: constant of motion, in the units of the disk"),
+        ("--sigma4-bar", "phase: constant of motion, in the units of the disk"),
+        ("--eta-hat", "phase: instead of sigma4_bar, the distance beside the line of side +1"),
+        ("--energies", "phase: LOW:HIGH, the energies of the levels"),
+    ):
+        command.add_argument(flag, metavar="X", help=text)
+    command.add_argument("--out", default="results/portrait", metavar="DIR", help="default results/portrait")
+    command = add(
+        commands,
         "gallery",
         _gallery,
         "Write the page of a folder of results: every picture with the command that makes it.",
         "nearflat gallery results",
     )
     command.add_argument("folder", nargs="?", default="results", metavar="DIR", help="default results")
+
+
+def _portrait(options: argparse.Namespace) -> int:
+    from explorer.disk import Disk
+    from explorer.portraits import portrait
+
+    names = ("sigma3_bar", "sigma4_bar", "eta_hat", "energies")
+    given = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
+    disk = Disk.parse(options.disk)
+    written = portrait(options.out, disk, only=options.only, quiet=options.quiet, **given)
+    print(f"{len(written)} pictures are in {options.out}.")
+    return 0
 
 
 def _gallery(options: argparse.Namespace) -> int:

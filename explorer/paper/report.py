@@ -106,6 +106,7 @@ def _write(folder: Path, rows: Sequence[Row], quiet: bool) -> None:
     write_sealed(folder / "statements.md", statements_page(rows))
     note("drawing the figures", quiet)
     _write_figures(folder / "figures")
+    (folder / "README.md").write_text(figures_page(), encoding="utf-8")
     note("weighing the misprints", quiet)
     write_sealed(folder / "misprints.md", import_module("explorer.paper.misprints").misprints_page())
 
@@ -116,6 +117,22 @@ def _write_figures(folder: Path) -> None:
         drawn = figures.figure(number)
         for kind in ("png", "svg"):
             drawn.savefig(folder / f"figure-{number}.{kind}", dpi=DPI)
+
+
+def figures_page() -> str:
+    """The figures with their captions, as Markdown."""
+    figures = import_module("explorer.paper.figures").FIGURES
+    lines = [
+        "# The paper, reproduced",
+        "",
+        "Made by `nearflat paper`. Statements and what was found: [statements.md](statements.md). Misprints, with",
+        "the numbers that decide them: [misprints.md](misprints.md). Cushman & Duistermaat, *Nearly flat falling",
+        "motions of the rolling disk*, Regul. Chaotic Dyn. 11 (2006) 31-60.",
+    ]
+    for number in sorted(figures):
+        lines += ["", f"## Figure {number}", "", f'<img src="figures/figure-{number}.png" width="700">', ""]
+        lines.append(figures[number].caption)
+    return "\n".join(lines) + "\n"
 
 
 def statements_page(rows: Sequence[Row]) -> str:

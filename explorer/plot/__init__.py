@@ -1,18 +1,25 @@
 """Pictures. Each function takes ax=None and returns the Axes; none shows or touches global settings."""
 
+from explorer.plot.animation import animate
+from explorer.plot.bodies import bounce_turns, race_bodies, race_gap, race_number
 from explorer.plot.falling import constants_plane, slice_map, theta_min_distribution
 from explorer.plot.measure_zero import constant_convergence, falling_ladder, ladder_ratio, tilt_density
 from explorer.plot.one_sided import contact_paths, one_sided_chi, one_sided_distance, one_sided_phi
+from explorer.plot.paths import drift_radius, rosette_and_resonance, wander_distance, wander_path
 from explorer.plot.portrait import bifurcations, phase_portrait, potential_curves, steady_map, steady_plane
 from explorer.plot.race import race_deviation, race_histogram
+from explorer.plot.slices import race_slice_map
 from explorer.plot.style import figure_of, stacked
 from explorer.plot.trade import work_precision
 
 __all__ = [
+    "animate",
     "bifurcations",
+    "bounce_turns",
     "constant_convergence",
     "constants_plane",
     "contact_paths",
+    "drift_radius",
     "falling_ladder",
     "figure_of",
     "ladder_ratio",
@@ -21,13 +28,20 @@ __all__ = [
     "one_sided_phi",
     "phase_portrait",
     "potential_curves",
+    "race_bodies",
     "race_deviation",
+    "race_gap",
     "race_histogram",
+    "race_number",
+    "race_slice_map",
+    "rosette_and_resonance",
     "slice_map",
     "stacked",
     "steady_map",
     "steady_plane",
     "theta_min_distribution",
     "tilt_density",
+    "wander_distance",
+    "wander_path",
     "work_precision",
 ]

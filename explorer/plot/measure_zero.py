@@ -52,13 +52,11 @@ def ladder_ratio(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     """The ladder over its line: what an error of some percent in C would look like."""
     ax = axes_or_new(ax)
     constant = summary["constant_predicted"]
-    keys = ("estimate", "interval_95_simultaneous")
     rows = []
     for row in summary["ladder"]:
         unit = constant * row["delta"]
-        rows.append(
-            {"delta": row["delta"], "ratio": row[keys[0]] / unit, "ends": [end / unit for end in row[keys[1]]]}
-        )
+        ends = [end / unit for end in row["interval_95_simultaneous"]]
+        rows.append({"delta": row["delta"], "ratio": row["estimate"] / unit, "ends": ends})
     ax.set_xscale("log")
     ax.axhline(1.0, color=DARK, lw=1.2)
     ax.axhline(1.0 + OFF, color=FOURTH, lw=1.4, ls=":", label=f"not: $C$ off by {100 * OFF:.0f} %")
@@ -104,12 +102,8 @@ def constant_convergence(summary: dict[str, Any], ax: Axes | None = None) -> Axe
     ax.xaxis.set_minor_formatter(NullFormatter())
     legend(ax, loc="upper right")
     ax.grid(alpha=0.3)
-    return dress(
-        ax,
-        "draws in tubes",
-        "estimate of $C$ / prediction $-\\,1$",
-        "How the estimate of $C$ settles (each point holds the draws of those before)",
-    )
+    title = "How the estimate of $C$ settles; each point holds the draws before"
+    return dress(ax, "draws in tubes", "estimate of $C$ / prediction $-\\,1$", title)
 
 
 def tilt_density(summary: dict[str, Any], ax: Axes | None = None) -> Axes:

@@ -234,6 +234,7 @@ def steady_map(disk: Disk, ax: Axes | None = None) -> Axes:
         cmap=ListedColormap([FALLS, BOUNCES]),
         vmin=0,
         vmax=1,
+        rasterized=True,
         shading="nearest",
         zorder=0,
     )

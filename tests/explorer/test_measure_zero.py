@@ -219,7 +219,7 @@ def test_a_run_can_be_resumed_from_its_folder(tmp_path):
         ({"ladder": "1e-3:2"}, "--ladder"),
         ({"ladder": "1e-1:1e-15"}, "LOW:HIGH"),
         ({"ladder": "1e-4:1e-1"}, "two rungs at or below"),
-        ({"ladder": "1e-6:1e-1", "box": "sigma3=-1e-3:1e-3"}, "two rungs at or below 1e-0"),
+        ({"ladder": "1e-6:1e-1", "box": "sigma3=-1e-3:1e-3"}, "two rungs at or below 8"),
         ({"gaussian": "sigma3=0:1e-300"}, "is a point"),
         ({"gaussian": ""}, "--gaussian"),
         ({"energy": ":0.5"}, "--energy: only 0 of"),

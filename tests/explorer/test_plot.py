@@ -6,7 +6,11 @@ from matplotlib.figure import Figure
 
 import explorer as ex
 from explorer import plot
+from explorer.bounce import turn_per_bounce
+from explorer.drift import drift_per_period, wander
 from explorer.portrait import on_line
+from explorer.race_gap import race_numbers
+from explorer.race_slice import race_slice
 from explorer.scenes.build import build_scene
 from explorer.scenes.falling_set import Slice, map_slice
 from explorer.scenes.one_sided import both_sides
@@ -35,6 +39,8 @@ def pictures(tmp_path_factory):
     _, _, sides = made("one-sided", samples=1, disk="hoop")
     both = both_sides(BODIES["hoop"], (1.0, 1.0, 1))
     law = measure_zero(tmp_path_factory.mktemp("law"))
+    beside = ex.constants_to_states(UNIFORM, 0.7, 0.01, 1.0)
+    walk = wander(beside, 2)
     cut = map_slice(UNIFORM, Slice.defaults(UNIFORM)[1], 41)
     return {
         "race_histogram": (race_summary,),
@@ -42,6 +48,13 @@ def pictures(tmp_path_factory):
         "constants_plane": (falling.plane(falling._total(states).plane),),
         "theta_min_distribution": (merged(states, "theta_min"), 500),
         "slice_map": (cut,),
+        "race_number": (race_numbers(),),
+        "race_gap": (race_numbers(),),
+        "bounce_turns": ([turn_per_bounce(UNIFORM)],),
+        "wander_path": (walk,),
+        "wander_distance": ({"generic": walk},),
+        "drift_radius": (np.array([0.7]), drift_per_period(beside)),
+        "race_slice_map": (race_slice(UNIFORM, Slice.defaults(UNIFORM)[0], 41),),
         "one_sided_distance": (sides,),
         "one_sided_phi": (both,),
         "one_sided_chi": (both,),
@@ -56,7 +69,9 @@ def pictures(tmp_path_factory):
     }
 
 
-NAMES = [name for name in plot.__all__ if name not in ("figure_of", "stacked")]
+# Those that make a whole figure or a film are looked at where their data are tested.
+WHOLE = ("animate", "figure_of", "race_bodies", "rosette_and_resonance", "stacked")
+NAMES = [name for name in plot.__all__ if name not in WHOLE]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -97,7 +112,8 @@ def test_the_ladder_lies_on_its_line_and_off_the_others(pictures):
     delta = np.array([row["delta"] for row in summary["ladder"]])
     line, square, plateau = (np.asarray(artist.get_ydata()) for artist in ax.lines[:3])
     np.testing.assert_allclose(line, summary["constant_predicted"] * delta)
-    assert (square[delta < 1e-5] < 0.2 * line[delta < 1e-5]).all()
+    # Where it would be more than certain the law of dimension two is not drawn.
+    assert (square[-10:] < 0.2 * line[-10:]).all()
     assert plateau[-1] == pytest.approx(1e-6, rel=1e-6)
     tubes = ax.containers[0].lines[0]
     np.testing.assert_allclose(tubes.get_ydata(), [row["estimate"] for row in summary["ladder"]])

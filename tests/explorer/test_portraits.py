@@ -1,0 +1,45 @@
+import pytest
+
+import explorer as ex
+from explorer.portraits import FILM, GROUPS, portrait
+
+HOOP = ex.Disk.hoop()
+
+
+@pytest.mark.parametrize("group", [name for name in GROUPS if name != "slices"])
+def test_each_group_of_pictures_is_one_command(group, tmp_path):
+    written = portrait(tmp_path / "pictures", HOOP, only=group)
+    assert written
+    for path in written:
+        assert path.stat().st_size > 5000
+        assert path.with_suffix(".svg").stat().st_size < 5_000_000
+
+
+def test_options_reach_the_phase_portrait(tmp_path):
+    written = portrait(tmp_path, HOOP, only="phase", sigma3_bar="0.3", eta_hat="1e-3", energies="0.5:2")
+    assert "portrait-beside.png" in {path.name for path in written} or len(written) > 3
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"only": "nothing"}, "--only 'nothing' is no group"),
+        ({"energies": "2:1"}, "energies"),
+        ({"sigma3_bar": "a lot"}, "sigma3"),
+        ({"sigma3_bar": 2.0, "well": True}, "well"),
+    ],
+)
+def test_bad_input_is_named_before_anything_is_written(options, message, tmp_path):
+    with pytest.raises(ex.InputError, match=message):
+        portrait(tmp_path / "none", HOOP, **options)
+    assert not (tmp_path / "none").exists()
+
+
+def test_a_folder_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ex.InputError, match="--out"):
+        portrait(tmp_path / "file", HOOP, only="race")
+
+
+def test_the_film_has_a_group_of_its_own():
+    assert FILM not in GROUPS
