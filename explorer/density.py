@@ -25,7 +25,8 @@ ANY_ENERGY: Range = (-math.inf, math.inf)
 _SEARCHED = 1 << 15
 # In natural units: the fastest rates and least inertias that are sampled; deviations as shares of the box.
 _FASTEST, _LEAST, _THINNEST = 1e4, 1e-4, 1e-6
-_REACH = 8.5  # deviations of a Gaussian beyond which nothing is left of it in doubles
+# Deviations: past the first a Gaussian is below rounding of its largest value, past the second below doubles.
+_REACH, _NOTHING = 8.5, 37.0
 Function = Callable[[Array, Array, Array, Array], Array]
 
 
@@ -54,6 +55,11 @@ class Density:
             if math.isfinite(deviation) and 0.0 < deviation < _THINNEST * (high - low):
                 raise InputError(
                     f"--gaussian {name}: a deviation of {deviation:g} is a point; fix {name} in --box"
+                )
+            if deviation > 0.0 and max(low - mean, mean - high) > _NOTHING * deviation:
+                raise InputError(
+                    f"--gaussian {name} = {mean:g}:{deviation:g}: the box lies more than {_NOTHING:g} deviations "
+                    "from the mean, where nothing is left of it; move the mean or the box"
                 )
             if not (math.isfinite(mean) and math.isfinite(deviation) and deviation > 0.0):
                 raise InputError(
@@ -191,8 +197,14 @@ class Density:
     def reach(self, name: str) -> Range:
         """The part of the box in which a coordinate's own factor is not zero in doubles."""
         low, high = getattr(self.box, name)
-        mean, deviation = dict(self.gaussian).get(name, (0.0, math.inf))
-        return max(low, mean - _REACH * deviation), min(high, mean + _REACH * deviation)
+        pair = dict(self.gaussian).get(name)
+        if pair is None:
+            return low, high
+        mean, deviation = pair
+        # Far from its mean a Gaussian is largest at an end of the box, and falls off from there.
+        nearest = (min(max(mean, low), high) - mean) / deviation
+        far = deviation * math.hypot(nearest, _REACH)
+        return max(low, mean - far), min(high, mean + far)
 
     @cached_property
     def _bound(self) -> float:

@@ -222,6 +222,7 @@ def test_a_run_can_be_resumed_from_its_folder(tmp_path):
         ({"ladder": "1e-6:1e-1", "box": "sigma3=-1e-3:1e-3"}, "two rungs at or below 8"),
         ({"gaussian": "sigma3=0:1e-300"}, "is a point"),
         ({"gaussian": ""}, "--gaussian"),
+        ({"gaussian": "phidot=1e9:1"}, "more than 37 deviations"),
         ({"energy": ":0.5"}, "--energy: only 0 of"),
         ({"energy": "nan:3"}, "is not a range"),
         ({"box": "sigma3=1e300:2e300"}, "rates beyond"),
@@ -278,8 +279,10 @@ def test_states_beside_both_lines_count_once(box):
         {"box": "phi=-1.2:1.2,sigma3=0.79:0.81,sigma4=1.19:1.21"},
         {"box": "phidot=-1:1,sigma3=-1e-3:1e-3,sigma4=-2:2"},
         {"box": "phi=-1:1,sigma4=1e-4"},
+        {"box": "sigma3=-1:2", "gaussian": "sigma3=6.1:0.5"},
+        {"box": "sigma3=-1:2", "gaussian": "sigma3=10:0.5,sigma4=-30:3"},
     ],
-    ids=["fast", "bells", "narrow", "thin", "beside both"],
+    ids=["fast", "bells", "narrow", "thin", "beside both", "tail", "tails"],
 )
 def test_narrow_densities_are_drawn_where_they_are(options):
     _, found, _ = summary_of(samples=4096, tube=4096, ladder="1e-12:1e-2", **options)
