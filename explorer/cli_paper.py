@@ -76,7 +76,7 @@ def _gallery(options: argparse.Namespace) -> int:
 
 
 def _paper(options: argparse.Namespace) -> int:
-    from explorer.paper.report import headline, paper
+    from explorer.paper.report import headline, paper, printed
 
     rows = paper(options.out, only=options.only, jobs=options.jobs, quiet=options.quiet)
     if options.json:
@@ -88,7 +88,9 @@ def _paper(options: argparse.Namespace) -> int:
             for row in rows:
                 print(f"{row.statement.number} {row.statement.name}: {row.statement.text}")
                 for finding in row.findings:
-                    print(f"  {finding.computed}: off by {finding.error:.1e}, allowed {finding.tolerance:.1e}")
+                    values = f"{printed(finding.measured)}, expected {printed(finding.expected)}"
+                    off = f"compared {finding.error:.1e}, at most {finding.tolerance:.1e}"
+                    print(f"  {finding.computed}: {values} ({off})")
         for line in headline(rows):
             print(line)
     return 0 if all(row.passed for row in rows) else 1

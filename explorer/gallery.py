@@ -1,10 +1,12 @@
 """The page of a folder of results: every picture with the command that makes it."""
 
+import json
 import re
 from pathlib import Path
 
 from explorer.errors import InputError
 
+_COMMAND = re.compile(r"^`(nearflat [^`]+)`$", re.MULTILINE)
 _MADE_BY = re.compile(r"Made by `([^`]+)`")
 _WIDTH = 600
 
@@ -12,12 +14,13 @@ _WIDTH = 600
 def gallery(folder: Path | str) -> str:
     """Markdown for the README.md of `folder`, from what commands have written into the folders below it.
 
-    A page in a folder says in its first lines by what it was made. Raises InputError where one does not.
+    The pages in a folder say by what it was made, and what made each picture; a run says it in run.json.
+    Raises InputError where `folder` is none.
     """
     root = Path(folder)
     if not root.is_dir():
         raise InputError(f"{root}: is no folder; give the one that holds the results")
-    parts = [(path, command_of(path)) for path in sorted(root.iterdir()) if path.is_dir()]
+    parts = [path for path in sorted(root.iterdir()) if path.is_dir()]
     lines = [
         "# Results",
         "",
@@ -25,20 +28,16 @@ def gallery(folder: Path | str) -> str:
         "",
         "| folder | command |",
         "|---|---|",
-        *(f"| [`{path.name}/`]({path.name}) | `{command}` |" for path, command in parts),
+        *(f"| [`{path.name}/`]({path.name}) | `{command_of(path)}` |" for path in parts),
     ]
-    for path, command in parts:
+    for path in parts:
         pictures = sorted(found for kind in ("png", "gif") for found in path.rglob(f"*.{kind}"))
         if pictures:
-            lines += ["", f"## {path.name}", "", f"`{command}`"]
+            lines += ["", f"## {path.name}"]
         for picture in pictures:
-            where = picture.relative_to(root).as_posix()
-            lines += [
-                "",
-                f"{_title(picture)}:",
-                "",
-                f'<img src="{where}" width="{_WIDTH}" alt="{_title(picture)}">',
-            ]
+            where, name = picture.relative_to(root).as_posix(), _title(picture)
+            lines += ["", f"{name}: `{command_of(path, picture.name)}`", ""]
+            lines.append(f'<img src="{where}" width="{_WIDTH}" alt="{name}">')
     return "\n".join(lines) + "\n"
 
 
@@ -48,10 +47,17 @@ def _title(picture: Path) -> str:
     return f"{above.name}, {picture.stem.replace('-', ' ')}"
 
 
-def command_of(folder: Path) -> str:
-    """The command that made a folder, from the pages in it. Raises InputError where none says so."""
+def command_of(folder: Path, picture: str | None = None) -> str:
+    """The command that made a folder, or a picture in it where a page tells that apart."""
     for page in sorted(folder.glob("*.md")):
-        found = _MADE_BY.search(page.read_text(encoding="utf-8"))
-        if found:
-            return found[1]
-    raise InputError(f"{folder}: no page in it says `Made by`; make it again, or take it out")
+        text = page.read_text(encoding="utf-8")
+        found = _MADE_BY.search(text)
+        if found is None:
+            continue
+        before = _COMMAND.findall(text.partition(picture)[0]) if picture and picture in text else []
+        return before[-1] if before else found[1]
+    record = folder / "run.json"
+    if record.is_file():
+        scene = json.loads(record.read_text(encoding="utf-8"))["identity"]["options"]["scene"]
+        return f"nearflat run {scene}, with the options in run.json"
+    return "not known"

@@ -112,6 +112,9 @@ def portrait(
     if only is not None and only not in names:
         raise InputError(f"--only {only!r} is no group of pictures; known: {', '.join(names)}")
     folder = Path(out)
+    if options and only not in (None, "phase"):
+        given = ", ".join(f"--{key.replace('_', '-')}" for key in options)
+        raise InputError(f"{given}: only the group phase takes this; leave it out, or --only phase")
     # What the options do not allow is said before anything is written.
     build_scene("portrait", disk=disk, **options)
     written: dict[str, list[Path]] = {}
@@ -123,8 +126,8 @@ def portrait(
                 written[name] = _film(folder, disk)
             else:
                 written[name] = _write(folder, GROUPS[name].draw(disk, options))
-        if only is None:
-            (folder / "README.md").write_text(_page(written, disk), encoding="utf-8")
+        how = "" if only is None else f" --only {only}"
+        (folder / "README.md").write_text(_page(written, disk, f"nearflat portrait{how}"), encoding="utf-8")
     except OSError as error:
         raise InputError(f"--out {folder}: cannot be written ({error.strerror})") from None
     return [path for paths in written.values() for path in paths]
@@ -148,8 +151,8 @@ def _film(folder: Path, disk: Disk) -> list[Path]:
     return [path]
 
 
-def _page(written: dict[str, list[Path]], disk: Disk) -> str:
-    lines = [f"# Portraits of the {disk.name} disk", "", "Made by `nearflat portrait`."]
+def _page(written: dict[str, list[Path]], disk: Disk, command: str) -> str:
+    lines = [f"# Portraits of the {disk.name} disk", "", f"Made by `{command}`."]
     for name, paths in written.items():
         text = GROUPS[name].text if name in GROUPS else "nearly falling flat on both sides of F, slower near flat"
         lines += ["", f"## {text[0].upper()}{text[1:]}", "", f"`nearflat portrait --only {name}`"]

@@ -5,7 +5,7 @@ checked against the exact layer is integrated here from eqs (2.15)-(2.18) and (3
 SciPy, without the kernels' series or variables.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -18,7 +18,7 @@ from scipy.special import gamma
 from explorer import compiled, laws
 from explorer.density import Density
 from explorer.disk import Disk
-from explorer.falling import falls, falls_of, well
+from explorer.falling import falls_of
 from explorer.falling_constant import falling_constant
 from explorer.limits import limit_motion
 from explorer.models import plan
@@ -242,50 +242,6 @@ def slope_at_flat() -> Iterator[Finding]:
             tilts = np.linspace(1e-3, 0.2, 60)
             least = float(((V(tilts) - V(0.0)) / tilts).min())
             yield at_most(f"{disk.name}, side {side:+d}: largest (V₀ − V)/θ up to tilt 0.2", -least, 0.0, "a sign")
-
-
-@statement(33, "SEC-6.2", "6.2: on l± with E > V₀ all motions in the component that reaches flat fall.")
-def all_fall() -> Iterator[Finding]:
-    random = np.random.Generator(np.random.Philox(33))
-    for disk in BODIES:
-        phi, phidot = random.uniform(-1.4, 1.0, 3000), random.uniform(-1.5, 1.5, 3000)
-        bar = random.choice([-1.0, 1.0], 3000) * random.uniform(1.05 * well(disk)[1], 2.0, 3000)
-        chart = np.empty((4, 3000))  # side -1 is the mirror image, eq. (3.2)
-        compiled.falling.line_chart_batch(np.cos(phi), -np.sin(phi), disk.body, disk.series, chart)
-        rows = np.stack([phi, phidot, chart[0] * bar, -chart[2] * bar])
-        count = int(falls(disk, *rows).could_fall_minus.sum())
-        yield near(f"{disk.name}: of 3000 states on l₋ with |σ̄₃| > σ̄₃*, could fall", count, 3000, 0.0, "a count")
-        fallen = 0
-        stop: Callable[..., float] = lambda _t, y: y[0] - 1e-3  # noqa: E731
-        stop.terminal = True  # type: ignore[attr-defined]
-        for f, fdot, s3, s4 in rows[:, :8].T:
-            fallen += reduced(disk, -1, (0.5 * np.pi + f, fdot, s3, s4), 200.0, stop).status == 1
-        yield near(f"{disk.name}: of 8 integrated, come within 0.001 of flat", fallen, 8, 0.0, "a count")
-
-
-@statement(34, "WELL", "6.2: on l± near the origin there are also motions that never fall: iff |σ̄₃| < σ̄₃*.")
-def non_falling_well() -> Iterator[Finding]:
-    tilts = np.geomspace(0.5 * np.pi, 0.05, 4000)[1:]
-    for disk in BODIES:
-        # l_+ as seen from side -1: V = sigma3_bar^2 U + q, so V' = 0 where sigma3_bar^2 = -cos(tilt)/U'
-        sigma = rates_down(disk, 1.0, shot_slope(disk), -1, tilts)
-        U = potential(disk, tilts, sigma) - np.sin(tilts)
-        critical = -np.cos(tilts) / np.gradient(U, tilts, edge_order=2)
-        largest = float(np.sqrt(critical[critical < np.inf].max()))
-        why = "quadratic error of the difference quotient, steps of 1e-3"
-        yield near(f"{disk.name}: σ̄₃* from V on l₊", largest, well(disk)[1], 1e-5, why)
-        agree = 0
-        for share in (0.2, 0.5, 0.8, 0.95, 0.99, 1.01, 1.05, 1.2, 1.5, 2.0):
-            scale = share * well(disk)[1]
-            V = scale**2 * U + np.sin(tilts)
-            minima = ((V[1:-1] < V[:-2]) & (V[1:-1] < V[2:])).nonzero()[0] + 1
-            agree += bool(minima.size) == bool(share < 1.0)
-            for at in minima:
-                speed = np.sqrt((V[:at].max() - V[at]) / (disk.I1 + 1.0))  # half of what passes the barrier
-                row = (tilts[at] - 0.5 * np.pi, speed, *(scale * sigma[:, at]))
-                phi = observed(disk, row, np.linspace(0.0, 30.0, 200), "phi")[0]
-                agree -= not bool((phi < 0.0).all() and phi.min() > -1.5)
-        yield near(f"{disk.name}: of 10 |σ̄₃|, a well iff below σ̄₃*; motions stay in it", agree, 10, 0, "a count")
 
 
 @statement(35, "CODIM-1", "6.2: F has codimension one: P(θ_min < δ) ~ Cδ; no state drawn plainly lies on it.")

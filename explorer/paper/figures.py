@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 
 from explorer.disk import Disk
 from explorer.errors import InputError
@@ -199,7 +200,9 @@ def path_panel(disk: Disk, eta_hat: float, turns: float, ax: Axes | None = None,
     there = limit(disk, int(np.sign(eta_hat)), here.t[-1])
     _lines(ax, getattr(here, what), getattr(there, what), eta_hat)
     ax.plot(*getattr(here, what)[0], marker="o", color=DARK, ms=6, ls="", label="start")
-    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_aspect("equal", adjustable="box")
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MultipleLocator(0.5 if what == "centre" else 1.0))
     legend(ax, loc="best")
     return _dressed(ax, disk, eta_hat, "x (r)", "y (r)")
 

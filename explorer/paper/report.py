@@ -15,7 +15,7 @@ from explorer.errors import InputError
 from explorer.paper.statement import Finding, Statement, chosen
 from explorer.runs.progress import note
 
-_MODULES = ("mechanics", "reduction", "chaplygin", "fall", "race", "jump", "figure_statement")
+_MODULES = ("mechanics", "reduction", "chaplygin", "fall", "membership", "race", "jump", "figure_statement")
 _SEAL = "<!-- sha256 of all above: "
 DPI = 150
 
@@ -89,6 +89,8 @@ def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: boo
     if not isinstance(jobs, int) or jobs < 1:
         raise InputError(f"--jobs {jobs}: give a whole number, 1 or more")
     folder = Path(out)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"--out {folder}: is a file; give a folder")
     all_statements(only)
     note("checking the statements", quiet)
     rows = check_all(only, jobs)
@@ -158,7 +160,7 @@ def statements_page(rows: Sequence[Row]) -> str:
         if row.findings:
             lines += [
                 "",
-                "| computed | measured | expected | off by | allowed | because | |",
+                "| computed | measured | expected | compared | at most | because | |",
                 "|---|---|---|---|---|---|---|",
             ]
             lines += [_cells(finding) for finding in row.findings]
@@ -211,6 +213,6 @@ def headline(rows: Sequence[Row]) -> Iterator[str]:
         for finding in row.findings:
             if not finding.passed:
                 found = f"{printed(finding.measured)}, expected {printed(finding.expected)}"
-                off = f"off by {finding.error:.1e}, allowed {finding.tolerance:.1e}"
+                off = f"compared {finding.error:.1e}, at most {finding.tolerance:.1e}"
                 yield f"  {finding.computed}: {found} ({off})"
     yield f"{sum(row.passed for row in rows)} of {len(rows)} statements hold."

@@ -18,13 +18,20 @@ def test_every_committed_picture_is_in_it():
         assert picture.relative_to(RESULTS).as_posix() in page
 
 
-def test_a_folder_that_does_not_say_what_made_it_is_named(tmp_path):
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "notes.md").write_text("nothing")
-    with pytest.raises(ex.InputError, match="mine: no page in it says"):
-        gallery(tmp_path)
-    (tmp_path / "mine" / "notes.md").write_text("Made by `nearflat demo`.")
-    assert command_of(tmp_path / "mine") == "nearflat demo"
+def test_commands_come_from_pages_and_from_runs(tmp_path):
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "notes.md").write_text("nothing")
+    assert command_of(mine) == "not known"
+    page = "Made by `nearflat demo`.", "`nearflat demo --a`", "one.png", "`nearflat b`", "two.png"
+    (mine / "notes.md").write_text("\n\n".join(page))
+    assert command_of(mine) == "nearflat demo"
+    assert command_of(mine, "one.png") == "nearflat demo --a"
+    assert command_of(mine, "two.png") == "nearflat b"
+    assert command_of(mine, "three.png") == "nearflat demo"
+    run = ex.run("portrait", out=tmp_path / "run")
+    assert command_of(run.folder).startswith("nearflat run portrait")
+    assert "run, potential: `nearflat run portrait" in gallery(tmp_path)
 
 
 def test_what_is_no_folder_is_named(tmp_path):

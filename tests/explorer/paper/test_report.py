@@ -41,7 +41,7 @@ def test_the_page_names_what_fails_and_what_it_found():
     page = report.statements_page(rows)
     assert "1 of 2 hold. Failing: WRONG." in page
     assert "| something else | 2 | 1 | 1.0e+00 | 1.0e-09 | rounding | FAILS |" in page
-    assert any("off by 1.0e+00" in line for line in report.headline(rows))
+    assert any("compared 1.0e+00" in line for line in report.headline(rows))
 
 
 def test_a_hand_edit_breaks_the_seal(tmp_path):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from explorer.disk import Disk
-from explorer.paper import fall, jump, plain, race
+from explorer.paper import fall, jump, membership, plain, race
 from explorer.paper.statement import STATEMENTS
 
 NUMBERS = range(27, 58)
@@ -117,8 +117,8 @@ DAMAGES = [
     (30, fall, "closed_form", scaled(1.01)),
     (31, fall, "closed_form", scaled(1 + 1e-9)),
     (32, fall, "potential", weightless),
-    (33, fall, "well", second(0.3)),
-    (34, fall, "well", second(1.02)),
+    (33, membership, "well", second(0.3)),
+    (34, membership, "well", second(1.02)),
     (35, fall, "falling_constant", field("value", 1.03)),
     (36, plain, "angular_acceleration", upwards),
     (37, fall, "closed_form", scaled(1 + 1e-6)),
@@ -163,3 +163,15 @@ def test_the_printed_angle_of_the_contact_point_is_wrong_on_the_upper_side():
     """Section 7.3 has χ ± π for both sides; p - a points along χ on side +1."""
     run = race.beside(fall.UNIFORM, 1, 1, 1e-8)
     assert complex(*run.arm[0, :2]) == pytest.approx(np.exp(1j * run.chi[0]), abs=1e-3)
+
+
+def test_row_33_notices_a_layer_that_says_all_fall(monkeypatch):
+    """Beside a well some do not: the row must see that."""
+    original = membership.falls_of
+
+    def all_fall(states):
+        found = original(states)
+        return replace(found, could_fall_minus=np.ones_like(found.could_fall_minus))
+
+    monkeypatch.setattr(membership, "falls_of", all_fall)
+    assert not all(finding.passed for finding in findings(33))
