@@ -39,6 +39,8 @@ def add_commands(commands: Any, add: Callable[..., argparse.ArgumentParser]) -> 
         ("--energies", "phase: LOW:HIGH, the energies of the levels"),
     ):
         command.add_argument(flag, metavar="X", help=text)
+    well = "phase: insist on a well beside the falling motions"
+    command.add_argument("--well", action="store_const", const=True, help=well)
     command.add_argument("--out", default="results/portrait", metavar="DIR", help="default results/portrait")
     command = add(
         commands,
@@ -54,7 +56,7 @@ def _portrait(options: argparse.Namespace) -> int:
     from explorer.disk import Disk
     from explorer.portraits import portrait
 
-    names = ("sigma3_bar", "sigma4_bar", "eta_hat", "energies")
+    names = ("sigma3_bar", "sigma4_bar", "eta_hat", "energies", "well")
     given = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
     disk = Disk.parse(options.disk)
     written = portrait(options.out, disk, only=options.only, quiet=options.quiet, **given)

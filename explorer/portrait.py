@@ -372,8 +372,8 @@ def level_energies(potential: Potential, energies: tuple[float, float] | None = 
             raise InputError(f"energies {low:g}:{high:g} are an empty range; give LOW:HIGH, the smaller first")
         if not high > bottom:
             raise InputError(
-                f"energies {low:g}:{high:g}: no motion with these constants has an energy up to {bottom:.6g}; "
-                "give a larger HIGH"
+                f"energies {low:g}:{high:g}: with eta_hat = {potential.eta_hat:g} no motion has an energy below "
+                f"{bottom:.6g}; give a HIGH above that"
             )
     # The bottom itself is no curve; a range that a person gave above it keeps its lower end
     return np.linspace(low, high, count) if low > bottom else np.linspace(bottom, high, count + 1)[1:]

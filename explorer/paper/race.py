@@ -183,7 +183,7 @@ def rates_of_the_race() -> Iterator[Finding]:
             away.append(max(abs(ratio[0] - 1.0).max(), abs(side * ratio[1] - 1.0).max()))
         why = "η ln(1/η) and tilt²/η; for ψ also σ₄η"
         yield near(f"{where} χ̇I₁cos²φ/η and ±ψ̇I₁cos²φ/η at θ_m to 3 θ_m, from 1", away[-1], 0.0, 1e-3, why)
-        yield near(f"{where} exponent of that in η", exponent(ETAS, away), 1.0, 0.15, _LOG)
+        yield near(f"{where} exponent of that in η", exponent(ETAS, away), 1.0, 0.08, _LOG)
         most = turn[0, 0] * run.eta / (2.0 * (run.energy - run.V0))
         yield near(f"{where} largest χ̇ over 2(E−V₀)/η, η̂ = 1e-5", most, 1.0, 1e-3, _LOG)
         edges = np.array([1e-2, 1e-3, 1e-4])
@@ -234,7 +234,7 @@ def window_of_energy() -> Iterator[Finding]:
             missing = sign * disk.kappa * np.pi - grown[-1]
             reach = polyfit(np.sqrt(shares), missing / np.sqrt(shares), 2)[0]
             why = "what the fit in √μ̃ leaves, and η/μ̃^(3/2) = 1e-2 at the smallest"
-            yield near(f"{where} ±(Δχ − growth)/√(μ̃/(E−V₀)) as μ̃ ↓ 0", sign * reach, 2.0 * disk.kappa, 0.05, why)
+            yield near(f"{where} ±(Δχ − growth)/√(μ̃/(E−V₀)) as μ̃ ↓ 0", sign * reach, 2.0 * disk.kappa, 0.02, why)
     run = passage(UNIFORM, 1e-6)
     growth = np.diff(run.at(np.array(level(run, 0.25)))[4])[0]
     yield near("uniform: growth/π at share 1/4, η̂ = 1e-6", growth / np.pi, 1.490706, 6e-7, "the digits given")

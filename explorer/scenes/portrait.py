@@ -115,7 +115,8 @@ class Portrait(Scene):
         line = {"on": on_line(disk, self.bar)}
         if self.eta_hat is not None:
             return line | ({"beside": on_line(disk, self.bar, self.eta_hat)} if self.eta_hat else {})
-        size = BESIDE * disk.rate_unit
+        # For bodies whose wells have a small sigma3_bar, that much nearer to the line.
+        size = BESIDE / SIGMA3_BAR * min(abs(self.bar), SIGMA3_BAR * disk.rate_unit) or BESIDE * disk.rate_unit
         return line | {"plus": on_line(disk, self.bar, size), "minus": on_line(disk, self.bar, -size)}
 
     def options(self) -> dict[str, Any]:
