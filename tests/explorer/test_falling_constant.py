@@ -19,7 +19,8 @@ def by_grid(disk, box, points, energy=math.inf):
     axes, volume = [], 1.0
     for name in names:
         low, high = box[name]
-        count = points if low < high else 1
+        # The ends of sigma4 cut the line at some sigma3, in the middle of a cell: that is where errors come from.
+        count = (8 * points if name == "sigma3" else points) if low < high else 1
         axes.append(low + (high - low) * (np.arange(count) + 0.5) / count)
         volume *= (high - low) if low < high else 1.0
     phi, phidot, sigma3 = (a.ravel() for a in np.meshgrid(*axes, indexing="ij"))
@@ -70,7 +71,7 @@ def test_quadrature_agrees_with_a_grid_of_states_on_the_line(name, box):
     found = constant_of(disk, density)
     ends = density.box.describe()
     tilted = "phi" in density.box.free
-    slow = by_grid(disk, ends, 60 if tilted and "phidot" in density.box.free else (400 if tilted else 1600))
+    slow = by_grid(disk, ends, 30 if tilted and "phidot" in density.box.free else 200)
     slow /= math.prod(ends[n][1] - ends[n][0] for n in density.box.free)
     assert found.value == pytest.approx(slow, rel=1e-2 if tilted else 4e-3)
     assert found.error < 1e-5 * found.value
@@ -80,7 +81,7 @@ def test_an_energy_cut_agrees_with_a_grid():
     disk = ex.Disk.uniform()
     density = Density.of(disk, "phi=-1:1", (None, 2.0))
     found = constant_of(disk, density)
-    slow = by_grid(disk, density.box.describe(), 60, energy=2.0) / found.mass
+    slow = by_grid(disk, density.box.describe(), 30, energy=2.0) / found.mass
     assert found.value == pytest.approx(slow, rel=1e-2)
 
 

@@ -69,7 +69,7 @@ def test_the_plain_draws_that_are_said_to_reject_a_wrong_law_do(name):
 
     def share(draws, law):
         p = []
-        for _ in range(150):
+        for _ in range(80):
             counts = random.multinomial(draws, [*laws.bins_of(DELTA, law), 1.0 - law(DELTA[0])])[:-1]
             below = np.cumsum(counts[::-1])[::-1]
             p.append(laws.counts_p(DELTA, below, draws, right))

@@ -375,7 +375,7 @@ def test_the_summary_has_levels_equilibria_separatrices_and_thresholds():
         ({"well": True, "sigma3_bar": 1.0}, "no well beside the falling motions"),
         ({"energies": (2.0, 1.0)}, "empty range"),
         ({"energies": (1.0, 1.0)}, "empty range"),
-        ({"energies": (-2.0, -1.0)}, "no motion with these constants"),
+        ({"energies": (-2.0, -1.0)}, "no motion has an energy below"),
         ({"energies": (0.0, math.inf)}, "empty range"),
         ({"sigma4_bar": 0.1, "eta_hat": 0.1}, "leave out one"),
         ({"well": True, "sigma4_bar": 0.1}, "leave it out"),
