@@ -106,11 +106,6 @@ class Density:
         except (TypeError, ValueError):
             raise InputError(f"--energy {value!r} is not a range; write LOW:HIGH, :HIGH or LOW:") from None
 
-    @property
-    def flat_box(self) -> bool:
-        """Whether the density is constant in the box, so that integrals of it are products."""
-        return self.function is None and not self.gaussian
-
     def shape(self, phi: Array, phidot: Array, sigma3: Array, sigma4: Array) -> Array:
         """The density without the ends of the box and of the energy. Raises InputError where it is no density."""
         columns = dict(zip(COORDINATES, (phi, phidot, sigma3, sigma4), strict=True))

@@ -5,13 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import models
 from explorer.disk import Disk
 from explorer.errors import InputError
-from explorer.falling import falls_of
-from explorer.motions import smallest_tilt
-from explorer.scenes.falling_set import SLICE_ACCURACY, Slice, SliceMap
-from explorer.states import natural_constants, phi_to_states, require_axial_inertia
+from explorer.scenes.falling_set import Slice, SliceMap, slice_and_falls
+from explorer.states import require_axial_inertia
 
 _MOST_POINTS = 2001
 
@@ -35,22 +32,7 @@ def race_slice(disk: Disk, where: Slice, points: int) -> RaceSlice:
     require_axial_inertia(disk)
     if isinstance(points, bool) or not isinstance(points, int) or not 2 <= points <= _MOST_POINTS:
         raise InputError(f"points = {points!r}: give a whole number from 2 to {_MOST_POINTS}")
-    x, y, columns = where.grid(points)
-    states = phi_to_states(disk, **columns)
-    found = natural_constants(states)
-    how = models.plan(("theta_min",), SLICE_ACCURACY, "quadrature")
-    theta = smallest_tilt(states, how, found)[0]
-    exact = falls_of(states, found)
+    computed, exact = slice_and_falls(disk, where, points, "quadrature")
     shape = (points, points)
     way = np.where(exact.could_fall, np.sign(exact.distance), 0.0).astype(np.int8)
-    computed = SliceMap(
-        where,
-        x,
-        y,
-        theta.reshape(shape),
-        exact.distance_plus.reshape(shape),
-        exact.distance_minus.reshape(shape),
-        exact.could_fall_plus.reshape(shape),
-        exact.could_fall_minus.reshape(shape),
-    )
     return RaceSlice(computed, exact.side.reshape(shape), way.reshape(shape))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from explorer import compiled, models, statistics
 from explorer.disk import Disk
 from explorer.errors import InputError
-from explorer.falling import could_fall, falls_of
+from explorer.falling import Falls, could_fall, falls_of
 from explorer.motions import smallest_tilt
 from explorer.sampling import Box, Range, StateFile, chunk_stream, draw_states, parse_ranges
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
@@ -121,14 +121,19 @@ class SliceMap:
 
 def map_slice(disk: Disk, where: Slice, points: int) -> SliceMap:
     """Compute a slice on points x points states, by integration."""
+    return slice_and_falls(disk, where, points, "dopri5")[0]
+
+
+def slice_and_falls(disk: Disk, where: Slice, points: int, method: str) -> tuple[SliceMap, Falls]:
+    """A slice with theta_min by `method`, and where its states, flat, lie relative to F."""
     x, y, columns = where.grid(points)
     states = phi_to_states(disk, **columns)
     found = natural_constants(states)
-    how = models.plan(("theta_min",), SLICE_ACCURACY, "dopri5")
+    how = models.plan(("theta_min",), SLICE_ACCURACY, method)
     theta, _status, _steps = smallest_tilt(states, how, found)
     exact = falls_of(states, found)
     shape = (points, points)
-    return SliceMap(
+    computed = SliceMap(
         where,
         x,
         y,
@@ -138,6 +143,7 @@ def map_slice(disk: Disk, where: Slice, points: int) -> SliceMap:
         exact.could_fall_plus.reshape(shape),
         exact.could_fall_minus.reshape(shape),
     )
+    return computed, exact
 
 
 @dataclass(frozen=True)

@@ -112,10 +112,10 @@ class MeasureZero(SampledScene):
         frame = Frame(self.disk, self.source)
         away = 0.5 * np.pi - max(map(abs, self.source.box.phi))
         near_flat = _NEAREST_FLAT * away if away > 0.0 else LAW_LIMIT
-        narrow = (
-            _NARROWEST * frame.narrowest() / float(widest_eta(np.array([frame.most_energy()]), 1e-9, self.disk)[0])
-        )
-        return float(min(LAW_LIMIT, near_flat, narrow * 1e-9))
+        # The half-width of a thin tube is proportional to its delta.
+        thin = 1e-9
+        width = float(widest_eta(np.array([frame.most_energy()]), thin, self.disk)[0]) / thin
+        return float(min(LAW_LIMIT, near_flat, _NARROWEST * frame.narrowest() / width))
 
     @cached_property
     def constant(self) -> FallingConstant:

@@ -263,15 +263,15 @@ def _signs(scene: "MeasureZero", tubes: Tubes, ladder: Ladder) -> list[dict[str,
         net = 2.0 * tubes.sum_eta_positive[k] - tubes.sum[k]
         signed = [tubes.mean(net[s], tubes.squares[k, s], tubes.draws[k, s]) for s in (0, 1)]
         found = laws.total(signed, np.full(2, 1.0 / ladder.value[k]))
-        off = Estimate(ladder.value[k] / (scene.constant.value * delta), 0.0)
-        error = ladder.error[k] / (scene.constant.value * delta)
+        unit = scene.constant.value * delta
+        off = Estimate(ladder.value[k] / unit - 1.0, ladder.error[k] / unit)
         rows.append(
             {
                 "delta": float(delta),
                 "asymmetry": found.value,
                 "asymmetry_interval_95": found.interval(),
-                "correction": off.value - 1.0,
-                "correction_interval_95": replace(off, value=off.value - 1.0, error=error).interval(),
+                "correction": off.value,
+                "correction_interval_95": off.interval(),
             }
         )
     return rows
