@@ -13,43 +13,43 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from explorer import plot as plot
-    from explorer.api import run as run
-    from explorer.disk import Disk as Disk
+    from explorer.commands.run import run as run
     from explorer.errors import InputError as InputError
     from explorer.errors import RunError as RunError
-    from explorer.falling import falls as falls
-    from explorer.falling_constant import falling_constant as falling_constant
-    from explorer.invariance import flow_stretch as flow_stretch
-    from explorer.invariance import push_forward as push_forward
-    from explorer.limits import limit_motion as limit_motion
-    from explorer.motions import simulate as simulate
-    from explorer.passage import passage_forces as passage_forces
-    from explorer.passage import passages as passages
-    from explorer.passage import periods as periods
-    from explorer.states import constants as constants
-    from explorer.states import constants_to_states as constants_to_states
-    from explorer.states import phi_to_states as phi_to_states
-    from explorer.states import theta_to_states as theta_to_states
+    from explorer.measure.falling_constant import falling_constant as falling_constant
+    from explorer.measure.invariance import flow_stretch as flow_stretch
+    from explorer.measure.invariance import push_forward as push_forward
+    from explorer.motion.limit_motions import limit_motion as limit_motion
+    from explorer.motion.passages import passage_forces as passage_forces
+    from explorer.motion.passages import passages as passages
+    from explorer.motion.passages import periods as periods
+    from explorer.motion.trajectories import simulate as simulate
+    from explorer.phase.constants import constants as constants
+    from explorer.phase.disk import Disk as Disk
+    from explorer.phase.membership import falls as falls
+    from explorer.phase.states import constants_to_states as constants_to_states
+    from explorer.phase.states import phi_to_states as phi_to_states
+    from explorer.phase.states import theta_to_states as theta_to_states
 
 _HOMES = {
-    "Disk": "disk",
+    "Disk": "phase.disk",
     "InputError": "errors",
     "RunError": "errors",
-    "constants": "states",
-    "constants_to_states": "states",
-    "falls": "falling",
-    "falling_constant": "falling_constant",
-    "flow_stretch": "invariance",
-    "limit_motion": "limits",
-    "passage_forces": "passage",
-    "passages": "passage",
-    "periods": "passage",
-    "phi_to_states": "states",
+    "constants": "phase.constants",
+    "constants_to_states": "phase.states",
+    "falling_constant": "measure.falling_constant",
+    "falls": "phase.membership",
+    "flow_stretch": "measure.invariance",
+    "limit_motion": "motion.limit_motions",
+    "passage_forces": "motion.passages",
+    "passages": "motion.passages",
+    "periods": "motion.passages",
+    "phi_to_states": "phase.states",
     "plot": "",
-    "push_forward": "invariance",
-    "run": "api",
-    "simulate": "motions",
-    "theta_to_states": "states",
+    "push_forward": "measure.invariance",
+    "run": "commands.run",
+    "simulate": "motion.trajectories",
+    "theta_to_states": "phase.states",
 }
 
 __all__ = ["Status", *sorted(_HOMES)]

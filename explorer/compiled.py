@@ -1,7 +1,8 @@
 """The one door to the compiled layer.
 
 `kernels` is a generic name: another distribution installs an import package of that name, and the
-one found first on the path wins. So everything in `explorer` reaches kernels through here.
+one found first on the path wins. So everything in `explorer` reaches kernels through here. A module of
+`kernels` is imported on first use, because numba takes a second to load.
 """
 
 import importlib
@@ -10,31 +11,49 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING
 
 _OURS = Path(__file__).resolve().parent.parent / "kernels"
-_MODULES = (
-    "algebra",
-    "batch",
-    "body",
-    "constants",
-    "events",
-    "falling",
-    "field",
-    "forces",
-    "orbits",
-    "passages",
-    "quadrature",
-    "status",
-    "steps",
-    "tables",
-    "trajectory",
-    "variation",
-)
 _LOCK = threading.RLock()
 
+if TYPE_CHECKING:
+    from kernels import status as status
+    from kernels import types as types
+    from kernels.disk import algebra as algebra
+    from kernels.disk import body as body
+    from kernels.disk import chaplygin as chaplygin
+    from kernels.disk import constants as constants
+    from kernels.disk import falling as falling
+    from kernels.disk import field as field
+    from kernels.integrals import forces as forces
+    from kernels.integrals import orbits as orbits
+    from kernels.integrals import passages as passages
+    from kernels.integrals import quadrature as quadrature
+    from kernels.integrals import tables as tables
+    from kernels.steps import attempt as attempt
+    from kernels.steps import batch as batch
+    from kernels.steps import events as events
+    from kernels.steps import trajectory as trajectory
+    from kernels.steps import variation as variation
+else:
 
-def _load(name: str) -> ModuleType:
+    def __getattr__(name: str) -> ModuleType:
+        """Modules of the compiled layer, whichever room they are in: `compiled.batch`, `compiled.body`, ..."""
+        module = _modules().get(name)
+        if module is None:
+            raise AttributeError(f"the compiled layer has no module {name!r}")
+        with _LOCK:
+            loaded = globals()[name] = _load(module)
+        return loaded
+
+
+def _modules() -> dict[str, str]:
+    """Every module of `kernels`, by its own name."""
+    paths = [path.relative_to(_OURS.parent).with_suffix("") for path in _OURS.rglob("[a-z]*.py")]
+    return {path.name: ".".join(path.parts) for path in paths}
+
+
+def _load(module: str) -> ModuleType:
     # Found by looking, not by importing: a foreign package must not run any of its code.
     spec = importlib.util.find_spec("kernels")
     found = Path(spec.origin).resolve().parent if spec and spec.origin else None
@@ -44,21 +63,12 @@ def _load(name: str) -> ModuleType:
             f"nearflat found another package called 'kernels' first ({where}) instead of its own ({_OURS}); "
             "install nearflat in a fresh virtual environment, or take the other one off PYTHONPATH"
         )
-    return importlib.import_module(f"kernels.{name}")
-
-
-def __getattr__(name: str) -> Any:
-    """Modules of the compiled layer, imported on first use: `compiled.batch`, `compiled.body`, ..."""
-    if name in _MODULES:
-        with _LOCK:
-            module = globals()[name] = _load(name)
-        return module
-    raise AttributeError(name)
+    return importlib.import_module(module)
 
 
 def source_digest() -> str:
     """Digest of the kernels' source and of the versions that compile them."""
-    return _load("_jit").source_digest()
+    return _load("kernels._jit").source_digest()
 
 
 def warmup(say: Callable[[str], None] = lambda text: None) -> int:
@@ -66,9 +76,9 @@ def warmup(say: Callable[[str], None] = lambda text: None) -> int:
 
     `say` receives a line before each compilation, which takes a few seconds.
     """
-    for name in _MODULES:
-        _load(name)
-    registry = _load("_jit").KERNELS
+    for module in _modules().values():
+        _load(module)
+    registry = _load("kernels._jit").KERNELS
     fresh = [kernel for kernel in registry.values() if not kernel.is_cached()]
     for number, kernel in enumerate(fresh, 1):
         say(f"compiling {kernel.name} ({number} of {len(fresh)}; once for this version, then cached)")

@@ -127,8 +127,10 @@ class Kernel:
 def source_digest() -> str:
     """SHA-256 (hex) of this package's source files, its arithmetic and the versions that compile them."""
     digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
+        digest.update(
+            path.relative_to(Path(__file__).parent).as_posix().encode() + b"\0" + path.read_bytes() + b"\0"
+        )
     digest.update(f"{ARITHMETIC} {numba.__version__} {llvmlite.__version__} {sys.version_info[:2]}".encode())
     return digest.hexdigest()
 

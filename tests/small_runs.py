@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from explorer import laws
-from explorer.falling_constant import constant_of
-from explorer.laws import Estimate, Ladder
-from explorer.tubes import dimensions, draw_tube
+from explorer.measure import laws
+from explorer.measure.falling_constant import constant_of
+from explorer.measure.laws import Estimate, Ladder
+from explorer.measure.tubes import dimensions, draw_tube
 
 DELTAS = np.array([1e-5, 1e-8, 1e-11, 1e-14])
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-SOURCES = sorted([*ROOT.glob("explorer/**/*.py"), *ROOT.glob("kernels/*.py")])
+SOURCES = sorted([*ROOT.glob("explorer/**/*.py"), *ROOT.glob("kernels/**/*.py")])
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
@@ -21,7 +21,7 @@ def imported(path):
             yield (node.module or "").partition(".")[0]
 
 
-@pytest.mark.parametrize("path", sorted(ROOT.glob("kernels/*.py")), ids=lambda p: p.name)
+@pytest.mark.parametrize("path", sorted(ROOT.glob("kernels/**/*.py")), ids=lambda p: str(p.relative_to(ROOT)))
 def test_the_compiled_layer_imports_only_numbers(path):
     allowed = set(sys.stdlib_module_names) | {"kernels", "numpy", "numba", "llvmlite"}
     assert set(imported(path)) <= allowed
@@ -62,7 +62,7 @@ def test_the_linters_are_content(command):
 def test_help_loads_neither_the_compiler_nor_the_plotting():
     code = (
         "import sys, contextlib, io\n"
-        "from explorer.cli import main\n"
+        "from explorer.commands.main import main\n"
         "with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()): main(['--help'])\n"
         "print(sorted({'numba', 'matplotlib', 'numpy', 'pyarrow', 'scipy'} & set(sys.modules)))"
     )

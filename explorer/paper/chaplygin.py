@@ -16,7 +16,7 @@ from scipy.integrate import quad, solve_ivp
 
 import explorer as ex
 from explorer import compiled
-from explorer.paper import plain
+from explorer.paper import eight_dimensions as plain
 from explorer.paper.equations import (
     BODIES,
     OF_BODIES,

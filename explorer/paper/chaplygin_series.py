@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from explorer.disk import Disk
+from explorer.phase.disk import Disk
 
 _TERMS = 120  # radius 2, used up to 1: below rounding
 

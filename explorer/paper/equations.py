@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import rgamma
 
 import explorer as ex
-from explorer.paper import plain
+from explorer.paper import eight_dimensions as plain
 
 _Array = NDArray[np.float64]
 ALL = ("phi", "phidot", "sigma3", "sigma4", "chi", "psi", "path", "contact")

@@ -15,20 +15,22 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import gamma
 
-from explorer import compiled, laws
-from explorer.density import Density
-from explorer.disk import Disk
-from explorer.falling import falls_of
-from explorer.falling_constant import falling_constant
-from explorer.limits import limit_motion
-from explorer.models import plan
-from explorer.motions import simulate, smallest_tilt
-from explorer.paper import plain
+from explorer import compiled
+from explorer.measure import laws
+from explorer.measure.density import Density
+from explorer.measure.falling_constant import falling_constant
+from explorer.measure.sampling import Box
+from explorer.measure.tubes import dimensions, draw_tube, widest_eta
+from explorer.motion.limit_motions import limit_motion
+from explorer.motion.passages import passages
+from explorer.motion.plan import plan
+from explorer.motion.trajectories import simulate, smallest_tilt
+from explorer.paper import eight_dimensions as plain
 from explorer.paper.statement import Finding, statement
-from explorer.passage import passages
-from explorer.sampling import Box
-from explorer.states import Array, line_slope, natural_constants, phi_to_states
-from explorer.tubes import dimensions, draw_tube, widest_eta
+from explorer.phase.constants import natural_constants
+from explorer.phase.disk import Disk
+from explorer.phase.membership import falls_of
+from explorer.phase.states import Array, line_slope, phi_to_states
 
 UNIFORM, HOOP, MATCHING = Disk.uniform(), Disk.hoop(), Disk.matching()
 THICK = Disk(I1=0.5, I3=0.3, name="thick")  # I3 < 2 I1: not planar

@@ -8,12 +8,12 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import gamma
 
-from explorer.disk import Disk
-from explorer.motions import simulate
+from explorer.motion.passages import passages, periods
+from explorer.motion.trajectories import simulate
+from explorer.paper.eight_dimensions import integrate
 from explorer.paper.figures import PHIDOT, SIGMA3, start
-from explorer.paper.plain import integrate
 from explorer.paper.statement import Finding, statement
-from explorer.passage import passages, periods
+from explorer.phase.disk import Disk
 
 _ACCURACY = 1e-10
 

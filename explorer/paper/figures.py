@@ -15,13 +15,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from explorer.disk import Disk
 from explorer.errors import InputError
-from explorer.limits import limit_motion
-from explorer.motions import simulate
-from explorer.passage import passages, periods
+from explorer.motion.limit_motions import limit_motion
+from explorer.motion.passages import passages, periods
+from explorer.motion.trajectories import simulate
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, States, constants_to_states
 from explorer.plot.style import DARK, SIGN_COLOURS, axes_or_new, dress, legend
-from explorer.states import Array, States, constants_to_states
 
 ETA_HAT = 0.01
 SIGMA3 = PHIDOT = 1.0

@@ -11,9 +11,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial.polynomial import polyfit
 
-from explorer.disk import Disk
-from explorer.limits import limit_motion
-from explorer.paper import plain
+from explorer.motion.limit_motions import limit_motion
+from explorer.motion.passages import passages
+from explorer.paper import eight_dimensions as plain
 from explorer.paper.fall import (
     HOOP,
     MATCHING,
@@ -28,8 +28,8 @@ from explorer.paper.fall import (
 )
 from explorer.paper.race import CASES, ROOT, SMALL, beside, case, horizontal, logarithmic, order_of, planar
 from explorer.paper.statement import Finding, statement
-from explorer.passage import passages
-from explorer.states import Array, constants_to_states
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, constants_to_states
 
 _LOG = "of order η ln(1/η), 2e-7 at 1e-8"
 

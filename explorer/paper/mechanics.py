@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import explorer as ex
-from explorer.paper import plain
+from explorer.paper import eight_dimensions as plain
 from explorer.paper.equations import (
     BODIES,
     OF_BODIES,

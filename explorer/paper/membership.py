@@ -5,22 +5,13 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from explorer import compiled
-from explorer.disk import Disk
-from explorer.falling import falls, falls_of, well
-from explorer.models import plan
-from explorer.motions import smallest_tilt
-from explorer.paper.fall import (
-    BODIES,
-    at_most,
-    near,
-    observed,
-    potential,
-    rates_down,
-    reduced,
-    shot_slope,
-)
+from explorer.motion.plan import plan
+from explorer.motion.trajectories import smallest_tilt
+from explorer.paper.fall import BODIES, at_most, near, observed, potential, rates_down, reduced, shot_slope
 from explorer.paper.statement import Finding, statement
-from explorer.states import phi_to_states
+from explorer.phase.disk import Disk
+from explorer.phase.membership import falls, falls_of, well
+from explorer.phase.states import phi_to_states
 
 _BESIDE = 1e-7  # eta_hat: far above rounding, far below what decides who falls
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from explorer.disk import Disk
-from explorer.paper import plain
-from explorer.states import Array
+from explorer.paper import eight_dimensions as plain
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array
 
 UNIFORM = Disk.uniform()
 E1, E3 = np.eye(3)[0], np.eye(3)[2]

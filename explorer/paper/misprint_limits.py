@@ -3,13 +3,14 @@
 import numpy as np
 from scipy.integrate import quad, solve_ivp
 
-from explorer.disk import Disk
-from explorer.motions import simulate
-from explorer.paper import plain
+from explorer.motion.passages import passages, periods
+from explorer.motion.trajectories import simulate
+from explorer.paper import eight_dimensions as plain
 from explorer.paper.chaplygin_series import Chaplygin
 from explorer.paper.misprint_evidence import UNIFORM, Evidence, worst
-from explorer.passage import passages, periods
-from explorer.states import Array, constants, constants_to_states, line_slope, theta_to_states
+from explorer.phase.constants import constants
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, constants_to_states, line_slope, theta_to_states
 
 SERIES = Chaplygin.of(UNIFORM)
 M = UNIFORM.I1 + 1.0  # m = r = g = 1 here and below

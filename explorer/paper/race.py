@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.polynomial.polynomial import polyfit
 
-from explorer.disk import Disk
-from explorer.limits import fall_from_vertical, limit_motion
-from explorer.paper import plain
+from explorer.motion.limit_motions import limit_motion
+from explorer.motion.passages import fall_from_vertical, passages, periods
+from explorer.paper import eight_dimensions as plain
 from explorer.paper.fall import (
     BODIES,
     HOOP,
@@ -31,8 +31,8 @@ from explorer.paper.fall import (
     shot_slope,
 )
 from explorer.paper.statement import Finding, statement
-from explorer.passage import passages, periods
-from explorer.states import Array, constants_to_states, theta_to_states
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, constants_to_states, theta_to_states
 
 _LOG = "the next term is of order η ln(1/η)"
 

@@ -1,16 +1,17 @@
 """Pictures. Each function takes ax=None and returns the Axes; none shows or touches global settings."""
 
-from explorer.plot.animation import animate
 from explorer.plot.bodies import bounce_turns, race_bodies, race_gap, race_number
-from explorer.plot.falling import constants_plane, slice_map, theta_min_distribution
+from explorer.plot.film import animate
+from explorer.plot.maps import constants_plane, slice_map, theta_min_distribution
 from explorer.plot.measure_zero import constant_convergence, falling_ladder, ladder_ratio, tilt_density
 from explorer.plot.one_sided import contact_paths, one_sided_chi, one_sided_distance, one_sided_phi
-from explorer.plot.paths import drift_radius, rosette_and_resonance, wander_distance, wander_path
-from explorer.plot.portrait import bifurcations, phase_portrait, potential_curves, steady_map, steady_plane
+from explorer.plot.portrait import phase_portrait, potential_curves
 from explorer.plot.race import race_deviation, race_histogram
 from explorer.plot.slices import race_slice_map
+from explorer.plot.steady import bifurcations, steady_map, steady_plane
 from explorer.plot.style import figure_of, stacked
 from explorer.plot.trade import work_precision
+from explorer.plot.wander import drift_radius, rosette_and_resonance, wander_distance, wander_path
 
 __all__ = [
     "animate",

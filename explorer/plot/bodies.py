@@ -8,12 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from explorer.errors import InputError
+from explorer.phase.states import Array
 from explorer.plot.style import DARK, DISK_COLOURS, MINUS, PLUS, SMALL, THIRD, axes_or_new, dress, legend, stacked
-from explorer.states import Array
 
 if TYPE_CHECKING:
-    from explorer.bounce import Bounces
-    from explorer.race_gap import MeasuredGaps, RaceNumbers
+    from explorer.portrait.bodies import MeasuredGaps, RaceNumbers
+    from explorer.portrait.bounce import Bounces
 
 NAMED = {2.0: "hoop", 4.0: "uniform"}
 _RATIO = r"$m r^2/I_1$"

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 
+from explorer.measure.laws import OFF, PLATEAU, SHAPE_BINS, wrong_laws
 from explorer.plot.style import DARK, FOURTH, MINUS, PLUS, SMALL, THIRD, axes_or_new, dress, legend
-from explorer.scenes.measure_zero_summary import OFF, PLATEAU, SHAPE_BINS, wrong_laws
 
 _SHARE = r"$P(\theta_{\min} < \delta)$"
 

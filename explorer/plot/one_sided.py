@@ -5,19 +5,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from explorer.plot.style import (
-    DARK,
-    DISK_COLOURS,
-    MARKERS,
-    SIGN_COLOURS,
-    SMALL,
-    axes_or_new,
-    dress,
-    legend,
-)
+from explorer.plot.style import DARK, DISK_COLOURS, MARKERS, SIGN_COLOURS, SMALL, axes_or_new, dress, legend
 
 if TYPE_CHECKING:
-    from explorer.scenes.one_sided import BothSides
+    from explorer.portrait.both_sides import BothSides
 
 _SIDES = {1: r"\eta > 0", -1: r"\eta < 0"}
 

@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 
-from explorer.disk import Disk
+from explorer.measure.log_counts import CELLS_PER_DECADE
+from explorer.phase.disk import Disk
 from explorer.plot.style import DARK, MINUS, PLUS, axes_or_new, dress, legend
-from explorer.tallies import CELLS_PER_DECADE
 
 _JOINED = 5  # bins of the summary that make one of the picture
 

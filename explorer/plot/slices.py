@@ -10,11 +10,11 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from explorer.phase.states import Array
 from explorer.plot.style import DARK, MINUS, PLUS, SMALL, TEXT, axes_or_new, axis_label, dress, legend
-from explorer.states import Array
 
 if TYPE_CHECKING:
-    from explorer.race_slice import RaceSlice
+    from explorer.portrait.slices import RaceSlice
 
 _FLATTEST = -3.0  # the two colours meet at theta_min = 1e-3 rad
 _TOP = float(np.log10(0.5 * np.pi))

@@ -15,7 +15,7 @@ from explorer import compiled
 from explorer.errors import InputError, RunError
 from explorer.runs import store
 from explorer.scenes.base import Scene
-from explorer.scenes.build import scene_from_options
+from explorer.scenes.options import scene_from_options
 
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pyarrow", "tqdm")
 

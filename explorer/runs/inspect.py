@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from explorer import compiled, statistics
+from explorer import compiled
 from explorer.errors import RunError
+from explorer.measure import statistics
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.run import summarise

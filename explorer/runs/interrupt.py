@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 
-from explorer.runs.progress import note
+from explorer.errors import note
 
 
 @contextlib.contextmanager

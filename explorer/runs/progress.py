@@ -54,9 +54,3 @@ class Progress:
     def close(self) -> None:
         if self._bar is not None:
             self._bar.close()
-
-
-def note(text: str, quiet: bool) -> None:
-    """A line for people, on stderr."""
-    if not quiet:
-        print(text, file=sys.stderr, flush=True)

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from explorer import compiled
-from explorer.errors import InputError, Interrupted, RunError
+from explorer.errors import InputError, Interrupted, RunError, note
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.interrupt import graceful
 from explorer.runs.lock import only_one
-from explorer.runs.progress import Progress, note
+from explorer.runs.progress import Progress
 from explorer.runs.workers import Workers
 from explorer.scenes.base import Chunks, Scene, Table
 

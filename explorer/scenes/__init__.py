@@ -1,0 +1,1 @@
+"""Questions about many states: one file each, which declares its own options."""

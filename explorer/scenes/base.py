@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import statistics
-from explorer.disk import Disk
+from explorer.measure import statistics
+from explorer.phase.disk import Disk
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

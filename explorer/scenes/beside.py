@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from explorer.disk import Disk
 from explorer.errors import InputError
-from explorer.sampling import Box, Range
-from explorer.states import Array
+from explorer.measure.sampling import Box, Range
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array
 
 # In natural units: where doubles still have all their digits, and where "beside F" loses its meaning.
 _BESIDE = (1e-305, 10.0)

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import statistics
+from explorer.measure import statistics
+from explorer.measure.log_counts import LogCounts, pack, unpack
+from explorer.phase.states import Array
 from explorer.scenes.base import Table, Tally
-from explorer.states import Array
-from explorer.tallies import LogCounts, pack, unpack
 
 # Cells of the map of all samples over the plane of constants of motion.
 MAP_CELLS = 160

@@ -14,30 +14,23 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import compiled, models, statistics
-from explorer.disk import Disk
-from explorer.errors import InputError
-from explorer.falling import Falls, could_fall, falls_of
-from explorer.motions import smallest_tilt
-from explorer.sampling import Box, Range, StateFile, chunk_stream, draw_states, parse_ranges
+from explorer import compiled
+from explorer.measure import statistics
+from explorer.measure.log_counts import LogCounts
+from explorer.measure.sampling import Box, chunk_stream, draw_states
+from explorer.motion import plan as models
+from explorer.motion.trajectories import smallest_tilt
+from explorer.phase.constants import constants_of, natural_constants
+from explorer.phase.membership import could_fall, falls_of
+from explorer.phase.states import Array, States, line_slope, phi_to_states, require_axial_inertia
+from explorer.portrait.slices import ConstantsPlane, Slice, map_slice
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_sides, joined, nearer, no_cells
-from explorer.states import (
-    COORDINATES,
-    Array,
-    States,
-    constants_of,
-    line_slope,
-    natural_constants,
-    phi_to_states,
-    require_axial_inertia,
-)
-from explorer.tallies import LogCounts
+from explorer.scenes.state_file import StateFile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SLICE_ACCURACY = 1e-3  # of theta_min in a picture
 # Near F, natural units of eta_hat. Rows beyond are counted, not stored, unless all are asked for.
 NEAR = 0.01
 BLOCK = 1 << 14
@@ -49,101 +42,6 @@ _FIRST = 16_384
 _WIDER = 1.0 + 1e-9  # rounding of a distance must not decide what is looked at
 # The map's theta_min as integers: 3000 to the decade above 1e-20.
 _DEEPEST, _CODES_PER_DECADE = -20.0, 3000.0
-
-
-@dataclass(frozen=True)
-class Slice:
-    """A two-dimensional slice of the phase space: two coordinates with a range, two fixed."""
-
-    ranges: tuple[tuple[str, Range], ...]
-
-    @classmethod
-    def parse(cls, text: str) -> "Slice":
-        """From "sigma3=-2:2,sigma4=-2:2,phi=0,phidot=1". Raises InputError."""
-        ranges = parse_ranges(text, "--slice")
-        free = [name for name, (low, high) in ranges.items() if low < high]
-        if len(free) != 2 or set(ranges) != set(COORDINATES):
-            raise InputError(
-                f"--slice {text!r}: give all of {', '.join(COORDINATES)}, two as LOW:HIGH and two as numbers"
-            )
-        Box(**ranges)  # the same bounds hold
-        return cls(tuple(sorted(ranges.items(), key=lambda item: COORDINATES.index(item[0]))))
-
-    @classmethod
-    def defaults(cls, disk: Disk) -> tuple["Slice", ...]:
-        """At the vertical, where F is a pair of lines, and a curved one with an edge of could-fall."""
-        unit = disk.rate_unit
-        two = 2.0 * unit
-        return (
-            cls((("phi", (0.0, 0.0)), ("phidot", (unit, unit)), ("sigma3", (-two, two)), ("sigma4", (-two, two)))),
-            cls(
-                (
-                    ("phi", (-1.35, 1.35)),
-                    ("phidot", (0.05 * unit, 0.05 * unit)),
-                    ("sigma3", (0.15 * unit, 0.15 * unit)),
-                    ("sigma4", (-0.8 * unit, 0.8 * unit)),
-                )
-            ),
-        )
-
-    @property
-    def axes(self) -> tuple[str, str]:
-        first, second = (name for name, (low, high) in self.ranges if low < high)
-        return first, second
-
-    @property
-    def fixed(self) -> dict[str, float]:
-        return {name: low for name, (low, high) in self.ranges if low == high}
-
-    def grid(self, points: int) -> tuple[Array, Array, dict[str, Array]]:
-        """Axis values (points) of both axes, and the coordinates of the grid, second axis first."""
-        box = dict(self.ranges)
-        x, y = (np.linspace(*box[name], points) for name in self.axes)
-        X, Y = np.meshgrid(x, y)
-        columns = {name: np.full(X.size, value) for name, value in self.fixed.items()}
-        columns.update({self.axes[0]: X.ravel(), self.axes[1]: Y.ravel()})
-        return x, y, columns
-
-
-@dataclass(frozen=True)
-class SliceMap:
-    """theta_min on a slice by integration, and the exact set from algebra; arrays (ny, nx)."""
-
-    slice: Slice
-    x: Array
-    y: Array
-    theta_min: Array
-    distance_plus: Array
-    distance_minus: Array
-    could_fall_plus: NDArray[np.bool_]
-    could_fall_minus: NDArray[np.bool_]
-
-
-def map_slice(disk: Disk, where: Slice, points: int) -> SliceMap:
-    """Compute a slice on points x points states, by integration."""
-    return slice_and_falls(disk, where, points, "dopri5")[0]
-
-
-def slice_and_falls(disk: Disk, where: Slice, points: int, method: str) -> tuple[SliceMap, Falls]:
-    """A slice with theta_min by `method`, and where its states, flat, lie relative to F."""
-    x, y, columns = where.grid(points)
-    states = phi_to_states(disk, **columns)
-    found = natural_constants(states)
-    how = models.plan(("theta_min",), SLICE_ACCURACY, method)
-    theta, _status, _steps = smallest_tilt(states, how, found)
-    exact = falls_of(states, found)
-    shape = (points, points)
-    computed = SliceMap(
-        where,
-        x,
-        y,
-        theta.reshape(shape),
-        exact.distance_plus.reshape(shape),
-        exact.distance_minus.reshape(shape),
-        exact.could_fall_plus.reshape(shape),
-        exact.could_fall_minus.reshape(shape),
-    )
-    return computed, exact
 
 
 @dataclass(frozen=True)
@@ -380,14 +278,3 @@ class FallingSet(SampledScene):
                 f"tilt at the flattest moment: median {quantile['0.5']:.3g} rad, smallest {quantile['0']:.3g} rad"
             )
         return lines
-
-
-@dataclass(frozen=True)
-class ConstantsPlane:
-    """What the map of all samples shows: cell edges, smallest theta_min per cell, slope of l_+."""
-
-    disk: Disk
-    sigma3_edges: Array
-    sigma4_edges: Array
-    smallest: Array
-    slope: float

@@ -14,17 +14,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from explorer import compiled, models, statistics
-from explorer.box_integrals import Frame
-from explorer.density import Density, Function
+from explorer import compiled
 from explorer.errors import InputError
-from explorer.falling_constant import FallingConstant, constant_of
-from explorer.motions import smallest_tilt, turning_points
-from explorer.sampling import Box, Range, chunk_stream
+from explorer.measure import statistics
+from explorer.measure.box_integrals import Frame
+from explorer.measure.density import Density, Function
+from explorer.measure.falling_constant import FallingConstant, constant_of
+from explorer.measure.laws import SHAPE_BINS
+from explorer.measure.sampling import Box, Range, chunk_stream
+from explorer.measure.tubes import Draws, dimensions, draw_tube, widest_eta
+from explorer.motion import plan as models
+from explorer.motion.trajectories import smallest_tilt, turning_points
+from explorer.phase.constants import natural_constants
+from explorer.phase.states import Array, phi_to_states, require_axial_inertia
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
-from explorer.scenes.measure_zero_summary import FEWEST_HITS, SHAPE_BINS, summarise
-from explorer.states import Array, natural_constants, phi_to_states, require_axial_inertia
-from explorer.tubes import Draws, dimensions, draw_tube, widest_eta
+from explorer.scenes.measure_zero_summary import FEWEST_HITS, summarise
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

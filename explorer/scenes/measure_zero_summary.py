@@ -8,22 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
-from explorer import laws, statistics
-from explorer.falling_constant import constant_of
-from explorer.invariance import flow_stretch, push_forward
-from explorer.laws import Estimate, Ladder, Law
-from explorer.sampling import chunk_stream
+from explorer.measure import laws, statistics
+from explorer.measure.falling_constant import constant_of
+from explorer.measure.invariance import flow_stretch, push_forward
+from explorer.measure.laws import SHAPE_BINS, Estimate, Ladder, Law, wrong_laws
+from explorer.measure.sampling import chunk_stream
+from explorer.phase.states import Array, phi_to_states
 from explorer.scenes.base import Chunks, Tally
-from explorer.states import Array, phi_to_states
 
 if TYPE_CHECKING:
     from explorer.scenes.measure_zero import MeasureZero
 
 FEWEST_HITS = 50  # worth of equal weight in a rung; with fewer its interval is not to be trusted
-SHAPE_BINS = 20  # of theta_min / delta
 _MANY = 25  # plain hits, enough for a normal distribution
-# Laws that it is not: what is put in their place.
-PLATEAU, OFF = 1e-6, 0.02
 _ROUGHLY = 1e-4  # relative error of the predicted shares of energies, below those of the draws
 # For the invariance of the measure: states, their stream, and a time in natural units.
 _FOLLOWED, _INVARIANCE, _LATER = 256, (1 << 40) + 1, 5.0
@@ -173,15 +170,6 @@ def _rows(scene: "MeasureZero", tubes: Tubes, below: Array) -> list[dict[str, An
 
 def _widened(interval: list[float], unknown: float) -> list[float]:
     return [max(interval[0], 0.0), interval[1] + unknown]
-
-
-def wrong_laws(constant: float, top: float) -> dict[str, Law]:
-    """Laws that codimension one rules out, by name; `top` is the largest delta they are compared at."""
-    return {
-        "dimension_two": lambda delta: constant * delta * (delta / top),
-        "plateau": lambda delta: constant * delta + PLATEAU,
-        "constant_off": lambda delta: constant * (1.0 + OFF) * delta,
-    }
 
 
 def _tests(scene: "MeasureZero", tested: Ladder, below: NDArray[np.int64]) -> dict[str, Any]:

@@ -14,27 +14,21 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from explorer import statistics
-from explorer.disk import Disk
 from explorer.errors import InputError
-from explorer.limits import AnyLimit, limit_motion
-from explorer.motions import Trajectories, simulate
-from explorer.sampling import Box, Range, chunk_stream
+from explorer.measure import statistics
+from explorer.measure.sampling import Box, Range, chunk_stream
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, require_axial_inertia
+from explorer.portrait.both_sides import QUANTITIES, both_sides, follow, limits_at, sample_times
 from explorer.scenes.base import Chunks, Scene, Table
 from explorer.scenes.beside import Beside, check_eta_hat, default_box, draw_beside
-from explorer.states import Array, constants_to_states, require_axial_inertia
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FALLS = 3  # impacts that each motion passes
-TIMES = 240
 BLOCK = 8  # starts per chunk
-# Impacts are cut out by this share of a period on either side.
-MARGIN = 0.1
 # The limits coincide where the measured gap is below this (rad); it is 1.48 and more elsewhere.
 SAME = 1e-3
-QUANTITIES = ("phi", "chi", "psi", "path", "contact")
 
 
 @dataclass(frozen=True)
@@ -206,36 +200,6 @@ def _unit(disk: Disk, name: str) -> float:
     return disk.r if name in ("path", "contact") else 1.0
 
 
-def limits_at(disk: Disk, start: tuple[float, float, int]) -> dict[int, AnyLimit]:
-    """Both limit motions from a point of F: (sigma3_bar, phidot, side) at the vertical."""
-    sigma3_bar, phidot, side = start
-    base = constants_to_states(disk, sigma3_bar, 0.0, phidot, side)
-    return {sign: limit_motion(disk, base, sign) for sign in (1, -1)}
-
-
-def sample_times(limit: AnyLimit) -> tuple[Array, int]:
-    """Times through FALLS impacts, none within MARGIN of a period of an impact.
-
-    Also the place of the time half-way between the first two impacts.
-    """
-    first = limit.impacts(2.0 * limit.period)[0]
-    middle = first + 0.5 * limit.period
-    end = first + (FALLS - 0.5) * limit.period
-    times = np.union1d(np.linspace(0.0, end, TIMES), [middle])
-    gaps = abs(times[:, None] - limit.impacts(end + limit.period)).min(axis=1)
-    times = times[gaps > MARGIN * limit.period]
-    return times, int(np.searchsorted(times, middle))
-
-
-def follow(
-    disk: Disk, start: tuple[float, float, int], eta_hat: Array, times: Array, accuracy: float, method: str
-) -> Trajectories:
-    """Motions that start beside a point of F at the distances eta_hat."""
-    sigma3_bar, phidot, side = start
-    states = constants_to_states(disk, sigma3_bar, eta_hat, phidot, side)
-    return simulate(disk, states, t_eval=times, observables=QUANTITIES, method=method, accuracy=accuracy)
-
-
 def fitted_rate(disk: Disk, rows: list[dict[str, Any]], name: str) -> float | None:
     """Exponent p of distance = C (eta ln 1/eta)^p over the rungs below 0.02 natural units; theory: 1."""
     used = [(row["eta_hat"] / disk.rate_unit, row[f"median_{name}"]) for row in rows if f"median_{name}" in row]
@@ -244,30 +208,3 @@ def fitted_rate(disk: Disk, rows: list[dict[str, Any]], name: str) -> float | No
         return None
     law = np.log(points[:, 0] * np.log(1.0 / points[:, 0]))
     return float(np.polyfit(law, np.log(points[:, 1]), 1)[0])
-
-
-@dataclass(frozen=True)
-class BothSides:
-    """What the pictures of one point of F show: motions beside it and both limits, on one time axis."""
-
-    disk: Disk
-    eta_hat: float
-    t: Array
-    impacts: Array
-    motions: dict[int, Any]
-    limits: dict[int, Any]
-
-
-def both_sides(disk: Disk, start: tuple[float, float, int], eta_hat: float = 0.01) -> BothSides:
-    """Motions at +-eta_hat (natural units) beside a point of F, and the limits, through two falls."""
-    limits = limits_at(disk, start)
-    impacts = limits[1].impacts(100.0 * limits[1].period)[:2]
-    t = np.linspace(0.0, impacts[-1] + 0.6 * limits[1].period, 1600)
-    # The race takes about eta_hat units of time: the picture needs times inside it.
-    close = np.linspace(-0.04, 0.04, 1600) * limits[1].period
-    t = np.union1d(t, (impacts[:, None] + close).ravel())
-    t = t[t >= 0.0]
-    size = eta_hat * disk.rate_unit
-    motion = follow(disk, start, np.array([size, -size]), t, 1e-6, "auto")
-    rows = {sign: {name: getattr(motion, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
-    return BothSides(disk, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})

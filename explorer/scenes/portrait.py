@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from explorer.errors import InputError
-from explorer.falling import well
-from explorer.portrait import (
+from explorer.measure.sampling import Range, parse_range
+from explorer.phase.membership import well
+from explorer.phase.states import require_axial_inertia
+from explorer.portrait.potential import (
     Component,
     Potential,
     at_constants,
@@ -21,10 +23,8 @@ from explorer.portrait import (
     require_well,
     well_separatrix,
 )
-from explorer.sampling import Range, parse_range
+from explorer.portrait.steady import PATHS, bifurcation, path_values, thresholds
 from explorer.scenes.base import Chunks, Scene, Table, Tally
-from explorer.states import require_axial_inertia
-from explorer.steady import PATHS, bifurcation, path_values, thresholds
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -188,7 +188,7 @@ class Portrait(Scene):
         }
 
     def figures(self, summary: dict[str, Any], chunks: Chunks) -> "Iterator[tuple[str, Figure]]":
-        from explorer.plot import portrait, style
+        from explorer.plot import portrait, steady, style
 
         places, disk = self.places(), self.disk
         for name, potential in places.items():
@@ -200,12 +200,12 @@ class Portrait(Scene):
             line += [places["beside"]] if "beside" in places else []
         yield "potential", style.figure_of(portrait.potential_curves, line)
         yield "potential-near-flat", style.figure_of(portrait.potential_curves, line, True)
-        yield "steady-plane", style.figure_of(portrait.steady_plane, disk)
-        yield "steady-map", style.figure_of(portrait.steady_map, disk)
+        yield "steady-plane", style.figure_of(steady.steady_plane, disk)
+        yield "steady-map", style.figure_of(steady.steady_map, disk)
         for path in PATHS:
             values, marks = path_values(disk, path)
             branches = bifurcation(disk, path, values)
-            yield f"steady-{path}", style.figure_of(portrait.bifurcations, disk, path, branches, marks)
+            yield f"steady-{path}", style.figure_of(steady.bifurcations, disk, path, branches, marks)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         lines = []

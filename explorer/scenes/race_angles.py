@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import statistics
 from explorer.errors import RunError
-from explorer.passage import passages
-from explorer.sampling import Box, Range, chunk_stream, log_uniform
+from explorer.measure import statistics
+from explorer.measure.log_counts import LogCounts, SignedLogCounts, count_cells, merged
+from explorer.measure.sampling import Box, Range, chunk_stream, log_uniform
+from explorer.motion.passages import passages
+from explorer.phase.states import Array, require_axial_inertia
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.beside import check_eta_hat, default_box, draw_beside
-from explorer.states import Array, require_axial_inertia
-from explorer.tallies import LogCounts, SignedLogCounts, count_cells, merged
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,11 +13,11 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer import compiled
-from explorer.gauss import packed_rules
-from explorer.states import constants_to_states
-from explorer.trade import STAGES, Solved, Work
-from kernels.constants import constants_of
-from kernels.field import State
+from explorer.commands.trade import STAGES, Solved, Work
+from explorer.phase.gauss import packed_rules
+from explorer.phase.states import constants_to_states
+from kernels.disk.constants import constants_of
+from kernels.disk.field import State
 
 SAMPLES = 4096
 # method, step or tolerance, steps of all samples together, 99th percentile of the error

@@ -13,7 +13,7 @@ import psutil
 import pytest
 
 import explorer as ex
-from explorer import cli
+from explorer.commands import main as cli
 from explorer.runs import store
 
 OPTIONS = {"samples": 800_000, "seed": 3, "keep": "all"}
@@ -22,7 +22,7 @@ COMMAND = ["run", "race-angles", "--samples", "8e5", "--seed", "3", "--keep", "a
 
 def nearflat(*arguments):
     return subprocess.Popen(
-        [sys.executable, "-m", "explorer.cli", *map(str, arguments)],
+        [sys.executable, "-m", "explorer.commands.main", *map(str, arguments)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

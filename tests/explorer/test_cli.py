@@ -5,8 +5,8 @@ import sys
 
 import pytest
 
-from explorer import demo as demo_module
-from explorer.cli import main
+from explorer.commands import demo as demo_module
+from explorer.commands.main import main
 
 
 def run(capsys, *arguments):
@@ -143,7 +143,7 @@ def test_the_demo_runs_again_in_its_own_folder_and_in_no_other(capsys, tmp_path,
     assert "holds no earlier demo" in err
 
 
-FOREIGN = "from explorer.cli import main\nraise SystemExit(main(['warmup']))"
+FOREIGN = "from explorer.commands.main import main\nraise SystemExit(main(['warmup']))"
 
 
 def test_a_foreign_kernels_package_is_named_with_the_remedy(tmp_path):

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import explorer as ex
-from explorer.disk import PRESETS
+from explorer.phase.disk import PRESETS
 
 
 @pytest.mark.parametrize(("name", "ratio"), [("uniform", 4), ("hoop", 2), ("matching", 3)])

@@ -3,11 +3,12 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.falling import falls_of, impact_speed, well
-from explorer.limits import fall_from_vertical
-from explorer.models import plan
-from explorer.motions import smallest_tilt
-from explorer.states import constants_to_states, line_slope, natural_constants
+from explorer.motion.passages import fall_from_vertical
+from explorer.motion.plan import plan
+from explorer.motion.trajectories import smallest_tilt
+from explorer.phase.constants import natural_constants
+from explorer.phase.membership import falls_of, impact_speed, well
+from explorer.phase.states import constants_to_states, line_slope
 
 SLOPES = {"uniform": 0.7285923160189477, "hoop": 0.6761665138414456, "matching": 0.7079432039590211}
 WELLS = {"uniform": 0.34456, "hoop": 0.31638, "matching": 0.33436}
@@ -71,7 +72,7 @@ def test_membership_agrees_with_integration_just_beside_the_lines():
 
 def beside_line(disk, phi, phidot, sigma3_bar, eta):
     """States at any tilt with eta_+ = eta, by the exact (sigma3, sigma4) of their constants."""
-    from kernels.chaplygin import sigma_from_constants, solutions
+    from kernels.disk.chaplygin import sigma_from_constants, solutions
 
     b = disk.body
     sigma = np.empty((2, phi.size))

@@ -5,10 +5,11 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.density import Density
-from explorer.falling import could_fall, impact_speed
-from explorer.falling_constant import constant_of, falling_constant
-from explorer.states import natural_constants, phi_to_states
+from explorer.measure.density import Density
+from explorer.measure.falling_constant import constant_of, falling_constant
+from explorer.phase.constants import natural_constants
+from explorer.phase.membership import could_fall, impact_speed
+from explorer.phase.states import phi_to_states
 
 FULL = f"phi={-0.5 * math.pi!r}:{0.5 * math.pi!r}"
 

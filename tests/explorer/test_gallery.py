@@ -10,13 +10,14 @@ from PIL import Image
 from scipy.integrate import quad
 
 import explorer as ex
-from explorer.bounce import turn_per_bounce
-from explorer.drift import drift_per_period, resonance, wander
-from explorer.film import film
-from explorer.plot import animation, bodies, paths, slices
-from explorer.race_gap import flat_body, measured_gaps, race_numbers
-from explorer.race_slice import race_slice
-from explorer.scenes.falling_set import Slice, map_slice
+from explorer.plot import bodies, slices
+from explorer.plot import film as animation
+from explorer.plot import wander as paths
+from explorer.portrait.bodies import flat_body, measured_gaps, race_numbers
+from explorer.portrait.bounce import turn_per_bounce
+from explorer.portrait.film import film
+from explorer.portrait.slices import Slice, map_slice, race_slice
+from explorer.portrait.wander import drift_per_period, resonance, wander
 
 UNIFORM, HOOP = BODIES["uniform"], BODIES["hoop"]
 

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 import explorer as ex
-from explorer.gallery import command_of, gallery
+from explorer.commands.gallery import command_of, gallery
 
 RESULTS = Path(__file__).parents[2] / "results"
 

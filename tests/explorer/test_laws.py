@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
 
-from explorer import laws
-from explorer.laws import Estimate, Ladder
-from explorer.scenes.measure_zero_summary import wrong_laws
+from explorer.measure import laws
+from explorer.measure.laws import Estimate, Ladder, wrong_laws
 
 C = 1.5
 DELTA = 10.0 ** -np.arange(4.0, 16.0)

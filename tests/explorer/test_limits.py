@@ -3,9 +3,11 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.limits import fall_from_vertical, limit_motion
-from explorer.motions import simulate
-from explorer.states import constants_to_states, natural_constants
+from explorer.motion.limit_motions import limit_motion
+from explorer.motion.passages import fall_from_vertical
+from explorer.motion.trajectories import simulate
+from explorer.phase.constants import natural_constants
+from explorer.phase.states import constants_to_states
 
 ALL = ("phi", "phidot", "chi", "psi", "path", "contact")
 IMPACT = {"uniform": 1.816042, "hoop": 1.758017}
@@ -107,7 +109,7 @@ def test_the_limit_starts_where_it_was_asked_and_may_start_anywhere_on_f():
 
 def natural_state_on_f(disk, phi):
     """(sigma3, sigma4) at phi on l_+ with sigma3_bar = 1."""
-    from kernels.falling import on_f
+    from kernels.disk.falling import on_f
 
     f = on_f(np.cos(phi), np.sin(phi), 1.0 / disk.body.r0, disk.body, disk.series)
     return f.turn * np.cos(phi) ** 2, f.sigma4
@@ -130,7 +132,7 @@ def test_the_fall_is_integrated_well_however_slowly_it_starts(speed):
     """Against SciPy on the plain second-order equation M phi'' = -V'(phi) on F."""
     from scipy.integrate import solve_ivp
 
-    from kernels.falling import on_f
+    from kernels.disk.falling import on_f
 
     disk = BODIES["hoop"]
     b, X = disk.body, 1.0 / disk.body.r0

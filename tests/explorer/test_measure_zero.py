@@ -8,14 +8,15 @@ from conftest import BODIES
 from small_runs import coverage
 
 import explorer as ex
-from explorer.density import Density
-from explorer.falling_constant import constant_of
-from explorer.models import plan
-from explorer.motions import smallest_tilt
+from explorer.measure.density import Density
+from explorer.measure.falling_constant import constant_of
+from explorer.measure.tubes import Place, dimensions, draw_tube, widest_eta
+from explorer.motion.plan import plan
+from explorer.motion.trajectories import smallest_tilt
+from explorer.phase.constants import natural_constants
+from explorer.phase.states import phi_to_states
 from explorer.scenes.base import Chunks
-from explorer.scenes.build import build_scene
-from explorer.states import natural_constants, phi_to_states
-from explorer.tubes import Place, dimensions, draw_tube, widest_eta
+from explorer.scenes.options import build_scene
 
 SMALL = {"samples": 40_000, "tube": 2048}
 

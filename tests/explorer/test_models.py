@@ -3,9 +3,10 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.models import OBSERVABLES, RUNGS, plan
+from explorer.motion.plan import OBSERVABLES, RUNGS, plan
+from explorer.phase.constants import natural_constants
+from explorer.phase.states import constants_to_states
 from explorer.scenes.registry import SCENES, scene_class
-from explorer.states import constants_to_states, natural_constants
 
 
 def test_the_lowest_rung_that_gives_everything_is_chosen():

@@ -5,10 +5,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import explorer as ex
-from explorer.models import plan
-from explorer.motions import turning_points
-from explorer.paper import plain as plain_disk
-from explorer.states import constants_to_states, line_slope, natural_constants
+from explorer.motion.plan import plan
+from explorer.motion.trajectories import turning_points
+from explorer.paper import eight_dimensions as plain_disk
+from explorer.phase.constants import natural_constants
+from explorer.phase.states import constants_to_states, line_slope
 
 ALL = ("phi", "phidot", "sigma3", "sigma4", "chi", "psi", "path", "contact")
 # mathematics, section 10: sigma1 = 0, sigma2 = sigma3 = 1
@@ -55,8 +56,8 @@ def test_every_depth_agrees_with_the_full_eight_dimensional_equations(seed):
 @pytest.mark.parametrize("method", ["dopri5", "rk4", "dop853", "rk8"])
 @pytest.mark.parametrize("key", ROWS, ids=str)
 def test_the_four_figure_rows(key, method):
-    from kernels import events, trajectory
-    from kernels import steps as steps_module
+    from kernels.steps import attempt as steps_module
+    from kernels.steps import events, trajectory
 
     name, eta_hat = key
     disk = BODIES[name]

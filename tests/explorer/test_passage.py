@@ -9,9 +9,9 @@ from conftest import BODIES
 from reference.report_extremes import measure, rows
 
 import explorer as ex
-from explorer.gauss import gauss
-from explorer.report import passage_report
-from explorer.states import constants_to_states, phi_to_states
+from explorer.commands.passage import passage_report
+from explorer.phase.gauss import gauss
+from explorer.phase.states import constants_to_states, phi_to_states
 
 EXTREMES = list(rows())
 

@@ -5,7 +5,7 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.states import constants_to_states, phi_to_states
+from explorer.phase.states import constants_to_states, phi_to_states
 
 METHODS = [
     ("dopri5", 1e-1),

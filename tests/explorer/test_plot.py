@@ -6,17 +6,16 @@ from matplotlib.figure import Figure
 
 import explorer as ex
 from explorer import plot
-from explorer.bounce import turn_per_bounce
-from explorer.drift import drift_per_period, wander
-from explorer.portrait import on_line
-from explorer.race_gap import race_numbers
-from explorer.race_slice import race_slice
-from explorer.scenes.build import build_scene
-from explorer.scenes.falling_set import Slice, map_slice
-from explorer.scenes.one_sided import both_sides
-from explorer.steady import bifurcation
-from explorer.tallies import merged
-from explorer.trade import trade
+from explorer.commands.trade import trade
+from explorer.measure.log_counts import merged
+from explorer.portrait.bodies import race_numbers
+from explorer.portrait.both_sides import both_sides
+from explorer.portrait.bounce import turn_per_bounce
+from explorer.portrait.potential import on_line
+from explorer.portrait.slices import Slice, map_slice, race_slice
+from explorer.portrait.steady import bifurcation
+from explorer.portrait.wander import drift_per_period, wander
+from explorer.scenes.options import build_scene
 
 UNIFORM = BODIES["uniform"]
 

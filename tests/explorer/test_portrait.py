@@ -8,9 +8,10 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 import explorer as ex
-from explorer.falling import impact_speed, well
+from explorer.phase.membership import impact_speed, well
 from explorer.plot import portrait as pictures
-from explorer.portrait import (
+from explorer.plot import steady as steady_pictures
+from explorer.portrait.potential import (
     CENTRE,
     FLAT,
     SADDLE,
@@ -21,8 +22,7 @@ from explorer.portrait import (
     on_line,
     well_separatrix,
 )
-from explorer.scenes.portrait import Portrait
-from explorer.steady import (
+from explorer.portrait.steady import (
     bifurcation,
     circular_closed,
     circular_rolling,
@@ -36,6 +36,7 @@ from explorer.steady import (
     steady_motions,
     threshold,
 )
+from explorer.scenes.portrait import Portrait
 
 UNIFORM, COIN = BODIES["uniform"], BODIES["coin"]
 # Natural units: sigma3_bar, eta_hat, side. On the lines, beside them, far away, and the upright cases.
@@ -456,7 +457,7 @@ def test_the_curves_of_the_potential_are_its_values(near_flat):
 
 
 def test_the_plane_of_constants_has_the_lines_the_wells_and_the_thresholds():
-    ax = pictures.steady_plane(COIN, ax=axes())
+    ax = steady_pictures.steady_plane(COIN, ax=axes())
     (marks,) = lines(ax, "thresholds")
     assert max(marks.get_xdata()) == pytest.approx(spinning_closed(COIN), rel=1e-9)
     assert max(marks.get_ydata()) == pytest.approx(rolling_closed(COIN), rel=1e-9)
@@ -465,7 +466,7 @@ def test_the_plane_of_constants_has_the_lines_the_wells_and_the_thresholds():
     assert max(x) == pytest.approx(well(COIN)[1] * COIN.rate_unit)
     for bar, spin in zip(x, y, strict=True):
         assert abs(at_constants(COIN, bar, spin).eta) < 1e-15
-    for tilt in pictures.TILTS:
+    for tilt in steady_pictures.TILTS:
         (curve,) = lines(ax, rf"$|\varphi|$ = {tilt:g}")
         bar3, bar4 = (np.asarray(v)[300:900:100] for v in curve.get_data())
         for bar, spin in zip(bar3, bar4, strict=True):
@@ -475,7 +476,7 @@ def test_the_plane_of_constants_has_the_lines_the_wells_and_the_thresholds():
 
 
 def test_the_fold_parts_one_steady_motion_from_three():
-    x, y = pictures.fold_curve(UNIFORM)
+    x, y = steady_pictures.fold_curve(UNIFORM)
     assert (x[0], y[0]) == (x[-1], y[-1])
     assert abs(x).max() == pytest.approx(spinning_closed(UNIFORM), rel=1e-3)
     assert abs(y).max() == pytest.approx(rolling_closed(UNIFORM), rel=1e-3)
@@ -485,7 +486,7 @@ def test_the_fold_parts_one_steady_motion_from_three():
 
 
 def test_the_map_of_circular_rolling_is_the_sign_of_the_curvature():
-    ax = pictures.steady_map(UNIFORM, ax=axes())
+    ax = steady_pictures.steady_map(UNIFORM, ax=axes())
     (mesh,) = [
         child for child in ax.collections if child.get_array() is not None and child.get_array().size > 1000
     ]
@@ -504,7 +505,7 @@ def test_the_map_of_circular_rolling_is_the_sign_of_the_curvature():
 def test_the_bifurcation_diagram_draws_its_branches(path):
     values, marks = path_values(UNIFORM, path)
     branches = bifurcation(UNIFORM, path, values)
-    ax = pictures.bifurcations(UNIFORM, path, branches, marks, ax=axes())
+    ax = steady_pictures.bifurcations(UNIFORM, path, branches, marks, ax=axes())
     assert len(lines(ax, "stable")) == len(lines(ax, "unstable")) == 1
     drawn = ax.lines[: len(branches)]
     for branch, line in zip(branches, drawn, strict=True):

@@ -1,7 +1,7 @@
 import pytest
 
 import explorer as ex
-from explorer.portraits import FILM, GROUPS, portrait
+from explorer.commands.portrait import FILM, GROUPS, portrait
 
 HOOP = ex.Disk.hoop()
 

@@ -4,8 +4,9 @@ from conftest import BODIES
 from scipy.stats import kstest
 
 import explorer as ex
-from explorer.sampling import Box, chunk_stream, draw_states, log_uniform
-from explorer.states import natural_constants, phi_to_states
+from explorer.measure.sampling import Box, chunk_stream, draw_states, log_uniform
+from explorer.phase.constants import natural_constants
+from explorer.phase.states import phi_to_states
 
 UNIFORM = BODIES["uniform"]
 WIDE = Box((-1.0, 1.2), (-2.0, 2.0), (0.5, 0.5), (-1.0, 3.0))
@@ -85,7 +86,7 @@ def test_log_uniform_covers_its_decades_evenly():
 
 def test_the_reduced_flow_preserves_the_measure():
     """The field in (phi, phidot, sigma3, sigma4) has no divergence: by central differences."""
-    from kernels.field import State, reduced
+    from kernels.disk.field import State, reduced
 
     b = UNIFORM.body
 

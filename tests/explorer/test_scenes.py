@@ -6,8 +6,8 @@ import pytest
 from conftest import BODIES, computed
 
 import explorer as ex
-from explorer.scenes.build import build_scene
-from explorer.scenes.falling_set import Slice, map_slice
+from explorer.portrait.slices import Slice, map_slice
+from explorer.scenes.options import build_scene
 
 
 def summary_of(name, **options):

@@ -8,11 +8,15 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer import calibration, cli, compiled, trade
-from explorer.models import plan
-from explorer.motions import turning_points
+from explorer import compiled
+from explorer.commands import main as cli
+from explorer.commands import trade
+from explorer.motion import calibration
+from explorer.motion.plan import plan
+from explorer.motion.trajectories import turning_points
+from explorer.phase.constants import natural_constants
+from explorer.phase.states import constants_to_states
 from explorer.plot import work_precision
-from explorer.states import constants_to_states, natural_constants
 
 
 @pytest.fixture

@@ -244,7 +244,7 @@ PASSAGE = ("passage", "--sigma3-bar", "1", "--eta-hat", "1e-6", "--phidot", "1",
 
 def nearflat(*arguments, **environment):
     return subprocess.run(
-        [sys.executable, "-m", "explorer.cli", *map(str, arguments)],
+        [sys.executable, "-m", "explorer.commands.main", *map(str, arguments)],
         capture_output=True,
         text=True,
         check=False,

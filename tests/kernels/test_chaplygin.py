@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from slow_chaplygin import hypergeometric
 
-from kernels.chaplygin import make_series, solutions
+from kernels.disk.chaplygin import make_series, solutions
 
 mpmath.mp.dps = 40
 PARAMETERS = (1e-6, 0.1, 0.25, 0.25 + 1e-12, 1.0, 6 / 5, 4 / 3, 2.0)

@@ -7,14 +7,9 @@ from conftest import BODIES
 from slow_chaplygin import hypergeometric
 
 import explorer as ex
-from explorer.states import (
-    constants_of,
-    constants_to_states,
-    natural_constants,
-    phi_to_states,
-    theta_to_states,
-)
-from kernels.chaplygin import sigma_from_constants, solutions
+from explorer.phase.constants import constants_of, natural_constants
+from explorer.phase.states import constants_to_states, phi_to_states, theta_to_states
+from kernels.disk.chaplygin import sigma_from_constants, solutions
 
 mpmath.mp.dps = 40
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from explorer.paper import plain as plain_disk
-from kernels.field import State, energy, field, speed
+from explorer.paper import eight_dimensions as plain_disk
+from kernels.disk.field import State, energy, field, speed
 
 
 def plain_rates(disk, phi, phidot, sigma3, sigma4):

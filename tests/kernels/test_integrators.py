@@ -7,13 +7,16 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from kernels import batch, events, trajectory, types
-from kernels.adaptive import GROW, SHRINK, dopri5_step, error_norm, step_factor
-from kernels.eighth import eighth_order_step
-from kernels.field import ANGLES, PATH, REDUCED, State, energy, speed
-from kernels.fixed import rk4_step
+from kernels import types
+from kernels.disk.body import BODY
+from kernels.disk.field import ANGLES, PATH, REDUCED, State, energy, speed
 from kernels.status import Status
-from kernels.steps import DOP853, DOPRI5, RK4, RK8, locate
+from kernels.steps import batch, events, trajectory
+from kernels.steps.adaptive import GROW, SHRINK, dopri5_step, error_norm, step_factor
+from kernels.steps.attempt import DOP853, DOPRI5, RK4, RK8, locate
+from kernels.steps.eighth import eighth_order_step
+from kernels.steps.events import EVENT
+from kernels.steps.fixed import rk4_step
 
 UNIFORM = BODIES["uniform"]
 
@@ -37,7 +40,7 @@ def start(sigma4=0.65, chi=0.3):
 @pytest.mark.parametrize("method", [RK4, RK8, DOPRI5, DOP853])
 def test_the_lanes_of_every_method_are_packed(method):
     """Packed arithmetic outnumbers scalar many times; a change that stops the vectoriser shows here."""
-    signature = numba.void(types.vector, types.event, types.number, types.body)
+    signature = numba.void(types.vector, EVENT, types.number, BODY)
 
     @numba.njit(signature, error_model="numpy")
     def step_all(W, event, target, b):

@@ -13,13 +13,13 @@ ROOT = Path(__file__).parents[2]
 
 ASK = """
 import numpy as np
-from kernels import algebra, tables
-from kernels.body import make_body
+from kernels.disk import algebra, chaplygin
+from kernels.disk.body import make_body
 body, series = make_body(0.25, 0.5)
 out = np.empty((6, 1))
 # So small a q goes to constants_of, which calls energy() in another file.
 state = np.array([[1e-308], [1.0], [-1.0], [1.0], [0.5]])
-algebra.constants_batch(state, tables.make_whole(series), body, series, out)
+algebra.constants_batch(state, chaplygin.make_whole(series), body, series, out)
 print(repr(float(out[3, 0])), algebra.constants_batch.is_cached())
 """
 
@@ -50,7 +50,7 @@ def test_editing_a_called_function_in_another_file_gives_the_new_answer(copy, tm
     first = run(ASK, copy, **cache).stdout.split()
     again = run(ASK, copy, **cache).stdout.split()
     assert first == again == ["0.9375", "True"]
-    field = copy / "kernels" / "field.py"
+    field = copy / "kernels" / "disk" / "field.py"
     text = field.read_text()
     assert "0.5 * b.J * x.sigma4" in text
     field.write_text(text.replace("0.5 * b.J * x.sigma4", "1.5 * b.J * x.sigma4"))
@@ -85,8 +85,9 @@ def test_a_corrupted_cache_is_replaced_or_ignored(copy, tmp_path):
 
 PLAIN = """
 import sys, numpy as np, numba
-from kernels import batch, events, steps, field
-from kernels.body import make_body
+from kernels.disk import field
+from kernels.steps import attempt as steps, batch, events
+from kernels.disk.body import make_body
 body, series = make_body(0.25, 0.5)
 states = np.zeros((8, 3))
 states[0], states[2], states[3], states[4] = 1.0, [-1.0, 0.4, -0.2], [1.0, 0.3, -0.7], [0.6, -0.2, 0.9]
@@ -131,7 +132,7 @@ def test_relaxed_arithmetic_differs_by_rounding_only_and_keeps_its_checks():
 
 def test_an_arithmetic_that_does_not_exist_is_named():
     done = subprocess.run(
-        [sys.executable, "-c", "from kernels import batch"],
+        [sys.executable, "-c", "from kernels.steps import batch"],
         cwd=ROOT,
         env={**os.environ, "PYTHONPATH": str(ROOT), "NEARFLAT_ARITHMETIC": "sloppy"},
         capture_output=True,

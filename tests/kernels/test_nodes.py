@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from kernels import nodes
-from kernels.quadrature import point
+from kernels.integrals import nodes
+from kernels.integrals.quadrature import point
 
 
 def row(W, which, n):

@@ -3,7 +3,7 @@ from fractions import Fraction
 
 import pytest
 
-from kernels.tableaux import CLASSICAL_RK4, DORMAND_PRINCE_54, DORMAND_PRINCE_853, trees
+from kernels.steps.tableaux import CLASSICAL_RK4, DORMAND_PRINCE_54, DORMAND_PRINCE_853, trees
 
 
 def test_there_are_as_many_rooted_trees_as_the_books_say():

@@ -9,9 +9,13 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.gauss import packed_rules
-from kernels import chaplygin, elementary, passages, tables, tabulated, types
-from kernels.quadrature import VERTICAL
+from explorer.phase.gauss import packed_rules
+from kernels import types
+from kernels.disk import chaplygin, elementary
+from kernels.disk.body import BODY
+from kernels.integrals import passages, tables, tabulated
+from kernels.integrals.quadrature import VERTICAL
+from kernels.integrals.tables import LOW
 
 EXTREME_BODIES = {
     "rim": ex.Disk(I1=1e-4, I3=2e-4),
@@ -117,7 +121,7 @@ def test_falls_by_tables_and_by_one_rule_agree(name):
 
 
 def test_the_elementary_functions_are_at_rounding():
-    d = np.linspace(0.0, tables.DEEPEST, 500)
+    d = np.linspace(0.0, elementary.DEEPEST, 500)
     got = [elementary.exp_fall(x) for x in d]
     np.testing.assert_allclose(got, np.exp(-d), rtol=8e-15)
     s = np.linspace(-1 / 3, 1 / 3, 501)
@@ -143,7 +147,7 @@ def test_the_low_series_are_those_of_the_whole_range(name):
 
 def test_the_lanes_are_really_vectorised():
     """Packed arithmetic outnumbers scalar many times; a change that stops the vectoriser shows here."""
-    signature = numba.void(types.vector, types.matrix, types.body, types.low)
+    signature = numba.void(types.vector, types.matrix, BODY, LOW)
     options = tabulated.near_panel.targetoptions
     fresh = numba.njit(signature, fastmath=options["fastmath"], error_model="numpy")(tabulated.near_panel.py_func)
     (assembly,) = fresh.inspect_asm().values()

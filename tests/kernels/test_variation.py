@@ -3,9 +3,9 @@ import pytest
 from conftest import BODIES
 
 from explorer import compiled
-from explorer.states import phi_to_states
-from kernels.field import State, reduced
-from kernels.variation import tangent_field
+from explorer.phase.states import phi_to_states
+from kernels.disk.field import State, reduced
+from kernels.steps.variation import tangent_field
 
 
 def some_states(disk, count, seed=3):

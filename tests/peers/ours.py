@@ -4,7 +4,7 @@ import numpy as np
 from peers.problem import COUNT, DISK, T_END, work
 
 from explorer import compiled
-from explorer.gauss import packed_rules
+from explorer.phase.gauss import packed_rules
 
 COPIES = 32  # of the 256 trajectories in one call, so that the lanes' filling and draining do not count
 METHODS = {"rk4": 0, "dopri5": 1, "rk8": 2, "dop853": 3}

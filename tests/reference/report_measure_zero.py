@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 import explorer as ex
-from explorer.density import Density
+from explorer.measure.density import Density
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from small_runs import DELTAS, coverage

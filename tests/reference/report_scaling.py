@@ -31,7 +31,7 @@ def algebra(samples, jobs):
 
     import explorer as ex
     from explorer import compiled
-    from explorer.sampling import chunk_stream
+    from explorer.measure.sampling import chunk_stream
 
     disk = ex.Disk.uniform()
 

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 import explorer as ex
-from explorer.paper import report
+from explorer.paper import pages as report
 from explorer.paper.statement import Finding, Statement, chosen
 
 RESULTS = Path(__file__).parents[3] / "results" / "paper"

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from explorer.paper import chaplygin, mechanics, plain, reduction
+from explorer.paper import chaplygin, mechanics, reduction
+from explorer.paper import eight_dimensions as plain
 from explorer.paper.statement import STATEMENTS
 
 ROWS = range(1, 27)

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from explorer.disk import Disk
-from explorer.paper import fall, jump, membership, plain, race
+from explorer.paper import eight_dimensions as plain
+from explorer.paper import fall, jump, membership, race
 from explorer.paper.statement import STATEMENTS
+from explorer.phase.disk import Disk
 
 NUMBERS = range(27, 58)
 

@@ -1,0 +1,159 @@
+"""`nearflat portrait`: the pictures that the paper does not have, each made by one command."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from explorer.errors import InputError, note
+from explorer.phase.disk import Disk
+from explorer.phase.states import constants_to_states
+from explorer.portrait.bodies import flat_body, measured_gaps, race_numbers
+from explorer.portrait.bounce import turn_per_bounce
+from explorer.portrait.slices import Slice, race_slice
+from explorer.portrait.wander import drift_per_period, resonance, wander
+from explorer.scenes.base import Chunks
+from explorer.scenes.options import build_scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Pictures = Iterator[tuple[str, "Figure"]]
+
+POINTS = 401  # a side of a slice
+_BODIES = (0.5, 2.0, 3.0, 4.0, 8.0, 12.0)  # m r^2/I1 at which race numbers are measured
+# Paths: beside F, natural units; speeds and sigma3_bar at which a resonance is sought; periods shown.
+_ETA_HAT, _SPEEDS, _BARS, _PERIODS = 0.01, (1.0, 0.5, 2.0, 0.25), (0.1, 1.4), 12
+_GENERIC, _TRIED = 0.7, 53
+
+
+@dataclass(frozen=True)
+class Group:
+    """Pictures of one kind: what they show, and the function that draws them."""
+
+    text: str
+    draw: Callable[[Disk, dict[str, Any]], Pictures]
+
+
+def _phase(disk: Disk, options: dict[str, Any]) -> Pictures:
+    """(phi, phidot) portraits, potentials and steady motions: the pictures of scene portrait."""
+    scene = build_scene("portrait", disk=disk, **options)
+    none = Chunks(tallies=lambda: iter(()), tables=lambda: iter(()))
+    yield from scene.figures({}, none)
+
+
+def _slices(disk: Disk, _options: dict[str, Any]) -> Pictures:
+    from explorer import plot
+
+    for number, where in enumerate(Slice.defaults(disk), 1):
+        yield f"slice-{number}", plot.figure_of(plot.race_slice_map, race_slice(disk, where, POINTS))
+
+
+def _race(disk: Disk, _options: dict[str, Any]) -> Pictures:
+    from explorer import plot
+
+    yield "race-numbers", plot.race_bodies(race_numbers(), measured_gaps([*map(flat_body, _BODIES), disk]))
+
+
+def _bounces(disk: Disk, _options: dict[str, Any]) -> Pictures:
+    from explorer import plot
+
+    several = {one.name: one for one in (Disk.uniform(), Disk.hoop(), disk)}
+    yield "bounces", plot.figure_of(plot.bounce_turns, [turn_per_bounce(one) for one in several.values()])
+
+
+def _paths(disk: Disk, _options: dict[str, Any]) -> Pictures:
+    """A generic rosette and a resonance, chi(tau) a whole number of turns; the radius on the way between."""
+    from explorer import plot
+
+    unit = disk.rate_unit
+    bars = np.linspace(*_BARS, _TRIED) * unit
+    for eta_hat, phidot in ((sign * _ETA_HAT * unit, speed * unit) for speed in _SPEEDS for sign in (1.0, -1.0)):
+        found = drift_per_period(constants_to_states(disk, bars, eta_hat, phidot))
+        turns = found.chi / (2.0 * np.pi)
+        met = np.flatnonzero(np.floor(turns[1:]) != np.floor(turns[:-1]))
+        if met.size:
+            break
+    else:
+        raise InputError("--only paths: no resonance chi(tau) = 2 pi n was found for this disk; take another one")
+    i = int(met[0])
+    whole = int(max(np.floor(turns[i]), np.floor(turns[i + 1])))
+    bar, start = resonance(disk, eta_hat, phidot, whole, (bars[i], bars[i + 1]))
+    generic = wander(constants_to_states(disk, _GENERIC * unit, eta_hat, phidot), _PERIODS)
+    resonant = wander(start, _PERIODS)
+    yield "paths", plot.rosette_and_resonance(generic, resonant)
+    yield "distance", plot.figure_of(plot.wander_distance, {"generic": generic, "resonant": resonant})
+    yield "radius", plot.figure_of(plot.drift_radius, bars, found, disk.r, {whole: bar})
+
+
+GROUPS = {
+    "phase": Group("motions in (phi, phidot), potentials, steady motions", _phase),
+    "slices": Group("slices of the phase space by tilt and by the way of the race", _slices),
+    "race": Group("race number and gap of all bodies", _race),
+    "bounces": Group("turn per bounce, from the Euler disk to the race", _bounces),
+    "paths": Group("paths over many periods, drift and resonance", _paths),
+}
+FILM = "film"  # written as it is drawn, not a figure
+
+
+def portrait(
+    out: Path | str, disk: Disk, *, only: str | None = None, quiet: bool = True, **options: Any
+) -> list[Path]:
+    """Draw all groups of pictures, or one, into a folder; returns the files.
+
+    options, for the group phase, as for scene portrait: sigma3_bar, sigma4_bar or eta_hat, energies, well.
+    Raises InputError for an unknown group or a folder that cannot be written.
+    """
+    names = [*GROUPS, FILM]
+    if only is not None and only not in names:
+        raise InputError(f"--only {only!r} is no group of pictures; known: {', '.join(names)}")
+    folder = Path(out)
+    if options and only not in (None, "phase"):
+        given = ", ".join(f"--{key.replace('_', '-')}" for key in options)
+        raise InputError(f"{given}: only the group phase takes this; leave it out, or --only phase")
+    # What the options do not allow is said before anything is written.
+    build_scene("portrait", disk=disk, **options)
+    written: dict[str, list[Path]] = {}
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in names if only is None else [only]:
+            note(f"drawing {name}", quiet)
+            if name == FILM:
+                written[name] = _film(folder, disk)
+            else:
+                written[name] = _write(folder, GROUPS[name].draw(disk, options))
+        how = "" if only is None else f" --only {only}"
+        (folder / "README.md").write_text(_page(written, disk, f"nearflat portrait{how}"), encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"--out {folder}: cannot be written ({error.strerror})") from None
+    return [path for paths in written.values() for path in paths]
+
+
+def _write(folder: Path, pictures: Pictures) -> list[Path]:
+    paths = []
+    for name, figure in pictures:
+        for kind in ("svg", "png"):
+            figure.savefig(folder / f"{name}.{kind}", dpi=150)
+        paths.append(folder / f"{name}.png")
+    return paths
+
+
+def _film(folder: Path, disk: Disk) -> list[Path]:
+    from explorer import plot
+
+    unit = disk.rate_unit
+    path = folder / f"{FILM}.gif"
+    plot.animate(path, disk, eta_hat=0.05 * unit, sigma3_bar=unit, phidot=unit)
+    return [path]
+
+
+def _page(written: dict[str, list[Path]], disk: Disk, command: str) -> str:
+    lines = [f"# Portraits of the {disk.name} disk", "", f"Made by `{command}`."]
+    for name, paths in written.items():
+        text = GROUPS[name].text if name in GROUPS else "nearly falling flat on both sides of F, slower near flat"
+        lines += ["", f"## {text[0].upper()}{text[1:]}", "", f"`nearflat portrait --only {name}`"]
+        for path in paths:
+            lines += ["", f'<img src="{path.name}" width="600" alt="{path.stem}">']
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,233 @@
+"""Speed against accuracy, measured: every method at every setting, on passages of a body."""
+
+import platform
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from explorer import compiled
+from explorer.errors import InputError
+from explorer.motion.passages import passages
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, constants_to_states
+
+# Steps in units of 1/speed and tolerances, from coarse to fine.
+SETTINGS = {
+    "rk4": (0.5, 0.35, 0.25, 0.18, 0.12, 0.08, 0.05, 0.03, 0.02, 0.012, 0.007, 0.004, 0.002),
+    "rk8": (1.2, 1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.22, 0.16, 0.12, 0.08, 0.05),
+    "dopri5": tuple(10.0 ** -np.arange(3.0, 14.5)),
+    "dop853": tuple(10.0 ** -np.arange(4.0, 15.5)),
+}
+FEWEST = 1024  # samples; with fewer, overheads are measured
+STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
+# Errors are calibrated on all of these, so that they hold for bodies nobody measured.
+BODIES = (Disk.uniform(), Disk.hoop(), Disk(I1=0.02, I3=0.04), Disk(I1=0.5, I3=0.3))
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method at one setting: errors (rad; relative for times), work and time per passage."""
+
+    method: str
+    setting: float
+    median: float
+    p99: float
+    evaluations: float
+    nanoseconds: float
+    unresolved: float  # share of samples
+    on_front: bool = False
+
+
+def trade(disk: Disk, samples: int = 4096, seed: int = 0, say: Any = lambda text: None) -> list[Row]:
+    """Error and cost of every method over its range of settings, for passages of `disk`.
+
+    Starts as race-angles draws them, |eta_hat| from 1e-3 to 1e-1. Error: largest of delta chi, delta psi
+    (rad) and duration (relative), against quadrature at 1e-11. Cost: one core, compile time apart.
+    """
+    if not FEWEST <= samples <= 1_000_000:
+        raise InputError(f"--samples {samples} must lie between {FEWEST} and 1000000")
+    if seed < 0:
+        raise InputError(f"--seed {seed} must be 0 or more")
+    work = Work(disk, samples, seed)
+    if not (work.exact.status == compiled.status.Status.OK).mean() > 0.99:
+        raise InputError(
+            f"--disk {disk.name}: quadrature does not reach 1e-11 for this body; nothing to compare with"
+        )
+    rows = [work.quadrature()]
+    for method, settings in SETTINGS.items():
+        say(f"measuring {method}")
+        rows += [work.measure(method, setting) for setting in settings]
+    return mark_front(rows)
+
+
+def mark_front(rows: list[Row]) -> list[Row]:
+    """The rows with those integrators marked that no other integrator beats in both error and time."""
+    integrators = [row for row in rows if row.method != "quadrature"]
+    return [
+        replace(row, on_front=row in integrators and not any(_beats(other, row) for other in integrators))
+        for row in rows
+    ]
+
+
+def _beats(other: Row, row: Row) -> bool:
+    as_good = other.p99 <= row.p99 and other.nanoseconds <= row.nanoseconds
+    return as_good and (other.p99 < row.p99 or other.nanoseconds < row.nanoseconds)
+
+
+def calibrate(rows: list[Row], samples: int = 1024) -> dict[str, Any]:
+    """The table for `calibration`: costs as measured in `rows`, errors the largest over BODIES too."""
+    errors = {(row.method, row.setting): row.p99 for row in rows}
+    for number, disk in enumerate(BODIES):
+        work = Work(disk, samples, number)
+        for method, settings in SETTINGS.items():
+            for setting in settings:
+                found = work.measure(method, setting, repeats=1)
+                errors[method, setting] = max(errors[method, setting], found.p99)
+    methods = {
+        name: [
+            [row.setting, max(errors[row.method, row.setting], 1e-16), row.evaluations, row.nanoseconds]
+            for row in rows
+            if row.method == name
+        ]
+        for name in SETTINGS
+    }
+    quadrature = next(row.nanoseconds for row in rows if row.method == "quadrature")
+    return {"kernels": compiled.source_digest(), "quadrature": quadrature, "methods": methods}
+
+
+class Work:
+    """A body's passages, drawn once, with their exact answers."""
+
+    def __init__(self, disk: Disk, samples: int, seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        unit = disk.rate_unit
+        eta_hat = rng.choice([-1.0, 1.0], samples) * 10.0 ** rng.uniform(-3, -1, samples)
+        self.disk = disk
+        self.start = (rng.uniform(-2, 2, samples) * unit, eta_hat * unit, rng.uniform(0.5, 2, samples) * unit)
+        states = constants_to_states(disk, *self.start, 1.0)
+        self.initial = np.zeros((8, samples))
+        self.initial[:5] = states.natural
+        self.exact = passages(disk, *self.start, accuracy=1e-11)
+
+    def quadrature(self) -> Row:
+        """Quadrature; its error is what it says of itself."""
+        best = _fastest(lambda: passages(self.disk, *self.start, accuracy=1e-11), 5)
+        errors = self.exact.error_estimate
+        median, p99 = np.nanpercentile(errors, (50, 99))
+        count = len(self.exact)
+        unresolved = float(np.mean(self.exact.status != compiled.status.Status.OK))
+        return Row("quadrature", 1e-11, float(median), float(p99), 0.0, best / count * 1e9, unresolved)
+
+    def measure(self, method: str, setting: float, repeats: int = 3) -> Row:
+        """An integrator at one setting, to the turning point and doubled."""
+        solved = Solved(self, method, setting)
+        best = _fastest(solved.solve, repeats)
+        n = len(self.exact)
+        median, p99 = np.nanpercentile(self.errors(solved.out), (50, 99))
+        evaluations = STAGES[method] * float(solved.steps.mean())
+        unresolved = float(np.mean(solved.status != compiled.status.Status.OK))
+        return Row(method, float(setting), float(median), float(p99), evaluations, best / n * 1e9, unresolved)
+
+    def errors(self, out: Array) -> Array:
+        """Largest error of delta chi, delta psi (rad) and duration (relative) of every sample."""
+        exact, unit = self.exact, self.disk.time_unit
+        errors = (
+            2.0 * out[6] - exact.delta_chi,
+            2.0 * out[7] - exact.delta_psi,
+            2.0 * out[5] * unit / exact.duration - 1.0,
+        )
+        return np.max(np.abs(errors), axis=0)
+
+
+class Solved:
+    """One method at one setting on the passages of `work`; solve() fills out, status and steps."""
+
+    def __init__(self, work: Work, method: str, setting: float) -> None:
+        n = len(work.exact)
+        self._work, self._method = work, int(getattr(compiled.attempt, method.upper()))
+        self._control = np.full(n, setting)
+        self.out, self._drift = np.empty((8, n)), np.empty((3, n))
+        self.steps, self.status = np.empty(n, np.int32), np.zeros(n, np.int8)
+
+    def solve(self) -> None:
+        """Follow every sample to its turning point."""
+        self.status[:] = 0
+        compiled.batch.first_event_batch(
+            self._method,
+            compiled.field.ANGLES,
+            self._work.initial,
+            self._control,
+            compiled.events.TURNING_POINT,
+            0.0,
+            200_000,
+            1.0,
+            self._work.disk.body,
+            self._work.disk.series,
+            self.out,
+            self.status,
+            self.steps,
+            self._drift,
+        )
+
+
+def _fastest(call: Any, repeats: int) -> float:
+    """Shortest of several runs in seconds, after one that compiles and warms."""
+    call()
+    best = np.inf
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        call()
+        best = min(best, time.perf_counter() - begin)
+    return best
+
+
+def table(rows: list[Row]) -> list[str]:
+    """The rows as a Markdown table, from accurate to coarse in each method; the front is marked."""
+    lines = [
+        "| method | setting | median error | 99th percentile | evaluations | ns per passage | unresolved | * |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for row in rows:
+        evaluations = f"{row.evaluations:.0f}" if row.evaluations else "-"
+        lines.append(
+            f"| {row.method} | {row.setting:.2g} | {row.median:.0e} | {row.p99:.0e} | {evaluations} "
+            f"| {row.nanoseconds:.0f} | {row.unresolved:.1%} | {'*' if row.on_front else ''} |"
+        )
+    return lines
+
+
+def folder_for(out: Path) -> Path:
+    """The folder for a report, made now rather than after the measurement. Raises InputError."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"--out {out}: cannot be written ({error.strerror}); give a folder that can") from None
+    return out
+
+
+def report(disk: Disk, rows: list[Row], out: Path, command: str, where: Path | None) -> None:
+    """README.md and trade.png in the folder `out`."""
+    from explorer.plot import figure_of, work_precision
+
+    lines = [
+        f"# Speed against accuracy: {disk.name}",
+        "",
+        f"Made by `{command}` on {platform.machine()}, {platform.system()}.",
+        "Passages from vertical to vertical as race-angles draws them, |eta_hat| from 1e-3 to 1e-1. Error: the",
+        "largest of delta chi, delta psi (rad) and duration (relative) against quadrature; for quadrature its own",
+        "estimate. Integrators go to the turning point and double. One core, without compile time. Rows marked",
+        "* are the Pareto front of the integrators: none beats them in both error and time. Quadrature gives",
+        "passages and periods only; where the motion in time is asked for, an integrator must follow it. Compare",
+        "times within this table only.",
+        "",
+        *table(rows),
+        "",
+        "![error and time of all methods](trade.png)",
+    ]
+    if where is not None:
+        lines += ["", "Stored for this machine; `--accuracy` and `--method auto` read it."]
+    (out / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    figure_of(work_precision, rows).savefig(out / "trade.png", dpi=150)

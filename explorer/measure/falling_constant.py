@@ -1,0 +1,290 @@
+"""The constant C of P(theta_min < delta) = C delta (1 + o(1)), by deterministic quadrature over F.
+
+    C = sum over sides of  integral of f 2 A sqrt(I1 M) delta(eta) 1_F dphi dphidot dsigma3 dsigma4
+
+With dsigma3 dsigma4 = dsigma3_bar deta_hat at every tilt the delta function leaves an integral over
+(phi, phidot, sigma3_bar) on the line eta = 0. The innermost, over phidot, is analytic between known ends: the
+box, the energy, and the barrier that a start beyond the vertical must pass to belong to F.
+
+Where a density does not vanish at flat, states near one flat state with sigma3 of order one have energies
+like 1/theta^2, and come that much nearer to the other one: P is of order delta ln(1/delta) then, and there is
+no C. A bound on the energy mends it.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from explorer import compiled
+from explorer.errors import InputError
+from explorer.measure.box_integrals import TOLERANCE, Frame, along, difference, panels_between, refined
+from explorer.measure.density import ANY_ENERGY, Density, Function
+from explorer.measure.sampling import Box, Range
+from explorer.phase.disk import Disk
+from explorer.phase.membership import barrier, well
+from explorer.phase.states import Array, require_axial_inertia
+
+# Relative rounding of a sum of positive terms, and of the solutions in it.
+_ROUNDING = 1e-13
+_BISECTIONS = 40
+# Tilts at which a sign of eta is sought, and a step for its derivative.
+_SCAN, _STEP = 4001, 1e-5
+
+
+@dataclass(frozen=True)
+class FallingConstant:
+    """C and what it is made of; all are numbers per radian of tilt.
+
+    value: plus + minus, with `error`, an estimate of its absolute error. plus, minus: from the two sides of F;
+    where a box that fixes sigma3 = 0 or sigma4 = 0 has the same states beside both, value counts them once.
+    mass: integral of the density over the box, natural units. value is infinite where the density does not
+    vanish at flat and the energy has no bound: P(theta_min < delta) is of order delta ln(1/delta) there; and
+    for sigma3 = sigma4 = 0, where all states fall.
+    """
+
+    value: float
+    error: float
+    plus: float
+    minus: float
+    mass: float
+
+
+def falling_constant(
+    disk: Disk,
+    box: Box | str | None = None,
+    *,
+    energy: str | tuple[float | None, float | None] | None = None,
+    gaussian: str | None = None,
+    density: Function | None = None,
+) -> FallingConstant:
+    """C of P(theta_min < delta) = C delta for states drawn from a density.
+
+    box: as for `run` (default: the vertical, rates within two natural units). energy: (low, high), only states
+    in this range; None is no bound. gaussian: "phidot=MEAN:DEVIATION,...". density: a function of (phi, phidot,
+    sigma3, sigma4), arrays in the units of the disk, not negative; no need to normalise it. Needs I3 > 0.
+    A function that is large in less than a twentieth of the box may be missed: shrink the box to it.
+    Raises InputError. Source: sections 6.2 and 7.1 of the paper for F, A and eta.
+    """
+    require_axial_inertia(disk)
+    return constant_of(disk, Density.of(disk, box, energy, gaussian, density))
+
+
+def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> FallingConstant:
+    """As falling_constant, of a Density; tolerance: relative error to try for."""
+    frame = Frame(disk, density, tolerance)
+    mass, mass_error = frame.mass()
+    if not mass > 0.0:
+        raise InputError(_NOTHING.format("--energy" if density.energy != ANY_ENERGY else "density"))
+    if frame.reaches_flat() or _all_on_f(density.box):
+        return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass)
+    parts = [difference(Sided(frame, side), frame.energy) for side in (1, -1)]
+    if _lines_meet(density.box):
+        parts.append(difference(Sided(frame, 1, both=True), frame.energy))
+    plus, minus, *both = (part[0] / mass for part in parts)
+    value = plus + minus - sum(both)
+    error = (sum(part[1] for part in parts) + value * mass_error) / mass + _ROUNDING * value
+    return FallingConstant(value, error, plus, minus, mass)
+
+
+def _lines_meet(box: Box) -> bool:
+    """Whether l_+ and l_- meet the box in the same states: one rate fixed at 0, where sigma3_bar = 0 on both."""
+    return (0.0, 0.0) in (box.sigma3, box.sigma4)
+
+
+def _all_on_f(box: Box) -> bool:
+    """Whether the box is the inverted pendulum, sigma3 = sigma4 = 0: all of it falls."""
+    return box.sigma3 == box.sigma4 == (0.0, 0.0)
+
+
+_NOTHING = "{}: the density is zero in all of the box; widen one of them"
+
+
+@dataclass(frozen=True)
+class Sided:
+    """The integral over F on one side as a function of the largest energy."""
+
+    frame: Frame
+    side: int
+    both: bool = False
+
+    def __call__(self, energy: float) -> tuple[float, float]:
+        return refined(Line(self.frame, self.side, energy, self.both).integral, self.frame.tolerance)
+
+
+@dataclass(frozen=True)
+class Line:
+    """The line eta = 0 on one side, seen as side +1: the other side is the mirror image, eq. (3.2).
+
+    both: only what comes as flat on the other side too, where both lines meet the box at sigma3_bar = 0.
+    """
+
+    frame: Frame
+    side: int
+    energy: float
+    both: bool = False
+
+    def integral(self, panels: int) -> tuple[float, float]:
+        """Integral of f 2 A sqrt(I1 M)/(I3 r(0)) over phi, phidot and sigma3_bar, and its error."""
+        frame = self.frame
+        if not (frame.free("sigma3") or frame.free("sigma4")):
+            points = [(x, x) for x in self._crossings()]
+            return along(lambda phi: self._at(phi, panels), points, 1, frame.tolerance)
+        kinetic = [0.5 * frame.disk.body.M * speed**2 for speed in frame.range("phidot")]
+        middle = [well(frame.disk)[0], *(-math.acos(1.0 - level) for level in kinetic if level < 2.0)]
+        if self.energy < 1.0:
+            middle += [math.acos(self.energy), -math.acos(self.energy)]
+        # Between these tilts the line enters and leaves the box: a narrow box is met nowhere else.
+        middle += self._crossings()
+        given = frame.pieces([self.side * m for m in middle])
+        pieces = [(a, b) if self.side > 0 else (-b, -a) for a, b in given]
+        return along(lambda phi: self._at(phi, panels), pieces, 32 if frame.even else 1, frame.tolerance)
+
+    def _rates(self, name: str) -> Range:
+        low, high = self.frame.range(name)
+        return (low, high) if self.side > 0 or name == "sigma3" else (-high, -low)
+
+    def _at(self, phi: Array, panels: int) -> Array:
+        """The integral over phidot and sigma3_bar at tilts phi."""
+        frame, b, side = self.frame, self.frame.disk.body, self.side
+        q = np.cos(phi)
+        a, c = self._chart(phi)
+        curvature = 0.5 * (b.I1 * (a / q) ** 2 + b.J * c * c)  # V = q + curvature sigma3_bar^2
+        bar, weight = self._bars(phi, a, c, curvature, panels)
+        V = q[:, None] + curvature[:, None] * bar * bar
+        rise = 2.0 / b.M * (V - 0.5 * b.J * (bar / (b.k * b.r0)) ** 2)
+        least = self._least_speed(phi, bar, V)
+        most = np.sqrt(np.maximum(2.0 / b.M * (self.energy - V), 0.0))
+        weight = weight * (self.energy >= V) * (2.0 * math.sqrt(b.I1 * b.M) / (b.I3 * b.r0))
+        columns = side * phi[:, None], a[:, None] * bar, side * c[:, None] * bar
+        return (weight * frame.over_speeds(columns, least, most, rise, panels)).sum(axis=-1)
+
+    def _bars(self, phi: Array, a: Array, c: Array, curvature: Array, panels: int) -> tuple[Array, Array]:
+        """sigma3_bar on the line within the box (n, nodes), and the weight of its step."""
+        frame = self.frame
+        if not (frame.free("sigma3") and frame.free("sigma4")):
+            return self._only_bar(phi, a, c)
+        left = self.energy - np.cos(phi)
+        reach = np.sqrt(np.maximum(left, 0.0) / curvature)
+        ends = ends_of_bar((a, *self._rates("sigma3"), 0.0), (c, *self._rates("sigma4"), 0.0))
+        low = np.maximum(ends[0], -reach)
+        high = np.maximum(np.minimum(ends[1], reach), low)
+        kinetic = [0.5 * frame.disk.body.M * speed**2 for speed in frame.range("phidot")]
+        turns = [np.sqrt(np.maximum(left - level, 0.0) / curvature) for level in kinetic]
+        turns = [turn for turn in turns if np.isfinite(turn).all()] + self._barrier_ends(phi, [0.0, *kinetic])
+        bells = [bell / a for bell in frame.bells("sigma3")]
+        bells += [bell / (self.side * c) for bell in frame.bells("sigma4")]
+        inner = [sign * turn for turn in turns for sign in (1.0, -1.0)]
+        return panels_between([low, np.zeros_like(low), *inner, *bells, high], panels)
+
+    def _chart(self, phi: Array) -> tuple[Array, Array]:
+        """sigma3 and sigma4 on the line, by sigma3_bar."""
+        disk, chart = self.frame.disk, np.empty((4, phi.size))
+        compiled.falling.line_chart_batch(np.cos(phi), np.sin(phi), disk.body, disk.series, chart)
+        return chart[0], chart[2]
+
+    def _corners(self) -> tuple[Array, Array]:
+        """Pairs of rates at corners of the box, and of what Gaussians leave of it."""
+        ends = []
+        for name in ("sigma3", "sigma4"):
+            sign = 1.0 if name == "sigma3" else float(self.side)
+            ends.append(sorted({*self._rates(name), *(sign * bell for bell in self.frame.bells(name))}))
+        s3, s4 = np.meshgrid(*ends)
+        return s3.ravel(), s4.ravel()
+
+    def _crossings(self) -> list[float]:
+        """Tilts at which the line passes a corner of the box. eta_hat = c sigma3 - a sigma4 there is 0."""
+        low, high = sorted(self.side * end for end in self.frame.range("phi"))
+        if not low < high:
+            return []
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        phi = middle + half * np.sin(np.linspace(-0.5 * math.pi, 0.5 * math.pi, _SCAN)[1:-1])
+        a, c = self._chart(phi)
+        found = []
+        for s3, s4 in zip(*self._corners(), strict=True):
+
+            def eta(x: float, s3: float = s3, s4: float = s4) -> float:
+                a, c = self._chart(np.array([x]))
+                return float(c[0] * s3 - a[0] * s4)
+
+            sign = np.sign(c * s3 - a * s4)
+            found += [brentq(eta, phi[i], phi[i + 1]) for i in np.flatnonzero(sign[1:] * sign[:-1] < 0.0)]
+        return found
+
+    def _only_bar(self, phi: Array, a: Array, c: Array) -> tuple[Array, Array]:
+        """Where the box fixes sigma3 or sigma4 the line is met at one sigma3_bar."""
+        free3 = self.frame.free("sigma3")
+        if not (free3 or self.frame.free("sigma4")):
+            # On the line sigma3 = a bar and sigma4 = c bar; the larger of the two says bar best.
+            s3, s4 = self._rates("sigma3")[0], self._rates("sigma4")[0]
+            bar = (a * s3 + c * s4) / (a * a + c * c)
+            after, before = self._chart(phi + _STEP), self._chart(phi - _STEP)
+            slope = ((after[1] - before[1]) * s3 - (after[0] - before[0]) * s4) / (2.0 * _STEP)
+            return bar[:, None], (1.0 / abs(slope))[:, None]
+        fixed, other, m, n = ("sigma4", "sigma3", c, a) if free3 else ("sigma3", "sigma4", a, c)
+        bar = self._rates(fixed)[0] / m
+        low, high = self._rates(other)
+        # eta_hat changes by |m| as the free coordinate does by 1: the determinant of the chart is -1.
+        width = abs(m)
+        if self.both:
+            there = self._chart(-phi)
+            width = np.maximum(width, abs(there[0] if fixed == "sigma3" else there[1]))
+        weight = ((n * bar >= low) & (n * bar <= high)) / width
+        return bar[:, None], weight[:, None]
+
+    def _barrier(self, phi: Array, bar: Array) -> Array:
+        """Height of the barrier between a start beyond the vertical and flat, -inf if none; shapes as given."""
+        disk = self.frame.disk
+        largest, (angle, height) = well(disk)[1], barrier(disk)
+        depth = np.sqrt(np.maximum(1.0 - abs(bar) / largest, 0.0))
+        blocked = (abs(bar) < largest) & (phi < angle(depth))
+        return np.where(blocked, height(depth), -np.inf)
+
+    def _least_speed(self, phi: Array, bar: Array, V: Array) -> Array:
+        """|phidot| below which a start beyond the vertical does not pass the barrier on its way to flat."""
+        least = np.zeros(bar.shape)
+        if self.both:
+            # The inverted pendulum reaches both sides if it passes the vertical, V = 1.
+            return np.sqrt(2.0 / self.frame.disk.body.M * np.maximum(1.0 - V, 0.0))
+        beyond = phi < 0.0
+        if beyond.any():
+            height = self._barrier(phi[beyond, None], bar[beyond]) - V[beyond]
+            least[beyond] = np.sqrt(2.0 / self.frame.disk.body.M * np.maximum(height, 0.0))
+        return least
+
+    def _barrier_ends(self, phi: Array, levels: Sequence[float]) -> list[Array]:
+        """sigma3_bar > 0 where the barrier begins to stand in the way, and where it takes given kinetic energies.
+
+        Between 0 and the first its height above the start falls; NaN where there is no such point.
+        """
+        if not (phi < 0.0).any():
+            return []
+        disk = self.frame.disk
+        b, (well_phi, largest) = disk.body, well(disk)
+        critical = np.empty(phi.size)
+        compiled.falling.critical_X2_batch(np.minimum(phi, -1e-12), b, disk.series, critical)
+        own = np.sqrt(np.maximum(critical, 0.0)) * b.r0
+        most = np.where(phi < 0.0, np.where(phi < well_phi, largest, np.minimum(own, largest)), np.nan)
+        a, c = self._chart(phi)
+        curvature = 0.5 * (b.I1 * (a / np.cos(phi)) ** 2 + b.J * c * c)
+        found = [most]
+        for level in levels:
+            low, high = np.zeros(phi.size), np.nan_to_num(most)
+            for _ in range(_BISECTIONS):
+                middle = 0.5 * (low + high)
+                above = self._barrier(phi, middle) - np.cos(phi) - curvature * middle**2 > level
+                low, high = np.where(above, middle, low), np.where(above, high, middle)
+            found.append(np.where(phi < 0.0, low, np.nan))
+        return found
+
+
+def ends_of_bar(*limits: tuple[Array, float, float, Array | float]) -> tuple[Array, Array]:
+    """Ends of x with low - slack <= m x <= high + slack for every (m, low, high, slack)."""
+    low, high = np.full(limits[0][0].shape, -np.inf), np.full(limits[0][0].shape, np.inf)
+    for m, first, last, slack in limits:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            one, other = (first - slack) / m, (last + slack) / m
+        low, high = np.fmax(low, np.fmin(one, other)), np.fmin(high, np.fmax(one, other))
+    return low, high

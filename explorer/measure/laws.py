@@ -1,0 +1,156 @@
+"""Laws P(theta_min < delta) = law(delta): fitted to estimates on a ladder of delta, and tested.
+
+Estimates of the rungs are independent and normal, with an error that is itself estimated (`dof`); counts of
+plain draws are binomial. Nothing here knows of disks.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.stats import binom, binomtest, chi2, ncx2, norm
+from scipy.stats import t as student
+
+Array = NDArray[np.float64]
+Law = Callable[[Array], Array]
+LEVEL = 0.95
+# Below this many draws a rung and side its mean is not normal enough for the test.
+FEWEST = 16
+SHAPE_BINS = 20  # of theta_min / delta
+# Laws that it is not: what is put in their place.
+PLATEAU, OFF = 1e-6, 0.02
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """An unbiased estimate with its standard error, which is known to `dof` degrees of freedom."""
+
+    value: float
+    error: float
+    dof: float = np.inf
+
+    def interval(self, level: float = LEVEL) -> list[float]:
+        """Two-sided interval of Student's distribution."""
+        reach = self.error * float(student.ppf(0.5 + 0.5 * level, self.dof))
+        return [self.value - reach, self.value + reach]
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """Independent estimates of P(theta_min < delta), one entry a rung."""
+
+    delta: Array
+    value: Array
+    error: Array
+    dof: Array
+
+    def at(self, rows: NDArray[np.bool_]) -> "Ladder":
+        return Ladder(self.delta[rows], self.value[rows], self.error[rows], self.dof[rows])
+
+    def __len__(self) -> int:
+        return self.delta.size
+
+
+def total(parts: Sequence[Estimate], weights: Sequence[float] | Array | None = None) -> Estimate:
+    """The weighted sum of independent estimates, degrees of freedom after Welch and Satterthwaite."""
+    factors = np.ones(len(parts)) if weights is None else np.asarray(weights)
+    squares = np.array([(f * part.error) ** 2 for f, part in zip(factors, parts, strict=True)])
+    value = float(sum(f * part.value for f, part in zip(factors, parts, strict=True)))
+    variance = float(squares.sum())
+    spread = float((squares**2 / np.array([part.dof for part in parts])).sum())
+    return Estimate(value, variance**0.5, variance**2 / spread if spread > 0.0 else np.inf)
+
+
+def simultaneous(count: int, level: float = LEVEL) -> float:
+    """The level of each of `count` independent intervals for all to hold with probability `level` (Sidak)."""
+    return level ** (1.0 / max(count, 1))
+
+
+def fit_constant(ladder: Ladder) -> Estimate:
+    """C of P = C delta: the mean over the rungs, whose relative errors are alike."""
+    parts = _estimates(ladder, ladder.delta)
+    return total(parts, np.full(len(parts), 1.0 / len(parts)))
+
+
+def fit_slope(ladder: Ladder) -> Estimate:
+    """d ln P / d ln delta by least squares; needs two rungs with positive estimates."""
+    x = np.log(ladder.delta) - np.log(ladder.delta).mean()
+    factors = x / (x * x).sum()
+    spread = total(_estimates(ladder, ladder.value), factors)
+    return Estimate(float((factors * np.log(ladder.value)).sum()), spread.error, spread.dof)
+
+
+def _estimates(ladder: Ladder, unit: Array) -> list[Estimate]:
+    return [
+        Estimate(float(v / u), float(e / u), float(d))
+        for v, e, d, u in zip(ladder.value, ladder.error, ladder.dof, unit, strict=True)
+    ]
+
+
+def ladder_p(ladder: Ladder, law: Law, law_error: float = 0.0) -> float:
+    """p-value of a law: chi-square of all rungs. law_error: relative, of the law itself."""
+    expected = law(ladder.delta)
+    error = np.hypot(ladder.error, law_error * expected)
+    away = abs(ladder.value - expected) / np.maximum(error, 1e-300)
+    # As many normal deviations as Student's distribution gives these.
+    normal = norm.isf(student.sf(away, ladder.dof))
+    return float(chi2.sf((np.minimum(normal, 1e3) ** 2).sum(), len(ladder)))
+
+
+def bins_of(delta: Array, law: Law) -> Array:
+    """Probabilities of the disjoint bins that a ladder (falling delta) cuts: ..., (d2, d1], and (0, smallest]."""
+    at = law(delta)
+    return np.maximum(np.append(at[:-1] - at[1:], at[-1]), 0.0)
+
+
+def counts_p(delta: Array, below: NDArray[np.int64], draws: int, law: Law) -> float:
+    """p-value of a law from how many of `draws` lie below each delta: exact tests of bins, after Bonferroni."""
+    counts = np.append(below[:-1] - below[1:], below[-1])
+    each = [binomtest(int(k), draws, min(p, 1.0)).pvalue for k, p in zip(counts, bins_of(delta, law), strict=True)]
+    return float(min(1.0, len(each) * min(each)))
+
+
+def either_p(*values: float) -> float:
+    """p-value of several tests together, after Bonferroni."""
+    return min(1.0, len(values) * min(values))
+
+
+def draws_to_reject(delta: Array, law: Law, truth: Law, variance: float, power: float = 0.95) -> int:
+    """Draws a rung for `ladder_p` to fall below 5 % with probability `power` where `truth` is the law.
+
+    variance: relative, of one draw. The noncentral chi-square distribution gives the least shift.
+    """
+    threshold = chi2.isf(1.0 - LEVEL, delta.size)
+    shift = brentq(lambda x: ncx2.sf(threshold, delta.size, x) - power, 1e-6, 1e4)
+    each = float((((truth(delta) / law(delta)) - 1.0) ** 2).sum())
+    return max(FEWEST, int(np.ceil(shift * variance / each)))
+
+
+def plain_draws_to_reject(delta: Array, law: Law, truth: Law, power: float = 0.95) -> float:
+    """The same for `counts_p` and plain draws; infinite where 10^15 of them do not do."""
+    nulls, trues = bins_of(delta, law), bins_of(delta, truth)
+    tail = 0.5 * (1.0 - LEVEL) / delta.size
+
+    def missed(draws: float) -> float:
+        low, high = binom.ppf(tail, draws, nulls), binom.isf(tail, draws, nulls)
+        inside = binom.cdf(high, draws, trues) - np.where(low > 0, binom.cdf(low - 1, draws, trues), 0.0)
+        return float(np.prod(inside))
+
+    few, many = 1.0, 1e15
+    if missed(many) > 1.0 - power:
+        return np.inf
+    while many > few + 1.0 and many > few * 1.001:
+        middle = np.ceil((few * many) ** 0.5)
+        few, many = (few, middle) if missed(middle) <= 1.0 - power else (middle, many)
+    return float(many)
+
+
+def wrong_laws(constant: float, top: float) -> dict[str, Law]:
+    """Laws that codimension one rules out, by name; `top` is the largest delta they are compared at."""
+    return {
+        "dimension_two": lambda delta: constant * delta * (delta / top),
+        "plateau": lambda delta: constant * delta + PLATEAU,
+        "constant_off": lambda delta: constant * (1.0 + OFF) * delta,
+    }

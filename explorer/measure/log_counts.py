@@ -1,0 +1,175 @@
+"""Counts of many samples that can be added up: what a chunk says of samples that it does not keep."""
+
+import base64
+import zlib
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer.measure.statistics import ONE_SIGMA, QUANTILES
+from explorer.phase.states import Array
+
+PER_DECADE = 400  # bins of logarithmic counts: a quantile is good to 0.3 %
+
+
+class LogCounts:
+    """Counts of magnitudes in logarithmic bins, with the smallest and largest; zeros on their own.
+
+    A magnitude v lies in bin floor(PER_DECADE log10 v); counts[i] is of bin first + i. Counts are exact
+    integers, so the order in which chunks are added does not matter.
+    """
+
+    def __init__(self, state: dict[str, Any] | None = None) -> None:
+        self.first, self.counts = 0, np.zeros(0, np.int64)
+        self.zeros = 0
+        self.smallest, self.largest = np.inf, -np.inf
+        if state is not None and state["range"]:
+            bins = np.array(state["bins"], np.int64)
+            self.zeros = state["zeros"]
+            self.smallest, self.largest = state["range"]
+            if bins.size:
+                self.first = int(bins[0])
+                self.counts = np.zeros(bins[-1] - bins[0] + 1, np.int64)
+                self.counts[bins - self.first] = state["counts"]
+
+    @classmethod
+    def of(cls, values: Array) -> "LogCounts":
+        """Counts of the finite ones of non-negative values."""
+        made = cls()
+        values = values[np.isfinite(values)]
+        if values.size == 0:
+            return made
+        made.smallest, made.largest = float(values.min()), float(values.max())
+        positive = values if made.smallest > 0.0 else values[values > 0.0]
+        made.zeros = int(values.size - positive.size)
+        if positive.size:
+            bins = np.floor(PER_DECADE * np.log10(positive)).astype(np.int64)
+            made.first = int(bins.min())
+            made.counts = np.bincount(bins - made.first)
+        return made
+
+    def add(self, other: "LogCounts") -> None:
+        self.zeros += other.zeros
+        self.smallest, self.largest = min(self.smallest, other.smallest), max(self.largest, other.largest)
+        if not other.counts.size:
+            return
+        if not self.counts.size:
+            self.first = other.first
+        first = min(self.first, other.first)
+        end = max(self.first + self.counts.size, other.first + other.counts.size)
+        if first < self.first or end > self.first + self.counts.size:
+            wider = np.zeros(end - first, np.int64)
+            wider[self.first - first :][: self.counts.size] = self.counts
+            self.first, self.counts = first, wider
+        self.counts[other.first - first :][: other.counts.size] += other.counts
+
+    @property
+    def total(self) -> int:
+        return self.zeros + int(self.counts.sum())
+
+    def state(self) -> dict[str, Any]:
+        """Ready for JSON."""
+        filled = np.flatnonzero(self.counts)
+        return {
+            "bins": (filled + self.first).tolist(),
+            "counts": self.counts[filled].tolist(),
+            "zeros": self.zeros,
+            "range": [self.smallest, self.largest] if self.total else [],
+        }
+
+    def cumulative(self) -> tuple[Array, NDArray[np.int64]]:
+        """Upper edges of the bins that hold something, and how many values lie below each."""
+        filled = np.flatnonzero(self.counts)
+        edges = 10.0 ** ((filled + self.first + 1) / PER_DECADE)
+        return np.minimum(edges, self.largest), self.zeros + np.cumsum(self.counts[filled])
+
+    def quantile(self, q: float) -> float:
+        """The value below which a share q lies, to the width of a bin; ends are exact. NaN where empty."""
+        if not self.total:
+            return float("nan")
+        if q <= 0.0:
+            return self.smallest
+        if q >= 1.0:
+            return self.largest
+        edges, below = self.cumulative()
+        wanted = q * self.total
+        if wanted <= self.zeros:
+            return 0.0
+        i = int(np.searchsorted(below, wanted))
+        before = below[i - 1] if i else self.zeros
+        inside = (wanted - before) / (below[i] - before)
+        value = edges[i] * 10.0 ** ((inside - 1.0) / PER_DECADE)
+        return float(min(max(value, self.smallest), self.largest))
+
+    def quantiles(self) -> dict[str, float]:
+        """Named quantiles; empty where nothing was counted."""
+        return {f"{q:g}": self.quantile(q) for q in QUANTILES} if self.total else {}
+
+
+class SignedLogCounts:
+    """Counts of signed values by logarithmic magnitude: two LogCounts."""
+
+    def __init__(self, state: dict[str, Any] | None = None) -> None:
+        self.below = LogCounts(state["below"] if state else None)
+        self.above = LogCounts(state["above"] if state else None)
+
+    @classmethod
+    def of(cls, values: Array) -> "SignedLogCounts":
+        made = cls()
+        made.below, made.above = LogCounts.of(-values[values < 0.0]), LogCounts.of(values[values >= 0.0])
+        return made
+
+    def add(self, other: "SignedLogCounts") -> None:
+        self.below.add(other.below)
+        self.above.add(other.above)
+
+    @property
+    def total(self) -> int:
+        return self.below.total + self.above.total
+
+    def state(self) -> dict[str, Any]:
+        return {"below": self.below.state(), "above": self.above.state()}
+
+    def quantile(self, q: float) -> float:
+        """As LogCounts.quantile."""
+        if not self.total:
+            return float("nan")
+        share = self.below.total / self.total
+        if q < share:
+            return -self.below.quantile(1.0 - q / share)
+        return self.above.quantile((q - share) / (1.0 - share)) if share < 1.0 else 0.0
+
+    def half_width(self) -> float:
+        """Half the width of the central 68.27 %: the standard deviation of a normal sample, robust to tails."""
+        low, high = (self.quantile(percent / 100.0) for percent in ONE_SIGMA)
+        return 0.5 * (high - low)
+
+
+def pack(values: NDArray[np.uint16]) -> str:
+    """An array of small integers as text."""
+    return base64.b85encode(zlib.compress(values.astype("<u2").tobytes(), 1)).decode()
+
+
+def unpack(text: str) -> NDArray[np.uint16]:
+    """What `pack` was given, flat."""
+    return np.frombuffer(zlib.decompress(base64.b85decode(text)), dtype="<u2")
+
+
+CELLS_PER_DECADE = 12
+
+
+def count_cells(x: Array, y: Array) -> list[list[int]]:
+    """[i, j, count] of cells of CELLS_PER_DECADE per decade in both of two positive magnitudes."""
+    good = np.isfinite(x) & np.isfinite(y) & (x > 0.0) & (y > 0.0)
+    i, j = (np.floor(CELLS_PER_DECADE * np.log10(v[good])).astype(np.int64) for v in (x, y))
+    cells, counts = np.unique(np.stack([i, j]), axis=1, return_counts=True)
+    return np.column_stack([cells.T, counts]).tolist()
+
+
+def merged(chunks: Any, name: str) -> LogCounts:
+    """The LogCounts called `name` of all chunks together."""
+    total = LogCounts()
+    for tally in chunks.tallies():
+        total.add(LogCounts(tally[name]))
+    return total

@@ -1,0 +1,152 @@
+"""Where initial states are drawn: a box in (phi, phidot, sigma3, sigma4), and seeded streams.
+
+dphi dphidot dsigma3 dsigma4 is invariant under the reduced flow (its vector field has no
+divergence in these coordinates), so uniform draws in a box are draws from the natural measure.
+Chunk i of a run has a random stream of its own, so a sample depends on the seed and its place
+in the run, never on the number of workers.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer.errors import InputError
+from explorer.phase.constants import natural_constants
+from explorer.phase.disk import Disk
+from explorer.phase.states import COORDINATES, Array, phi_to_states
+
+Range = tuple[float, float]
+
+# Rejection at an energy gives up below this share of accepted draws.
+_SMALLEST_SHARE = 1e-4
+BLOCK = 8192
+
+
+@dataclass(frozen=True)
+class Box:
+    """A range for each coordinate, in the units of the disk; a fixed coordinate has equal ends."""
+
+    phi: Range
+    phidot: Range
+    sigma3: Range
+    sigma4: Range
+
+    def __post_init__(self) -> None:
+        for name in COORDINATES:
+            low, high = getattr(self, name)
+            if not (math.isfinite(low) and math.isfinite(high)):
+                raise InputError(f"--box {name} = {low}:{high} is not finite; give numbers as LOW:HIGH")
+            if low > high:
+                raise InputError(f"--box {name} = {low:g}:{high:g} is empty; give the smaller number first")
+        if not (-0.5 * math.pi <= self.phi[0] and self.phi[1] <= 0.5 * math.pi):
+            raise InputError("--box phi must lie between -pi/2 and pi/2 (-1.5708:1.5708)")
+        if abs(self.phi[0]) == 0.5 * math.pi and self.phi[0] == self.phi[1]:
+            raise InputError("--box phi is flat; give -pi/2 < phi < pi/2")
+
+    @classmethod
+    def default(cls, disk: Disk) -> "Box":
+        """phi = 0 and the other coordinates within two natural units sqrt(g/r)."""
+        two = 2.0 * disk.rate_unit
+        return cls((0.0, 0.0), (-two, two), (-two, two), (-two, two))
+
+    @classmethod
+    def parse(cls, text: str, default: "Box") -> "Box":
+        """A box from "phi=0,phidot=-2:2,..."; what is left out keeps the default. Raises InputError."""
+        ranges = {name: getattr(default, name) for name in COORDINATES}
+        ranges.update(parse_ranges(text, "--box"))
+        return cls(**ranges)
+
+    @property
+    def free(self) -> list[str]:
+        """Coordinates that vary."""
+        return [name for name in COORDINATES if getattr(self, name)[0] < getattr(self, name)[1]]
+
+    def draw(self, random: np.random.Generator, count: int) -> dict[str, Array]:
+        """`count` states, uniform in the box; one array per coordinate."""
+        unit = random.random((len(self.free), count))
+        columns = {}
+        for name in COORDINATES:
+            low, high = getattr(self, name)
+            columns[name] = np.full(count, low)
+            if name in self.free:
+                columns[name] = low + (high - low) * unit[self.free.index(name)]
+        return columns
+
+    def describe(self) -> dict[str, list[float]]:
+        """What run.json says about the box."""
+        return {name: list(getattr(self, name)) for name in COORDINATES}
+
+
+def parse_ranges(text: str, option: str) -> dict[str, Range]:
+    """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2". Raises InputError naming the option."""
+    ranges: dict[str, Range] = {}
+    for item in text.split(","):
+        name, equals, value = (part.strip() for part in item.partition("="))
+        if name not in COORDINATES:
+            near = get_close_matches(name, COORDINATES, n=1)
+            hint = f"did you mean {near[0]!r}? " if near else ""
+            raise InputError(f"{option}: unknown coordinate {name!r}; {hint}known: {', '.join(COORDINATES)}")
+        if not equals or name in ranges:
+            raise InputError(f"{option}: {item.strip()!r}; write each coordinate once, NAME=VALUE or LOW:HIGH")
+        ranges[name] = parse_range(value, f"{option} {name}")
+    return ranges
+
+
+def parse_range(text: str, option: str) -> Range:
+    """(low, high) from "LOW:HIGH" or one number. Raises InputError naming the option."""
+    low, colon, high = text.partition(":")
+    try:
+        return float(low), float(high) if colon else float(low)
+    except ValueError:
+        raise InputError(f"{option} = {text!r} is not a number or a range LOW:HIGH") from None
+
+
+def chunk_stream(seed: int, index: int) -> np.random.Generator:
+    """The random stream of chunk `index`; only its uniform doubles are used, which no numpy release changes."""
+    return np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=(index,))))
+
+
+def draw_states(
+    disk: Disk, box: Box, random: np.random.Generator, count: int, max_energy: float | None = None
+) -> dict[str, Array]:
+    """Coordinates of `count` states from the box, optionally only those with energy <= max_energy.
+
+    Raises InputError where fewer than one draw in 10^4 is below the energy.
+    """
+    if max_energy is None:
+        return box.draw(random, count)
+
+    def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
+        drawn = box.draw(random, BLOCK)
+        found = natural_constants(phi_to_states(disk, **drawn))
+        return drawn, found[3] * disk.energy_unit <= max_energy
+
+    return gather(block, count, f"--max-energy {max_energy:g}: {{}} states of the box are below it; raise it")
+
+
+def gather(
+    block: Callable[[], tuple[dict[str, Array], NDArray[np.bool_]]], count: int, remedy: str
+) -> dict[str, Array]:
+    """The first `count` states that are kept of blocks of draws: rejection.
+
+    block: returns BLOCK states and which of them to keep. remedy: what an InputError says where fewer than one
+    draw in 10^4 is kept, with {} for how many were.
+    """
+    kept: list[dict[str, Array]] = []
+    have = tried = 0
+    while have < count:
+        drawn, good = block()
+        kept.append({name: values[good] for name, values in drawn.items()})
+        have, tried = have + int(good.sum()), tried + good.size
+        if tried >= 8 * BLOCK and have < _SMALLEST_SHARE * tried:
+            raise InputError(f"{remedy.format(f'{have} of {tried}')} or shrink the box")
+    return {name: np.concatenate([part[name] for part in kept])[:count] for name in COORDINATES}
+
+
+def log_uniform(unit: Array, low: float, high: float) -> Array:
+    """Map uniform doubles to a log-uniform magnitude between low and high."""
+    return low * (high / low) ** unit

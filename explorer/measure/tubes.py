@@ -1,0 +1,247 @@
+"""Tubes round the falling set: draws of states that come flatter than a given tilt, with their weights.
+
+Beside F on one side a state is (phi, phidot, sigma3_bar, eta_hat), and dsigma3 dsigma4 = dsigma3_bar deta_hat.
+So eta_hat is a number of its own, drawn as small as one likes, and no digit is lost. A tube is wide enough to
+hold every motion that gets flatter than delta: at its flattest moment the energy bounds sigma3 and sigma4, and
+with them eta.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer import compiled
+from explorer.measure.box_integrals import Frame
+from explorer.measure.density import Density
+from explorer.measure.falling_constant import ends_of_bar
+from explorer.measure.sampling import Range
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array
+
+_MARGIN = 1.02
+_ROUNDS = 12
+_TIE = 1.0 - 1e-12
+_SCAN = 2001
+
+
+@dataclass(frozen=True)
+class Draws:
+    """States of a tube, one array entry each, in the units of the disk.
+
+    weight: the mean of weight times an indicator, over the draws, is the probability of the event within the
+    tube. Zero outside the box or the energies, and where the other side of F is nearer.
+    theta_min: smallest tilt of the whole motion (rad); NaN where status is not OK.
+    """
+
+    phi: Array
+    phidot: Array
+    sigma3_bar: Array
+    eta_hat: Array
+    energy: Array
+    weight: Array
+    theta_min: Array
+    status: NDArray[np.int8]
+
+
+def dimensions(density: Density) -> int:
+    """How many numbers a draw takes."""
+    return len(density.box.free)
+
+
+def draw_tube(
+    disk: Disk, density: Density, mass: float, side: int, delta: float, unit: Array, accuracy: float = 1e-6
+) -> Draws:
+    """States within the tube of tilt delta round F on one side; unit (n, dimensions), uniform in the unit cube.
+
+    mass: integral of the density (falling_constant.mass). accuracy: relative, of theta_min.
+    """
+    tube = Tube(Frame(disk, density), side, delta)
+    return tube.draw(unit, mass, accuracy)
+
+
+def widest_eta(energy: Array, delta: float, disk: Disk) -> Array:
+    """A bound of |eta_hat| for motions of this energy that get flatter than delta; natural units.
+
+    At the flattest moment I1 rho^2 <= 2E and J sigma4^2 <= 2E, and eta is linear in both, eq. (6.2).
+    """
+    b = disk.body
+    S = 2.0 * math.sin(0.5 * delta) ** 2
+    rho = np.empty((4, 1))
+    q, z = np.array([math.sin(delta)]), np.array([math.cos(delta)])
+    compiled.falling.line_chart_batch(q, z, b, disk.series, rho)
+    # rho(S) = r(0) times the first entry, rho'(S) = k r(0) times the third; rho >= S
+    recessive, slope = max(b.r0 * rho[0, 0], S), b.k * b.r0 * rho[2, 0]
+    most = np.sqrt(2.0 * np.maximum(energy, 0.0))
+    return most * (math.sqrt(b.I1) * math.sin(delta) * slope + b.I3 / math.sqrt(b.J) * recessive) / (b.I3 * b.r0)
+
+
+@dataclass(frozen=True)
+class Tube:
+    """The tube of tilt delta round F on one side, seen as side +1: the mirror image for the other, eq. (3.2)."""
+
+    frame: Frame
+    side: int
+    delta: float
+
+    def _range(self, name: str) -> Range:
+        """Where the density is not zero, as seen from this side; natural units."""
+        low, high = (end / self.frame.unit(name) for end in self.frame.density.reach(name))
+        return (low, high) if self.side > 0 or name == "sigma3" else (-high, -low)
+
+    def _tilts_met(self) -> Range:
+        """The tilts between which the tube passes the box."""
+        low, high = self._range("phi")
+        phi = np.linspace(low, high, _SCAN)
+        fastest = np.full(_SCAN, max(map(abs, self._range("phidot"))))
+        if not (self.frame.free("sigma3") and self.frame.free("sigma4")):
+            return low, high
+        span = self._spans(Place.at(self.frame.disk, phi, fastest))[2]
+        met = np.flatnonzero(span > 0.0)
+        if not met.size:
+            return low, high
+        return phi[max(met[0] - 1, 0)], phi[min(met[-1] + 1, _SCAN - 1)]
+
+    def draw(self, unit: Array, mass: float, accuracy: float) -> Draws:
+        frame, b, disk = self.frame, self.frame.disk.body, self.frame.disk
+        columns = iter(unit.T)
+        weight = np.ones(unit.shape[0])
+        start = {}
+        for name in ("phi", "phidot"):
+            low, high = self._range(name)
+            start[name] = np.full(unit.shape[0], low)
+            bell = dict(frame.density.gaussian).get(name)
+            if bell is not None:
+                share = next(columns)
+                value = frame.density.at_share(name, share if self.side > 0 else 1.0 - share)
+                start[name] = self.side * value / frame.unit(name)
+                # Drawn from its own factor: what it weighs is that factor's integral over the factor.
+                away = (value - bell[0]) / bell[1]
+                weight *= frame.one(name) * np.exp(0.5 * away * away)
+            elif frame.free(name):
+                low, high = self._tilts_met() if name == "phi" else (low, high)
+                start[name] = low + (high - low) * next(columns)
+                weight *= high - low
+        phi, phidot = start["phi"], start["phidot"]
+        place = Place.at(disk, phi, phidot)
+        bar, eta, width = self._beside(place, columns)
+        s3, s4 = place.rates(bar, eta)
+        energy = place.energy(bar, eta)
+        other = 2.0 * b.I1 * b.dr0 / (b.I3 * b.r0) * bar - eta
+        unit_rate, side = disk.rate_unit, self.side
+        given = side * phi, side * phidot * unit_rate, s3 * unit_rate, side * s4 * unit_rate
+        counted = frame.density.inside(*given, energy * disk.energy_unit)
+        # A state beside both lines counts once, on the nearer side; equally near, up to rounding, on side +1.
+        nearer = abs(eta) * _TIE <= abs(other) if side > 0 else abs(eta) < abs(other) * _TIE
+        counted &= nearer & (width > 0.0)
+        weight = np.where(counted, weight * width / mass, 0.0)
+        weight[counted] *= frame.density.shape(*(column[counted] for column in given))
+        theta, status = self._tilts(place, bar, eta, other, np.flatnonzero(weight > 0.0), accuracy)
+        return Draws(
+            given[0], given[1], bar * unit_rate, eta * unit_rate, energy * disk.energy_unit, weight, theta, status
+        )
+
+    def _beside(self, place: "Place", columns: Iterator[Array]) -> tuple[Array, Array, Array]:
+        """sigma3_bar, eta_hat, and the density of these draws to the power -1."""
+        frame = self.frame
+        if not (frame.free("sigma3") and frame.free("sigma4")):
+            return self._on_segment(place, self._widest(place), next(columns))
+        low, widest, span = self._spans(place)
+        bar = np.where(span > 0.0, low + span * next(columns), 0.0)
+        half = self._half(place, bar, widest)
+        eta = half * (2.0 * next(columns) - 1.0)
+        return bar, eta, 2.0 * half * span
+
+    def _widest(self, place: "Place") -> Array:
+        """A bound of |eta_hat| at these tilts and speeds, for states of the box that come flatter than delta."""
+        most3, most4 = (max(map(abs, self._range(name))) for name in ("sigma3", "sigma4"))
+        top = place.tilting + 0.5 * place.inertia3 * most3**2 + 0.5 * place.inertia4 * most4**2
+        top = np.minimum(top, self.frame.energy[1])
+        bound = widest_eta(top, self.delta, self.frame.disk)
+        return np.minimum(bound, abs(place.c) * most3 + abs(place.a) * most4)
+
+    def _spans(self, place: "Place") -> tuple[Array, Array, Array]:
+        """Smallest sigma3_bar in the tube, half its width in eta_hat, and the span of sigma3_bar (0: not met)."""
+        widest = self._widest(place)
+        low, high = ends_of_bar(
+            (place.a, *self._range("sigma3"), abs(place.a2) * widest),
+            (place.c, *self._range("sigma4"), abs(place.c2) * widest),
+        )
+        return low, widest, np.maximum(high - low, 0.0)
+
+    def _half(self, place: "Place", bar: Array, widest: Array) -> Array:
+        """Half the width of the tube: a bound x >= widest_eta(energies within x), if `widest` is not smaller.
+
+        widest_eta(energy(x)) is convex in x, so beyond such an x no state comes flatter than delta.
+        """
+        disk, delta = self.frame.disk, self.delta
+        cut = self.frame.energy[1]
+        half = widest_eta(place.energy(bar, np.zeros_like(bar)), delta, disk) * _MARGIN
+        settled = np.zeros(bar.shape, bool)
+        for _ in range(_ROUNDS):
+            energy = np.minimum(np.maximum(place.energy(bar, half), place.energy(bar, -half)), cut)
+            needed = widest_eta(energy, delta, disk)
+            settled = needed <= half
+            if settled.all():
+                break
+            half = np.where(settled, half, needed * _MARGIN)
+        return np.where(settled, np.minimum(half, widest), widest)
+
+    def _on_segment(self, place: "Place", widest: Array, unit: Array) -> tuple[Array, Array, Array]:
+        """Where the box fixes sigma3 or sigma4: eta_hat is all that is drawn, and sets the free one."""
+        fixed3 = not self.frame.free("sigma3")
+        fixed = self._range("sigma3" if fixed3 else "sigma4")[0]
+        m, m2 = (place.a, place.a2) if fixed3 else (place.c, place.c2)
+        eta = widest * (2.0 * unit - 1.0)
+        # d(free)/d(eta_hat) = 1/|m| since the chart's determinant is -1
+        return (fixed - m2 * eta) / m, eta, 2.0 * widest / abs(m)
+
+    def _tilts(
+        self, place: "Place", bar: Array, eta: Array, other: Array, rows: NDArray[np.intp], accuracy: float
+    ) -> tuple[Array, NDArray[np.int8]]:
+        """theta_min and status of the rows that count."""
+        disk, b = self.frame.disk, self.frame.disk.body
+        scale = b.I3 * b.r0
+        here, there = np.where(place.z >= 0.0, [eta, other], [other, eta]) * scale
+        starts = np.stack([place.h, place.phidot, bar, here, there])[:, rows]
+        out, code = np.empty(rows.size), np.zeros(rows.size, np.int8)
+        compiled.orbits.tilt_batch(np.ascontiguousarray(starts), accuracy, b, disk.series, out, code)
+        theta, status = np.full(bar.size, np.nan), np.zeros(bar.size, np.int8)
+        theta[rows], status[rows] = np.where(code == 0, out, np.nan), code
+        return theta, status
+
+
+@dataclass(frozen=True)
+class Place:
+    """Tilts and speeds of draws, and the chart there: sigma3 = a bar + a2 eta, sigma4 = c bar + c2 eta."""
+
+    z: Array
+    h: Array
+    phidot: Array
+    tilting: Array
+    inertia3: Array
+    inertia4: float
+    a: Array
+    a2: Array
+    c: Array
+    c2: Array
+
+    @classmethod
+    def at(cls, disk: Disk, phi: Array, phidot: Array) -> "Place":
+        b = disk.body
+        q, z = np.cos(phi), np.sin(phi)
+        chart = np.empty((4, phi.size))
+        compiled.falling.line_chart_batch(q, z, b, disk.series, chart)
+        h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
+        return cls(z, h, phidot, 0.5 * b.M * phidot**2 + q, b.I1 / (q * q), b.J, *chart)
+
+    def rates(self, bar: Array, eta: Array) -> tuple[Array, Array]:
+        """sigma3 and sigma4."""
+        return self.a * bar + self.a2 * eta, self.c * bar + self.c2 * eta
+
+    def energy(self, bar: Array, eta: Array) -> Array:
+        """Energy, eq. (2.19)."""
+        s3, s4 = self.rates(bar, eta)
+        return self.tilting + 0.5 * self.inertia3 * s3 * s3 + 0.5 * self.inertia4 * s4 * s4

@@ -1,0 +1,146 @@
+"""What accuracy costs on this machine: error and work of every method at every setting.
+
+`nearflat trade` measures it and stores it per machine; a measured table is shipped for machines that
+have none. From it `models` takes the setting of an integrator, and the method where it has a choice.
+"""
+
+import json
+import os
+import platform
+import sys
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from explorer import compiled
+from explorer.errors import InputError, RunError
+from explorer.phase.states import Array
+
+# Shares of the accuracy asked that the measured 99th percentile may take: other bodies, boxes and
+# energies err more than those measured.
+SAFETY = 5.0
+_ROUNDING = 1e-12
+_FEWEST = 4
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One method, from coarse to fine: setting (step or tolerance), 99th percentile of the error, field
+    evaluations and nanoseconds per passage."""
+
+    setting: Array
+    error: Array
+    evaluations: Array
+    nanoseconds: Array
+
+    def at(self, target: Any) -> Array:
+        """The setting whose error is `target` over SAFETY.
+
+        Beyond the finest setting whose error is above rounding the method's order is continued, as far as
+        settings have been measured; beyond the coarsest it is that one.
+        """
+        resolved = self.error > _ROUNDING
+        log_setting, log_error = np.log(self.setting[resolved]), np.log(self.error[resolved])
+        # A coarser setting that happened to err less must not be preferred to a finer one.
+        log_error = np.minimum.accumulate(log_error)
+        slope = (log_setting[-1] - log_setting[-3]) / (log_error[-1] - log_error[-3])
+        wanted = np.log(np.maximum(target, 1e-300) / SAFETY)
+        measured = np.interp(wanted, log_error[::-1], log_setting[::-1])
+        continued = measured + slope * np.minimum(wanted - log_error[-1], 0.0)
+        return np.exp(np.maximum(continued, np.log(self.setting[-1])))
+
+    def cost(self, target: float) -> tuple[float, float]:
+        """(nanoseconds, field evaluations) per passage at that setting."""
+        here, order = np.log(self.at(target)), np.log(self.setting)[::-1]
+        evaluations = np.interp(here, order, np.log(self.evaluations)[::-1])
+        nanoseconds = np.interp(here, order, np.log(self.nanoseconds)[::-1])
+        return float(np.exp(nanoseconds)), float(np.exp(evaluations))
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Curves by method, and where they come from, in words."""
+
+    origin: str
+    curves: dict[str, Curve]
+    quadrature: float  # nanoseconds per passage
+
+    def cheapest(self, methods: tuple[str, ...], target: float) -> str:
+        """The method that takes least time for an error of `target`, among those that reach it."""
+        able = [m for m in methods if self.curves[m].error.min() * SAFETY <= target] or list(methods)
+        return min(able, key=lambda method: self.curves[method].cost(target)[0])
+
+
+@cache
+def current() -> Calibration:
+    """This machine's calibration, or the shipped one where none was measured with these kernels."""
+    path, advice = stored_at(), "run nearflat trade to measure this machine"
+    if path.exists():
+        try:
+            table = json.loads(path.read_text(encoding="utf-8"))
+            if table["kernels"] == compiled.source_digest():
+                return parse(table, "measured on this machine")
+            advice = "this machine's was measured with other kernels; run nearflat trade"
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            reason = f"{type(error).__name__}: {error}"
+            raise InputError(
+                f"calibration {path} ({reason}) cannot be used; delete it, then nearflat trade"
+            ) from None
+    text = files("explorer.motion").joinpath("calibration.json").read_text(encoding="utf-8")
+    return parse(json.loads(text), f"shipped with nearflat; {advice}")
+
+
+def parse(table: dict[str, Any], origin: str) -> Calibration:
+    """A calibration from its JSON form."""
+    curves = {}
+    missing = {"rk4", "rk8", "dopri5", "dop853"} - set(table["methods"])
+    if missing:
+        raise ValueError(f"{', '.join(sorted(missing))} missing")
+    for name, rows in table["methods"].items():
+        columns = np.array(rows, dtype=np.float64).T
+        if columns.shape[0] != 4 or not (np.isfinite(columns).all() and (columns > 0.0).all()):
+            raise ValueError(f"rows of {name} must be four positive numbers each")
+        if not ((np.diff(columns[0]) < 0.0).all() and (columns[1] > _ROUNDING).sum() >= _FEWEST):
+            raise ValueError(f"rows of {name} must go from coarse to fine, {_FEWEST} or more above rounding")
+        if not columns[1][-1] < columns[1][0]:
+            raise ValueError(f"errors of {name} do not fall")
+        curves[name] = Curve(*columns)
+    quadrature = float(table["quadrature"])
+    if not 0.0 < quadrature < np.inf:
+        raise ValueError(f"quadrature = {quadrature} is no time")
+    return Calibration(origin, curves, quadrature)
+
+
+def store(table: dict[str, Any]) -> Path:
+    """Keep a measured table for this machine; returns where."""
+    path = stored_at()
+    temporary = path.with_suffix(f".{os.getpid()}.tmp")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
+        temporary.replace(path)
+    except OSError as error:
+        raise RunError(
+            f"calibration {path} cannot be kept ({error.strerror}); set NEARFLAT_CALIBRATION"
+        ) from error
+    current.cache_clear()
+    return path
+
+
+def stored_at() -> Path:
+    """Where this machine's calibration is kept; NEARFLAT_CALIBRATION names another file."""
+    chosen = os.environ.get("NEARFLAT_CALIBRATION")
+    if chosen:
+        return Path(chosen)
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Application Support"
+    else:
+        base = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
+    name = "".join(c if c.isalnum() else "-" for c in platform.node()) or "machine"
+    return base / "nearflat" / f"calibration-{name}.json"

@@ -1,0 +1,258 @@
+"""The two one-sided limit motions: what approaching F from one side converges to (section 7).
+
+Between impacts the disk moves on F. At an impact phidot changes sign and chi jumps by
+sgn(eta) kappa pi (eq. 7.16), psi by side times that (7.11); the motion is then the same fall run
+backwards. So one rise, from flat to its turning point, holds the whole motion (`rise`). Where
+sigma3_bar = sigma4_bar = 0 the disk may swing over the vertical and fall to both sides in turn
+(`pendulum`).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from explorer.errors import InputError
+from explorer.motion.pendulum import Pendulum
+from explorer.motion.rise import Rise
+from explorer.phase.constants import natural_constants
+from explorer.phase.disk import Disk
+from explorer.phase.membership import falls_of
+from explorer.phase.states import Array, States, columns_of, require_axial_inertia, rows_to_states
+
+_HALF_PI = 0.5 * np.pi
+_MOST_IMPACTS = 1e8
+
+
+@dataclass(frozen=True)
+class LimitState:
+    """A limit motion at given times, in the units of the disk; arrays like the times.
+
+    chi, psi (rad) count from t = 0 with all jumps included. path: centre of mass; contact: contact
+    point; velocity: of the centre, eq. (2.33); nu: angular velocity in space, eqs (2.27), (2.29); all
+    (..., 3). At the instant of an impact the values are those after it.
+    """
+
+    phi: Array
+    phidot: Array
+    chi: Array
+    psi: Array
+    path: Array
+    contact: Array
+    velocity: Array
+    nu: Array
+
+
+class Continuation:
+    """What both kinds of limit motion share: times of impact, and a start that is the origin.
+
+    Attributes in the units of the disk: `period` between impacts, `impact_speed` A of eq. (7.1),
+    `chi_per_period` (rad, jump included).
+    """
+
+    disk: Disk
+    side: int
+    period: float
+    impact_speed: float
+    chi_per_period: float
+    _offset: float  # natural time from an impact to the start
+    _origin: "Moving"
+
+    def _unfold(self, since_impact: Array) -> "Moving":
+        """The motion at natural times counted from an impact, as on side +1."""
+        raise NotImplementedError
+
+    def impacts(self, t_end: float) -> Array:
+        """Times of impact in (0, t_end]."""
+        bounces = (t_end / self.period) if isinstance(t_end, int | float | np.number) else np.nan
+        if not bounces <= _MOST_IMPACTS:
+            raise InputError(f"t_end = {t_end!r} must be a time of at most {_MOST_IMPACTS:.0e} periods")
+        passed = self._offset * self.disk.time_unit
+        first = self.period * (np.floor(passed / self.period) + 1.0) - passed
+        count = max(0, int(np.floor((t_end - first) / self.period)) + 1)
+        return np.array(first + self.period * np.arange(count), dtype=np.float64)
+
+    def __call__(self, t: ArrayLike) -> LimitState:
+        """The motion at times >= 0."""
+        times = columns_of(t=t)[0].reshape(np.shape(t))
+        if not (np.isfinite(times).all() and (times >= 0.0).all()):
+            raise InputError("limit motion: times must be finite and >= 0")
+        at, start = self._unfold(np.ravel(times) * self.disk.rate_unit + self._offset), self._origin
+        moving = replace(
+            at,
+            chi=at.chi - start.chi,
+            psi=self.side * (at.psi - start.psi),
+            centre=self.side * (at.centre - start.centre) * np.exp(-1j * start.chi),
+            sigma4=self.side * at.sigma4,
+            side=self.side * at.side,
+        )
+        return in_space(self.disk, moving, times.shape)
+
+
+class LimitMotion(Continuation):
+    """The one-sided continuation of a motion on F through all its impacts; call it with times.
+
+    sign: the sign of eta from which F is approached.
+    """
+
+    def __init__(
+        self, disk: Disk, energy: float, sigma3_bar: float, side: int, sign: int, start: tuple[float, float]
+    ) -> None:
+        self.disk, self.side, self.sign = disk, side, sign
+        self._rise = Rise(disk, energy, sigma3_bar)
+        self._jump = sign * disk.race_limit
+        theta, thetadot = start
+        rising = self._rise.time_at(theta)
+        self._offset = rising if thetadot >= 0.0 else 2.0 * self._rise.half - rising
+        self._origin = self._unfold(np.array([self._offset]))
+        self.period = 2.0 * self._rise.half * disk.time_unit
+        self.impact_speed = self._rise.impact_speed * disk.rate_unit
+        self.chi_per_period = 2.0 * self._rise.chi_half + self._jump
+
+    def _unfold(self, since_impact: Array) -> "Moving":
+        """The motion at times counted from an impact, as on side +1."""
+        rise = self._rise
+        bounces = np.floor(since_impact / (2.0 * rise.half))
+        phase = since_impact - 2.0 * rise.half * bounces
+        falling = phase > rise.half
+        theta, speed, chi, psi, centre, rates = rise.at(np.where(falling, 2.0 * rise.half - phase, phase))
+        # The fall is the rise run backwards, mirrored at the turning point (eq. 3.12 ff.).
+        top = rise.centre_half
+        mirrored = top + np.exp(2j * rise.chi_half) * np.conj(centre - top)
+        centre = np.where(falling, mirrored, centre)
+        chi = np.where(falling, 2.0 * rise.chi_half - chi, chi)
+        psi = np.where(falling, 2.0 * rise.psi_half - psi, psi)
+        thetadot = np.where(falling, -speed, speed)
+        # Each bounce turns the whole picture by the same angle and moves it along.
+        turn = 2.0 * rise.chi_half + self._jump
+        whole = top + np.exp(2j * rise.chi_half) * np.conj(-top)
+        spin = np.exp(1j * turn)
+        moved = bounces * whole if abs(spin - 1.0) < 1e-12 else whole * (spin**bounces - 1.0) / (spin - 1.0)
+        centre = moved + np.exp(1j * turn * bounces) * centre
+        psi_turn = 2.0 * rise.psi_half + self._jump
+        return Moving(
+            theta=theta,
+            thetadot=thetadot,
+            chi=chi + turn * bounces,
+            psi=psi + psi_turn * bounces,
+            centre=centre,
+            turn=rates[0],
+            sigma4=rates[1],
+            side=np.ones_like(theta),
+        )
+
+
+@dataclass(frozen=True)
+class Moving:
+    """A motion on F in natural units; tilt theta from the flat state of `side`.
+
+    centre: a1 + i a2; turn: sigma3 / q^2, the rate of chi.
+    """
+
+    theta: Array
+    thetadot: Array
+    chi: Array
+    psi: Array
+    centre: NDArray[np.complex128]
+    turn: Array
+    sigma4: Array
+    side: Array
+
+
+def in_space(disk: Disk, at: Moving, shape: tuple[int, ...]) -> LimitState:
+    """A motion in the units of the disk, with contact point and velocities."""
+    phi = at.side * (_HALF_PI - at.theta)
+    phidot = -at.side * at.thetadot
+    q, z, away = np.sin(at.theta), at.side * np.cos(at.theta), np.exp(1j * at.chi)
+    shadow = at.centre + z * away
+    sliding = (-phidot * q - 1j * at.sigma4) * away  # eq. (2.33)
+    turning = (q * (at.sigma4 - z * at.turn) - 1j * phidot) * away  # eq. (2.29)
+    upwards = q * q * at.turn + z * at.sigma4  # eq. (2.27)
+    r, unit = disk.r, disk.rate_unit
+
+    def vector(plane: NDArray[np.complex128], height: Array, scale: float) -> Array:
+        return (scale * np.stack([plane.real, plane.imag, height], axis=-1)).reshape(*shape, 3)
+
+    return LimitState(
+        phi=phi.reshape(shape),
+        phidot=(phidot * unit).reshape(shape),
+        chi=at.chi.reshape(shape),
+        psi=at.psi.reshape(shape),
+        path=vector(at.centre, q, r),
+        contact=vector(shadow, np.zeros_like(q), r),
+        velocity=vector(sliding, -phidot * z, r * unit),
+        nu=vector(turning, upwards, unit),
+    )
+
+
+class PendulumMotion(Continuation):
+    """The limit motion with sigma3_bar = sigma4_bar = 0 and energy above m g r; call it with times.
+
+    The disk swings over the vertical and falls to both sides in turn. sign: of eta on side +1, from
+    which it is approached with sigma3_bar = 0 held; on side -1 eta then has the other sign, so chi
+    jumps to and fro while psi always jumps the same way.
+    """
+
+    def __init__(self, disk: Disk, energy: float, sign: int, start: tuple[float, float]) -> None:
+        self.disk, self.side, self.sign = disk, 1, sign
+        self._swing = Pendulum(disk, energy)
+        theta, thetadot = start
+        # Times are counted from an impact on side +1, from which theta rises.
+        passed = self._swing.time_at(theta)
+        self._offset = passed if thetadot >= 0.0 else 2.0 * self._swing.whole - passed
+        self._origin = self._unfold(np.array([self._offset]))
+        self.period = self._swing.whole * disk.time_unit
+        self.impact_speed = self._swing.impact_speed * disk.rate_unit
+        self.chi_per_period = sign * disk.race_limit
+
+    def _unfold(self, since_impact: Array) -> Moving:
+        """The motion at times counted from an impact on side +1."""
+        whole, jump = self._swing.whole, self.sign * self.disk.race_limit
+        swings = np.floor(since_impact / whole)
+        phase = since_impact - whole * swings
+        falling_back = swings % 2.0 == 1.0
+        theta = self._swing.theta(np.where(falling_back, whole - phase, phase))
+        speed = self._swing.speed(theta) * np.where(falling_back, -1.0, 1.0)
+        # chi is jump for odd numbers of impacts passed on side -1 more than on side +1, else 0.
+        chi = np.where(falling_back, -jump, 0.0)
+        # The contact point rests during a swing; its place moves by the chord of each race.
+        centre = self._swing.centre(theta, swings, jump)
+        return Moving(
+            theta=theta,
+            thetadot=speed,
+            chi=chi,
+            psi=swings * jump,
+            centre=centre,
+            turn=np.zeros_like(theta),
+            sigma4=np.zeros_like(theta),
+            side=np.ones_like(theta),
+        )
+
+
+AnyLimit = LimitMotion | PendulumMotion
+
+
+def limit_motion(disk: Disk, state_on_f: ArrayLike | States, sign: int = 1) -> AnyLimit:
+    """The limit of the motions that approach `state_on_f` from the side sgn(eta) = `sign`.
+
+    state_on_f: (phi, phidot, sigma3, sigma4) in the units of the disk, or States with one entry. What
+    it misses F by is ignored: its energy and sigma3_bar are taken and eta on the nearer side set to 0.
+    Raises InputError where the disk would not fall from there.
+    """
+    require_axial_inertia(disk)
+    if sign not in (1, -1):
+        raise InputError(f"limit motion: sign = {sign} must be +1 or -1")
+    states = rows_to_states(disk, state_on_f)
+    if len(states) != 1:
+        raise InputError(f"limit motion: needs one state, {len(states)} were given")
+    found = natural_constants(states)
+    where = falls_of(states, found)
+    if not bool(where.could_fall[0]):
+        raise InputError("limit motion: the disk could not fall from this state; see explorer.falls")
+    side = int(where.side[0])
+    q, z, p = states.natural[:3, 0]
+    start = (float(np.arctan2(q, side * z)), side * float(p))
+    energy, sigma3_bar = float(found[3, 0]), float(found[0, 0])
+    if sigma3_bar == 0.0 and energy > 1.0:
+        return PendulumMotion(disk, energy, sign, (float(np.arctan2(q, z)), float(p)))
+    return LimitMotion(disk, energy, sigma3_bar, side, sign, start)

@@ -1,0 +1,195 @@
+"""The ladder: which model and which method a question needs, and how finely to integrate.
+
+A scene names observables and an accuracy; this module answers with the lowest rung that gives
+them, the method, and the integrator's setting for every sample. No scene names a kernel.
+
+    algebra     constants of motion: side of F, distance, could-fall
+    quadrature  passages and periods as integrals, theta_min as a root: eta exact, cost flat in eta
+    reduced     integration of (phi, phidot, sigma3, sigma4)
+    angles      and of time, chi, psi
+    path        and of the centre and the contact point
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+
+import numpy as np
+
+from explorer import compiled
+from explorer.errors import InputError
+from explorer.motion import calibration
+from explorer.phase.states import Array, States
+
+ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH = "algebra", "quadrature", "reduced", "angles", "path"
+RUNGS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
+_WHOLE = 10.0
+FIXED, ADAPTIVE = ("rk4", "rk8"), ("dopri5", "dop853")
+METHODS = ("auto", *FIXED, *ADAPTIVE, "quadrature")
+
+OBSERVABLES = {
+    "constants": ALGEBRA,
+    "side": ALGEBRA,
+    "distance": ALGEBRA,
+    "could_fall": ALGEBRA,
+    "theta_min": QUADRATURE,
+    "race_angle": QUADRATURE,
+    "delta_chi": QUADRATURE,
+    "delta_psi": QUADRATURE,
+    "duration": QUADRATURE,
+    "period": QUADRATURE,
+    "phi": REDUCED,
+    "phidot": REDUCED,
+    "sigma3": REDUCED,
+    "sigma4": REDUCED,
+    "time": ANGLES,
+    "chi": ANGLES,
+    "psi": ANGLES,
+    "path": PATH,
+    "contact": PATH,
+}
+
+# What an integrator must carry for an observable that quadrature would give.
+_INTEGRATED = {"theta_min": REDUCED}
+
+LOOSEST = 1e-1
+# A passage's rounding is about 1e-13; an integrator's errors of rounding add up over its steps.
+TIGHTEST = {"quadrature": 1e-13, "rk4": 1e-11, "rk8": 1e-11, "dopri5": 1e-11, "dop853": 1e-11}
+
+# eta must be known to a hundredth for the direction of the race to be beyond doubt.
+_SIDE_SHARE = 0.01
+_TOLERANCE_FLOOR = 3e-15
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What will be run for a question: the rung, the method, and the reason in words.
+
+    relative_tilt: theta_min is asked for to a relative accuracy, so eta must be known that well.
+    slack: factor of the tolerance or step that the accuracy needs, for error estimates.
+    """
+
+    rung: str
+    method: str
+    accuracy: float
+    relative_tilt: bool
+    reason: str
+    slack: float = 1.0
+
+    @property
+    def kernel_method(self) -> int:
+        return int(getattr(compiled.attempt, self.method.upper()))
+
+    @property
+    def kernel_depth(self) -> int:
+        field = compiled.field
+        return {REDUCED: field.REDUCED, ANGLES: field.ANGLES, PATH: field.PATH}[self.rung]
+
+    @property
+    def max_drift(self) -> float:
+        """Relative drift of a constant of motion above which a sample is refused."""
+        return self.accuracy * max(self.slack, 1.0)
+
+    @property
+    def adaptive(self) -> bool:
+        return self.method in ADAPTIVE
+
+    def scaled(self, factor: float) -> "Plan":
+        """The same with tolerances or steps multiplied by a factor."""
+        return replace(self, slack=self.slack * factor)
+
+    def control(self, states: States, found: Array) -> Array:
+        """Tolerance or step for every sample, from its constants of motion (natural units).
+
+        The nearer to F, the better eta must be known: its error is the tolerance times
+        sqrt(2 E I1), which is why the share of eta is taken in these units.
+        """
+        near = np.fmin(abs(found[1]), abs(found[2]))
+        tilt = near / np.sqrt(2.0 * states.disk.body.I1 * found[3])
+        share = self.accuracy if self.relative_tilt else _SIDE_SHARE
+        target = np.fmin(self.accuracy, share * np.fmin(tilt, 1.0))
+        floor = 0.0 if self.method in FIXED else _TOLERANCE_FLOOR
+        return np.fmax(self.slack * calibration.current().curves[self.method].at(target), floor)
+
+    @property
+    def held_control(self) -> float:
+        """Tolerance or step for trajectories that are held to their constants: eta cannot drift.
+
+        The calibration is of ways to the turning point, doubled; here all of the motion is followed.
+        """
+        return float(calibration.current().curves[self.method].at(self.accuracy / _WHOLE))
+
+    @property
+    def cost(self) -> str:
+        """Expected work per sample in words."""
+        if self.rung == ALGEBRA:
+            return "one evaluation of Chaplygin's solutions per sample"
+        if self.method == "quadrature":
+            microseconds = calibration.current().quadrature / 1000
+            return f"about {microseconds:.1f} microseconds per passage, the same at every distance from F"
+        measured = calibration.current()
+        nanoseconds, evaluations = measured.curves[self.method].cost(self.accuracy)
+        work = f"about {evaluations:.0f} evaluations of the field and {nanoseconds / 1000:.1f} microseconds"
+        return (
+            f"{work} per passage in lanes at one tolerance ({measured.origin}); several times that for motions "
+            "in time, near F, and where a second, finer integration tells the error"
+        )
+
+
+def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto") -> Plan:
+    """The lowest rung and the cheapest method that give `observables` to `accuracy`.
+
+    accuracy: absolute error of angles (rad), relative error of times and theta_min.
+    Raises InputError for an unknown observable or method, for a method that cannot give them, or for
+    an accuracy out of its range.
+    """
+    asked = tuple(observables)
+    if not isinstance(method, str):
+        raise InputError(f"--method {method!r} is not a name; known: {', '.join(METHODS)}")
+    if isinstance(accuracy, bool) or not isinstance(accuracy, int | float):
+        raise InputError(f"--accuracy {accuracy!r} is not a number")
+    for name in asked:
+        if name not in OBSERVABLES:
+            raise InputError(f"observable {name!r} is not known; {_suggest(name, OBSERVABLES)}")
+    if method not in METHODS:
+        raise InputError(f"--method {method!r} is not known; {_suggest(method, METHODS)}")
+    rung, chosen, why = _choose(asked, method, accuracy)
+    if not TIGHTEST[chosen] <= accuracy <= LOOSEST:
+        raise InputError(
+            f"--accuracy {accuracy} must lie between {TIGHTEST[chosen]:g} and {LOOSEST:g} for {chosen}"
+        )
+    return Plan(rung, chosen, accuracy, "theta_min" in asked, why)
+
+
+def _choose(asked: tuple[str, ...], method: str, accuracy: float) -> tuple[str, str, str]:
+    """(rung, method, reason)."""
+    rung = max((OBSERVABLES[name] for name in asked), key=RUNGS.index, default=ALGEBRA)
+    deepest = ", ".join(name for name in asked if OBSERVABLES[name] == rung) or "nothing else"
+    integrals_only = RUNGS.index(rung) <= RUNGS.index(QUADRATURE)
+    if method == "quadrature" and not integrals_only:
+        raise InputError(
+            f"--method quadrature gives passages and periods, not {deepest}; use auto or an integrator"
+        )
+    if method == "auto" and integrals_only:
+        why = "quadrature because it needs no steps and knows eta exactly"
+        return rung, "quadrature", f"{rung} because of {deepest}; {why}"
+    if method == "auto":
+        # The adaptive pairs bend their steps to each sample's distance from F, which spans decades in any
+        # sampling; a fixed step must be small enough throughout the motion.
+        measured = calibration.current()
+        possible = TIGHTEST["dop853"] <= accuracy <= LOOSEST  # else `plan` refuses what is chosen
+        chosen = measured.cheapest(ADAPTIVE, accuracy if possible else LOOSEST)
+        why = f"{chosen} because each sample sets its own step near flat; the cheaper such method at {accuracy:g}"
+        return rung, chosen, f"{rung} because of {deepest}; {why} ({measured.origin})"
+    if method == "quadrature":
+        return rung, method, f"{rung} because of {deepest}; quadrature as asked"
+    if rung == QUADRATURE:
+        carried = (_INTEGRATED.get(name, ANGLES) for name in asked if OBSERVABLES[name] == QUADRATURE)
+        rung = max(carried, key=RUNGS.index)
+    return rung, method, f"{rung} because of {deepest}; {method} as asked"
+
+
+def _suggest(name: str, known: Iterable[str]) -> str:
+    names = list(known)
+    near = get_close_matches(name, names, n=1)
+    return (f"did you mean {near[0]!r}? " if near else "") + f"known: {', '.join(names)}"

@@ -1,0 +1,192 @@
+"""The disk: SI units in, validated, and its natural units."""
+
+import math
+import tomllib
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from explorer import compiled
+from explorer.errors import InputError
+from explorer.phase.gauss import table_rules
+
+PRESETS = ("uniform", "hoop", "matching")
+_SYNTAX = 'uniform, hoop, matching, annulus:INNER_OVER_OUTER, FILE.toml, or "m=..,r=..,g=..,I1=..,I3=.."'
+
+
+@dataclass(frozen=True)
+class Disk:
+    """A body of revolution rolling on a sharp rim, centre of mass at the rim's centre.
+
+    m: mass (kg); r: rim radius (m); g: gravity (m/s^2); I1, I3: transverse and axial moment of
+    inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3). Any consistent units do. Raises InputError.
+    Not validated: that a real body with these moments exists and fits inside the rim.
+    """
+
+    m: float = 1.0
+    r: float = 1.0
+    g: float = 1.0
+    I1: float = 0.25
+    I3: float = 0.5
+    name: str = "custom"
+
+    def __post_init__(self) -> None:
+        for key in ("m", "r", "g", "I1"):
+            value = self._number(key)
+            if not (math.isfinite(value) and value > 0.0):
+                raise InputError(f"disk: {key} = {value} must be a finite number above 0")
+        if not (math.isfinite(self._number("I3")) and self.I3 >= 0.0):
+            raise InputError(f"disk: I3 = {self.I3} must be a finite number, 0 <= I3 <= 2 I1")
+        # A rounded decimal such as I1 = 0.3333, I3 = 0.6667 is refused; rounding of doubles is not.
+        if self.I3 > 2.0 * self.I1 * (1.0 + 1e-12):
+            raise InputError(
+                f"disk: I3 = {self.I3} exceeds 2 I1 = {2.0 * self.I1}, which no body has; "
+                "a flat one has I3 = 2 I1 exactly"
+            )
+        if not all(map(math.isfinite, (self.I1 / self._inertia_unit, self.rate_unit, self.energy_unit))):
+            raise InputError("disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
+
+    def _number(self, key: str) -> float:
+        value = getattr(self, key)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"disk: {key} = {value!r} is not a number")
+        return float(value)
+
+    @classmethod
+    def annulus(cls, inner: float, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> "Disk":
+        """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop)."""
+        if not 0.0 <= inner <= 1.0:
+            raise InputError(f"disk: annulus inner over outer radius {inner} must lie between 0 and 1")
+        axial = 0.5 * m * r * r * (1.0 + inner * inner)
+        return cls(m, r, g, 0.5 * axial, axial, f"annulus-{inner:g}")
+
+    @classmethod
+    def uniform(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> "Disk":
+        """The uniform disk, eq. (2.5): m r^2 / I1 = 4."""
+        return replace(cls.annulus(0.0, m, r, g), name="uniform")
+
+    @classmethod
+    def hoop(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> "Disk":
+        """The hoop, eq. (2.6): m r^2 / I1 = 2."""
+        return replace(cls.annulus(1.0, m, r, g), name="hoop")
+
+    @classmethod
+    def matching(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> "Disk":
+        """The flat body with m r^2 / I1 = 3, for which both one-sided limit motions agree."""
+        third = m * r * r / 3.0
+        return cls(m, r, g, third, 2.0 * third, "matching")
+
+    @classmethod
+    def parse(cls, text: str) -> "Disk":
+        """A disk from what the command line accepts. Raises InputError."""
+        text = text.strip()
+        if text in PRESETS:
+            return {"uniform": cls.uniform, "hoop": cls.hoop, "matching": cls.matching}[text]()
+        if text.startswith("annulus:"):
+            return cls.annulus(_to_number("annulus", text.removeprefix("annulus:")))
+        if text.endswith(".toml"):
+            return cls._from_mapping(read_toml(Path(text), "--disk"), Path(text).stem)
+        if "=" in text:
+            pairs = [item.partition("=") for item in text.split(",")]
+            return cls._from_mapping({k.strip(): _to_number(k.strip(), v) for k, _, v in pairs}, "custom")
+        raise InputError(f"--disk {text!r} is not known; choose {_SYNTAX}")
+
+    @classmethod
+    def _from_mapping(cls, values: dict[str, Any], name: str) -> "Disk":
+        known = ("m", "r", "g", "I1", "I3")
+        for key in values:
+            if key not in (*known, "name"):
+                raise InputError(f"disk: unknown quantity {key!r}; the known ones are {', '.join(known)}")
+        missing = [key for key in ("I1", "I3") if key not in values]
+        if missing:
+            raise InputError(f"disk: {' and '.join(missing)} missing; give I1 and I3 (m, r, g default to 1)")
+        return cls(**{"name": name, **values})
+
+    @property
+    def _inertia_unit(self) -> float:
+        return self.m * self.r * self.r
+
+    @property
+    def rate_unit(self) -> float:
+        """sqrt(g/r) in rad/s: one natural unit of an angular velocity."""
+        return math.sqrt(self.g / self.r)
+
+    @property
+    def time_unit(self) -> float:
+        """sqrt(r/g) in s."""
+        return 1.0 / self.rate_unit
+
+    @property
+    def energy_unit(self) -> float:
+        """m g r in J."""
+        return self.m * self.g * self.r
+
+    @property
+    def eta_unit(self) -> float:
+        """m r^2 sqrt(g/r), the unit of eta_+-."""
+        return self._inertia_unit * self.rate_unit
+
+    @property
+    def kappa(self) -> float:
+        """The race number sqrt(1 + m r^2 / I1), eq. (7.9)."""
+        return math.sqrt(1.0 + self._inertia_unit / self.I1)
+
+    @property
+    def race_limit(self) -> float:
+        """kappa pi (rad): the angle by which the contact point races round the rim."""
+        return self.kappa * math.pi
+
+    @property
+    def gap(self) -> float:
+        """2 kappa pi mod 2 pi (rad): how far the two one-sided limit motions differ per fall."""
+        gap = math.remainder(2.0 * self.race_limit, 2.0 * math.pi)
+        # Rounding of m, r and I1 must not turn a gap of zero into one of 2 pi.
+        return 0.0 if abs(gap) < 1e-12 else gap % (2.0 * math.pi)
+
+    @cached_property
+    def _compiled(self) -> tuple[Any, Any]:
+        unit = self._inertia_unit
+        return compiled.body.make_body(self.I1 / unit, min(self.I3 / unit, 2.0 * self.I1 / unit))
+
+    @property
+    def body(self) -> Any:
+        """Dimensionless constants for the kernels (kernels.disk.body.Body)."""
+        return self._compiled[0]
+
+    @property
+    def series(self) -> Any:
+        """Chaplygin series for the kernels."""
+        return self._compiled[1]
+
+    @cached_property
+    def whole(self) -> Any:
+        """Chaplygin series as tuples, for lanes (kernels.disk.chaplygin.Whole)."""
+        return compiled.chaplygin.make_whole(self.series)
+
+    @cached_property
+    def tables(self) -> Any:
+        """Tables for passages (kernels.integrals.tables.Tables)."""
+        return compiled.tables.make_tables(self.body, self.series, table_rules())
+
+    def describe(self) -> dict[str, float | str]:
+        """What run.json and summary.json say about the disk."""
+        numbers = {key: float(getattr(self, key)) for key in ("m", "r", "g", "I1", "I3")}
+        return {"name": self.name, **numbers}
+
+
+def _to_number(key: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"disk: {key} = {text.strip()!r} is not a number") from None
+
+
+def read_toml(path: Path, option: str) -> dict[str, Any]:
+    """The content of a TOML file. Raises InputError naming the option and the file."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{option} {path}: cannot be read ({error.strerror})") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{option} {path}: not valid TOML ({error})") from None

@@ -1,0 +1,1 @@
+"""What the phase space looks like: data of pictures that need no run."""

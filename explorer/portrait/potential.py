@@ -1,0 +1,395 @@
+"""The amended potential at given constants of motion, and the phase portrait of the tilt that it makes.
+
+With sigma3_bar and eta held, the tilt moves like a point of mass M in V(phi; sigma3_bar, eta):
+E = M phidot^2/2 + V, eq. (3.8). Off the lines l_+- V grows beyond all bounds at both flat states: a wall. On
+l_+- it ends at V_0 on that side, eq. (6.9), and the disk falls. Everything is found in y = artanh(sin phi),
+the logarithm of the tilt near flat, so that a wall at eta_hat = 1e-100 is as far away as any other.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
+
+from explorer import compiled
+from explorer.errors import InputError
+from explorer.phase.disk import Disk
+from explorer.phase.membership import well
+from explorer.phase.states import Array, line_slope, require_axial_inertia
+
+_STEP = 0.02  # of y: V is smooth on the scale 1
+_EPS = float(np.finfo(float).eps)
+_FLAT = 1e-8  # tilt (rad) at which the grid stops where V ends at V_0
+_POINTS = 400
+CENTRE, SADDLE, DEGENERATE = "centre", "saddle", "degenerate"
+TURNING, FLAT = "turning point", "flat"
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A steady motion: phi and theta, its tilt from the nearer flat state (rad); V and its second derivative.
+
+    kind: centre (stable, V'' > 0), saddle (unstable, V'' < 0) or degenerate (V'' = 0 to rounding).
+    residual: |V'| there, as a multiple of the rounding of its terms.
+    """
+
+    phi: float
+    theta: float
+    energy: float
+    curvature: float
+    kind: str
+    residual: float
+    y: float
+
+
+@dataclass(frozen=True)
+class Component:
+    """One piece low <= phi <= high of {V <= energy} (rad).
+
+    ends: a turning point, a saddle, or flat, at the left and at the right. y: these in artanh(sin phi).
+    falls: it reaches a flat state.
+    """
+
+    energy: float
+    low: float
+    high: float
+    ends: tuple[str, str]
+    y: tuple[float, float]
+
+    @property
+    def falls(self) -> bool:
+        return FLAT in self.ends
+
+
+@dataclass(frozen=True)
+class Separatrix:
+    """The level through a saddle: what lies at its left and at its right; motions there take for ever."""
+
+    saddle: Equilibrium
+    branches: tuple[Component, Component]
+
+
+def curvature_of(q: Array, z: Array, sigma3: Array, sigma4: Array, b: Any) -> Array:
+    """d2V/dphi2 at held constants where cos phi = q, sin phi = z; natural units.
+
+    From dsigma3/dphi = -(I3/I1) cos phi sigma4 and dsigma4/dphi = -(m r^2/J) sigma3/cos phi, eqs (2.17), (2.18).
+    """
+    rho = sigma3 / q
+    steep = rho * z / q
+    return (
+        b.M * rho * rho
+        + 3.0 * b.I1 * steep * steep
+        - (2.0 * b.I3 + b.J) * steep * sigma4
+        + b.J * b.k * sigma4 * sigma4
+        - q
+    )
+
+
+@dataclass(frozen=True)
+class Potential:
+    """V(phi; sigma3_bar, eta); make one with `on_line` or `at_constants`. Methods speak the units of the disk.
+
+    bar, eta: sigma3_bar and eta_hat of `side` in natural units. Side -1 is the mirror image, eq. (3.2).
+    """
+
+    disk: Disk
+    bar: float
+    eta: float
+    side: int = 1
+
+    def __post_init__(self) -> None:
+        require_axial_inertia(self.disk)
+
+    @property
+    def sigma3_bar(self) -> float:
+        return self.bar * self.disk.rate_unit
+
+    @property
+    def eta_hat(self) -> float:
+        """Signed distance to the line of `side`, eq. (6.2)."""
+        return self.eta * self.disk.rate_unit
+
+    @property
+    def sigma4_bar(self) -> float:
+        return self.side * (line_slope(self.disk) * self.bar - self.eta) * self.disk.rate_unit
+
+    def etas(self) -> dict[int, float]:
+        """eta_hat on each side, natural units."""
+        other = 2.0 * line_slope(self.disk) * self.bar - self.eta
+        return {self.side: self.eta, -self.side: other}
+
+    def terms(self, q: Array, z: Array) -> tuple[Array, Array, Array, Array]:
+        """V, dV/dphi, d2V/dphi2 and the size of the terms of dV/dphi where cos phi = q, sin phi = z.
+
+        Natural units.
+        """
+        b = self.disk.body
+        chart = np.empty((4, q.size))
+        with np.errstate(over="ignore", invalid="ignore"):
+            compiled.falling.line_chart_batch(q, self.side * z, b, self.disk.series, chart)
+            s3 = chart[0] * self.bar + chart[1] * self.eta
+            s4 = self.side * (chart[2] * self.bar + chart[3] * self.eta)
+            rho = s3 / q
+            V = 0.5 * b.I1 * rho * rho + 0.5 * b.J * s4 * s4 + q
+            slope = b.I1 * rho * (rho / q) * z - b.J * rho * s4 - z
+            curvature = curvature_of(q, z, s3, s4, b)
+            # What rounds: sigma3 and sigma4 are sums, and at the vertical D is a difference of terms of order 1
+            most3 = abs(chart[0] * self.bar) + np.maximum(abs(chart[1]), b.k * b.r0) * abs(self.eta)
+            most4 = abs(chart[2] * self.bar) + abs(chart[3] * self.eta)
+            size = most3 / q * (b.I1 * most3 / q * abs(z) / q + b.J * most4) + abs(z)
+        return V, slope, curvature, size
+
+    def _of_phi(self, phi: ArrayLike, row: int) -> Array:
+        angle = np.asarray(phi, dtype=np.float64)
+        if not np.all(abs(angle) < 0.5 * np.pi):
+            raise InputError("phi: V is defined between the flat states; give -pi/2 < phi < pi/2 (rad)")
+        flat = np.ravel(angle)
+        return (self.terms(np.cos(flat), np.sin(flat))[row] * self.disk.energy_unit).reshape(angle.shape)
+
+    def V(self, phi: ArrayLike) -> Array:
+        """The amended potential, eq. (3.8), at phi (rad)."""
+        return self._of_phi(phi, 0)
+
+    def dV(self, phi: ArrayLike) -> Array:
+        """dV/dphi."""
+        return self._of_phi(phi, 1)
+
+    def d2V(self, phi: ArrayLike) -> Array:
+        """d2V/dphi2; its sign at an equilibrium decides stability."""
+        return self._of_phi(phi, 2)
+
+    def at_y(self, y: ArrayLike) -> tuple[Array, Array, Array, Array]:
+        """As `terms`, where sin phi = tanh y."""
+        values = np.atleast_1d(np.asarray(y, dtype=np.float64))
+        return self.terms(1.0 / np.cosh(values), np.tanh(values))
+
+    def flat_value(self, side: int) -> float:
+        """V at a flat state in natural units: V_0 on its line, eq. (6.9); infinite off it."""
+        if self.etas()[side] != 0.0:
+            return math.inf
+        b = self.disk.body
+        return 0.5 * b.J * (self.bar / (b.k * b.r0)) ** 2
+
+    def reach(self, side: int) -> float:
+        """|y| beyond which V' keeps its sign towards flat."""
+        eta, rates = abs(self.etas()[side]), 1.0 + abs(self.bar) + abs(self.eta)
+        tilt = _FLAT / rates**2 if eta == 0.0 else 1e-6 * min(eta, 1.0) / rates
+        return math.log(2.0 / max(tilt, 1e-290))
+
+    @cached_property
+    def equilibria(self) -> tuple[Equilibrium, ...]:
+        """All steady motions at these constants, from phi = -pi/2 to pi/2: every root of V'."""
+        left, right = (math.ceil(self.reach(side) / _STEP) for side in (-1, 1))
+        y = _STEP * np.arange(-left, right + 1)
+        _, _, curved, _ = self.at_y(y)
+        turns = [self._root(2, y[i], y[i + 1]) for i in _changes(curved)]
+        # Between zeros of V'' the slope is monotonic: a pair of close roots cannot hide between points.
+        y = np.union1d(y, turns)
+        _, slope, _, size = self.at_y(y)
+        roots = [self._root(1, y[i], y[i + 1]) for i in _changes(slope)]
+        touches = np.isin(y, turns) & (abs(slope) <= 2.0 * _EPS * size)
+        roots += list(y[(slope == 0.0) | touches])
+        found: list[Equilibrium] = []
+        for equilibrium in map(self._equilibrium, sorted(roots)):
+            if not found or equilibrium.y - found[-1].y > 4.0 * _EPS * max(1.0, abs(equilibrium.y)):
+                found.append(equilibrium)
+        return tuple(found)
+
+    def _root(self, row: int, low: float, high: float, value: float = 0.0) -> float:
+        # A root at the vertical has rounding only, no digits of its own: hence an absolute tolerance
+        return float(
+            brentq(lambda y: self.at_y(y)[row][0] - value, low, high, xtol=1e-18, rtol=4.0 * _EPS, maxiter=400)
+        )
+
+    def _equilibrium(self, y: float) -> Equilibrium:
+        V, slope, curved, size = (float(values[0]) for values in self.at_y(y))
+        for _ in range(3):
+            step = slope * math.cosh(y) / curved if curved != 0.0 else math.inf
+            if not abs(step) < 1e-6:
+                break
+            nearer = tuple(float(values[0]) for values in self.at_y(y - step))
+            if not abs(nearer[1]) < abs(slope):
+                break
+            y, (V, slope, curved, size) = y - step, nearer
+        sharp = 1e-13 * (size + 1.0)
+        kind = DEGENERATE if abs(curved) <= sharp else CENTRE if curved > 0.0 else SADDLE
+        unit, residual = self.disk.energy_unit, abs(slope) / (_EPS * size or 1.0)
+        return Equilibrium(_phi(y), 2.0 * math.atan(math.exp(-abs(y))), V * unit, curved * unit, kind, residual, y)
+
+    @cached_property
+    def _stops(self) -> tuple[Array, Array]:
+        """Ends and equilibria in y, and V there: between two of them V is monotonic."""
+        inner = [found.y for found in self.equilibria]
+        y = np.array([-self.reach(-1), *inner, self.reach(1)])
+        V = self.at_y(y)[0]
+        V[[0, -1]] = self.flat_value(-1), self.flat_value(1)
+        return y, V
+
+    @property
+    def bottom(self) -> float:
+        """The least V, or the value that it falls to at flat."""
+        return float(self._stops[1].min()) * self.disk.energy_unit
+
+    def components(self, energy: float) -> tuple[Component, ...]:
+        """The pieces of {V < energy}, from left to right; energy in the units of the disk."""
+        E = energy / self.disk.energy_unit
+        y, V = self._stops
+        cuts: list[tuple[float, str]] = [(float(y[0]), FLAT)] if V[0] < E else []
+        for i in range(y.size - 1):
+            if (V[i] < E) != (V[i + 1] < E):
+                cuts.append((self._crossing(E, i), TURNING))
+        if V[-1] < E:
+            cuts.append((float(y[-1]), FLAT))
+        pairs = zip(cuts[::2], cuts[1::2], strict=True)
+        return tuple(self._component(energy, low, high) for low, high in pairs)
+
+    def separatrices(self) -> tuple[Separatrix, ...]:
+        """The level through each saddle, on both sides of it."""
+        return tuple(Separatrix(at, self._branches(at)) for at in self.equilibria if at.kind == SADDLE)
+
+    def _branches(self, saddle: Equilibrium) -> tuple[Component, Component]:
+        E, here = saddle.energy / self.disk.energy_unit, (saddle.y, SADDLE)
+        left, right = self._end(E, saddle.y, -1), self._end(E, saddle.y, 1)
+        return self._component(saddle.energy, left, here), self._component(saddle.energy, here, right)
+
+    def _end(self, E: float, start: float, way: int) -> tuple[float, str]:
+        """Where the level E that starts at a saddle ends in one direction."""
+        y, V = self._stops
+        i = int(np.argmin(abs(y - start)))
+        equal = 32.0 * _EPS * abs(E)
+        # The next stop is a minimum, or flat
+        for j in range(i + way, y.size if way > 0 else -1, way):
+            if 0 < j < y.size - 1 and abs(V[j] - E) <= equal:
+                return float(y[j]), SADDLE
+            if V[j] > E:
+                return self._crossing(E, min(j, j - way)), TURNING
+        return float(y[-1 if way > 0 else 0]), FLAT
+
+    def _crossing(self, E: float, i: int) -> float:
+        """The root of V = E between two stops."""
+        y, V = self._stops
+        low, high = float(y[i]), float(y[i + 1])
+        # Stops at a wall stand where V is finite: further out for large energies
+        while i == 0 and V[0] == math.inf and self.at_y(low)[0][0] < E:
+            low -= 1.0
+        while i == y.size - 2 and V[-1] == math.inf and self.at_y(high)[0][0] < E:
+            high += 1.0
+        return self._root(0, low, high, E)
+
+    def _component(self, energy: float, low: tuple[float, str], high: tuple[float, str]) -> Component:
+        y, ends = (low[0], high[0]), (low[1], high[1])
+        return Component(energy, _phi(y[0], ends[0]), _phi(y[1], ends[1]), ends, y)
+
+    def curve(self, component: Component, points: int = _POINTS) -> tuple[Array, Array]:
+        """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, rad per unit of time."""
+        low, high = component.y
+        turn = np.linspace(0.0, np.pi, points + int(2.0 * (high - low)))
+        y = low + (high - low) * 0.5 * (1.0 - np.cos(turn))
+        y[-1] = high
+        phi, E = np.arctan(np.sinh(y)), component.energy / self.disk.energy_unit
+        excess = E - self.at_y(y)[0]
+        for at, end, edge in zip((0, -1), component.ends, (component.low, component.high), strict=True):
+            phi[at] = edge
+            excess[at] = E - self.flat_value(1 if at else -1) if end == FLAT else 0.0
+        return phi, np.sqrt(np.maximum(2.0 * excess / self.disk.body.M, 0.0)) * self.disk.rate_unit
+
+    def falling_edge(self, y: Array) -> Array:
+        """The least |phidot| with which the disk falls from sin phi = tanh y; infinite where nothing falls.
+
+        A motion goes both ways sooner or later, so one flat state within reach is enough. y increases.
+        """
+        stops, heights = self._stops
+        V = self.at_y(y)[0]
+        highest = np.full(y.size, np.inf)
+        for side in (-1, 1):
+            top = self.flat_value(side)
+            if top == math.inf:
+                continue
+            barrier = np.full(y.size, top)
+            for at, height in zip(stops[1:-1], heights[1:-1], strict=True):
+                barrier = np.where(side * (at - y) > 0.0, np.maximum(barrier, height), barrier)
+            highest = np.minimum(highest, np.maximum(barrier, V))
+        return np.sqrt(2.0 * np.maximum(highest - V, 0.0) / self.disk.body.M) * self.disk.rate_unit
+
+
+def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, side: int = 1) -> Potential:
+    """V at eta_hat beside the line l_+ (side -1: l_-), on it where eta_hat = 0. In rad per unit of time."""
+    if side not in (1, -1):
+        raise InputError(f"side = {side!r} must be 1 (l_+) or -1 (l_-)")
+    _require_numbers(sigma3_bar=sigma3_bar, eta_hat=eta_hat)
+    return Potential(disk, float(sigma3_bar) / disk.rate_unit, float(eta_hat) / disk.rate_unit, side)
+
+
+def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
+    """V at given sigma3_bar, sigma4_bar (rad per unit of time), seen from the nearer line.
+
+    Constants on that line to rounding count as on it; `on_line` takes any distance.
+    """
+    _require_numbers(sigma3_bar=sigma3_bar, sigma4_bar=sigma4_bar)
+    slope, bar, spin = line_slope(disk), sigma3_bar / disk.rate_unit, sigma4_bar / disk.rate_unit
+    side = 1 if abs(slope * bar - spin) <= abs(slope * bar + spin) else -1
+    eta = slope * bar - side * spin
+    return Potential(disk, bar, 0.0 if abs(eta) <= 4.0 * _EPS * abs(spin) else eta, side)
+
+
+def require_well(disk: Disk, sigma3_bar: float) -> None:
+    """Raise InputError where the lines carry no well at sigma3_bar (rad per unit of time)."""
+    _require_numbers(sigma3_bar=sigma3_bar)
+    require_axial_inertia(disk)
+    most = well(disk)[1] * disk.rate_unit
+    if not 0.0 < abs(sigma3_bar) < most:
+        raise InputError(
+            f"sigma3_bar = {sigma3_bar:g}: no well beside the falling motions there; "
+            f"give 0 < |sigma3_bar| < {most:.6g} for {disk.name}"
+        )
+
+
+def well_separatrix(disk: Disk, sigma3_bar: float, side: int = 1) -> Separatrix:
+    """What encloses the non-falling well on l_+- and parts it from the falling motions, section 6.2.
+
+    Raises InputError where there is no well: |sigma3_bar| must be below sigma3_bar* (`falling.well`).
+    """
+    require_well(disk, sigma3_bar)
+    return on_line(disk, sigma3_bar, 0.0, side).separatrices()[0]
+
+
+def level_energies(potential: Potential, energies: tuple[float, float] | None = None, count: int = 9) -> Array:
+    """Energies of level curves (units of the disk), from the bottom of V to above all saddles unless given.
+
+    Raises InputError where the range is empty or no motion has an energy in it.
+    """
+    bottom, unit = potential.bottom, potential.disk.energy_unit
+    if energies is None:
+        tops = [found.energy for found in potential.equilibria] + [float(potential.V(0.0))]
+        low, high = bottom, max(tops) + 0.5 * unit
+    else:
+        low, high = energies
+        if not (math.isfinite(low) and math.isfinite(high) and low < high):
+            raise InputError(f"energies {low:g}:{high:g} are an empty range; give LOW:HIGH, the smaller first")
+        if not high > bottom:
+            raise InputError(
+                f"energies {low:g}:{high:g}: with eta_hat = {potential.eta_hat:g} no motion has an energy below "
+                f"{bottom:.6g}; give a HIGH above that"
+            )
+    # The bottom itself is no curve; a range that a person gave above it keeps its lower end
+    return np.linspace(low, high, count) if low > bottom else np.linspace(bottom, high, count + 1)[1:]
+
+
+def _phi(y: float, end: str = TURNING) -> float:
+    return math.copysign(0.5 * math.pi, y) if end == FLAT else math.atan(math.sinh(y))
+
+
+def _require_numbers(**given: float) -> None:
+    for name, value in given.items():
+        if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not abs(value) < 1e100:
+            raise InputError(f"{name} = {value!r} must be a finite number below 1e100")
+
+
+def _changes(values: Array) -> NDArray[np.intp]:
+    """Places before which and after which the sign differs; exact zeros are none."""
+    sign = np.sign(values)
+    return np.flatnonzero(sign[:-1] * sign[1:] < 0.0)

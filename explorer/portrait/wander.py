@@ -1,0 +1,148 @@
+"""How the disk wanders over the table: drift per period, and the resonances where it has no bound.
+
+One period turns the picture by chi(tau) and moves it by a(tau) - a(0): the motion in the plane is a
+rotation about a fixed centre unless chi(tau) is a multiple of 2 pi (Borisov, Mamaev & Kilin 2003).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from explorer import compiled
+from explorer.errors import InputError
+from explorer.motion.passages import Periods, periods
+from explorer.motion.trajectories import simulate
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, States, columns_of, constants_to_states, require_axial_inertia
+
+_ACCURACY = 1e-9
+_MOST_PERIODS = 10_000
+_FIRST_TIMES = 64
+_FINEST = 30  # halvings of a step of time
+_STEP = 0.12  # rad of chi between two points of a path
+
+
+@dataclass(frozen=True)
+class Drift:
+    """What one period does to the place of the disk, one entry per motion; arrays (n), units of the disk.
+
+    period: time. chi: turn per period (rad). step: a(tau) - a(0) as a1 + i a2, where chi(0) = 0. radius:
+    of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|), infinite at a
+    resonance. status: NaN and 0 elsewhere where it is not OK.
+    """
+
+    period: Array
+    chi: Array
+    step: NDArray[np.complex128]
+    radius: Array
+    status: NDArray[np.int8]
+
+    def after(self, count: int) -> NDArray[np.complex128]:
+        """a(k tau) - a(0) for k = 0 ... count, (n, count + 1): the steps, each turned by chi more."""
+        turned = np.exp(1j * self.chi[:, None] * np.arange(count))
+        return self.step[:, None] * np.concatenate([0.0 * turned[:, :1], np.cumsum(turned, axis=1)], axis=1)
+
+
+def drift_per_period(states: States) -> Drift:
+    """Drift of motions: period and chi by quadrature (3.12), (3.13), the step by integration of (2.33)."""
+    require_axial_inertia(states.disk)
+    found = _periods(states)
+    step = np.full(len(states), np.nan, np.complex128)
+    for row in np.flatnonzero(found.status == compiled.status.Status.OK):
+        end = float(found.period[row])
+        moved = simulate(
+            states.disk, states.at(np.array([row])), t_eval=[end], observables=("path",), accuracy=_ACCURACY
+        )
+        assert moved.path is not None
+        step[row] = complex(moved.path[0, 0, 0], moved.path[0, 0, 1])
+    with np.errstate(divide="ignore"):
+        radius = abs(step) / (2.0 * abs(np.sin(0.5 * found.chi)))
+    return Drift(found.period, found.chi, step, radius, found.status)
+
+
+def _periods(states: States) -> Periods:
+    """Periods, with eta as it was given where it was."""
+    if states.exact is None:
+        return periods(states)
+    b = states.disk.body
+    eta = np.where(states.natural[1] >= 0.0, states.exact[1], states.exact[2])
+    return periods(states, _ACCURACY, eta_hat=eta * states.disk.rate_unit / (b.I3 * b.r0))
+
+
+def resonance(
+    disk: Disk, eta_hat: float, phidot: float, turns: int, between: tuple[float, float]
+) -> tuple[float, States]:
+    """sigma3_bar in `between` for which chi(tau) is `turns` whole turns, and the state at the vertical.
+
+    eta_hat (on side +1), phidot at the vertical, sigma3_bar: rad per unit of time. Root-finding (Brent) on
+    chi(tau) by quadrature; the two ends must lie on different sides of the resonance.
+    """
+
+    def excess(sigma3_bar: float) -> float:
+        found = _periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot))
+        if found.status[0] != compiled.status.Status.OK:
+            sentence = compiled.status.Status(int(found.status[0])).sentence
+            raise InputError(f"resonance: no period at sigma3_bar = {sigma3_bar:g}: {sentence} Move `between`")
+        return float(found.chi[0]) / (2.0 * math.pi) - turns
+
+    ends = columns_of(between=between)[0]
+    if ends.size != 2 or isinstance(turns, bool) or not isinstance(turns, int):
+        raise InputError(f"resonance: between = {between!r}, turns = {turns!r}: give two numbers and a whole one")
+    low, high = float(ends[0]), float(ends[1])
+    first, last = excess(low), excess(high)
+    if first * last > 0.0:
+        raise InputError(
+            f"resonance: chi(tau) is {first + turns:.4f} turns at sigma3_bar = {low:g} and {last + turns:.4f} at "
+            f"{high:g}; {turns} is not in between: change `between` or turns"
+        )
+    root = float(brentq(excess, low, high, xtol=1e-14, rtol=1e-14))
+    return root, constants_to_states(disk, root, eta_hat, phidot)
+
+
+@dataclass(frozen=True)
+class Wander:
+    """The path of one motion over whole periods, units of the disk.
+
+    t (nt); contact, centre: (nt, 2), the contact point and the shadow of the centre on the table, which
+    starts at the origin with chi = 0. drift: what one period does. count: number of periods.
+    """
+
+    disk: Disk
+    t: Array
+    contact: Array
+    centre: Array
+    drift: Drift
+    count: int
+
+
+def wander(states: States, count: int) -> Wander:
+    """Follow one motion over `count` periods by integration, with points dense where the contact point races."""
+    if len(states) != 1:
+        raise InputError(f"states: wander follows one motion, {len(states)} were given")
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= _MOST_PERIODS:
+        raise InputError(f"count = {count!r}: give a whole number of periods, 1 to {_MOST_PERIODS}")
+    drift = drift_per_period(states)
+    if drift.status[0] != compiled.status.Status.OK:
+        raise InputError(f"states: no period. {compiled.status.Status(int(drift.status[0])).sentence}")
+    period = float(drift.period[0])
+    within = dense_times(states, np.linspace(0.0, period, _FIRST_TIMES))[:-1]
+    t = np.append((period * np.arange(count)[:, None] + within).ravel(), count * period)
+    found = simulate(states.disk, states, t_eval=t, observables=("path", "contact"), accuracy=_ACCURACY)
+    assert found.path is not None
+    assert found.contact is not None
+    return Wander(states.disk, t, found.contact[0, :, :2], found.path[0, :, :2], drift, count)
+
+
+def dense_times(states: States, t: Array) -> Array:
+    """Times between those of t as well, until the contact angle of the one motion changes by little in each."""
+    for _ in range(_FINEST):
+        chi = simulate(states.disk, states, t_eval=t, observables=("chi",)).chi
+        assert chi is not None
+        wide = abs(np.diff(chi[0])) > _STEP
+        if not wide.any():
+            break
+        t = np.union1d(t, 0.5 * (t[1:] + t[:-1])[wide])
+    return t

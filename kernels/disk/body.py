@@ -1,0 +1,60 @@
+"""The disk's dimensionless constants, computed once and passed to every kernel."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import float64
+from numba import types as nb
+
+from kernels.disk import chaplygin
+
+
+class Body(NamedTuple):
+    """Constants of one disk in natural units (m = r = g = 1); all dimensionless.
+
+    Made by :func:`make_body`, which does not validate: ``explorer.Disk`` does.
+    """
+
+    I1: float
+    I3: float
+    M: float
+    J: float
+    kappa: float
+    c: float
+    inv_kappa2: float  # I1 / M
+    J_over_M: float
+    inv_M: float  # m g r / M
+    inv_J: float  # m r^2 / J
+    k: float  # I3 / I1
+    r0: float  # r(0)
+    dr0: float  # r'(0)
+
+
+def make_body(I1: float, I3: float) -> tuple[Body, np.ndarray]:
+    """The constants of the disk and its Chaplygin series, from I1/(m r^2) and I3/(m r^2).
+
+    Returns the body and the (5, n) coefficients of :func:`kernels.chaplygin.make_series`.
+    """
+    M, J = I1 + 1.0, I3 + 1.0
+    c = I3 / (J * I1)
+    series, r0, dr0 = chaplygin.make_series(c)
+    body = Body(
+        I1=I1,
+        I3=I3,
+        M=M,
+        J=J,
+        kappa=math.sqrt(M / I1),
+        c=c,
+        inv_kappa2=I1 / M,
+        J_over_M=J / M,
+        inv_M=1.0 / M,
+        inv_J=1.0 / J,
+        k=I3 / I1,
+        r0=r0,
+        dr0=dr0,
+    )
+    return body, series
+
+
+BODY = nb.NamedUniTuple(float64, len(Body._fields), Body)

@@ -1,0 +1,142 @@
+"""Chaplygin's equations: recessive and dominant solutions, constants of motion without integration.
+
+With S = 1 - |sigma_1| the distance from the nearer flat state, sigma_3 and sigma_4 are exact
+combinations of two fixed functions of S (sections 5.1 and 5.2 of the paper):
+
+    sigma3        = X rho(S)  + Y D(S)
+    side*k*sigma4 = X rho'(S) + Y D'(S)         k = I3/I1, ' = d/dS
+
+with constants X = sigma3_bar / r(0) and Y = eta_side / I1. The Wronskian rho D' - rho' D = -1
+makes the inverse equally short, so eta is found from a state by one subtraction, and
+D(S) = (c/2) rho ln S + v keeps the logarithm of eq. (5.9) explicit: near flat nothing cancels.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import float64
+from numba import types as nb
+
+from kernels._jit import device
+
+# The nearest singularity is S = 2, so Chebyshev coefficients on [0, 1] fall like 5.8^-n:
+# degree 20 is at rounding (17 leaves 4e-14 in D'), and the monomial form in 2S - 1 loses nothing.
+DEGREE = 20
+TERMS = 90  # of the power series, which at S = 1 gains a bit per term
+
+
+class Solutions(NamedTuple):
+    """The two solutions at one S, with derivatives in S."""
+
+    rho: float
+    drho: float
+    rho_over_S: float
+    D: float
+    dD: float
+
+
+def make_series(c: float) -> tuple[np.ndarray, float, float]:
+    """Polynomials in 2S - 1 on 0 <= S <= 1 for rho/S, rho', v, v', (rho' - 1)/S; and r(0), r'(0).
+
+    c is the dimensionless parameter of eq. (4.3). Returns coefficients, shape (5, DEGREE + 1),
+    ascending powers.
+    """
+    rows, r0, dr0 = power_series(c)
+    return np.ascontiguousarray(np.stack([economise(row, DEGREE) for row in rows])), r0, dr0
+
+
+def power_series(c: float) -> tuple[np.ndarray, float, float]:
+    """The same five functions in ascending powers of S, and r(0), r'(0).
+
+    Eqs (5.1)-(5.3), and v of Lemma 2.
+    """
+    r = np.zeros(TERMS + 2)
+    r[1] = 1.0
+    for n in range(1, TERMS + 1):
+        r[n + 1] = (c + n * (n - 1)) / (2 * n * (n + 1)) * r[n]
+    v = np.zeros(TERMS + 2)
+    v[0] = 1.0
+    for k in range(1, TERMS + 1):
+        source = 0.5 * c * (2 * (2 * k + 1) * r[k + 1] - (2 * k - 1) * r[k])
+        v[k + 1] = ((k * (k - 1) + c) * v[k] - source) / (2 * k * (k + 1))
+    # A multiple of rho may be added to v; v(1) = 0 fixes it.
+    v -= math.fsum(v) / math.fsum(r) * r
+    orders = np.arange(r.size)
+    drho, dv = np.roll(r * orders, -1), np.roll(v * orders, -1)
+    rows = np.stack([np.roll(r, -1), drho, v, dv, np.append(drho[1:], 0.0)])
+    return rows, math.fsum(r), math.fsum(r * orders)
+
+
+def economise(coefficients: np.ndarray, degree: int) -> np.ndarray:
+    """Ascending powers of S on [0, 1] -> ascending powers of 2S - 1 up to `degree`, by way of Chebyshev.
+
+    S^n = 2^(1-2n) sum' C(2n, n-j) T_j(2S - 1) has positive weights only: nothing cancels, where a
+    fit through points would lose a digit.
+    """
+    chebyshev = np.empty(degree + 1)
+    for j in range(degree + 1):
+        terms = (a * math.comb(2 * n, n - j) / 4**n for n, a in enumerate(coefficients) if n >= j)
+        chebyshev[j] = math.fsum(terms) * (1.0 if j == 0 else 2.0)
+    powers = np.polynomial.chebyshev.cheb2poly(chebyshev)
+    return np.pad(powers, (0, degree + 1 - powers.size))  # numpy drops trailing zeros
+
+
+@device
+def solutions(S, log_S, c, series):
+    """rho, rho', rho/S, D, D' at 0 <= S <= 1; log_S is passed because S may underflow."""
+    x = 2.0 * S - 1.0
+    n = series.shape[1] - 1
+    g = series[0, n]
+    drho = series[1, n]
+    v = series[2, n]
+    dv = series[3, n]
+    for j in range(n - 1, -1, -1):
+        g = g * x + series[0, j]
+        drho = drho * x + series[1, j]
+        v = v * x + series[2, j]
+        dv = dv * x + series[3, j]
+    rho = S * g
+    half_c = 0.5 * c
+    return Solutions(rho, drho, g, half_c * rho * log_S + v, half_c * (drho * log_S + g) + dv)
+
+
+@device
+def slope_excess(S, series):
+    """(rho' - 1) / S: what is left of rho' above its value at flat, without cancellation."""
+    x = 2.0 * S - 1.0
+    n = series.shape[1] - 1
+    total = series[4, n]
+    for j in range(n - 1, -1, -1):
+        total = total * x + series[4, j]
+    return total
+
+
+@device
+def constants_from_sigma(side, sigma3, sigma4, f, k):
+    """(X, Y) from (sigma3, sigma4) at a point of the hemisphere `side`, given its solutions f."""
+    spin = side * k * sigma4
+    return spin * f.D - sigma3 * f.dD, sigma3 * f.drho - spin * f.rho
+
+
+@device
+def sigma_from_constants(side, X, Y, f, k):
+    """(sigma3, sigma4) from (X, Y) at a point of the hemisphere `side`. Needs I3 > 0."""
+    return X * f.rho + Y * f.D, side * (X * f.drho + Y * f.dD) / k
+
+
+class Whole(NamedTuple):
+    """Chaplygin's series for S <= 1, ascending powers of 2 S - 1; tuples of DEGREE + 1 numbers."""
+
+    rho_over_S: tuple[float, ...]
+    drho: tuple[float, ...]
+    v: tuple[float, ...]
+    dv: tuple[float, ...]
+
+
+def make_whole(series: np.ndarray) -> Whole:
+    """Rows of chaplygin.make_series as tuples, which lanes keep at hand."""
+    return Whole(*(tuple(map(float, row)) for row in series[:4]))
+
+
+WHOLE = nb.NamedUniTuple(nb.UniTuple(float64, DEGREE + 1), len(Whole._fields), Whole)

@@ -1,0 +1,107 @@
+"""What a passage needs of the body alone, computed once: motions at fixed tilts, and low series.
+
+Away from flat the nodes of a rule may stand at the same tilts for every sample. There sigma_3 and
+sigma_4 are X and Y times numbers that depend on the tilt and the body, so a node costs a square root
+and a division. Near flat, on h <= HANDOVER, the nodes follow the turning point of each sample, but
+S <= 1/8 and Chaplygin's solutions are polynomials of degree 9.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import float64
+from numba import types as nb
+
+from kernels.disk import chaplygin
+from kernels.types import matrix
+
+# h where the fixed nodes end: as far out as the low series stay short.
+HANDOVER = 0.5
+LOW_DEGREE = 9  # the nearest singularity is 16 intervals away: coefficients fall like 62^-n
+
+# Rows of the tables of fixed tilts: sigma3/q per X and per Y; rise of sigma4 above its value at flat
+# per X and per Y; q; tan(theta/2); weights of time and of chi; last Legendre coefficients.
+RATIO_X, RATIO_Y, RISE_X, RISE_Y, HEIGHT, SLOPE, TIME, CHI, LAST, LAST_BUT_ONE = range(10)
+# Rows of the table of relative nodes in y, its last coefficients below them.
+GAP, WEIGHT, EVEN, EVEN_BUT_ONE = range(4)
+
+
+class Low(NamedTuple):
+    """Chaplygin's series for S <= 1/8, ascending powers of 16 S - 1; tuples of LOW_DEGREE + 1 numbers."""
+
+    rho_over_S: tuple[float, ...]
+    drho: tuple[float, ...]
+    v: tuple[float, ...]
+    dv: tuple[float, ...]
+    excess: tuple[float, ...]
+
+
+class Tables(NamedTuple):
+    """Tables of one body: vertical (8, 1), outer (10, n), fall (10, n), inner (4, m), low."""
+
+    vertical: np.ndarray
+    outer: np.ndarray
+    fall: np.ndarray
+    inner: np.ndarray
+    low: Low
+
+
+def make_tables(body: Any, series: np.ndarray, rules: tuple[np.ndarray, ...]) -> Tables:
+    """Tables for passages of `body`. rules: Gauss rules (2, n) on [-1, 1] for outer, fall and inner.
+
+    The inner rule has an even number of nodes; its positive half is used.
+    """
+    outer, fall, inner = rules
+    handover = 2.0 * math.asin(0.5 * HANDOVER)
+    length = 0.5 * math.pi - handover
+    # A slow start makes theta-dot^2 small towards the vertical; there nodes lie close, like u^2.
+    u = 0.5 * (1.0 + outer[0])
+    fixed = _at_tilts(body, series, 0.5 * math.pi - length * u * u, length * u * outer[1])
+    # The fall has a logarithm at flat as well: u^2 (3 - 2u) crowds nodes at both ends.
+    u = 0.5 * (1.0 + fall[0])
+    theta = 0.5 * math.pi * u * u * (3.0 - 2.0 * u)
+    fallen = _at_tilts(body, series, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
+    half, n = inner.shape[1] // 2, inner.shape[1]
+    # Of an even function the even coefficients are left, of degrees n - 2 and n - 4.
+    last = _coefficients(inner, (n - 2, n - 4))[:, half:]
+    low = Low(*(tuple(map(float, row)) for row in _low_series(body.c)))
+    return Tables(
+        vertical=_at_tilts(body, series, np.array([0.5 * math.pi]), np.zeros(1)),
+        outer=np.concatenate([fixed, _coefficients(outer, (outer.shape[1] - 1, outer.shape[1] - 2))]),
+        fall=np.concatenate([fallen, _coefficients(fall, (fall.shape[1] - 1, fall.shape[1] - 2))]),
+        inner=np.concatenate([1.0 - inner[:1, half:], inner[1:, half:], last]),
+        low=low,
+    )
+
+
+def _at_tilts(body: Any, series: np.ndarray, theta: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Rows RATIO_X ... CHI at the given tilts; weights in theta."""
+    h = 2.0 * np.sin(0.5 * theta)
+    S, log_S = 0.5 * h * h, 2.0 * np.log(h) - math.log(2.0)
+    g, drho, v, dv, excess = (np.polynomial.polynomial.polyval(2.0 * S - 1.0, row) for row in series)
+    D = 0.5 * body.c * S * g * log_S + v
+    dD = 0.5 * body.c * (drho * log_S + g) + dv
+    shape = np.cos(0.5 * theta)
+    q = h * shape
+    return np.stack(
+        [0.5 * g * h / shape, D / q, S * excess / body.k, dD / body.k, q, 0.5 * h / shape, weights, weights / q]
+    )
+
+
+def _coefficients(rule: np.ndarray, degrees: tuple[int, int]) -> np.ndarray:
+    """Factors (2, n) that turn weighted values at a rule's nodes into twice two Legendre coefficients."""
+    eye = np.eye(max(degrees) + 1)
+    return np.stack([(2 * k + 1) * np.polynomial.legendre.legval(rule[0], eye[k]) for k in degrees])
+
+
+def _low_series(c: float) -> list[np.ndarray]:
+    power_series, _r0, _dr0 = chaplygin.power_series(c)
+    shrink = (0.5 * HANDOVER * HANDOVER) ** np.arange(power_series.shape[1])
+    return [chaplygin.economise(row * shrink, LOW_DEGREE) for row in power_series]
+
+
+LOW = nb.NamedUniTuple(nb.UniTuple(float64, LOW_DEGREE + 1), len(Low._fields), Low)
+
+
+TABLES = nb.NamedTuple((matrix, matrix, matrix, matrix, LOW), Tables)

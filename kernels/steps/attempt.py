@@ -1,0 +1,189 @@
+"""What all integrators share: one attempted step, event location, limits, and the verdict."""
+
+import math
+from typing import NamedTuple
+
+from kernels._jit import device, subroutine
+from kernels.disk.field import ANGLES, REDUCED, State, field, shift
+from kernels.status import Status
+from kernels.steps.adaptive import LONGEST_STEP, dopri5_step, error_norm, path_error_norm, step_factor
+from kernels.steps.eighth import combined_error, eighth_order_step, eighth_step_factor
+from kernels.steps.events import level, level_rate
+from kernels.steps.fixed import rk4_step
+
+RK4, DOPRI5, RK8, DOP853 = range(4)  # RK8: the steps of DOP853 at a fixed length
+
+_OK = int(Status.OK)
+_DRIFT = int(Status.INVARIANT_DRIFT)
+_UNRESOLVED = int(Status.UNRESOLVED_SIDE)
+
+# An error in eta above this share of |eta| makes the direction of the race doubtful. Ten times
+# stricter than the sign needs: the error is only seen where the motion is checked.
+RESOLVED_SHARE = 0.1
+# Newton's method on the partial step converges in 2 or 3 steps; bisection guards the rest.
+LOCATE_LIMIT = 60
+_CUBIC_STEPS = 3
+# Shares of a step whose fifth power, third power and square are rounding.
+_SHORT, _SHORTER, _LAST = 1e-3, 1e-5, 1e-8
+
+
+class Drift(NamedTuple):
+    """How far the constants of motion moved: relative energy; sigma3_bar and eta on the near side."""
+
+    energy: float
+    sigma3_bar: float
+    eta: float
+
+
+@device
+def first_step(method, control, unit):
+    """Step to begin with. `control` is the step in units of 1/unit, or the tolerance."""
+    if method in (RK4, RK8):
+        return control / unit
+    return 0.1 / unit
+
+
+@device
+def to_depth(x, depth):
+    """x without what the depth does not carry."""
+    return State(
+        x.q,
+        x.z,
+        x.p,
+        x.rho,
+        x.sigma4,
+        x.t if depth > REDUCED else 0.0,
+        x.chi if depth > REDUCED else 0.0,
+        x.psi if depth > REDUCED else 0.0,
+        x.a1 if depth > ANGLES else 0.0,
+        x.a2 if depth > ANGLES else 0.0,
+    )
+
+
+@device
+def attempt(method, depth, x, h, control, unit, b):
+    """One step: the state after it, whether it is accepted, and the step to try next.
+
+    Call with constant method and depth: the compiler then keeps one branch and drops what the
+    depth does not need.
+    """
+    if method == RK4:
+        return to_depth(rk4_step(x, h, b), depth), True, h
+    if method == RK8:
+        y, _fifth, _third = eighth_order_step(x, h, b)
+        return to_depth(y, depth), True, h
+    if method == DOP853:
+        y, fifth, third = eighth_order_step(x, h, b)
+        error = combined_error(norm(x, fifth, unit, b, depth), norm(x, third, unit, b, depth)) / control
+        step = h * eighth_step_factor(error)
+    else:
+        y, e = dopri5_step(x, h, b)
+        error = norm(x, e, unit, b, depth) / control
+        step = h * step_factor(error)
+    longest = LONGEST_STEP / unit
+    return to_depth(y, depth), error <= 1.0, step if step < longest else longest
+
+
+@device
+def norm(x, e, unit, b, depth):
+    """Size of a local error at the depth carried."""
+    if depth > ANGLES:
+        return path_error_norm(x, e, unit, b)
+    return error_norm(x, e, unit, b)
+
+
+@subroutine
+def partial_step(method, x, h, b):
+    """The state a fraction of an accepted step later, by the same method."""
+    if method == RK4:
+        return rk4_step(x, h, b)
+    if method == DOPRI5:
+        return dopri5_step(x, h, b)[0]
+    return eighth_order_step(x, h, b)[0]
+
+
+@subroutine
+def first_guess(x, end, h, event, target, b):
+    """Length at which the cubic through both ends of a step, with their slopes, takes the value."""
+    start, stop = level(x, event) - target, level(end, event) - target
+    leave, arrive = h * level_rate(x, event, b), h * level_rate(end, event, b)
+    low, high = 0.0, 1.0
+    u = start / (start - stop) if start != stop else 1.0
+    for _ in range(_CUBIC_STEPS):
+        v = 1.0 - u
+        value = v * v * ((1.0 + 2.0 * u) * start + u * leave) + u * u * ((1.0 + 2.0 * v) * stop - v * arrive)
+        slope = 6.0 * u * v * (stop - start) + v * (1.0 - 3.0 * u) * leave + u * (3.0 * u - 2.0) * arrive
+        if (value < 0.0) == (start < 0.0):
+            low = u
+        else:
+            high = u
+        guess = u - value / slope if slope != 0.0 else low
+        u = guess if low < guess < high else 0.5 * (low + high)
+    return h * u
+
+
+@subroutine
+def locate(method, x, end, h, event, target, b):
+    """The state where `event` takes the value `target` within the step from x to `end`, to rounding."""
+    length = first_guess(x, end, h, event, target, b)
+    return settle(method, x, h, length, partial_step(method, x, length, b), event, target, b)
+
+
+@subroutine
+def settle(method, x, h, length, y, event, target, b):
+    """The state where `event` takes the value, from y, which is x a partial step of `length` later.
+
+    Newton's method. What is left to go is so short that a lower order adds less than rounding, so the
+    located state has the accuracy of the method itself, with no interpolation error.
+    """
+    low, high = 0.0, h
+    below = level(x, event) < target
+    for _ in range(LOCATE_LIMIT):
+        gap = level(y, event) - target
+        slope = level_rate(y, event, b)
+        left = -gap / slope
+        if abs(left) <= _LAST * h:
+            return shift(y, left, field(y, b))
+        if (gap < 0.0) == below:
+            low = length
+        else:
+            high = length
+        guess = length + left
+        if not (low < guess < high):
+            guess = 0.5 * (low + high)
+        left = guess - length
+        if abs(left) <= _SHORTER * h:
+            y = shift(y, left, field(shift(y, 0.5 * left, field(y, b)), b))
+        elif abs(left) <= _SHORT * h:
+            y = rk4_step(y, left, b)
+        else:
+            y = partial_step(method, x, guess, b)
+        length = guess
+    return y
+
+
+@device
+def drift_between(before, after, near_plus):
+    """Drift of the constants of motion between two states of one motion."""
+    eta = after.eta_plus - before.eta_plus if near_plus else after.eta_minus - before.eta_minus
+    return Drift((after.energy - before.energy) / before.energy, after.sigma3_bar - before.sigma3_bar, eta)
+
+
+@device
+def verdict(drift, eta, spin_scale, max_drift):
+    """Status of a finished sample from the drift of its constants; `eta` is its exact value.
+
+    spin_scale is sqrt(2E/I1), a bound of sigma3.
+    """
+    if not (abs(drift.energy) <= max_drift and abs(drift.sigma3_bar) <= max_drift * spin_scale):
+        return _DRIFT
+    if not abs(drift.eta) <= RESOLVED_SHARE * abs(eta):
+        return _UNRESOLVED
+    return _OK
+
+
+@device
+def all_finite(x):
+    """False if any component is NaN or infinite."""
+    total = x.q + x.z + x.p + x.rho + x.sigma4 + x.t + x.chi + x.psi + x.a1 + x.a2
+    return abs(total) < math.inf

@@ -1,0 +1,72 @@
+"""One step of order eight: Dormand and Prince's twelve stages as in Hairer's DOP853.
+
+Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (1993), II.5 and II.10. The
+coefficients are decimals, checked against all order conditions on import. The local error combines
+the embedded solutions of orders 5 and 3.
+"""
+
+import math
+
+from kernels._jit import device
+from kernels.disk.field import State, field, shift
+from kernels.steps.tableaux import DORMAND_PRINCE_853
+
+_A = DORMAND_PRINCE_853.a
+_B = DORMAND_PRINCE_853.b
+_E5 = DORMAND_PRINCE_853.fifth
+_E3 = DORMAND_PRINCE_853.third
+
+
+@device
+def _sum4(x, h, w, k1, k4, k5, k6):
+    """x + h (w1 k1 + w4 k4 + w5 k5 + w6 k6): what rows seven and later begin with."""
+    return shift(shift(shift(shift(x, h * w[0], k1), h * w[3], k4), h * w[4], k5), h * w[5], k6)
+
+
+@device
+def eighth_order_step(x, h, b):
+    """The state one step of length h in s later, and its local error by orders 5 and 3."""
+    k1 = field(x, b)
+    k2 = field(shift(x, h * _A[1][0], k1), b)
+    k3 = field(shift(shift(x, h * _A[2][0], k1), h * _A[2][1], k2), b)
+    k4 = field(shift(shift(x, h * _A[3][0], k1), h * _A[3][2], k3), b)
+    k5 = field(shift(shift(shift(x, h * _A[4][0], k1), h * _A[4][2], k3), h * _A[4][3], k4), b)
+    k6 = field(shift(shift(shift(x, h * _A[5][0], k1), h * _A[5][3], k4), h * _A[5][4], k5), b)
+    k7 = field(_sum4(x, h, _A[6], k1, k4, k5, k6), b)
+    k8 = field(shift(_sum4(x, h, _A[7], k1, k4, k5, k6), h * _A[7][6], k7), b)
+    y = shift(_sum4(x, h, _A[8], k1, k4, k5, k6), h * _A[8][6], k7)
+    k9 = field(shift(y, h * _A[8][7], k8), b)
+    y = shift(_sum4(x, h, _A[9], k1, k4, k5, k6), h * _A[9][6], k7)
+    k10 = field(shift(shift(y, h * _A[9][7], k8), h * _A[9][8], k9), b)
+    y = shift(shift(_sum4(x, h, _A[10], k1, k4, k5, k6), h * _A[10][6], k7), h * _A[10][7], k8)
+    k11 = field(shift(shift(y, h * _A[10][8], k9), h * _A[10][9], k10), b)
+    y = shift(shift(_sum4(x, h, _A[11], k1, k4, k5, k6), h * _A[11][6], k7), h * _A[11][7], k8)
+    k12 = field(shift(shift(shift(y, h * _A[11][8], k9), h * _A[11][9], k10), h * _A[11][10], k11), b)
+    zero = State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    y = _outcome(x, h, _B, k1, k6, k7, k8, k9, k10, k11, k12)
+    fifth = _outcome(zero, h, _E5, k1, k6, k7, k8, k9, k10, k11, k12)
+    third = _outcome(zero, h, _E3, k1, k6, k7, k8, k9, k10, k11, k12)
+    return y, fifth, third
+
+
+@device
+def _outcome(x, h, w, k1, k6, k7, k8, k9, k10, k11, k12):
+    """x + h times the weighted stages; the weights of stages 2 to 5 vanish."""
+    y = shift(shift(shift(shift(x, h * w[0], k1), h * w[5], k6), h * w[6], k7), h * w[7], k8)
+    return shift(shift(shift(shift(y, h * w[8], k9), h * w[9], k10), h * w[10], k11), h * w[11], k12)
+
+
+@device
+def combined_error(fifth, third):
+    """Hairer's combination of both norms: fifth where they are alike, of order 8 as the step shrinks."""
+    return fifth * fifth / math.sqrt(fifth * fifth + 0.01 * third * third + 1e-300)
+
+
+@device
+def eighth_step_factor(error):
+    """Factor for the next step from error / tolerance: error^(-1/8), by square roots alone."""
+    error = 1e-30 if error < 1e-30 else error
+    factor = 0.9 / math.sqrt(math.sqrt(math.sqrt(error)))
+    # In this order: a NaN fails the first comparison and shrinks the step.
+    factor = factor if factor > 0.3 else 0.3
+    return factor if factor < 4.0 else 4.0

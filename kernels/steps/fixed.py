@@ -1,0 +1,19 @@
+"""One fixed step: the classical fourth-order Runge-Kutta method."""
+
+from kernels._jit import device
+from kernels.disk.field import field, shift
+from kernels.steps.tableaux import CLASSICAL_RK4
+
+_A = CLASSICAL_RK4.a_floats
+_B = CLASSICAL_RK4.b_floats
+
+
+@device
+def rk4_step(x, h, b):
+    """The state one step of length h in s later."""
+    k1 = field(x, b)
+    k2 = field(shift(x, h * _A[0][0], k1), b)
+    k3 = field(shift(x, h * _A[1][1], k2), b)
+    k4 = field(shift(x, h * _A[2][2], k3), b)
+    y = shift(shift(x, h * _B[0], k1), h * _B[1], k2)
+    return shift(shift(y, h * _B[2], k3), h * _B[3], k4)
