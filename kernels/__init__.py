@@ -32,7 +32,7 @@ eta_+-          eta          signed distance to the lines l_+-, eq. (6.2)
 r(z)            recessive    recessive solution of Chaplygin's equations, eqs (5.1)-(5.3)
 --              dominant     the solution that diverges logarithmically at flat, eq. (5.5)
 r(0), r'(0)     r0 dr0       their values at the vertical, eqs (5.11), (5.12)
---              side         +1 or -1: the flat state at phi = +pi/2 or -pi/2
+--              face         +1 or -1: the flat state at phi = +pi/2 or -pi/2
 --              s            regularised time, dt = q ds
 ==============  ===========  ================================================================
 """

@@ -20,9 +20,9 @@ def coverage(disk, density, runs, draws, seed):
     random = np.random.default_rng(seed)
     for k, delta in enumerate(DELTAS):
         values, squares = np.zeros(runs), np.zeros(runs)
-        for side in (1, -1):
+        for face in (1, -1):
             points = random.random((runs * draws, dimensions(density)))
-            found = draw_tube(disk, density, constant.mass, side, delta, points, 1e-4)
+            found = draw_tube(disk, density, constant.mass, face, delta, points, 1e-4)
             hits = (found.weight * (found.theta_min < delta)).reshape(runs, draws)
             values += hits.mean(axis=1)
             squares += hits.var(axis=1, ddof=1) / draws

@@ -183,7 +183,7 @@ def _add_passage(commands: Any) -> None:
         ("--phidot", "speed at the vertical towards the flat state, 0 or more"),
     ):
         command.add_argument(flag, required=True, type=float, metavar="X", help=help_text)
-    command.add_argument("--side", type=int, choices=(1, -1), default=1, help="flat state (default 1)")
+    command.add_argument("--face", type=int, choices=(1, -1), default=1, help="flat state (default 1)")
     command.add_argument("--accuracy", type=float, default=1e-6, metavar="TOL", help="as for run")
     command.add_argument("--method", default="auto", metavar="NAME", help="as for run")
     command.add_argument("--window", type=float, metavar="Q", help="cos phi at which to start and stop")
@@ -258,7 +258,7 @@ def _passage(options: argparse.Namespace) -> int:
         options.sigma3_bar,
         options.eta_hat,
         options.phidot,
-        options.side,
+        options.face,
         method=options.method,
         accuracy=options.accuracy,
         window=options.window,

@@ -35,7 +35,7 @@ def add_commands(commands: Any, add: Callable[..., argparse.ArgumentParser]) -> 
     for flag, text in (
         ("--sigma3-bar", "phase: constant of motion, in the units of the disk"),
         ("--sigma4-bar", "phase: constant of motion, in the units of the disk"),
-        ("--eta-hat", "phase: instead of sigma4_bar, the distance beside the line of side +1"),
+        ("--eta-hat", "phase: instead of sigma4_bar, the distance beside the line of face +1"),
         ("--energies", "phase: LOW:HIGH, the energies of the levels"),
     ):
         command.add_argument(flag, metavar="X", help=text)

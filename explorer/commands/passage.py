@@ -17,7 +17,7 @@ _UNITS = {
     "min_normal_force": "m g",
     "max_friction": "",
     "error_estimate": "",
-    "side": "",
+    "face": "",
 }
 _WORDS = ("status", "method", "model", "disk")
 
@@ -27,7 +27,7 @@ def passage_report(
     sigma3_bar: float,
     eta_hat: float,
     phidot: float,
-    side: int = 1,
+    face: int = 1,
     *,
     method: str = "auto",
     accuracy: float = 1e-6,
@@ -38,17 +38,17 @@ def passage_report(
     for name, value in (("--sigma3-bar", sigma3_bar), ("--eta-hat", eta_hat), ("--phidot", phidot)):
         if not np.isfinite(value) or (name == "--phidot" and value < 0.0):
             raise InputError(f"{name} {value} must be a finite number{', 0 or more' * (name == '--phidot')}")
-    found = passages(body, sigma3_bar, eta_hat, phidot, side, method=method, accuracy=accuracy, window=window)
+    found = passages(body, sigma3_bar, eta_hat, phidot, face, method=method, accuracy=accuracy, window=window)
     status = compiled.status.Status(int(found.status[0]))
-    report: dict[str, Any] = {"disk": body.name, "side": side, "status": status.name.lower()}
-    for name in ("race_angle", "delta_chi", "delta_psi", "drift", "theta_min", "duration", "fall_time"):
+    report: dict[str, Any] = {"disk": body.name, "face": face, "status": status.name.lower()}
+    for name in ("race_angle", "delta_chi", "delta_psi", "fall_angle", "theta_min", "duration", "fall_time"):
         report[name] = _number(getattr(found, name)[0])
     for name in ("energy", "impact_speed", "limit", "error_estimate"):
         report[name] = _number(getattr(found, name)[0])
     report |= {"method": found.method, "model": found.model, "accuracy": accuracy}
     report["warnings"] = []
     if status == compiled.status.Status.FALLS:
-        report["limits"] = _continuations(body, report["drift"], side)
+        report["limits"] = _continuations(body, report["fall_angle"], face)
     elif status == compiled.status.Status.OK:
         forces = passage_forces(body, sigma3_bar, eta_hat, phidot)
         report["min_normal_force"] = _number(forces.min_normal_force[0])
@@ -59,13 +59,13 @@ def passage_report(
     return report
 
 
-def _continuations(disk: Disk, drift: float, side: int) -> dict[str, dict[str, float]]:
+def _continuations(disk: Disk, fall_angle: float, face: int) -> dict[str, dict[str, float]]:
     """What the passage tends to from each side: angles from vertical to vertical."""
     return {
         name: {
             "race_angle": sign * disk.race_limit,
-            "delta_chi": drift + sign * disk.race_limit,
-            "psi_jump": side * sign * disk.race_limit,
+            "delta_chi": fall_angle + sign * disk.race_limit,
+            "psi_jump": face * sign * disk.race_limit,
         }
         for name, sign in (("plus", 1), ("minus", -1))
     }
@@ -91,9 +91,9 @@ def passage_text(report: dict[str, Any]) -> str:
     for name, value in report.items():
         if name in ("warnings", "limits", "accuracy") or value is None:
             continue
-        shown = value if name in _WORDS or name == "side" else f"{value:.12g} {_UNITS.get(name, 'rad')}".rstrip()
+        shown = value if name in _WORDS or name == "face" else f"{value:.12g} {_UNITS.get(name, 'rad')}".rstrip()
         lines.append(f"{name:18} {shown}")
     for name, values in report.get("limits", {}).items():
-        side = ">" if name == "plus" else "<"
-        lines += [f"limit, eta {side} 0     {key} {value:+.12g} rad" for key, value in values.items()]
+        face = ">" if name == "plus" else "<"
+        lines += [f"limit, eta {face} 0     {key} {value:+.12g} rad" for key, value in values.items()]
     return "\n".join(lines)

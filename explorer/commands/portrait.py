@@ -13,7 +13,7 @@ from explorer.phase.states import constants_to_states
 from explorer.portrait.bodies import flat_body, measured_gaps, race_numbers
 from explorer.portrait.bounce import turn_per_bounce
 from explorer.portrait.slices import Slice, race_slice
-from explorer.portrait.wander import drift_per_period, resonance, wander
+from explorer.portrait.wander import resonance, wander, wander_path
 from explorer.scenes.base import Chunks
 from explorer.scenes.options import build_scene
 
@@ -71,7 +71,7 @@ def _paths(disk: Disk, _options: dict[str, Any]) -> Pictures:
     unit = disk.rate_unit
     bars = np.linspace(*_BARS, _TRIED) * unit
     for eta_hat, phidot in ((sign * _ETA_HAT * unit, speed * unit) for speed in _SPEEDS for sign in (1.0, -1.0)):
-        found = drift_per_period(constants_to_states(disk, bars, eta_hat, phidot))
+        found = wander(constants_to_states(disk, bars, eta_hat, phidot))
         turns = found.chi / (2.0 * np.pi)
         met = np.flatnonzero(np.floor(turns[1:]) != np.floor(turns[:-1]))
         if met.size:
@@ -81,11 +81,11 @@ def _paths(disk: Disk, _options: dict[str, Any]) -> Pictures:
     i = int(met[0])
     whole = int(max(np.floor(turns[i]), np.floor(turns[i + 1])))
     bar, start = resonance(disk, eta_hat, phidot, whole, (bars[i], bars[i + 1]))
-    generic = wander(constants_to_states(disk, _GENERIC * unit, eta_hat, phidot), _PERIODS)
-    resonant = wander(start, _PERIODS)
+    generic = wander_path(constants_to_states(disk, _GENERIC * unit, eta_hat, phidot), _PERIODS)
+    resonant = wander_path(start, _PERIODS)
     yield "paths", plot.rosette_and_resonance(generic, resonant)
     yield "distance", plot.figure_of(plot.wander_distance, {"generic": generic, "resonant": resonant})
-    yield "radius", plot.figure_of(plot.drift_radius, bars, found, disk.r, {whole: bar})
+    yield "radius", plot.figure_of(plot.wander_radius, bars, found, disk.r, {whole: bar})
 
 
 GROUPS = {
@@ -93,7 +93,7 @@ GROUPS = {
     "slices": Group("slices of the phase space by tilt and by the way of the race", _slices),
     "race": Group("race number and gap of all bodies", _race),
     "bounces": Group("turn per bounce, from the Euler disk to the race", _bounces),
-    "paths": Group("paths over many periods, drift and resonance", _paths),
+    "paths": Group("paths over many periods, wander and resonance", _paths),
 }
 FILM = "film"  # written as it is drawn, not a figure
 

@@ -80,7 +80,7 @@ def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> F
         raise InputError(_NOTHING.format("--energy" if density.energy != ANY_ENERGY else "density"))
     if frame.reaches_flat() or _all_on_f(density.box):
         return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass)
-    parts = [difference(Sided(frame, side), frame.energy) for side in (1, -1)]
+    parts = [difference(Sided(frame, face), frame.energy) for face in (1, -1)]
     if _lines_meet(density.box):
         parts.append(difference(Sided(frame, 1, both=True), frame.energy))
     plus, minus, *both = (part[0] / mass for part in parts)
@@ -107,22 +107,22 @@ class Sided:
     """The integral over F on one side as a function of the largest energy."""
 
     frame: Frame
-    side: int
+    face: int
     both: bool = False
 
     def __call__(self, energy: float) -> tuple[float, float]:
-        return refined(Line(self.frame, self.side, energy, self.both).integral, self.frame.tolerance)
+        return refined(Line(self.frame, self.face, energy, self.both).integral, self.frame.tolerance)
 
 
 @dataclass(frozen=True)
 class Line:
-    """The line eta = 0 on one side, seen as side +1: the other side is the mirror image, eq. (3.2).
+    """The line eta = 0 on one side, seen as face +1: the other side is the mirror image, eq. (3.2).
 
     both: only what comes as flat on the other side too, where both lines meet the box at sigma3_bar = 0.
     """
 
     frame: Frame
-    side: int
+    face: int
     energy: float
     both: bool = False
 
@@ -138,17 +138,17 @@ class Line:
             middle += [math.acos(self.energy), -math.acos(self.energy)]
         # Between these tilts the line enters and leaves the box: a narrow box is met nowhere else.
         middle += self._crossings()
-        given = frame.pieces([self.side * m for m in middle])
-        pieces = [(a, b) if self.side > 0 else (-b, -a) for a, b in given]
+        given = frame.pieces([self.face * m for m in middle])
+        pieces = [(a, b) if self.face > 0 else (-b, -a) for a, b in given]
         return along(lambda phi: self._at(phi, panels), pieces, 32 if frame.even else 1, frame.tolerance)
 
     def _rates(self, name: str) -> Range:
         low, high = self.frame.range(name)
-        return (low, high) if self.side > 0 or name == "sigma3" else (-high, -low)
+        return (low, high) if self.face > 0 or name == "sigma3" else (-high, -low)
 
     def _at(self, phi: Array, panels: int) -> Array:
         """The integral over phidot and sigma3_bar at tilts phi."""
-        frame, b, side = self.frame, self.frame.disk.body, self.side
+        frame, b, face = self.frame, self.frame.disk.body, self.face
         q = np.cos(phi)
         a, c = self._chart(phi)
         curvature = 0.5 * (b.I1 * (a / q) ** 2 + b.J * c * c)  # V = q + curvature sigma3_bar^2
@@ -158,7 +158,7 @@ class Line:
         least = self._least_speed(phi, bar, V)
         most = np.sqrt(np.maximum(2.0 / b.M * (self.energy - V), 0.0))
         weight = weight * (self.energy >= V) * (2.0 * math.sqrt(b.I1 * b.M) / (b.I3 * b.r0))
-        columns = side * phi[:, None], a[:, None] * bar, side * c[:, None] * bar
+        columns = face * phi[:, None], a[:, None] * bar, face * c[:, None] * bar
         return (weight * frame.over_speeds(columns, least, most, rise, panels)).sum(axis=-1)
 
     def _bars(self, phi: Array, a: Array, c: Array, curvature: Array, panels: int) -> tuple[Array, Array]:
@@ -175,7 +175,7 @@ class Line:
         turns = [np.sqrt(np.maximum(left - level, 0.0) / curvature) for level in kinetic]
         turns = [turn for turn in turns if np.isfinite(turn).all()] + self._barrier_ends(phi, [0.0, *kinetic])
         bells = [bell / a for bell in frame.bells("sigma3")]
-        bells += [bell / (self.side * c) for bell in frame.bells("sigma4")]
+        bells += [bell / (self.face * c) for bell in frame.bells("sigma4")]
         inner = [sign * turn for turn in turns for sign in (1.0, -1.0)]
         return panels_between([low, np.zeros_like(low), *inner, *bells, high], panels)
 
@@ -189,14 +189,14 @@ class Line:
         """Pairs of rates at corners of the box, and of what Gaussians leave of it."""
         ends = []
         for name in ("sigma3", "sigma4"):
-            sign = 1.0 if name == "sigma3" else float(self.side)
+            sign = 1.0 if name == "sigma3" else float(self.face)
             ends.append(sorted({*self._rates(name), *(sign * bell for bell in self.frame.bells(name))}))
         s3, s4 = np.meshgrid(*ends)
         return s3.ravel(), s4.ravel()
 
     def _crossings(self) -> list[float]:
         """Tilts at which the line passes a corner of the box. eta_hat = c sigma3 - a sigma4 there is 0."""
-        low, high = sorted(self.side * end for end in self.frame.range("phi"))
+        low, high = sorted(self.face * end for end in self.frame.range("phi"))
         if not low < high:
             return []
         middle, half = 0.5 * (low + high), 0.5 * (high - low)

@@ -52,13 +52,13 @@ def dimensions(density: Density) -> int:
 
 
 def draw_tube(
-    disk: Disk, density: Density, mass: float, side: int, delta: float, unit: Array, accuracy: float = 1e-6
+    disk: Disk, density: Density, mass: float, face: int, delta: float, unit: Array, accuracy: float = 1e-6
 ) -> Draws:
     """States within the tube of tilt delta round F on one side; unit (n, dimensions), uniform in the unit cube.
 
     mass: integral of the density (falling_constant.mass). accuracy: relative, of theta_min.
     """
-    tube = Tube(Frame(disk, density), side, delta)
+    tube = Tube(Frame(disk, density), face, delta)
     return tube.draw(unit, mass, accuracy)
 
 
@@ -80,16 +80,16 @@ def widest_eta(energy: Array, delta: float, disk: Disk) -> Array:
 
 @dataclass(frozen=True)
 class Tube:
-    """The tube of tilt delta round F on one side, seen as side +1: the mirror image for the other, eq. (3.2)."""
+    """The tube of tilt delta round F on one side, seen as face +1: the mirror image for the other, eq. (3.2)."""
 
     frame: Frame
-    side: int
+    face: int
     delta: float
 
     def _range(self, name: str) -> Range:
         """Where the density is not zero, as seen from this side; natural units."""
         low, high = (end / self.frame.unit(name) for end in self.frame.density.reach(name))
-        return (low, high) if self.side > 0 or name == "sigma3" else (-high, -low)
+        return (low, high) if self.face > 0 or name == "sigma3" else (-high, -low)
 
     def _tilts_met(self) -> Range:
         """The tilts between which the tube passes the box."""
@@ -115,8 +115,8 @@ class Tube:
             bell = dict(frame.density.gaussian).get(name)
             if bell is not None:
                 share = next(columns)
-                value = frame.density.at_share(name, share if self.side > 0 else 1.0 - share)
-                start[name] = self.side * value / frame.unit(name)
+                value = frame.density.at_share(name, share if self.face > 0 else 1.0 - share)
+                start[name] = self.face * value / frame.unit(name)
                 # Drawn from its own factor: what it weighs is that factor's integral over the factor.
                 away = (value - bell[0]) / bell[1]
                 weight *= frame.one(name) * np.exp(0.5 * away * away)
@@ -130,11 +130,11 @@ class Tube:
         s3, s4 = place.rates(bar, eta)
         energy = place.energy(bar, eta)
         other = 2.0 * b.I1 * b.dr0 / (b.I3 * b.r0) * bar - eta
-        unit_rate, side = disk.rate_unit, self.side
-        given = side * phi, side * phidot * unit_rate, s3 * unit_rate, side * s4 * unit_rate
+        unit_rate, face = disk.rate_unit, self.face
+        given = face * phi, face * phidot * unit_rate, s3 * unit_rate, face * s4 * unit_rate
         counted = frame.density.inside(*given, energy * disk.energy_unit)
-        # A state beside both lines counts once, on the nearer side; equally near, up to rounding, on side +1.
-        nearer = abs(eta) * _TIE <= abs(other) if side > 0 else abs(eta) < abs(other) * _TIE
+        # A state beside both lines counts once, on the nearer side; equally near, up to rounding, on face +1.
+        nearer = abs(eta) * _TIE <= abs(other) if face > 0 else abs(eta) < abs(other) * _TIE
         counted &= nearer & (width > 0.0)
         weight = np.where(counted, weight * width / mass, 0.0)
         weight[counted] *= frame.density.shape(*(column[counted] for column in given))

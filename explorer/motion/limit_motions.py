@@ -1,7 +1,7 @@
 """The two one-sided limit motions: what approaching F from one side converges to (section 7).
 
 Between impacts the disk moves on F. At an impact phidot changes sign and chi jumps by
-sgn(eta) kappa pi (eq. 7.16), psi by side times that (7.11); the motion is then the same fall run
+sgn(eta) kappa pi (eq. 7.16), psi by face times that (7.11); the motion is then the same fall run
 backwards. So one rise, from flat to its turning point, holds the whole motion (`rise`). Where
 sigma3_bar = sigma4_bar = 0 the disk may swing over the vertical and fall to both sides in turn
 (`pendulum`).
@@ -51,7 +51,7 @@ class Continuation:
     """
 
     disk: Disk
-    side: int
+    face: int
     period: float
     impact_speed: float
     chi_per_period: float
@@ -59,7 +59,7 @@ class Continuation:
     _origin: "Moving"
 
     def _unfold(self, since_impact: Array) -> "Moving":
-        """The motion at natural times counted from an impact, as on side +1."""
+        """The motion at natural times counted from an impact, as on face +1."""
         raise NotImplementedError
 
     def impacts(self, t_end: float) -> Array:
@@ -81,10 +81,10 @@ class Continuation:
         moving = replace(
             at,
             chi=at.chi - start.chi,
-            psi=self.side * (at.psi - start.psi),
-            centre=self.side * (at.centre - start.centre) * np.exp(-1j * start.chi),
-            sigma4=self.side * at.sigma4,
-            side=self.side * at.side,
+            psi=self.face * (at.psi - start.psi),
+            centre=self.face * (at.centre - start.centre) * np.exp(-1j * start.chi),
+            sigma4=self.face * at.sigma4,
+            face=self.face * at.face,
         )
         return in_space(self.disk, moving, times.shape)
 
@@ -92,15 +92,15 @@ class Continuation:
 class LimitMotion(Continuation):
     """The one-sided continuation of a motion on F through all its impacts; call it with times.
 
-    sign: the sign of eta from which F is approached.
+    side: the sign of eta from which F is approached.
     """
 
     def __init__(
-        self, disk: Disk, energy: float, sigma3_bar: float, side: int, sign: int, start: tuple[float, float]
+        self, disk: Disk, energy: float, sigma3_bar: float, face: int, side: int, start: tuple[float, float]
     ) -> None:
-        self.disk, self.side, self.sign = disk, side, sign
+        self.disk, self.face, self.side = disk, face, side
         self._rise = Rise(disk, energy, sigma3_bar)
-        self._jump = sign * disk.race_limit
+        self._jump = side * disk.race_limit
         theta, thetadot = start
         rising = self._rise.time_at(theta)
         self._offset = rising if thetadot >= 0.0 else 2.0 * self._rise.half - rising
@@ -110,7 +110,7 @@ class LimitMotion(Continuation):
         self.chi_per_period = 2.0 * self._rise.chi_half + self._jump
 
     def _unfold(self, since_impact: Array) -> "Moving":
-        """The motion at times counted from an impact, as on side +1."""
+        """The motion at times counted from an impact, as on face +1."""
         rise = self._rise
         bounces = np.floor(since_impact / (2.0 * rise.half))
         phase = since_impact - 2.0 * rise.half * bounces
@@ -138,13 +138,13 @@ class LimitMotion(Continuation):
             centre=centre,
             turn=rates[0],
             sigma4=rates[1],
-            side=np.ones_like(theta),
+            face=np.ones_like(theta),
         )
 
 
 @dataclass(frozen=True)
 class Moving:
-    """A motion on F in natural units; tilt theta from the flat state of `side`.
+    """A motion on F in natural units; tilt theta from the flat state of `face`.
 
     centre: a1 + i a2; turn: sigma3 / q^2, the rate of chi.
     """
@@ -156,14 +156,14 @@ class Moving:
     centre: NDArray[np.complex128]
     turn: Array
     sigma4: Array
-    side: Array
+    face: Array
 
 
 def in_space(disk: Disk, at: Moving, shape: tuple[int, ...]) -> LimitState:
     """A motion in the units of the disk, with contact point and velocities."""
-    phi = at.side * (_HALF_PI - at.theta)
-    phidot = -at.side * at.thetadot
-    q, z, away = np.sin(at.theta), at.side * np.cos(at.theta), np.exp(1j * at.chi)
+    phi = at.face * (_HALF_PI - at.theta)
+    phidot = -at.face * at.thetadot
+    q, z, away = np.sin(at.theta), at.face * np.cos(at.theta), np.exp(1j * at.chi)
     shadow = at.centre + z * away
     sliding = (-phidot * q - 1j * at.sigma4) * away  # eq. (2.33)
     turning = (q * (at.sigma4 - z * at.turn) - 1j * phidot) * away  # eq. (2.29)
@@ -188,32 +188,32 @@ def in_space(disk: Disk, at: Moving, shape: tuple[int, ...]) -> LimitState:
 class PendulumMotion(Continuation):
     """The limit motion with sigma3_bar = sigma4_bar = 0 and energy above m g r; call it with times.
 
-    The disk swings over the vertical and falls to both sides in turn. sign: of eta on side +1, from
-    which it is approached with sigma3_bar = 0 held; on side -1 eta then has the other sign, so chi
+    The disk swings over the vertical and falls to both sides in turn. side: sign of eta on face +1, from
+    which it is approached with sigma3_bar = 0 held; on face -1 eta then has the other sign, so chi
     jumps to and fro while psi always jumps the same way.
     """
 
-    def __init__(self, disk: Disk, energy: float, sign: int, start: tuple[float, float]) -> None:
-        self.disk, self.side, self.sign = disk, 1, sign
+    def __init__(self, disk: Disk, energy: float, side: int, start: tuple[float, float]) -> None:
+        self.disk, self.face, self.side = disk, 1, side
         self._swing = Pendulum(disk, energy)
         theta, thetadot = start
-        # Times are counted from an impact on side +1, from which theta rises.
+        # Times are counted from an impact on face +1, from which theta rises.
         passed = self._swing.time_at(theta)
         self._offset = passed if thetadot >= 0.0 else 2.0 * self._swing.whole - passed
         self._origin = self._unfold(np.array([self._offset]))
         self.period = self._swing.whole * disk.time_unit
         self.impact_speed = self._swing.impact_speed * disk.rate_unit
-        self.chi_per_period = sign * disk.race_limit
+        self.chi_per_period = side * disk.race_limit
 
     def _unfold(self, since_impact: Array) -> Moving:
-        """The motion at times counted from an impact on side +1."""
-        whole, jump = self._swing.whole, self.sign * self.disk.race_limit
+        """The motion at times counted from an impact on face +1."""
+        whole, jump = self._swing.whole, self.side * self.disk.race_limit
         swings = np.floor(since_impact / whole)
         phase = since_impact - whole * swings
         falling_back = swings % 2.0 == 1.0
         theta = self._swing.theta(np.where(falling_back, whole - phase, phase))
         speed = self._swing.speed(theta) * np.where(falling_back, -1.0, 1.0)
-        # chi is jump for odd numbers of impacts passed on side -1 more than on side +1, else 0.
+        # chi is jump for odd numbers of impacts passed on face -1 more than on face +1, else 0.
         chi = np.where(falling_back, -jump, 0.0)
         # The contact point rests during a swing; its place moves by the chord of each race.
         centre = self._swing.centre(theta, swings, jump)
@@ -225,23 +225,23 @@ class PendulumMotion(Continuation):
             centre=centre,
             turn=np.zeros_like(theta),
             sigma4=np.zeros_like(theta),
-            side=np.ones_like(theta),
+            face=np.ones_like(theta),
         )
 
 
 AnyLimit = LimitMotion | PendulumMotion
 
 
-def limit_motion(disk: Disk, state_on_f: ArrayLike | States, sign: int = 1) -> AnyLimit:
-    """The limit of the motions that approach `state_on_f` from the side sgn(eta) = `sign`.
+def limit_motion(disk: Disk, state_on_f: ArrayLike | States, side: int = 1) -> AnyLimit:
+    """The limit of the motions that approach `state_on_f` from the side sgn(eta) = `side`.
 
     state_on_f: (phi, phidot, sigma3, sigma4) in the units of the disk, or States with one entry. What
     it misses F by is ignored: its energy and sigma3_bar are taken and eta on the nearer side set to 0.
     Raises InputError where the disk would not fall from there.
     """
     require_axial_inertia(disk)
-    if sign not in (1, -1):
-        raise InputError(f"limit motion: sign = {sign} must be +1 or -1")
+    if side not in (1, -1):
+        raise InputError(f"limit motion: side = {side!r} must be +1 or -1")
     states = rows_to_states(disk, state_on_f)
     if len(states) != 1:
         raise InputError(f"limit motion: needs one state, {len(states)} were given")
@@ -249,10 +249,10 @@ def limit_motion(disk: Disk, state_on_f: ArrayLike | States, sign: int = 1) -> A
     where = falls_of(states, found)
     if not bool(where.could_fall[0]):
         raise InputError("limit motion: the disk could not fall from this state; see explorer.falls")
-    side = int(where.side[0])
+    face = int(where.face[0])
     q, z, p = states.natural[:3, 0]
-    start = (float(np.arctan2(q, side * z)), side * float(p))
+    start = (float(np.arctan2(q, face * z)), face * float(p))
     energy, sigma3_bar = float(found[3, 0]), float(found[0, 0])
     if sigma3_bar == 0.0 and energy > 1.0:
-        return PendulumMotion(disk, energy, sign, (float(np.arctan2(q, z)), float(p)))
-    return LimitMotion(disk, energy, sigma3_bar, side, sign, start)
+        return PendulumMotion(disk, energy, side, (float(np.arctan2(q, z)), float(p)))
+    return LimitMotion(disk, energy, sigma3_bar, face, side, start)

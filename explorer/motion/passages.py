@@ -37,7 +37,7 @@ _FLOOR = 1e-9  # an accuracy below is met as far as rounding allows, if that is 
 class Passages:
     """Passages near flat, one entry per sample; angles in rad, the rest in the units of the disk.
 
-    race_angle: delta_chi less drift, the increase of chi along the limit motion with the same
+    race_angle: delta_chi less fall_angle, the increase of chi along the limit motion with the same
     sigma3_bar and energy (where that starts later than the vertical, all of it); limit: sgn(eta) kappa
     pi. wrong_way: the contact point moves against sgn(eta) at the flattest moment. theta_min: smallest
     tilt. error_estimate: of the angles (absolute) and of duration and theta_min (relative), whichever
@@ -49,7 +49,7 @@ class Passages:
     wrong_way: NDArray[np.bool_]
     delta_chi: Array
     delta_psi: Array
-    drift: Array
+    fall_angle: Array
     theta_min: Array
     duration: Array
     fall_time: Array
@@ -70,26 +70,26 @@ def passages(
     sigma3_bar: ArrayLike,
     eta_hat: ArrayLike,
     phidot: ArrayLike,
-    side: ArrayLike = 1,
+    face: ArrayLike = 1,
     method: str = "auto",
     accuracy: float = 1e-6,
     jobs: int = 1,
     window: float | None = None,
 ) -> Passages:
-    """Passages that start at the vertical with speed phidot >= 0 towards the flat state of `side`.
+    """Passages that start at the vertical with speed phidot >= 0 towards the flat state of `face`.
 
     sigma3_bar, eta_hat (of that side), phidot: rad per unit of time; arguments broadcast. method:
     'quadrature' takes eta_hat as it is, down to 1e-300; 'rk4', 'rk8', 'dopri5', 'dop853' integrate from a state
     and report 'unresolved side' where that state does not determine the direction of the race.
     'auto' is quadrature. window: cos phi (0 to 1) at which to start and stop instead of the vertical.
-    Bad input (not finite, beyond 1e100, phidot < 0, side not +-1) has status BAD_INPUT. Section 7 of the paper.
+    Bad input (not finite, beyond 1e100, phidot < 0, face not +-1) has status BAD_INPUT. Section 7 of the paper.
     """
     require_axial_inertia(disk)
     if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1:
         raise InputError(f"jobs = {jobs!r} must be a whole number, 1 or more")
     how = plan(_OBSERVABLES, accuracy, method)
     edge = _check_window(window, how.method)
-    s3, eta, speed, s = columns_of(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, side=side)
+    s3, eta, speed, s = columns_of(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
     parts = np.array_split(np.arange(s.size), max(1, min(jobs, s.size)))
     call = _by_quadrature if how.method == "quadrature" else _by_integration
     done = Parallel(n_jobs=len(parts), backend="threading")(
@@ -110,20 +110,20 @@ def _check_window(window: float | None, method: str) -> float:
     return float(np.arccos(window))
 
 
-def _status(disk: Disk, s3: Array, eta_hat: Array, speed: Array, side: Array) -> NDArray[np.int8]:
+def _status(disk: Disk, s3: Array, eta_hat: Array, speed: Array, face: Array) -> NDArray[np.int8]:
     """Status before any computation: numbers whose squares overflow are no input, a lost eta no side."""
     code, size = compiled.status.Status, abs(eta_hat)
     good = np.fmax(np.fmax(abs(s3), abs(speed)), size) <= _LARGEST * disk.rate_unit
-    good &= ~np.isnan(s3 + eta_hat + speed) & (speed >= 0.0) & (abs(side) == 1.0)
+    good &= ~np.isnan(s3 + eta_hat + speed) & (speed >= 0.0) & (abs(face) == 1.0)
     lost = (size > 0.0) & (size < _SMALLEST * disk.rate_unit)
     return np.where(good, np.where(lost, code.UNRESOLVED_SIDE, code.OK), code.BAD_INPUT).astype(np.int8)
 
 
 def _by_quadrature(
-    disk: Disk, s3: Array, eta_hat: Array, speed: Array, side: Array, how: Any, edge: float
+    disk: Disk, s3: Array, eta_hat: Array, speed: Array, face: Array, how: Any, edge: float
 ) -> dict[str, Any]:
     b, unit = disk.body, disk.rate_unit
-    status = _status(disk, s3, eta_hat, speed, side)
+    status = _status(disk, s3, eta_hat, speed, face)
     good = status == 0
     sigma3_bar, eta, start = (
         np.where(good, column, 1.0) for column in (s3 / unit, eta_hat / unit * b.I3 * b.r0, speed / unit)
@@ -136,7 +136,7 @@ def _by_quadrature(
     energy = np.where(eta == 0.0, _energy_on_f(disk, sigma3_bar, start), out[4])
     rows = [*out[:4], out[7]]
     return _assemble(
-        disk, sigma3_bar, eta, side, energy, edge, rows, np.fmax(out[5], out[6]), status, how.accuracy
+        disk, sigma3_bar, eta, face, energy, edge, rows, np.fmax(out[5], out[6]), status, how.accuracy
     )
 
 
@@ -148,12 +148,12 @@ def _energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
 
 
 def _by_integration(
-    disk: Disk, s3: Array, eta_hat: Array, speed: Array, side: Array, how: Any, _edge: float
+    disk: Disk, s3: Array, eta_hat: Array, speed: Array, face: Array, how: Any, _edge: float
 ) -> dict[str, Any]:
     code, b, unit = compiled.status.Status, disk.body, disk.rate_unit
-    status = _status(disk, s3, eta_hat, speed, side)
+    status = _status(disk, s3, eta_hat, speed, face)
     good = status == 0
-    s3, eta_hat, speed, facing = (np.where(good, column, 1.0) for column in (s3, eta_hat, speed, side))
+    s3, eta_hat, speed, facing = (np.where(good, column, 1.0) for column in (s3, eta_hat, speed, face))
     states = constants_to_states(disk, s3, eta_hat, facing * speed, facing)
     found = natural_constants(states)
     rough = turning_points(states, how, found)
@@ -167,7 +167,7 @@ def _by_integration(
     status = np.where(good & doubtful & (eta != 0.0), code.UNRESOLVED_SIDE, status)
     status = np.where(good & (eta == 0.0), code.FALLS, status).astype(np.int8)
     # A passage ends at the flat state it was sent to; one that turns elsewhere was never near it.
-    elsewhere = (status == code.OK) & (fine.side != facing)
+    elsewhere = (status == code.OK) & (fine.face != facing)
     known = rounding / np.where(eta == 0.0, 1.0, abs(eta))
     rows = [fine.theta, 2.0 * fine.chi, 2.0 * fine.psi * facing, 2.0 * fine.time, fine.way]
     error = np.fmax(2.0 * abs(fine.chi - rough.chi), 2.0 * abs(fine.psi - rough.psi))
@@ -179,14 +179,14 @@ def _by_integration(
         error = error + _CAUTION * finer.control(states, found)
     missed = (status == code.OK) & ~(error <= _LENIENCE * how.accuracy)
     status = np.where(missed, code.STEP_LIMIT, np.where(elsewhere, code.BAD_INPUT, status)).astype(np.int8)
-    return _assemble(disk, s3 / unit, eta, side, found[3], 0.0, rows, error, status, how.accuracy)
+    return _assemble(disk, s3 / unit, eta, face, found[3], 0.0, rows, error, status, how.accuracy)
 
 
 def _assemble(
     disk: Disk,
     sigma3_bar: Array,
     eta: Array,
-    side: Array,
+    face: Array,
     energy: Array,
     edge: float,
     rows: list[Array],
@@ -194,24 +194,24 @@ def _assemble(
     status: NDArray[np.int8],
     accuracy: float,
 ) -> dict[str, Any]:
-    """Results in the units of the disk. rows: theta_min, chi, psi (as on side +1), time, way."""
+    """Results in the units of the disk. rows: theta_min, chi, psi (as on face +1), time, way."""
     code = compiled.status.Status
     time, chi, _psi, fall_error = fall_from_vertical(disk, sigma3_bar, energy, edge)
     falls = status == code.FALLS
-    # The drift is a part of the race angle, and all there is of a fall.
+    # The fall angle is a part of the race angle, and all there is of a fall.
     error = np.where(falls, fall_error, np.fmax(error, np.nan_to_num(2.0 * fall_error, nan=np.inf)))
     missed = (falls | (status == code.OK)) & ~(error <= np.fmax(_LENIENCE * accuracy, _FLOOR * (1.0 + time)))
     status = np.where(missed, code.STEP_LIMIT, status).astype(np.int8)
     ok, falls = status == code.OK, status == code.FALLS
     limit = np.sign(eta) * disk.race_limit
-    drift = np.where(ok | falls, 2.0 * chi, np.nan)
+    fall_angle = np.where(ok | falls, 2.0 * chi, np.nan)
     theta, delta_chi, delta_psi, duration, way = rows
     return {
-        "race_angle": np.where(ok, delta_chi - drift, np.nan),
+        "race_angle": np.where(ok, delta_chi - fall_angle, np.nan),
         "wrong_way": ok & (np.sign(way) != np.sign(eta)),
         "delta_chi": np.where(ok, delta_chi, np.nan),
-        "delta_psi": np.where(ok, delta_psi * side, np.nan),
-        "drift": drift,
+        "delta_psi": np.where(ok, delta_psi * face, np.nan),
+        "fall_angle": fall_angle,
         "theta_min": np.where(falls, 0.0, np.where(ok, theta, np.nan)),
         "duration": np.where(ok, duration, np.nan) * disk.time_unit,
         "fall_time": np.where(falls, time, np.nan) * disk.time_unit,
@@ -317,7 +317,7 @@ def chord(phi: float) -> float:
 def fall_from_vertical(
     disk: Disk, sigma3_bar: Array, energy: Array, window: float = 0.0
 ) -> tuple[Array, Array, Array, Array]:
-    """Time, chi and psi gained by the fall on F from the vertical to flat (side +1), natural units,
+    """Time, chi and psi gained by the fall on F from the vertical to flat (face +1), natural units,
     and an estimate of their error.
 
     window: phi (rad) at which it begins instead.

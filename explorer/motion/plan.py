@@ -29,7 +29,7 @@ METHODS = ("auto", *FIXED, *ADAPTIVE, "quadrature")
 
 OBSERVABLES = {
     "constants": ALGEBRA,
-    "side": ALGEBRA,
+    "face": ALGEBRA,
     "distance": ALGEBRA,
     "could_fall": ALGEBRA,
     "theta_min": QUADRATURE,
@@ -86,8 +86,8 @@ class Plan:
         return {REDUCED: field.REDUCED, ANGLES: field.ANGLES, PATH: field.PATH}[self.rung]
 
     @property
-    def max_drift(self) -> float:
-        """Relative drift of a constant of motion above which a sample is refused."""
+    def constants_bound(self) -> float:
+        """Relative change of a constant of motion above which a sample is refused."""
         return self.accuracy * max(self.slack, 1.0)
 
     @property

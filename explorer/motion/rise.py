@@ -21,7 +21,7 @@ _HALF_PI = 0.5 * np.pi
 
 
 class Rise:
-    """One rise on F (side +1) from flat to its turning point, natural units."""
+    """One rise on F (face +1) from flat to its turning point, natural units."""
 
     def __init__(self, disk: Disk, energy: float, sigma3_bar: float) -> None:
         self._disk = disk

@@ -21,21 +21,21 @@ MAX_STEPS = 2_000_000
 class TurningPoints:
     """Where motions next stop tilting (p = 0), natural units except where said.
 
-    theta: tilt from the nearer flat state (rad). side: which flat state that is. way: sigma3/q there,
+    theta: tilt from the nearer flat state (rad). face: which flat state that is. way: sigma3/q there,
     whose sign is the direction in which the contact point moves. time, chi, psi:
-    increase since the start; zero on the reduced rung. drift (3, n): of energy (relative),
+    increase since the start; zero on the reduced rung. constants_error (3, n): of energy (relative),
     sigma3_bar, eta. Entries are NaN where status is not OK.
     """
 
     theta: Array
-    side: NDArray[np.int8]
+    face: NDArray[np.int8]
     way: Array
     time: Array
     chi: Array
     psi: Array
     status: NDArray[np.int8]
     steps: NDArray[np.int32]
-    drift: Array
+    constants_error: Array
 
 
 def classify(states: States, found: Array) -> NDArray[np.int8]:
@@ -54,7 +54,7 @@ def turning_points(states: States, how: Plan, found: Array | None = None) -> Tur
     n = len(states)
     initial = np.zeros((8, n))
     initial[:5] = states.natural
-    out, drift, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
+    out, constants_error, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
     compiled.batch.first_event_batch(
         how.kernel_method,
         how.kernel_depth,
@@ -63,26 +63,26 @@ def turning_points(states: States, how: Plan, found: Array | None = None) -> Tur
         compiled.events.TURNING_POINT,
         0.0,
         MAX_STEPS,
-        how.max_drift,
+        how.constants_bound,
         disk.body,
         disk.series,
         out,
         status,
         steps,
-        drift,
+        constants_error,
     )
     failed = status != compiled.status.Status.OK
     out[:, failed] = np.nan
     return TurningPoints(
         theta=np.arctan2(out[0], abs(out[1])),
-        side=np.where(out[1] >= 0.0, 1, -1).astype(np.int8),
+        face=np.where(out[1] >= 0.0, 1, -1).astype(np.int8),
         way=out[3],
         time=out[5],
         chi=out[6],
         psi=out[7],
         status=status,
         steps=steps,
-        drift=drift,
+        constants_error=constants_error,
     )
 
 
@@ -131,7 +131,7 @@ class Trajectories:
 
     Fields not asked for are None; failed samples are NaN with their status. chi, psi: increase
     since t = 0 (rad); path: centre of mass; contact: contact point, in the frame where the
-    centre starts above the origin and chi(0) is `chi0`. drift (3, n): energy (relative),
+    centre starts above the origin and chi(0) is `chi0`. constants_error (3, n): energy (relative),
     sigma3_bar and eta (natural units).
     """
 
@@ -146,7 +146,7 @@ class Trajectories:
     contact: Array | None
     status: NDArray[np.int8]
     steps: NDArray[np.int32]
-    drift: Array
+    constants_error: Array
 
 
 def simulate(
@@ -166,7 +166,7 @@ def simulate(
     states: (n, 4) or (4,) rows of phi, phidot, sigma3, sigma4 in the units of the disk, or `States`.
     t_eval: increasing times >= 0. accuracy is per passage; over k passages errors grow like k.
     sigma3_bar, eta and the energy are held after every step, so they do not drift; what was taken out
-    of the energy on the way is reported as its drift. States made by
+    of the energy on the way is reported as its error. States made by
     `constants_to_states` keep the eta_hat they were given, down to 1e-300.
     A state on the falling set has no motion past the fall: status FALLS, values NaN.
     """
@@ -176,9 +176,9 @@ def simulate(
     if how.rung in (ALGEBRA, QUADRATURE):
         raise InputError("simulate needs an observable of the motion, such as 'phi' or 'chi'")
     found = natural_constants(initial)
-    out, status, steps, drift = _integrate(initial, how, found, times * disk.rate_unit, chi0, max_steps)
+    out, status, steps, constants_error = _integrate(initial, how, found, times * disk.rate_unit, chi0, max_steps)
     out[status != compiled.status.Status.OK] = np.nan
-    return _trajectories(disk, times, out, observables, (status, steps, drift))
+    return _trajectories(disk, times, out, observables, (status, steps, constants_error))
 
 
 def _times(t_end: float | None, t_eval: ArrayLike | None) -> Array:
@@ -227,7 +227,7 @@ def _integrate(
     initial[6] = chi0
     status, pinned = hold(states, found)
     out = np.empty((n, times.size, 10))
-    steps, drift = np.empty(n, np.int32), np.empty((3, n))
+    steps, constants_error = np.empty(n, np.int32), np.empty((3, n))
     begins_at_zero = times[0] == 0.0
     later = out[:, 1:] if begins_at_zero else out
     recorded = np.empty((n, later.shape[1], 10))
@@ -241,18 +241,18 @@ def _integrate(
         compiled.events.TIME,
         np.ascontiguousarray(times[1:] if begins_at_zero else times),
         max_steps,
-        how.max_drift,
+        how.constants_bound,
         disk.body,
         disk.series,
         recorded,
         status,
         steps,
-        drift,
+        constants_error,
     )
     later[:] = recorded
     if begins_at_zero:
         out[:, 0] = initial.T
-    return out, status, steps, drift
+    return out, status, steps, constants_error
 
 
 def _trajectories(disk: Disk, times: Array, out: Array, observables: Sequence[str], info: tuple) -> Trajectories:
@@ -270,4 +270,4 @@ def _trajectories(disk: Disk, times: Array, out: Array, observables: Sequence[st
         "contact": lambda: r * np.stack([a1 + z * np.cos(chi), a2 + z * np.sin(chi), 0.0 * q], axis=2),
     }
     chosen = {name: make() if name in observables else None for name, make in values.items()}
-    return Trajectories(times, **chosen, status=info[0], steps=info[1], drift=info[2])
+    return Trajectories(times, **chosen, status=info[0], steps=info[1], constants_error=info[2])

@@ -244,21 +244,21 @@ def logarithm() -> Iterator[Finding]:
     for name, exact in OF_PAPER.items():
         c, X, Y = float(exact), 0.8, -0.3
         r0, dr0 = (value.real for value in at_vertical(c))
-        for side in (-1, 1):
+        for face in (-1, 1):
             # With l = ln(1 -+ z) the equations stay regular; the mirror image turns +1 into -1.
             run = solve_ivp(
                 lambda s, x, c=c: [np.exp(s) * x[1], c * x[0] / (2.0 - np.exp(s))],
                 (0.0, depth[-1]),
-                [X, -side * Y],
+                [X, -face * Y],
                 "DOP853",
                 depth,
                 rtol=1e-12,
                 atol=1e-14,
             )
-            x, y = run.y[0], -side * run.y[1]
-            w = X * dr0 + side * Y * r0
-            slope = -side * w * c / 2.0
-            text = f"x at 1 - |z| = 1e-12, z -> {side}, {name}"
+            x, y = run.y[0], -face * run.y[1]
+            w = X * dr0 + face * Y * r0
+            slope = -face * w * c / 2.0
+            text = f"x at 1 - |z| = 1e-12, z -> {face}, {name}"
             yield Finding(text, float(x[-1]), w, abs(x[-1] - w), 1e-9, "rtol 1e-12; z ln is left")
             steps = np.diff(y) / np.diff(depth)
             text = "slope of y in ln(1 - |z|) from 1e-11 to 1e-12"

@@ -69,14 +69,14 @@ def closed_form(disk: Disk) -> tuple[float, float]:
 
 
 def rates_down(
-    disk: Disk, sigma3_bar: float, sigma4_bar: float, side: int, tilts: Sequence[float] | Array
+    disk: Disk, sigma3_bar: float, sigma4_bar: float, face: int, tilts: Sequence[float] | Array
 ) -> Array:
     """(sigma3, sigma4), (2, n), at falling tilts below pi/2 from their values at the vertical: eq. (3.1)."""
     k, h = disk.I3 / disk.I1, 1.0 / (disk.I3 + 1.0)
 
     def rate(y: float, s: Array) -> list[float]:
         tilt = np.exp(y)
-        return [side * k * s[1] * np.sin(tilt) * tilt, side * h * s[0] * tilt / np.sin(tilt)]
+        return [face * k * s[1] * np.sin(tilt) * tilt, face * h * s[0] * tilt / np.sin(tilt)]
 
     ends = float(np.log(0.5 * np.pi)), float(np.log(tilts[-1]))
     return solve_ivp(rate, ends, [sigma3_bar, sigma4_bar], t_eval=np.log(tilts), **_TIGHT).y
@@ -90,12 +90,12 @@ def potential(disk: Disk, tilts: Any, sigma: Array) -> Array:
 
 @lru_cache
 def shot_slope(disk: Disk) -> float:
-    """sigma4_bar/sigma3_bar for which sigma3 vanishes at flat on side +1, by shooting."""
+    """sigma4_bar/sigma3_bar for which sigma3 vanishes at flat on face +1, by shooting."""
     end = [rates_down(disk, *start, 1, [1e-9])[0, -1] for start in ((1.0, 0.0), (0.0, 1.0))]
     return float(-end[0] / end[1])
 
 
-def reduced(disk: Disk, side: int, start: Sequence[float], t_end: float, events: Any = None) -> Any:
+def reduced(disk: Disk, face: int, start: Sequence[float], t_end: float, events: Any = None) -> Any:
     """Eqs (2.15)-(2.18), (2.22), (2.31) from (tilt, its rate, sigma3, sigma4) up to an event, by SciPy.
 
     Rows of y: tilt, rate, sigma3, sigma4, chi, psi.
@@ -104,10 +104,10 @@ def reduced(disk: Disk, side: int, start: Sequence[float], t_end: float, events:
 
     def rate(_t: float, y: Array) -> list[float]:
         tilt, speed, s3, s4 = y[:4]
-        q, z, p = np.sin(tilt), side * np.cos(tilt), side * speed
+        q, z, p = np.sin(tilt), face * np.cos(tilt), face * speed
         turn = s3 / (q * q)
         pull = (z * disk.I1 * turn * s3 / q - s3 * s4 / (h * q) - z) / M
-        return [speed, side * pull, k * q * s4 * p, h * p * s3 / q, turn, z * turn - s4]
+        return [speed, face * pull, k * q * s4 * p, h * p * s3 / q, turn, z * turn - s4]
 
     y0 = [*start, 0.0, 0.0]
     return solve_ivp(rate, (0.0, t_end), y0, events=events, dense_output=True, max_step=0.25, **_TIGHT)
@@ -133,20 +133,20 @@ def lines() -> Iterator[Finding]:
 @statement(28, "LEMMA-3", "Lemma 3, (6.3), (6.4): off l± V ~ η²/4I₁(1∓σ₁), V′ ~ ±η²/4I₁(1∓σ₁)²; rest [corrected].")
 def barrier_off_lines() -> Iterator[Finding]:
     step, coarse = 1e-4, np.geomspace(0.03, 1e-3, 12)
-    for disk, side in ((UNIFORM, 1), (HOOP, -1), (THICK, 1), (THICK, -1)):
+    for disk, face in ((UNIFORM, 1), (HOOP, -1), (THICK, 1), (THICK, -1)):
         r0, dr0 = closed_form(disk)
-        eta = disk.I1 * dr0 - side * disk.I3 * r0 * 0.3
+        eta = disk.I1 * dr0 - face * disk.I3 * r0 * 0.3
         tilts = np.ravel([[t * (1.0 + step), t, t * (1.0 - step)] for t in (1e-2, 1e-3, 1e-4, 1e-5)])
-        V = potential(disk, tilts, rates_down(disk, 1.0, 0.3, side, tilts)).reshape(4, 3)
+        V = potential(disk, tilts, rates_down(disk, 1.0, 0.3, face, tilts)).reshape(4, 3)
         S = 2.0 * np.sin(0.5 * tilts[1::3]) ** 2
         ratio = V[:, 1] * 4.0 * disk.I1 * S / eta**2
         slope = (V[:, 0] - V[:, 2]) / (2.0 * step * tilts[1::3]) / -np.sin(tilts[1::3])
-        where = f"{disk.name}, side {side:+d}:"
+        where = f"{disk.name}, side {face:+d}:"
         why = "at tilt 1e-5; the next term is θ² ln²θ = 1e-8 of it"
         yield near(f"{where} V·4I₁(1∓σ₁)/η², tilts 1e-2 to 1e-5", ratio[-1], 1.0, 1e-6, why)
         dV = slope[-1] * 4.0 * disk.I1 * S[-1] ** 2 / eta**2
         yield near(f"{where} ±V′·4I₁(1∓σ₁)²/η²", dV, 1.0, 1e-6, why + "; a difference quotient")
-        V = potential(disk, coarse, rates_down(disk, 1.0, 0.3, side, coarse))
+        V = potential(disk, coarse, rates_down(disk, 1.0, 0.3, face, coarse))
         S = 2.0 * np.sin(0.5 * coarse) ** 2
         rest = np.polyfit(np.log(S), V - eta**2 / (4.0 * disk.I1 * S), 2)[0]
         c = disk.I3 / (disk.I1 * (disk.I3 + 1.0))
@@ -208,12 +208,12 @@ def equilibria_near_flat() -> Iterator[Finding]:
 
 
 @lru_cache
-def on_line(disk: Disk, side: int) -> Chebyshev:
+def on_line(disk: Disk, face: int) -> Chebyshev:
     """V on l_side with σ̄₃ = 1 as a polynomial in the tilt, from tilts 0.01 to 1: it knows nothing of flat."""
 
     def V(tilts: Array) -> Array:
         falling = np.sort(tilts)[::-1]
-        values = potential(disk, falling, rates_down(disk, 1.0, side * shot_slope(disk), side, falling))
+        values = potential(disk, falling, rates_down(disk, 1.0, face * shot_slope(disk), face, falling))
         return values[np.argsort(np.argsort(-tilts))]
 
     return Chebyshev.interpolate(V, 18, domain=[0.01, 1.0])
@@ -226,9 +226,9 @@ _FIT = "extrapolated from tilts above 0.01; the fit's tail is 1e-12 and grows a 
 def potential_at_flat() -> Iterator[Finding]:
     for disk in BODIES:
         want = disk.I1**2 * (disk.I3 + 1.0) / (2.0 * disk.I3**2 * closed_form(disk)[0] ** 2)
-        for side in (1, -1):
-            V = on_line(disk, side)
-            yield near(f"{disk.name}, side {side:+d}: V(±π/2)/σ̄₃²", float(V(0.0)), want, 1e-11, _FIT)
+        for face in (1, -1):
+            V = on_line(disk, face)
+            yield near(f"{disk.name}, side {face:+d}: V(±π/2)/σ̄₃²", float(V(0.0)), want, 1e-11, _FIT)
         rate = float(np.polyfit(np.arange(14), np.log(abs(V.coef[2:16])), 1)[0])
         why = "a logarithm or root at flat would give algebraic decay, ratio above 0.8"
         yield at_most(f"{disk.name}: ratio of successive Chebyshev coefficients", float(np.exp(rate)), 0.5, why)
@@ -237,13 +237,13 @@ def potential_at_flat() -> Iterator[Finding]:
 @statement(32, "EQ-6.10", "(6.10): on l± V′(±π/2) = ∓mgr: V has a strict one-sided minimum at flat [corrected].")
 def slope_at_flat() -> Iterator[Finding]:
     for disk in BODIES:
-        for side in (1, -1):
-            V = on_line(disk, side)
-            slope = -side * float(V.deriv()(0.0))  # φ = side (π/2 - tilt)
-            yield near(f"{disk.name}, side {side:+d}: V′(±π/2)", slope, -side, 1e-9, _FIT)
+        for face in (1, -1):
+            V = on_line(disk, face)
+            slope = -face * float(V.deriv()(0.0))  # φ = side (π/2 - tilt)
+            yield near(f"{disk.name}, side {face:+d}: V′(±π/2)", slope, -face, 1e-9, _FIT)
             tilts = np.linspace(1e-3, 0.2, 60)
             least = float(((V(tilts) - V(0.0)) / tilts).min())
-            yield at_most(f"{disk.name}, side {side:+d}: largest (V₀ − V)/θ up to tilt 0.2", -least, 0.0, "a sign")
+            yield at_most(f"{disk.name}, side {face:+d}: largest (V₀ − V)/θ up to tilt 0.2", -least, 0.0, "a sign")
 
 
 @statement(35, "CODIM-1", "6.2: F has codimension one: P(θ_min < δ) ~ Cδ; no state drawn plainly lies on it.")
@@ -255,8 +255,8 @@ def codimension_one() -> Iterator[Finding]:
         C = falling_constant(disk)
         value, error = np.zeros(3), np.zeros(3)
         for i, delta in enumerate(deltas):
-            for side in (1, -1):
-                found = draw_tube(disk, density, C.mass, side, delta, random.random((draws, dimensions(density))))
+            for face in (1, -1):
+                found = draw_tube(disk, density, C.mass, face, delta, random.random((draws, dimensions(density))))
                 hit = np.where(found.theta_min < delta, found.weight, 0.0)
                 value[i] += hit.mean()
                 error[i] = np.hypot(error[i], hit.std() / np.sqrt(draws))
@@ -272,11 +272,11 @@ def codimension_one() -> Iterator[Finding]:
 
 
 @lru_cache
-def ending(disk: Disk, side: int) -> tuple[Array, plain.PlainMotion]:
+def ending(disk: Disk, face: int) -> tuple[Array, plain.PlainMotion]:
     """The 8-dimensional motion at times 0.01 to 0.3 before it falls from the vertical with speed and σ̄₃ of 1."""
     tau = 0.155 + 0.145 * np.cos(np.pi * (np.arange(14) + 0.5) / 14)
-    impact = passages(disk, 1.0, 0.0, 1.0, side).fall_time[0]
-    start = 0.0, float(side), 1.0, side * shot_slope(disk)
+    impact = passages(disk, 1.0, 0.0, 1.0, face).fall_time[0]
+    start = 0.0, float(face), 1.0, face * shot_slope(disk)
     return tau, plain.integrate(disk, start, impact - tau)
 
 
@@ -295,19 +295,19 @@ def approach(tau: Array, values: Any) -> float:
 
 _LIMIT = "8-dimensional motion at 1e-12, extrapolated from t* − t ≥ 0.01"
 _RATE = "the next power of t* − t, 0.01 to 0.1 here"
-_CASES = [(disk, side, f"{disk.name}, side {side:+d}:") for disk in (UNIFORM, HOOP, THICK) for side in (1, -1)]
+_CASES = [(disk, face, f"{disk.name}, side {face:+d}:") for disk in (UNIFORM, HOOP, THICK) for face in (1, -1)]
 
 
 @statement(36, "PROP-1", "Prop. 1, (6.12), (6.13): it falls with a bang: φ̇ → ±A = ±√(2(E − V₀)/M) [corrected].")
 def bang() -> Iterator[Finding]:
-    for disk, side, where in _CASES:
-        tau, motion = ending(disk, side)
+    for disk, face, where in _CASES:
+        tau, motion = ending(disk, face)
         phidot = motion.sigma[:, 1] / np.hypot(*motion.u.T[:2])
         r0, J = closed_form(disk)[0], disk.I3 + 1.0
         V0 = J * disk.I1**2 / (2.0 * disk.I3**2 * r0**2)
         E = 0.5 * (disk.I1 + 1.0) + 0.5 * disk.I1 + 0.5 * J * shot_slope(disk) ** 2 + 1.0
         A = np.sqrt(2.0 * (E - V0) / (disk.I1 + 1.0))
-        yield near(f"{where} φ̇ at flat", at_impact(tau, phidot), side * A, 1e-8, _LIMIT)
+        yield near(f"{where} φ̇ at flat", at_impact(tau, phidot), face * A, 1e-8, _LIMIT)
         yield near(f"{where} exponent of the approach", approach(tau, phidot), 1.0, 0.1, _RATE)
     for disk, A in ((UNIFORM, 1.816042), (HOOP, 1.758017)):
         speed = passages(disk, 1.0, 0.0, 1.0).impact_speed[0]
@@ -316,13 +316,13 @@ def bang() -> Iterator[Finding]:
 
 @statement(37, "EQ-6.14", "(6.14), (6.15): at flat σ₃/(1∓σ₁) → σ̄₃/r(0) and σ₄ → ±I₁σ̄₃/(I₃ r(0)).")
 def momenta_at_flat() -> Iterator[Finding]:
-    for disk, side, where in _CASES:
-        tau, motion = ending(disk, side)
+    for disk, face, where in _CASES:
+        tau, motion = ending(disk, face)
         s1, _, s3, s4 = motion.sigma.T
         r0 = closed_form(disk)[0]
-        ratio = s3 * (1.0 + side * s1) / (motion.u[:, :2] ** 2).sum(axis=1)  # 1 - σ₁² without cancellation
+        ratio = s3 * (1.0 + face * s1) / (motion.u[:, :2] ** 2).sum(axis=1)  # 1 - σ₁² without cancellation
         yield near(f"{where} σ₃/(1∓σ₁)", at_impact(tau, ratio), 1.0 / r0, 1e-7, _LIMIT)
-        yield near(f"{where} σ₄", at_impact(tau, s4), side * disk.I1 / (disk.I3 * r0), 1e-8, _LIMIT)
+        yield near(f"{where} σ₄", at_impact(tau, s4), face * disk.I1 / (disk.I3 * r0), 1e-8, _LIMIT)
         both = [approach(tau, ratio), approach(tau, s4)]
         yield near(f"{where} exponents of both (analytic in 1∓σ₁)", both, 2.0, 0.05, _RATE)
 
@@ -330,25 +330,25 @@ def momenta_at_flat() -> Iterator[Finding]:
 @statement(38, "EQ-6.16", "(6.16): ψ̇ → ∓(−½ + I₁/I₃) σ̄₃/r(0) at flat, zero for planar bodies.")
 def spin_of_psi() -> Iterator[Finding]:
     for disk in BODIES:
-        for side in (1, -1):
-            tau, motion = ending(disk, side)
-            want = -side * (-0.5 + disk.I1 / disk.I3) / closed_form(disk)[0]
+        for face in (1, -1):
+            tau, motion = ending(disk, face)
+            want = -face * (-0.5 + disk.I1 / disk.I3) / closed_form(disk)[0]
             rate = at_impact(tau, motion.psi, 1)
-            yield near(f"{disk.name}, side {side:+d}: rate of the angle ψ", rate, want, 1e-6, _LIMIT)
+            yield near(f"{disk.name}, side {face:+d}: rate of the angle ψ", rate, want, 1e-6, _LIMIT)
 
 
 @statement(39, "EQ-6.17", "(6.17)–(6.19): u̇, ω and the point of contact converge at flat, at a rate O(t* − t).")
 def vectors_at_flat() -> Iterator[Finding]:
-    for disk, side, where in _CASES:
-        tau, motion = ending(disk, side)
-        psi, speed = at_impact(tau, motion.psi), side * passages(disk, 1.0, 0.0, 1.0, side).impact_speed[0]
-        spin = side * disk.I1 / (disk.I3 * closed_form(disk)[0])
+    for disk, face, where in _CASES:
+        tau, motion = ending(disk, face)
+        psi, speed = at_impact(tau, motion.psi), face * passages(disk, 1.0, 0.0, 1.0, face).impact_speed[0]
+        spin = face * disk.I1 / (disk.I3 * closed_form(disk)[0])
         hinge = np.array([np.cos(psi), np.sin(psi), 0.0])
         udot = np.cross(motion.u, motion.omega)
-        yield near(f"{where} u̇", at_impact(tau, motion.u, 1), -side * speed * hinge, 1e-6, _LIMIT)
+        yield near(f"{where} u̇", at_impact(tau, motion.u, 1), -face * speed * hinge, 1e-6, _LIMIT)
         want = np.array([-speed * hinge[1], speed * hinge[0], spin])
         yield near(f"{where} ω", at_impact(tau, motion.omega), want, 1e-7, _LIMIT)
-        limit = limit_motion(disk, (0.0, float(side), 1.0, side * shot_slope(disk)))
+        limit = limit_motion(disk, (0.0, float(face), 1.0, face * shot_slope(disk)))
         point = limit(limit.impacts(5.0)[0] * (1.0 - 1e-14)).contact
         yield near(f"{where} point of contact", at_impact(tau, motion.contact), point, 1e-7, _LIMIT)
         rates = [approach(tau, v) for v in (udot, motion.omega, motion.contact)]

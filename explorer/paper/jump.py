@@ -45,7 +45,7 @@ class Risen:
 
 @lru_cache
 def risen(disk: Disk, sign: int, eta_hat: float = 1e-8) -> Risen:
-    """From the vertical with speed and sigma3_bar of 1 towards side +1, approached from sgn(eta) = sign."""
+    """From the vertical with speed and sigma3_bar of 1 towards face +1, approached from sgn(eta) = sign."""
     time = 5.0 / 3.0 * limit_motion(disk, constants_to_states(disk, 1.0, 0.0, 1.0)).impacts(9.0)[:1]
     start = constants_to_states(disk, 1.0, sign * eta_hat, 1.0)
     phi, chi, psi, path = (row[0, 0] for row in observed(disk, start, time, "phi", "chi", "psi", "path"))
@@ -82,18 +82,18 @@ def one_sided_limits() -> Iterator[Finding]:
     "Lemma 8, Cor. 2: ȧ↓ = r(±B sin χ↓, ∓B cos χ↓, −A), ȧ↑ with A; elastic iff mr²/I₁ = 4k²−1.",
 )
 def velocity_of_the_centre() -> Iterator[Finding]:
-    for disk, side, sign in CASES:
+    for disk, face, sign in CASES:
         away = []
         for eta_hat in SMALL:
-            run = beside(disk, side, sign, float(eta_hat))
-            want = [horizontal(side * run.B, run.chi[0], -run.A), horizontal(side * run.B, run.chi[1], run.A)]
+            run = beside(disk, face, sign, float(eta_hat))
+            want = [horizontal(face * run.B, run.chi[0], -run.A), horizontal(face * run.B, run.chi[1], run.A)]
             away.append(float(np.linalg.norm(run.velocity - want, axis=1).max()))
-        what = f"{case(disk, side, sign)} ȧ before and after, off Lemma 8"
+        what = f"{case(disk, face, sign)} ȧ before and after, off Lemma 8"
         yield near(f"{what}, η̂ = 1e-8", away[-1], 0.0, 1e-3, ROOT)
         yield order_of(what, away)
-        plane = beside(disk, side, sign, 1e-10).velocity @ [1.0, 1j, 0.0]
+        plane = beside(disk, face, sign, 1e-10).velocity @ [1.0, 1j, 0.0]
         turn = plane[1] / plane[0] - np.exp(1j * sign * np.pi * disk.kappa)
-        yield near(f"{case(disk, side, sign)} turn of horizontal ȧ, as e^iα off e^iΔχ", abs(turn), 0.0, 1e-3, ROOT)
+        yield near(f"{case(disk, face, sign)} turn of horizontal ȧ, as e^iα off e^iΔχ", abs(turn), 0.0, 1e-3, ROOT)
     for ratio in (2.0, 3.0, 4.0, 8.0, 15.0, 24.0):
         run = beside(planar(ratio), 1, 1, 1e-10)
         off = float(np.linalg.norm(run.velocity[1] - run.velocity[0] * [1.0, 1.0, -1.0]) / run.B)
@@ -161,14 +161,14 @@ def speed_of_the_contact_point() -> Iterator[Finding]:
         yield near(f"{disk.name}: exponent of its largest speed in η", exponent(_ETAS, speed), -1.0, 0.02, _LOG)
         why = "η ln(1/η); the difference quotient is good to 1e-4"
         yield near(f"{disk.name}: its largest speed over 2r(E−V₀)/|η|, η̂ = 1e-5", ratio[-1], 1.0, 1e-3, why)
-    for disk, side in ((UNIFORM, 1), (UNIFORM, -1), (THICK, -1)):
-        middle = 0.5 * passages(disk, 1.0, 1e-3, 1.0, side).duration[0]
+    for disk, face in ((UNIFORM, 1), (UNIFORM, -1), (THICK, -1)):
+        middle = 0.5 * passages(disk, 1.0, 1e-3, 1.0, face).duration[0]
         times = middle + 0.03 * np.array([-1.0, 0.0, 1.0])
-        start = 0.0, float(side), 1.0, side * (shot_slope(disk) - 1e-3)
+        start = 0.0, float(face), 1.0, face * (shot_slope(disk) - 1e-3)
         motion = plain.integrate(disk, start, times)
         arm = motion.contact - motion.a
-        away = np.exp(1j * (np.arctan2(arm[:, 1], arm[:, 0]) - motion.chi)) - side
-        what = f"{disk.name}, side {side:+d}: e^i(angle of p − a) e^−iχ in 8 dimensions, off ±1"
+        away = np.exp(1j * (np.arctan2(arm[:, 1], arm[:, 0]) - motion.chi)) - face
+        what = f"{disk.name}, side {face:+d}: e^i(angle of p − a) e^−iχ in 8 dimensions, off ±1"
         yield near(what, float(abs(away).max()), 0.0, 1e-8, "1e-12 in A over the tilt, 7e-4")
 
 
@@ -194,18 +194,18 @@ def many_turns() -> Iterator[Finding]:
 
 @statement(55, "HINGE", "7.3: p↓ and p↑ are hinges: ν↓, ν↑ have horizontal parts orthogonal to p↓ − a*, p↑ − a*.")
 def hinges() -> Iterator[Finding]:
-    for disk, side, sign in CASES:
+    for disk, face, sign in CASES:
         cosine, lift = [], []
         for eta_hat in SMALL:
-            run = beside(disk, side, sign, float(eta_hat))
+            run = beside(disk, face, sign, float(eta_hat))
             flat = run.nu * [1.0, 1.0, 0.0]
             size = np.linalg.norm(flat, axis=1) * np.linalg.norm(run.arm, axis=1)
             cosine.append(float(abs((flat * run.arm).sum(axis=1) / size).max()))
             lift.append(abs(np.cross(run.nu, -run.arm)[:, 2] - [-run.A, run.A]).max())
-        what = f"{case(disk, side, sign)} cosine of ν and p − a, before and after"
+        what = f"{case(disk, face, sign)} cosine of ν and p − a, before and after"
         yield near(f"{what}, η̂ = 1e-8", cosine[-1], 0.0, 1e-3, ROOT)
         yield order_of(what, cosine)
-        yield near(f"{case(disk, side, sign)} fall and rise of a about p, off −A and A", lift[-1], 0.0, 1e-3, ROOT)
+        yield near(f"{case(disk, face, sign)} fall and rise of a about p, off −A and A", lift[-1], 0.0, 1e-3, ROOT)
 
 
 @statement(56, "SPIN", "7.3: ν₃ does not jump, its limit B is 0 iff σ̄₃ = 0, and χ, ψ jump then as well.")

@@ -22,7 +22,7 @@ def all_fall() -> Iterator[Finding]:
     for disk in BODIES:
         phi, phidot = random.uniform(-1.4, 1.0, 3000), random.uniform(-1.5, 1.5, 3000)
         bar = random.choice([-1.0, 1.0], 3000) * random.uniform(1.05 * well(disk)[1], 2.0, 3000)
-        chart = np.empty((4, 3000))  # side -1 is the mirror image, eq. (3.2)
+        chart = np.empty((4, 3000))  # face -1 is the mirror image, eq. (3.2)
         compiled.falling.line_chart_batch(np.cos(phi), -np.sin(phi), disk.body, disk.series, chart)
         rows = np.stack([phi, phidot, chart[0] * bar, -chart[2] * bar])
         count = int(falls(disk, *rows).could_fall_minus.sum())
@@ -65,7 +65,7 @@ def _beside_the_well(disk: Disk, random: np.random.Generator) -> Iterator[Findin
 def non_falling_well() -> Iterator[Finding]:
     tilts = np.geomspace(0.5 * np.pi, 0.05, 4000)[1:]
     for disk in BODIES:
-        # l_+ as seen from side -1: V = sigma3_bar^2 U + q, so V' = 0 where sigma3_bar^2 = -cos(tilt)/U'
+        # l_+ as seen from face -1: V = sigma3_bar^2 U + q, so V' = 0 where sigma3_bar^2 = -cos(tilt)/U'
         sigma = rates_down(disk, 1.0, shot_slope(disk), -1, tilts)
         U = potential(disk, tilts, sigma) - np.sin(tilts)
         critical = -np.cos(tilts) / np.gradient(U, tilts, edge_order=2)

@@ -194,7 +194,7 @@ def energy_near_flat() -> Evidence:
     X = -UNIFORM.I1 / UNIFORM.I3 * np.sqrt(J)  # eq. (4.9) for sigma3_bar = 1
     here, there = (float(SERIES.near_flat(X / R0, epsilon, S)[2]) for epsilon in (0.0, 2.0 * X * DR0))
     return Evidence(
-        "E - (M/2) phidot^2 just before the race on side +1, less V_q at 1e-9 from sigma1 = -1 or from sigma1 = 1",
+        "E - (M/2) phidot^2 just before the race on face +1, less V_q at 1e-9 from sigma1 = -1 or from sigma1 = 1",
         abs(potential - there),
         abs(potential - here),
         1e-3,
@@ -202,10 +202,10 @@ def energy_near_flat() -> Evidence:
 
 
 def orders_of_rates() -> Evidence:
-    """Rates of chi and psi at the flattest moment on side -1, over 2 (E - V_0)/eta_-, their limit."""
+    """Rates of chi and psi at the flattest moment on face -1, over 2 (E - V_0)/eta_-, their limit."""
     eta_hat = 1e-6
-    state = constants_to_states(UNIFORM, 1.0, eta_hat, -1.0, side=-1)
-    passage = passages(UNIFORM, 1.0, eta_hat, 1.0, side=-1, accuracy=1e-9)
+    state = constants_to_states(UNIFORM, 1.0, eta_hat, -1.0, face=-1)
+    passage = passages(UNIFORM, 1.0, eta_hat, 1.0, face=-1, accuracy=1e-9)
     step = 1e-3 * float(passage.theta_min[0] / passage.impact_speed[0])
     t = 0.5 * float(passage.duration[0]) + step * np.array([-1.0, 1.0])
     found = simulate(UNIFORM, state, t_eval=t, observables=("chi", "psi"), accuracy=1e-9)
@@ -214,7 +214,7 @@ def orders_of_rates() -> Evidence:
     largest = M * float(passage.impact_speed[0]) ** 2 / (eta_hat * UNIFORM.I3 * R0)
     chi, psi = (float(np.diff(angle[0])[0] / np.diff(t)[0] / largest) for angle in (found.chi, found.psi))
     return Evidence(
-        f"on side -1 the rates of chi and psi are {chi:+.4f} and {psi:+.4f} times 2(E - V_0)/eta_-; "
+        f"on face -1 the rates of chi and psi are {chi:+.4f} and {psi:+.4f} times 2(E - V_0)/eta_-; "
         "distance to (-1, +1) as printed, to (+1, -1)",
         max(abs(chi + 1.0), abs(psi - 1.0)),
         max(abs(chi - 1.0), abs(psi + 1.0)),
@@ -235,7 +235,7 @@ def small_quantity() -> Evidence:
     settled: Array = np.sin(found.phi[0][abs(found.sigma4[0] - limit) < 1e-2])
     return Evidence(
         "1 + sigma1 (printed as small), or 1 - sigma1, least and largest on the way down where sigma4 is "
-        "within 0.01 of (7.20), side +1",
+        "within 0.01 of (7.20), face +1",
         float(np.min(1.0 + settled)),
         worst(1.0 - settled),
         1e-2,

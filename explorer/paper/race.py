@@ -55,17 +55,17 @@ class Passage:
 
 
 @lru_cache
-def passage(disk: Disk, eta_hat: float, side: int = 1) -> Passage:
-    """See Passage; eta_hat is that of `side`."""
+def passage(disk: Disk, eta_hat: float, face: int = 1) -> Passage:
+    """See Passage; eta_hat is that of `face`."""
     r0, J, M = closed_form(disk)[0], disk.I3 + 1.0, disk.I1 + 1.0
-    s4 = side * (shot_slope(disk) - eta_hat)
+    s4 = face * (shot_slope(disk) - eta_hat)
     V0 = 0.5 * J * (disk.I1 / (disk.I3 * r0)) ** 2
 
     def turning(_t: float, y: Array) -> float:
         return y[1]
 
     turning.direction = 1.0  # type: ignore[attr-defined]
-    motion = reduced(disk, side, (0.5 * np.pi, -1.0, 1.0, s4), 2.6, turning)
+    motion = reduced(disk, face, (0.5 * np.pi, -1.0, 1.0, s4), 2.6, turning)
     energy = 0.5 * M + 0.5 * disk.I1 + 0.5 * J * s4 * s4 + 1.0
     middle, tilt = float(motion.t_events[0][0]), float(motion.y_events[0][0][0])
     A = float(np.sqrt(2.0 * (energy - V0) / M))
@@ -155,15 +155,15 @@ def short_periods() -> Iterator[Finding]:
 @statement(42, "REFLECTION", "7.1: as η → 0 φ(t) converges to the motion on F with elastic reflections at flat.")
 def elastic_reflection() -> Iterator[Finding]:
     etas = np.array([1e-3, 1e-4, 1e-5, 1e-6])
-    for disk, side, sign in ((UNIFORM, 1, 1), (HOOP, -1, 1), (THICK, 1, -1)):
-        limit = limit_motion(disk, constants_to_states(disk, 1.0, 0.0, side, side), sign)
+    for disk, face, sign in ((UNIFORM, 1, 1), (HOOP, -1, 1), (THICK, 1, -1)):
+        limit = limit_motion(disk, constants_to_states(disk, 1.0, 0.0, face, face), sign)
         times = np.linspace(0.0, 2.5 * limit.period, 300)
         away = abs(times[:, None] - limit.impacts(3.0 * limit.period)).min(axis=1) > 0.05 * limit.period
         want, sup = limit(times[away]).phi, []
         for eta_hat in etas:
-            start = constants_to_states(disk, 1.0, sign * eta_hat, side, side)
+            start = constants_to_states(disk, 1.0, sign * eta_hat, face, face)
             sup.append(float(abs(observed(disk, start, times[away], "phi")[0][0] - want).max()))
-        where = f"{disk.name}, side {side:+d}, sgn η {sign:+d}:"
+        where = f"{disk.name}, side {face:+d}, sgn η {sign:+d}:"
         order, why = exponent(etas, sup), "within O(η ln 1/η): φ shows no logarithm, its delay is of order η"
         yield near(f"{where} exponent of sup |φ − limit| in η, 2 or 3 impacts", order, 1.0, 0.02, why)
         yield at_most(f"{where} sup |φ − limit| at η̂ = 1e-6", sup[-1], 1e-4, "some η ln(1/η) = 1.4e-5")
@@ -171,23 +171,23 @@ def elastic_reflection() -> Iterator[Finding]:
 
 @statement(43, "LEMMA-6", "Lemma 6, (7.7): χ̇ ~ η/I₁cos²φ, ψ̇ ~ ±χ̇ [corrected]; χ rests where |η| ≪ cos φ ≪ 1.")
 def rates_of_the_race() -> Iterator[Finding]:
-    for disk, side in ((UNIFORM, 1), (HOOP, -1), (THICK, -1)):
-        away, where = [], f"{disk.name}, side {side:+d}:"
+    for disk, face in ((UNIFORM, 1), (HOOP, -1), (THICK, -1)):
+        away, where = [], f"{disk.name}, side {face:+d}:"
         for eta_hat in ETAS:
-            run = passage(disk, eta_hat, side)
+            run = passage(disk, eta_hat, face)
             unit = run.theta_min / run.A
             times = run.middle + unit * np.array([0.0, 1.0, 3.0])
             step = 1e-3 * unit
             turn = (run.at(times + step) - run.at(times - step))[4:] / (2.0 * step)
             ratio = turn * disk.I1 * np.sin(run.at(times)[0]) ** 2 / run.eta
-            away.append(max(abs(ratio[0] - 1.0).max(), abs(side * ratio[1] - 1.0).max()))
+            away.append(max(abs(ratio[0] - 1.0).max(), abs(face * ratio[1] - 1.0).max()))
         why = "η ln(1/η) and tilt²/η; for ψ also σ₄η"
         yield near(f"{where} χ̇I₁cos²φ/η and ±ψ̇I₁cos²φ/η at θ_m to 3 θ_m, from 1", away[-1], 0.0, 1e-3, why)
         yield near(f"{where} exponent of that in η", exponent(ETAS, away), 1.0, 0.08, _LOG)
         most = turn[0, 0] * run.eta / (2.0 * (run.energy - run.V0))
         yield near(f"{where} largest χ̇ over 2(E−V₀)/η, η̂ = 1e-5", most, 1.0, 1e-3, _LOG)
         edges = np.array([1e-2, 1e-3, 1e-4])
-        found = [passages(disk, 1.0, 1e-8, 1.0, side, window=float(edge)) for edge in edges]
+        found = [passages(disk, 1.0, 1e-8, 1.0, face, window=float(edge)) for edge in edges]
         lost = disk.kappa * np.pi - np.array([float(f.race_angle[0]) for f in found])
         want = 2.0 * disk.kappa * np.arcsin(found[0].theta_min[0] / edges)
         why = "terms of order η ln(1/η) = 2e-7"
@@ -244,17 +244,17 @@ def window_of_energy() -> Iterator[Finding]:
 def race_of_psi() -> Iterator[Finding]:
     etas = 10.0 ** -np.arange(4.0, 9.0)
     for disk in (UNIFORM, HOOP, THICK):
-        for side, sign in ((1, 1.0), (1, -1.0), (-1, 1.0), (-1, -1.0)):
-            found = passages(disk, 1.0, sign * etas, 1.0, side, accuracy=1e-13)
-            drift = [2.0 * side * fall_from_vertical(disk, np.ones(1), e[None])[2][0] for e in found.energy]
-            away = found.delta_psi - drift - side * sign * disk.kappa * np.pi
-            where = f"{disk.name}, side {side:+d}, sgn η {sign:+.0f}:"
+        for face, sign in ((1, 1.0), (1, -1.0), (-1, 1.0), (-1, -1.0)):
+            found = passages(disk, 1.0, sign * etas, 1.0, face, accuracy=1e-13)
+            fall_angle = [2.0 * face * fall_from_vertical(disk, np.ones(1), e[None])[2][0] for e in found.energy]
+            away = found.delta_psi - fall_angle - face * sign * disk.kappa * np.pi
+            where = f"{disk.name}, side {face:+d}, sgn η {sign:+.0f}:"
             yield near(f"{where} Δψ − ±sgn(η)Δχ at η̂ = 1e-8", away[-1], 0.0, 1e-6, _LOG)
-            lead = side * logarithmic(sign * etas * disk.I3 * closed_form(disk)[0], away)[0]
+            lead = face * logarithmic(sign * etas * disk.I3 * closed_form(disk)[0], away)[0]
             want = 2.0 / (disk.I1 * (disk.I1 + 1.0) * found.impact_speed[-1] ** 3)
             why = "η² ln²η, rounding 1e-13/η"
             yield near(f"{where} its coefficient of ±η ln(1/η), over that of χ", lead / want, 1.0, 0.01, why)
-            steps = passages(disk, 1.0, sign * 1e-4, 1.0, side, method="dop853", accuracy=1e-9).delta_psi
+            steps = passages(disk, 1.0, sign * 1e-4, 1.0, face, method="dop853", accuracy=1e-9).delta_psi
             yield near(f"{where} Δψ at η̂ = 1e-4 integrated", steps, found.delta_psi[0], 1e-8, "its accuracy")
     for disk, eta_hat in ((UNIFORM, 0.01), (HOOP, -0.01), (THICK, 0.01)):
         whole, run = passages(disk, 1.0, eta_hat, 1.0), passage(disk, eta_hat)
@@ -273,9 +273,9 @@ def same_for_all() -> Iterator[Finding]:
     etas = 10.0 ** -np.arange(5.0, 10.0)
     for disk in BODIES:
         bar, speed = random.uniform(-2.0, 2.0, 300), random.uniform(0.5, 2.0, 300)
-        side, sign = random.choice([-1.0, 1.0], 300), random.choice([-1.0, 1.0], 300)
-        runs = [passages(disk, bar, sign * eta, speed, side, accuracy=1e-13) for eta in etas]
-        few = bar[:40], 1e-5 * sign[:40], speed[:40], side[:40]
+        face, sign = random.choice([-1.0, 1.0], 300), random.choice([-1.0, 1.0], 300)
+        runs = [passages(disk, bar, sign * eta, speed, face, accuracy=1e-13) for eta in etas]
+        few = bar[:40], 1e-5 * sign[:40], speed[:40], face[:40]
         steps = passages(disk, *few, method="dop853", accuracy=1e-8).race_angle
         width = np.array([float(abs(run.race_angle - run.limit).max()) for run in runs])
         spread = runs[0].energy.max() - runs[0].energy.min()
@@ -307,13 +307,13 @@ class Bounce:
 
 
 @lru_cache
-def beside(disk: Disk, side: int, sign: int, eta_hat: float, sigma3_bar: float = 1.0) -> Bounce:
+def beside(disk: Disk, face: int, sign: int, eta_hat: float, sigma3_bar: float = 1.0) -> Bounce:
     """The motion from the vertical with speed 1, integrated; nu by (2.27), (2.29), velocities by differences."""
-    found = passages(disk, sigma3_bar, sign * eta_hat, 1.0, side)
+    found = passages(disk, sigma3_bar, sign * eta_hat, 1.0, face)
     wait = np.sqrt(eta_hat)
     grid = np.array([-2.0, -1.0, 0.0, 1.0, 2.0]) * 0.02 * wait
     times = 0.5 * found.duration[0] + np.concatenate([grid - wait, grid + wait])
-    start = constants_to_states(disk, sigma3_bar, sign * eta_hat, side, side)
+    start = constants_to_states(disk, sigma3_bar, sign * eta_hat, face, face)
     names = ("phi", "phidot", "sigma3", "sigma4", "chi", "psi", "path", "contact")
     phi, phidot, s3, s4, chi, psi, path, contact = (row[0] for row in observed(disk, start, times, *names))
     weights = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / (12.0 * 0.02 * wait)
@@ -334,12 +334,12 @@ def beside(disk: Disk, side: int, sign: int, eta_hat: float, sigma3_bar: float =
 
 SMALL = np.array([1e-4, 1e-5, 1e-6, 1e-7, 1e-8])
 ROOT = "of order √η̂ (1e-4 at 1e-8): it is taken at times √η̂ from the impact"
-CASES = tuple((disk, side, sign) for disk in (UNIFORM, HOOP, THICK) for side in (1, -1) for sign in (1, -1))
+CASES = tuple((disk, face, sign) for disk in (UNIFORM, HOOP, THICK) for face in (1, -1) for sign in (1, -1))
 
 
-def case(disk: Disk, side: int, sign: int) -> str:
+def case(disk: Disk, face: int, sign: int) -> str:
     """A body, a side and a sign of eta in words."""
-    return f"{disk.name}, side {side:+d}, sgn η {sign:+d}:"
+    return f"{disk.name}, side {face:+d}, sgn η {sign:+d}:"
 
 
 def order_of(what: str, away: Any) -> Finding:
@@ -354,17 +354,17 @@ def horizontal(size: float, chi: Any, lift: float) -> Array:
 
 @statement(48, "LEMMA-7", "Lemma 7, (7.16)–(7.19): χ↑ − χ↓ = sgn(η) Δχ, ν↓ = (±A sin χ↓, ∓A cos χ↓, B); ν↑ alike.")
 def limits_of_nu() -> Iterator[Finding]:
-    for disk, side, sign in CASES:
+    for disk, face, sign in CASES:
         away = np.empty((2, SMALL.size))
         for i, eta_hat in enumerate(SMALL):
-            run = beside(disk, side, sign, float(eta_hat))
-            down = run.nu[0] - horizontal(side * run.A, run.chi[0], run.B)
-            up = run.nu[1] - horizontal(-side * run.A, run.chi[1], run.B)
+            run = beside(disk, face, sign, float(eta_hat))
+            down = run.nu[0] - horizontal(face * run.A, run.chi[0], run.B)
+            up = run.nu[1] - horizontal(-face * run.A, run.chi[1], run.B)
             away[0, i] = max(np.linalg.norm(down), np.linalg.norm(up))
             away[1, i] = abs(run.chi[1] - run.chi[0] - sign * disk.kappa * np.pi)
         for what, row in (("ν before and after, off (7.17), (7.18)", away[0]), ("χ↑ − χ↓ off sgn(η) Δχ", away[1])):
-            yield near(f"{case(disk, side, sign)} {what}, η̂ = 1e-8", row[-1], 0.0, 1e-3, ROOT)
-            yield order_of(f"{case(disk, side, sign)} {what}", row)
+            yield near(f"{case(disk, face, sign)} {what}, η̂ = 1e-8", row[-1], 0.0, 1e-3, ROOT)
+            yield order_of(f"{case(disk, face, sign)} {what}", row)
     for disk in (UNIFORM, THICK):
         other = beside(disk, 1, 1, 1e-3)
         middle = 0.5 * passages(disk, 1.0, 1e-3, 1.0).duration[0]
@@ -382,13 +382,13 @@ def planar(ratio: float) -> Disk:
 
 @statement(49, "COR-1", "Cor. 1: ν turns by sgn(η)(Δχ − π) about the vertical; continuous iff mr²/I₁ = 4k(k+1).")
 def jump_of_nu() -> Iterator[Finding]:
-    for disk, side, sign in CASES:
-        nu = beside(disk, side, sign, 1e-8).nu
+    for disk, face, sign in CASES:
+        nu = beside(disk, face, sign, 1e-8).nu
         turn = complex(*nu[1, :2]) / complex(*nu[0, :2])
         want = np.exp(1j * sign * np.pi * (disk.kappa - 1.0))
-        yield near(f"{case(disk, side, sign)} turn of ν, as e^iα off e^i(Δχ−π)", abs(turn - want), 0.0, 1e-3, ROOT)
+        yield near(f"{case(disk, face, sign)} turn of ν, as e^iα off e^i(Δχ−π)", abs(turn - want), 0.0, 1e-3, ROOT)
         why, rise = "1e-11 a passage; both times mirror each other", float(abs(nu[1, 2] - nu[0, 2]))
-        yield near(f"{case(disk, side, sign)} jump of its vertical part", rise, 0.0, 1e-9, why)
+        yield near(f"{case(disk, face, sign)} jump of its vertical part", rise, 0.0, 1e-9, why)
     for ratio in (2.0, 3.0, 4.0, 7.9, 8.0, 8.1, 15.0, 24.0):
         run = beside(planar(ratio), 1, 1, 1e-8)
         jump = float(np.linalg.norm(run.nu[1] - run.nu[0]) / run.A)

@@ -20,7 +20,7 @@ _BARRIER_DEGREE = 24  # both series are at rounding
 class Falls:
     """Where states lie relative to F; 1-D arrays.
 
-    side: +1 or -1, the flat state whose line l_+- is nearer (ties: +1).
+    face: +1 or -1, the flat state whose line l_+- is nearer (ties: +1).
     distance: signed distance of (sigma3_bar, sigma4_bar) to that line, rad per unit of time; its
     sign is the sign of eta, the direction in which the contact point races.
     distance_plus, distance_minus: the same for each line.
@@ -30,7 +30,7 @@ class Falls:
     theta_min_estimate: leading order |eta| / sqrt(2 I1 (E - V_0)) in rad; NaN where not could_fall.
     """
 
-    side: NDArray[np.int8]
+    face: NDArray[np.int8]
     distance: Array
     distance_plus: Array
     distance_minus: Array
@@ -86,7 +86,7 @@ def barrier(disk: Disk) -> tuple[Chebyshev, Chebyshev]:
 
 
 def could_fall(states: States, found: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether states could fall on side +1 and on side -1, were eta there zero. found: natural_constants."""
+    """Whether states could fall on face +1 and on face -1, were eta there zero. found: natural_constants."""
     out = np.empty((3, len(states)))
     disk = states.disk
     compiled.falling.falls_batch(states.natural, found, well(disk)[0], disk.body, disk.series, out)
@@ -113,7 +113,7 @@ def falls_of(states: States, found: Array | None = None) -> Falls:
         estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could_fall, out[2], np.nan))
         on_f = abs(eta) <= rounding
     return Falls(
-        side=np.where(near_plus, 1, -1).astype(np.int8),
+        face=np.where(near_plus, 1, -1).astype(np.int8),
         distance=eta * norm,
         distance_plus=plus * norm,
         distance_minus=minus * norm,

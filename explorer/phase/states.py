@@ -68,23 +68,23 @@ def theta_to_states(
     thetadot: ArrayLike,
     sigma3: ArrayLike,
     sigma4: ArrayLike,
-    side: ArrayLike = 1,
+    face: ArrayLike = 1,
 ) -> States:
-    """States from the tilt theta (rad, 0 < theta < pi) measured from the flat state of `side` (+-1).
+    """States from the tilt theta (rad, 0 < theta < pi) measured from the flat state of `face` (+-1).
 
     The chart for states very near flat, where phi itself has no digits left.
     """
-    tilt, rate, s3, s4, s = _broadcast(theta, thetadot, sigma3, sigma4, side)
+    tilt, rate, s3, s4, s = _broadcast(theta, thetadot, sigma3, sigma4, face)
     good = (tilt > 0.0) & (tilt < np.pi) & (abs(s) == 1.0)
     flat, tilt = np.where(good, 0.0, np.inf), np.where(good, tilt, 1.0)
     return _states(disk, np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4, flat)
 
 
 def constants_to_states(
-    disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot: ArrayLike, side: ArrayLike = 1
+    disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot: ArrayLike, face: ArrayLike = 1
 ) -> States:
-    """States at the vertical with given sigma3_bar, eta_hat on `side` (+-1) and phidot, eq. (6.2)."""
-    s3, eta_hat_, rate, s = _broadcast(sigma3_bar, eta_hat, phidot, side)
+    """States at the vertical with given sigma3_bar, eta_hat on `face` (+-1) and phidot, eq. (6.2)."""
+    s3, eta_hat_, rate, s = _broadcast(sigma3_bar, eta_hat, phidot, face)
     flat = np.where(abs(s) == 1.0, 0.0, np.inf)
     s4 = s * (line_slope(disk) * s3 - eta_hat_)
     made = _states(disk, np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4, flat)

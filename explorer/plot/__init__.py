@@ -11,7 +11,7 @@ from explorer.plot.slices import race_slice_map
 from explorer.plot.steady import bifurcations, steady_map, steady_plane
 from explorer.plot.style import figure_of, stacked
 from explorer.plot.trade import work_precision
-from explorer.plot.wander import drift_radius, rosette_and_resonance, wander_distance, wander_path
+from explorer.plot.wander import rosette_and_resonance, wander_distance, wander_path, wander_radius
 
 __all__ = [
     "animate",
@@ -20,7 +20,6 @@ __all__ = [
     "constant_convergence",
     "constants_plane",
     "contact_paths",
-    "drift_radius",
     "falling_ladder",
     "figure_of",
     "ladder_ratio",
@@ -44,5 +43,6 @@ __all__ = [
     "tilt_density",
     "wander_distance",
     "wander_path",
+    "wander_radius",
     "work_precision",
 ]

@@ -84,7 +84,7 @@ class Scene:
         limits = self._limits()
         self.panels = [_Panel(ax, shown, sign, limits) for ax, sign in zip(axes, (1, -1), strict=True)]
         name = "" if shown.disk.name == "custom" else f", {shown.disk.name} disk"
-        race = rf"race $\pm\kappa\pi$ = {shown.disk.race_limit:.2f} rad, plus drift"
+        race = rf"race $\pm\kappa\pi$ = {shown.disk.race_limit:.2f} rad, plus fall angle"
         self.figure.suptitle(f"Both sides of $F${name}: {race}", fontsize=TEXT, y=0.985)
         # Letters of one width: the line must not jump from frame to frame.
         self.clock = self.figure.text(0.5, 0.035, "", ha="center", fontsize=SMALL, family="monospace")

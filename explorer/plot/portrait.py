@@ -47,11 +47,11 @@ def phase_portrait(
         for number, (phi, speed) in enumerate(found):
             ax.plot(phi, speed, color=colour, lw=width, label=None if number else name)
             ax.plot(phi, -speed, color=colour, lw=width)
-    walls = {side: bool(np.isinf(potential.flat_value(side))) for side in (-1, 1)}
-    for side, wall in walls.items():
+    walls = {face: bool(np.isinf(potential.flat_value(face))) for face in (-1, 1)}
+    for face, wall in walls.items():
         name, colour, style, width = ("wall", DARK, "-", 4.0) if wall else ("flat", MINUS, ":", 2.5)
-        label = None if side > 0 and walls[-1] == wall else name
-        ax.axvline(side * _HALF, color=colour, ls=style, lw=width, label=label)
+        label = None if face > 0 and walls[-1] == wall else name
+        ax.axvline(face * _HALF, color=colour, ls=style, lw=width, label=label)
     _mark(ax, potential, at_energy=False)
     ax.set_xlim(-1.68, 1.68)
     ax.set_ylim(-1.3 * fastest, 1.3 * fastest)  # the legend stands above the levels
@@ -84,7 +84,7 @@ def _mark(ax: Axes, potential: Potential, at_energy: bool, x: str = "phi", named
 
 
 def _title(potential: Potential) -> str:
-    line = "l_+" if potential.side > 0 else "l_-"
+    line = "l_+" if potential.face > 0 else "l_-"
     where = f"on ${line}$" if potential.eta == 0.0 else rf"$\hat\eta$ = {potential.eta_hat:.4g} beside ${line}$"
     return rf"{potential.disk.name}: $\bar\sigma_3$ = {potential.sigma3_bar:.4g}, {where}"
 
@@ -111,17 +111,17 @@ def potential_curves(potentials: Sequence[Potential], near_flat: bool = False, a
                 "ls": ("-", "--", "-.", ":")[counts[sign] % 4],
             }
             counts[sign] += 1
-        side = potential.side if near_flat else 1
-        V = potential.at_y(side * y)[0] * unit
+        face = potential.face if near_flat else 1
+        V = potential.at_y(face * y)[0] * unit
         x = 2.0 * np.arctan(np.exp(-y)) if near_flat else np.arctan(np.sinh(y))
         label = r"on the line, $\hat\eta$ = 0" if sign == 0 else rf"$\hat\eta$ = {potential.eta_hat:.4g}"
         ax.plot(x, np.where(top >= V, V, np.nan), label=label, **style)
         if not near_flat:
             _mark(ax, potential, at_energy=True, named=number == 0)
         if sign == 0:
-            end = 1e-6 if near_flat else potential.side * _HALF
+            end = 1e-6 if near_flat else potential.face * _HALF
             style = {"color": DARK, "ms": 7, "ls": "", "clip_on": False, "zorder": 6}
-            ax.plot([end], [potential.flat_value(potential.side) * unit], marker="s", label=r"$V_0$", **style)
+            ax.plot([end], [potential.flat_value(potential.face) * unit], marker="s", label=r"$V_0$", **style)
     ax.set_ylim(0.0, top)
     legend(ax, loc="upper left" if near_flat else "lower left", ncols=1 if near_flat else 2)
     disk, bar = potentials[0].disk.name, potentials[0].sigma3_bar

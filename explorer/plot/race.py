@@ -33,7 +33,7 @@ def race_histogram(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     legend(ax, loc="upper center")
     return dress(
         ax,
-        rf"race angle $\Delta\chi$ - drift (rad); $\kappa\pi$ = {limit:.4f}",
+        rf"race angle $\Delta\chi$ - fall angle (rad); $\kappa\pi$ = {limit:.4f}",
         "passages per bin",
         f"The contact point races by $\\pm\\kappa\\pi$ (wrong way: {summary['wrong_way']})",
     )
@@ -68,6 +68,6 @@ def race_deviation(
     return dress(
         ax,
         r"$|\hat\eta|$ (rad per unit of time)",
-        r"$|\Delta\chi$ - drift $\mp\,\kappa\pi|$ (rad)",
+        r"$|\Delta\chi$ - fall angle $\mp\,\kappa\pi|$ (rad)",
         f"Distance of the race angle from its limit, {disk.name} disk",
     )

@@ -41,8 +41,8 @@ def race_slice_map(found: "RaceSlice", ax: Axes | None = None) -> Axes:
     handles: list[Artist] = []
     if (found.way == 0).any():
         handles.append(Patch(color=_NEVER, label="cannot fall there"))
-    if found.side.min() < found.side.max():
-        ax.contour(at.x, at.y, found.side, [0.0], colors=DARK, linewidths=0.9, linestyles=":")
+    if found.face.min() < found.face.max():
+        ax.contour(at.x, at.y, found.face, [0.0], colors=DARK, linewidths=0.9, linestyles=":")
         handles.append(Line2D([], [], color=DARK, lw=0.9, ls=":", label="the other flat side is nearer"))
     if handles:
         legend(ax, handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)

@@ -81,12 +81,12 @@ def steady_plane(disk: Disk, ax: Axes | None = None) -> Axes:
                     if where.any():
                         ax.plot(bar3, bar4, color=colour, ls=style, lw=1.2, label=label if stable else None)
     slope, most = line_slope(disk), well(disk)[1] * unit
-    for number, side in enumerate((1, -1)):
+    for number, face in enumerate((1, -1)):
         ends, inner = np.array([-3.0, 3.0]) * width, np.array([-most, most])
-        ax.plot(ends, side * slope * ends, color=DARK, lw=1.2, label=None if number else r"$l_+$, $l_-$: falling")
+        ax.plot(ends, face * slope * ends, color=DARK, lw=1.2, label=None if number else r"$l_+$, $l_-$: falling")
         ax.plot(
             inner,
-            side * slope * inner,
+            face * slope * inner,
             color=DARK,
             lw=4.5,
             label=None if number else "a well besides",

@@ -11,32 +11,32 @@ from explorer.phase.states import Array
 from explorer.plot.style import DARK, DISK_COLOURS, MINUS, PLUS, SIZE, axes_or_new, dress, legend
 
 if TYPE_CHECKING:
-    from explorer.portrait.wander import Drift, Wander
+    from explorer.portrait.wander import Wander, WanderPath
 
 _BOUNDED = 1e6  # radii; larger circles are drawn as none
 
 
-def wander_path(found: "Wander", ax: Axes | None = None) -> Axes:
+def wander_path(found: "WanderPath", ax: Axes | None = None) -> Axes:
     """Paths of the contact point and the centre seen from above, with the centre after each period."""
     ax = axes_or_new(ax)
-    r, drift = found.disk.r, found.drift
+    r, wander = found.disk.r, found.wander
     ax.plot(*(found.contact / r).T, color=PLUS, lw=0.7, alpha=0.75, label="contact point")
     ax.plot(*(found.centre / r).T, color=MINUS, lw=0.9, label="centre")
-    places = drift.after(found.count)[0] / r
+    places = wander.after(found.count)[0] / r
     ax.plot(places.real, places.imag, "o", color=DARK, ms=3.5, label="centre after each period")
-    turns, radius = drift.chi[0] / (2.0 * np.pi), drift.radius[0] / r
+    turns, radius = wander.chi[0] / (2.0 * np.pi), wander.radius[0] / r
     if radius < _BOUNDED:
-        middle = drift.step[0] / r / (1.0 - np.exp(1j * drift.chi[0]))
+        middle = wander.step[0] / r / (1.0 - np.exp(1j * wander.chi[0]))
         circle = middle - middle * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
         ax.plot(circle.real, circle.imag, color=DARK, lw=0.8, ls=":")
         title = f"bounded: radius {radius:.2f} r"
     else:
-        title = f"unbounded: {abs(drift.step[0]) / r:.2f} r per period"
+        title = f"unbounded: {abs(wander.step[0]) / r:.2f} r per period"
     ax.set_aspect("equal", adjustable="datalim")
     return dress(ax, "x (radii)", "y (radii)", f"$\\chi(\\tau)$ = {turns:.4f} turns\n{title}")
 
 
-def rosette_and_resonance(generic: "Wander", resonant: "Wander") -> Figure:
+def rosette_and_resonance(generic: "WanderPath", resonant: "WanderPath") -> Figure:
     """A generic rosette beside a motion whose chi(tau) is a whole number of turns."""
     figure = Figure(figsize=(1.25 * SIZE[0], SIZE[1]), layout="constrained")
     for found, ax in zip((generic, resonant), figure.subplots(1, 2), strict=True):
@@ -46,19 +46,19 @@ def rosette_and_resonance(generic: "Wander", resonant: "Wander") -> Figure:
     return figure
 
 
-def wander_distance(named: Mapping[str, "Wander"], ax: Axes | None = None) -> Axes:
+def wander_distance(named: Mapping[str, "WanderPath"], ax: Axes | None = None) -> Axes:
     """Distance of the centre from its start against periods, with the bound that one period tells."""
     ax = axes_or_new(ax)
     largest = 1.0
     for number, (name, found) in enumerate(named.items()):
-        colour, drift, r = DISK_COLOURS[number % len(DISK_COLOURS)], found.drift, found.disk.r
+        colour, wander, r = DISK_COLOURS[number % len(DISK_COLOURS)], found.wander, found.disk.r
         distance = np.hypot(*found.centre.T) / r
         largest = max(largest, float(distance.max()))
-        ax.plot(found.t / drift.period[0], distance, color=colour, lw=0.9, label=name)
+        ax.plot(found.t / wander.period[0], distance, color=colour, lw=0.9, label=name)
         periods = np.arange(found.count + 1)
-        ax.plot(periods, abs(drift.after(found.count)[0]) / r, ".", color=colour, ms=6)
-        if 2.0 * drift.radius[0] / r < _BOUNDED:
-            ax.axhline(2.0 * drift.radius[0] / r, color=colour, lw=1, ls=":")
+        ax.plot(periods, abs(wander.after(found.count)[0]) / r, ".", color=colour, ms=6)
+        if 2.0 * wander.radius[0] / r < _BOUNDED:
+            ax.axhline(2.0 * wander.radius[0] / r, color=colour, lw=1, ls=":")
     ax.plot([], [], ".", color=DARK, label="after each period, from one period alone")
     ax.plot([], [], color=DARK, lw=1, ls=":", label="bound of these dots")
     ax.set_ylim(0.0, 1.05 * largest)
@@ -66,9 +66,9 @@ def wander_distance(named: Mapping[str, "Wander"], ax: Axes | None = None) -> Ax
     return dress(ax, "t (periods)", "distance from the start (radii)", "Only a resonance walks away")
 
 
-def drift_radius(
+def wander_radius(
     sigma3_bar: Array,
-    found: "Drift",
+    found: "Wander",
     r: float = 1.0,
     resonances: Mapping[int, float] | None = None,
     ax: Axes | None = None,

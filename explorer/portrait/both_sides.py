@@ -18,9 +18,9 @@ QUANTITIES = ("phi", "chi", "psi", "path", "contact")
 
 
 def limits_at(disk: Disk, start: tuple[float, float, int]) -> dict[int, AnyLimit]:
-    """Both limit motions from a point of F: (sigma3_bar, phidot, side) at the vertical."""
-    sigma3_bar, phidot, side = start
-    base = constants_to_states(disk, sigma3_bar, 0.0, phidot, side)
+    """Both limit motions from a point of F: (sigma3_bar, phidot, face) at the vertical."""
+    sigma3_bar, phidot, face = start
+    base = constants_to_states(disk, sigma3_bar, 0.0, phidot, face)
     return {sign: limit_motion(disk, base, sign) for sign in (1, -1)}
 
 
@@ -42,8 +42,8 @@ def follow(
     disk: Disk, start: tuple[float, float, int], eta_hat: Array, times: Array, accuracy: float, method: str
 ) -> Trajectories:
     """Motions that start beside a point of F at the distances eta_hat."""
-    sigma3_bar, phidot, side = start
-    states = constants_to_states(disk, sigma3_bar, eta_hat, phidot, side)
+    sigma3_bar, phidot, face = start
+    states = constants_to_states(disk, sigma3_bar, eta_hat, phidot, face)
     return simulate(disk, states, t_eval=times, observables=QUANTITIES, method=method, accuracy=accuracy)
 
 

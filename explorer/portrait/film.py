@@ -24,7 +24,7 @@ _SMALLEST = 1e-6  # natural units of eta_hat; below, no picture would differ
 
 @dataclass(frozen=True)
 class Film:
-    """Two motions, +eta_hat and -eta_hat on side +1, at the same times; units of the disk.
+    """Two motions, +eta_hat and -eta_hat on face +1, at the same times; units of the disk.
 
     t (nt): time from the flattest moment, which both pass at t = 0. slowed (nt): by how much time runs
     slower than at the vertical, 1/cos(phi) of whichever disk is flatter. Dictionaries by sign of eta:

@@ -93,13 +93,13 @@ def curvature_of(q: Array, z: Array, sigma3: Array, sigma4: Array, b: Any) -> Ar
 class Potential:
     """V(phi; sigma3_bar, eta); make one with `on_line` or `at_constants`. Methods speak the units of the disk.
 
-    bar, eta: sigma3_bar and eta_hat of `side` in natural units. Side -1 is the mirror image, eq. (3.2).
+    bar, eta: sigma3_bar and eta_hat of `face` in natural units. Face -1 is the mirror image, eq. (3.2).
     """
 
     disk: Disk
     bar: float
     eta: float
-    side: int = 1
+    face: int = 1
 
     def __post_init__(self) -> None:
         require_axial_inertia(self.disk)
@@ -110,17 +110,17 @@ class Potential:
 
     @property
     def eta_hat(self) -> float:
-        """Signed distance to the line of `side`, eq. (6.2)."""
+        """Signed distance to the line of `face`, eq. (6.2)."""
         return self.eta * self.disk.rate_unit
 
     @property
     def sigma4_bar(self) -> float:
-        return self.side * (line_slope(self.disk) * self.bar - self.eta) * self.disk.rate_unit
+        return self.face * (line_slope(self.disk) * self.bar - self.eta) * self.disk.rate_unit
 
     def etas(self) -> dict[int, float]:
         """eta_hat on each side, natural units."""
         other = 2.0 * line_slope(self.disk) * self.bar - self.eta
-        return {self.side: self.eta, -self.side: other}
+        return {self.face: self.eta, -self.face: other}
 
     def terms(self, q: Array, z: Array) -> tuple[Array, Array, Array, Array]:
         """V, dV/dphi, d2V/dphi2 and the size of the terms of dV/dphi where cos phi = q, sin phi = z.
@@ -130,9 +130,9 @@ class Potential:
         b = self.disk.body
         chart = np.empty((4, q.size))
         with np.errstate(over="ignore", invalid="ignore"):
-            compiled.falling.line_chart_batch(q, self.side * z, b, self.disk.series, chart)
+            compiled.falling.line_chart_batch(q, self.face * z, b, self.disk.series, chart)
             s3 = chart[0] * self.bar + chart[1] * self.eta
-            s4 = self.side * (chart[2] * self.bar + chart[3] * self.eta)
+            s4 = self.face * (chart[2] * self.bar + chart[3] * self.eta)
             rho = s3 / q
             V = 0.5 * b.I1 * rho * rho + 0.5 * b.J * s4 * s4 + q
             slope = b.I1 * rho * (rho / q) * z - b.J * rho * s4 - z
@@ -167,23 +167,23 @@ class Potential:
         values = np.atleast_1d(np.asarray(y, dtype=np.float64))
         return self.terms(1.0 / np.cosh(values), np.tanh(values))
 
-    def flat_value(self, side: int) -> float:
+    def flat_value(self, face: int) -> float:
         """V at a flat state in natural units: V_0 on its line, eq. (6.9); infinite off it."""
-        if self.etas()[side] != 0.0:
+        if self.etas()[face] != 0.0:
             return math.inf
         b = self.disk.body
         return 0.5 * b.J * (self.bar / (b.k * b.r0)) ** 2
 
-    def reach(self, side: int) -> float:
+    def reach(self, face: int) -> float:
         """|y| beyond which V' keeps its sign towards flat."""
-        eta, rates = abs(self.etas()[side]), 1.0 + abs(self.bar) + abs(self.eta)
+        eta, rates = abs(self.etas()[face]), 1.0 + abs(self.bar) + abs(self.eta)
         tilt = _FLAT / rates**2 if eta == 0.0 else 1e-6 * min(eta, 1.0) / rates
         return math.log(2.0 / max(tilt, 1e-290))
 
     @cached_property
     def equilibria(self) -> tuple[Equilibrium, ...]:
         """All steady motions at these constants, from phi = -pi/2 to pi/2: every root of V'."""
-        left, right = (math.ceil(self.reach(side) / _STEP) for side in (-1, 1))
+        left, right = (math.ceil(self.reach(face) / _STEP) for face in (-1, 1))
         y = _STEP * np.arange(-left, right + 1)
         _, _, curved, _ = self.at_y(y)
         turns = [self._root(2, y[i], y[i + 1]) for i in _changes(curved)]
@@ -305,23 +305,23 @@ class Potential:
         stops, heights = self._stops
         V = self.at_y(y)[0]
         highest = np.full(y.size, np.inf)
-        for side in (-1, 1):
-            top = self.flat_value(side)
+        for face in (-1, 1):
+            top = self.flat_value(face)
             if top == math.inf:
                 continue
             barrier = np.full(y.size, top)
             for at, height in zip(stops[1:-1], heights[1:-1], strict=True):
-                barrier = np.where(side * (at - y) > 0.0, np.maximum(barrier, height), barrier)
+                barrier = np.where(face * (at - y) > 0.0, np.maximum(barrier, height), barrier)
             highest = np.minimum(highest, np.maximum(barrier, V))
         return np.sqrt(2.0 * np.maximum(highest - V, 0.0) / self.disk.body.M) * self.disk.rate_unit
 
 
-def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, side: int = 1) -> Potential:
-    """V at eta_hat beside the line l_+ (side -1: l_-), on it where eta_hat = 0. In rad per unit of time."""
-    if side not in (1, -1):
-        raise InputError(f"side = {side!r} must be 1 (l_+) or -1 (l_-)")
+def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) -> Potential:
+    """V at eta_hat beside the line l_+ (face -1: l_-), on it where eta_hat = 0. In rad per unit of time."""
+    if face not in (1, -1):
+        raise InputError(f"face = {face!r} must be 1 (l_+) or -1 (l_-)")
     _require_numbers(sigma3_bar=sigma3_bar, eta_hat=eta_hat)
-    return Potential(disk, float(sigma3_bar) / disk.rate_unit, float(eta_hat) / disk.rate_unit, side)
+    return Potential(disk, float(sigma3_bar) / disk.rate_unit, float(eta_hat) / disk.rate_unit, face)
 
 
 def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
@@ -331,9 +331,9 @@ def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
     """
     _require_numbers(sigma3_bar=sigma3_bar, sigma4_bar=sigma4_bar)
     slope, bar, spin = line_slope(disk), sigma3_bar / disk.rate_unit, sigma4_bar / disk.rate_unit
-    side = 1 if abs(slope * bar - spin) <= abs(slope * bar + spin) else -1
-    eta = slope * bar - side * spin
-    return Potential(disk, bar, 0.0 if abs(eta) <= 4.0 * _EPS * abs(spin) else eta, side)
+    face = 1 if abs(slope * bar - spin) <= abs(slope * bar + spin) else -1
+    eta = slope * bar - face * spin
+    return Potential(disk, bar, 0.0 if abs(eta) <= 4.0 * _EPS * abs(spin) else eta, face)
 
 
 def require_well(disk: Disk, sigma3_bar: float) -> None:
@@ -348,13 +348,13 @@ def require_well(disk: Disk, sigma3_bar: float) -> None:
         )
 
 
-def well_separatrix(disk: Disk, sigma3_bar: float, side: int = 1) -> Separatrix:
+def well_separatrix(disk: Disk, sigma3_bar: float, face: int = 1) -> Separatrix:
     """What encloses the non-falling well on l_+- and parts it from the falling motions, section 6.2.
 
     Raises InputError where there is no well: |sigma3_bar| must be below sigma3_bar* (`falling.well`).
     """
     require_well(disk, sigma3_bar)
-    return on_line(disk, sigma3_bar, 0.0, side).separatrices()[0]
+    return on_line(disk, sigma3_bar, 0.0, face).separatrices()[0]
 
 
 def level_energies(potential: Potential, energies: tuple[float, float] | None = None, count: int = 9) -> Array:

@@ -128,13 +128,13 @@ class ConstantsPlane:
 class RaceSlice:
     """A slice with theta_min by quadrature; arrays (ny, nx).
 
-    map: tilt (rad), distances and could-fall, as for the pictures of F. side: the flat state whose line
+    map: tilt (rad), distances and could-fall, as for the pictures of F. face: the flat state whose line
     is nearer, +1 or -1. way: the sign of eta on that side, the direction in which the contact point
     races (7.9); 0 where the disk could not fall there, whatever eta.
     """
 
     map: SliceMap
-    side: NDArray[np.int8]
+    face: NDArray[np.int8]
     way: NDArray[np.int8]
 
 
@@ -146,4 +146,4 @@ def race_slice(disk: Disk, where: Slice, points: int) -> RaceSlice:
     computed, exact = slice_and_falls(disk, where, points, "quadrature")
     shape = (points, points)
     way = np.where(exact.could_fall, np.sign(exact.distance), 0.0).astype(np.int8)
-    return RaceSlice(computed, exact.side.reshape(shape), way.reshape(shape))
+    return RaceSlice(computed, exact.face.reshape(shape), way.reshape(shape))

@@ -1,4 +1,4 @@
-"""How the disk wanders over the table: drift per period, and the resonances where it has no bound.
+"""How the disk wanders over the table: by how much per period, and the resonances where it has no bound.
 
 One period turns the picture by chi(tau) and moves it by a(tau) - a(0): the motion in the plane is a
 rotation about a fixed centre unless chi(tau) is a multiple of 2 pi (Borisov, Mamaev & Kilin 2003).
@@ -26,7 +26,7 @@ _STEP = 0.12  # rad of chi between two points of a path
 
 
 @dataclass(frozen=True)
-class Drift:
+class Wander:
     """What one period does to the place of the disk, one entry per motion; arrays (n), units of the disk.
 
     period: time. chi: turn per period (rad). step: a(tau) - a(0) as a1 + i a2, where chi(0) = 0. radius:
@@ -46,8 +46,8 @@ class Drift:
         return self.step[:, None] * np.concatenate([0.0 * turned[:, :1], np.cumsum(turned, axis=1)], axis=1)
 
 
-def drift_per_period(states: States) -> Drift:
-    """Drift of motions: period and chi by quadrature (3.12), (3.13), the step by integration of (2.33)."""
+def wander(states: States) -> Wander:
+    """Wander of motions: period and chi by quadrature (3.12), (3.13), the step by integration of (2.33)."""
     require_axial_inertia(states.disk)
     found = _periods(states)
     step = np.full(len(states), np.nan, np.complex128)
@@ -60,7 +60,7 @@ def drift_per_period(states: States) -> Drift:
         step[row] = complex(moved.path[0, 0, 0], moved.path[0, 0, 1])
     with np.errstate(divide="ignore"):
         radius = abs(step) / (2.0 * abs(np.sin(0.5 * found.chi)))
-    return Drift(found.period, found.chi, step, radius, found.status)
+    return Wander(found.period, found.chi, step, radius, found.status)
 
 
 def _periods(states: States) -> Periods:
@@ -77,7 +77,7 @@ def resonance(
 ) -> tuple[float, States]:
     """sigma3_bar in `between` for which chi(tau) is `turns` whole turns, and the state at the vertical.
 
-    eta_hat (on side +1), phidot at the vertical, sigma3_bar: rad per unit of time. Root-finding (Brent) on
+    eta_hat (on face +1), phidot at the vertical, sigma3_bar: rad per unit of time. Root-finding (Brent) on
     chi(tau) by quadrature; the two ends must lie on different sides of the resonance.
     """
 
@@ -103,37 +103,37 @@ def resonance(
 
 
 @dataclass(frozen=True)
-class Wander:
+class WanderPath:
     """The path of one motion over whole periods, units of the disk.
 
     t (nt); contact, centre: (nt, 2), the contact point and the shadow of the centre on the table, which
-    starts at the origin with chi = 0. drift: what one period does. count: number of periods.
+    starts at the origin with chi = 0. wander: what one period does. count: number of periods.
     """
 
     disk: Disk
     t: Array
     contact: Array
     centre: Array
-    drift: Drift
+    wander: Wander
     count: int
 
 
-def wander(states: States, count: int) -> Wander:
+def wander_path(states: States, count: int) -> WanderPath:
     """Follow one motion over `count` periods by integration, with points dense where the contact point races."""
     if len(states) != 1:
         raise InputError(f"states: wander follows one motion, {len(states)} were given")
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= _MOST_PERIODS:
         raise InputError(f"count = {count!r}: give a whole number of periods, 1 to {_MOST_PERIODS}")
-    drift = drift_per_period(states)
-    if drift.status[0] != compiled.status.Status.OK:
-        raise InputError(f"states: no period. {compiled.status.Status(int(drift.status[0])).sentence}")
-    period = float(drift.period[0])
+    each = wander(states)
+    if each.status[0] != compiled.status.Status.OK:
+        raise InputError(f"states: no period. {compiled.status.Status(int(each.status[0])).sentence}")
+    period = float(each.period[0])
     within = dense_times(states, np.linspace(0.0, period, _FIRST_TIMES))[:-1]
     t = np.append((period * np.arange(count)[:, None] + within).ravel(), count * period)
     found = simulate(states.disk, states, t_eval=t, observables=("path", "contact"), accuracy=_ACCURACY)
     assert found.path is not None
     assert found.contact is not None
-    return Wander(states.disk, t, found.contact[0, :, :2], found.path[0, :, :2], drift, count)
+    return WanderPath(states.disk, t, found.contact[0, :, :2], found.path[0, :, :2], each, count)
 
 
 def dense_times(states: States, t: Array) -> Array:

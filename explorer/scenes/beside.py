@@ -19,19 +19,19 @@ _BESIDE = (1e-305, 10.0)
 
 @dataclass(frozen=True)
 class Beside:
-    """Draws at the vertical in the units of the disk: speed towards flat, sigma3_bar, side."""
+    """Draws at the vertical in the units of the disk: speed towards flat, sigma3_bar, face."""
 
     speed: Array
     sigma3_bar: Array
-    side: Array
+    face: Array
 
     @property
     def phidot(self) -> Array:
-        return self.side * self.speed
+        return self.face * self.speed
 
     def at(self, i: int) -> tuple[float, float, int]:
-        """(sigma3_bar, phidot, side) of draw i."""
-        return float(self.sigma3_bar[i]), float(self.phidot[i]), int(self.side[i])
+        """(sigma3_bar, phidot, face) of draw i."""
+        return float(self.sigma3_bar[i]), float(self.phidot[i]), int(self.face[i])
 
 
 def default_box(disk: Disk) -> Box:
@@ -70,5 +70,5 @@ def check_eta_hat(span: Range, disk: Disk) -> None:
 def draw_beside(box: Box, random: np.random.Generator, count: int) -> Beside:
     """`count` starts, both sides equally likely."""
     columns = box.draw(random, count)
-    side = np.where(random.random(count) < 0.5, 1.0, -1.0)
-    return Beside(columns["phidot"], columns["sigma3"], side)
+    face = np.where(random.random(count) < 0.5, 1.0, -1.0)
+    return Beside(columns["phidot"], columns["sigma3"], face)

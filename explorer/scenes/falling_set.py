@@ -56,7 +56,7 @@ class FallingSet(SampledScene):
 
     bytes_per_sample: ClassVar[int] = 300
     name: ClassVar[str] = "falling-set"
-    observables: ClassVar[tuple[str, ...]] = ("theta_min", "side", "could_fall")
+    observables: ClassVar[tuple[str, ...]] = ("theta_min", "face", "could_fall")
 
     def __post_init__(self) -> None:
         require_axial_inertia(self.disk)
@@ -156,7 +156,7 @@ class FallingSet(SampledScene):
             "eta_hat_plus": constants.eta_hat_plus,
             "eta_hat_minus": constants.eta_hat_minus,
             "energy": constants.energy,
-            "side": exact.side,
+            "face": exact.face,
             "could_fall": exact.could_fall,
         }
         return table | self._flattest(table, states, found, exact.status)
@@ -183,7 +183,7 @@ class FallingSet(SampledScene):
 
     def _count(self, table: Table) -> "FallingCounts":
         counts = FallingCounts()
-        sided = table["side"] == 1
+        sided = table["face"] == 1
         counts.sides = count_sides(sided, np.where(sided, table["eta_hat_plus"], table["eta_hat_minus"]))
         counts.status = statistics.count_status([table["status"]])
         counts.could_fall = int(table["could_fall"].sum())

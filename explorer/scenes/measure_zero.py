@@ -49,7 +49,7 @@ class Piece(NamedTuple):
     """A chunk: plain draws (rung < 0), or batch `part` of a tube."""
 
     rung: int
-    side: int
+    face: int
     part: int
 
 
@@ -70,7 +70,7 @@ class MeasureZero(SampledScene):
     sampling: str = "random"
 
     name: ClassVar[str] = "measure-zero"
-    observables: ClassVar[tuple[str, ...]] = ("theta_min", "side", "could_fall")
+    observables: ClassVar[tuple[str, ...]] = ("theta_min", "face", "could_fall")
     bytes_per_sample: ClassVar[int] = 1000
 
     def __post_init__(self) -> None:
@@ -197,21 +197,21 @@ class MeasureZero(SampledScene):
         table: Table = {name: values[rows] for name, values in columns.items()}
         table |= self._columns(found[0, rows] * unit, eta[rows] * unit, found[3, rows] * disk.energy_unit)
         ones = np.ones(rows.size)
-        table |= {"side": np.where(plus[rows], 1, -1).astype(np.int8), "delta": np.nan * ones, "weight": ones}
+        table |= {"face": np.where(plus[rows], 1, -1).astype(np.int8), "delta": np.nan * ones, "weight": ones}
         return table | {"theta_min": theta, "status": status.astype(np.int8)}, tally
 
     @staticmethod
     def _columns(sigma3_bar: Array, eta_hat: Array, energy: Array) -> Table:
         return {"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "energy": energy}
 
-    def _race(self, near: Any, known: Array, theta: Array, side: Array, eta: Array) -> dict[str, int]:
+    def _race(self, near: Any, known: Array, theta: Array, face: Array, eta: Array) -> dict[str, int]:
         """Which way the contact point races at the flattest moment, by integration, against the sign of eta."""
         rows = np.flatnonzero((theta < self.deltas[0]) & (theta > 0.0))[:_CHECKED]
         how = models.plan(("race_angle",), 1e-4, "dopri5")
         counts = {"right": 0, "wrong": 0, "not_resolved": 0}
         for states in (near.at(rows), near.at(rows).reversed()):
             turn = turning_points(states, how, np.ascontiguousarray(known[:, rows]))
-            here = (turn.side == side[rows]) & (abs(turn.theta / theta[rows] - 1.0) < 0.5)
+            here = (turn.face == face[rows]) & (abs(turn.theta / theta[rows] - 1.0) < 0.5)
             agrees = np.sign(turn.way) == np.sign(eta[rows])
             counts["right"] += int((here & agrees).sum())
             counts["wrong"] += int((here & ~agrees).sum())
@@ -227,13 +227,13 @@ class MeasureZero(SampledScene):
         else:
             points = random.random((count, size))
         delta = self.deltas[piece.rung]
-        found = self._draw(piece.side, delta, points)
+        found = self._draw(piece.face, delta, points)
         hit = found.weight * (found.theta_min < delta)
         sums = _sums(hit, found, delta, self.energy_edges)
         tally = {
             "kind": "tube",
             "rung": piece.rung,
-            "side": piece.side,
+            "face": piece.face,
             "draws": count,
             **sums,
             "unresolved": float(found.weight[found.status != 0].sum()),
@@ -242,20 +242,20 @@ class MeasureZero(SampledScene):
         table: Table = {"phi": found.phi, "phidot": found.phidot}
         table |= {"sigma3": np.full(count, np.nan), "sigma4": np.full(count, np.nan)}
         table |= self._columns(found.sigma3_bar, found.eta_hat, found.energy)
-        table |= {"side": np.full(count, piece.side, np.int8), "delta": np.full(count, delta)}
+        table |= {"face": np.full(count, piece.face, np.int8), "delta": np.full(count, delta)}
         return table | {"weight": found.weight, "theta_min": found.theta_min, "status": found.status}, tally
 
-    def _draw(self, side: int, delta: float, points: Array) -> Draws:
+    def _draw(self, face: int, delta: float, points: Array) -> Draws:
         mass = self.constant.mass
-        return draw_tube(self.disk, self.source, mass, side, float(delta), points, self.accuracy)
+        return draw_tube(self.disk, self.source, mass, face, float(delta), points, self.accuracy)
 
     @cached_property
     def energy_edges(self) -> Array:
         """Inner edges of the bins of energy: quantiles of a few states near F; empty where there are none."""
         random = chunk_stream(self.seed, _EDGE_STREAM)
         energies = []
-        for side in (1, -1):
-            found = self._draw(side, _EDGE_TILT, random.random((_EDGE_DRAWS, dimensions(self.source))))
+        for face in (1, -1):
+            found = self._draw(face, _EDGE_TILT, random.random((_EDGE_DRAWS, dimensions(self.source))))
             energies.append(found.energy[found.weight > 0.0])
         together = np.concatenate(energies)
         inner = np.arange(1, ENERGY_BINS) / ENERGY_BINS

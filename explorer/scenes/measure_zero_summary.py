@@ -28,7 +28,7 @@ _FOLLOWED, _INVARIANCE, _LATER = 256, (1 << 40) + 1, 5.0
 
 @dataclass(frozen=True)
 class Tubes:
-    """Sums of the batches of every tube: arrays (rungs, 2 sides, batches, ...), side +1 first."""
+    """Sums of the batches of every tube: arrays (rungs, 2 sides, batches, ...), face +1 first."""
 
     by_batches: bool
     draws: Array
@@ -54,9 +54,9 @@ class Tubes:
         """Only the first batches of every tube."""
         return Tubes(self.by_batches, **{name: getattr(self, name)[:, :, :batches] for name in _COLUMNS})
 
-    def estimate(self, rung: int, side: int) -> Estimate:
+    def estimate(self, rung: int, face: int) -> Estimate:
         """P(theta_min < delta) on one side of F."""
-        return self.mean(self.sum[rung, side], self.squares[rung, side], self.draws[rung, side])
+        return self.mean(self.sum[rung, face], self.squares[rung, face], self.draws[rung, face])
 
     def mean(self, sums: Array, squares: Array, draws: Array) -> Estimate:
         """Mean of the draws of all batches; of Sobol points the batches, each a scramble, tell the error."""
@@ -71,7 +71,7 @@ class Tubes:
 
     def rung(self, rung: int) -> Estimate:
         """P(theta_min < delta), both sides."""
-        return laws.total([self.estimate(rung, side) for side in (0, 1)])
+        return laws.total([self.estimate(rung, face) for face in (0, 1)])
 
     def ladder(self, delta: Array) -> Ladder:
         found = [self.rung(rung) for rung in range(delta.size)]
@@ -229,8 +229,8 @@ def _splits(scene: "MeasureZero", tubes: Tubes, ladder: Ladder) -> dict[str, Any
     rungs = np.flatnonzero(scene.deltas <= scene.law_limit)
     unit = scene.deltas[rungs]
     sides = []
-    for side in (0, 1):
-        parts = [tubes.estimate(int(rung), side) for rung in rungs]
+    for face in (0, 1):
+        parts = [tubes.estimate(int(rung), face) for rung in rungs]
         sides.append(laws.total(parts, 1.0 / (unit * unit.size)))
     both = laws.total(sides)
     error = math.hypot(sides[1].value * sides[0].error, sides[0].value * sides[1].error) / both.value**2

@@ -228,8 +228,8 @@ def _place(name: str, potential: Potential, table: Table) -> dict[str, Any]:
         "name": name,
         "sigma4_bar": potential.sigma4_bar,
         "eta_hat": potential.eta_hat,
-        "side": potential.side,
-        "reaches_flat": [side for side in (-1, 1) if math.isfinite(potential.flat_value(side))],
+        "face": potential.face,
+        "reaches_flat": [face for face in (-1, 1) if math.isfinite(potential.flat_value(face))],
         # Of all points of the levels with |phi| < 1.5 rad
         "largest_energy_error": float(abs(energy / table["energy"][inside] - 1.0).max(initial=0.0)),
     }

@@ -1,7 +1,7 @@
 """Scene race-angles: by how much the contact point races round the rim beside F.
 
 The race angle of a passage is the increase of chi from vertical to vertical less the increase
-along the limit motion on F with the same sigma3_bar and energy (its drift). Its limit is
+along the limit motion on F with the same sigma3_bar and energy (its fall angle). Its limit is
 sgn(eta) kappa pi, whatever the initial state (Prop. 2).
 """
 
@@ -72,7 +72,7 @@ class RaceAngles(SampledScene):
             start.sigma3_bar,
             eta_hat,
             start.speed,
-            start.side,
+            start.face,
             method=self.method,
             accuracy=self.accuracy,
         )
@@ -80,12 +80,12 @@ class RaceAngles(SampledScene):
             "phidot": start.phidot,
             "sigma3_bar": start.sigma3_bar,
             "eta_hat": eta_hat,
-            "side": start.side.astype(np.int8),
+            "face": start.face.astype(np.int8),
             "energy": found.energy,
             "race_angle": found.race_angle,
             "wrong_way": found.wrong_way,
             "delta_chi": found.delta_chi,
-            "drift": found.drift,
+            "fall_angle": found.fall_angle,
             "impact_speed": found.impact_speed,
             "theta_min": found.theta_min,
             "duration": found.duration,

@@ -4,7 +4,7 @@ With S = 1 - |sigma_1| the distance from the nearer flat state, sigma_3 and sigm
 combinations of two fixed functions of S (sections 5.1 and 5.2 of the paper):
 
     sigma3        = X rho(S)  + Y D(S)
-    side*k*sigma4 = X rho'(S) + Y D'(S)         k = I3/I1, ' = d/dS
+    face*k*sigma4 = X rho'(S) + Y D'(S)         k = I3/I1, ' = d/dS
 
 with constants X = sigma3_bar / r(0) and Y = eta_side / I1. The Wronskian rho D' - rho' D = -1
 makes the inverse equally short, so eta is found from a state by one subtraction, and
@@ -113,16 +113,16 @@ def slope_excess(S, series):
 
 
 @device
-def constants_from_sigma(side, sigma3, sigma4, f, k):
-    """(X, Y) from (sigma3, sigma4) at a point of the hemisphere `side`, given its solutions f."""
-    spin = side * k * sigma4
+def constants_from_sigma(face, sigma3, sigma4, f, k):
+    """(X, Y) from (sigma3, sigma4) at a point of the hemisphere `face`, given its solutions f."""
+    spin = face * k * sigma4
     return spin * f.D - sigma3 * f.dD, sigma3 * f.drho - spin * f.rho
 
 
 @device
-def sigma_from_constants(side, X, Y, f, k):
-    """(sigma3, sigma4) from (X, Y) at a point of the hemisphere `side`. Needs I3 > 0."""
-    return X * f.rho + Y * f.D, side * (X * f.drho + Y * f.dD) / k
+def sigma_from_constants(face, X, Y, f, k):
+    """(sigma3, sigma4) from (X, Y) at a point of the hemisphere `face`. Needs I3 > 0."""
+    return X * f.rho + Y * f.D, face * (X * f.drho + Y * f.dD) / k
 
 
 class Whole(NamedTuple):

@@ -41,18 +41,18 @@ def constants_of(x, b, series):
     On the hemisphere of the state eta is found directly; the other one follows from
     eta_+ + eta_- = 2 I1 r'(0) sigma3_bar.
     """
-    side = 1.0 if x.z >= 0.0 else -1.0
+    face = 1.0 if x.z >= 0.0 else -1.0
     S, log_S = depth_below_vertical(x.q, x.z)
     f = chaplygin.solutions(S, log_S, b.c, series)
     sigma3 = x.q * x.rho
-    X, Y = chaplygin.constants_from_sigma(side, sigma3, x.sigma4, f, b.k)
+    X, Y = chaplygin.constants_from_sigma(face, sigma3, x.sigma4, f, b.k)
     sigma3_bar = b.r0 * X
     near = b.I1 * Y
     both = 2.0 * b.I1 * b.dr0 * sigma3_bar
     far = both - near
     near_rounding = ULPS * b.I1 * (abs(sigma3 * f.drho) + abs(b.k * x.sigma4 * f.rho))
     far_rounding = near_rounding + ULPS * (abs(both) + abs(near))
-    if side > 0.0:
+    if face > 0.0:
         return Constants(sigma3_bar, near, far, energy(x, b), near_rounding, far_rounding)
     return Constants(sigma3_bar, far, near, energy(x, b), far_rounding, near_rounding)
 
@@ -85,17 +85,17 @@ def onto_constants(x, sigma3_bar, eta_plus, eta_minus, b, series):
     The saddle beside flat amplifies an error in rho by 1/theta_min. Set anew after every step, rho
     never carries one: eta stays what it was given as, down to 1e-300. Needs I3 > 0.
     """
-    side = 1.0 if x.z >= 0.0 else -1.0
+    face = 1.0 if x.z >= 0.0 else -1.0
     q, z = x.q, x.z
     if q < abs(z):
-        z = side * math.sqrt((1.0 - q) * (1.0 + q))
+        z = face * math.sqrt((1.0 - q) * (1.0 + q))
     else:
         q = math.sqrt((1.0 - z) * (1.0 + z))
     S, log_S = depth_below_vertical(q, z)
     f = chaplygin.solutions(S, log_S, b.c, series)
     X = sigma3_bar / b.r0
-    Y = (eta_plus if side > 0.0 else eta_minus) / b.I1
-    _sigma3, sigma4 = chaplygin.sigma_from_constants(side, X, Y, f, b.k)
+    Y = (eta_plus if face > 0.0 else eta_minus) / b.I1
+    _sigma3, sigma4 = chaplygin.sigma_from_constants(face, X, Y, f, b.k)
     # sigma3/q written so that S may underflow
     rho = X * f.rho_over_S * (q / (1.0 + abs(z))) + Y * (f.D / q)
     return State(q, z, x.p, rho, sigma4, x.t, x.chi, x.psi, x.a1, x.a2)

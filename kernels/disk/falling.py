@@ -2,7 +2,7 @@
 
 On l_+ the amended potential V(phi) of eq. (3.8) extends analytically to flat (Lemma 4). With
 eta_+ = 0 the constants leave one number, X = sigma3_bar / r(0), and V = X^2 U(phi) + cos phi.
-Side -1 is the mirror image (sigma1, sigma3, sigma4) -> (-sigma1, sigma3, -sigma4), eq. (3.2).
+Face -1 is the mirror image (sigma1, sigma3, sigma4) -> (-sigma1, sigma3, -sigma4), eq. (3.2).
 """
 
 import math
@@ -20,7 +20,7 @@ _ROUNDING = 8 * 2.2e-16
 
 
 class OnF(NamedTuple):
-    """One point of a motion on F (side +1): sigma3/q^2, sigma4, V, dV/dphi."""
+    """One point of a motion on F (face +1): sigma3/q^2, sigma4, V, dV/dphi."""
 
     turn: float
     sigma4: float
@@ -103,8 +103,8 @@ def reaches_flat(q, z, U, dU, energy, X, well_phi, b, series):
 def falls_batch(states, constants, well_phi, b, series, out):
     """Could these states fall, were eta on that side zero?
 
-    states (5, n) as State; constants (6, n) as Constants -> out (3, n): 1 or 0 for side +1, the same
-    for side -1, and E - V_0.
+    states (5, n) as State; constants (6, n) as Constants -> out (3, n): 1 or 0 for face +1, the same
+    for face -1, and E - V_0.
     """
     q = z = math.nan
     here = there = OnF(math.nan, math.nan, math.nan, math.nan)

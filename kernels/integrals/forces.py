@@ -16,7 +16,7 @@ _FORCE_POINTS = 400
 
 @kernel(types.vector, types.vector, types.vector, BODY, types.matrix, types.matrix)
 def forces_batch(sigma3_bar, eta, speed, b, series, out):
-    """Least normal force (in m g) and largest needed friction coefficient of passages, side +1.
+    """Least normal force (in m g) and largest needed friction coefficient of passages, face +1.
 
     Arguments as passage_batch. Looked at on a grid in y and at both ends, so good to some digits. The
     coefficient is infinite where the normal force is not positive. out (2, n).

@@ -45,7 +45,7 @@ def turning_point_outward(h0, level, X, Y, b, series):
 
 @subroutine
 def orbit(h0, p, X, near, far, target, rules, sizes, b, series, W):
-    """One whole period through (h0, theta-dot = p) on side +1, with Y on this and on the other side.
+    """One whole period through (h0, theta-dot = p) on face +1, with Y on this and on the other side.
 
     Returns status, the passage on this side (or between both turning points), the one on the other
     side (chi = psi = time = 0 if the motion does not cross the vertical), and the energy.

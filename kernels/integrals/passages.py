@@ -57,7 +57,7 @@ def by_tables(first, sigma3_bar, eta, speed, target, tables, b, out, status, W):
     types.codes,
 )
 def passage_batch(sigma3_bar, eta, speed, h_end, target, rules, sizes, tables, b, series, out, status):
-    """The passage on side +1 of every sample, with phidot = `speed` at the vertical, cut at h_end.
+    """The passage on face +1 of every sample, with phidot = `speed` at the vertical, cut at h_end.
 
     out (8, n): theta_min, chi, psi, time, energy, error of angles, relative error of time, way. status
     (n): samples that come in as not OK are skipped; eta = 0 is FALLS; a motion that does not come as
@@ -97,9 +97,9 @@ def passage_batch(sigma3_bar, eta, speed, h_end, target, rules, sizes, tables, b
     types.matrix,
 )
 def fall_batch(sigma3_bar, energy, h_end, rules, sizes, tables, b, series, out):
-    """The fall on F from h_end on side +1 of every sample: time, chi, psi, their error -> out (4, n).
+    """The fall on F from h_end on face +1 of every sample: time, chi, psi, their error -> out (4, n).
 
-    NaN where the energy does not exceed V_0. Time and chi are the same on side -1; psi changes sign.
+    NaN where the energy does not exceed V_0. Time and chi are the same on face -1; psi changes sign.
     rules, sizes: as for quadrature.passage.
     """
     W = np.zeros(nodes.ROWS * nodes.ROOM)

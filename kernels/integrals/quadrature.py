@@ -42,7 +42,7 @@ _LIMIT = int(Status.STEP_LIMIT)
 
 
 class Point(NamedTuple):
-    """A tilt on a motion with constants (X, Y), side +1.
+    """A tilt on a motion with constants (X, Y), face +1.
 
     shape: sqrt(1 - h^2/4) = cos(theta/2); D: dominant solution; ratio: sigma3/q; V: amended potential
     above V_0; slope: h dV/dh.
@@ -58,7 +58,7 @@ class Point(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """A passage from `end` to the turning point and back, natural units, side +1.
+    """A passage from `end` to the turning point and back, natural units, face +1.
 
     way: sigma3 at the turning point, whose sign is the direction of the race.
     """

@@ -27,7 +27,7 @@ _CUBIC_STEPS = 3
 _SHORT, _SHORTER, _LAST = 1e-3, 1e-5, 1e-8
 
 
-class Drift(NamedTuple):
+class ConstantsError(NamedTuple):
     """How far the constants of motion moved: relative energy; sigma3_bar and eta on the near side."""
 
     energy: float
@@ -163,21 +163,22 @@ def settle(method, x, h, length, y, event, target, b):
 
 
 @device
-def drift_between(before, after, near_plus):
-    """Drift of the constants of motion between two states of one motion."""
+def constants_error(before, after, near_plus):
+    """Change of the constants of motion between two states of one motion."""
     eta = after.eta_plus - before.eta_plus if near_plus else after.eta_minus - before.eta_minus
-    return Drift((after.energy - before.energy) / before.energy, after.sigma3_bar - before.sigma3_bar, eta)
+    energy = (after.energy - before.energy) / before.energy
+    return ConstantsError(energy, after.sigma3_bar - before.sigma3_bar, eta)
 
 
 @device
-def verdict(drift, eta, spin_scale, max_drift):
-    """Status of a finished sample from the drift of its constants; `eta` is its exact value.
+def verdict(moved, eta, spin_scale, constants_bound):
+    """Status of a finished sample from the change of its constants; `eta` is its exact value.
 
     spin_scale is sqrt(2E/I1), a bound of sigma3.
     """
-    if not (abs(drift.energy) <= max_drift and abs(drift.sigma3_bar) <= max_drift * spin_scale):
+    if not (abs(moved.energy) <= constants_bound and abs(moved.sigma3_bar) <= constants_bound * spin_scale):
         return _DRIFT
-    if not abs(drift.eta) <= RESOLVED_SHARE * abs(eta):
+    if not abs(moved.eta) <= RESOLVED_SHARE * abs(eta):
         return _UNRESOLVED
     return _OK
 

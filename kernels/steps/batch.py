@@ -24,7 +24,7 @@ from kernels.steps.attempt import (
     RK8,
     all_finite,
     attempt,
-    drift_between,
+    constants_error,
     first_guess,
     first_step,
     partial_step,
@@ -181,22 +181,22 @@ def load(method, W, i, x, control, b):
 
 
 @subroutine
-def fail(j, code, out, drift, status):
+def fail(j, code, out, errors, status):
     """Mark sample j as not computed."""
     out[:, j] = math.nan
-    drift[:, j] = math.nan
+    errors[:, j] = math.nan
     status[j] = code
 
 
 @subroutine
-def finish(j, y, begin, max_drift, b, series, out, drift, status):
-    """Store sample j, which reached its event at y, with its drift and verdict."""
+def finish(j, y, begin, constants_bound, b, series, out, errors, status):
+    """Store sample j, which reached its event at y, with the change of its constants and verdict."""
     end = constants_of(y, b, series)
     near_plus = y.z >= 0.0
-    moved = drift_between(begin, end, near_plus)
+    moved = constants_error(begin, end, near_plus)
     eta = begin.eta_plus if near_plus else begin.eta_minus
-    status[j] = verdict(moved, eta, math.sqrt(2.0 * begin.energy / b.I1), max_drift)
-    drift[0, j], drift[1, j], drift[2, j] = moved.energy, moved.sigma3_bar, moved.eta
+    status[j] = verdict(moved, eta, math.sqrt(2.0 * begin.energy / b.I1), constants_bound)
+    errors[0, j], errors[1, j], errors[2, j] = moved.energy, moved.sigma3_bar, moved.eta
     out[0, j], out[1, j], out[2, j], out[3, j] = y.q, y.z, y.p, y.rho
     out[4, j], out[5, j], out[6, j], out[7, j] = y.sigma4, y.t, y.chi, y.psi
 
@@ -246,13 +246,26 @@ def failure(found):
     types.matrix,
 )
 def first_event_batch(
-    method, depth, states, control, event, target, max_steps, max_drift, b, series, out, status, steps, drift
+    method,
+    depth,
+    states,
+    control,
+    event,
+    target,
+    max_steps,
+    constants_bound,
+    b,
+    series,
+    out,
+    status,
+    steps,
+    errors,
 ):
     """Follow every column of states (8, n) until `event` first takes the value `target`.
 
     control (n): step in units of 1/speed (RK4, RK8) or tolerance (DOPRI5, DOP853).
     out (8, n): the states there, NaN where the sample failed. status (n): samples that come in as not
-    OK are skipped. steps (n): attempted steps. drift (3, n): as steps.Drift.
+    OK are skipped. steps (n): attempted steps. errors (3, n): as attempt.ConstantsError.
     """
     W = np.zeros(_ROWS * LANES)
     sample = np.full(LANES, -1, np.int64)
@@ -269,7 +282,7 @@ def first_event_batch(
                 if sample[i] < 0:
                     while upcoming < status.size and status[upcoming] != _OK:
                         steps[upcoming] = 0
-                        fail(upcoming, status[upcoming], out, drift, status)
+                        fail(upcoming, status[upcoming], out, errors, status)
                         upcoming += 1
                     if upcoming == status.size:
                         idle(W, i)
@@ -291,7 +304,7 @@ def first_event_batch(
             if last_step[i] > 0.0:
                 y = landed(method, depth, W, i, last_step[i], event, target, b)
                 begin = constants_of(column(states, j), b, series)
-                finish(j, y, begin, max_drift, b, series, out, drift, status)
+                finish(j, y, begin, constants_bound, b, series, out, errors, status)
                 last_step[i] = 0.0
                 landing -= 1
                 steps[j] = spent - 1
@@ -303,7 +316,7 @@ def first_event_batch(
                 landing += 1
                 continue
             else:
-                fail(j, failure(found), out, drift, status)
+                fail(j, failure(found), out, errors, status)
                 steps[j] = spent
             sample[i] = -1
             refill = True

@@ -17,7 +17,7 @@ from kernels.steps.attempt import (
     RK8,
     all_finite,
     attempt,
-    drift_between,
+    constants_error,
     first_step,
     locate,
     to_depth,
@@ -136,23 +136,23 @@ def trajectory_batch(
     event,
     targets,
     max_steps,
-    max_drift,
+    constants_bound,
     b,
     series,
     out,
     status,
     steps,
-    drift,
+    errors,
 ):
     """Every column of states (10, n) through `trajectory`, recorded in out (n, len(targets), 10).
 
-    pinned (3, n): rows as Pinned. status (n): samples that come in as not OK are skipped. drift (3, n):
-    as steps.Drift, of the energy what was taken out on the way included.
+    pinned (3, n): rows as Pinned. status (n): samples that come in as not OK are skipped. errors (3, n):
+    as attempt.ConstantsError, of the energy what was taken out on the way included.
     """
     for i in range(states.shape[1]):
         out[i, :, :] = math.nan
         steps[i] = 0
-        drift[:, i] = math.nan
+        errors[:, i] = math.nan
         if status[i] != _OK:
             continue
         x = State(
@@ -175,13 +175,17 @@ def trajectory_batch(
         end = constants_of(last, b, series)
         # Whichever side is nearer decides whether the direction of its races is known.
         near_plus = abs(begin.eta_plus) <= abs(begin.eta_minus)
-        moved = drift_between(begin, end, near_plus)
-        energy_drift = moved.energy + removed / begin.energy
-        drift[0, i], drift[1, i], drift[2, i] = energy_drift, moved.sigma3_bar, moved.eta
+        moved = constants_error(begin, end, near_plus)
+        energy_error = moved.energy + removed / begin.energy
+        errors[0, i], errors[1, i], errors[2, i] = (
+            energy_error,
+            moved.sigma3_bar,
+            moved.eta,
+        )
         if code == _OK and not math.isnan(hold.sigma3_bar):
             # The accuracy is per passage, which takes about two units of time; errors add up.
-            code = _OK if abs(energy_drift) <= max_drift * max(1.0, 0.5 * last.t) else _DRIFT
+            code = _OK if abs(energy_error) <= constants_bound * max(1.0, 0.5 * last.t) else _DRIFT
         elif code == _OK:
             eta = begin.eta_plus if near_plus else begin.eta_minus
-            code = verdict(moved, eta, math.sqrt(2.0 * begin.energy / b.I1), max_drift)
+            code = verdict(moved, eta, math.sqrt(2.0 * begin.energy / b.I1), constants_bound)
         status[i] = code

@@ -91,11 +91,11 @@ from kernels.disk.body import make_body
 body, series = make_body(0.25, 0.5)
 states = np.zeros((8, 3))
 states[0], states[2], states[3], states[4] = 1.0, [-1.0, 0.4, -0.2], [1.0, 0.3, -0.7], [0.6, -0.2, 0.9]
-out, drift, steps_ = np.empty((8, 3)), np.empty((3, 3)), np.empty(3, np.int32)
+out, constants_error, steps_ = np.empty((8, 3)), np.empty((3, 3)), np.empty(3, np.int32)
 for method, control in ((steps.RK4, 0.1), (steps.DOPRI5, 1e-5)):
     status = np.zeros(3, np.int8)
     batch.first_event_batch(method, field.ANGLES, states, np.full(3, control), events.TURNING_POINT, 0.0,
-                            5000, 1e-2, body, series, out, status, steps_, drift)
+                            5000, 1e-2, body, series, out, status, steps_, constants_error)
     print([x.hex() for x in out.ravel()], status.tolist(), steps_.tolist())
 """
 

@@ -16,7 +16,7 @@ def integrator(name, whole):
     initial = np.zeros((8, n))
     initial[:5] = np.tile(work().regular[:5], COPIES)
     event, target = (compiled.events.TIME, T_END) if whole else (compiled.events.TURNING_POINT, 0.0)
-    out, drift, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
+    out, constants_error, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
 
     def make(control):
         settings = np.full(n, control)
@@ -25,7 +25,7 @@ def integrator(name, whole):
             status = np.zeros(n, np.int8)
             compiled.batch.first_event_batch(
                 METHODS[name], compiled.field.ANGLES, initial, settings, event, target, 200_000, 1e-2,
-                DISK.body, DISK.series, out, status, steps, drift,
+                DISK.body, DISK.series, out, status, steps, constants_error,
             )  # fmt: skip
             resolved = status == 0
             return np.where(resolved, out[6] if whole else 2.0 * out[6], np.nan)[:COUNT]

@@ -30,7 +30,7 @@ CASES = [  # name, (I1, I3) in m r^2, sigma3_bar, eta_hat, phidot in sqrt(g/r)
     *((f"c = 1/4 {d:+g}", (0.4, 0.4 * (0.25 + d) / (1.0 - 0.4 * (0.25 + d))), 0.5, 1e-3, 0.8)
       for d in (-1e-3, 0.0, 1e-3)),
     *((f"equilibrium at the vertical, phidot {v:g}", UNIFORM, 0.0, 0.1, v) for v in (1e-2, 1e-4, 1e-6, 1e-12)),
-    # On l+, seen from side -1: eta_hat = 2 I1 r'(0) sigma3_bar / (I3 r(0)), and a crest before the well.
+    # On l+, seen from face -1: eta_hat = 2 I1 r'(0) sigma3_bar / (I3 r(0)), and a crest before the well.
     *((f"separatrix, E/E_crest - 1 = {d:g}", UNIFORM, 0.2, ON_LINE, v)
       for d, v in ((1e-2, 0.13428816308909913), (1e-4, 0.043585614189378945), (1e-6, 0.04169376109742993),
                    (1e-12, 0.04167421335802686), (-1e-12, 0.04167421331892283), (-1e-6, 0.04165465640611945))),
@@ -51,7 +51,7 @@ def gauss(n):
 
 
 class Motion:
-    """sigma3/h and sigma4 at h = 2 sin(theta/2), side +1, m = r = g = 1."""
+    """sigma3/h and sigma4 at h = 2 sin(theta/2), face +1, m = r = g = 1."""
 
     def __init__(self, inertia, sigma3_bar, eta_hat):
         self.I1, self.I3 = (mp.mpf(x) for x in inertia)

@@ -42,7 +42,7 @@ CASES = [  # body, sigma3_bar, eta_hat, phidot at the vertical
 
 
 class Chaplygin:
-    """sigma3 and sigma4 at a tilt theta from flat (side +1), by hypergeometric functions."""
+    """sigma3 and sigma4 at a tilt theta from flat (face +1), by hypergeometric functions."""
 
     def __init__(self, body, sigma3_bar, eta_hat):
         m, r, g, I1, I3 = (mp.mpf(x) for x in body)

@@ -113,7 +113,7 @@ def split_lines(summary):
     splits, invariance = summary["splits"], summary["invariance"]
     side = splits["side_plus"]
     yield from ("", "## How the probability splits", "")
-    yield f"On side +1: {side['value']:.5f} +- {side['error']:.5f}, predicted {side['predicted']:.5f}. By energy:"
+    yield f"On face +1: {side['value']:.5f} +- {side['error']:.5f}, predicted {side['predicted']:.5f}. By energy:"
     yield from ("", "| energy from | to | share | error | predicted |", "|---|---|---|---|---|")
     for row in splits["energy"]:
         ends = ["" if row[key] is None else f"{row[key]:.3f}" for key in ("energy_from", "energy_to")]

@@ -161,7 +161,7 @@ def test_the_printed_period_is_not_the_measured_one():
 
 
 def test_the_printed_angle_of_the_contact_point_is_wrong_on_the_upper_side():
-    """Section 7.3 has χ ± π for both sides; p - a points along χ on side +1."""
+    """Section 7.3 has χ ± π for both sides; p - a points along χ on face +1."""
     run = race.beside(fall.UNIFORM, 1, 1, 1e-8)
     assert complex(*run.arm[0, :2]) == pytest.approx(np.exp(1j * run.chi[0]), abs=1e-3)
 

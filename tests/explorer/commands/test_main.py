@@ -149,7 +149,7 @@ FOREIGN = "from explorer.commands.main import main\nraise SystemExit(main(['warm
 def test_a_foreign_kernels_package_is_named_with_the_remedy(tmp_path):
     (tmp_path / "kernels").mkdir()
     (tmp_path / "kernels" / "__init__.py").write_text("raise SystemExit('foreign code ran')")
-    root = os.path.dirname(os.path.dirname(os.path.dirname(__file__)))  # noqa: PTH120
+    root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(__file__))))  # noqa: PTH120
     done = subprocess.run(
         [sys.executable, "-c", FOREIGN],
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), root])},

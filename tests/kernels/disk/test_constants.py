@@ -37,39 +37,39 @@ def test_energy_is_eq_2_19_in_the_units_of_the_disk(body):
     assert ex.constants(body, phi, phidot, s3, s4).energy[0] == pytest.approx(want, rel=1e-14)
 
 
-@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("face", [1, -1])
 @pytest.mark.parametrize("theta", [1e-300, 1e-100, 1e-30, 1e-8, 1e-3, 0.2, 1.0, 1.5])
-def test_states_made_from_constants_give_them_back_near_both_flat_states(body, side, theta):
+def test_states_made_from_constants_give_them_back_near_both_flat_states(body, face, theta):
     """Full relative accuracy of sigma3_bar, and of eta against its own rounding bound, at any tilt."""
     b = body.body
     X, eta = 0.8 / b.r0, 3e-3
     S, log_S = 2.0 * math.sin(theta / 2) ** 2, 2.0 * math.log(math.sqrt(2) * math.sin(theta / 2))
     f = solutions(S, log_S, b.c, body.series)
-    sigma3, sigma4 = sigma_from_constants(side, X, eta / b.I1, f, b.k)
+    sigma3, sigma4 = sigma_from_constants(face, X, eta / b.I1, f, b.k)
     unit = body.rate_unit
-    states = theta_to_states(body, theta, 0.0, sigma3 * unit, sigma4 * unit, side)
+    states = theta_to_states(body, theta, 0.0, sigma3 * unit, sigma4 * unit, face)
     found = natural_constants(states)
-    rounding = found[4 if side > 0 else 5, 0]
+    rounding = found[4 if face > 0 else 5, 0]
     assert found[0, 0] == pytest.approx(0.8, rel=1e-13)
-    assert abs(found[1 if side > 0 else 2, 0] - eta) <= rounding
+    assert abs(found[1 if face > 0 else 2, 0] - eta) <= rounding
     assert rounding < 4e-15 * (abs(sigma3) + abs(sigma4) * b.I3)
 
 
-@pytest.mark.parametrize("side", [1, -1])
-def test_constants_of_a_state_agree_with_forty_digits(side):
+@pytest.mark.parametrize("face", [1, -1])
+def test_constants_of_a_state_agree_with_forty_digits(face):
     """sigma3_bar and eta by the hypergeometric solutions, from the doubles of the state."""
     disk = BODIES["hoop"]
     b = disk.body
     rng = np.random.default_rng(3)
     for theta in np.concatenate([np.geomspace(1e-12, 0.1, 6), rng.uniform(0.1, 1.5, 6)]):
         s3, s4 = rng.uniform(-1, 1) * min(1.0, 4 * theta**2), rng.uniform(-1, 1)
-        found = natural_constants(theta_to_states(disk, theta, 0.4, s3, s4, side))
+        found = natural_constants(theta_to_states(disk, theta, 0.4, s3, s4, face))
         S = 2 * mpmath.sin(mpmath.mpf(float(theta)) / 2) ** 2
         rho, drho, D, dD = hypergeometric(b.c, S)
-        sigma3_bar = b.r0 * (side * b.k * s4 * D - s3 * dD)
-        eta = b.I1 * (s3 * drho - side * b.k * s4 * rho)
+        sigma3_bar = b.r0 * (face * b.k * s4 * D - s3 * dD)
+        eta = b.I1 * (s3 * drho - face * b.k * s4 * rho)
         assert found[0, 0] == pytest.approx(float(sigma3_bar), rel=1e-13, abs=1e-15)
-        assert abs(found[1 if side > 0 else 2, 0] - float(eta)) <= found[4 if side > 0 else 5, 0]
+        assert abs(found[1 if face > 0 else 2, 0] - float(eta)) <= found[4 if face > 0 else 5, 0]
 
 
 def test_mirror_images_have_mirrored_constants(body):
@@ -87,9 +87,9 @@ def test_mirror_images_have_mirrored_constants(body):
 
 def test_a_state_at_given_eta_hat_reports_it(paper_body):
     eta_hat = np.array([1e-2, -1e-4, 1e-6, -1e-10])
-    for side in (1, -1):
-        found = constants_of(constants_to_states(paper_body, 1.3, eta_hat, 0.5, side))
-        got = found.eta_hat_plus if side > 0 else found.eta_hat_minus
+    for face in (1, -1):
+        found = constants_of(constants_to_states(paper_body, 1.3, eta_hat, 0.5, face))
+        got = found.eta_hat_plus if face > 0 else found.eta_hat_minus
         np.testing.assert_allclose(got, eta_hat, atol=2e-15)
 
 

@@ -13,24 +13,24 @@ ALL = ("phi", "phidot", "chi", "psi", "path", "contact")
 IMPACT = {"uniform": 1.816042, "hoop": 1.758017}
 
 
-def base(disk, side, sigma3_bar=1.0, speed=1.0):
+def base(disk, face, sigma3_bar=1.0, speed=1.0):
     unit = disk.rate_unit
-    return constants_to_states(disk, sigma3_bar * unit, 0.0, side * speed * unit, side)
+    return constants_to_states(disk, sigma3_bar * unit, 0.0, face * speed * unit, face)
 
 
-@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("face", [1, -1])
 @pytest.mark.parametrize("sign", [1, -1])
-def test_motions_beside_f_converge_to_the_limit_of_their_side(body, side, sign):
+def test_motions_beside_f_converge_to_the_limit_of_their_side(body, face, sign):
     """Away from the impacts, in every observable, through three falls."""
     unit = body.rate_unit
-    limit = limit_motion(body, base(body, side), sign)
+    limit = limit_motion(body, base(body, face), sign)
     times = np.linspace(0.0, 3 * limit.period, 200)
     times = times[abs(times[:, None] - limit.impacts(4 * limit.period)).min(axis=1) > 0.1 * limit.period]
     want = limit(times)
     sizes = {"phidot": unit, "path": body.r, "contact": body.r}
     distances = []
     for eta_hat in (1e-4, 1e-6):
-        states = constants_to_states(body, unit, sign * eta_hat * unit, side * unit, side)
+        states = constants_to_states(body, unit, sign * eta_hat * unit, face * unit, face)
         got = simulate(body, states, t_eval=times, observables=ALL, accuracy=1e-9)
         assert got.status[0] == ex.Status.OK
         distances.append(
@@ -49,19 +49,19 @@ def test_impact_speed_is_the_published_one(name):
     assert limit.impact_speed == pytest.approx(IMPACT[name], abs=5e-7)
 
 
-@pytest.mark.parametrize("side", [1, -1])
-def test_jumps_at_an_impact_are_those_of_section_7(body, side):
-    """chi by sgn(eta) kappa pi, psi by side times that, phidot reversed; the centre does not jump."""
+@pytest.mark.parametrize("face", [1, -1])
+def test_jumps_at_an_impact_are_those_of_section_7(body, face):
+    """chi by sgn(eta) kappa pi, psi by face times that, phidot reversed; the centre does not jump."""
     for sign in (1, -1):
-        limit = limit_motion(body, base(body, side), sign)
+        limit = limit_motion(body, base(body, face), sign)
         hit = limit.impacts(5 * limit.period)
         step = 1e-7 * body.time_unit
         for time in hit[:3]:
             before, after = limit(time - step), limit(time + step)
             assert after.chi - before.chi == pytest.approx(sign * body.race_limit, abs=1e-5)
-            assert after.psi - before.psi == pytest.approx(side * sign * body.race_limit, abs=1e-5)
-            assert before.phidot == pytest.approx(side * limit.impact_speed, rel=1e-5)
-            assert after.phidot == pytest.approx(-side * limit.impact_speed, rel=1e-5)
+            assert after.psi - before.psi == pytest.approx(face * sign * body.race_limit, abs=1e-5)
+            assert before.phidot == pytest.approx(face * limit.impact_speed, rel=1e-5)
+            assert after.phidot == pytest.approx(-face * limit.impact_speed, rel=1e-5)
             assert np.linalg.norm(after.path - before.path) < 1e-5 * body.r
 
 
@@ -158,7 +158,7 @@ def test_the_fall_is_integrated_well_however_slowly_it_starts(speed):
 @pytest.mark.parametrize(
     ("state", "sign", "message"),
     [
-        ((0.0, 1.0, 1.0, 0.7286), 2, "sign"),
+        ((0.0, 1.0, 1.0, 0.7286), 2, "side"),
         ((0.0, 0.0, 3.0, 0.0), 1, "could not fall"),
         ((np.nan, 0.0, 3.0, 0.0), 1, "could not fall"),
         ((0.0, 1e-7, 0.0, 0.0), 1, "stops upright"),
@@ -175,34 +175,34 @@ def test_times_before_the_start_are_refused():
         limit(-1.0)
 
 
-@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("face", [1, -1])
 @pytest.mark.parametrize("name", ["uniform", "hoop", "thick"])
-def test_limits_at_the_impact_are_those_of_sections_6_and_7(name, side):
+def test_limits_at_the_impact_are_those_of_sections_6_and_7(name, face):
     """(6.12), (6.15), (7.16)-(7.20) and Lemma 8, to 1e-9."""
     disk = BODIES[name]
     b = disk.body
     sigma3_bar = 0.8
     for sign in (1, -1):
-        limit = limit_motion(disk, base(disk, side, sigma3_bar), sign)
+        limit = limit_motion(disk, base(disk, face, sigma3_bar), sign)
         A, B = limit.impact_speed, b.I1 * sigma3_bar / (b.I3 * b.r0)
         hit = limit.impacts(20.0)[1]
         before, after = limit(hit * (1 - 4e-16 * 8)), limit(hit * (1 + 4e-16 * 8))
         down, up = float(before.chi), float(after.chi)
         assert up - down == pytest.approx(sign * disk.race_limit, abs=1e-9)
-        assert float(before.phidot) == pytest.approx(side * A, abs=1e-9)
-        assert float(after.phidot) == pytest.approx(-side * A, abs=1e-9)
+        assert float(before.phidot) == pytest.approx(face * A, abs=1e-9)
+        assert float(after.phidot) == pytest.approx(-face * A, abs=1e-9)
         want = (
-            (before.nu, (side * A * np.sin(down), -side * A * np.cos(down), B)),
-            (after.nu, (-side * A * np.sin(up), side * A * np.cos(up), B)),
-            (before.velocity, (side * B * np.sin(down), -side * B * np.cos(down), -A)),
-            (after.velocity, (side * B * np.sin(up), -side * B * np.cos(up), A)),
+            (before.nu, (face * A * np.sin(down), -face * A * np.cos(down), B)),
+            (after.nu, (-face * A * np.sin(up), face * A * np.cos(up), B)),
+            (before.velocity, (face * B * np.sin(down), -face * B * np.cos(down), -A)),
+            (after.velocity, (face * B * np.sin(up), -face * B * np.cos(up), A)),
         )
         for got, expected in want:
             np.testing.assert_allclose(got, expected, atol=1e-9)
         # the points of contact are the hinges of the fall and of the rise
         for at, chi in ((before, down), (after, up)):
             np.testing.assert_allclose(
-                at.contact - at.path, [side * np.cos(chi), side * np.sin(chi), 0.0], atol=1e-9
+                at.contact - at.path, [face * np.cos(chi), face * np.sin(chi), 0.0], atol=1e-9
             )
 
 

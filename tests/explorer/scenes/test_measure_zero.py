@@ -86,8 +86,8 @@ def test_no_falls_are_bounded_exactly(uniform):
 
 def test_probability_splits_as_predicted(uniform):
     _, found, _ = uniform
-    side = found["splits"]["side_plus"]
-    assert abs(side["value"] - side["predicted"]) < 4.0 * side["error"]
+    face = found["splits"]["side_plus"]
+    assert abs(face["value"] - face["predicted"]) < 4.0 * face["error"]
     shares = found["splits"]["energy"]
     assert sum(row["share"] for row in shares) == pytest.approx(1.0)
     assert sum(row["predicted"] for row in shares) == pytest.approx(1.0)
@@ -124,21 +124,21 @@ def test_a_tube_holds_every_state_that_comes_flatter(name, delta):
 
 
 @pytest.mark.parametrize("box", [None, "phi=-1.2:1.2", "phi=-1.5:1.5,sigma3=0.1"])
-@pytest.mark.parametrize("side", [1, -1])
-def test_draws_of_a_tube_are_states_with_the_eta_they_claim(box, side):
+@pytest.mark.parametrize("face", [1, -1])
+def test_draws_of_a_tube_are_states_with_the_eta_they_claim(box, face):
     """At an eta that a state can express, the constants of motion of the state itself agree."""
     disk = ex.Disk.hoop(m=2.0, r=0.5, g=9.81)
     density = Density.of(disk, box)
     unit = np.random.default_rng(3).random((500, dimensions(density)))
-    found = draw_tube(disk, density, constant_of(disk, density).mass, side, 0.05, unit)
+    found = draw_tube(disk, density, constant_of(disk, density).mass, face, 0.05, unit)
     rows = found.weight > 0.0
 
     unit_rate = disk.rate_unit
-    place = Place.at(disk, side * found.phi[rows], side * found.phidot[rows] / unit_rate)
+    place = Place.at(disk, face * found.phi[rows], face * found.phidot[rows] / unit_rate)
     s3, s4 = place.rates(found.sigma3_bar[rows] / unit_rate, found.eta_hat[rows] / unit_rate)
-    given = found.phi[rows], found.phidot[rows], s3 * unit_rate, side * s4 * unit_rate
+    given = found.phi[rows], found.phidot[rows], s3 * unit_rate, face * s4 * unit_rate
     states, known = phi_to_states(disk, *given), ex.constants(disk, *given)
-    here = known.eta_hat_plus if side > 0 else known.eta_hat_minus
+    here = known.eta_hat_plus if face > 0 else known.eta_hat_minus
     np.testing.assert_allclose(here, found.eta_hat[rows], atol=1e-13 * disk.rate_unit)
     np.testing.assert_allclose(known.sigma3_bar, found.sigma3_bar[rows], atol=1e-12 * disk.rate_unit)
     np.testing.assert_allclose(known.energy, found.energy[rows], rtol=1e-12)

@@ -37,12 +37,12 @@ def test_the_plain_fall_from_the_vertical_takes_the_published_time(name):
 def test_every_state_at_the_vertical_on_a_line_could_fall_on_that_side(body):
     rng = np.random.default_rng(1)
     unit = body.rate_unit
-    for side in (1, -1):
+    for face in (1, -1):
         states = constants_to_states(
-            body, rng.uniform(-3, 3, 200) * unit, 0.0, rng.uniform(-3, 3, 200) * unit, side
+            body, rng.uniform(-3, 3, 200) * unit, 0.0, rng.uniform(-3, 3, 200) * unit, face
         )
         found = falls_of(states)
-        assert (found.side == side).all()
+        assert (found.face == face).all()
         assert found.could_fall.all()
         assert found.on_f.all()
         assert (found.status == ex.Status.FALLS).all()
@@ -77,11 +77,11 @@ def beside_line(disk, phi, phidot, sigma3_bar, eta):
     b = disk.body
     sigma = np.empty((2, phi.size))
     for i in range(phi.size):
-        side = 1.0 if phi[i] >= 0 else -1.0
+        face = 1.0 if phi[i] >= 0 else -1.0
         S = 2.0 * np.sin((np.pi / 2 - abs(phi[i])) / 2) ** 2
         f = solutions(S, np.log(S), b.c, disk.series)
-        near = eta if side > 0 else 2 * b.I1 * b.dr0 * sigma3_bar[i] - eta
-        sigma[:, i] = sigma_from_constants(side, sigma3_bar[i] / b.r0, near / b.I1, f, b.k)
+        near = eta if face > 0 else 2 * b.I1 * b.dr0 * sigma3_bar[i] - eta
+        sigma[:, i] = sigma_from_constants(face, sigma3_bar[i] / b.r0, near / b.I1, f, b.k)
     unit = disk.rate_unit
     return ex.phi_to_states(disk, phi, phidot * unit, sigma[0] * unit, sigma[1] * unit)
 
@@ -102,7 +102,7 @@ def test_the_nearer_side_and_the_sign_of_eta_are_reported():
     disk = BODIES["uniform"]
     slope = line_slope(disk)
     found = ex.falls(disk, 0.0, 1.0, [1.0, 1.0, 1.0], [slope - 0.1, slope + 0.1, -slope + 0.1])
-    assert found.side.tolist() == [1, 1, -1]
+    assert found.face.tolist() == [1, 1, -1]
     assert np.sign(found.distance).tolist() == [1, -1, 1]
     norm = np.hypot(slope, 1.0)
     np.testing.assert_allclose(abs(found.distance), 0.1 / norm, rtol=1e-12)

@@ -17,7 +17,7 @@ from explorer.portrait.bodies import flat_body, measured_gaps, race_numbers
 from explorer.portrait.bounce import turn_per_bounce
 from explorer.portrait.film import film
 from explorer.portrait.slices import Slice, map_slice, race_slice
-from explorer.portrait.wander import drift_per_period, resonance, wander
+from explorer.portrait.wander import resonance, wander, wander_path
 
 UNIFORM, HOOP = BODIES["uniform"], BODIES["hoop"]
 
@@ -34,7 +34,7 @@ def resonant():
 
 @pytest.fixture(scope="module")
 def wanders(resonant):
-    return {"generic": wander(start(UNIFORM, 1.0, 0.01), 30), "resonance": wander(resonant[1], 8)}
+    return {"generic": wander_path(start(UNIFORM, 1.0, 0.01), 30), "resonance": wander_path(resonant[1], 8)}
 
 
 @pytest.fixture(scope="module")
@@ -64,11 +64,11 @@ def test_the_way_is_the_direction_of_the_contact_point_at_the_flattest_moment(sl
     at = slice_of_uniform.map
     x, y = np.meshgrid(at.x, at.y)
     known = ex.constants(UNIFORM, 0.0, 1.0, x, y)
-    side = np.ravel(slice_of_uniform.side)
-    eta = np.where(side > 0, known.eta_hat_plus, known.eta_hat_minus)
+    face = np.ravel(slice_of_uniform.face)
+    eta = np.where(face > 0, known.eta_hat_plus, known.eta_hat_minus)
     near = (abs(eta) < 0.1) & (abs(eta) > 1e-3) & (np.ravel(slice_of_uniform.way) != 0)
     assert near.sum() > 100
-    turned = ex.passages(UNIFORM, known.sigma3_bar[near], eta[near], 1.0, side[near]).race_angle
+    turned = ex.passages(UNIFORM, known.sigma3_bar[near], eta[near], 1.0, face[near]).race_angle
     np.testing.assert_array_equal(np.sign(turned), np.ravel(slice_of_uniform.way)[near])
 
 
@@ -190,7 +190,7 @@ def test_bounces_draw_their_curves_and_limits(bounces):
     assert ax.lines[2].get_ydata()[0] == pytest.approx(math.sqrt(5.0))
 
 
-# Drift
+# Wander
 
 
 @pytest.mark.parametrize(
@@ -204,7 +204,7 @@ def test_bounces_draw_their_curves_and_limits(bounces):
 )
 def test_the_drift_is_that_of_the_figures_of_the_paper(disk, eta_hat, period, chi, step):
     """sigma1 = 0, sigma2 = sigma3 = 1: phidot = 1 at the vertical."""
-    found = drift_per_period(start(disk, 1.0, eta_hat))
+    found = wander(start(disk, 1.0, eta_hat))
     assert found.period[0] == pytest.approx(period, abs=1e-9)
     assert found.chi[0] == pytest.approx(chi, abs=1e-7)
     assert abs(found.step[0]) == pytest.approx(step, abs=6e-6)
@@ -212,8 +212,8 @@ def test_the_drift_is_that_of_the_figures_of_the_paper(disk, eta_hat, period, ch
 
 def test_one_period_tells_the_place_after_many(wanders):
     for found in wanders.values():
-        places = found.drift.after(found.count)[0]
-        after = np.isin(found.t, found.drift.period[0] * np.arange(found.count + 1))
+        places = found.wander.after(found.count)[0]
+        after = np.isin(found.t, found.wander.period[0] * np.arange(found.count + 1))
         assert after.sum() == found.count + 1
         np.testing.assert_allclose(found.centre[after] @ [1.0, 1j], places, atol=1e-6)
         # the contact point stays within a radius of the centre's shadow
@@ -228,23 +228,23 @@ def test_at_a_resonance_the_drift_has_no_bound_and_elsewhere_it_has(resonant, wa
     beside = ex.periods(start(UNIFORM, root + 1e-3, 0.01), 1e-9, eta_hat=0.01)
     assert abs(beside.chi[0] - 4.0 * math.pi) > 1e-4
     walked = wanders["resonance"]
-    distance = abs(walked.drift.after(1000)[0])
-    np.testing.assert_allclose(distance, np.arange(1001) * abs(walked.drift.step[0]), rtol=1e-6)
-    assert np.hypot(*walked.centre[-1]) == pytest.approx(8 * abs(walked.drift.step[0]), rel=1e-6)
-    generic = wanders["generic"].drift
+    distance = abs(walked.wander.after(1000)[0])
+    np.testing.assert_allclose(distance, np.arange(1001) * abs(walked.wander.step[0]), rtol=1e-6)
+    assert np.hypot(*walked.centre[-1]) == pytest.approx(8 * abs(walked.wander.step[0]), rel=1e-6)
+    generic = wanders["generic"].wander
     assert abs(generic.after(100_000)[0]).max() == pytest.approx(2.0 * generic.radius[0], rel=1e-3)
 
 
 def test_the_drift_scales_with_the_units():
-    """The coin in SI units drifts as the uniform disk does, in radii."""
+    """The coin in SI units wanders as the uniform disk does, in radii."""
     coin = BODIES["coin"]
-    one, other = (drift_per_period(start(disk, [0.4, 1.0], 0.02)) for disk in (UNIFORM, coin))
+    one, other = (wander(start(disk, [0.4, 1.0], 0.02)) for disk in (UNIFORM, coin))
     np.testing.assert_allclose(other.step / coin.r, one.step, rtol=1e-7)
     np.testing.assert_allclose(other.radius / coin.r, one.radius, rtol=1e-7)
 
 
 def test_paths_keep_the_race_round_at_small_eta():
-    found = wander(start(UNIFORM, 1.0, 1e-6), 2)
+    found = wander_path(start(UNIFORM, 1.0, 1e-6), 2)
     hops = np.hypot(*np.diff(found.contact, axis=0).T)
     assert hops.max() < 0.15
 
@@ -252,12 +252,12 @@ def test_paths_keep_the_race_round_at_small_eta():
 def test_the_pictures_of_paths_show_places_and_circle(wanders):
     figure = paths.rosette_and_resonance(wanders["generic"], wanders["resonance"])
     rosette, walk = figure.axes
-    drift = wanders["generic"].drift
+    wander = wanders["generic"].wander
     x, y = rosette.lines[3].get_data()
-    place = drift.after(30)[0]
-    middle = drift.step[0] / (1.0 - np.exp(1j * drift.chi[0]))
-    np.testing.assert_allclose(np.hypot(x - middle.real, y - middle.imag), drift.radius[0])
-    np.testing.assert_allclose(abs(place - middle), drift.radius[0])
+    place = wander.after(30)[0]
+    middle = wander.step[0] / (1.0 - np.exp(1j * wander.chi[0]))
+    np.testing.assert_allclose(np.hypot(x - middle.real, y - middle.imag), wander.radius[0])
+    np.testing.assert_allclose(abs(place - middle), wander.radius[0])
     assert len(walk.lines) == 3
     assert "unbounded" in walk.get_title()
     assert "unbounded" not in rosette.get_title()
@@ -266,12 +266,12 @@ def test_the_pictures_of_paths_show_places_and_circle(wanders):
 def test_the_picture_of_distances_bounds_the_generic_motion_only(wanders):
     ax = paths.wander_distance(wanders)
     bound = [line for line in ax.lines if line.get_ls() == ":" and len(line.get_xdata()) == 2]
-    assert [line.get_ydata()[0] for line in bound] == pytest.approx([2.0 * wanders["generic"].drift.radius[0]])
+    assert [line.get_ydata()[0] for line in bound] == pytest.approx([2.0 * wanders["generic"].wander.radius[0]])
 
 
 def test_the_radius_peaks_at_the_resonance(resonant):
     bars = np.linspace(0.15, 0.3, 31)
-    ax = paths.drift_radius(bars, drift_per_period(start(UNIFORM, bars, 0.01)), 1.0, {2: resonant[0]})
+    ax = paths.wander_radius(bars, wander(start(UNIFORM, bars, 0.01)), 1.0, {2: resonant[0]})
     x, y = ax.lines[0].get_data()
     assert abs(x[np.argmax(y)] - resonant[0]) < 0.005
     assert y.max() > 20.0 * y[-1]
@@ -387,9 +387,9 @@ def test_the_artists_of_the_film_follow_the_rows(shown):
         (lambda: resonance(UNIFORM, 0.01, 1.0, 2, (0.5,)), "two numbers"),
         (lambda: resonance(UNIFORM, 0.01, 1.0, 1.5, (0.1, 1.0)), "a whole one"),
         (lambda: resonance(UNIFORM, 0.0, 1.0, 2, (0.1, 1.0)), "no period at sigma3_bar = 0.1"),
-        (lambda: wander(start(UNIFORM, [1.0, 1.1], 0.01), 3), "2 were given"),
-        (lambda: wander(start(UNIFORM, 1.0, 0.01), 0), "count = 0"),
-        (lambda: wander(start(UNIFORM, 1.0, 0.0), 3), "no period"),
+        (lambda: wander_path(start(UNIFORM, [1.0, 1.1], 0.01), 3), "2 were given"),
+        (lambda: wander_path(start(UNIFORM, 1.0, 0.01), 0), "count = 0"),
+        (lambda: wander_path(start(UNIFORM, 1.0, 0.0), 3), "no period"),
         (lambda: film(UNIFORM, eta_hat=-0.05), "eta_hat = -0.05"),
         (lambda: film(UNIFORM, frames=1), "frames = 1"),
         (lambda: film(UNIFORM, sigma3_bar=[1.0, 2.0]), "sigma3_bar = [1.0, 2.0]"),

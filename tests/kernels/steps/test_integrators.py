@@ -118,9 +118,9 @@ def test_events_are_located_to_rounding(method, event, target):
     assert events.level(y, event) == pytest.approx(target, abs=5e-16)
 
 
-def run_batch(method, depth, states, control, max_steps=100_000, max_drift=1e-2, before=Status.OK):
+def run_batch(method, depth, states, control, max_steps=100_000, constants_bound=1e-2, before=Status.OK):
     n = states.shape[1]
-    out, drift = np.empty((8, n)), np.empty((3, n))
+    out, constants_error = np.empty((8, n)), np.empty((3, n))
     # The steps are counted from 0, whatever is in the array.
     status, steps = np.full(n, before, np.int8), np.ones(n, np.int32)
     batch.first_event_batch(
@@ -131,15 +131,15 @@ def run_batch(method, depth, states, control, max_steps=100_000, max_drift=1e-2,
         events.TURNING_POINT,
         0.0,
         max_steps,
-        max_drift,
+        constants_bound,
         UNIFORM.body,
         UNIFORM.series,
         out,
         status,
         steps,
-        drift,
+        constants_error,
     )
-    return out, status, steps, drift
+    return out, status, steps, constants_error
 
 
 def random_states(n, seed=1):
@@ -160,7 +160,7 @@ def test_lanes_give_bit_for_bit_what_one_trajectory_after_another_gives(method, 
     fast = run_batch(method, ANGLES, states, control)
     n = states.shape[1]
     slow = np.empty((n, 1, 10))
-    status, steps, drift = np.zeros(n, np.int8), np.zeros(n, np.int32), np.empty((3, n))
+    status, steps, constants_error = np.zeros(n, np.int8), np.zeros(n, np.int32), np.empty((3, n))
     full = np.zeros((10, n))
     full[:8] = states
     trajectory.trajectory_batch(
@@ -178,7 +178,7 @@ def test_lanes_give_bit_for_bit_what_one_trajectory_after_another_gives(method, 
         slow,
         status,
         steps,
-        drift,
+        constants_error,
     )
     reached = fast[1] == Status.OK
     assert reached.sum() > 300
@@ -225,7 +225,7 @@ def test_a_tolerance_below_rounding_ends_with_its_own_status():
 
 def test_a_step_far_too_large_is_only_ok_where_it_was_cut_short_by_the_event():
     states = random_states(400)
-    coarse, status, steps, _ = run_batch(RK4, ANGLES, states, 3.0, max_drift=1e-6)
+    coarse, status, steps, _ = run_batch(RK4, ANGLES, states, 3.0, constants_bound=1e-6)
     fine, _, _, _ = run_batch(DOPRI5, ANGLES, states, 1e-11)
     ok = status == Status.OK
     assert (steps[ok] == 1).all()
@@ -259,8 +259,8 @@ def test_drift_of_the_constants_shrinks_with_the_tolerance(paper_body):
     states = random_states(200, seed=4)
     sizes = []
     for tolerance in (1e-5, 1e-7, 1e-9, 1e-11):
-        drift = run_batch(DOPRI5, ANGLES, states, tolerance, max_drift=1.0)[3]
-        sizes.append(np.nanpercentile(abs(drift), 99, axis=1))
+        constants_error = run_batch(DOPRI5, ANGLES, states, tolerance, constants_bound=1.0)[3]
+        sizes.append(np.nanpercentile(abs(constants_error), 99, axis=1))
     sizes = np.array(sizes)
     assert (sizes[1:] < 0.05 * sizes[:-1]).all()
     assert (sizes[-1] < 1e-10).all()

@@ -121,10 +121,10 @@ def test_the_equilibrium_near_flat_follows_its_law(eta):
 
 
 def test_constants_on_a_line_to_rounding_are_on_it(body):
-    for side in (1, -1):
-        on = on_line(body, 0.2 * body.rate_unit, 0.0, side)
+    for face in (1, -1):
+        on = on_line(body, 0.2 * body.rate_unit, 0.0, face)
         found = at_constants(body, on.sigma3_bar, on.sigma4_bar)
-        assert (found.eta, found.side) == (0.0, side)
+        assert (found.eta, found.face) == (0.0, face)
 
 
 def test_a_motion_started_at_a_centre_stays_and_one_at_a_saddle_leaves():
@@ -231,24 +231,24 @@ def test_symmetric_saddles_are_joined_to_each_other():
 
 
 @pytest.mark.parametrize("name", ["uniform", "hoop", "thick"])
-@pytest.mark.parametrize("side", [1, -1])
-def test_the_shading_agrees_with_who_could_fall(name, side):
+@pytest.mark.parametrize("face", [1, -1])
+def test_the_shading_agrees_with_who_could_fall(name, face):
     disk = BODIES[name]
     random = np.random.default_rng(3)
     for bar in (0.1, 0.2, 0.7):
-        potential = on_line(disk, bar, 0.0, side)
+        potential = on_line(disk, bar, 0.0, face)
         y = np.sort(random.uniform(-2.5, 2.5, 60))
         phi = np.arctan(np.sinh(y))
         speed = random.uniform(0.0, 1.5, 60)
         edge = potential.falling_edge(y)
         s3, s4 = np.transpose([state_at(potential, float(at), 0.0)[2:] for at in phi])
         falls = ex.falls(disk, phi, speed, s3, s4)
-        could = falls.could_fall_plus if side > 0 else falls.could_fall_minus
+        could = falls.could_fall_plus if face > 0 else falls.could_fall_minus
         assert (could == (speed > edge)).all()
         assert could.any()
         if bar == 0.1:
             assert not could.all()
-    assert np.isinf(on_line(disk, 0.2, 1e-9, side).falling_edge(y)).all()
+    assert np.isinf(on_line(disk, 0.2, 1e-9, face).falling_edge(y)).all()
 
 
 def test_on_the_line_v_ends_at_v0_and_the_wall_appears_beside_it():

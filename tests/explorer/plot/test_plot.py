@@ -14,7 +14,7 @@ from explorer.portrait.bounce import turn_per_bounce
 from explorer.portrait.potential import on_line
 from explorer.portrait.slices import Slice, map_slice, race_slice
 from explorer.portrait.steady import bifurcation
-from explorer.portrait.wander import drift_per_period, wander
+from explorer.portrait.wander import wander, wander_path
 from explorer.scenes.options import build_scene
 
 UNIFORM = BODIES["uniform"]
@@ -39,7 +39,7 @@ def pictures(tmp_path_factory):
     both = both_sides(BODIES["hoop"], (1.0, 1.0, 1))
     law = measure_zero(tmp_path_factory.mktemp("law"))
     beside = ex.constants_to_states(UNIFORM, 0.7, 0.01, 1.0)
-    walk = wander(beside, 2)
+    walk = wander_path(beside, 2)
     cut = map_slice(UNIFORM, Slice.defaults(UNIFORM)[1], 41)
     return {
         "race_histogram": (race_summary,),
@@ -52,7 +52,7 @@ def pictures(tmp_path_factory):
         "bounce_turns": ([turn_per_bounce(UNIFORM)],),
         "wander_path": (walk,),
         "wander_distance": ({"generic": walk},),
-        "drift_radius": (np.array([0.7]), drift_per_period(beside)),
+        "wander_radius": (np.array([0.7]), wander(beside)),
         "race_slice_map": (race_slice(UNIFORM, Slice.defaults(UNIFORM)[0], 41),),
         "one_sided_distance": (sides,),
         "one_sided_phi": (both,),

@@ -64,13 +64,13 @@ def test_the_four_figure_rows(key, method):
     states = constants_to_states(disk, 1.0, eta_hat, 1.0)
     initial = np.zeros((10, 1))
     initial[:5] = states.natural
-    out, drift = np.empty((1, 2, 10)), np.empty((3, 1))
+    out, constants_error = np.empty((1, 2, 10)), np.empty((3, 1))
     status, steps = np.zeros(1, np.int8), np.zeros(1, np.int32)
     code = getattr(steps_module, method.upper())
     control = {"rk4": 2e-3, "rk8": 0.05}.get(method, 1e-12)
     trajectory.trajectory_batch(
         code, 10, initial, np.full((3, 1), np.nan), np.array([control]), events.VERTICAL, np.zeros(2), 10**6, 1e-6,
-        disk.body, disk.series, out, status, steps, drift,
+        disk.body, disk.series, out, status, steps, constants_error,
     )  # fmt: skip
     assert status[0] == ex.Status.OK
     tau, chi, psi, theta, distance = ROWS[key]
@@ -159,7 +159,7 @@ def test_energy_sigma3_bar_and_eta_drift_are_reported_and_small():
     got = ex.simulate(ex.Disk.uniform(), states, 10.0, observables=("phi",), accuracy=1e-8)
     ok = got.status == ex.Status.OK
     assert ok.mean() > 0.9
-    assert abs(got.drift[:, ok]).max() < 1e-8
+    assert abs(got.constants_error[:, ok]).max() < 1e-8
 
 
 def test_failed_samples_are_nan_and_say_why():
@@ -189,7 +189,7 @@ def test_only_what_was_asked_for_is_returned_and_time_zero_is_the_start():
         ({"t_eval": [1.0, 0.5]}, "increasing"),
         ({"t_eval": [np.nan]}, "finite"),
         ({"t_end": 1.0, "observables": ("ph",)}, "did you mean 'phi'"),
-        ({"t_end": 1.0, "observables": ("side",)}, "observable of the motion"),
+        ({"t_end": 1.0, "observables": ("face",)}, "observable of the motion"),
         ({"t_end": 1.0, "method": "rk6"}, "did you mean 'rk"),
         ({"t_end": 1.0, "accuracy": 1e-20}, "accuracy"),
     ],
@@ -239,7 +239,7 @@ def test_empty_input_gives_empty_output():
 def test_a_long_run_is_judged_by_its_number_of_passages():
     got = ex.simulate(BODIES["uniform"], (0.2, 1.0, 1.0, 0.3), 2e3, observables=("phi",))
     assert got.status[0] == ex.Status.OK
-    assert 0 < abs(got.drift[0, 0]) < 1e-3
+    assert 0 < abs(got.constants_error[0, 0]) < 1e-3
 
 
 def test_states_of_another_disk_are_refused():

@@ -58,7 +58,7 @@ def test_races_that_nothing_resolves_are_an_error_in_words():
 
 
 def test_the_race_angle_follows_its_law():
-    """Delta chi - drift - kappa pi = 2 m g r eta ln(1/|eta|) / (I1 M A^3) + O(eta)."""
+    """Delta chi - fall angle - kappa pi = 2 m g r eta ln(1/|eta|) / (I1 M A^3) + O(eta)."""
     disk = BODIES["hoop"]
     scene = build_scene(
         "race-angles", disk="hoop", samples=2000, box="phidot=1,sigma3=1", eta_hat="1e-6:1e-4", accuracy=1e-9

@@ -5,7 +5,7 @@ import pytest
 import explorer as ex
 from explorer.commands.gallery import command_of, gallery
 
-RESULTS = Path(__file__).parents[2] / "results"
+RESULTS = Path(__file__).parents[3] / "results"
 
 
 def test_the_committed_page_is_what_the_command_writes():

@@ -10,8 +10,8 @@ from explorer.scenes.registry import SCENES, scene_class
 
 
 def test_the_lowest_rung_that_gives_everything_is_chosen():
-    assert plan(("side", "distance")).rung == "algebra"
-    assert plan(("theta_min", "side")).rung == "quadrature"
+    assert plan(("face", "distance")).rung == "algebra"
+    assert plan(("theta_min", "face")).rung == "quadrature"
     assert plan(("theta_min", "phi")).rung == "reduced"
     assert plan(("phi", "chi")).rung == "angles"
     assert plan(("contact", "phi")).rung == "path"
