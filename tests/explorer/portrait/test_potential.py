@@ -390,7 +390,7 @@ def test_bad_input_gets_a_sentence(options, words):
 
 
 def test_bad_arguments_of_the_functions_get_a_sentence():
-    with pytest.raises(ex.InputError, match="side = 2"):
+    with pytest.raises(ex.InputError, match="face = 2"):
         on_line(UNIFORM, 0.2, 0.0, 2)
     with pytest.raises(ex.InputError, match="between the flat states"):
         on_line(UNIFORM, 0.2).V(2.0)
