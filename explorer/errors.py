@@ -1,6 +1,16 @@
-"""What goes wrong, for people: every message names the argument, the value and the remedy."""
+"""What users are told, and the readers of what users write.
 
+Every message names the argument, the value and the remedy. A reader takes a value as it comes from the command
+line, a TOML file or Python, and returns it with its proper type; what cannot be used raises InputError. Text is
+read as a number, a number of numpy like one of Python, and a bool never counts as a number.
+"""
+
+import math
 import sys
+from collections.abc import Collection
+from difflib import get_close_matches
+from numbers import Integral
+from typing import Any
 
 
 class InputError(ValueError):
@@ -12,10 +22,138 @@ class RunError(RuntimeError):
 
 
 class Interrupted(RunError):
-    """A person or the system stopped a run between two chunks. The command line exits with status 130."""
+    """The user or the system stopped a run between two chunks. The command line exits with status 130."""
 
 
 def note(text: str, quiet: bool) -> None:
-    """A line for people, on stderr."""
+    """Print a line on stderr, unless the user asked for quiet."""
     if not quiet:
         print(text, file=sys.stderr, flush=True)
+
+
+def said(name: str, value: Any) -> str:
+    """An argument with its value as the user wrote it: "--samples 0" or "samples = 0"."""
+    return f"{name} {value}" if name.startswith("--") else f"{name} = {value!r}"
+
+
+def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:
+    """Read a finite number.
+
+    Parameters
+    ----------
+    name : str
+        What the argument is called where the user wrote it, such as "--accuracy" or "t_end".
+    value : number or str
+        What the user gave; text as in "1e-6".
+    low, high : float
+        The smallest and the largest number that is accepted.
+
+    Raises
+    ------
+    InputError
+        Where `value` is no finite number from `low` to `high`. The message names all three.
+    """
+    try:
+        plain = value.item() if hasattr(value, "item") else value  # a scalar of numpy, or an array of one element
+        read = math.nan if isinstance(plain, bool) else float(plain)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{said(name, value)} is not a number; give {_numbers(low, high)}") from None
+    if not (math.isfinite(read) and low <= read <= high):
+        raise InputError(f"{said(name, value)} must be {_numbers(low, high)}")
+    return read
+
+
+def positive(name: str, value: Any) -> float:
+    """Read a finite number above 0. Raises InputError."""
+    read = number(name, value)
+    if read <= 0.0:
+        raise InputError(f"{said(name, value)} must be a finite number above 0")
+    return read
+
+
+def whole(name: str, value: Any, low: int = 0, high: int | None = None) -> int:
+    """Read a whole number from `low` to `high`, written in any way: 1000000, "1000000", 1e6, "1e6".
+
+    Raises
+    ------
+    InputError
+        Where `value` is not such a number. The message names `value`, `low` and `high`.
+    """
+    if isinstance(value, Integral) and not isinstance(value, bool):
+        read = int(value)
+    elif isinstance(value, str) and value.strip().lstrip("+-").isdigit():
+        read = int(value)  # exact, also beyond the whole numbers that doubles hold
+    else:
+        given = number(name, value)
+        read = int(given)
+        if read != given:
+            raise InputError(f"{said(name, value)} must be a whole number{_between(low, high)}")
+    if read < low or (high is not None and read > high):
+        raise InputError(f"{said(name, value)} must be a whole number{_between(low, high)}")
+    return read
+
+
+def flag(name: str, value: Any) -> bool:
+    """Read True or False. Raises InputError."""
+    if not isinstance(value, bool):
+        raise InputError(f"{said(name, value)} must be true or false")
+    return value
+
+
+def one_of(name: str, value: Any, known: Collection[str]) -> str:
+    """Read one of the words `known`. Raises InputError with the nearest of them."""
+    if not isinstance(value, str) or value not in known:
+        raise InputError(f"{name} {value!r} is not known; {suggest(value, known)}")
+    return value
+
+
+def suggest(value: Any, known: Collection[str]) -> str:
+    """The end of a message about an unknown word: the word that was probably meant, and all that are known."""
+    near = get_close_matches(str(value), known, n=1)
+    return (f"did you mean {near[0]!r}? " if near else "") + f"known: {', '.join(known)}"
+
+
+def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, float]:
+    """Read (low, high) with low <= high.
+
+    Parameters
+    ----------
+    name : str
+        As for `number`.
+    value : str or pair of numbers
+        "LOW:HIGH", or one number as text for a range of one point, or a pair of numbers.
+    unbounded : bool
+        Whether an end may be left out, as in "LOW:", ":HIGH" or a pair with None, and is then infinite.
+
+    Raises
+    ------
+    InputError
+        Where `value` is no range, or the range is empty.
+    """
+    form = "LOW:HIGH, LOW: or :HIGH" if unbounded else "LOW:HIGH"
+    ends = value.split(":") if isinstance(value, str) else value
+    if isinstance(value, str) and len(ends) == 1:
+        ends *= 2
+    if not isinstance(ends, list | tuple) or len(ends) != 2:
+        raise InputError(f"{name} {value!r} is not a range; give {form}")
+    missing = [unbounded and (end is None or (isinstance(end, str) and not end.strip())) for end in ends]
+    try:
+        low = -math.inf if missing[0] else number(name, ends[0])
+        high = math.inf if missing[1] else number(name, ends[1])
+    except InputError:
+        raise InputError(f"{name} {value!r} is not a range; give {form} with finite numbers") from None
+    if low > high:
+        raise InputError(f"{name} {low:g}:{high:g} is empty; give {form}, the smaller number first")
+    return low, high
+
+
+def _numbers(low: float, high: float) -> str:
+    return "a finite number" + _between(low, high)
+
+
+def _between(low: float, high: float | None) -> str:
+    """The end of a sentence about a number that must lie between two others."""
+    above, below = low > -math.inf, high is not None and high < math.inf
+    if above and below:
+        return f" from {low:g} to {high:g}"
+    return f", {low:g} or more" if above else f", {high:g} or less" if below else ""

@@ -1,0 +1,107 @@
+"""Readers of what users write: what they accept, what they refuse, and that a message says all three things."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from explorer.errors import InputError, flag, number, one_of, positive, read_range, suggest, whole
+
+
+@pytest.mark.parametrize(
+    "value", [1e6, "1e6", 1_000_000, "1000000", " 1000000 ", np.int64(10**6), np.float32(1e6), np.array(1e6)]
+)
+def test_a_whole_number_may_be_written_in_any_way(value):
+    assert whole("--samples", value, 1, 10**12) == 1_000_000
+    assert type(whole("--samples", value, 1)) is int
+
+
+def test_a_whole_number_as_text_keeps_all_its_digits():
+    assert whole("--seed", str(2**100 + 1)) == 2**100 + 1
+
+
+@pytest.mark.parametrize(
+    "value", [True, np.True_, "yes", 1.5, "1.5", None, [1], math.nan, math.inf, "1e400", "-1", 0]
+)
+def test_what_is_no_whole_number_in_its_bounds_is_refused_by_name_value_and_remedy(value):
+    with pytest.raises(InputError) as refused:
+        whole("--samples", value, 1, 10)
+    assert str(refused.value).startswith(f"--samples {value}")
+    assert "number" in str(refused.value)
+    assert len(str(refused.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("value", [0.25, "0.25", np.float64(0.25), np.array([0.25]), Fraction(1, 4)])
+def test_a_number_may_be_of_any_type_that_holds_one(value):
+    assert number("accuracy", value, 0.0, 1.0) == 0.25
+
+
+@pytest.mark.parametrize(
+    "value", [True, np.True_, None, "a lot", [1.0, 2.0], np.zeros(2), 1j, math.nan, "inf", 10**400]
+)
+def test_what_is_no_finite_number_is_refused(value):
+    with pytest.raises(InputError, match="accuracy = "):
+        number("accuracy", value)
+
+
+def test_bounds_of_a_number_are_in_the_message():
+    for low, high, words in (
+        (0.0, 1.0, "from 0 to 1"),
+        (3.0, math.inf, "3 or more"),
+        (-math.inf, 1.0, "1 or less"),
+    ):
+        with pytest.raises(InputError, match=words):
+            number("x", 2.0, low, high)
+    with pytest.raises(InputError, match="jobs = 0 must be a whole number, 1 or more"):
+        whole("jobs", 0, 1)
+
+
+def test_a_positive_number_is_above_zero():
+    assert positive("m", "1e-300") == 1e-300
+    with pytest.raises(InputError, match=r"m = 0\.0 must be a finite number above 0"):
+        positive("m", 0.0)
+
+
+def test_a_flag_is_true_or_false_and_no_number():
+    assert flag("--well", True) is True
+    with pytest.raises(InputError, match="--well 1 must be true or false"):
+        flag("--well", 1)
+
+
+def test_an_unknown_word_is_answered_with_the_nearest_one():
+    assert one_of("--keep", "near", ("near", "all")) == "near"
+    with pytest.raises(InputError, match=r"--keep 'naer' is not known; did you mean 'near'\? known: near, all"):
+        one_of("--keep", "naer", ("near", "all"))
+    with pytest.raises(InputError, match="--keep 3"):
+        one_of("--keep", 3, ("near", "all"))
+    assert suggest("zzz", ("near", "all")) == "known: near, all"
+
+
+@pytest.mark.parametrize("value", ["-1e-3:2", (-1e-3, 2), [np.float64(-1e-3), "2"]])
+def test_a_range_is_text_or_a_pair(value):
+    assert read_range("--energy", value) == (-1e-3, 2.0)
+
+
+def test_one_number_as_text_is_a_range_of_one_point():
+    assert read_range("--box phi", "-0.5") == (-0.5, -0.5)
+
+
+@pytest.mark.parametrize(
+    ("value", "ends"), [(":3", (-math.inf, 3.0)), ("3:", (3.0, math.inf)), ((None, 2.0), (-math.inf, 2.0))]
+)
+def test_an_end_may_be_left_out_only_where_a_range_may_be_unbounded(value, ends):
+    assert read_range("--energy", value, unbounded=True) == ends
+    with pytest.raises(InputError, match="is not a range"):
+        read_range("--ladder", value)
+
+
+@pytest.mark.parametrize("value", ["1:2:3", "a:b", "nan:1", (1.0,), 3.0, None, (True, 2), "inf:inf", "", ":"])
+def test_what_is_no_range_is_refused(value):
+    with pytest.raises(InputError, match=r"--ladder .* is not a range; give LOW:HIGH"):
+        read_range("--ladder", value)
+
+
+def test_an_empty_range_is_refused():
+    with pytest.raises(InputError, match="--ladder 2:1 is empty; give LOW:HIGH, the smaller number first"):
+        read_range("--ladder", "2:1")
