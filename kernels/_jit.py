@@ -1,8 +1,8 @@
 """The only place that knows how numba is called.
 
-Two decorators. :func:`device` marks a function that is inlined into its callers.
-:func:`kernel` marks a function that ``explorer`` calls: it has one explicit signature, is
-compiled on first use, releases the GIL and is cached on disk.
+:func:`device` marks a function that is inlined into its callers, :func:`subroutine` one that is not.
+:func:`kernel` marks a function that ``explorer`` calls: its annotations are its one explicit signature,
+for mypy and for numba; it is compiled on first use, releases the GIL and is cached on disk.
 
 numba's cache does not notice an edit of a *called* function in another file (numba #1833)
 and would serve stale code. The cache folder is therefore keyed by a digest of every source
@@ -18,10 +18,11 @@ import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Generic, ParamSpec, TypeVar, get_args, get_origin, get_type_hints
 
 import llvmlite
 import numba
+from numba import types as nb
 from numba.core import config
 
 # Strict IEEE arithmetic, the default: the regularised field vectorises without fastmath, lane and scalar
@@ -38,52 +39,66 @@ _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": _FLAGS[ARITHMETI
 _CONTRACTED: dict[str, Any] = {"error_model": "numpy", "fastmath": _FLAGS[ARITHMETIC] | {"contract"}}
 _LOCK = threading.RLock()
 
+_NUMBERS = {float: numba.float64, int: numba.int64, bool: numba.boolean}
+
 KERNELS: dict[str, "Kernel"] = {}
 
+P = ParamSpec("P")
+F = TypeVar("F", bound=Callable)
 
-def device(function: Callable) -> Any:
+
+def numba_type(hint: Any) -> Any:
+    """The numba type of an annotation: a number, an alias of `types`, or a NamedTuple of such."""
+    if get_origin(hint) is Annotated:
+        return get_args(hint)[1]
+    if hint in _NUMBERS:
+        return _NUMBERS[hint]
+    fields = [numba_type(field) for field in get_type_hints(hint, include_extras=True).values()]
+    if len(set(fields)) == 1:
+        return nb.NamedUniTuple(fields[0], len(fields), hint)
+    return nb.NamedTuple(fields, hint)
+
+
+def device(function: F) -> F:
     """A function inlined into compiled callers; it compiles together with them."""
     return numba.njit(forceinline=True, **_OPTIONS)(function)
 
 
-def subroutine(function: Callable) -> Any:
+def subroutine(function: F) -> F:
     """A function called from compiled code but not inlined, where inlining only costs compile time."""
     return numba.njit(**_OPTIONS)(function)
 
 
-def contracted_device(function: Callable) -> Any:
+def contracted_device(function: F) -> F:
     """As `device`; the compiler may round a product and a sum together, once instead of twice."""
     return numba.njit(forceinline=True, **_CONTRACTED)(function)
 
 
-def contracted_subroutine(function: Callable) -> Any:
+def contracted_subroutine(function: F) -> F:
     """As `subroutine`, with products and sums rounded together."""
     return numba.njit(**_CONTRACTED)(function)
 
 
-def kernel(*signature: Any) -> Callable[[Callable], "Kernel"]:
-    """Declare a public kernel with the argument types `signature`; it returns nothing."""
-
-    def declare(function: Callable) -> Kernel:
-        made = Kernel(function, signature)
-        KERNELS[made.name] = made
-        return made
-
-    return declare
+def kernel(function: Callable[P, None]) -> "Kernel[P]":
+    """Declare a public kernel; the annotations of its arguments are its signature, and it returns nothing."""
+    made = Kernel(function)
+    KERNELS[made.name] = made
+    return made
 
 
-class Kernel:
+class Kernel(Generic[P]):
     """A kernel compiled on its first call, or by :meth:`compile`, and cached on disk."""
 
-    def __init__(self, function: Callable, signature: tuple) -> None:
+    def __init__(self, function: Callable[P, None]) -> None:
         self.name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
         self.function = function
-        self.signature = numba.void(*signature)
+        hints = get_type_hints(function, include_extras=True)
+        self.signature = numba.void(*(numba_type(hints[name]) for name in hints if name != "return"))
         self.__doc__ = function.__doc__
         self._compiled: Callable | None = None
 
-    def __call__(self, *arguments: Any) -> None:
-        (self._compiled or self.compile())(*arguments)
+    def __call__(self, *arguments: P.args, **keywords: P.kwargs) -> None:
+        (self._compiled or self.compile())(*arguments, **keywords)
 
     def is_cached(self) -> bool:
         """True where an earlier process left compiled code for this source and compiler."""

@@ -145,28 +145,28 @@ class Disk:
         return 0.0 if abs(gap) < 1e-12 else gap % (2.0 * math.pi)
 
     @cached_property
-    def _compiled(self) -> tuple[Any, Any]:
+    def _compiled(self) -> tuple["compiled.body.Body", "compiled.types.Matrix"]:
         unit = self._inertia_unit
         return compiled.body.make_body(self.I1 / unit, min(self.I3 / unit, 2.0 * self.I1 / unit))
 
     @property
-    def body(self) -> Any:
-        """Dimensionless constants for the kernels (kernels.disk.body.Body)."""
+    def body(self) -> "compiled.body.Body":
+        """Dimensionless constants for the kernels."""
         return self._compiled[0]
 
     @property
-    def series(self) -> Any:
+    def series(self) -> "compiled.types.Matrix":
         """Chaplygin series for the kernels."""
         return self._compiled[1]
 
     @cached_property
-    def whole(self) -> Any:
-        """Chaplygin series as tuples, for lanes (kernels.disk.chaplygin.Whole)."""
+    def whole(self) -> "compiled.chaplygin.Whole":
+        """Chaplygin series as tuples, for lanes."""
         return compiled.chaplygin.make_whole(self.series)
 
     @cached_property
-    def tables(self) -> Any:
-        """Tables for passages (kernels.integrals.tables.Tables)."""
+    def tables(self) -> "compiled.tables.Tables":
+        """Tables for passages."""
         return compiled.tables.make_tables(self.body, self.series, table_rules())
 
     def describe(self) -> dict[str, float | str]:

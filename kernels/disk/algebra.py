@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from kernels import types
 from kernels._jit import contracted_subroutine, kernel, subroutine
-from kernels.disk.body import BODY
-from kernels.disk.chaplygin import WHOLE
+from kernels.disk.body import Body
+from kernels.disk.chaplygin import Whole
 from kernels.disk.constants import ULPS, constants_of
 from kernels.disk.elementary import log_ratio, long_horner
 from kernels.disk.field import State
+from kernels.types import Matrix
 
 LANES = 64
 # Rows of the work array: entry (row, i) stands at row * LANES + i, as in `batch`.
@@ -88,8 +88,8 @@ def one(states, j, b, series, out):
     out[3, j], out[4, j], out[5, j] = found.energy, found.rounding_plus, found.rounding_minus
 
 
-@kernel(types.matrix, WHOLE, BODY, types.matrix, types.matrix)
-def constants_batch(states, whole, b, series, out):
+@kernel
+def constants_batch(states: Matrix, whole: Whole, b: Body, series: Matrix, out: Matrix) -> None:
     """states (5, n): q, z, p, rho, sigma4 -> out (6, n), rows as Constants. NaN where not q > 0."""
     n = states.shape[1]
     W = np.zeros(_ROWS * LANES)

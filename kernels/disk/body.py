@@ -3,11 +3,8 @@
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numba import float64
-from numba import types as nb
-
 from kernels.disk import chaplygin
+from kernels.types import Matrix
 
 
 class Body(NamedTuple):
@@ -31,10 +28,10 @@ class Body(NamedTuple):
     dr0: float  # r'(0)
 
 
-def make_body(I1: float, I3: float) -> tuple[Body, np.ndarray]:
+def make_body(I1: float, I3: float) -> tuple[Body, Matrix]:
     """The constants of the disk and its Chaplygin series, from I1/(m r^2) and I3/(m r^2).
 
-    Returns the body and the (5, n) coefficients of :func:`kernels.chaplygin.make_series`.
+    Returns the body and the (5, n) coefficients of :func:`kernels.disk.chaplygin.make_series`.
     """
     M, J = I1 + 1.0, I3 + 1.0
     c = I3 / (J * I1)
@@ -55,6 +52,3 @@ def make_body(I1: float, I3: float) -> tuple[Body, np.ndarray]:
         dr0=dr0,
     )
     return body, series
-
-
-BODY = nb.NamedUniTuple(float64, len(Body._fields), Body)

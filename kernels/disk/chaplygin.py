@@ -12,13 +12,14 @@ D(S) = (c/2) rho ln S + v keeps the logarithm of eq. (5.9) explicit: near flat n
 """
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numba import float64
 from numba import types as nb
 
 from kernels._jit import device
+from kernels.types import Matrix, Vector
 
 # The nearest singularity is S = 2, so Chebyshev coefficients on [0, 1] fall like 5.8^-n:
 # degree 20 is at rounding (17 leaves 4e-14 in D'), and the monomial form in 2S - 1 loses nothing.
@@ -36,7 +37,7 @@ class Solutions(NamedTuple):
     dD: float
 
 
-def make_series(c: float) -> tuple[np.ndarray, float, float]:
+def make_series(c: float) -> tuple[Matrix, float, float]:
     """Polynomials in 2S - 1 on 0 <= S <= 1 for rho/S, rho', v, v', (rho' - 1)/S; and r(0), r'(0).
 
     c is the dimensionless parameter of eq. (4.3). Returns coefficients, shape (5, DEGREE + 1),
@@ -46,7 +47,7 @@ def make_series(c: float) -> tuple[np.ndarray, float, float]:
     return np.ascontiguousarray(np.stack([economise(row, DEGREE) for row in rows])), r0, dr0
 
 
-def power_series(c: float) -> tuple[np.ndarray, float, float]:
+def power_series(c: float) -> tuple[Matrix, float, float]:
     """The same five functions in ascending powers of S, and r(0), r'(0).
 
     Eqs (5.1)-(5.3), and v of Lemma 2.
@@ -68,7 +69,7 @@ def power_series(c: float) -> tuple[np.ndarray, float, float]:
     return rows, math.fsum(r), math.fsum(r * orders)
 
 
-def economise(coefficients: np.ndarray, degree: int) -> np.ndarray:
+def economise(coefficients: Vector, degree: int) -> Vector:
     """Ascending powers of S on [0, 1] -> ascending powers of 2S - 1 up to `degree`, by way of Chebyshev.
 
     S^n = 2^(1-2n) sum' C(2n, n-j) T_j(2S - 1) has positive weights only: nothing cancels, where a
@@ -125,18 +126,18 @@ def sigma_from_constants(face, X, Y, f, k):
     return X * f.rho + Y * f.D, face * (X * f.drho + Y * f.dD) / k
 
 
+Powers = Annotated[tuple[float, ...], nb.UniTuple(float64, DEGREE + 1)]
+
+
 class Whole(NamedTuple):
-    """Chaplygin's series for S <= 1, ascending powers of 2 S - 1; tuples of DEGREE + 1 numbers."""
+    """Chaplygin's series for S <= 1, ascending powers of 2 S - 1."""
 
-    rho_over_S: tuple[float, ...]
-    drho: tuple[float, ...]
-    v: tuple[float, ...]
-    dv: tuple[float, ...]
+    rho_over_S: Powers
+    drho: Powers
+    v: Powers
+    dv: Powers
 
 
-def make_whole(series: np.ndarray) -> Whole:
+def make_whole(series: Matrix) -> Whole:
     """Rows of chaplygin.make_series as tuples, which lanes keep at hand."""
     return Whole(*(tuple(map(float, row)) for row in series[:4]))
-
-
-WHOLE = nb.NamedUniTuple(nb.UniTuple(float64, DEGREE + 1), len(Whole._fields), Whole)

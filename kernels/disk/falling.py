@@ -8,11 +8,11 @@ Face -1 is the mirror image (sigma1, sigma3, sigma4) -> (-sigma1, sigma3, -sigma
 import math
 from typing import NamedTuple
 
-from kernels import types
 from kernels._jit import device, kernel, subroutine
 from kernels.disk import chaplygin
-from kernels.disk.body import BODY
+from kernels.disk.body import Body
 from kernels.disk.constants import depth_below_vertical
+from kernels.types import Matrix, Vector
 
 # Bisection to rounding on an interval of length pi/2.
 BISECTIONS = 60
@@ -99,8 +99,8 @@ def reaches_flat(q, z, U, dU, energy, X, well_phi, b, series):
     return energy > on_f(math.cos(phi), math.sin(phi), X, b, series).V
 
 
-@kernel(types.matrix, types.matrix, types.number, BODY, types.matrix, types.matrix)
-def falls_batch(states, constants, well_phi, b, series, out):
+@kernel
+def falls_batch(states: Matrix, constants: Matrix, well_phi: float, b: Body, series: Matrix, out: Matrix) -> None:
     """Could these states fall, were eta on that side zero?
 
     states (5, n) as State; constants (6, n) as Constants -> out (3, n): 1 or 0 for face +1, the same
@@ -122,23 +122,23 @@ def falls_batch(states, constants, well_phi, b, series, out):
         out[2, i] = E - potential_at_flat(X, b)
 
 
-@kernel(types.vector, BODY, types.matrix, types.vector)
-def critical_X2_batch(phi, b, series, out):
+@kernel
+def critical_X2_batch(phi: Vector, b: Body, series: Matrix, out: Vector) -> None:
     """critical_X2 at every phi < 0."""
     for i in range(phi.size):
         out[i] = critical_X2(phi[i], b, series)
 
 
-@kernel(types.vector, types.number, BODY, types.matrix, types.matrix)
-def on_f_batch(theta, X, b, series, out):
+@kernel
+def on_f_batch(theta: Vector, X: float, b: Body, series: Matrix, out: Matrix) -> None:
     """theta (n) in (0, pi) -> out (4, n): sigma3/q^2, sigma4, V, dV/dphi on the motion with eta_+ = 0."""
     for i in range(theta.size):
         f = on_f(math.sin(theta[i]), math.cos(theta[i]), X, b, series)
         out[0, i], out[1, i], out[2, i], out[3, i] = f.turn, f.sigma4, f.V, f.dV
 
 
-@kernel(types.vector, types.vector, BODY, types.matrix, types.matrix)
-def line_chart_batch(q, z, b, series, out):
+@kernel
+def line_chart_batch(q: Vector, z: Vector, b: Body, series: Matrix, out: Matrix) -> None:
     """The linear map from (sigma3_bar, eta_hat_+) to (sigma3, sigma4) where cos phi = q, sin phi = z.
 
     out (4, n): sigma3 = out[0] sigma3_bar + out[1] eta_hat, sigma4 = out[2] sigma3_bar + out[3] eta_hat. Its
@@ -156,8 +156,8 @@ def line_chart_batch(q, z, b, series, out):
             out[2, i], out[3, i] = -(f.drho / b.r0 + 2.0 * b.dr0 * f.dD) / b.k, b.r0 * f.dD
 
 
-@kernel(types.vector, types.number, BODY, types.matrix, types.matrix)
-def barrier_batch(sigma3_bar, well_phi, b, series, out):
+@kernel
+def barrier_batch(sigma3_bar: Vector, well_phi: float, b: Body, series: Matrix, out: Matrix) -> None:
     """out (2, n): phi and V of the barrier between the non-falling well and the vertical; NaN if none."""
     for i in range(sigma3_bar.size):
         X = sigma3_bar[i] / b.r0

@@ -4,18 +4,18 @@ import math
 
 import numpy as np
 
-from kernels import types
 from kernels._jit import kernel, subroutine
-from kernels.disk.body import BODY
+from kernels.disk.body import Body
 from kernels.integrals import nodes
 from kernels.integrals.quadrature import VERTICAL, point, turning_point
+from kernels.types import Matrix, Vector
 
 # Points per passage at which forces are looked at.
 _FORCE_POINTS = 400
 
 
-@kernel(types.vector, types.vector, types.vector, BODY, types.matrix, types.matrix)
-def forces_batch(sigma3_bar, eta, speed, b, series, out):
+@kernel
+def forces_batch(sigma3_bar: Vector, eta: Vector, speed: Vector, b: Body, series: Matrix, out: Matrix) -> None:
     """Least normal force (in m g) and largest needed friction coefficient of passages, face +1.
 
     Arguments as passage_batch. Looked at on a grid in y and at both ends, so good to some digits. The

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from kernels import types
 from kernels._jit import kernel, subroutine
-from kernels.disk.body import BODY
+from kernels.disk.body import Body
 from kernels.disk.falling import potential_at_flat
 from kernels.integrals import nodes
 from kernels.integrals.quadrature import SCAN, VERTICAL, Passage, crest, passage, point, turning_point
 from kernels.status import Status
+from kernels.types import Codes, Longs, Matrix, Table, Vector
 
 _OK = int(Status.OK)
 _LIMIT = int(Status.STEP_LIMIT)
@@ -61,17 +61,10 @@ def orbit(h0, p, X, near, far, target, rules, sizes, b, series, W):
     return max(status, other_status), here, there, level
 
 
-@kernel(
-    types.matrix,
-    types.number,
-    types.table,
-    types.longs,
-    BODY,
-    types.matrix,
-    types.matrix,
-    types.codes,
-)
-def orbit_batch(starts, target, rules, sizes, b, series, out, status):
+@kernel
+def orbit_batch(
+    starts: Matrix, target: float, rules: Table, sizes: Longs, b: Body, series: Matrix, out: Matrix, status: Codes
+) -> None:
     """`orbit` for every column of starts (5, n): h, theta-dot, sigma3_bar, eta here, eta on the other side.
 
     All as seen from the hemisphere of the start. out (8, n): smallest tilt here, smallest tilt on the
@@ -98,8 +91,8 @@ def orbit_batch(starts, target, rules, sizes, b, series, out, status):
 _ROUNDING = 20.0 * 2.2e-16
 
 
-@kernel(types.matrix, types.number, BODY, types.matrix, types.vector, types.codes)
-def tilt_batch(starts, target, b, series, out, status):
+@kernel
+def tilt_batch(starts: Matrix, target: float, b: Body, series: Matrix, out: Vector, status: Codes) -> None:
     """Smallest tilt of every motion, from both of its turning points; starts as for orbit_batch.
 
     A sample whose energy is not known to `target` times what it has above V_0 is STEP_LIMIT.

@@ -4,15 +4,15 @@ import math
 
 import numpy as np
 
-from kernels import types
 from kernels._jit import kernel, subroutine
-from kernels.disk.body import BODY
+from kernels.disk.body import Body
 from kernels.disk.falling import potential_at_flat
 from kernels.integrals import nodes, tabulated
 from kernels.integrals.quadrature import FLOOR, VERTICAL, fall, passage, point
-from kernels.integrals.tables import TABLES
+from kernels.integrals.tables import Tables
 from kernels.integrals.tabulated import CHECK, LANES
 from kernels.status import Status
+from kernels.types import Codes, Longs, Matrix, Table, Vector
 
 _OK = int(Status.OK)
 _FALLS = int(Status.FALLS)
@@ -42,21 +42,21 @@ def by_tables(first, sigma3_bar, eta, speed, target, tables, b, out, status, W):
         out[7, j] = W[tabulated.WAY * LANES + i]
 
 
-@kernel(
-    types.vector,
-    types.vector,
-    types.vector,
-    types.number,
-    types.number,
-    types.table,
-    types.longs,
-    TABLES,
-    BODY,
-    types.matrix,
-    types.matrix,
-    types.codes,
-)
-def passage_batch(sigma3_bar, eta, speed, h_end, target, rules, sizes, tables, b, series, out, status):
+@kernel
+def passage_batch(
+    sigma3_bar: Vector,
+    eta: Vector,
+    speed: Vector,
+    h_end: float,
+    target: float,
+    rules: Table,
+    sizes: Longs,
+    tables: Tables,
+    b: Body,
+    series: Matrix,
+    out: Matrix,
+    status: Codes,
+) -> None:
     """The passage on face +1 of every sample, with phidot = `speed` at the vertical, cut at h_end.
 
     out (8, n): theta_min, chi, psi, time, energy, error of angles, relative error of time, way. status
@@ -85,18 +85,18 @@ def passage_batch(sigma3_bar, eta, speed, h_end, target, rules, sizes, tables, b
             out[5, i], out[6, i], out[7, i] = found.angle_error, found.time_error, found.way
 
 
-@kernel(
-    types.vector,
-    types.vector,
-    types.number,
-    types.table,
-    types.longs,
-    TABLES,
-    BODY,
-    types.matrix,
-    types.matrix,
-)
-def fall_batch(sigma3_bar, energy, h_end, rules, sizes, tables, b, series, out):
+@kernel
+def fall_batch(
+    sigma3_bar: Vector,
+    energy: Vector,
+    h_end: float,
+    rules: Table,
+    sizes: Longs,
+    tables: Tables,
+    b: Body,
+    series: Matrix,
+    out: Matrix,
+) -> None:
     """The fall on F from h_end on face +1 of every sample: time, chi, psi, their error -> out (4, n).
 
     NaN where the energy does not exceed V_0. Time and chi are the same on face -1; psi changes sign.

@@ -7,14 +7,15 @@ S <= 1/8 and Chaplygin's solutions are polynomials of degree 9.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numba import float64
 from numba import types as nb
 
 from kernels.disk import chaplygin
-from kernels.types import matrix
+from kernels.disk.body import Body
+from kernels.types import Matrix
 
 # h where the fixed nodes end: as far out as the low series stay short.
 HANDOVER = 0.5
@@ -27,27 +28,30 @@ RATIO_X, RATIO_Y, RISE_X, RISE_Y, HEIGHT, SLOPE, TIME, CHI, LAST, LAST_BUT_ONE =
 GAP, WEIGHT, EVEN, EVEN_BUT_ONE = range(4)
 
 
-class Low(NamedTuple):
-    """Chaplygin's series for S <= 1/8, ascending powers of 16 S - 1; tuples of LOW_DEGREE + 1 numbers."""
+LowPowers = Annotated[tuple[float, ...], nb.UniTuple(float64, LOW_DEGREE + 1)]
 
-    rho_over_S: tuple[float, ...]
-    drho: tuple[float, ...]
-    v: tuple[float, ...]
-    dv: tuple[float, ...]
-    excess: tuple[float, ...]
+
+class Low(NamedTuple):
+    """Chaplygin's series for S <= 1/8, ascending powers of 16 S - 1."""
+
+    rho_over_S: LowPowers
+    drho: LowPowers
+    v: LowPowers
+    dv: LowPowers
+    excess: LowPowers
 
 
 class Tables(NamedTuple):
     """Tables of one body: vertical (8, 1), outer (10, n), fall (10, n), inner (4, m), low."""
 
-    vertical: np.ndarray
-    outer: np.ndarray
-    fall: np.ndarray
-    inner: np.ndarray
+    vertical: Matrix
+    outer: Matrix
+    fall: Matrix
+    inner: Matrix
     low: Low
 
 
-def make_tables(body: Any, series: np.ndarray, rules: tuple[np.ndarray, ...]) -> Tables:
+def make_tables(body: Body, series: Matrix, rules: tuple[np.ndarray, ...]) -> Tables:
     """Tables for passages of `body`. rules: Gauss rules (2, n) on [-1, 1] for outer, fall and inner.
 
     The inner rule has an even number of nodes; its positive half is used.
@@ -75,7 +79,7 @@ def make_tables(body: Any, series: np.ndarray, rules: tuple[np.ndarray, ...]) ->
     )
 
 
-def _at_tilts(body: Any, series: np.ndarray, theta: np.ndarray, weights: np.ndarray) -> np.ndarray:
+def _at_tilts(body: Body, series: Matrix, theta: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Rows RATIO_X ... CHI at the given tilts; weights in theta."""
     h = 2.0 * np.sin(0.5 * theta)
     S, log_S = 0.5 * h * h, 2.0 * np.log(h) - math.log(2.0)
@@ -99,9 +103,3 @@ def _low_series(c: float) -> list[np.ndarray]:
     power_series, _r0, _dr0 = chaplygin.power_series(c)
     shrink = (0.5 * HANDOVER * HANDOVER) ** np.arange(power_series.shape[1])
     return [chaplygin.economise(row * shrink, LOW_DEGREE) for row in power_series]
-
-
-LOW = nb.NamedUniTuple(nb.UniTuple(float64, LOW_DEGREE + 1), len(Low._fields), Low)
-
-
-TABLES = nb.NamedTuple((matrix, matrix, matrix, matrix, LOW), Tables)

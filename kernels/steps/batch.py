@@ -10,9 +10,8 @@ import math
 
 import numpy as np
 
-from kernels import types
 from kernels._jit import device, kernel, subroutine
-from kernels.disk.body import BODY
+from kernels.disk.body import Body
 from kernels.disk.constants import constants_of
 from kernels.disk.field import ANGLES, REDUCED, State, speed
 from kernels.status import Status
@@ -32,7 +31,8 @@ from kernels.steps.attempt import (
     to_depth,
     verdict,
 )
-from kernels.steps.events import EVENT, crossed, level
+from kernels.steps.events import Event, crossed, level
+from kernels.types import Codes, Counts, Matrix, Vector
 
 LANES = 16  # two AVX-512 registers: enough independent work to hide latency, few enough to stay in them
 
@@ -229,38 +229,23 @@ def failure(found):
     return _STEP_LIMIT
 
 
-@kernel(
-    types.integer,
-    types.integer,
-    types.matrix,
-    types.vector,
-    EVENT,
-    types.number,
-    types.integer,
-    types.number,
-    BODY,
-    types.matrix,
-    types.matrix,
-    types.codes,
-    types.counts,
-    types.matrix,
-)
+@kernel
 def first_event_batch(
-    method,
-    depth,
-    states,
-    control,
-    event,
-    target,
-    max_steps,
-    constants_bound,
-    b,
-    series,
-    out,
-    status,
-    steps,
-    errors,
-):
+    method: int,
+    depth: int,
+    states: Matrix,
+    control: Vector,
+    event: Event,
+    target: float,
+    max_steps: int,
+    constants_bound: float,
+    b: Body,
+    series: Matrix,
+    out: Matrix,
+    status: Codes,
+    steps: Counts,
+    errors: Matrix,
+) -> None:
     """Follow every column of states (8, n) until `event` first takes the value `target`.
 
     control (n): step in units of 1/speed (RK4, RK8) or tolerance (DOPRI5, DOP853).

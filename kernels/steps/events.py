@@ -6,9 +6,6 @@ serves them all, so lanes test for an event with four multiply-adds and no branc
 
 from typing import NamedTuple
 
-from numba import float64
-from numba import types as nb
-
 from kernels._jit import device
 from kernels.disk.field import angles, reduced
 
@@ -24,7 +21,6 @@ class Event(NamedTuple):
 
 TURNING_POINT = Event(0.0, 0.0, 1.0, 0.0)
 VERTICAL = Event(0.0, 1.0, 0.0, 0.0)
-WINDOW = Event(1.0, 0.0, 0.0, 0.0)
 TIME = Event(0.0, 0.0, 0.0, 1.0)
 
 
@@ -47,6 +43,3 @@ def crossed(before, after, target):
     """True where the target was reached in a step; starting on it does not count."""
     # Without `and`/`or`: lanes need straight-line code.
     return ((before - target) * (after - target) < 0.0) | ((after == target) & (before != target))
-
-
-EVENT = nb.NamedUniTuple(float64, len(Event._fields), Event)

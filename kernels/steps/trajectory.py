@@ -3,9 +3,8 @@
 import math
 from typing import NamedTuple
 
-from kernels import types
 from kernels._jit import device, kernel, subroutine
-from kernels.disk.body import BODY
+from kernels.disk.body import Body
 from kernels.disk.constants import constants_of, onto_constants, onto_energy
 from kernels.disk.field import ANGLES, PATH, State, energy, speed
 from kernels.status import Status
@@ -23,7 +22,8 @@ from kernels.steps.attempt import (
     to_depth,
     verdict,
 )
-from kernels.steps.events import EVENT, crossed, level
+from kernels.steps.events import Event, crossed, level
+from kernels.types import Codes, Counts, Matrix, Table, Vector
 
 _OK = int(Status.OK)
 _DRIFT = int(Status.INVARIANT_DRIFT)
@@ -110,40 +110,24 @@ def trajectory(method, depth, x, pinned, control, event, targets, max_steps, b, 
     return _STEP_LIMIT, max_steps, x, removed
 
 
-@kernel(
-    types.integer,
-    types.integer,
-    types.matrix,
-    types.matrix,
-    types.vector,
-    EVENT,
-    types.vector,
-    types.integer,
-    types.number,
-    BODY,
-    types.matrix,
-    types.table,
-    types.codes,
-    types.counts,
-    types.matrix,
-)
+@kernel
 def trajectory_batch(
-    method,
-    depth,
-    states,
-    pinned,
-    control,
-    event,
-    targets,
-    max_steps,
-    constants_bound,
-    b,
-    series,
-    out,
-    status,
-    steps,
-    errors,
-):
+    method: int,
+    depth: int,
+    states: Matrix,
+    pinned: Matrix,
+    control: Vector,
+    event: Event,
+    targets: Vector,
+    max_steps: int,
+    constants_bound: float,
+    b: Body,
+    series: Matrix,
+    out: Table,
+    status: Codes,
+    steps: Counts,
+    errors: Matrix,
+) -> None:
     """Every column of states (10, n) through `trajectory`, recorded in out (n, len(targets), 10).
 
     pinned (3, n): rows as Pinned. status (n): samples that come in as not OK are skipped. errors (3, n):

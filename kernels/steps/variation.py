@@ -8,11 +8,11 @@ import math
 
 import numpy as np
 
-from kernels import types
 from kernels._jit import kernel, subroutine
-from kernels.disk.body import BODY
+from kernels.disk.body import Body
 from kernels.disk.field import State, reduced
 from kernels.steps.tableaux import DORMAND_PRINCE_853
+from kernels.types import Matrix, Table
 
 _STAGES = len(DORMAND_PRINCE_853.b)
 _A = np.array([row + (0.0,) * (_STAGES - len(row)) for row in DORMAND_PRINCE_853.a])
@@ -69,8 +69,8 @@ def at_fixed_time(Y, b, rate, out):
         out[3, j] = Y[4, j + 1] - late * rate[4, 0]
 
 
-@kernel(types.matrix, types.number, types.integer, BODY, types.table, types.matrix)
-def variation_batch(states, h, steps, b, out, ends):
+@kernel
+def variation_batch(states: Matrix, h: float, steps: int, b: Body, out: Table, ends: Matrix) -> None:
     """Follow states (5, n) for `steps` steps of h/speed in s, by the method of order 8.
 
     out (n, 4, 4): derivative of (phi, phidot, sigma3, sigma4) then by that at the start, at a fixed time; ends

@@ -10,12 +10,13 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer.phase.gauss import packed_rules
-from kernels import types
+from kernels._jit import numba_type
 from kernels.disk import chaplygin, elementary
-from kernels.disk.body import BODY
+from kernels.disk.body import Body
 from kernels.integrals import passages, tables, tabulated
 from kernels.integrals.quadrature import VERTICAL
-from kernels.integrals.tables import LOW
+from kernels.integrals.tables import Low
+from kernels.types import Matrix, Vector
 
 EXTREME_BODIES = {
     "rim": ex.Disk(I1=1e-4, I3=2e-4),
@@ -147,7 +148,7 @@ def test_the_low_series_are_those_of_the_whole_range(name):
 
 def test_the_lanes_are_really_vectorised():
     """Packed arithmetic outnumbers scalar many times; a change that stops the vectoriser shows here."""
-    signature = numba.void(types.vector, types.matrix, BODY, LOW)
+    signature = numba.void(*map(numba_type, (Vector, Matrix, Body, Low)))
     options = tabulated.near_panel.targetoptions
     fresh = numba.njit(signature, fastmath=options["fastmath"], error_model="numpy")(tabulated.near_panel.py_func)
     (assembly,) = fresh.inspect_asm().values()

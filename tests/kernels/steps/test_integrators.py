@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from kernels import types
-from kernels.disk.body import BODY
+from kernels._jit import numba_type
+from kernels.disk.body import Body
 from kernels.disk.field import ANGLES, PATH, REDUCED, State, energy, speed
 from kernels.status import Status
 from kernels.steps import batch, events, trajectory
 from kernels.steps.adaptive import GROW, SHRINK, dopri5_step, error_norm, step_factor
 from kernels.steps.attempt import DOP853, DOPRI5, RK4, RK8, locate
 from kernels.steps.eighth import eighth_order_step
-from kernels.steps.events import EVENT
+from kernels.steps.events import Event
 from kernels.steps.fixed import rk4_step
+from kernels.types import Vector
 
 UNIFORM = BODIES["uniform"]
 
@@ -40,7 +41,7 @@ def start(sigma4=0.65, chi=0.3):
 @pytest.mark.parametrize("method", [RK4, RK8, DOPRI5, DOP853])
 def test_the_lanes_of_every_method_are_packed(method):
     """Packed arithmetic outnumbers scalar many times; a change that stops the vectoriser shows here."""
-    signature = numba.void(types.vector, EVENT, types.number, BODY)
+    signature = numba.void(*map(numba_type, (Vector, Event, float, Body)))
 
     @numba.njit(signature, error_model="numpy")
     def step_all(W, event, target, b):
@@ -104,7 +105,12 @@ def test_the_error_norm_keeps_a_nan_wherever_it_stands():
 @pytest.mark.parametrize("method", [RK4, DOPRI5, RK8])
 @pytest.mark.parametrize(
     ("event", "target"),
-    [(events.VERTICAL, 0.05), (events.WINDOW, 0.9), (events.TURNING_POINT, -1.05), (events.TIME, 0.11)],
+    [
+        (events.VERTICAL, 0.05),
+        (events.Event(1.0, 0.0, 0.0, 0.0), 0.9),
+        (events.TURNING_POINT, -1.05),
+        (events.TIME, 0.11),
+    ],
     ids=["vertical", "window", "p", "time"],
 )
 def test_events_are_located_to_rounding(method, event, target):
