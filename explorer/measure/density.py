@@ -161,7 +161,7 @@ class Density:
                 drawn[name] = self.at_share(name, (drawn[name] - low) / (high - low))
             good = np.ones(BLOCK, bool)
             if self.energy != ANY_ENERGY:
-                energy = natural_constants(phi_to_states(disk, **drawn))[3] * disk.energy_unit
+                energy = natural_constants(phi_to_states(disk, **drawn)).energy * disk.energy_unit
                 good = (energy >= self.energy[0]) & (energy <= self.energy[1])
             if self.function is not None:
                 values = self._called(drawn)

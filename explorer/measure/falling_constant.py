@@ -23,9 +23,10 @@ from explorer.errors import InputError
 from explorer.measure.box_integrals import TOLERANCE, Frame, along, difference, panels_between, refined
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, Range
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.lines import line_chart
 from explorer.phase.membership import barrier, well
-from explorer.phase.states import Array, require_axial_inertia
+from explorer.phase.states import Array
 
 # Relative rounding of a sum of positive terms, and of the solutions in it.
 _ROUNDING = 1e-13
@@ -154,7 +155,7 @@ class Line:
         curvature = 0.5 * (b.I1 * (a / q) ** 2 + b.J * c * c)  # V = q + curvature sigma3_bar^2
         bar, weight = self._bars(phi, a, c, curvature, panels)
         V = q[:, None] + curvature[:, None] * bar * bar
-        rise = 2.0 / b.M * (V - 0.5 * b.J * (bar / (b.k * b.r0)) ** 2)
+        rise = 2.0 / b.M * (V - frame.disk.energy_at_flat(bar))
         least = self._least_speed(phi, bar, V)
         most = np.sqrt(np.maximum(2.0 / b.M * (self.energy - V), 0.0))
         weight = weight * (self.energy >= V) * (2.0 * math.sqrt(b.I1 * b.M) / (b.I3 * b.r0))
@@ -181,9 +182,8 @@ class Line:
 
     def _chart(self, phi: Array) -> tuple[Array, Array]:
         """sigma3 and sigma4 on the line, by sigma3_bar."""
-        disk, chart = self.frame.disk, np.empty((4, phi.size))
-        compiled.falling.line_chart_batch(np.cos(phi), np.sin(phi), disk.body, disk.series, chart)
-        return chart[0], chart[2]
+        chart = line_chart(self.frame.disk, np.cos(phi), np.sin(phi))
+        return chart.bar_to_sigma3, chart.bar_to_sigma4
 
     def _corners(self) -> tuple[Array, Array]:
         """Pairs of rates at corners of the box, and of what Gaussians leave of it."""

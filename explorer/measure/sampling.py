@@ -122,8 +122,8 @@ def draw_states(
 
     def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
         drawn = box.draw(random, BLOCK)
-        found = natural_constants(phi_to_states(disk, **drawn))
-        return drawn, found[3] * disk.energy_unit <= max_energy
+        energy = natural_constants(phi_to_states(disk, **drawn)).energy
+        return drawn, energy * disk.energy_unit <= max_energy
 
     return gather(block, count, f"--max-energy {max_energy:g}: {{}} states of the box are below it; raise it")
 

@@ -19,6 +19,7 @@ from explorer.measure.density import Density
 from explorer.measure.falling_constant import ends_of_bar
 from explorer.measure.sampling import Range
 from explorer.phase.disk import Disk
+from explorer.phase.lines import line_chart, other_eta_hat
 from explorer.phase.states import Array
 
 _MARGIN = 1.02
@@ -69,11 +70,9 @@ def widest_eta(energy: Array, delta: float, disk: Disk) -> Array:
     """
     b = disk.body
     S = 2.0 * math.sin(0.5 * delta) ** 2
-    rho = np.empty((4, 1))
-    q, z = np.array([math.sin(delta)]), np.array([math.cos(delta)])
-    compiled.falling.line_chart_batch(q, z, b, disk.series, rho)
-    # rho(S) = r(0) times the first entry, rho'(S) = k r(0) times the third; rho >= S
-    recessive, slope = max(b.r0 * rho[0, 0], S), b.k * b.r0 * rho[2, 0]
+    chart = line_chart(disk, np.array([math.sin(delta)]), np.array([math.cos(delta)]))
+    # rho(S) and rho'(S) are the chart's columns of sigma3_bar times r(0) and k r(0); rho >= S
+    recessive, slope = max(b.r0 * chart.bar_to_sigma3[0], S), b.k * b.r0 * chart.bar_to_sigma4[0]
     most = np.sqrt(2.0 * np.maximum(energy, 0.0))
     return most * (math.sqrt(b.I1) * math.sin(delta) * slope + b.I3 / math.sqrt(b.J) * recessive) / (b.I3 * b.r0)
 
@@ -105,7 +104,7 @@ class Tube:
         return phi[max(met[0] - 1, 0)], phi[min(met[-1] + 1, _SCAN - 1)]
 
     def draw(self, unit: Array, mass: float, accuracy: float) -> Draws:
-        frame, b, disk = self.frame, self.frame.disk.body, self.frame.disk
+        frame, disk = self.frame, self.frame.disk
         columns = iter(unit.T)
         weight = np.ones(unit.shape[0])
         start = {}
@@ -129,7 +128,7 @@ class Tube:
         bar, eta, width = self._beside(place, columns)
         s3, s4 = place.rates(bar, eta)
         energy = place.energy(bar, eta)
-        other = 2.0 * b.I1 * b.dr0 / (b.I3 * b.r0) * bar - eta
+        other = other_eta_hat(disk, bar, eta)
         unit_rate, face = disk.rate_unit, self.face
         given = face * phi, face * phidot * unit_rate, s3 * unit_rate, face * s4 * unit_rate
         counted = frame.density.inside(*given, energy * disk.energy_unit)
@@ -203,8 +202,7 @@ class Tube:
     ) -> tuple[Array, NDArray[np.int8]]:
         """theta_min and status of the rows that count."""
         disk, b = self.frame.disk, self.frame.disk.body
-        scale = b.I3 * b.r0
-        here, there = np.where(place.z >= 0.0, [eta, other], [other, eta]) * scale
+        here, there = disk.eta_hat_to_eta(np.where(place.z >= 0.0, [eta, other], [other, eta]))
         starts = np.stack([place.h, place.phidot, bar, here, there])[:, rows]
         out, code = np.empty(rows.size), np.zeros(rows.size, np.int8)
         compiled.orbits.tilt_batch(np.ascontiguousarray(starts), accuracy, b, disk.series, out, code)
@@ -232,10 +230,8 @@ class Place:
     def at(cls, disk: Disk, phi: Array, phidot: Array) -> "Place":
         b = disk.body
         q, z = np.cos(phi), np.sin(phi)
-        chart = np.empty((4, phi.size))
-        compiled.falling.line_chart_batch(q, z, b, disk.series, chart)
         h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
-        return cls(z, h, phidot, 0.5 * b.M * phidot**2 + q, b.I1 / (q * q), b.J, *chart)
+        return cls(z, h, phidot, 0.5 * b.M * phidot**2 + q, b.I1 / (q * q), b.J, *line_chart(disk, q, z))
 
     def rates(self, bar: Array, eta: Array) -> tuple[Array, Array]:
         """sigma3 and sigma4."""

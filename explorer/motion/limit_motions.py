@@ -16,9 +16,9 @@ from explorer.errors import InputError
 from explorer.motion.pendulum import Pendulum
 from explorer.motion.rise import Rise
 from explorer.phase.constants import natural_constants
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.membership import falls_of
-from explorer.phase.states import Array, States, columns_of, require_axial_inertia, rows_to_states
+from explorer.phase.states import Array, States, columns_of, rows_to_states
 
 _HALF_PI = 0.5 * np.pi
 _MOST_IMPACTS = 1e8
@@ -245,14 +245,14 @@ def limit_motion(disk: Disk, state_on_f: ArrayLike | States, side: int = 1) -> A
     states = rows_to_states(disk, state_on_f)
     if len(states) != 1:
         raise InputError(f"limit motion: needs one state, {len(states)} were given")
-    found = natural_constants(states)
-    where = falls_of(states, found)
+    natural = natural_constants(states)
+    where = falls_of(states, natural)
     if not bool(where.could_fall[0]):
         raise InputError("limit motion: the disk could not fall from this state; see explorer.falls")
     face = int(where.face[0])
     q, z, p = states.natural[:3, 0]
     start = (float(np.arctan2(q, face * z)), face * float(p))
-    energy, sigma3_bar = float(found[3, 0]), float(found[0, 0])
+    energy, sigma3_bar = float(natural.energy[0]), float(natural.sigma3_bar[0])
     if sigma3_bar == 0.0 and energy > 1.0:
         return PendulumMotion(disk, energy, side, (float(np.arctan2(q, z)), float(p)))
     return LimitMotion(disk, energy, sigma3_bar, face, side, start)

@@ -12,10 +12,11 @@ from explorer.errors import InputError
 from explorer.motion.plan import plan
 from explorer.motion.trajectories import hold, orbit_starts, turning_points
 from explorer.phase.constants import natural_constants
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.gauss import packed_rules
+from explorer.phase.lines import linear_constants
 from explorer.phase.membership import impact_speed
-from explorer.phase.states import Array, States, columns_of, constants_to_states, require_axial_inertia
+from explorer.phase.states import Array, States, columns_of, constants_to_states
 
 _OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
 # What the finer of the two integrations that tell the error is allowed: in tolerance, in step.
@@ -126,7 +127,7 @@ def _by_quadrature(
     status = _status(disk, s3, eta_hat, speed, face)
     good = status == 0
     sigma3_bar, eta, start = (
-        np.where(good, column, 1.0) for column in (s3 / unit, eta_hat / unit * b.I3 * b.r0, speed / unit)
+        np.where(good, column, 1.0) for column in (s3 / unit, disk.eta_hat_to_eta(eta_hat / unit), speed / unit)
     )
     rules, sizes = packed_rules()
     out = np.empty((8, eta.size))
@@ -150,17 +151,17 @@ def _energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
 def _by_integration(
     disk: Disk, s3: Array, eta_hat: Array, speed: Array, face: Array, how: Any, _edge: float
 ) -> dict[str, Any]:
-    code, b, unit = compiled.status.Status, disk.body, disk.rate_unit
+    code, unit = compiled.status.Status, disk.rate_unit
     status = _status(disk, s3, eta_hat, speed, face)
     good = status == 0
     s3, eta_hat, speed, facing = (np.where(good, column, 1.0) for column in (s3, eta_hat, speed, face))
     states = constants_to_states(disk, s3, eta_hat, facing * speed, facing)
-    found = natural_constants(states)
-    rough = turning_points(states, how, found)
+    natural = natural_constants(states)
+    rough = turning_points(states, how, natural)
     finer = how.scaled(_FINER[how.method])
-    fine = turning_points(states, finer, found)
-    rounding = np.where(facing > 0.0, found[4], found[5])
-    eta = eta_hat / unit * b.I3 * b.r0
+    fine = turning_points(states, finer, natural)
+    rounding = natural.rounding(facing > 0.0)
+    eta = disk.eta_hat_to_eta(eta_hat / unit)
     doubtful = (fine.status == code.FALLS) | (rounding > compiled.attempt.RESOLVED_SHARE * abs(eta))
     for run in (rough, fine):
         status = np.where(status == code.OK, run.status, status)
@@ -176,10 +177,10 @@ def _by_integration(
     error = _CAUTION * np.fmax(error, abs(rough.theta / fine.theta - 1.0)) + _DRIFT * known + rounding_of_steps
     if how.adaptive:
         # On short ways both may take much the same steps; then their difference tells nothing.
-        error = error + _CAUTION * finer.control(states, found)
+        error = error + _CAUTION * finer.control(disk, natural)
     missed = (status == code.OK) & ~(error <= _LENIENCE * how.accuracy)
     status = np.where(missed, code.STEP_LIMIT, np.where(elsewhere, code.BAD_INPUT, status)).astype(np.int8)
-    return _assemble(disk, s3 / unit, eta, face, found[3], 0.0, rows, error, status, how.accuracy)
+    return _assemble(disk, s3 / unit, eta, face, natural.energy, 0.0, rows, error, status, how.accuracy)
 
 
 def _assemble(
@@ -245,7 +246,7 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     good = _status(disk, given[0], given[1], given[2], np.ones_like(given[0])) == compiled.status.Status.OK
     s3, eta, speed = (np.where(good, c / unit, 1.0) for c in given)
     out = np.empty((2, s3.size))
-    eta = eta * b.I3 * b.r0
+    eta = disk.eta_hat_to_eta(eta)
     compiled.forces.forces_batch(np.ascontiguousarray(s3), eta, np.ascontiguousarray(speed), b, disk.series, out)
     out[:, ~good] = np.nan
     return Forces(out[0], out[1])
@@ -280,16 +281,14 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     require_axial_inertia(disk)
     b = disk.body
     plan(_OBSERVABLES, accuracy, "quadrature")
-    found = natural_constants(states)
+    natural = natural_constants(states)
     plus = states.natural[1] >= 0.0
     if eta_hat is None:
-        status, pinned = hold(states, found)
+        status, linear = hold(states, natural)
     else:
-        here = columns_of(eta_hat=eta_hat, states=found[0])[0] / disk.rate_unit * b.I3 * b.r0
-        there = 2.0 * b.I1 * b.dr0 * found[0] - here
-        status = states.status.copy()
-        pinned = np.where(plus, [found[0], here, there], [found[0], there, here])
-    starts = orbit_starts(states, pinned)
+        given = columns_of(eta_hat=eta_hat, states=natural.sigma3_bar)[0] / disk.rate_unit
+        status, linear = states.status.copy(), linear_constants(disk, natural.sigma3_bar, given, plus)
+    starts = orbit_starts(states, linear)
     code = compiled.status.Status
     status[(status == code.OK) & (starts[3:] == 0.0).any(axis=0)] = code.FALLS
     out = np.empty((8, status.size))

@@ -19,7 +19,9 @@ import numpy as np
 from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion import calibration
-from explorer.phase.states import Array, States
+from explorer.phase.constants import NaturalConstants
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array
 
 ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH = "algebra", "quadrature", "reduced", "angles", "path"
 RUNGS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
@@ -98,14 +100,14 @@ class Plan:
         """The same with tolerances or steps multiplied by a factor."""
         return replace(self, slack=self.slack * factor)
 
-    def control(self, states: States, found: Array) -> Array:
+    def control(self, disk: Disk, natural: NaturalConstants) -> Array:
         """Tolerance or step for every sample, from its constants of motion (natural units).
 
         The nearer to F, the better eta must be known: its error is the tolerance times
         sqrt(2 E I1), which is why the share of eta is taken in these units.
         """
-        near = np.fmin(abs(found[1]), abs(found[2]))
-        tilt = near / np.sqrt(2.0 * states.disk.body.I1 * found[3])
+        near = np.fmin(abs(natural.eta_plus), abs(natural.eta_minus))
+        tilt = near / np.sqrt(2.0 * disk.body.I1 * natural.energy)
         share = self.accuracy if self.relative_tilt else _SIDE_SHARE
         target = np.fmin(self.accuracy, share * np.fmin(tilt, 1.0))
         floor = 0.0 if self.method in FIXED else _TOLERANCE_FLOOR

@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion.plan import ALGEBRA, QUADRATURE, Plan, plan
-from explorer.phase.constants import natural_constants
+from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk
+from explorer.phase.lines import LinearConstants, nearer_plus
 from explorer.phase.membership import falls_of
 from explorer.phase.states import Array, States, columns_of, rows_to_states
 
@@ -38,19 +39,19 @@ class TurningPoints:
     constants_error: Array
 
 
-def classify(states: States, found: Array) -> NDArray[np.int8]:
+def classify(states: States, natural: NaturalConstants) -> NDArray[np.int8]:
     """Status before any integration: bad input, or on the falling set."""
     if states.disk.body.I3 > 0.0:
-        return falls_of(states, found).status.copy()
+        return falls_of(states, natural).status.copy()
     return states.status.copy()
 
 
-def turning_points(states: States, how: Plan, found: Array | None = None) -> TurningPoints:
+def turning_points(states: States, how: Plan, natural: NaturalConstants | None = None) -> TurningPoints:
     """Follow every state forward to its next turning point."""
     disk = states.disk
-    if found is None:
-        found = natural_constants(states)
-    status = classify(states, found)
+    if natural is None:
+        natural = natural_constants(states)
+    status = classify(states, natural)
     n = len(states)
     initial = np.zeros((8, n))
     initial[:5] = states.natural
@@ -59,7 +60,7 @@ def turning_points(states: States, how: Plan, found: Array | None = None) -> Tur
         how.kernel_method,
         how.kernel_depth,
         initial,
-        np.nan_to_num(how.control(states, found), nan=1.0),
+        np.nan_to_num(how.control(states.disk, natural), nan=1.0),
         compiled.events.TURNING_POINT,
         0.0,
         MAX_STEPS,
@@ -86,22 +87,21 @@ def turning_points(states: States, how: Plan, found: Array | None = None) -> Tur
     )
 
 
-def orbit_starts(states: States, pinned: Array) -> Array:
+def orbit_starts(states: States, linear: LinearConstants) -> Array:
     """What the quadrature kernels know of a motion, (5, n), as seen from the hemisphere it starts in.
 
-    Rows: h = 2 sin(theta/2), theta-dot, sigma3_bar, eta on this side, eta on the other. pinned: its
-    sigma3_bar, eta_plus, eta_minus in natural units.
+    Rows: h = 2 sin(theta/2), theta-dot, sigma3_bar, eta on this face, eta on the other.
     """
     q, z, p = states.natural[:3]
     plus = z >= 0.0
-    near = np.where(plus, pinned[1], pinned[2])
-    far = np.where(plus, pinned[2], pinned[1])
+    near = np.where(plus, linear.eta_plus, linear.eta_minus)
+    far = np.where(plus, linear.eta_minus, linear.eta_plus)
     h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
-    return np.ascontiguousarray(np.nan_to_num(np.stack([h, p, pinned[0], near, far])))
+    return np.ascontiguousarray(np.nan_to_num(np.stack([h, p, linear.sigma3_bar, near, far])))
 
 
 def smallest_tilt(
-    states: States, how: Plan, found: Array | None = None
+    states: States, how: Plan, natural: NaturalConstants | None = None
 ) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
     """theta_min of every motion (rad), with status and number of steps.
 
@@ -109,17 +109,17 @@ def smallest_tilt(
     potential; by integration, following it forward to one and backward to the other costs half a
     period in all, and if either fails the sample fails.
     """
-    if found is None:
-        found = natural_constants(states)
+    if natural is None:
+        natural = natural_constants(states)
     if how.method == "quadrature":
-        status = classify(states, found)
+        status = classify(states, natural)
         theta = np.empty(len(states))
         disk = states.disk
-        starts = orbit_starts(states, found)
+        starts = orbit_starts(states, natural.linear)
         compiled.orbits.tilt_batch(starts, how.accuracy, disk.body, disk.series, theta, status)
         return np.where(status == 0, theta, np.nan), status, np.zeros(len(states), np.int32)
-    forward = turning_points(states, how, found)
-    backward = turning_points(states.reversed(), how, found)
+    forward = turning_points(states, how, natural)
+    backward = turning_points(states.reversed(), how, natural)
     status = np.where(forward.status == 0, backward.status, forward.status)
     theta = np.minimum(forward.theta, backward.theta)
     return np.where(status == 0, theta, np.nan), status, forward.steps + backward.steps
@@ -175,8 +175,9 @@ def simulate(
     how = plan(observables, accuracy, method)
     if how.rung in (ALGEBRA, QUADRATURE):
         raise InputError("simulate needs an observable of the motion, such as 'phi' or 'chi'")
-    found = natural_constants(initial)
-    out, status, steps, constants_error = _integrate(initial, how, found, times * disk.rate_unit, chi0, max_steps)
+    natural = natural_constants(initial)
+    moments = times * disk.rate_unit
+    out, status, steps, constants_error = _integrate(initial, how, natural, moments, chi0, max_steps)
     out[status != compiled.status.Status.OK] = np.nan
     return _trajectories(disk, times, out, observables, (status, steps, constants_error))
 
@@ -195,37 +196,37 @@ def _times(t_end: float | None, t_eval: ArrayLike | None) -> Array:
     return times
 
 
-def hold(states: States, found: Array) -> tuple[NDArray[np.int8], Array]:
-    """Status before integration, and the constants that trajectories are held to, (3, n).
+def hold(states: States, natural: NaturalConstants) -> tuple[NDArray[np.int8], LinearConstants]:
+    """Status before integration, and the constants that trajectories are held to.
 
     Given constants win over those found from the state. A state whose eta is not known to a tenth
     on the nearer side has no known direction of its race; with I3 = 0 trajectories run free.
     """
     code = compiled.status.Status
     if not states.disk.body.I3 > 0.0:
-        return states.status.copy(), np.full((3, len(states)), np.nan)
-    pinned = np.ascontiguousarray(found[:3] if states.exact is None else states.exact)
-    near_plus = ~(abs(pinned[2]) < abs(pinned[1]))
-    eta = abs(np.where(near_plus, pinned[1], pinned[2]))
-    exact = falls_of(states, found)
+        return states.status.copy(), LinearConstants(*np.full((3, len(states)), np.nan))
+    linear = natural.linear if states.exact is None else states.exact
+    near_plus = nearer_plus(linear.eta_plus, linear.eta_minus)
+    eta = abs(np.where(near_plus, linear.eta_plus, linear.eta_minus))
+    exact = falls_of(states, natural)
     if states.exact is None:
-        rounding = np.where(near_plus, found[4], found[5])
+        rounding = natural.rounding(near_plus)
         unknown = (rounding > compiled.attempt.RESOLVED_SHARE * eta) & exact.could_fall & ~exact.on_f
         status = np.where((exact.status == code.OK) & unknown, code.UNRESOLVED_SIDE, exact.status)
     else:
         falls = (eta == 0.0) & exact.could_fall
         status = np.where((states.status == code.OK) & falls, code.FALLS, states.status)
-    return status.astype(np.int8), np.nan_to_num(pinned)
+    return status.astype(np.int8), LinearConstants(*np.nan_to_num(linear))
 
 
 def _integrate(
-    states: States, how: Plan, found: Array, times: Array, chi0: float, max_steps: int
+    states: States, how: Plan, natural: NaturalConstants, times: Array, chi0: float, max_steps: int
 ) -> tuple[Array, NDArray[np.int8], NDArray[np.int32], Array]:
     disk, n = states.disk, len(states)
     initial = np.zeros((10, n))
     initial[:5] = states.natural
     initial[6] = chi0
-    status, pinned = hold(states, found)
+    status, held = hold(states, natural)
     out = np.empty((n, times.size, 10))
     steps, constants_error = np.empty(n, np.int32), np.empty((3, n))
     begins_at_zero = times[0] == 0.0
@@ -236,7 +237,7 @@ def _integrate(
         how.kernel_method,
         depth,
         initial,
-        pinned,
+        np.stack(held),
         np.full(n, how.held_control),
         compiled.events.TIME,
         np.ascontiguousarray(times[1:] if begins_at_zero else times),

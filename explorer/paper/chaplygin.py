@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from scipy.integrate import quad, solve_ivp
 
 import explorer as ex
-from explorer import compiled
 from explorer.paper import eight_dimensions as plain
 from explorer.paper.equations import (
     BODIES,
@@ -32,6 +31,7 @@ from explorer.paper.equations import (
     worst,
 )
 from explorer.paper.statement import Finding, statement
+from explorer.phase.lines import line_chart
 
 _Array = NDArray[np.float64]
 OF_PAPER = {"uniform": Fraction(4, 3), "hoop": Fraction(1), "m r^2/I1 = 3": Fraction(6, 5)}
@@ -281,9 +281,8 @@ def _near_flat_of_the_explorer(depth: _Array) -> Iterator[Finding]:
 
     def gap(disk: ex.Disk) -> float:
         c, _d, _b = parameters(disk)
-        b, S = disk.body, np.exp(depth)
-        chart = np.empty((4, S.size))
-        compiled.falling.line_chart_batch(np.sqrt(S * (2.0 - S)), 1.0 - S, b, disk.series, chart)
+        S = np.exp(depth)
+        chart = np.array(line_chart(disk, np.sqrt(S * (2.0 - S)), 1.0 - S))
         r0, k = float(at_vertical(c)[0].real), disk.I3 / disk.I1
         run = solve_ivp(
             lambda s, x: [np.exp(s) * k * x[1], c / k * x[0] / (2.0 - np.exp(s))],

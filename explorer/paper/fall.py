@@ -29,8 +29,9 @@ from explorer.paper import eight_dimensions as plain
 from explorer.paper.statement import Finding, statement
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
+from explorer.phase.lines import line_chart, line_slope
 from explorer.phase.membership import falls_of
-from explorer.phase.states import Array, line_slope, phi_to_states
+from explorer.phase.states import Array, phi_to_states
 
 UNIFORM, HOOP, MATCHING = Disk.uniform(), Disk.hoop(), Disk.matching()
 THICK = Disk(I1=0.5, I3=0.3, name="thick")  # I3 < 2 I1: not planar
@@ -163,11 +164,11 @@ def no_fall_off_lines() -> Iterator[Finding]:
         rows = random.uniform(low, high, (4000, 4))
         states = phi_to_states(disk, *rows.T)
         theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-8, "quadrature"))
-        found = natural_constants(states)
+        natural = natural_constants(states)
         stuck = int((status != 0).sum() + (~(theta > 0.0)).sum())
         yield near(f"{disk.name}: of 4000 plain draws, falls or zero tilts", stuck, 0, 0.0, "a count")
-        eta = np.fmin(abs(found[1]), abs(found[2])) / (disk.I3 * closed_form(disk)[0])
-        bound = np.array([widest_eta(found[3, i : i + 1], theta[i], disk)[0] for i in range(400)])
+        eta = np.fmin(abs(natural.eta_plus), abs(natural.eta_minus)) / (disk.I3 * closed_form(disk)[0])
+        bound = np.array([widest_eta(natural.energy[i : i + 1], theta[i], disk)[0] for i in range(400)])
         share = float((eta[:400] / bound).max())
         yield at_most(f"{disk.name}: largest η, over what the energy allows at θ_min", share, 1.0, "a bound")
         phi = observed(disk, rows[:12], np.linspace(0.0, 60.0, 400), "phi")[0]
@@ -182,10 +183,9 @@ def equilibria_near_flat() -> Iterator[Finding]:
 
         def down(log_tilt: float, eta_hat: float, disk: Disk = disk) -> tuple[float, Array]:
             """(dV/dφ, (σ₃, σ₄)) by the exact layer, eq. (4.10)."""
-            tilt, chart = np.exp(log_tilt), np.empty((4, 1))
+            tilt = np.exp(log_tilt)
             q, z = np.sin([tilt]), np.cos([tilt])
-            compiled.falling.line_chart_batch(q, z, disk.body, disk.series, chart)
-            s3, s4 = chart[0] * 0.3 + chart[1] * eta_hat, chart[2] * 0.3 + chart[3] * eta_hat
+            s3, s4 = line_chart(disk, q, z).rates(0.3, eta_hat)
             slope = disk.I1 * s3 * s3 * z / q**3 - (disk.I3 + 1.0) * s3 * s4 / q - z
             return float(slope[0]), np.array([s3[0], s4[0]])
 

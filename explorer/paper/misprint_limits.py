@@ -10,7 +10,8 @@ from explorer.paper.chaplygin_series import Chaplygin
 from explorer.paper.misprint_evidence import UNIFORM, Evidence, worst
 from explorer.phase.constants import constants
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, constants_to_states, line_slope, theta_to_states
+from explorer.phase.lines import line_slope
+from explorer.phase.states import Array, constants_to_states, theta_to_states
 
 SERIES = Chaplygin.of(UNIFORM)
 M = UNIFORM.I1 + 1.0  # m = r = g = 1 here and below

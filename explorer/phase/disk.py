@@ -127,6 +127,19 @@ class Disk:
         """m r^2 sqrt(g/r), the unit of eta_+-."""
         return self._inertia_unit * self.rate_unit
 
+    def eta_hat_to_eta(self, eta_hat: Any) -> Any:
+        """eta = I3 r(0) eta_hat, eq. (6.2); both in natural units."""
+        return eta_hat * self.body.I3 * self.body.r0
+
+    def eta_to_eta_hat(self, eta: Any) -> Any:
+        """eta_hat = eta / (I3 r(0)), eq. (6.2); both in natural units. NaN where I3 = 0."""
+        return eta / (self.body.I3 * self.body.r0 if self.body.I3 > 0.0 else math.nan)
+
+    def energy_at_flat(self, sigma3_bar: Any) -> Any:
+        """V_0, the amended potential at flat on a line l_+-, eq. (6.9); natural units. Needs I3 > 0."""
+        b = self.body
+        return 0.5 * b.J * (sigma3_bar / (b.k * b.r0)) ** 2
+
     @property
     def kappa(self) -> float:
         """The race number sqrt(1 + m r^2 / I1), eq. (7.9)."""
@@ -180,6 +193,19 @@ def _to_number(key: str, text: str) -> float:
         return float(text)
     except ValueError:
         raise InputError(f"disk: {key} = {text.strip()!r} is not a number") from None
+
+
+def require_disk(disk: Disk) -> None:
+    """Raise InputError where something else was given, a name for instance."""
+    if not isinstance(disk, Disk):
+        raise InputError(f"disk = {disk!r} is not a Disk; make one, for instance Disk.parse('uniform')")
+
+
+def require_axial_inertia(disk: Disk) -> None:
+    """Raise InputError where I3 = 0: eta_hat = eta/(I3 r(0)) and the lines' slope need I3 > 0."""
+    require_disk(disk)
+    if not disk.body.I3 > 0.0:
+        raise InputError("disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")
 
 
 def read_toml(path: Path, option: str) -> dict[str, Any]:

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
 from explorer import compiled
-from explorer.phase.constants import natural_constants
-from explorer.phase.disk import Disk
-from explorer.phase.states import Array, States, phi_to_states, require_axial_inertia
+from explorer.phase.constants import NaturalConstants, natural_constants
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.states import Array, States, phi_to_states
 
 _BARRIER_DEGREE = 24  # both series are at rounding
 
@@ -44,9 +44,8 @@ class Falls:
 
 def impact_speed(disk: Disk, sigma3_bar: Array, energy: Array) -> Array:
     """A = sqrt(2 (E - V_0) / M), eq. (7.1); natural units in and out; NaN where E < V_0."""
-    b = disk.body
     with np.errstate(invalid="ignore"):
-        return np.sqrt(2.0 * (energy - 0.5 * b.J * (sigma3_bar / (b.k * b.r0)) ** 2) / b.M)
+        return np.sqrt(2.0 * (energy - disk.energy_at_flat(sigma3_bar)) / disk.body.M)
 
 
 @lru_cache(maxsize=64)
@@ -85,28 +84,26 @@ def barrier(disk: Disk) -> tuple[Chebyshev, Chebyshev]:
     return phi, V
 
 
-def could_fall(states: States, found: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether states could fall on face +1 and on face -1, were eta there zero. found: natural_constants."""
+def could_fall(states: States, natural: NaturalConstants) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether states could fall on face +1 and on face -1, were eta there zero. natural: their constants."""
     out = np.empty((3, len(states)))
     disk = states.disk
-    compiled.falling.falls_batch(states.natural, found, well(disk)[0], disk.body, disk.series, out)
+    compiled.falling.falls_batch(states.natural, natural.rows, well(disk)[0], disk.body, disk.series, out)
     return out[0] > 0.0, out[1] > 0.0
 
 
-def falls_of(states: States, found: Array | None = None) -> Falls:
-    """Where states lie relative to F. `found` may carry their natural_constants."""
+def falls_of(states: States, natural: NaturalConstants | None = None) -> Falls:
+    """Where states lie relative to F. `natural`: their constants, where they are known already."""
     disk = states.disk
     require_axial_inertia(disk)
     b, unit = disk.body, disk.rate_unit
-    if found is None:
-        found = natural_constants(states)
+    if natural is None:
+        natural = natural_constants(states)
     out = np.empty((3, len(states)))
-    compiled.falling.falls_batch(states.natural, found, well(disk)[0], b, disk.series, out)
+    compiled.falling.falls_batch(states.natural, natural.rows, well(disk)[0], b, disk.series, out)
     norm = unit / np.hypot(b.I1 * b.dr0, b.I3 * b.r0)
-    plus, minus = found[1], found[2]
-    near_plus = ~(abs(minus) < abs(plus))
-    eta = np.where(near_plus, plus, minus)
-    rounding = np.where(near_plus, found[4], found[5])
+    near_plus = natural.nearer_plus
+    eta, rounding = natural.eta(near_plus), natural.rounding(near_plus)
     could_plus, could_minus = out[0] > 0.0, out[1] > 0.0
     could_fall = np.where(near_plus, could_plus, could_minus)
     with np.errstate(invalid="ignore"):
@@ -115,8 +112,8 @@ def falls_of(states: States, found: Array | None = None) -> Falls:
     return Falls(
         face=np.where(near_plus, 1, -1).astype(np.int8),
         distance=eta * norm,
-        distance_plus=plus * norm,
-        distance_minus=minus * norm,
+        distance_plus=natural.eta_plus * norm,
+        distance_minus=natural.eta_minus * norm,
         could_fall=could_fall,
         could_fall_plus=could_plus,
         could_fall_minus=could_minus,

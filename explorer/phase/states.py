@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_disk
+from explorer.phase.lines import Array as Array
+from explorer.phase.lines import LinearConstants, line_slope, linear_constants
 
-Array = NDArray[np.float64]
 COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 
 
@@ -26,21 +27,21 @@ class States:
 
     natural: (5, n) rows q, z, p, rho, sigma4 in natural units. status: (n) int8, kernels.Status;
     a state that is not finite or already flat is BAD_INPUT and never reaches an integrator.
-    exact: (3, n) sigma3_bar, eta_plus, eta_minus in natural units where they were given rather than
-    found, so that eta may be smaller than the state's rounding; None otherwise.
+    exact: the linear constants where they were given rather than computed from the state, so that eta may be
+    smaller than the state's rounding; None otherwise.
     """
 
     disk: Disk
     natural: Array
     status: NDArray[np.int8]
-    exact: Array | None = None
+    exact: LinearConstants | None = None
 
     def __len__(self) -> int:
         return self.natural.shape[1]
 
     def at(self, rows: NDArray[np.intp]) -> "States":
         """Some of the states."""
-        exact = None if self.exact is None else np.ascontiguousarray(self.exact[:, rows])
+        exact = None if self.exact is None else LinearConstants(*(column[rows] for column in self.exact))
         return States(self.disk, np.ascontiguousarray(self.natural[:, rows]), self.status[rows], exact)
 
     def reversed(self) -> "States":
@@ -88,31 +89,8 @@ def constants_to_states(
     flat = np.where(abs(s) == 1.0, 0.0, np.inf)
     s4 = s * (line_slope(disk) * s3 - eta_hat_)
     made = _states(disk, np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4, flat)
-    b, unit = disk.body, disk.rate_unit
-    sigma3_bar, here = s3 / unit, eta_hat_ / unit * b.I3 * b.r0
-    there = 2.0 * b.I1 * b.dr0 * sigma3_bar - here
-    exact = np.where(s > 0.0, [sigma3_bar, here, there], [sigma3_bar, there, here])
-    return replace(made, exact=exact)
-
-
-def line_slope(disk: Disk) -> float:
-    """sigma4_bar / sigma3_bar on l_+, eq. (6.1); minus that on l_-. Needs I3 > 0."""
-    require_axial_inertia(disk)
-    b = disk.body
-    return b.I1 * b.dr0 / (b.I3 * b.r0)
-
-
-def require_disk(disk: Disk) -> None:
-    """Raise InputError where something else was given, a name for instance."""
-    if not isinstance(disk, Disk):
-        raise InputError(f"disk = {disk!r} is not a Disk; make one, for instance Disk.parse('uniform')")
-
-
-def require_axial_inertia(disk: Disk) -> None:
-    """Raise InputError where I3 = 0: eta_hat = eta/(I3 r(0)) and the lines' slope need I3 > 0."""
-    require_disk(disk)
-    if not disk.body.I3 > 0.0:
-        raise InputError("disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")
+    unit = disk.rate_unit
+    return replace(made, exact=linear_constants(disk, s3 / unit, eta_hat_ / unit, s > 0.0))
 
 
 def _broadcast(*arguments: ArrayLike) -> list[Array]:

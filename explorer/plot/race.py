@@ -61,7 +61,7 @@ def race_deviation(
         ax.figure.colorbar(drawn, ax=ax).set_label("passages per cell")
         span = np.geomspace(x[0], x[-1], 100)
     b = disk.body
-    natural = span / disk.rate_unit * b.I3 * b.r0
+    natural = disk.eta_hat_to_eta(span / disk.rate_unit)
     law = 2.0 / (b.I1 * b.M * (impact_speed / disk.rate_unit) ** 3) * natural * np.log(1.0 / natural)
     ax.plot(span, law, color=MINUS, lw=1.8, label=r"$\frac{2mgr}{I_1MA^3}\,\eta\,\ln(1/\eta)$, median $A$")
     legend(ax, loc="lower right")

@@ -9,8 +9,9 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
 from explorer.phase.disk import Disk
+from explorer.phase.lines import line_slope
 from explorer.phase.membership import well
-from explorer.phase.states import Array, line_slope
+from explorer.phase.states import Array
 from explorer.plot.portrait import _FLAT_TICKS, _HALF, _RATE, BOUNCES, FALLS, UNSTABLE
 from explorer.plot.style import (
     DARK,

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from explorer.errors import InputError
 from explorer.motion.passages import periods
 from explorer.phase.constants import constants_of
-from explorer.phase.disk import Disk
-from explorer.phase.states import Array, columns_of, require_axial_inertia, theta_to_states
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.states import Array, columns_of, theta_to_states
 
 ETA_HAT = 1e-12
 LEVELS = np.concatenate([1.0 + np.geomspace(1e-3, 1.0, 40), np.geomspace(2.0, 1e4, 81)[1:]])
@@ -55,7 +55,7 @@ def turn_per_bounce(disk: Disk, levels: ArrayLike = LEVELS, eta_hat: float = ETA
     require_axial_inertia(disk)
     b, unit = disk.body, disk.rate_unit
     level = columns_of(levels=levels)[0]
-    eta = columns_of(eta_hat=eta_hat)[0][0] / unit * b.I3 * b.r0
+    eta = disk.eta_hat_to_eta(columns_of(eta_hat=eta_hat)[0][0] / unit)
     if level.size == 0 or not (np.isfinite(level).all() and (level > 1.0).all()):
         raise InputError(f"levels = {levels!r}: give finite numbers above 1; the bottom of the well is at 1")
     theta_0 = math.exp((2.0 * math.log(abs(eta)) - math.log(b.I1)) / 3.0) if abs(eta) > 0.0 else math.nan
@@ -71,6 +71,5 @@ def turn_per_bounce(disk: Disk, levels: ArrayLike = LEVELS, eta_hat: float = ETA
     states = theta_to_states(disk, theta_0 * u, speed * unit, eta / b.I1 * unit, 0.0)
     constants = constants_of(states)
     found = periods(states, _ACCURACY, eta_hat=constants.eta_hat_plus)
-    at_flat = 0.5 * b.J * (constants.sigma3_bar / unit / (b.k * b.r0)) ** 2
-    above = found.energy / disk.energy_unit - at_flat
+    above = found.energy / disk.energy_unit - disk.energy_at_flat(constants.sigma3_bar / unit)
     return Bounces(disk, above / (1.5 * theta_0), found.chi, found.theta_min, found.period, theta_0)

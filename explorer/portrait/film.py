@@ -10,8 +10,8 @@ from scipy.interpolate import CubicSpline
 from explorer.errors import InputError
 from explorer.motion.passages import passages
 from explorer.motion.trajectories import simulate
-from explorer.phase.disk import Disk
-from explorer.phase.states import Array, States, constants_to_states, require_axial_inertia
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.states import Array, States, constants_to_states
 from explorer.portrait.wander import dense_times
 
 FRAMES = 100

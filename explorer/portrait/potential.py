@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from explorer import compiled
 from explorer.errors import InputError
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.lines import line_chart, line_slope, other_eta_hat
 from explorer.phase.membership import well
-from explorer.phase.states import Array, line_slope, require_axial_inertia
+from explorer.phase.states import Array
 
 _STEP = 0.02  # of y: V is smooth on the scale 1
 _EPS = float(np.finfo(float).eps)
@@ -119,8 +119,7 @@ class Potential:
 
     def etas(self) -> dict[int, float]:
         """eta_hat on each side, natural units."""
-        other = 2.0 * line_slope(self.disk) * self.bar - self.eta
-        return {self.face: self.eta, -self.face: other}
+        return {self.face: self.eta, -self.face: other_eta_hat(self.disk, self.bar, self.eta)}
 
     def terms(self, q: Array, z: Array) -> tuple[Array, Array, Array, Array]:
         """V, dV/dphi, d2V/dphi2 and the size of the terms of dV/dphi where cos phi = q, sin phi = z.
@@ -128,11 +127,10 @@ class Potential:
         Natural units.
         """
         b = self.disk.body
-        chart = np.empty((4, q.size))
         with np.errstate(over="ignore", invalid="ignore"):
-            compiled.falling.line_chart_batch(q, self.face * z, b, self.disk.series, chart)
-            s3 = chart[0] * self.bar + chart[1] * self.eta
-            s4 = self.face * (chart[2] * self.bar + chart[3] * self.eta)
+            chart = line_chart(self.disk, q, self.face * z)
+            s3, s4 = chart.rates(self.bar, self.eta)
+            s4 = self.face * s4
             rho = s3 / q
             V = 0.5 * b.I1 * rho * rho + 0.5 * b.J * s4 * s4 + q
             slope = b.I1 * rho * (rho / q) * z - b.J * rho * s4 - z
@@ -171,8 +169,7 @@ class Potential:
         """V at a flat state in natural units: V_0 on its line, eq. (6.9); infinite off it."""
         if self.etas()[face] != 0.0:
             return math.inf
-        b = self.disk.body
-        return 0.5 * b.J * (self.bar / (b.k * b.r0)) ** 2
+        return self.disk.energy_at_flat(self.bar)
 
     def reach(self, face: int) -> float:
         """|y| beyond which V' keeps its sign towards flat."""

@@ -10,9 +10,9 @@ from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion import plan as models
 from explorer.motion.trajectories import smallest_tilt
 from explorer.phase.constants import natural_constants
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.membership import Falls, falls_of
-from explorer.phase.states import COORDINATES, Array, phi_to_states, require_axial_inertia
+from explorer.phase.states import COORDINATES, Array, phi_to_states
 
 _MOST_POINTS = 2001
 SLICE_ACCURACY = 1e-3  # of theta_min in a picture
@@ -95,10 +95,10 @@ def slice_and_falls(disk: Disk, where: Slice, points: int, method: str) -> tuple
     """A slice with theta_min by `method`, and where its states, flat, lie relative to F."""
     x, y, columns = where.grid(points)
     states = phi_to_states(disk, **columns)
-    found = natural_constants(states)
+    natural = natural_constants(states)
     how = models.plan(("theta_min",), SLICE_ACCURACY, method)
-    theta, _status, _steps = smallest_tilt(states, how, found)
-    exact = falls_of(states, found)
+    theta, _status, _steps = smallest_tilt(states, how, natural)
+    exact = falls_of(states, natural)
     shape = (points, points)
     computed = SliceMap(
         where,

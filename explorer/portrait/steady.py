@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import bisect
 
-from explorer import compiled
 from explorer.errors import InputError
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.lines import line_chart, line_slope
 from explorer.phase.membership import well
-from explorer.phase.states import Array, columns_of, line_slope, require_axial_inertia
+from explorer.phase.states import Array, columns_of
 from explorer.portrait.potential import DEGENERATE, Potential, at_constants, curvature_of, on_line
 
 _DOUBLINGS = 200
@@ -58,10 +58,7 @@ def steady_motions(disk: Disk, phi: ArrayLike, turn: ArrayLike) -> Steady:
     s3 = rate * q * q
     # V' = I1 turn^2 q z - J turn q sigma4 - z = 0
     s4 = z * (b.I1 * rate * rate * q - 1.0) / (b.J * rate * q)
-    a, a2, c, c2 = chart = np.empty((4, q.size))
-    compiled.falling.line_chart_batch(q, z, b, disk.series, chart)
-    # The chart's determinant is -1
-    bar, eta = a2 * s4 - c2 * s3, c * s3 - a * s4
+    bar, eta = line_chart(disk, q, z).constants(s3, s4)
     columns = {
         "phi": angle,
         "turn": rate * unit,
@@ -152,14 +149,13 @@ def circular_rolling(disk: Disk, lean: float, radius: float) -> float:
     there is no such motion.
     """
     _check_circle(disk, lean, radius)
-    b, phi = disk.body, np.array([-lean])
-    chart = np.empty((4, 1))
-    compiled.falling.line_chart_batch(np.cos(phi), np.sin(phi), b, disk.series, chart)
-    a, a2, c, c2 = chart[:, 0]
+    phi = np.array([-lean])
+    chart = line_chart(disk, np.cos(phi), np.sin(phi))
 
     def slope(rate: float) -> float:
         s3, s4 = rate * math.cos(lean) ** 2, rate * (radius / disk.r - math.sin(lean))
-        potential = Potential(disk, a2 * s4 - c2 * s3, c * s3 - a * s4)
+        bar, eta = chart.constants(s3, s4)
+        potential = Potential(disk, bar[0], eta[0])
         return float(potential.dV(-lean))
 
     low, high = 0.0, 1.0

@@ -15,8 +15,8 @@ from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion.passages import Periods, periods
 from explorer.motion.trajectories import simulate
-from explorer.phase.disk import Disk
-from explorer.phase.states import Array, States, columns_of, constants_to_states, require_axial_inertia
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.states import Array, States, columns_of, constants_to_states
 
 _ACCURACY = 1e-9
 _MOST_PERIODS = 10_000
@@ -67,9 +67,9 @@ def _periods(states: States) -> Periods:
     """Periods, with eta as it was given where it was."""
     if states.exact is None:
         return periods(states)
-    b = states.disk.body
-    eta = np.where(states.natural[1] >= 0.0, states.exact[1], states.exact[2])
-    return periods(states, _ACCURACY, eta_hat=eta * states.disk.rate_unit / (b.I3 * b.r0))
+    disk = states.disk
+    eta = np.where(states.natural[1] >= 0.0, states.exact.eta_plus, states.exact.eta_minus)
+    return periods(states, _ACCURACY, eta_hat=disk.eta_to_eta_hat(eta) * disk.rate_unit)
 
 
 def resonance(

@@ -20,9 +20,11 @@ from explorer.measure.log_counts import LogCounts
 from explorer.measure.sampling import Box, chunk_stream, draw_states
 from explorer.motion import plan as models
 from explorer.motion.trajectories import smallest_tilt
-from explorer.phase.constants import constants_of, natural_constants
+from explorer.phase.constants import NaturalConstants, constants_of, natural_constants
+from explorer.phase.disk import require_axial_inertia
+from explorer.phase.lines import line_slope
 from explorer.phase.membership import could_fall, falls_of
-from explorer.phase.states import Array, States, line_slope, phi_to_states, require_axial_inertia
+from explorer.phase.states import Array, States, phi_to_states
 from explorer.portrait.slices import ConstantsPlane, Slice, map_slice
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_sides, joined, nearer, no_cells
@@ -124,13 +126,12 @@ class FallingSet(SampledScene):
         """Counts of all states of a block, and all about those near F, the only ones with a theta_min."""
         disk = self.disk
         states = phi_to_states(disk, **columns)
-        found = natural_constants(states)
-        could_plus, could_minus = could_fall(states, found)
-        plus, minus = found[1], found[2]
-        near_plus = ~(abs(minus) < abs(plus))
-        eta = np.where(near_plus, plus, minus)
+        natural = natural_constants(states)
+        could_plus, could_minus = could_fall(states, natural)
+        near_plus = natural.nearer_plus
+        eta = natural.eta(near_plus)
         could = np.where(near_plus, could_plus, could_minus)
-        distance = abs(eta) * (disk.rate_unit / (disk.body.I3 * disk.body.r0))
+        distance = disk.eta_to_eta_hat(abs(eta)) * disk.rate_unit
         near = np.flatnonzero((distance <= self.tube * _WIDER) & could)
         block = self._block({name: values[near] for name, values in columns.items()})
         counts = FallingCounts(could_fall=int(could.sum()), distance=LogCounts.of(distance[could]))
@@ -147,9 +148,9 @@ class FallingSet(SampledScene):
     def _block(self, columns: Table) -> Table:
         """Everything about a few states, so few that intermediate arrays stay in the processor's cache."""
         states = phi_to_states(self.disk, **columns)
-        found = natural_constants(states)
-        exact = falls_of(states, found)
-        constants = constants_of(states, found)
+        natural = natural_constants(states)
+        exact = falls_of(states, natural)
+        constants = constants_of(states, natural)
         table: Table = {
             **columns,
             "sigma3_bar": constants.sigma3_bar,
@@ -159,20 +160,20 @@ class FallingSet(SampledScene):
             "face": exact.face,
             "could_fall": exact.could_fall,
         }
-        return table | self._flattest(table, states, found, exact.status)
+        return table | self._flattest(table, states, natural, exact.status)
 
-    def _flattest(self, table: Table, states: States, found: Array, status: NDArray[np.int8]) -> Table:
+    def _flattest(
+        self, table: Table, states: States, natural: NaturalConstants, status: NDArray[np.int8]
+    ) -> Table:
         """theta_min, status and steps; where theta_min is not computed it is NaN."""
         how = models.plan(self.observables, self.accuracy, self.method)
         if self.every_theta_min:
-            theta, status, steps = smallest_tilt(states, how, found)
+            theta, status, steps = smallest_tilt(states, how, natural)
             return {"theta_min": theta, "status": status.astype(np.int8), "steps": steps}
         rows = np.flatnonzero(self.near(table))
         n = len(states)
         flattest, code, steps = np.full(n, np.nan), status.astype(np.int8), np.zeros(n, np.int32)
-        flattest[rows], code[rows], steps[rows] = smallest_tilt(
-            states.at(rows), how, np.ascontiguousarray(found[:, rows])
-        )
+        flattest[rows], code[rows], steps[rows] = smallest_tilt(states.at(rows), how, natural.at(rows))
         return {"theta_min": flattest, "status": code, "steps": steps}
 
     def near(self, table: Table) -> NDArray[np.bool_]:

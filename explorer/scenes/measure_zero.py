@@ -25,8 +25,9 @@ from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.measure.tubes import Draws, dimensions, draw_tube, widest_eta
 from explorer.motion import plan as models
 from explorer.motion.trajectories import smallest_tilt, turning_points
-from explorer.phase.constants import natural_constants
-from explorer.phase.states import Array, phi_to_states, require_axial_inertia
+from explorer.phase.constants import NaturalConstants, natural_constants
+from explorer.phase.disk import require_axial_inertia
+from explorer.phase.states import Array, phi_to_states
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.measure_zero_summary import FEWEST_HITS, summarise
 
@@ -174,12 +175,11 @@ class MeasureZero(SampledScene):
         disk, count = self.disk, self.length(index)
         columns = self.source.draw(disk, chunk_stream(self.seed, index), count)
         states = phi_to_states(disk, **columns)
-        found = natural_constants(states)
-        hats = found[1:3] / (disk.body.I3 * disk.body.r0)
-        plus = abs(hats[0]) <= abs(hats[1])
-        eta = np.where(plus, hats[0], hats[1])
-        rows = np.flatnonzero(abs(eta) <= widest_eta(found[3], self.deltas[0], disk))
-        near, known = states.at(rows), np.ascontiguousarray(found[:, rows])
+        natural = natural_constants(states)
+        plus = natural.nearer_plus
+        eta = disk.eta_to_eta_hat(natural.eta(plus))
+        rows = np.flatnonzero(abs(eta) <= widest_eta(natural.energy, self.deltas[0], disk))
+        near, known = states.at(rows), natural.at(rows)
         theta, status, _ = smallest_tilt(near, models.plan(self.observables, self.accuracy, self.method), known)
         theta = np.where(status == compiled.status.Status.FALLS, 0.0, theta)
         kinds = _kinds(plus[rows], eta[rows])
@@ -195,7 +195,7 @@ class MeasureZero(SampledScene):
         }
         unit = disk.rate_unit
         table: Table = {name: values[rows] for name, values in columns.items()}
-        table |= self._columns(found[0, rows] * unit, eta[rows] * unit, found[3, rows] * disk.energy_unit)
+        table |= self._columns(known.sigma3_bar * unit, eta[rows] * unit, known.energy * disk.energy_unit)
         ones = np.ones(rows.size)
         table |= {"face": np.where(plus[rows], 1, -1).astype(np.int8), "delta": np.nan * ones, "weight": ones}
         return table | {"theta_min": theta, "status": status.astype(np.int8)}, tally
@@ -204,13 +204,13 @@ class MeasureZero(SampledScene):
     def _columns(sigma3_bar: Array, eta_hat: Array, energy: Array) -> Table:
         return {"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "energy": energy}
 
-    def _race(self, near: Any, known: Array, theta: Array, face: Array, eta: Array) -> dict[str, int]:
+    def _race(self, near: Any, known: NaturalConstants, theta: Array, face: Array, eta: Array) -> dict[str, int]:
         """Which way the contact point races at the flattest moment, by integration, against the sign of eta."""
         rows = np.flatnonzero((theta < self.deltas[0]) & (theta > 0.0))[:_CHECKED]
         how = models.plan(("race_angle",), 1e-4, "dopri5")
         counts = {"right": 0, "wrong": 0, "not_resolved": 0}
         for states in (near.at(rows), near.at(rows).reversed()):
-            turn = turning_points(states, how, np.ascontiguousarray(known[:, rows]))
+            turn = turning_points(states, how, known.at(rows))
             here = (turn.face == face[rows]) & (abs(turn.theta / theta[rows] - 1.0) < 0.5)
             agrees = np.sign(turn.way) == np.sign(eta[rows])
             counts["right"] += int((here & agrees).sum())

@@ -17,8 +17,8 @@ import numpy as np
 from explorer.errors import InputError
 from explorer.measure import statistics
 from explorer.measure.sampling import Box, Range, chunk_stream
-from explorer.phase.disk import Disk
-from explorer.phase.states import Array, require_axial_inertia
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.states import Array
 from explorer.portrait.both_sides import QUANTITIES, both_sides, follow, limits_at, sample_times
 from explorer.scenes.base import Chunks, Scene, Table
 from explorer.scenes.beside import Beside, check_eta_hat, default_box, draw_beside

@@ -12,8 +12,8 @@ import numpy as np
 
 from explorer.errors import InputError
 from explorer.measure.sampling import Range, parse_range
+from explorer.phase.disk import require_axial_inertia
 from explorer.phase.membership import well
-from explorer.phase.states import require_axial_inertia
 from explorer.portrait.potential import (
     Component,
     Potential,

@@ -19,7 +19,8 @@ from explorer.measure import statistics
 from explorer.measure.log_counts import LogCounts, SignedLogCounts, count_cells, merged
 from explorer.measure.sampling import Box, Range, chunk_stream, log_uniform
 from explorer.motion.passages import passages
-from explorer.phase.states import Array, require_axial_inertia
+from explorer.phase.disk import require_axial_inertia
+from explorer.phase.states import Array
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.beside import check_eta_hat, default_box, draw_beside
 

@@ -155,7 +155,7 @@ def test_the_accuracy_asked_is_met_by_work_nobody_calibrated_on(private, method,
             constants = natural_constants(states)
             found = turning_points(states, plan(("chi", "psi", "theta_min"), accuracy, method), constants)
             # A state in doubles knows eta, and with it theta_min, only so well.
-            known = constants[4] / abs(constants[1]) < 0.02 * accuracy
+            known = constants.rounding_plus / abs(constants.eta_plus) < 0.02 * accuracy
             errors = (2 * found.chi - exact.delta_chi, 2 * found.psi - exact.delta_psi)
             ratios = (2 * found.time / exact.duration, found.theta / exact.theta_min)
             status = found.status

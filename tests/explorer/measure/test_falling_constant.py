@@ -30,14 +30,14 @@ def by_grid(disk, box, points, energy=math.inf):
     for face in (1, -1):
         # eta is linear in sigma4: two states give the line.
         row = 1 if face > 0 else 2
-        etas = [natural_constants(phi_to_states(disk, phi, phidot, sigma3, s4))[row] for s4 in (0.0, 1.0)]
+        etas = [natural_constants(phi_to_states(disk, phi, phidot, sigma3, s4)).rows[row] for s4 in (0.0, 1.0)]
         slope = etas[1] - etas[0]
         sigma4 = -etas[0] / slope
         states = phi_to_states(disk, phi, phidot, sigma3, sigma4)
-        found = natural_constants(states)
-        member = could_fall(states, found)[0 if face > 0 else 1]
-        member &= (sigma4 >= low) & (sigma4 <= high) & (found[3] <= energy)
-        A = np.where(member, impact_speed(disk, found[0], found[3]), 0.0)
+        natural = natural_constants(states)
+        member = could_fall(states, natural)[0 if face > 0 else 1]
+        member &= (sigma4 >= low) & (sigma4 <= high) & (natural.energy <= energy)
+        A = np.where(member, impact_speed(disk, natural.sigma3_bar, natural.energy), 0.0)
         total += (2.0 * A * math.sqrt(b.I1 * b.M) / abs(slope)).mean() * volume
     return total
 

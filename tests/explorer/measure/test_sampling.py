@@ -41,9 +41,9 @@ def test_an_energy_cut_keeps_the_measure_below_it():
     columns = draw_states(UNIFORM, WIDE, chunk_stream(1, 0), 5_000, max_energy=2.0)
     states = phi_to_states(UNIFORM, **columns)
     assert len(states) == 5_000
-    assert (natural_constants(states)[3] <= 2.0).all()
+    assert (natural_constants(states).energy <= 2.0).all()
     plain = draw_states(UNIFORM, WIDE, chunk_stream(2, 0), 60_000)
-    below = natural_constants(phi_to_states(UNIFORM, **plain))[3] <= 2.0
+    below = natural_constants(phi_to_states(UNIFORM, **plain)).energy <= 2.0
     low, high = np.quantile(plain["sigma4"][below], [0.2, 0.8])
     inside = (columns["sigma4"] > low) & (columns["sigma4"] < high)
     assert inside.mean() == pytest.approx(0.6, abs=0.03)

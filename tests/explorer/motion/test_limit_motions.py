@@ -117,8 +117,8 @@ def natural_state_on_f(disk, phi):
 
 def test_the_fall_from_the_vertical_agrees_with_the_limit_motion(paper_body):
     states = base(paper_body, 1, 0.7, 0.4)
-    found = natural_constants(states)
-    time, chi, psi, _error = fall_from_vertical(paper_body, found[0], found[3])
+    natural = natural_constants(states)
+    time, chi, psi, _error = fall_from_vertical(paper_body, natural.sigma3_bar, natural.energy)
     limit = limit_motion(paper_body, states, 1)
     hit = limit.impacts(10.0)[0]
     assert time[0] == pytest.approx(hit, rel=1e-10)
@@ -145,13 +145,13 @@ def test_the_fall_is_integrated_well_however_slowly_it_starts(speed):
         return y[0] - 1.5
 
     flat.terminal = True
-    found = natural_constants(base(disk, 1, 1.0, speed))
+    natural = natural_constants(base(disk, 1, 1.0, speed))
     slow = solve_ivp(rate, (0, 50), [0.0, speed, 0.0], "DOP853", events=flat, rtol=1e-12, atol=1e-13)
     limit = limit_motion(disk, base(disk, 1, 1.0, speed), 1)
     got = limit(slow.t_events[0][0])
     assert float(got.phi) == pytest.approx(1.5, abs=1e-8)
     assert float(got.chi) == pytest.approx(slow.y_events[0][0][2], abs=1e-8)
-    time, _chi, _psi, _error = fall_from_vertical(disk, found[0], found[3])
+    time, _chi, _psi, _error = fall_from_vertical(disk, natural.sigma3_bar, natural.energy)
     assert time[0] == pytest.approx(limit.impacts(50.0)[0], rel=1e-9)
 
 

@@ -31,10 +31,10 @@ def test_a_plan_says_why():
 def test_tolerance_falls_with_the_distance_from_f_and_with_the_accuracy():
     disk = BODIES["uniform"]
     states = constants_to_states(disk, 1.0, [1e-2, 1e-4, 1e-6, 1e-8], 1.0)
-    found = natural_constants(states)
+    natural = natural_constants(states)
     for method in ("rk4", "dopri5"):
-        loose = plan(("chi",), 1e-3, method).control(states, found)
-        tight = plan(("chi",), 1e-9, method).control(states, found)
+        loose = plan(("chi",), 1e-3, method).control(states.disk, natural)
+        tight = plan(("chi",), 1e-9, method).control(states.disk, natural)
         assert (np.diff(loose) <= 0).all()
         assert loose[-1] < loose[0]
         assert (tight <= loose).all()

@@ -9,7 +9,8 @@ from explorer.motion.plan import plan
 from explorer.motion.trajectories import turning_points
 from explorer.paper import eight_dimensions as plain_disk
 from explorer.phase.constants import natural_constants
-from explorer.phase.states import constants_to_states, line_slope
+from explorer.phase.lines import line_slope
+from explorer.phase.states import constants_to_states
 
 ALL = ("phi", "phidot", "sigma3", "sigma4", "chi", "psi", "path", "contact")
 # mathematics, section 10: sigma1 = 0, sigma2 = sigma3 = 1
@@ -214,10 +215,10 @@ def test_passages_meet_the_accuracy_asked(body, method, accuracy):
     n, unit = 300, body.rate_unit
     eta_hat = 10 ** rng.uniform(-4, -1, n) * rng.choice([-1, 1], n) * unit
     states = constants_to_states(body, rng.uniform(-2, 2, n) * unit, eta_hat, rng.uniform(0.3, 2, n) * unit)
-    found = natural_constants(states)
+    natural = natural_constants(states)
     observables = ("chi", "psi", "theta_min", "time")
-    coarse = turning_points(states, plan(observables, accuracy, method), found)
-    fine = turning_points(states, plan(observables, 1e-11), found)
+    coarse = turning_points(states, plan(observables, accuracy, method), natural)
+    fine = turning_points(states, plan(observables, 1e-11), natural)
     both = (coarse.status == 0) & (fine.status == 0)
     assert both.mean() > 0.97
     for error in (

@@ -7,8 +7,9 @@ from explorer.motion.passages import fall_from_vertical
 from explorer.motion.plan import plan
 from explorer.motion.trajectories import smallest_tilt
 from explorer.phase.constants import natural_constants
+from explorer.phase.lines import line_slope
 from explorer.phase.membership import falls_of, impact_speed, well
-from explorer.phase.states import constants_to_states, line_slope
+from explorer.phase.states import constants_to_states
 
 SLOPES = {"uniform": 0.7285923160189477, "hoop": 0.6761665138414456, "matching": 0.7079432039590211}
 WELLS = {"uniform": 0.34456, "hoop": 0.31638, "matching": 0.33436}
@@ -58,10 +59,10 @@ def test_membership_agrees_with_integration_just_beside_the_lines():
         phi, phidot = rng.uniform(-1.4, 1.4, n), rng.uniform(-0.6, 0.6, n)
         sigma3_bar = rng.uniform(-0.5, 0.5, n)
         states = beside_line(disk, phi, phidot, sigma3_bar, 1e-7)
-        found = natural_constants(states)
-        exact = falls_of(states, found)
-        theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4, "dopri5"), found)
-        good = (status == 0) & (abs(found[1]) < 0.5 * abs(found[2]))
+        natural = natural_constants(states)
+        exact = falls_of(states, natural)
+        theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4, "dopri5"), natural)
+        good = (status == 0) & (abs(natural.eta_plus) < 0.5 * abs(natural.eta_minus))
         flat = theta[good] < 1e-3 * np.sqrt(b.I3)
         could = exact.could_fall[good]
         assert good.sum() > 3000
@@ -91,9 +92,9 @@ def test_theta_min_approaches_its_leading_order(paper_body):
     errors = []
     for eta_hat in (1e-3, 1e-4, 1e-5):
         states = constants_to_states(paper_body, 1.0, [eta_hat, -eta_hat], 1.0)
-        found = natural_constants(states)
-        theta, _, _ = smallest_tilt(states, plan(("theta_min",), 1e-8, "dopri5"), found)
-        errors.append(abs(theta / falls_of(states, found).theta_min_estimate - 1).max())
+        natural = natural_constants(states)
+        theta, _, _ = smallest_tilt(states, plan(("theta_min",), 1e-8, "dopri5"), natural)
+        errors.append(abs(theta / falls_of(states, natural).theta_min_estimate - 1).max())
     assert errors[2] < 3e-4
     assert errors[2] < 0.2 * errors[1] < 0.04 * errors[0]
 
@@ -127,8 +128,8 @@ def test_nothing_falls_off_the_lines(body):
     rng = np.random.default_rng(11)
     unit = body.rate_unit
     states = ex.phi_to_states(body, rng.uniform(-1.3, 1.3, 3000), *(rng.uniform(-2, 2, (3, 3000)) * unit))
-    found = natural_constants(states)
-    theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4, "dopri5"), found)
+    natural = natural_constants(states)
+    theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4, "dopri5"), natural)
     assert (status == 0).mean() > 0.998
     assert (theta[status == 0] > 0).all()
 

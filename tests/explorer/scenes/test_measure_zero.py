@@ -115,12 +115,12 @@ def test_a_tube_holds_every_state_that_comes_flatter(name, delta):
     disk = BODIES[name]
     draw = np.random.default_rng(9).uniform
     states = phi_to_states(disk, draw(-1.5, 1.5, 20_000), *(disk.rate_unit * draw(-2, 2, (3, 20_000))))
-    found = natural_constants(states)
-    theta, status, _ = smallest_tilt(states, plan(("theta_min",)), found)
+    natural = natural_constants(states)
+    theta, status, _ = smallest_tilt(states, plan(("theta_min",)), natural)
     flat = (status == 0) & (theta < delta)
-    eta = np.fmin(abs(found[1]), abs(found[2]))[flat] / (disk.body.I3 * disk.body.r0)
+    eta = disk.eta_to_eta_hat(np.fmin(abs(natural.eta_plus), abs(natural.eta_minus)))[flat]
     assert flat.sum() > 100
-    assert (eta <= widest_eta(found[3][flat], delta, disk)).all()
+    assert (eta <= widest_eta(natural.energy[flat], delta, disk)).all()
 
 
 @pytest.mark.parametrize("box", [None, "phi=-1.2:1.2", "phi=-1.5:1.5,sigma3=0.1"])

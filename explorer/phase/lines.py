@@ -1,0 +1,86 @@
+"""The lines l_+ and l_-, on which motions may fall, and the distance from them: sigma3_bar, eta and eta_hat.
+
+A motion that stays beside flat has three linear constants: sigma3_bar, eta_plus and eta_minus. They hang
+together by eta_plus + eta_minus = 2 I1 r'(0) sigma3_bar, eq. (6.2), and eta_plus vanishes on l_+, eq. (6.1).
+Everything here is in natural units.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer import compiled
+from explorer.phase.disk import Disk, require_axial_inertia
+
+Array = NDArray[np.float64]
+
+
+class LinearConstants(NamedTuple):
+    """The constants of motion that are linear in the rates, arrays of one length."""
+
+    sigma3_bar: Array
+    eta_plus: Array
+    eta_minus: Array
+
+
+class LineChart(NamedTuple):
+    """At given tilts, the linear map from (sigma3_bar, eta_hat of face +1) to (sigma3, sigma4).
+
+    Its determinant is -1 at every tilt, so that dsigma3 dsigma4 = dsigma3_bar deta_hat. Eqs (3.5), (6.2).
+    """
+
+    bar_to_sigma3: Array
+    eta_hat_to_sigma3: Array
+    bar_to_sigma4: Array
+    eta_hat_to_sigma4: Array
+
+    def rates(self, sigma3_bar: Any, eta_hat: Any) -> tuple[Array, Array]:
+        """sigma3 and sigma4, in natural units if the arguments are."""
+        return (
+            self.bar_to_sigma3 * sigma3_bar + self.eta_hat_to_sigma3 * eta_hat,
+            self.bar_to_sigma4 * sigma3_bar + self.eta_hat_to_sigma4 * eta_hat,
+        )
+
+    def constants(self, sigma3: Any, sigma4: Any) -> tuple[Array, Array]:
+        """sigma3_bar and eta_hat: the inverse of `rates`, simple since the determinant is -1."""
+        return (
+            self.eta_hat_to_sigma3 * sigma4 - self.eta_hat_to_sigma4 * sigma3,
+            self.bar_to_sigma4 * sigma3 - self.bar_to_sigma3 * sigma4,
+        )
+
+
+def line_chart(disk: Disk, q: Array, z: Array) -> LineChart:
+    """The chart where cos phi = q and sin phi = z, arrays of one length. Needs I3 > 0."""
+    rows = np.empty((4, q.size))
+    compiled.falling.line_chart_batch(
+        np.ascontiguousarray(q), np.ascontiguousarray(z), disk.body, disk.series, rows
+    )
+    return LineChart(*rows)
+
+
+def line_slope(disk: Disk) -> float:
+    """sigma4_bar / sigma3_bar on l_+, eq. (6.1); minus that on l_-. Needs I3 > 0."""
+    require_axial_inertia(disk)
+    b = disk.body
+    return b.I1 * b.dr0 / (b.I3 * b.r0)
+
+
+def other_eta_hat(disk: Disk, sigma3_bar: Any, eta_hat: Any) -> Any:
+    """eta_hat on one face from that on the other, eq. (6.2)."""
+    return 2.0 * line_slope(disk) * sigma3_bar - eta_hat
+
+
+def linear_constants(disk: Disk, sigma3_bar: Array, eta_hat: Array, plus: NDArray[np.bool_]) -> LinearConstants:
+    """The linear constants for an eta_hat that is given, on face +1 where `plus` and on face -1 elsewhere."""
+    here = disk.eta_hat_to_eta(eta_hat)
+    there = 2.0 * disk.body.I1 * disk.body.dr0 * sigma3_bar - here
+    return LinearConstants(sigma3_bar, np.where(plus, here, there), np.where(plus, there, here))
+
+
+def nearer_plus(plus: Array, minus: Array) -> NDArray[np.bool_]:
+    """True where the face of the smaller |eta| is +1: the one rule for "the nearer face".
+
+    plus, minus: eta or eta_hat on face +1 and on face -1. Ties and NaN count as +1.
+    """
+    return ~(abs(minus) < abs(plus))
