@@ -79,7 +79,7 @@ def whole(name: str, value: Any, low: int = 0, high: int | None = None) -> int:
     InputError
         Where `value` is not such a number. The message names `value`, `low` and `high`.
     """
-    if isinstance(value, Integral) and not isinstance(value, bool):
+    if not isinstance(value, bool) and isinstance(value, Integral):
         read = int(value)
     elif isinstance(value, str) and value.strip().lstrip("+-").isdigit():
         read = int(value)  # exact, also beyond the whole numbers that doubles hold
