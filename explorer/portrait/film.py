@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from explorer.errors import InputError
+from explorer.motion.dense_times import dense_times
 from explorer.motion.passages import passages
 from explorer.motion.trajectories import simulate
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, constants_to_states
-from explorer.portrait.wander import dense_times
+from explorer.portrait.wander import STEP
 
 FRAMES = 100
 BETWEEN = 6  # points of a trail per frame
@@ -116,7 +117,7 @@ def _times(disk: Disk, states: States, duration: Array, count: int) -> Array:
     end = 0.5 * float(duration.min()) * (1.0 - 1e-12)
     first = np.linspace(-end, end, _FIRST_TIMES)
     halves = 0.5 * duration
-    fine = [dense_times(states.at(np.array([row])), first + halves[row]) - halves[row] for row in (0, 1)]
+    fine = [dense_times(states.at(np.array([row])), first + halves[row], STEP) - halves[row] for row in (0, 1)]
     t = np.clip(np.union1d(*fine), -end, end)
     t = t[np.concatenate([[True], np.diff(t) > 1e-12 * end])]
     tilts = []

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 
 from explorer import compiled
 from explorer.errors import InputError
+from explorer.motion.dense_times import dense_times
 from explorer.motion.passages import Periods, periods
 from explorer.motion.trajectories import simulate
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -21,8 +22,7 @@ from explorer.phase.states import Array, States, columns_of, constants_to_states
 _ACCURACY = 1e-9
 _MOST_PERIODS = 10_000
 _FIRST_TIMES = 64
-_FINEST = 30  # halvings of a step of time
-_STEP = 0.12  # rad of chi between two points of a path
+STEP = 0.12  # rad of chi between two points of a path
 
 
 @dataclass(frozen=True)
@@ -128,21 +128,9 @@ def wander_path(states: States, count: int) -> WanderPath:
     if each.status[0] != compiled.status.Status.OK:
         raise InputError(f"states: no period. {compiled.status.Status(int(each.status[0])).sentence}")
     period = float(each.period[0])
-    within = dense_times(states, np.linspace(0.0, period, _FIRST_TIMES))[:-1]
+    within = dense_times(states, np.linspace(0.0, period, _FIRST_TIMES), STEP)[:-1]
     t = np.append((period * np.arange(count)[:, None] + within).ravel(), count * period)
     found = simulate(states.disk, states, t_eval=t, observables=("path", "contact"), accuracy=_ACCURACY)
     assert found.path is not None
     assert found.contact is not None
     return WanderPath(states.disk, t, found.contact[0, :, :2], found.path[0, :, :2], each, count)
-
-
-def dense_times(states: States, t: Array) -> Array:
-    """Times between those of t as well, until the contact angle of the one motion changes by little in each."""
-    for _ in range(_FINEST):
-        chi = simulate(states.disk, states, t_eval=t, observables=("chi",)).chi
-        assert chi is not None
-        wide = abs(np.diff(chi[0])) > _STEP
-        if not wide.any():
-            break
-        t = np.union1d(t, 0.5 * (t[1:] + t[:-1])[wide])
-    return t
