@@ -5,14 +5,16 @@ from pathlib import Path
 from typing import Any
 
 from explorer.errors import InputError, note
+from explorer.motion.plan import method_in_words, plan
 from explorer.runs import store
 from explorer.runs.run import Run, execute
 from explorer.runs.workers import Workers
+from explorer.scenes.base import Scene
 from explorer.scenes.options import build_scene
 
 _MARK = "demo.json"
 _STEPS: tuple[tuple[str, dict[str, Any], str], ...] = (
-    ("falling-set", {"samples": 1_000_000}, "Where does the disk fall? A million states, integrated."),
+    ("falling-set", {"samples": 1_000_000}, "Where does the disk fall? A million states, {how}."),
     ("one-sided", {}, "What happens just beside the falling set? Two sides, two limit motions."),
     ("race-angles", {"samples": 200_000}, "How far does the contact point race round the rim?"),
 )
@@ -25,7 +27,8 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
     """
     workers = Workers(jobs)
     folder = Path(out)
-    scenes = [(build_scene(name, seed=seed, **options), title) for name, options, title in _STEPS]
+    made = [(build_scene(name, seed=seed, **options), title) for name, options, title in _STEPS]
+    scenes = [(scene, title_of(scene, title)) for scene, title in made]
     _clear(folder)
     runs = []
     for scene, title in scenes:
@@ -38,6 +41,11 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
         runs.append(run)
     (folder / "README.md").write_text(_page(runs, [title for _, title in scenes]), encoding="utf-8")
     return runs
+
+
+def title_of(scene: Scene, title: str) -> str:
+    """A title with what the scene's plan does in place of {how}."""
+    return title.format(how=method_in_words(plan(scene.observables, scene.accuracy, scene.method).method))
 
 
 def _clear(folder: Path) -> None:

@@ -11,8 +11,8 @@ from explorer.errors import InputError, note
 from explorer.phase.disk import Disk
 from explorer.phase.states import constants_to_states
 from explorer.portrait.bodies import flat_body, measured_gaps, race_numbers
-from explorer.portrait.bounce import turn_per_bounce
-from explorer.portrait.slices import Slice, race_slice
+from explorer.portrait.rocking import rocking
+from explorer.portrait.slices import Slice, map_slice
 from explorer.portrait.wander import resonance, wander, wander_path
 from explorer.scenes.base import Chunks
 from explorer.scenes.options import build_scene
@@ -48,7 +48,7 @@ def _slices(disk: Disk, _options: dict[str, Any]) -> Pictures:
     from explorer import plot
 
     for number, where in enumerate(Slice.defaults(disk), 1):
-        yield f"slice-{number}", plot.figure_of(plot.race_slice_map, race_slice(disk, where, POINTS))
+        yield f"slice-{number}", plot.figure_of(plot.race_slice_map, map_slice(disk, where, POINTS))
 
 
 def _race(disk: Disk, _options: dict[str, Any]) -> Pictures:
@@ -61,7 +61,7 @@ def _bounces(disk: Disk, _options: dict[str, Any]) -> Pictures:
     from explorer import plot
 
     several = {one.name: one for one in (Disk.uniform(), Disk.hoop(), disk)}
-    yield "bounces", plot.figure_of(plot.bounce_turns, [turn_per_bounce(one) for one in several.values()])
+    yield "bounces", plot.figure_of(plot.rocking_turns, [rocking(one) for one in several.values()])
 
 
 def _paths(disk: Disk, _options: dict[str, Any]) -> Pictures:
@@ -85,12 +85,12 @@ def _paths(disk: Disk, _options: dict[str, Any]) -> Pictures:
     resonant = wander_path(start, _PERIODS)
     yield "paths", plot.rosette_and_resonance(generic, resonant)
     yield "distance", plot.figure_of(plot.wander_distance, {"generic": generic, "resonant": resonant})
-    yield "radius", plot.figure_of(plot.wander_radius, bars, found, disk.r, {whole: bar})
+    yield "radius", plot.figure_of(plot.wander_radius, disk, bars, found, {whole: bar})
 
 
 GROUPS = {
     "phase": Group("motions in (phi, phidot), potentials, steady motions", _phase),
-    "slices": Group("slices of the phase space by tilt and by the way of the race", _slices),
+    "slices": Group("slices of the phase space by tilt and by side of F", _slices),
     "race": Group("race number and gap of all bodies", _race),
     "bounces": Group("turn per bounce, from the Euler disk to the race", _bounces),
     "paths": Group("paths over many periods, wander and resonance", _paths),

@@ -163,6 +163,11 @@ def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto
     return Plan(rung, chosen, accuracy, "theta_min" in asked, why)
 
 
+def method_in_words(method: str) -> str:
+    """How a result was computed, as pictures and pages say it; `method` as in Plan.method."""
+    return "by quadrature" if method == "quadrature" else f"integrated with {method}"
+
+
 def _choose(asked: tuple[str, ...], method: str, accuracy: float) -> tuple[str, str, str]:
     """(rung, method, reason)."""
     rung = max((OBSERVABLES[name] for name in asked), key=RUNGS.index, default=ALGEBRA)

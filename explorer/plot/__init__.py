@@ -1,12 +1,13 @@
 """Pictures. Each function takes ax=None and returns the Axes; none shows or touches global settings."""
 
-from explorer.plot.bodies import bounce_turns, race_bodies, race_gap, race_number
+from explorer.plot.bodies import race_bodies, race_gap, race_number
 from explorer.plot.film import animate
 from explorer.plot.maps import constants_plane, slice_map, theta_min_distribution
 from explorer.plot.measure_zero import constant_convergence, falling_ladder, ladder_ratio, tilt_density
 from explorer.plot.one_sided import contact_paths, one_sided_chi, one_sided_distance, one_sided_phi
-from explorer.plot.portrait import phase_portrait, potential_curves
+from explorer.plot.potential import phase_portrait, potential_curves
 from explorer.plot.race import race_deviation, race_histogram
+from explorer.plot.rocking import rocking_turns
 from explorer.plot.slices import race_slice_map
 from explorer.plot.steady import bifurcations, steady_map, steady_plane
 from explorer.plot.style import figure_of, stacked
@@ -16,7 +17,6 @@ from explorer.plot.wander import rosette_and_resonance, wander_distance, wander_
 __all__ = [
     "animate",
     "bifurcations",
-    "bounce_turns",
     "constant_convergence",
     "constants_plane",
     "contact_paths",
@@ -34,6 +34,7 @@ __all__ = [
     "race_histogram",
     "race_number",
     "race_slice_map",
+    "rocking_turns",
     "rosette_and_resonance",
     "slice_map",
     "stacked",

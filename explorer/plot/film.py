@@ -14,13 +14,15 @@ from PIL import Image
 from explorer.errors import InputError
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
-from explorer.plot.style import DARK, SIGN_COLOURS, SMALL, TEXT
+from explorer.plot.style import DARK, SIGN_COLOURS, SMALL, TEXT, times_of
 from explorer.portrait.film import FRAMES, Film, film
 
+# From here neither disk hides its contact point, and both races run towards the viewer.
 _ELEVATION, _AZIMUTH = math.radians(32.0), math.radians(-50.0)
-_FRAME_MS, _REST_MS = 60, 1500
+_FRAME_MS, _REST_MS = 60, 1500  # some 17 frames a second; the last frame stays long enough to be compared
+# Small enough for a page: 100 frames stay below 3 MB.
 _DPI, _SIZE = 100, (6.4, 3.8)
-_COLOURS = 96
+_COLOURS = 96  # of the palette; fewer show as bands in the tinted faces
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 73)
 _TABLE, _LINES = "#EFEDE6", "#D5D2C8"
 _GRID = 6  # radii from the start to the edge of the lines on the table
@@ -72,7 +74,7 @@ class _Panel:
         self.contact.set_data([self.trail[row, 0]], [self.trail[row, 1]])
 
 
-class Scene:
+class Stage:
     """The figure of a film; `show` moves it to one row."""
 
     def __init__(self, shown: Film) -> None:
@@ -102,7 +104,8 @@ class Scene:
         for panel in self.panels:
             panel.show(row)
         t, slowed = self.shown.t[row], self.shown.slowed[row]
-        self.clock.set_text(f"t = {t:+.3f} units of time; near flat the clock is slowed: {slowed:4.1f} times")
+        unit = times_of(self.shown.disk)
+        self.clock.set_text(f"t = {t:+.3f} ({unit}); near flat the clock is slowed: {slowed:4.1f} times")
 
     def image(self, row: int) -> Image.Image:
         """Row `row` as a picture."""
@@ -114,8 +117,34 @@ class Scene:
 def animate(path: Path | str, disk: Disk, *, frames: int = FRAMES, **options: Any) -> Film:
     """Write a GIF of the disk from the vertical to nearly flat and back, eta_hat > 0 and < 0 side by side.
 
-    options: eta_hat, sigma3_bar, phidot as for `explorer.film.film`, whose data are returned. Between
-    frames time goes on in proportion to cos(phi): the race fills many frames. Section 7 of the paper.
+    Parameters
+    ----------
+    path : Path or str
+        File to write; its name ends in .gif.
+    disk : Disk
+    frames : int
+        Between frames time goes on in proportion to cos(phi), so that the race fills many of them.
+    **options
+        eta_hat, sigma3_bar and phidot as for `explorer.portrait.film.film`.
+
+    Returns
+    -------
+    Film
+        The data that were drawn.
+
+    Raises
+    ------
+    InputError
+        Where the path or an option cannot be used.
+
+    References
+    ----------
+    Section 7 of the paper.
+
+    Examples
+    --------
+    >>> from explorer import Disk, plot
+    >>> shown = plot.animate("fall.gif", Disk.uniform())  # doctest: +SKIP
     """
     where = Path(path)
     if where.suffix.lower() != ".gif":
@@ -123,8 +152,8 @@ def animate(path: Path | str, disk: Disk, *, frames: int = FRAMES, **options: An
     if not where.parent.is_dir():
         raise InputError(f"path = {str(path)!r}: there is no folder {str(where.parent)!r}; make it first")
     shown = film(disk, frames=frames, **options)
-    scene = Scene(shown)
-    pictures = [scene.image(int(row)) for row in shown.frames]
+    stage = Stage(shown)
+    pictures = [stage.image(int(row)) for row in shown.frames]
     # One palette for all frames, from one in the middle of the race: colours must not flicker.
     palette = pictures[len(pictures) // 2].quantize(_COLOURS)
     reduced = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]

@@ -1,6 +1,6 @@
-"""Pictures of the falling set: integrated tilt in colour, the exact set as lines."""
+"""Pictures of the falling set: the smallest tilt in colour, the exact set as lines."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,6 +8,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from explorer.measure.log_counts import LogCounts
+from explorer.motion.plan import method_in_words
 from explorer.phase.states import Array
 from explorer.plot.style import (
     DARK,
@@ -17,93 +18,162 @@ from explorer.plot.style import (
     TEXT,
     TILT_COLOURS,
     axes_or_new,
-    axis_label,
+    coordinate_label,
     dress,
     legend,
+    rates_of,
+    values_label,
 )
+from explorer.portrait.slices import ConstantsPlane, SliceMap
 
-if TYPE_CHECKING:
-    from explorer.portrait.slices import ConstantsPlane, SliceMap
-
-_FLATTEST = -3.0  # colours end at theta_min = 1e-3 rad
-
-
-# Gaps let the valley show through the exact line that lies on it.
-_FALLS = (0, (8, 5))
+_FLATTEST = -3.0  # colours end at theta_min = 1e-3 rad: a picture resolves no narrower valley
+_FALLS = (0, (8, 5))  # gaps let the valley show through the exact line that lies on it
+_EDGES = {1: (0, (4, 4)), -1: (4, (4, 4))}  # where both edges coincide, each shows in the gaps of the other
+_FEWEST = 100  # samples that a guide of slope one is drawn through
 
 
-def _colour_tilt(ax: Axes, x: Array, y: Array, theta: Array) -> None:
+def _colour_tilt(ax: Axes, x: Array, y: Array, theta: Array, method: str) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
         tilt = np.clip(np.log10(theta), _FLATTEST, None)
     mesh = ax.pcolormesh(
         x, y, tilt, cmap=TILT_COLOURS, vmin=_FLATTEST, vmax=np.log10(0.5 * np.pi), rasterized=True
     )
     bar = ax.figure.colorbar(mesh, ax=ax)
-    bar.set_label(r"$\log_{10}\,\theta_{\min}$ (rad), integrated", fontsize=TEXT)
+    bar.set_label(rf"$\log_{{10}}\,\theta_{{\min}}$ (rad), {method_in_words(method)}", fontsize=TEXT)
     bar.ax.tick_params(labelsize=SMALL)
 
 
-def constants_plane(plane: "ConstantsPlane", ax: Axes | None = None) -> Axes:
-    """All samples of a run over the plane of constants: the flattest motion per cell, and l_+-."""
+def constants_plane(plane: ConstantsPlane, ax: Axes | None = None) -> Axes:
+    """Draw all samples of a run over the plane of constants: the flattest motion per cell, and both lines l_+-.
+
+    Parameters
+    ----------
+    plane : ConstantsPlane
+        From a run of scene falling-set.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Colours are log10 theta_min (theta_min in rad), the axes are sigma3_bar and sigma4_bar.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from explorer import Disk, plot
+    >>> from explorer.portrait.slices import ConstantsPlane
+    >>> edges = np.linspace(-2.0, 2.0, 4)
+    >>> plane = ConstantsPlane(Disk.uniform(), edges, edges, np.full((3, 3), 0.1), 0.7286, "quadrature")
+    >>> [line.get_label() for line in plot.constants_plane(plane).lines]
+    ['$l_+$, exact', '$l_-$, exact']
+    """
     ax = axes_or_new(ax)
-    _colour_tilt(ax, plane.sigma3_edges, plane.sigma4_edges, plane.smallest)
+    _colour_tilt(ax, plane.sigma3_edges, plane.sigma4_edges, plane.smallest, plane.method)
     ends = plane.sigma3_edges[[0, -1]]
     ax.plot(ends, plane.slope * ends, color=PLUS, lw=1.5, ls=_FALLS, label=r"$l_+$, exact")
     ax.plot(ends, -plane.slope * ends, color=MINUS, lw=1.5, ls=_FALLS, label=r"$l_-$, exact")
     ax.set_xlim(*ends)
     ax.set_ylim(*plane.sigma4_edges[[0, -1]])
     legend(ax, loc="upper center", ncols=2)
-    unit = "(rad per unit of time)"
+    unit = rates_of(plane.disk)
     return dress(
         ax,
-        rf"$\bar\sigma_3$ {unit}",
-        rf"$\bar\sigma_4$ {unit}",
+        rf"$\bar\sigma_3$ ({unit})",
+        rf"$\bar\sigma_4$ ({unit})",
         f"Flattest motion among the samples, {plane.disk.name} disk",
     )
 
 
-def slice_map(found: "SliceMap", ax: Axes | None = None) -> Axes:
-    """theta_min on a slice of the phase space with the exact falling set drawn over it."""
+def slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
+    """Draw theta_min on a slice of the phase space, and the exact falling set over it.
+
+    Parameters
+    ----------
+    cut : SliceMap
+        From `explorer.portrait.slices.map_slice`.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Colours are log10 theta_min (theta_min in rad). Broken lines are F on face + and on face -, dotted ones
+        are eta = 0 where the disk would not fall, thin ones the edge between the two.
+
+    Examples
+    --------
+    >>> from explorer import Disk, plot
+    >>> from explorer.portrait.slices import Slice, map_slice
+    >>> disk = Disk.uniform()
+    >>> ax = plot.slice_map(map_slice(disk, Slice.defaults(disk)[0], 21))
+    >>> ax.figure.axes[1].get_ylabel().rpartition(", ")[2]
+    'by quadrature'
+    """
     ax = axes_or_new(ax)
-    _colour_tilt(ax, found.x, found.y, found.theta_min)
-    handles: list[Any] = []
-    for distance, could, colour, name, edge_style in (
-        (found.distance_plus, found.could_fall_plus, PLUS, "+", (0, (4, 4))),
-        (found.distance_minus, found.could_fall_minus, MINUS, "-", (4, (4, 4))),
-    ):
-        falls = _zero_line(ax, found, distance, could, colour, _FALLS, 1.5)
-        stays = _zero_line(ax, found, distance, ~could, colour, ":", 1.3)
-        edge = bool(could.any() and not could.all())
-        if edge:
-            ax.contour(found.x, found.y, could, [0.5], colors=colour, linewidths=0.8, linestyles=[edge_style])
-        for label, style, width, shown in (
-            (rf"$F$, side ${name}$", _FALLS, 1.5, falls),
-            (rf"$\eta_{name}=0$, no fall", ":", 1.3, stays),
-            (rf"could fall: edge, ${name}$", (0, (4, 4)), 0.8, edge),
-        ):
-            if shown:
-                handles.append(Line2D([], [], color=colour, ls=style, lw=width, label=label))
+    _colour_tilt(ax, cut.x, cut.y, cut.theta_min, cut.method)
+    handles = [
+        *_falling_set(ax, cut, 1, cut.distance_plus, cut.could_fall_plus),
+        *_falling_set(ax, cut, -1, cut.distance_minus, cut.could_fall_minus),
+    ]
     if handles:
         legend(ax, handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)
-    fixed = ", ".join(f"{axis_label(key).split(' ')[0]} = {value:g}" for key, value in found.slice.fixed.items())
-    first, second = found.slice.axes
-    return dress(ax, axis_label(first), axis_label(second), f"Where the disk falls: slice {fixed}")
+    first, second = (coordinate_label(name, cut.disk) for name in cut.slice.axes)
+    return dress(ax, first, second, f"Where the disk falls: slice {values_label(cut.slice.fixed)}")
 
 
-def _zero_line(
-    ax: Axes, found: "SliceMap", distance: Array, mask: NDArray[np.bool_], colour: str, style: Any, width: float
-) -> bool:
-    """Draw distance = 0 where the mask holds; True if anything was drawn."""
-    kept = np.where(mask, distance, np.nan)
-    finite = kept[np.isfinite(kept)]
-    if finite.size == 0 or finite.min() > 0.0 or finite.max() < 0.0:
-        return False
-    lines = ax.contour(found.x, found.y, kept, [0.0], colors=colour, linewidths=width, linestyles=[style])
-    return any(np.size(path.vertices) for path in lines.get_paths())
+def _falling_set(ax: Axes, cut: SliceMap, face: int, distance: Array, could: NDArray[np.bool_]) -> list[Line2D]:
+    """Draw eta = 0 on one face, and return what the legend says of it."""
+    colour, name = (PLUS, "+") if face > 0 else (MINUS, "-")
+    styles: list[tuple[str, Any, float]] = []
+    for mask, label, style, width in (
+        (could, rf"$F$, face ${name}$", _FALLS, 1.5),
+        (~could, rf"$\eta_{name}=0$, no fall", ":", 1.3),
+    ):
+        kept = np.where(mask, distance, np.nan)
+        look: dict[str, Any] = {"colors": colour, "linewidths": width, "linestyles": [style]}
+        if _has_zero(kept) and any(
+            np.size(path.vertices) for path in ax.contour(cut.x, cut.y, kept, [0.0], **look).get_paths()
+        ):
+            styles.append((label, style, width))
+    if could.any() and not could.all():
+        ax.contour(cut.x, cut.y, could, [0.5], colors=colour, linewidths=0.8, linestyles=[_EDGES[face]])
+        styles.append((rf"would fall if $\eta_{name}$ were 0: edge", _EDGES[1], 0.8))
+    return [Line2D([], [], color=colour, ls=style, lw=width, label=label) for label, style, width in styles]
+
+
+def _has_zero(values: Array) -> bool:
+    """Whether values that are not NaN change their sign; matplotlib warns of contours that are not there."""
+    finite = values[np.isfinite(values)]
+    return finite.size > 0 and finite.min() <= 0.0 <= finite.max()
 
 
 def theta_min_distribution(theta: LogCounts, samples: int, ax: Axes | None = None) -> Axes:
-    """Share of `samples` that come flatter than delta, and the slope one of codimension one."""
+    """Draw the share of samples that come flatter than delta, and a guide of slope one: codimension one.
+
+    Parameters
+    ----------
+    theta : LogCounts
+        Counts of theta_min (rad).
+    samples : int
+        Number of all samples, also of those whose theta_min was not computed.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        delta (rad) and the share, both logarithmic.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from explorer import plot
+    >>> from explorer.measure.log_counts import LogCounts
+    >>> ax = plot.theta_min_distribution(LogCounts.of(np.geomspace(1e-5, 1.0, 500)), 1000)
+    >>> float(ax.lines[0].get_ydata()[-1])
+    0.5
+    """
     ax = axes_or_new(ax)
     if not theta.counts.any():
         ax.text(0.5, 0.5, "no sample was computed", ha="center", transform=ax.transAxes, fontsize=TEXT)
@@ -111,7 +181,7 @@ def theta_min_distribution(theta: LogCounts, samples: int, ax: Axes | None = Non
     values, below = theta.cumulative()
     share = below / samples
     ax.loglog(values, share, color=PLUS, lw=2, label="samples")
-    if theta.total > 100:
+    if theta.total > _FEWEST:
         middle = int(np.searchsorted(below, theta.total // 100))
         guide = np.array([values[0], values[middle]])
         ax.loglog(

@@ -13,7 +13,26 @@ _SHARE = r"$P(\theta_{\min} < \delta)$"
 
 
 def falling_ladder(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """Estimates with intervals over the ladder, the line C delta, and laws that it is not."""
+    """Draw estimates of P(theta_min < delta) with intervals, the line C delta, and laws that it is not.
+
+    Parameters
+    ----------
+    summary : dict
+        Of a run of scene measure-zero.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        delta (rad) and the probability, both logarithmic; the broken line bounds the probability of falling.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> run = ex.run("measure-zero", out="zero", samples=10_000)  # doctest: +SKIP
+    >>> ax = ex.plot.falling_ladder(run.summary)  # doctest: +SKIP
+    """
     ax = axes_or_new(ax)
     rows = summary["ladder"]
     delta = np.array([row["delta"] for row in rows])
@@ -28,9 +47,10 @@ def falling_ladder(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
         for name, (colour, style, label) in styles.items():
             shares = wrong_laws(constant, top)[name](delta)
             ax.loglog(delta[shares < 1.0], shares[shares < 1.0], color=colour, ls=style, lw=1.6, label=label)
-    _points(ax, rows, "estimate", "interval_95_simultaneous", PLUS, "o", "tubes, 95 % (all at once)")
-    hits = [{"delta": row["delta"], **row["plain"]} for row in rows if row["count"]]
-    _points(ax, hits, "value", "interval_95", MINUS, "s", f"{summary['samples']:,} plain draws, 95 %")
+    tubes = [(row["delta"], row["estimate"], row["interval_95_simultaneous"]) for row in rows]
+    _points(ax, tubes, PLUS, "o", "tubes, 95 % (all at once)")
+    hits = [(row["delta"], row["plain"]["value"], row["plain"]["interval_95"]) for row in rows if row["count"]]
+    _points(ax, hits, MINUS, "s", f"{summary['samples']:,} plain draws, 95 %")
     bound = summary["upper_bound_95"]
     ax.axhline(bound, color=MINUS, lw=1.0, ls="-.")
     ax.annotate(
@@ -49,34 +69,53 @@ def falling_ladder(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
 
 
 def ladder_ratio(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """The ladder over its line: what an error of some percent in C would look like."""
+    """Draw the estimates over their line C delta, where an error of some percent in C can be seen.
+
+    Parameters
+    ----------
+    summary : dict
+        Of a run of scene measure-zero.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        delta (rad), logarithmic, and P / (C delta); shaded where the law is tested.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> run = ex.run("measure-zero", out="zero", samples=10_000)  # doctest: +SKIP
+    >>> ax = ex.plot.ladder_ratio(run.summary)  # doctest: +SKIP
+    """
     ax = axes_or_new(ax)
     constant = summary["constant_predicted"]
     rows = []
     for row in summary["ladder"]:
         unit = constant * row["delta"]
         ends = [end / unit for end in row["interval_95_simultaneous"]]
-        rows.append({"delta": row["delta"], "ratio": row["estimate"] / unit, "ends": ends})
+        rows.append((row["delta"], row["estimate"] / unit, ends))
     ax.set_xscale("log")
     ax.axhline(1.0, color=DARK, lw=1.2)
     ax.axhline(1.0 + OFF, color=FOURTH, lw=1.4, ls=":", label=f"not: $C$ off by {100 * OFF:.0f} %")
     ax.axvspan(summary["ladder"][-1]["delta"] / 3.0, 2.0 * summary["law_limit"], color=DARK, alpha=0.06, lw=0)
-    _points(ax, rows, "ratio", "ends", PLUS, "o", "tubes, 95 % (all at once)")
-    reach = max(1.5 * OFF, 1.3 * max(abs(end - 1.0) for row in rows[4:] or rows for end in row["ends"]))
+    _points(ax, rows, PLUS, "o", "tubes, 95 % (all at once)")
+    # The first four rungs lie above the range of the law and may leave the picture.
+    reach = max(1.5 * OFF, 1.3 * max(abs(end - 1.0) for _, _, ends in rows[4:] or rows for end in ends))
     ax.set_ylim(1.0 - reach, 1.0 + reach)
     legend(ax, loc="lower left")
     ax.grid(alpha=0.3)
     return dress(ax, r"$\delta$ (rad)", r"$P / (C\,\delta)$", "The same over its line; tested where shaded")
 
 
-def _points(ax: Axes, rows: list[Any], value: str, interval: str, colour: str, marker: str, label: str) -> None:
+def _points(ax: Axes, rows: list[Any], colour: str, marker: str, label: str) -> None:
+    """Draw rows of delta, estimate and interval; an estimate of zero has no place on a logarithmic axis."""
     if not rows:
         return
-    x = np.array([row["delta"] for row in rows])
-    y = np.array([row[value] for row in rows])
-    low, high = np.array([row[interval] for row in rows]).T
+    x, y, ends = (np.array(column) for column in zip(*rows, strict=True))
     shown = y > 0.0
-    spread = np.maximum(np.stack([y - low, high - y]), 0.0)[:, shown]
+    spread = np.maximum(np.stack([y - ends[:, 0], ends[:, 1] - y]), 0.0)[:, shown]
     look: dict[str, Any] = {"fmt": marker, "color": colour, "ms": 5, "mfc": "none", "mew": 1.3, "capsize": 2}
     ax.errorbar(x[shown], y[shown], spread, lw=1.2, label=label, **look)
 
@@ -86,7 +125,26 @@ def _bars(ax: Axes, x: Any, y: Any, spread: Any, label: str) -> None:
 
 
 def constant_convergence(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """The estimate of C against the number of draws, with the prediction."""
+    """Draw how the estimate of C settles with the number of draws, beside the prediction.
+
+    Parameters
+    ----------
+    summary : dict
+        Of a run of scene measure-zero.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Draws in tubes, logarithmic, and the estimate over the prediction less one.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> run = ex.run("measure-zero", out="zero", samples=10_000)  # doctest: +SKIP
+    >>> ax = ex.plot.constant_convergence(run.summary)  # doctest: +SKIP
+    """
     ax = axes_or_new(ax)
     rows, predicted = summary["convergence"], summary["constant_predicted"]
     draws = np.array([row["draws"] for row in rows])
@@ -107,11 +165,30 @@ def constant_convergence(summary: dict[str, Any], ax: Axes | None = None) -> Axe
 
 
 def tilt_density(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """theta_min / delta of the hits against the constant density that the law predicts."""
+    """Draw theta_min / delta of the hits beside the constant density that the law predicts.
+
+    Parameters
+    ----------
+    summary : dict
+        Of a run of scene measure-zero.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        theta_min / delta and the density, both dimensionless.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> run = ex.run("measure-zero", out="zero", samples=10_000)  # doctest: +SKIP
+    >>> ax = ex.plot.tilt_density(run.summary)  # doctest: +SKIP
+    """
     ax = axes_or_new(ax)
-    found = summary["splits"]["tilt"]
+    tilt = summary["splits"]["tilt"]
     middle = (np.arange(SHAPE_BINS) + 0.5) / SHAPE_BINS
-    share, error = np.array(found["share"]) * SHAPE_BINS, np.array(found["error"]) * SHAPE_BINS
+    share, error = np.array(tilt["share"]) * SHAPE_BINS, np.array(tilt["error"]) * SHAPE_BINS
     ax.axhline(1.0, color=DARK, lw=1.2, label="predicted")
     _bars(ax, middle, share, 1.96 * error, "draws, 95 %")
     legend(ax, loc="upper right")

@@ -1,25 +1,52 @@
 """Pictures of the two one-sided limit motions."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from explorer.plot.style import DARK, DISK_COLOURS, MARKERS, SIGN_COLOURS, SMALL, axes_or_new, dress, legend
-
-if TYPE_CHECKING:
-    from explorer.portrait.both_sides import BothSides
+from explorer.plot.style import (
+    DARK,
+    DISK_COLOURS,
+    MARKERS,
+    SIGN_COLOURS,
+    SMALL,
+    axes_or_new,
+    dress,
+    legend,
+    times_of,
+)
+from explorer.portrait.both_sides import BothSides
 
 _SIDES = {1: r"\eta > 0", -1: r"\eta < 0"}
 
 
 def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """Distance to the limit motion of the same side against |eta_hat|, for each disk."""
+    """Draw the distance to the limit motion of the same side against |eta_hat|, for each disk.
+
+    Parameters
+    ----------
+    summary : dict
+        Of a run of scene one-sided.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        |eta_hat| and the median of the distance over the starts, with the law eta ln(1/eta).
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> run = ex.run("one-sided", out="sides", samples=4)  # doctest: +SKIP
+    >>> ax = ex.plot.one_sided_distance(run.summary)  # doctest: +SKIP
+    """
     ax = axes_or_new(ax)
     smallest, largest = np.inf, 0.0
-    for index, (name, found) in enumerate(summary["disks"].items()):
+    for index, (name, per_disk) in enumerate(summary["disks"].items()):
         for sign, filled in (("plus", True), ("minus", False)):
-            rows = [row for row in found["distances"] if f"median_{sign}" in row]
+            rows = [row for row in per_disk["distances"] if f"median_{sign}" in row]
             eta = np.array([row["eta_hat"] for row in rows])
             if eta.size == 0:
                 continue
@@ -41,14 +68,34 @@ def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     ax.grid(alpha=0.3)
     return dress(
         ax,
-        r"$|\hat\eta|$ (rad per unit of time)",
+        r"$|\hat\eta|$ (units of each disk)",
         "distance to the limit motion (rad or radii)",
         "Each side has its limit: median over starts, away from impacts",
     )
 
 
-def one_sided_phi(both: "BothSides", ax: Axes | None = None) -> Axes:
-    """The tilt phi(t) beside F and on both limits: they are the same."""
+def one_sided_phi(both: BothSides, ax: Axes | None = None) -> Axes:
+    """Draw the tilt phi(t) beside F and on the limits: it is the same on both sides.
+
+    Parameters
+    ----------
+    both : BothSides
+        From `explorer.portrait.both_sides.both_sides`.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Time and phi (rad).
+
+    Examples
+    --------
+    >>> from explorer import Disk, plot
+    >>> from explorer.portrait.both_sides import both_sides
+    >>> plot.one_sided_phi(both_sides(Disk.hoop(), (1.0, 1.0, 1))).get_title()
+    'Beside F: hoop'
+    """
     ax = axes_or_new(ax)
     for sign, colour in SIGN_COLOURS.items():
         ax.plot(both.t, both.motions[sign]["phi"], color=colour, lw=1.6, ls="-" if sign > 0 else "--")
@@ -57,11 +104,31 @@ def one_sided_phi(both: "BothSides", ax: Axes | None = None) -> Axes:
         ax.axhline(flat, color=DARK, lw=0.6)
     ax.set_yticks([-0.5 * np.pi, 0.0, 0.5 * np.pi], [r"flat, $-\pi/2$", "vertical", r"flat, $\pi/2$"])
     legend(ax, loc="best")
-    return dress(ax, "t (units of time)", r"$\varphi$ (rad)", f"Beside F: {both.disk.name}")
+    return dress(ax, f"t ({times_of(both.disk)})", r"$\varphi$ (rad)", f"Beside F: {both.disk.name}")
 
 
-def one_sided_chi(both: "BothSides", ax: Axes | None = None) -> Axes:
-    """The angle of contact chi(t) beside F and on both limits, with each jump's size."""
+def one_sided_chi(both: BothSides, ax: Axes | None = None) -> Axes:
+    """Draw the angle of contact chi(t) beside F and on both limits, with the size of the jump.
+
+    Parameters
+    ----------
+    both : BothSides
+        From `explorer.portrait.both_sides.both_sides`.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Time and chi (rad); vertical lines are the impacts of the limits.
+
+    Examples
+    --------
+    >>> from explorer import Disk, plot
+    >>> from explorer.portrait.both_sides import both_sides
+    >>> plot.one_sided_chi(both_sides(Disk.hoop(), (1.0, 1.0, 1))).get_ylabel()
+    '$\\\\chi$ (rad)'
+    """
     ax = axes_or_new(ax)
     for sign, colour in SIGN_COLOURS.items():
         ax.plot(
@@ -70,7 +137,7 @@ def one_sided_chi(both: "BothSides", ax: Axes | None = None) -> Axes:
             color=colour,
             lw=1.6,
             ls="-" if sign > 0 else "--",
-            label=rf"${_SIDES[sign]}$: $\hat\eta$ = {sign * both.eta_hat:g}",
+            label=_side_label(both, sign),
         )
         ax.plot(both.t, both.limits[sign].chi, color=DARK, lw=0.9, ls=":", label="its limit" if sign > 0 else None)
     for number, time in enumerate(both.impacts):
@@ -85,33 +152,48 @@ def one_sided_chi(both: "BothSides", ax: Axes | None = None) -> Axes:
                 fontsize=SMALL,
             )
     legend(ax, loc="upper left")
-    return dress(ax, "t (units of time)", r"$\chi$ (rad)")
+    return dress(ax, f"t ({times_of(both.disk)})", r"$\chi$ (rad)")
 
 
-def contact_paths(both: "BothSides", ax: Axes | None = None) -> Axes:
-    """The contact point's path on the floor seen from above, from both sides of F."""
+def contact_paths(both: BothSides, ax: Axes | None = None) -> Axes:
+    """Draw the path of the contact point on the table seen from above, on both sides of F.
+
+    Parameters
+    ----------
+    both : BothSides
+        From `explorer.portrait.both_sides.both_sides`.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Both axes in radii of the disk; dotted lines are the limit motions, in pieces between their impacts.
+
+    Examples
+    --------
+    >>> from explorer import Disk, plot
+    >>> from explorer.portrait.both_sides import both_sides
+    >>> plot.contact_paths(both_sides(Disk.matching(), (1.0, 1.0, 1))).get_title()
+    'Path of the contact point, matching: limits the same'
+    """
     ax = axes_or_new(ax)
     r = both.disk.r
     for sign, colour in SIGN_COLOURS.items():
         x, y, _ = (both.motions[sign]["contact"] / r).T
-        style = "-" if sign > 0 else "--"
-        ax.plot(
-            x, y, color=colour, lw=1.6, ls=style, label=rf"${_SIDES[sign]}$: $\hat\eta$ = {sign * both.eta_hat:g}"
-        )
+        ax.plot(x, y, color=colour, lw=1.6, ls="-" if sign > 0 else "--", label=_side_label(both, sign))
         ax.plot(x[-1], y[-1], marker=">", color=colour, ms=8)
-        before = both.limits[sign]
         pieces = np.split(np.arange(both.t.size), np.searchsorted(both.t, both.impacts))
         for number, piece in enumerate(pieces):
-            limit = before.contact[piece] / r
+            limit = both.limits[sign].contact[piece] / r
             label = "limit motion" if sign > 0 and number == 0 else None
             ax.plot(limit[:, 0], limit[:, 1], color=DARK, lw=0.9, ls=":", label=label)
     ax.plot(0.0, 0.0, marker="o", color=DARK, ms=6, label="start")
     ax.set_aspect("equal", adjustable="datalim")
     legend(ax, loc="best")
     differ = "the same" if both.disk.gap < 1e-9 else f"{both.disk.gap:.3f} rad apart per fall"
-    return dress(
-        ax,
-        "x (radii)",
-        "y (radii)",
-        f"Path of the contact point, {both.disk.name}: limits {differ}",
-    )
+    return dress(ax, "x (radii)", "y (radii)", f"Path of the contact point, {both.disk.name}: limits {differ}")
+
+
+def _side_label(both: BothSides, sign: int) -> str:
+    return rf"${_SIDES[sign]}$: $\hat\eta$ = {sign * both.eta_hat:g}"

@@ -9,13 +9,32 @@ from matplotlib.colors import LogNorm
 
 from explorer.measure.log_counts import CELLS_PER_DECADE
 from explorer.phase.disk import Disk
-from explorer.plot.style import DARK, MINUS, PLUS, axes_or_new, dress, legend
+from explorer.plot.style import DARK, MINUS, PLUS, axes_or_new, dress, legend, rates_of
 
 _JOINED = 5  # bins of the summary that make one of the picture
 
 
 def race_histogram(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """Race angles of both signs of eta on a logarithmic count, with +-kappa pi drawn in."""
+    """Draw the race angles on both sides of F, with +-kappa pi.
+
+    Parameters
+    ----------
+    summary : dict
+        Of a run of scene race-angles.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Race angle (rad) and passages per bin, logarithmic; eta > 0 in blue, eta < 0 in vermilion.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> run = ex.run("race-angles", out="races", samples=10_000)  # doctest: +SKIP
+    >>> ax = ex.plot.race_histogram(run.summary)  # doctest: +SKIP
+    """
     ax = axes_or_new(ax)
     edges = np.array(summary["histogram"]["edges"])
     limit = summary["limit"]
@@ -42,10 +61,29 @@ def race_histogram(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
 def race_deviation(
     disk: Disk, cells: Mapping[tuple[int, int], int], impact_speed: float, ax: Axes | None = None
 ) -> Axes:
-    """How far race angles are from their limit against |eta_hat|, with the law eta ln(1/eta).
+    """Draw how far race angles are from their limit against |eta_hat|, with the law eta ln(1/eta).
 
-    cells: how many samples lie in each cell (i, j) of explorer.tallies.count_cells. The law is drawn for
-    one impact speed (units of the disk), best the samples' median.
+    Parameters
+    ----------
+    disk : Disk
+    cells : mapping of (int, int) to int
+        How many samples lie in each cell (i, j) of `explorer.measure.log_counts.count_cells`.
+    impact_speed : float
+        For which the law is drawn, rad per unit of time; best the samples' median.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        |eta_hat| and the distance from +-kappa pi (rad), both logarithmic; passages per cell in colour.
+
+    Examples
+    --------
+    >>> from explorer import Disk, plot
+    >>> ax = plot.race_deviation(Disk.uniform(), {(-48, -36): 10, (-24, -12): 20}, 1.8)
+    >>> ax.get_yscale()
+    'log'
     """
     ax = axes_or_new(ax)
     ax.set_xscale("log")
@@ -61,13 +99,13 @@ def race_deviation(
         ax.figure.colorbar(drawn, ax=ax).set_label("passages per cell")
         span = np.geomspace(x[0], x[-1], 100)
     b = disk.body
-    natural = disk.eta_hat_to_eta(span / disk.rate_unit)
-    law = 2.0 / (b.I1 * b.M * (impact_speed / disk.rate_unit) ** 3) * natural * np.log(1.0 / natural)
+    eta = disk.eta_hat_to_eta(span / disk.rate_unit)
+    law = 2.0 / (b.I1 * b.M * (impact_speed / disk.rate_unit) ** 3) * eta * np.log(1.0 / eta)
     ax.plot(span, law, color=MINUS, lw=1.8, label=r"$\frac{2mgr}{I_1MA^3}\,\eta\,\ln(1/\eta)$, median $A$")
     legend(ax, loc="lower right")
     return dress(
         ax,
-        r"$|\hat\eta|$ (rad per unit of time)",
+        rf"$|\hat\eta|$ ({rates_of(disk)})",
         r"$|\Delta\chi$ - fall angle $\mp\,\kappa\pi|$ (rad)",
         f"Distance of the race angle from its limit, {disk.name} disk",
     )

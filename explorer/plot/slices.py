@@ -1,6 +1,4 @@
-"""Slices of the phase space coloured by tilt and by the way the contact point races."""
-
-from typing import TYPE_CHECKING
+"""Slices of the phase space coloured by tilt and by the side of F: which way the contact point races."""
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -11,44 +9,73 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from explorer.phase.states import Array
-from explorer.plot.style import DARK, MINUS, PLUS, SMALL, TEXT, axes_or_new, axis_label, dress, legend
-
-if TYPE_CHECKING:
-    from explorer.portrait.slices import RaceSlice
+from explorer.plot.style import (
+    DARK,
+    MINUS,
+    PLUS,
+    SMALL,
+    TEXT,
+    axes_or_new,
+    coordinate_label,
+    dress,
+    legend,
+    values_label,
+)
+from explorer.portrait.slices import SliceMap
 
 _FLATTEST = -3.0  # the two colours meet at theta_min = 1e-3 rad
 _TOP = float(np.log10(0.5 * np.pi))
 _NEVER = "#A8A8A8"
 # Strongest where flattest, and there the two meet: F is the edge between them.
-_WAYS = LinearSegmentedColormap.from_list(
-    "ways", [(0.0, "#FBEDE2"), (0.5, MINUS), (0.5, PLUS), (1.0, "#E6F1F8")], N=512
+_SIDES = LinearSegmentedColormap.from_list(
+    "sides", [(0.0, "#FBEDE2"), (0.5, MINUS), (0.5, PLUS), (1.0, "#E6F1F8")], N=512
 ).with_extremes(bad=_NEVER)
 
 
-def signed_tilt(found: "RaceSlice") -> Array:
-    """way times log theta_min on a scale from 0 (1e-3 rad or flatter) to 1 (pi/2); NaN where it never falls."""
+def signed_tilt(cut: SliceMap) -> Array:
+    """side times log theta_min on a scale from 0 (1e-3 rad or flatter) to 1 (pi/2); NaN where it never falls."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        height = np.clip((np.log10(found.map.theta_min) - _FLATTEST) / (_TOP - _FLATTEST), 1e-9, 1.0)
-    return np.where(found.way == 0, np.nan, found.way * height)
+        height = np.clip((np.log10(cut.theta_min) - _FLATTEST) / (_TOP - _FLATTEST), 1e-9, 1.0)
+    return np.where(cut.side == 0, np.nan, cut.side * height)
 
 
-def race_slice_map(found: "RaceSlice", ax: Axes | None = None) -> Axes:
-    """Which way the contact point races and how flat the disk comes; F is the edge of blue and vermilion."""
+def race_slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
+    """Draw to which side the contact point races and how flat the disk comes; F is the edge of blue and vermilion.
+
+    Parameters
+    ----------
+    cut : SliceMap
+        From `explorer.portrait.slices.map_slice`.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Blue where eta > 0 on the nearer face, vermilion where eta < 0, the stronger the smaller theta_min; grey
+        where the disk would not fall on that face even if eta were exactly 0.
+
+    Examples
+    --------
+    >>> from explorer import Disk, plot
+    >>> from explorer.portrait.slices import Slice, map_slice
+    >>> disk = Disk.uniform()
+    >>> plot.race_slice_map(map_slice(disk, Slice.defaults(disk)[0], 21)).get_xlabel()
+    '$\\\\sigma_3$ ($\\\\sqrt{g/r}$)'
+    """
     ax = axes_or_new(ax)
-    at = found.map
-    mesh = ax.pcolormesh(at.x, at.y, signed_tilt(found), cmap=_WAYS, vmin=-1.0, vmax=1.0, rasterized=True)
+    mesh = ax.pcolormesh(cut.x, cut.y, signed_tilt(cut), cmap=_SIDES, vmin=-1.0, vmax=1.0, rasterized=True)
     _tilt_bar(ax, mesh)
     handles: list[Artist] = []
-    if (found.way == 0).any():
-        handles.append(Patch(color=_NEVER, label="cannot fall there"))
-    if found.face.min() < found.face.max():
-        ax.contour(at.x, at.y, found.face, [0.0], colors=DARK, linewidths=0.9, linestyles=":")
-        handles.append(Line2D([], [], color=DARK, lw=0.9, ls=":", label="the other flat side is nearer"))
+    if (cut.side == 0).any():
+        handles.append(Patch(color=_NEVER, label=r"would not fall if $\eta$ were 0"))
+    if cut.face.min() < cut.face.max():
+        ax.contour(cut.x, cut.y, cut.face, [0.0], colors=DARK, linewidths=0.9, linestyles=":")
+        handles.append(Line2D([], [], color=DARK, lw=0.9, ls=":", label="the other face is nearer"))
     if handles:
         legend(ax, handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)
-    fixed = ", ".join(f"{axis_label(key).split(' ')[0]} = {value:g}" for key, value in at.slice.fixed.items())
-    first, second = at.slice.axes
-    return dress(ax, axis_label(first), axis_label(second), f"$F$ is where the strong colours meet: {fixed}")
+    first, second = (coordinate_label(name, cut.disk) for name in cut.slice.axes)
+    return dress(ax, first, second, f"$F$ is where the strong colours meet: {values_label(cut.slice.fixed)}")
 
 
 def _tilt_bar(ax: Axes, mesh: ScalarMappable) -> None:

@@ -10,9 +10,25 @@ from explorer.plot.style import DARK, DISK_COLOURS, MARKERS, SMALL, axes_or_new,
 
 
 def work_precision(rows: Sequence[Any], ax: Axes | None = None) -> Axes:
-    """Time per passage against the 99th percentile of the error, a line per method, the front in grey.
+    """Draw time per passage against the 99th percentile of the error, a line per method, the front in grey.
 
-    rows: of explorer.trade.trade.
+    Parameters
+    ----------
+    rows : sequence of Row
+        From `explorer.commands.trade.trade`.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Error (rad; of times, relative), falling to the right, and nanoseconds, both logarithmic.
+
+    Examples
+    --------
+    >>> from explorer import Disk, plot
+    >>> from explorer.commands.trade import trade
+    >>> ax = plot.work_precision(trade(Disk.uniform(), 1024))  # doctest: +SKIP
     """
     ax = axes_or_new(ax)
     front = sorted((row.p99, row.nanoseconds) for row in rows if row.on_front)

@@ -1,28 +1,49 @@
 """Pictures of where the disk goes: rosettes, and the resonances that walk away."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from explorer.phase.disk import Disk
 from explorer.phase.states import Array
-from explorer.plot.style import DARK, DISK_COLOURS, MINUS, PLUS, SIZE, axes_or_new, dress, legend
+from explorer.plot.style import DARK, DISK_COLOURS, MINUS, PLUS, SIZE, axes_or_new, dress, legend, rates_of
+from explorer.portrait.wander import Wander, WanderPath
 
-if TYPE_CHECKING:
-    from explorer.portrait.wander import Wander, WanderPath
-
-_BOUNDED = 1e6  # radii; larger circles are drawn as none
+_BOUNDED = 1e6  # radii; a larger circle is straight in any picture, so none is drawn
 
 
-def wander_path(found: "WanderPath", ax: Axes | None = None) -> Axes:
-    """Paths of the contact point and the centre seen from above, with the centre after each period."""
+def wander_path(path: WanderPath, ax: Axes | None = None) -> Axes:
+    """Draw the paths of the contact point and of the centre seen from above.
+
+    Parameters
+    ----------
+    path : WanderPath
+        From `explorer.portrait.wander.wander_path`.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Both axes in radii of the disk. Dots are the centre after each period, as one period tells it; the
+        dotted circle is the one on which they lie.
+
+    Examples
+    --------
+    >>> from explorer import Disk, constants_to_states, plot
+    >>> from explorer.portrait.wander import wander_path
+    >>> disk = Disk.uniform()
+    >>> ax = plot.wander_path(wander_path(constants_to_states(disk, 0.7, 0.05, 1.0), 2))
+    >>> [line.get_label() for line in ax.lines][:2]
+    ['contact point', 'centre']
+    """
     ax = axes_or_new(ax)
-    r, wander = found.disk.r, found.wander
-    ax.plot(*(found.contact / r).T, color=PLUS, lw=0.7, alpha=0.75, label="contact point")
-    ax.plot(*(found.centre / r).T, color=MINUS, lw=0.9, label="centre")
-    places = wander.after(found.count)[0] / r
+    r, wander = path.disk.r, path.wander
+    ax.plot(*(path.contact / r).T, color=PLUS, lw=0.7, alpha=0.75, label="contact point")
+    ax.plot(*(path.centre / r).T, color=MINUS, lw=0.9, label="centre")
+    places = wander.after(path.count)[0] / r
     ax.plot(places.real, places.imag, "o", color=DARK, ms=3.5, label="centre after each period")
     turns, radius = wander.chi[0] / (2.0 * np.pi), wander.radius[0] / r
     if radius < _BOUNDED:
@@ -36,27 +57,67 @@ def wander_path(found: "WanderPath", ax: Axes | None = None) -> Axes:
     return dress(ax, "x (radii)", "y (radii)", f"$\\chi(\\tau)$ = {turns:.4f} turns\n{title}")
 
 
-def rosette_and_resonance(generic: "WanderPath", resonant: "WanderPath") -> Figure:
-    """A generic rosette beside a motion whose chi(tau) is a whole number of turns."""
+def rosette_and_resonance(generic: WanderPath, resonant: WanderPath) -> Figure:
+    """Draw a generic rosette beside a motion whose chi(tau) is a whole number of turns.
+
+    Parameters
+    ----------
+    generic, resonant : WanderPath
+        From `explorer.portrait.wander.wander_path`.
+
+    Returns
+    -------
+    Figure
+        Two panels as of `wander_path`, with one legend.
+
+    Examples
+    --------
+    >>> from explorer import Disk, constants_to_states, plot
+    >>> from explorer.portrait.wander import wander_path
+    >>> path = wander_path(constants_to_states(Disk.uniform(), 0.7, 0.05, 1.0), 2)
+    >>> len(plot.rosette_and_resonance(path, path).axes)
+    2
+    """
     figure = Figure(figsize=(1.25 * SIZE[0], SIZE[1]), layout="constrained")
-    for found, ax in zip((generic, resonant), figure.subplots(1, 2), strict=True):
-        wander_path(found, ax)
+    for path, ax in zip((generic, resonant), figure.subplots(1, 2), strict=True):
+        wander_path(path, ax)
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure
 
 
-def wander_distance(named: Mapping[str, "WanderPath"], ax: Axes | None = None) -> Axes:
-    """Distance of the centre from its start against periods, with the bound that one period tells."""
+def wander_distance(named: Mapping[str, WanderPath], ax: Axes | None = None) -> Axes:
+    """Draw the distance of the centre from its start against time, with the bound that one period tells.
+
+    Parameters
+    ----------
+    named : mapping of str to WanderPath
+        Motions and what the legend calls them.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Time in periods of each motion, distance in radii of its disk.
+
+    Examples
+    --------
+    >>> from explorer import Disk, constants_to_states, plot
+    >>> from explorer.portrait.wander import wander_path
+    >>> path = wander_path(constants_to_states(Disk.uniform(), 0.7, 0.05, 1.0), 2)
+    >>> plot.wander_distance({"generic": path}).lines[0].get_label()
+    'generic'
+    """
     ax = axes_or_new(ax)
     largest = 1.0
-    for number, (name, found) in enumerate(named.items()):
-        colour, wander, r = DISK_COLOURS[number % len(DISK_COLOURS)], found.wander, found.disk.r
-        distance = np.hypot(*found.centre.T) / r
+    for number, (name, path) in enumerate(named.items()):
+        colour, wander, r = DISK_COLOURS[number % len(DISK_COLOURS)], path.wander, path.disk.r
+        distance = np.hypot(*path.centre.T) / r
         largest = max(largest, float(distance.max()))
-        ax.plot(found.t / wander.period[0], distance, color=colour, lw=0.9, label=name)
-        periods = np.arange(found.count + 1)
-        ax.plot(periods, abs(wander.after(found.count)[0]) / r, ".", color=colour, ms=6)
+        ax.plot(path.t / wander.period[0], distance, color=colour, lw=0.9, label=name)
+        periods = np.arange(path.count + 1)
+        ax.plot(periods, abs(wander.after(path.count)[0]) / r, ".", color=colour, ms=6)
         if 2.0 * wander.radius[0] / r < _BOUNDED:
             ax.axhline(2.0 * wander.radius[0] / r, color=colour, lw=1, ls=":")
     ax.plot([], [], ".", color=DARK, label="after each period, from one period alone")
@@ -67,24 +128,48 @@ def wander_distance(named: Mapping[str, "WanderPath"], ax: Axes | None = None) -
 
 
 def wander_radius(
+    disk: Disk,
     sigma3_bar: Array,
-    found: "Wander",
-    r: float = 1.0,
+    wander: Wander,
     resonances: Mapping[int, float] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Radius of the rosette against sigma3_bar, r the disk's radius; resonances: turns to sigma3_bar."""
+    """Draw the radius of the rosette and the step of one period against sigma3_bar.
+
+    Parameters
+    ----------
+    disk : Disk
+    sigma3_bar : array (n)
+        Of the motions, rad per unit of time.
+    wander : Wander
+        From `explorer.portrait.wander.wander`, of the same motions.
+    resonances : mapping of int to float, optional
+        sigma3_bar at which chi(tau) is that many whole turns, drawn as vertical lines.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        Both lengths in radii of the disk, on a logarithmic axis.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from explorer import Disk, constants_to_states, plot
+    >>> from explorer.portrait.wander import wander
+    >>> disk, bars = Disk.uniform(), np.array([0.6, 0.7])
+    >>> ax = plot.wander_radius(disk, bars, wander(constants_to_states(disk, bars, 0.05, 1.0)))
+    >>> ax.get_ylabel()
+    'radii'
+    """
     ax = axes_or_new(ax)
-    ax.semilogy(
-        sigma3_bar, found.radius / r, color=PLUS, lw=1.8, label=r"$|a(\tau)-a(0)|\,/\,2|\sin(\chi(\tau)/2)|$"
-    )
-    ax.semilogy(
-        sigma3_bar, abs(found.step) / r, color=MINUS, lw=1.4, ls="--", label=r"$|a(\tau)-a(0)|$, one period"
-    )
+    radius, step = wander.radius / disk.r, abs(wander.step) / disk.r
+    ax.semilogy(sigma3_bar, radius, color=PLUS, lw=1.8, label=r"$|a(\tau)-a(0)|\,/\,2|\sin(\chi(\tau)/2)|$")
+    ax.semilogy(sigma3_bar, step, color=MINUS, lw=1.4, ls="--", label=r"$|a(\tau)-a(0)|$, one period")
     for turns, where in (resonances or {}).items():
         ax.axvline(where, color=DARK, lw=1, ls=":", label=rf"resonance: $\chi(\tau) = {turns}\cdot 2\pi$")
     legend(ax, loc="best")
     ax.grid(alpha=0.3)
-    return dress(
-        ax, r"$\bar\sigma_3$ (rad per unit of time)", "radii", "The rosette grows without bound at a resonance"
-    )
+    title = "The rosette grows without bound at a resonance"
+    return dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", "radii", title)

@@ -1,21 +1,22 @@
-"""Slices of the phase space by the way the contact point races: F is where the way changes."""
+"""Slices of the phase space: how flat motions come, and to which side of F they lie."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError
 from explorer.measure.sampling import Box, Range, parse_ranges
-from explorer.motion import plan as models
+from explorer.motion.plan import plan
 from explorer.motion.trajectories import smallest_tilt
 from explorer.phase.constants import natural_constants
-from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.membership import Falls, falls_of
+from explorer.phase.disk import Disk
+from explorer.phase.membership import falls_of
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 
-_MOST_POINTS = 2001
-SLICE_ACCURACY = 1e-3  # of theta_min in a picture
+_MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128 MB
+SLICE_ACCURACY = 1e-3  # relative, of theta_min: a picture shows no more
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Slice:
 
     @classmethod
     def defaults(cls, disk: Disk) -> tuple["Slice", ...]:
-        """At the vertical, where F is a pair of lines, and a curved one with an edge of could-fall."""
+        """Two slices: at the vertical, where F is a pair of lines, and one where F is curved and has an edge."""
         unit = disk.rate_unit
         two = 2.0 * unit
         return (
@@ -74,76 +75,70 @@ class Slice:
 
 @dataclass(frozen=True)
 class SliceMap:
-    """theta_min on a slice by integration, and the exact set from algebra; arrays (ny, nx)."""
+    """theta_min on a slice of the phase space, and the exact set from algebra; arrays (ny, nx).
 
+    x, y: values of the two axes. theta_min: smallest tilt of the whole motion (rad). method: how it was
+    computed, "quadrature" or the name of an integrator. distance_plus, distance_minus, could_fall_plus,
+    could_fall_minus, face: as in `Falls`. side: the sign of eta on that face, which is the direction in which
+    the contact point races (7.9); 0 where the disk could not fall there, whatever eta.
+    """
+
+    disk: Disk
     slice: Slice
     x: Array
     y: Array
     theta_min: Array
+    method: str
     distance_plus: Array
     distance_minus: Array
     could_fall_plus: NDArray[np.bool_]
     could_fall_minus: NDArray[np.bool_]
+    face: NDArray[np.int8]
+    side: NDArray[np.int8]
 
 
-def map_slice(disk: Disk, where: Slice, points: int) -> SliceMap:
-    """Compute a slice on points x points states, by integration."""
-    return slice_and_falls(disk, where, points, "dopri5")[0]
-
-
-def slice_and_falls(disk: Disk, where: Slice, points: int, method: str) -> tuple[SliceMap, Falls]:
-    """A slice with theta_min by `method`, and where its states, flat, lie relative to F."""
+def map_slice(disk: Disk, where: Slice, points: int, method: str = "auto") -> SliceMap:
+    """Compute a slice on points x points states; `auto` finds the tilt as a root of V = E, eq. (3.8)."""
+    if isinstance(points, bool) or not isinstance(points, int) or not 2 <= points <= _MOST_POINTS:
+        raise InputError(f"points = {points!r}: give a whole number from 2 to {_MOST_POINTS}")
     x, y, columns = where.grid(points)
     states = phi_to_states(disk, **columns)
-    natural = natural_constants(states)
-    how = models.plan(("theta_min",), SLICE_ACCURACY, method)
-    theta, _status, _steps = smallest_tilt(states, how, natural)
-    exact = falls_of(states, natural)
-    shape = (points, points)
-    computed = SliceMap(
-        where,
-        x,
-        y,
-        theta.reshape(shape),
-        exact.distance_plus.reshape(shape),
-        exact.distance_minus.reshape(shape),
-        exact.could_fall_plus.reshape(shape),
-        exact.could_fall_minus.reshape(shape),
+    constants = natural_constants(states)
+    how = plan(("theta_min",), SLICE_ACCURACY, method)
+    exact = falls_of(states, constants)
+    theta, _status, _steps = smallest_tilt(states, how, constants)
+    side = np.where(exact.could_fall, np.sign(exact.distance), 0.0).astype(np.int8)
+
+    def on_grid(values: NDArray[Any]) -> NDArray[Any]:
+        return values.reshape(points, points)
+
+    return SliceMap(
+        disk=disk,
+        slice=where,
+        x=x,
+        y=y,
+        theta_min=on_grid(theta),
+        method=how.method,
+        distance_plus=on_grid(exact.distance_plus),
+        distance_minus=on_grid(exact.distance_minus),
+        could_fall_plus=on_grid(exact.could_fall_plus),
+        could_fall_minus=on_grid(exact.could_fall_minus),
+        face=on_grid(exact.face),
+        side=on_grid(side),
     )
-    return computed, exact
 
 
 @dataclass(frozen=True)
 class ConstantsPlane:
-    """What the map of all samples shows: cell edges, smallest theta_min per cell, slope of l_+."""
+    """The flattest of a run's samples over the plane of constants of motion.
+
+    sigma3_edges, sigma4_edges: edges of the cells (rad per unit of time). smallest: least theta_min in each cell
+    (rad), NaN where there is none. slope: sigma4_bar / sigma3_bar on l_+. method: as in `SliceMap`.
+    """
 
     disk: Disk
     sigma3_edges: Array
     sigma4_edges: Array
     smallest: Array
     slope: float
-
-
-@dataclass(frozen=True)
-class RaceSlice:
-    """A slice with theta_min by quadrature; arrays (ny, nx).
-
-    map: tilt (rad), distances and could-fall, as for the pictures of F. face: the flat state whose line
-    is nearer, +1 or -1. way: the sign of eta on that side, the direction in which the contact point
-    races (7.9); 0 where the disk could not fall there, whatever eta.
-    """
-
-    map: SliceMap
-    face: NDArray[np.int8]
-    way: NDArray[np.int8]
-
-
-def race_slice(disk: Disk, where: Slice, points: int) -> RaceSlice:
-    """Compute a slice on points x points states; the tilt is a root of V = E, eq. (3.8), no integration."""
-    require_axial_inertia(disk)
-    if isinstance(points, bool) or not isinstance(points, int) or not 2 <= points <= _MOST_POINTS:
-        raise InputError(f"points = {points!r}: give a whole number from 2 to {_MOST_POINTS}")
-    computed, exact = slice_and_falls(disk, where, points, "quadrature")
-    shape = (points, points)
-    way = np.where(exact.could_fall, np.sign(exact.distance), 0.0).astype(np.int8)
-    return RaceSlice(computed, exact.face.reshape(shape), way.reshape(shape))
+    method: str

@@ -221,7 +221,7 @@ class FallingSet(SampledScene):
         total = self._total(chunks)
         yield "constants-plane", plot.figure_of(plot.constants_plane, self.plane(total.plane))
         for number, where in enumerate(self.slices or Slice.defaults(self.disk), 1):
-            found = map_slice(self.disk, where, self.grid)
+            found = map_slice(self.disk, where, self.grid, "dopri5")
             yield f"slice-{number}", plot.figure_of(plot.slice_map, found)
         yield "theta-min", plot.figure_of(plot.theta_min_distribution, total.theta_min, self.samples)
 
@@ -262,7 +262,11 @@ class FallingSet(SampledScene):
         """The smallest theta_min of all samples in each cell of the (sigma3_bar, sigma4_bar) plane."""
         smallest = np.where(codes == NO_CODE, np.nan, 10.0 ** (codes / _CODES_PER_DECADE + _DEEPEST))
         return ConstantsPlane(
-            self.disk, *self._plane_edges, smallest.reshape(MAP_CELLS, MAP_CELLS), line_slope(self.disk)
+            self.disk,
+            *self._plane_edges,
+            smallest.reshape(MAP_CELLS, MAP_CELLS),
+            line_slope(self.disk),
+            models.plan(self.observables, self.accuracy, self.method).method,
         )
 
     def headline(self, summary: dict[str, Any]) -> list[str]:

@@ -188,18 +188,19 @@ class Portrait(Scene):
         }
 
     def figures(self, summary: dict[str, Any], chunks: Chunks) -> "Iterator[tuple[str, Figure]]":
-        from explorer.plot import portrait, steady, style
+        from explorer.plot import potential as potentials
+        from explorer.plot import steady, style
 
         places, disk = self.places(), self.disk
         for name, potential in places.items():
-            yield f"portrait-{name}", style.figure_of(portrait.phase_portrait, potential, self.energies)
+            yield f"portrait-{name}", style.figure_of(potentials.phase_portrait, potential, self.energies)
         line = [*places.values()]
         if self.sigma4_bar is None:
             sizes = [sign * size * disk.rate_unit for size in _CURVES for sign in (1.0, -1.0)]
             line = [on_line(disk, self.bar, eta) for eta in [0.0, *(sizes if self.eta_hat is None else ())]]
             line += [places["beside"]] if "beside" in places else []
-        yield "potential", style.figure_of(portrait.potential_curves, line)
-        yield "potential-near-flat", style.figure_of(portrait.potential_curves, line, True)
+        yield "potential", style.figure_of(potentials.potential_curves, line)
+        yield "potential-near-flat", style.figure_of(potentials.potential_curves, line, True)
         yield "steady-plane", style.figure_of(steady.steady_plane, disk)
         yield "steady-map", style.figure_of(steady.steady_map, disk)
         for path in PATHS:

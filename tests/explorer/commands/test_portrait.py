@@ -1,7 +1,9 @@
 import pytest
 
 import explorer as ex
+from explorer.commands import portrait as module
 from explorer.commands.portrait import FILM, GROUPS, portrait
+from explorer.scenes.options import build_scene as build
 
 HOOP = ex.Disk.hoop()
 
@@ -15,9 +17,18 @@ def test_each_group_of_pictures_is_one_command(group, tmp_path):
         assert path.with_suffix(".svg").stat().st_size < 5_000_000
 
 
-def test_options_reach_the_phase_portrait(tmp_path):
+def test_options_reach_the_phase_portrait(tmp_path, monkeypatch):
+    drawn = []
+
+    def noted(*given, **options):
+        drawn.append(build(*given, **options))
+        return drawn[-1]
+
+    monkeypatch.setattr(module, "build_scene", noted)
     written = portrait(tmp_path, HOOP, only="phase", sigma3_bar="0.3", eta_hat="1e-3", energies="0.5:2")
-    assert "portrait-beside.png" in {path.name for path in written} or len(written) > 3
+    assert {"portrait-on.png", "portrait-beside.png"} < {path.name for path in written}
+    assert "portrait-plus.png" not in {path.name for path in written}
+    assert (drawn[-1].sigma3_bar, drawn[-1].eta_hat, drawn[-1].energies) == (0.3, 1e-3, (0.5, 2.0))
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 from conftest import BODIES, computed
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 import explorer as ex
 from explorer import plot
@@ -10,9 +11,9 @@ from explorer.commands.trade import trade
 from explorer.measure.log_counts import merged
 from explorer.portrait.bodies import race_numbers
 from explorer.portrait.both_sides import both_sides
-from explorer.portrait.bounce import turn_per_bounce
 from explorer.portrait.potential import on_line
-from explorer.portrait.slices import Slice, map_slice, race_slice
+from explorer.portrait.rocking import rocking
+from explorer.portrait.slices import Slice, map_slice
 from explorer.portrait.steady import bifurcation
 from explorer.portrait.wander import wander, wander_path
 from explorer.scenes.options import build_scene
@@ -49,11 +50,11 @@ def pictures(tmp_path_factory):
         "slice_map": (cut,),
         "race_number": (race_numbers(),),
         "race_gap": (race_numbers(),),
-        "bounce_turns": ([turn_per_bounce(UNIFORM)],),
+        "rocking_turns": ([rocking(UNIFORM)],),
         "wander_path": (walk,),
         "wander_distance": ({"generic": walk},),
-        "wander_radius": (np.array([0.7]), wander(beside)),
-        "race_slice_map": (race_slice(UNIFORM, Slice.defaults(UNIFORM)[0], 41),),
+        "wander_radius": (UNIFORM, np.array([0.7]), wander(beside)),
+        "race_slice_map": (map_slice(UNIFORM, Slice.defaults(UNIFORM)[0], 41),),
         "one_sided_distance": (sides,),
         "one_sided_phi": (both,),
         "one_sided_chi": (both,),
@@ -92,35 +93,8 @@ def test_each_picture_can_make_its_own_figure(name, pictures, tmp_path):
     assert (tmp_path / "picture.png").stat().st_size > 5000
 
 
-def test_kappa_pi_is_drawn_in_the_histogram(pictures):
-    ax = plot.race_histogram(*pictures["race_histogram"])
-    drawn = [line.get_xdata()[0] for line in ax.lines]
-    assert drawn == [UNIFORM.race_limit, -UNIFORM.race_limit]
-
-
-def test_the_exact_lines_are_drawn_over_the_map_of_samples(pictures):
-    ax = plot.constants_plane(*pictures["constants_plane"])
-    slopes = [np.diff(line.get_ydata())[0] / np.diff(line.get_xdata())[0] for line in ax.lines]
-    assert slopes == pytest.approx([0.7285923160189477, -0.7285923160189477])
-
-
-def test_the_ladder_lies_on_its_line_and_off_the_others(pictures):
-    """Data of the artists: the line C delta, two laws that it is not, and the estimates of the summary."""
-    (summary,) = pictures["falling_ladder"]
-    ax = plot.falling_ladder(summary)
-    delta = np.array([row["delta"] for row in summary["ladder"]])
-    line, square, plateau = (np.asarray(artist.get_ydata()) for artist in ax.lines[:3])
-    np.testing.assert_allclose(line, summary["constant_predicted"] * delta)
-    # Where it would be more than certain the law of dimension two is not drawn.
-    assert (square[-10:] < 0.2 * line[-10:]).all()
-    assert plateau[-1] == pytest.approx(1e-6, rel=1e-6)
-    tubes = ax.containers[0].lines[0]
-    np.testing.assert_allclose(tubes.get_ydata(), [row["estimate"] for row in summary["ladder"]])
-    np.testing.assert_allclose(tubes.get_ydata()[3:], line[3:], rtol=0.1)
-
-
-def test_the_convergence_ends_at_the_constant_of_the_summary(pictures):
-    (summary,) = pictures["constant_convergence"]
-    ax = plot.constant_convergence(summary)
-    last = ax.containers[0].lines[0].get_ydata()[-1]
-    assert last == pytest.approx(summary["constant"]["value"] / summary["constant_predicted"] - 1.0)
+@pytest.mark.parametrize("name", NAMES)
+def test_no_picture_of_what_was_not_integrated_says_so(name, pictures):
+    """All tilts here come by quadrature; how motions in time were followed, no picture says."""
+    figure = plot.figure_of(getattr(plot, name), *pictures[name])
+    assert not [text for text in figure.findobj(Text) if "integrated" in text.get_text()]

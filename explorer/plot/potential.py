@@ -1,4 +1,4 @@
-"""Phase portraits of the tilt, the amended potential, and where steady motions are and which are stable."""
+"""Phase portraits of the tilt, and the amended potential that makes them."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,30 +8,53 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from explorer.plot.style import (
+    BOUNCES,
     DARK,
+    FALLS,
+    FLAT_TICKS,
     FOURTH,
+    HALF_PI,
     MINUS,
     PLUS,
     axes_or_new,
     dress,
     legend,
+    rates_of,
 )
 from explorer.portrait.potential import CENTRE, SADDLE, Potential, level_energies
 
-FALLS, BOUNCES, UNSTABLE = "#F6D6C2", "#DCEAF5", "#F3E3EE"
 _MARKS = {CENTRE: ("o", PLUS, "centre"), SADDLE: ("X", MINUS, "saddle")}
-_HALF = 0.5 * np.pi
-_FLAT_TICKS = ([-_HALF, -0.5, 0.0, 0.5, _HALF], [r"$-\pi/2$", "-0.5", "0", "0.5", r"$\pi/2$"])
-_RATE = "(rad per unit of time)"
 
 
 def phase_portrait(
     potential: Potential, energies: tuple[float, float] | None = None, ax: Axes | None = None
 ) -> Axes:
-    """Levels of the energy over (phi, phidot), separatrices and equilibria; shaded by what falls and what bounces.
+    """Draw levels of the energy over (phi, phidot), separatrices and equilibria, over what falls and what bounces.
 
-    energies: range of the levels (units of the disk). A flat state behind a wall is a thick line, one that motions
-    reach is dotted.
+    Parameters
+    ----------
+    potential : Potential
+        From `explorer.portrait.potential.on_line` or `at_constants`.
+    energies : (float, float), optional
+        Range of the levels, units of the disk; by default from the bottom of V to above all saddles.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        phi (rad) and phidot. A flat state behind a wall is a thick line, one that motions reach is dotted.
+
+    References
+    ----------
+    Section 6.2 of the paper.
+
+    Examples
+    --------
+    >>> from explorer import Disk, plot
+    >>> from explorer.portrait.potential import on_line
+    >>> plot.phase_portrait(on_line(Disk.uniform(), 0.25)).get_xlabel()
+    '$\\\\varphi$ (rad)'
     """
     ax = axes_or_new(ax)
     curves = [
@@ -43,44 +66,44 @@ def phase_portrait(
     fastest = 1.08 * max(speed.max() for _, speed in curves)
     _shade(ax, potential, 1.3 * fastest)
     looks = (("level", curves, DARK, 0.8), ("separatrix", separatrices, FOURTH, 2.4))
-    for name, found, colour, width in looks:
-        for number, (phi, speed) in enumerate(found):
+    for name, drawn, colour, width in looks:
+        for number, (phi, speed) in enumerate(drawn):
             ax.plot(phi, speed, color=colour, lw=width, label=None if number else name)
             ax.plot(phi, -speed, color=colour, lw=width)
     walls = {face: bool(np.isinf(potential.flat_value(face))) for face in (-1, 1)}
     for face, wall in walls.items():
         name, colour, style, width = ("wall", DARK, "-", 4.0) if wall else ("flat", MINUS, ":", 2.5)
         label = None if face > 0 and walls[-1] == wall else name
-        ax.axvline(face * _HALF, color=colour, ls=style, lw=width, label=label)
+        ax.axvline(face * HALF_PI, color=colour, ls=style, lw=width, label=label)
     _mark(ax, potential, at_energy=False)
     ax.set_xlim(-1.68, 1.68)
     ax.set_ylim(-1.3 * fastest, 1.3 * fastest)  # the legend stands above the levels
-    ax.set_xticks(*_FLAT_TICKS)
+    ax.set_xticks(*FLAT_TICKS)
     falling = np.isfinite(potential.falling_edge(np.zeros(1))[0])
     patches = [Patch(color=FALLS, label="falls")] if falling else []
     handles = [*patches, Patch(color=BOUNCES, label="bounces"), *ax.get_legend_handles_labels()[0]]
     legend(ax, handles=handles, loc="upper center", ncols=2)
-    return dress(ax, r"$\varphi$ (rad)", rf"$\dot\varphi$ {_RATE}", _title(potential))
+    return dress(ax, r"$\varphi$ (rad)", rf"$\dot\varphi$ ({rates_of(potential.disk)})", _title(potential))
 
 
 def _shade(ax: Axes, potential: Potential, fastest: float) -> None:
     y = np.linspace(-9.0, 9.0, 1201)
     phi, edge = np.arctan(np.sinh(y)), np.minimum(potential.falling_edge(y), fastest)
-    ax.axvspan(-_HALF, _HALF, color=BOUNCES, lw=0, zorder=0)
+    ax.axvspan(-HALF_PI, HALF_PI, color=BOUNCES, lw=0, zorder=0)
     for sign in (1, -1):
         ax.fill_between(phi, sign * edge, sign * fastest, color=FALLS, lw=0, zorder=0)
 
 
-def _mark(ax: Axes, potential: Potential, at_energy: bool, x: str = "phi", named: bool = True) -> None:
+def _mark(ax: Axes, potential: Potential, at_energy: bool, named: bool = True) -> None:
     seen: set[str] = set()
-    for found in potential.equilibria:
-        if found.kind in _MARKS:
-            marker, colour, name = _MARKS[found.kind]
+    for at in potential.equilibria:
+        if at.kind in _MARKS:
+            marker, colour, name = _MARKS[at.kind]
             label = name if named and name not in seen else None
             seen.add(name)
-            height = found.energy if at_energy else 0.0
+            height = at.energy if at_energy else 0.0
             style: dict[str, Any] = {"color": colour, "mec": "white", "ms": 9, "ls": "", "zorder": 5}
-            ax.plot([getattr(found, x)], [height], marker=marker, label=label, **style)
+            ax.plot([at.phi], [height], marker=marker, label=label, **style)
 
 
 def _title(potential: Potential) -> str:
@@ -90,9 +113,33 @@ def _title(potential: Potential) -> str:
 
 
 def potential_curves(potentials: Sequence[Potential], near_flat: bool = False, ax: Axes | None = None) -> Axes:
-    """The amended potential of several constants, with its equilibria: walls off the line, V_0 on it.
+    """Draw the amended potential at several constants, with its equilibria: walls off the line, V_0 on it.
 
-    near_flat: over the tilt from the flat state of their side, on a logarithmic axis, where the wall rises.
+    Parameters
+    ----------
+    potentials : sequence of Potential
+        Of one disk and one sigma3_bar.
+    near_flat : bool
+        Draw over the tilt from the flat state of their face, on a logarithmic axis, where the wall rises.
+    ax : Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    Axes
+        phi or theta (rad), and V in the units of the disk.
+
+    References
+    ----------
+    Eqs (3.8) and (6.9) of the paper.
+
+    Examples
+    --------
+    >>> from explorer import Disk, plot
+    >>> from explorer.portrait.potential import on_line
+    >>> ax = plot.potential_curves([on_line(Disk.uniform(), 0.25, eta_hat) for eta_hat in (0.0, 0.01)])
+    >>> ax.get_title()
+    'uniform: amended potential at $\\\\bar\\\\sigma_3$ = 0.25'
     """
     ax = axes_or_new(ax)
     upright = [float(p.V(0.0)) for p in potentials]
@@ -119,7 +166,7 @@ def potential_curves(potentials: Sequence[Potential], near_flat: bool = False, a
         if not near_flat:
             _mark(ax, potential, at_energy=True, named=number == 0)
         if sign == 0:
-            end = 1e-6 if near_flat else potential.face * _HALF
+            end = 1e-6 if near_flat else potential.face * HALF_PI
             style = {"color": DARK, "ms": 7, "ls": "", "clip_on": False, "zorder": 6}
             ax.plot([end], [potential.flat_value(potential.face) * unit], marker="s", label=r"$V_0$", **style)
     ax.set_ylim(0.0, top)
@@ -131,5 +178,5 @@ def potential_curves(potentials: Sequence[Potential], near_flat: bool = False, a
         ax.set_xlim(8e-7, 2.0)
         return dress(ax, r"tilt from flat $\theta$ (rad)", r"$V$ (energy; $m g r$ = " f"{unit:.3g})", title)
     ax.set_xlim(-1.68, 1.68)
-    ax.set_xticks(*_FLAT_TICKS)
+    ax.set_xticks(*FLAT_TICKS)
     return dress(ax, r"$\varphi$ (rad)", r"$V$ (energy; $m g r$ = " f"{unit:.3g})", title)

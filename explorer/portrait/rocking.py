@@ -1,0 +1,76 @@
+"""The disk that rocks at the bottom of the well beside flat, and its turn per bounce: the Euler-disk regime.
+
+At small eta and E - V_0 of order theta_0 = (eta^2/(I1 m g r))^(1/3) the motion rocks near flat between
+the centrifugal wall eta^2/(2 I1 theta^2) and gravity m g r theta, and never comes near the vertical.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from explorer.errors import InputError
+from explorer.motion.passages import periods
+from explorer.phase.constants import constants_of
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.states import Array, columns_of, theta_to_states
+
+ETA_HAT = 1e-12
+# Dense near the bottom, where the turn is linear in the energy; at the end it is within 2e-4 of the race.
+EXCESS = np.concatenate([1.0 + np.geomspace(1e-3, 1.0, 40), np.geomspace(2.0, 1e4, 81)[1:]])
+_LARGEST_TILT = 0.1  # rad; beyond, gravity is not m g r theta
+_ACCURACY = 1e-6  # of the turn (rad); terms of order theta_0, about 1e-8 by default, are left out anyway
+# Share of the way from the bottom to the outer turning point: a start at either end is an equilibrium.
+_BETWEEN = 0.5
+
+
+@dataclass(frozen=True)
+class Rocking:
+    """Motions that rock near flat, one entry per energy; arrays (n).
+
+    excess: (E - V_0)/(3/2 m g r theta_0) as the motion has it, 1 at the bottom. chi: turn of the contact
+    point per bounce (rad). theta_min: smallest tilt of the bounce (rad). period: of one bounce, units of the
+    disk. theta_0: tilt of the bottom (rad).
+    """
+
+    disk: Disk
+    excess: Array
+    chi: Array
+    theta_min: Array
+    period: Array
+    theta_0: float
+
+    @property
+    def slowest(self) -> float:
+        """2 pi sqrt(M/(3 I1)): the turn of the smallest oscillation (rad)."""
+        return 2.0 * math.pi * math.sqrt(self.disk.body.M / (3.0 * self.disk.body.I1))
+
+
+def rocking(disk: Disk, excess: ArrayLike = EXCESS, eta_hat: float = ETA_HAT) -> Rocking:
+    """Turn of chi per bounce at energies V_0 + excess 3/2 m g r theta_0, by quadrature (eqs 3.12, 3.13).
+
+    excess above 1; eta_hat: rad per unit of time, not 0, so small that the motions stay within 0.1 rad.
+    sigma3_bar is of the size of eta_hat ln(eta_hat): the limit curve does not depend on it.
+    """
+    require_axial_inertia(disk)
+    b, unit = disk.body, disk.rate_unit
+    ratio = columns_of(excess=excess)[0]
+    eta = disk.eta_hat_to_eta(columns_of(eta_hat=eta_hat)[0][0] / unit)
+    if ratio.size == 0 or not (np.isfinite(ratio).all() and (ratio > 1.0).all()):
+        raise InputError(f"excess = {excess!r}: give finite numbers above 1; the bottom of the well is at 1")
+    theta_0 = math.exp((2.0 * math.log(abs(eta)) - math.log(b.I1)) / 3.0) if abs(eta) > 0.0 else math.nan
+    if not 1.5 * ratio.max() * theta_0 <= _LARGEST_TILT:
+        raise InputError(
+            f"eta_hat = {eta_hat!r}: must not be 0, and so small that excess {ratio.max():g} stays below a tilt "
+            f"of {_LARGEST_TILT} rad; give for instance {ETA_HAT:g}"
+        )
+    # u = theta/theta_0; V - V_0 = m g r theta_0 (1/(2 u^2) + u) up to a share of theta_0
+    outer = np.array([max(np.roots([1.0, -1.5 * top, 0.0, 0.5]).real) for top in ratio])
+    u = 1.0 + _BETWEEN * (outer - 1.0)
+    speed = np.sqrt(2.0 / b.M * theta_0 * (1.5 * ratio - u - 0.5 / u**2))
+    states = theta_to_states(disk, theta_0 * u, speed * unit, eta / b.I1 * unit, 0.0)
+    constants = constants_of(states)
+    bounces = periods(states, _ACCURACY, eta_hat=constants.eta_hat_plus)
+    above = bounces.energy / disk.energy_unit - disk.energy_at_flat(constants.sigma3_bar / unit)
+    return Rocking(disk, above / (1.5 * theta_0), bounces.chi, bounces.theta_min, bounces.period, theta_0)

@@ -1,0 +1,55 @@
+"""Pictures of rosettes and resonances."""
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer import plot
+from explorer.portrait.wander import resonance, wander, wander_path
+
+UNIFORM = BODIES["uniform"]
+
+
+def start(disk, sigma3_bar, eta_hat, phidot=1.0):
+    unit = disk.rate_unit
+    return ex.constants_to_states(disk, np.multiply(sigma3_bar, unit), np.multiply(eta_hat, unit), phidot * unit)
+
+
+@pytest.fixture(scope="module")
+def resonant():
+    return resonance(UNIFORM, 0.01, 1.0, 2, (0.15, 0.3))
+
+
+@pytest.fixture(scope="module")
+def wanders(resonant):
+    return {"generic": wander_path(start(UNIFORM, 1.0, 0.01), 30), "resonance": wander_path(resonant[1], 8)}
+
+
+def test_the_pictures_of_paths_show_places_and_circle(wanders):
+    figure = plot.rosette_and_resonance(wanders["generic"], wanders["resonance"])
+    rosette, walk = figure.axes
+    wander = wanders["generic"].wander
+    x, y = rosette.lines[3].get_data()
+    place = wander.after(30)[0]
+    middle = wander.step[0] / (1.0 - np.exp(1j * wander.chi[0]))
+    np.testing.assert_allclose(np.hypot(x - middle.real, y - middle.imag), wander.radius[0])
+    np.testing.assert_allclose(abs(place - middle), wander.radius[0])
+    assert len(walk.lines) == 3
+    assert "unbounded" in walk.get_title()
+    assert "unbounded" not in rosette.get_title()
+
+
+def test_the_picture_of_distances_bounds_the_generic_motion_only(wanders):
+    ax = plot.wander_distance(wanders)
+    bound = [line for line in ax.lines if line.get_ls() == ":" and len(line.get_xdata()) == 2]
+    assert [line.get_ydata()[0] for line in bound] == pytest.approx([2.0 * wanders["generic"].wander.radius[0]])
+
+
+def test_the_radius_peaks_at_the_resonance(resonant):
+    bars = np.linspace(0.15, 0.3, 31)
+    ax = plot.wander_radius(UNIFORM, bars, wander(start(UNIFORM, bars, 0.01)), {2: resonant[0]})
+    x, y = ax.lines[0].get_data()
+    assert abs(x[np.argmax(y)] - resonant[0]) < 0.005
+    assert y.max() > 20.0 * y[-1]
+    assert ax.lines[2].get_xdata()[0] == resonant[0]
