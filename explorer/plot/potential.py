@@ -16,6 +16,7 @@ from explorer.plot.style import (
     HALF_PI,
     MINUS,
     PLUS,
+    SIGN_COLOURS,
     axes_or_new,
     dress,
     legend,
@@ -23,6 +24,10 @@ from explorer.plot.style import (
 )
 from explorer.portrait.potential import CENTRE, SADDLE, Potential, level_energies
 
+# Curves of the potential: beside the line in turn, on it, and where it ends at flat.
+_STYLES = ("-", "--", "-.", ":")
+_ON_LINE: dict[str, Any] = {"color": DARK, "lw": 2.4}
+_AT_FLAT: dict[str, Any] = {"color": DARK, "ms": 7, "ls": "", "clip_on": False, "zorder": 6}
 _MARKS = {CENTRE: ("o", PLUS, "centre"), SADDLE: ("X", MINUS, "saddle")}
 
 
@@ -142,41 +147,39 @@ def potential_curves(potentials: Sequence[Potential], near_flat: bool = False, a
     'uniform: amended potential at $\\\\bar\\\\sigma_3$ = 0.25'
     """
     ax = axes_or_new(ax)
-    upright = [float(p.V(0.0)) for p in potentials]
-    unit = potentials[0].disk.energy_unit
-    top = max(upright) + (0.6 if not near_flat else 0.2) * unit
-    y = np.linspace(0.0, 14.5, 1451) if near_flat else np.linspace(-9.0, 9.0, 1801)
+    disk, bar = potentials[0].disk, potentials[0].sigma3_bar
+    top = max(float(p.V(0.0)) for p in potentials) + (0.2 if near_flat else 0.6) * disk.energy_unit
     ordered = sorted(potentials, key=lambda p: (p.eta != 0.0, p.eta < 0.0, abs(p.eta)))
-    counts = {1: 0, -1: 0}
+    styles = {1: iter(_STYLES * len(ordered)), -1: iter(_STYLES * len(ordered))}
     for number, potential in enumerate(ordered):
         sign = int(np.sign(potential.eta))
-        style: dict[str, Any] = {"color": DARK, "lw": 2.4}
-        if sign:
-            style = {
-                "color": PLUS if sign > 0 else MINUS,
-                "lw": 1.5,
-                "ls": ("-", "--", "-.", ":")[counts[sign] % 4],
-            }
-            counts[sign] += 1
-        face = potential.face if near_flat else 1
-        V = potential.at_y(face * y)[0] * unit
-        x = 2.0 * np.arctan(np.exp(-y)) if near_flat else np.arctan(np.sinh(y))
-        label = r"on the line, $\hat\eta$ = 0" if sign == 0 else rf"$\hat\eta$ = {potential.eta_hat:.4g}"
-        ax.plot(x, np.where(top >= V, V, np.nan), label=label, **style)
+        style = {"color": SIGN_COLOURS[sign], "lw": 1.5, "ls": next(styles[sign])} if sign else _ON_LINE
+        _curve(ax, potential, near_flat, top, style)
         if not near_flat:
             _mark(ax, potential, at_energy=True, named=number == 0)
         if sign == 0:
             end = 1e-6 if near_flat else potential.face * HALF_PI
-            style = {"color": DARK, "ms": 7, "ls": "", "clip_on": False, "zorder": 6}
-            ax.plot([end], [potential.flat_value(potential.face) * unit], marker="s", label=r"$V_0$", **style)
+            at_flat = potential.flat_value(potential.face) * disk.energy_unit
+            ax.plot([end], [at_flat], marker="s", label=r"$V_0$", **_AT_FLAT)
     ax.set_ylim(0.0, top)
     legend(ax, loc="upper left" if near_flat else "lower left", ncols=1 if near_flat else 2)
-    disk, bar = potentials[0].disk.name, potentials[0].sigma3_bar
-    title = rf"{disk}: amended potential at $\bar\sigma_3$ = {bar:.4g}"
     if near_flat:
         ax.set_xscale("log")
         ax.set_xlim(8e-7, 2.0)
-        return dress(ax, r"tilt from flat $\theta$ (rad)", r"$V$ (energy; $m g r$ = " f"{unit:.3g})", title)
-    ax.set_xlim(-1.68, 1.68)
-    ax.set_xticks(*FLAT_TICKS)
-    return dress(ax, r"$\varphi$ (rad)", r"$V$ (energy; $m g r$ = " f"{unit:.3g})", title)
+    else:
+        ax.set_xlim(-1.68, 1.68)
+        ax.set_xticks(*FLAT_TICKS)
+    x = r"tilt from flat $\theta$ (rad)" if near_flat else r"$\varphi$ (rad)"
+    title = rf"{disk.name}: amended potential at $\bar\sigma_3$ = {bar:.4g}"
+    return dress(ax, x, rf"$V$ (energy; $m g r$ = {disk.energy_unit:.3g})", title)
+
+
+def _curve(ax: Axes, potential: Potential, near_flat: bool, top: float, style: dict[str, Any]) -> None:
+    """Draw V up to `top`: over phi, or over the tilt from the flat state of its face."""
+    y = np.linspace(0.0, 14.5, 1451) if near_flat else np.linspace(-9.0, 9.0, 1801)
+    face = potential.face if near_flat else 1
+    V = potential.at_y(face * y)[0] * potential.disk.energy_unit
+    x = 2.0 * np.arctan(np.exp(-y)) if near_flat else np.arctan(np.sinh(y))
+    eta_hat = f"= {potential.eta_hat:.4g}" if potential.eta else "= 0"
+    label = rf"{'' if potential.eta else 'on the line, '}$\hat\eta$ {eta_hat}"
+    ax.plot(x, np.where(top >= V, V, np.nan), label=label, **style)
