@@ -6,15 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from explorer.errors import InputError
+from explorer.errors import InputError, positive, whole
 from explorer.motion.passages import passages
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
-MOST = 16.0
-# Where the gap is measured: far enough from F for two passages, near enough for the law eta ln(1/eta).
+MOST = 16.0  # of m r^2/I1; a uniform disk has 4, and few bodies more than 10
+# Where the gap is measured, natural units of eta_hat: the law eta ln(1/eta) leaves 1e-10 rad there.
 _BESIDE = 1e-12
-_LARGEST = 1e6
+_LARGEST = 1e6  # of m r^2/I1: a body a thousand times smaller than its rim
+_SAME = 1e-8  # turns; rounding and the law leave less of a gap of zero, which must not become 2 pi
 
 
 @dataclass(frozen=True)
@@ -33,13 +34,10 @@ class RaceNumbers:
 
 def race_numbers(most: float = MOST, points: int = 1601) -> RaceNumbers:
     """kappa and gap for m r^2/I1 from 0 to `most`; the matching bodies are among the points."""
-    if not (isinstance(most, int | float) and 0.0 < most <= _LARGEST):
-        raise InputError(f"most = {most!r}: give the largest m r^2/I1, above 0 and up to {_LARGEST:g}")
-    if isinstance(points, bool) or not isinstance(points, int) or points < 2:
-        raise InputError(f"points = {points!r}: give a whole number, 2 or more")
-    turns = np.arange(1.0, math.floor(math.sqrt(1.0 + most)) + 1.0)
+    largest, points = _ratio("most", most), whole("points", points, 2)
+    turns = np.arange(1.0, math.floor(math.sqrt(1.0 + largest)) + 1.0)
     matching = turns * turns - 1.0
-    ratio = np.union1d(np.linspace(0.0, most, points), matching)
+    ratio = np.union1d(np.linspace(0.0, largest, points), matching)
     kappa = np.sqrt(1.0 + ratio)
     # Whole kappa are exact, so the gap of a matching body is 0, not 2 pi.
     return RaceNumbers(ratio, kappa, 2.0 * math.pi * (kappa % 1.0), matching)
@@ -47,9 +45,15 @@ def race_numbers(most: float = MOST, points: int = 1601) -> RaceNumbers:
 
 def flat_body(ratio: float) -> Disk:
     """The flat body (I3 = 2 I1) with this m r^2/I1, in natural units."""
-    if not (isinstance(ratio, int | float) and 0.0 < ratio <= _LARGEST):
-        raise InputError(f"ratio = {ratio!r}: give m r^2/I1, above 0 and up to {_LARGEST:g}")
-    return Disk(I1=1.0 / ratio, I3=2.0 / ratio, name=f"ratio-{ratio:g}")
+    value = _ratio("ratio", ratio)
+    return Disk(I1=1.0 / value, I3=2.0 / value, name=f"ratio-{value:g}")
+
+
+def _ratio(name: str, value: float) -> float:
+    ratio = positive(name, value)
+    if ratio > _LARGEST:
+        raise InputError(f"{name} = {value!r}: give m r^2/I1, above 0 and up to {_LARGEST:g}")
+    return ratio
 
 
 @dataclass(frozen=True)
@@ -72,11 +76,10 @@ def measured_gaps(disks: Sequence[Disk]) -> MeasuredGaps:
     kappa = []
     for disk in disks:
         unit = disk.rate_unit
-        found = passages(disk, unit, [_BESIDE * unit, -_BESIDE * unit], unit, accuracy=1e-9)
-        kappa.append((found.race_angle[0] - found.race_angle[1]) / (2.0 * math.pi))
+        angle = passages(disk, unit, [_BESIDE * unit, -_BESIDE * unit], unit, accuracy=1e-9).race_angle
+        kappa.append((angle[0] - angle[1]) / (2.0 * math.pi))
     measured = np.array(kappa)
     near = measured - np.round(measured)
-    # What rounding and the law leave of a gap of zero must not become 2 pi.
-    gap = 2.0 * math.pi * np.where(abs(near) < 1e-8, near, measured % 1.0)
+    gap = 2.0 * math.pi * np.where(abs(near) < _SAME, near, measured % 1.0)
     ratio = np.array([disk.m * disk.r**2 / disk.I1 for disk in disks])
     return MeasuredGaps(ratio, measured, gap)

@@ -1,19 +1,20 @@
 """The motions on both sides of a point of F, beside the two limit motions that they approach."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from explorer.motion.limit_motions import AnyLimit, limit_motion
+from explorer.motion.dense_times import dense_times
+from explorer.motion.limit_motions import AnyLimit, LimitState, limit_motion
 from explorer.motion.trajectories import Trajectories, simulate
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, constants_to_states
 
 FALLS = 3  # impacts that each motion passes
-TIMES = 240
-# Impacts are cut out by this share of a period on either side.
+TIMES = 240  # at which distances are taken; the largest one settles to a per cent with half as many
+# Share of a period that is cut out on either side of an impact: there the limits jump and motions do not.
 MARGIN = 0.1
+_FIRST_TIMES = 800  # of a picture: phi(t) is round at its turning points; the race adds its own
 QUANTITIES = ("phi", "chi", "psi", "path", "contact")
 
 
@@ -49,26 +50,28 @@ def follow(
 
 @dataclass(frozen=True)
 class BothSides:
-    """What the pictures of one point of F show: motions beside it and both limits, on one time axis."""
+    """Motions beside one point of F and both limits, on one time axis, in the units of the disk.
+
+    eta_hat: distance of the motions from F, without its sign. t (nt). impacts (2): times of the limits' impacts.
+    By the sign of eta: motions, columns named in QUANTITIES, arrays (nt) or (nt, 3); limits, limit motions at t.
+    """
 
     disk: Disk
     eta_hat: float
     t: Array
     impacts: Array
-    motions: dict[int, Any]
-    limits: dict[int, Any]
+    motions: dict[int, dict[str, Array]]
+    limits: dict[int, LimitState]
 
 
 def both_sides(disk: Disk, start: tuple[float, float, int], eta_hat: float = 0.01) -> BothSides:
     """Motions at +-eta_hat (natural units) beside a point of F, and the limits, through two falls."""
     limits = limits_at(disk, start)
     impacts = limits[1].impacts(100.0 * limits[1].period)[:2]
-    t = np.linspace(0.0, impacts[-1] + 0.6 * limits[1].period, 1600)
-    # The race takes about eta_hat units of time: the picture needs times inside it.
-    close = np.linspace(-0.04, 0.04, 1600) * limits[1].period
-    t = np.union1d(t, (impacts[:, None] + close).ravel())
-    t = t[t >= 0.0]
     size = eta_hat * disk.rate_unit
-    motion = follow(disk, start, np.array([size, -size]), t, 1e-6, "auto")
+    sigma3_bar, phidot, face = start
+    beside = constants_to_states(disk, sigma3_bar, [size, -size], phidot, face)
+    t = dense_times(beside, np.linspace(0.0, impacts[-1] + 0.6 * limits[1].period, _FIRST_TIMES))
+    motion = simulate(disk, beside, t_eval=t, observables=QUANTITIES)
     rows = {sign: {name: getattr(motion, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
     return BothSides(disk, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})

@@ -7,20 +7,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from explorer.errors import InputError
+from explorer.errors import InputError, number, positive, whole
 from explorer.motion.dense_times import dense_times
 from explorer.motion.passages import passages
 from explorer.motion.trajectories import simulate
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, constants_to_states
-from explorer.portrait.wander import STEP
 
 FRAMES = 100
-BETWEEN = 6  # points of a trail per frame
+BETWEEN = 6  # points of a trail per frame, so that a race of some turns is drawn round
 _MOST_FRAMES = 2000
-_ACCURACY = 1e-8
-_FIRST_TIMES = 400
+_ACCURACY = 1e-8  # of angles (rad): the rim touches the table to far less than a pixel
+_FIRST_TIMES = 400  # that the clock is integrated over; between them the race adds its own
 _SMALLEST = 1e-6  # natural units of eta_hat; below, no picture would differ
+_OBSERVABLES = ("phi", "chi", "psi", "path", "contact")
 
 
 @dataclass(frozen=True)
@@ -68,61 +68,46 @@ def film(
     eta_hat > 0, sigma3_bar, phidot > 0: rad per unit of time; both start in the same place with chi = 0.
     """
     require_axial_inertia(disk)
-    if isinstance(frames, bool) or not isinstance(frames, int) or not 2 <= frames <= _MOST_FRAMES:
-        raise InputError(f"frames = {frames!r}: give a whole number from 2 to {_MOST_FRAMES}")
-    if not (isinstance(eta_hat, int | float) and _SMALLEST * disk.rate_unit <= eta_hat < math.inf):
+    frames = whole("frames", frames, 2, _MOST_FRAMES)
+    size = positive("eta_hat", eta_hat)
+    if size < _SMALLEST * disk.rate_unit:
         raise InputError(f"eta_hat = {eta_hat!r}: give a number from {_SMALLEST:g} sqrt(g/r) up, without its sign")
-    for name, value in (("sigma3_bar", sigma3_bar), ("phidot", phidot)):
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{name} = {value!r}: a film shows one motion on each side; give one number")
-    signed = np.array([eta_hat, -eta_hat])
-    found = passages(disk, sigma3_bar, signed, phidot)
-    if found.status.any():
+    bar, speed = number("sigma3_bar", sigma3_bar), number("phidot", phidot)
+    signed = np.array([size, -size])
+    ways = passages(disk, bar, signed, speed)
+    if ways.status.any():
         raise InputError(
             f"sigma3_bar = {sigma3_bar!r}, phidot = {phidot!r}: no passage from the vertical to flat and back; "
             "give phidot above 0, for instance 1"
         )
-    states = constants_to_states(disk, sigma3_bar, signed, phidot)
-    t = _times(disk, states, found.duration, BETWEEN * (frames - 1) + 1)
-    observables = ("phi", "chi", "psi", "path", "contact")
-    columns: dict[str, dict[int, Array]] = {name: {} for name in observables}
-    for row, sign in enumerate((1, -1)):
-        moved = simulate(
-            disk,
-            states.at(np.array([row])),
-            t_eval=t + 0.5 * found.duration[row],
-            observables=observables,
-            accuracy=_ACCURACY,
-        )
-        for name in observables:
-            columns[name][sign] = getattr(moved, name)[0]
+    both = constants_to_states(disk, bar, signed, speed)
+    starts = {sign: both.at(np.array([row])) for row, sign in enumerate((1, -1))}
+    halves = {sign: 0.5 * float(ways.duration[row]) for row, sign in enumerate((1, -1))}
+    t = _times(starts, halves, BETWEEN * (frames - 1) + 1)
+    columns: dict[str, dict[int, Array]] = {name: {} for name in _OBSERVABLES}
+    for sign, start in starts.items():
+        motion = simulate(disk, start, t_eval=t + halves[sign], observables=_OBSERVABLES, accuracy=_ACCURACY)
+        for name in _OBSERVABLES:
+            columns[name][sign] = getattr(motion, name)[0]
+    columns["centre"] = columns.pop("path")
     q = np.minimum(*(np.cos(phi) for phi in columns["phi"].values()))
-    return Film(
-        disk,
-        float(eta_hat),
-        t,
-        1.0 / q,
-        columns["phi"],
-        columns["chi"],
-        columns["psi"],
-        columns["path"],
-        columns["contact"],
-        np.arange(0, t.size, BETWEEN),
-    )
+    return Film(disk, size, t, 1.0 / q, **columns, frames=np.arange(0, t.size, BETWEEN))
 
 
-def _times(disk: Disk, states: States, duration: Array, count: int) -> Array:
-    """Times from the flattest moment, equally spaced in s with dt = q ds, q the smaller of both cos(phi)."""
+def _times(starts: dict[int, States], halves: dict[int, float], count: int) -> Array:
+    """Times from the flattest moment, equally spaced in s with dt = q ds, q the smaller of both cos(phi).
+
+    starts: the motions at the vertical. halves: how long each takes to its flattest moment.
+    """
     # A hair inside: rounding must not ask for a time before the start.
-    end = 0.5 * float(duration.min()) * (1.0 - 1e-12)
+    end = min(halves.values()) * (1.0 - 1e-12)
     first = np.linspace(-end, end, _FIRST_TIMES)
-    halves = 0.5 * duration
-    fine = [dense_times(states.at(np.array([row])), first + halves[row], STEP) - halves[row] for row in (0, 1)]
+    fine = [dense_times(start, first + halves[sign]) - halves[sign] for sign, start in starts.items()]
     t = np.clip(np.union1d(*fine), -end, end)
     t = t[np.concatenate([[True], np.diff(t) > 1e-12 * end])]
     tilts = []
-    for row in (0, 1):
-        phi = simulate(disk, states.at(np.array([row])), t_eval=t + halves[row], observables=("phi",)).phi
+    for sign, start in starts.items():
+        phi = simulate(start.disk, start, t_eval=t + halves[sign], observables=("phi",)).phi
         assert phi is not None
         tilts.append(np.cos(phi[0]))
     rate = 1.0 / np.minimum(*tilts)

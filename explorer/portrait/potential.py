@@ -15,16 +15,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from explorer.errors import InputError
+from explorer.errors import InputError, number
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import line_chart, line_slope, other_eta_hat
+from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
 from explorer.phase.membership import well
 from explorer.phase.states import Array
 
-_STEP = 0.02  # of y: V is smooth on the scale 1
+_STEP = 0.02  # of y, in which V is smooth on the scale 1: no two zeros of V'' share a step
 _EPS = float(np.finfo(float).eps)
-_FLAT = 1e-8  # tilt (rad) at which the grid stops where V ends at V_0
-_POINTS = 400
+_FLAT = 1e-8  # tilt (rad), at rates of order 1, below which V' keeps its sign where V ends at V_0
+_WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall is far above all else
+_SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
+_POINTS = 400  # of a curve, and some more where it runs to flat
+_LARGEST = 1e100  # of a constant of motion; squares of larger ones overflow
 CENTRE, SADDLE, DEGENERATE = "centre", "saddle", "degenerate"
 TURNING, FLAT = "turning point", "flat"
 
@@ -67,7 +70,7 @@ class Component:
 
 @dataclass(frozen=True)
 class Separatrix:
-    """The level through a saddle: what lies at its left and at its right; motions there take for ever."""
+    """The level through a saddle, to its left and to its right; motions along it take for ever."""
 
     saddle: Equilibrium
     branches: tuple[Component, Component]
@@ -118,7 +121,7 @@ class Potential:
         return self.face * (line_slope(self.disk) * self.bar - self.eta) * self.disk.rate_unit
 
     def etas(self) -> dict[int, float]:
-        """eta_hat on each side, natural units."""
+        """eta_hat on each face, natural units."""
         return {self.face: self.eta, -self.face: other_eta_hat(self.disk, self.bar, self.eta)}
 
     def terms(self, q: Array, z: Array) -> tuple[Array, Array, Array, Array]:
@@ -174,8 +177,8 @@ class Potential:
     def reach(self, face: int) -> float:
         """|y| beyond which V' keeps its sign towards flat."""
         eta, rates = abs(self.etas()[face]), 1.0 + abs(self.bar) + abs(self.eta)
-        tilt = _FLAT / rates**2 if eta == 0.0 else 1e-6 * min(eta, 1.0) / rates
-        return math.log(2.0 / max(tilt, 1e-290))
+        tilt = _FLAT / rates**2 if eta == 0.0 else _WALL * min(eta, 1.0) / rates
+        return math.log(2.0 / max(tilt, _SMALLEST))
 
     @cached_property
     def equilibria(self) -> tuple[Equilibrium, ...]:
@@ -183,18 +186,18 @@ class Potential:
         left, right = (math.ceil(self.reach(face) / _STEP) for face in (-1, 1))
         y = _STEP * np.arange(-left, right + 1)
         _, _, curved, _ = self.at_y(y)
-        turns = [self._root(2, y[i], y[i + 1]) for i in _changes(curved)]
+        bends = [self._root(2, y[i], y[i + 1]) for i in _changes(curved)]
         # Between zeros of V'' the slope is monotonic: a pair of close roots cannot hide between points.
-        y = np.union1d(y, turns)
+        y = np.union1d(y, bends)
         _, slope, _, size = self.at_y(y)
         roots = [self._root(1, y[i], y[i + 1]) for i in _changes(slope)]
-        touches = np.isin(y, turns) & (abs(slope) <= 2.0 * _EPS * size)
+        touches = np.isin(y, bends) & (abs(slope) <= 2.0 * _EPS * size)
         roots += list(y[(slope == 0.0) | touches])
-        found: list[Equilibrium] = []
+        apart: list[Equilibrium] = []
         for equilibrium in map(self._equilibrium, sorted(roots)):
-            if not found or equilibrium.y - found[-1].y > 4.0 * _EPS * max(1.0, abs(equilibrium.y)):
-                found.append(equilibrium)
-        return tuple(found)
+            if not apart or equilibrium.y - apart[-1].y > 4.0 * _EPS * max(1.0, abs(equilibrium.y)):
+                apart.append(equilibrium)
+        return tuple(apart)
 
     def _root(self, row: int, low: float, high: float, value: float = 0.0) -> float:
         # A root at the vertical has rounding only, no digits of its own: hence an absolute tolerance
@@ -212,7 +215,7 @@ class Potential:
             if not abs(nearer[1]) < abs(slope):
                 break
             y, (V, slope, curved, size) = y - step, nearer
-        sharp = 1e-13 * (size + 1.0)
+        sharp = 1e-13 * (size + 1.0)  # V'' below this is lost in the rounding of its terms
         kind = DEGENERATE if abs(curved) <= sharp else CENTRE if curved > 0.0 else SADDLE
         unit, residual = self.disk.energy_unit, abs(slope) / (_EPS * size or 1.0)
         return Equilibrium(_phi(y), 2.0 * math.atan(math.exp(-abs(y))), V * unit, curved * unit, kind, residual, y)
@@ -220,7 +223,7 @@ class Potential:
     @cached_property
     def _stops(self) -> tuple[Array, Array]:
         """Ends and equilibria in y, and V there: between two of them V is monotonic."""
-        inner = [found.y for found in self.equilibria]
+        inner = [at.y for at in self.equilibria]
         y = np.array([-self.reach(-1), *inner, self.reach(1)])
         V = self.at_y(y)[0]
         V[[0, -1]] = self.flat_value(-1), self.flat_value(1)
@@ -257,7 +260,7 @@ class Potential:
         """Where the level E that starts at a saddle ends in one direction."""
         y, V = self._stops
         i = int(np.argmin(abs(y - start)))
-        equal = 32.0 * _EPS * abs(E)
+        equal = 32.0 * _EPS * abs(E)  # some roundings of V at two saddles
         # The next stop is a minimum, or flat
         for j in range(i + way, y.size if way > 0 else -1, way):
             if 0 < j < y.size - 1 and abs(V[j] - E) <= equal:
@@ -284,8 +287,9 @@ class Potential:
     def curve(self, component: Component, points: int = _POINTS) -> tuple[Array, Array]:
         """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, rad per unit of time."""
         low, high = component.y
-        turn = np.linspace(0.0, np.pi, points + int(2.0 * (high - low)))
-        y = low + (high - low) * 0.5 * (1.0 - np.cos(turn))
+        # Dense towards both ends, where phidot vanishes like a square root
+        angle = np.linspace(0.0, np.pi, points + int(2.0 * (high - low)))
+        y = low + (high - low) * 0.5 * (1.0 - np.cos(angle))
         y[-1] = high
         phi, E = np.arctan(np.sinh(y)), component.energy / self.disk.energy_unit
         excess = E - self.at_y(y)[0]
@@ -317,8 +321,8 @@ def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) 
     """V at eta_hat beside the line l_+ (face -1: l_-), on it where eta_hat = 0. In rad per unit of time."""
     if face not in (1, -1):
         raise InputError(f"face = {face!r} must be 1 (l_+) or -1 (l_-)")
-    _require_numbers(sigma3_bar=sigma3_bar, eta_hat=eta_hat)
-    return Potential(disk, float(sigma3_bar) / disk.rate_unit, float(eta_hat) / disk.rate_unit, face)
+    bar, eta = _constant("sigma3_bar", sigma3_bar), _constant("eta_hat", eta_hat)
+    return Potential(disk, bar / disk.rate_unit, eta / disk.rate_unit, face)
 
 
 def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
@@ -326,19 +330,19 @@ def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
 
     Constants on that line to rounding count as on it; `on_line` takes any distance.
     """
-    _require_numbers(sigma3_bar=sigma3_bar, sigma4_bar=sigma4_bar)
-    slope, bar, spin = line_slope(disk), sigma3_bar / disk.rate_unit, sigma4_bar / disk.rate_unit
-    face = 1 if abs(slope * bar - spin) <= abs(slope * bar + spin) else -1
+    bar = _constant("sigma3_bar", sigma3_bar) / disk.rate_unit
+    spin = _constant("sigma4_bar", sigma4_bar) / disk.rate_unit
+    slope = line_slope(disk)
+    face = 1 if nearer_plus(np.array(slope * bar - spin), np.array(slope * bar + spin)) else -1
     eta = slope * bar - face * spin
     return Potential(disk, bar, 0.0 if abs(eta) <= 4.0 * _EPS * abs(spin) else eta, face)
 
 
 def require_well(disk: Disk, sigma3_bar: float) -> None:
     """Raise InputError where the lines carry no well at sigma3_bar (rad per unit of time)."""
-    _require_numbers(sigma3_bar=sigma3_bar)
     require_axial_inertia(disk)
     most = well(disk)[1] * disk.rate_unit
-    if not 0.0 < abs(sigma3_bar) < most:
+    if not 0.0 < abs(_constant("sigma3_bar", sigma3_bar)) < most:
         raise InputError(
             f"sigma3_bar = {sigma3_bar:g}: no well beside the falling motions there; "
             f"give 0 < |sigma3_bar| < {most:.6g} for {disk.name}"
@@ -346,9 +350,9 @@ def require_well(disk: Disk, sigma3_bar: float) -> None:
 
 
 def well_separatrix(disk: Disk, sigma3_bar: float, face: int = 1) -> Separatrix:
-    """What encloses the non-falling well on l_+- and parts it from the falling motions, section 6.2.
+    """The separatrix that parts the non-falling well on l_+- from the falling motions, section 6.2.
 
-    Raises InputError where there is no well: |sigma3_bar| must be below sigma3_bar* (`falling.well`).
+    Raises InputError where there is no well: |sigma3_bar| must be below sigma3_bar* (`membership.well`).
     """
     require_well(disk, sigma3_bar)
     return on_line(disk, sigma3_bar, 0.0, face).separatrices()[0]
@@ -361,7 +365,7 @@ def level_energies(potential: Potential, energies: tuple[float, float] | None = 
     """
     bottom, unit = potential.bottom, potential.disk.energy_unit
     if energies is None:
-        tops = [found.energy for found in potential.equilibria] + [float(potential.V(0.0))]
+        tops = [at.energy for at in potential.equilibria] + [float(potential.V(0.0))]
         low, high = bottom, max(tops) + 0.5 * unit
     else:
         low, high = energies
@@ -372,7 +376,7 @@ def level_energies(potential: Potential, energies: tuple[float, float] | None = 
                 f"energies {low:g}:{high:g}: with eta_hat = {potential.eta_hat:g} no motion has an energy below "
                 f"{bottom:.6g}; give a HIGH above that"
             )
-    # The bottom itself is no curve; a range that a person gave above it keeps its lower end
+    # The bottom itself is no curve; a range that begins above it keeps its lower end
     return np.linspace(low, high, count) if low > bottom else np.linspace(bottom, high, count + 1)[1:]
 
 
@@ -380,10 +384,8 @@ def _phi(y: float, end: str = TURNING) -> float:
     return math.copysign(0.5 * math.pi, y) if end == FLAT else math.atan(math.sinh(y))
 
 
-def _require_numbers(**given: float) -> None:
-    for name, value in given.items():
-        if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not abs(value) < 1e100:
-            raise InputError(f"{name} = {value!r} must be a finite number below 1e100")
+def _constant(name: str, value: float) -> float:
+    return number(name, value, -_LARGEST, _LARGEST)
 
 
 def _changes(values: Array) -> NDArray[np.intp]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError
+from explorer.errors import InputError, whole
 from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion.plan import plan
 from explorer.motion.trajectories import smallest_tilt
@@ -99,8 +99,7 @@ class SliceMap:
 
 def map_slice(disk: Disk, where: Slice, points: int, method: str = "auto") -> SliceMap:
     """Compute a slice on points x points states; `auto` finds the tilt as a root of V = E, eq. (3.8)."""
-    if isinstance(points, bool) or not isinstance(points, int) or not 2 <= points <= _MOST_POINTS:
-        raise InputError(f"points = {points!r}: give a whole number from 2 to {_MOST_POINTS}")
+    points = whole("points", points, 2, _MOST_POINTS)
     x, y, columns = where.grid(points)
     states = phi_to_states(disk, **columns)
     constants = natural_constants(states)

@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from explorer import compiled
-from explorer.errors import InputError
+from explorer.errors import InputError, whole
 from explorer.motion.dense_times import dense_times
 from explorer.motion.passages import Periods, periods
 from explorer.motion.trajectories import simulate
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, columns_of, constants_to_states
 
+# Errors of chi per period add up over the periods of a path: 1e-9 leaves 1e-5 rad after the most of them.
 _ACCURACY = 1e-9
 _MOST_PERIODS = 10_000
-_FIRST_TIMES = 64
-STEP = 0.12  # rad of chi between two points of a path
+_MOST_TURNS = 1_000_000  # of chi in a period; a race makes some ten at the most
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Wander:
 
     period: time. chi: turn per period (rad). step: a(tau) - a(0) as a1 + i a2, where chi(0) = 0. radius:
     of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|), infinite at a
-    resonance. status: NaN and 0 elsewhere where it is not OK.
+    resonance. status: where it is not OK, the other columns are NaN.
     """
 
     period: Array
@@ -49,18 +49,16 @@ class Wander:
 def wander(states: States) -> Wander:
     """Wander of motions: period and chi by quadrature (3.12), (3.13), the step by integration of (2.33)."""
     require_axial_inertia(states.disk)
-    found = _periods(states)
+    each = _periods(states)
     step = np.full(len(states), np.nan, np.complex128)
-    for row in np.flatnonzero(found.status == compiled.status.Status.OK):
-        end = float(found.period[row])
-        moved = simulate(
-            states.disk, states.at(np.array([row])), t_eval=[end], observables=("path",), accuracy=_ACCURACY
-        )
+    for row in np.flatnonzero(each.status == compiled.status.Status.OK):
+        start, end = states.at(np.array([row])), float(each.period[row])
+        moved = simulate(states.disk, start, t_eval=[end], observables=("path",), accuracy=_ACCURACY)
         assert moved.path is not None
         step[row] = complex(moved.path[0, 0, 0], moved.path[0, 0, 1])
     with np.errstate(divide="ignore"):
-        radius = abs(step) / (2.0 * abs(np.sin(0.5 * found.chi)))
-    return Wander(found.period, found.chi, step, radius, found.status)
+        radius = abs(step) / (2.0 * abs(np.sin(0.5 * each.chi)))
+    return Wander(each.period, each.chi, step, radius, each.status)
 
 
 def _periods(states: States) -> Periods:
@@ -82,21 +80,22 @@ def resonance(
     """
 
     def excess(sigma3_bar: float) -> float:
-        found = _periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot))
-        if found.status[0] != compiled.status.Status.OK:
-            sentence = compiled.status.Status(int(found.status[0])).sentence
+        period = _periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot))
+        if period.status[0] != compiled.status.Status.OK:
+            sentence = compiled.status.Status(int(period.status[0])).sentence
             raise InputError(f"resonance: no period at sigma3_bar = {sigma3_bar:g}: {sentence} Move `between`")
-        return float(found.chi[0]) / (2.0 * math.pi) - turns
+        return float(period.chi[0]) / (2.0 * math.pi) - whole_turns
 
+    whole_turns = whole("turns", turns, -_MOST_TURNS, _MOST_TURNS)
     ends = columns_of(between=between)[0]
-    if ends.size != 2 or isinstance(turns, bool) or not isinstance(turns, int):
-        raise InputError(f"resonance: between = {between!r}, turns = {turns!r}: give two numbers and a whole one")
+    if ends.size != 2:
+        raise InputError(f"resonance: between = {between!r}: give two numbers")
     low, high = float(ends[0]), float(ends[1])
     first, last = excess(low), excess(high)
     if first * last > 0.0:
         raise InputError(
-            f"resonance: chi(tau) is {first + turns:.4f} turns at sigma3_bar = {low:g} and {last + turns:.4f} at "
-            f"{high:g}; {turns} is not in between: change `between` or turns"
+            f"resonance: chi(tau) is {first + whole_turns:.4f} turns at sigma3_bar = {low:g} and "
+            f"{last + whole_turns:.4f} at {high:g}; {turns} is not in between: change `between` or turns"
         )
     root = float(brentq(excess, low, high, xtol=1e-14, rtol=1e-14))
     return root, constants_to_states(disk, root, eta_hat, phidot)
@@ -119,18 +118,17 @@ class WanderPath:
 
 
 def wander_path(states: States, count: int) -> WanderPath:
-    """Follow one motion over `count` periods by integration, with points dense where the contact point races."""
+    """Follow one motion over `count` periods by integration, at times that are dense where it races."""
     if len(states) != 1:
         raise InputError(f"states: wander follows one motion, {len(states)} were given")
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= _MOST_PERIODS:
-        raise InputError(f"count = {count!r}: give a whole number of periods, 1 to {_MOST_PERIODS}")
+    count = whole("count", count, 1, _MOST_PERIODS)
     each = wander(states)
     if each.status[0] != compiled.status.Status.OK:
         raise InputError(f"states: no period. {compiled.status.Status(int(each.status[0])).sentence}")
     period = float(each.period[0])
-    within = dense_times(states, np.linspace(0.0, period, _FIRST_TIMES), STEP)[:-1]
+    within = dense_times(states, period)[:-1]
     t = np.append((period * np.arange(count)[:, None] + within).ravel(), count * period)
-    found = simulate(states.disk, states, t_eval=t, observables=("path", "contact"), accuracy=_ACCURACY)
-    assert found.path is not None
-    assert found.contact is not None
-    return WanderPath(states.disk, t, found.contact[0, :, :2], found.path[0, :, :2], each, count)
+    motion = simulate(states.disk, states, t_eval=t, observables=("path", "contact"), accuracy=_ACCURACY)
+    assert motion.path is not None
+    assert motion.contact is not None
+    return WanderPath(states.disk, t, motion.contact[0, :, :2], motion.path[0, :, :2], each, count)

@@ -78,9 +78,16 @@ def test_the_wander_scales_with_the_units():
 
 
 def test_paths_keep_the_race_round_at_small_eta():
-    found = wander_path(start(UNIFORM, 1.0, 1e-6), 2)
-    hops = np.hypot(*np.diff(found.contact, axis=0).T)
-    assert hops.max() < 0.15
+    path = wander_path(start(UNIFORM, 1.0, 1e-6), 2)
+    hops = np.hypot(*np.diff(path.contact, axis=0).T)
+    assert hops.max() < 0.2
+
+
+def test_a_motion_without_a_period_has_no_numbers_and_says_why():
+    each = wander(start(UNIFORM, 1.0, [0.0, 0.01]))
+    assert each.status.tolist() == [ex.Status.FALLS, ex.Status.OK]
+    for column in (each.period, each.chi, each.step, each.radius):
+        assert np.isnan(column).tolist() == [True, False]
 
 
 @pytest.mark.parametrize(
