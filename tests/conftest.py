@@ -2,10 +2,13 @@
 
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from matplotlib.figure import Figure
 
 import explorer as ex
 
@@ -20,6 +23,38 @@ BODIES = {
     "thick": ex.Disk(I1=0.5, I3=0.3, name="thick"),
     "coin": ex.Disk.uniform(m=0.0057, r=0.0121, g=9.81),
 }
+
+# Compiles the kernels of some rooms into the cache.
+COMPILE = """
+import importlib, pkgutil, sys
+from kernels._jit import KERNELS
+rooms = [importlib.import_module(f"kernels.{room}") for room in sys.argv[1:]]
+for room in rooms:
+    for module in pkgutil.iter_modules(room.__path__):
+        importlib.import_module(f"{room.__name__}.{module.name}")
+for kernel in KERNELS.values():
+    if kernel.function.__module__.startswith(tuple(room.__name__ for room in rooms)):
+        kernel.compile()
+"""
+
+
+def pytest_sessionstart(session):
+    """Compile the kernels before workers start, who would all compile the same ones.
+
+    Two processes with about the same work; kernels of one room share most of what they compile.
+    """
+    workers = getattr(session.config.option, "numprocesses", None)
+    if workers and not hasattr(session.config, "workerinput") and not session.config.option.collectonly:
+        command = [sys.executable, "-c", COMPILE]
+        both = [subprocess.Popen([*command, *rooms]) for rooms in (["steps"], ["disk", "integrals"])]
+        assert [process.wait() for process in both] == [0, 0]
+
+
+@pytest.fixture(autouse=True)
+def quick_pictures(request, monkeypatch):
+    """Figures are made in full, but only tests marked `rendered` turn them into pixels: a second for each file."""
+    if not request.node.get_closest_marker("rendered"):
+        monkeypatch.setattr(Figure, "savefig", lambda _, path, **options: Path(path).touch())
 
 
 @pytest.fixture(params=BODIES, scope="session")
