@@ -29,9 +29,9 @@ def test_commands_come_from_pages_and_from_runs(tmp_path):
     assert command_of(mine, "one.png") == "nearflat demo --a"
     assert command_of(mine, "two.png") == "nearflat b"
     assert command_of(mine, "three.png") == "nearflat demo"
-    run = ex.run("portrait", out=tmp_path / "run")
-    assert command_of(run.folder).startswith("nearflat run portrait")
-    assert "run, potential: `nearflat run portrait" in gallery(tmp_path)
+    run = ex.run("race-angles", out=tmp_path / "run", samples=10)
+    assert command_of(run.folder).startswith("nearflat run race-angles")
+    assert "run, histogram: `nearflat run race-angles" in gallery(tmp_path)
 
 
 def test_what_is_no_folder_is_named(tmp_path):

@@ -8,6 +8,7 @@ from explorer.scenes.options import build_scene as build
 HOOP = ex.Disk.hoop()
 
 
+@pytest.mark.rendered
 @pytest.mark.parametrize("group", [name for name in GROUPS if name != "slices"])
 def test_each_group_of_pictures_is_one_command(group, tmp_path):
     written = portrait(tmp_path / "pictures", HOOP, only=group)

@@ -219,6 +219,7 @@ def test_the_picture_shows_every_method_and_the_front(rows):
     assert np.array_equal(drawn["rk8"], rk8)
 
 
+@pytest.mark.rendered
 def test_the_command_prints_writes_and_stores(private, tmp_path, capsys):
     out = tmp_path / "out"
     common = ["trade", "--samples", "1024", "--out", str(out), "--quiet"]

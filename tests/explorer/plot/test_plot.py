@@ -86,6 +86,7 @@ def test_each_picture_draws_on_the_axes_given_labels_them_and_changes_nothing_gl
     ax.figure.canvas.draw()
 
 
+@pytest.mark.rendered
 @pytest.mark.parametrize("name", NAMES)
 def test_each_picture_can_make_its_own_figure(name, pictures, tmp_path):
     figure = plot.figure_of(getattr(plot, name), *pictures[name])

@@ -24,6 +24,7 @@ def text(run):
     return (run.folder / "summary.json").read_text()
 
 
+@pytest.mark.rendered
 def test_a_run_leaves_everything_it_promises(finished):
     folder = finished.folder
     record = json.loads((folder / "run.json").read_text())

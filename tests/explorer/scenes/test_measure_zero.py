@@ -163,6 +163,7 @@ def test_numbers_do_not_depend_on_jobs(tmp_path):
             np.testing.assert_array_equal(one[name], other[name])
 
 
+@pytest.mark.rendered
 def test_weights_are_stored_with_the_samples(tmp_path):
     run = ex.run("measure-zero", out=tmp_path / "all", samples=1000, tube=512, keep="all")
     rows = list(run.tables())
