@@ -35,7 +35,9 @@ def dense_times(states: States, until: float | ArrayLike, step: float = STEP) ->
     (nt,) array
         Increasing times from 0 to `until`, or from the first to the last of the times that were given.
     """
-    t = np.linspace(0.0, float(until), _FIRST_TIMES) if np.ndim(until) == 0 else np.asarray(until, np.float64)
+    t = np.asarray(until, np.float64)
+    if t.ndim == 0:
+        t = np.linspace(0.0, float(t), _FIRST_TIMES)
     for _ in range(_FINEST):
         chi = simulate(states.disk, states, t_eval=t, observables=("chi",)).chi
         assert chi is not None
