@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from explorer.measure.falling_constant import falling_constant as falling_constant
     from explorer.measure.invariance import flow_stretch as flow_stretch
     from explorer.measure.invariance import push_forward as push_forward
+    from explorer.motion.forces import passage_forces as passage_forces
     from explorer.motion.limit_motions import limit_motion as limit_motion
-    from explorer.motion.passages import passage_forces as passage_forces
     from explorer.motion.passages import passages as passages
-    from explorer.motion.passages import periods as periods
+    from explorer.motion.periods import periods as periods
     from explorer.motion.trajectories import simulate as simulate
     from explorer.phase.constants import constants as constants
     from explorer.phase.disk import Disk as Disk
@@ -41,9 +41,9 @@ _HOMES = {
     "falls": "phase.membership",
     "flow_stretch": "measure.invariance",
     "limit_motion": "motion.limit_motions",
-    "passage_forces": "motion.passages",
+    "passage_forces": "motion.forces",
     "passages": "motion.passages",
-    "periods": "motion.passages",
+    "periods": "motion.periods",
     "phi_to_states": "phase.states",
     "plot": "",
     "push_forward": "measure.invariance",

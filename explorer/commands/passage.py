@@ -6,7 +6,8 @@ import numpy as np
 
 from explorer import compiled
 from explorer.errors import InputError
-from explorer.motion.passages import passage_forces, passages
+from explorer.motion.forces import passage_forces
+from explorer.motion.passages import passages
 from explorer.phase.disk import Disk
 
 _UNITS = {

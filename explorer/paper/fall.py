@@ -24,7 +24,8 @@ from explorer.measure.tubes import dimensions, draw_tube, widest_eta
 from explorer.motion.limit_motions import limit_motion
 from explorer.motion.passages import passages
 from explorer.motion.plan import plan
-from explorer.motion.trajectories import simulate, smallest_tilt
+from explorer.motion.trajectories import simulate
+from explorer.motion.turning_points import smallest_tilt
 from explorer.paper import eight_dimensions as plain
 from explorer.paper.statement import Finding, statement
 from explorer.phase.constants import natural_constants

@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import gamma
 
-from explorer.motion.passages import passages, periods
+from explorer.motion.passages import passages
+from explorer.motion.periods import periods
 from explorer.motion.trajectories import simulate
 from explorer.paper.eight_dimensions import integrate
 from explorer.paper.figures import PHIDOT, SIGMA3, start

@@ -17,7 +17,8 @@ from matplotlib.ticker import MultipleLocator
 
 from explorer.errors import InputError
 from explorer.motion.limit_motions import limit_motion
-from explorer.motion.passages import passages, periods
+from explorer.motion.passages import passages
+from explorer.motion.periods import periods
 from explorer.motion.trajectories import simulate
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States, constants_to_states

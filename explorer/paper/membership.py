@@ -6,7 +6,7 @@ import numpy as np
 
 from explorer import compiled
 from explorer.motion.plan import plan
-from explorer.motion.trajectories import smallest_tilt
+from explorer.motion.turning_points import smallest_tilt
 from explorer.paper.fall import BODIES, at_most, near, observed, potential, rates_down, reduced, shot_slope
 from explorer.paper.statement import Finding, statement
 from explorer.phase.disk import Disk

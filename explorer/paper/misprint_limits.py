@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.integrate import quad, solve_ivp
 
-from explorer.motion.passages import passages, periods
+from explorer.motion.passages import passages
+from explorer.motion.periods import periods
 from explorer.motion.trajectories import simulate
 from explorer.paper import eight_dimensions as plain
 from explorer.paper.chaplygin_series import Chaplygin

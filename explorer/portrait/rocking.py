@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from explorer.errors import InputError
-from explorer.motion.passages import periods
+from explorer.motion.periods import periods
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, columns_of, theta_to_states

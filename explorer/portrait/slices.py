@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from explorer.errors import InputError, whole
 from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion.plan import plan
-from explorer.motion.trajectories import smallest_tilt
+from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.membership import falls_of

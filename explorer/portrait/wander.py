@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from explorer import compiled
 from explorer.errors import InputError, whole
 from explorer.motion.dense_times import dense_times
-from explorer.motion.passages import Periods, periods
+from explorer.motion.periods import Periods, periods
 from explorer.motion.trajectories import simulate
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, columns_of, constants_to_states

@@ -19,7 +19,7 @@ from explorer.measure import statistics
 from explorer.measure.log_counts import LogCounts
 from explorer.measure.sampling import Box, chunk_stream, draw_states
 from explorer.motion import plan as models
-from explorer.motion.trajectories import smallest_tilt
+from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import NaturalConstants, constants_of, natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import line_slope

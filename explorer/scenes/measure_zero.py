@@ -24,7 +24,7 @@ from explorer.measure.laws import SHAPE_BINS
 from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.measure.tubes import Draws, dimensions, draw_tube, widest_eta
 from explorer.motion import plan as models
-from explorer.motion.trajectories import smallest_tilt, turning_points
+from explorer.motion.turning_points import smallest_tilt, turning_points
 from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import Array, phi_to_states

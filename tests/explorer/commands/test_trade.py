@@ -13,7 +13,7 @@ from explorer.commands import main as cli
 from explorer.commands import trade
 from explorer.motion import calibration
 from explorer.motion.plan import plan
-from explorer.motion.trajectories import turning_points
+from explorer.motion.turning_points import turning_points
 from explorer.phase.constants import natural_constants
 from explorer.phase.states import constants_to_states
 from explorer.plot import work_precision

@@ -4,7 +4,7 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer.motion.limit_motions import limit_motion
-from explorer.motion.passages import fall_from_vertical
+from explorer.motion.passages_by_quadrature import fall_from_vertical
 from explorer.motion.trajectories import simulate
 from explorer.phase.constants import natural_constants
 from explorer.phase.states import constants_to_states

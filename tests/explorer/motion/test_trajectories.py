@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 import explorer as ex
 from explorer.motion.plan import plan
-from explorer.motion.trajectories import turning_points
+from explorer.motion.turning_points import turning_points
 from explorer.paper import eight_dimensions as plain_disk
 from explorer.phase.constants import natural_constants
 from explorer.phase.lines import line_slope

@@ -3,9 +3,9 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.motion.passages import fall_from_vertical
+from explorer.motion.passages_by_quadrature import fall_from_vertical
 from explorer.motion.plan import plan
-from explorer.motion.trajectories import smallest_tilt
+from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import natural_constants
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import falls_of, impact_speed, well

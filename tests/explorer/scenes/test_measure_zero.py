@@ -12,7 +12,7 @@ from explorer.measure.density import Density
 from explorer.measure.falling_constant import constant_of
 from explorer.measure.tubes import Place, dimensions, draw_tube, widest_eta
 from explorer.motion.plan import plan
-from explorer.motion.trajectories import smallest_tilt
+from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import natural_constants
 from explorer.phase.states import phi_to_states
 from explorer.scenes.base import Chunks

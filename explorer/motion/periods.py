@@ -1,0 +1,122 @@
+"""Whole periods of motions, by quadrature from turning point to turning point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from explorer import compiled
+from explorer.motion.plan import plan
+from explorer.motion.starts import held_constants, orbit_starts
+from explorer.phase.constants import natural_constants
+from explorer.phase.disk import require_axial_inertia
+from explorer.phase.gauss import packed_rules
+from explorer.phase.lines import linear_constants
+from explorer.phase.states import Array, States, columns_of
+
+
+@dataclass(frozen=True)
+class Periods:
+    """Whole periods, one entry per state, in the units of the disk: what `periods` returns.
+
+    All is NaN where status is not OK.
+
+    Attributes
+    ----------
+    period : (n,) array
+        Time after which phi, phidot, sigma3, sigma4 return.
+    chi, psi : (n,) array
+        Increase of the angles of contact per period (rad), eq. (3.13).
+    theta_min : (n,) array
+        Smallest tilt from either flat state (rad).
+    crosses : (n,) array of bool
+        Whether the motion passes the vertical.
+    energy : (n,) array
+        Energy.
+    error_estimate : (n,) array
+        Of the angles (rad) and of the period (relative), whichever is larger.
+    status : (n,) array of int8
+        `Status` of each state.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> disk = ex.Disk.uniform()
+    >>> ex.periods(ex.phi_to_states(disk, 0.3, 0.0, 0.5, 0.2)).crosses
+    array([ True])
+    """
+
+    period: Array
+    chi: Array
+    psi: Array
+    theta_min: Array
+    crosses: NDArray[np.bool_]
+    energy: Array
+    error_estimate: Array
+    status: NDArray[np.int8]
+
+
+def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = None) -> Periods:
+    """Periods of the motions through `states`, by quadrature from turning point to turning point.
+
+    Parameters
+    ----------
+    states : States
+        One state of each motion; the disk needs I3 > 0.
+    accuracy : float
+        Error of the angles (rad), relative error of the period, 1e-13 to 0.1.
+    eta_hat : array_like, optional
+        Rad per unit of time, on the face whose hemisphere the state is in (+1 at the vertical). It replaces the
+        state's own, which is only known to rounding: a state on F to rounding FALLS or is UNRESOLVED_SIDE
+        without it. States made by `constants_to_states` keep the one they were made from.
+
+    Returns
+    -------
+    Periods
+        One entry per state.
+
+    Raises
+    ------
+    InputError
+        For a disk with I3 = 0, an accuracy out of its range, or an eta_hat that does not fit the states.
+
+    Notes
+    -----
+    Eqs (3.12), (3.13) of the paper.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> states = ex.constants_to_states(ex.Disk.uniform(), 1.0, 0.01, 1.0)
+    >>> ex.periods(states, 1e-9).period.round(6)
+    array([3.530913])
+    """
+    disk = states.disk
+    require_axial_inertia(disk)
+    how = plan(("period",), accuracy, "quadrature")
+    natural = natural_constants(states)
+    plus = states.natural[1] >= 0.0
+    if eta_hat is None:
+        status, linear = held_constants(states, natural)
+    else:
+        given = columns_of(eta_hat=eta_hat, states=natural.sigma3_bar)[0] / disk.rate_unit
+        status, linear = states.status.copy(), linear_constants(disk, natural.sigma3_bar, given, plus)
+    starts = orbit_starts(states, linear)
+    code = compiled.status.Status
+    status[(status == code.OK) & (starts[3:] == 0.0).any(axis=0)] = code.FALLS
+    out = np.empty((8, status.size))
+    compiled.orbits.orbit_batch(starts, how.accuracy, *packed_rules(), disk.body, disk.series, out, status)
+    out[:, status != code.OK] = np.nan
+    theta_here, theta_there, chi, psi, time, energy, angle_error, time_error = out
+    return Periods(
+        period=time * disk.time_unit,
+        chi=chi,
+        psi=psi * np.where(plus, 1.0, -1.0),
+        theta_min=np.fmin(theta_here, theta_there),
+        crosses=np.isfinite(theta_there),
+        energy=energy * disk.energy_unit,
+        error_estimate=np.fmax(angle_error, time_error),
+        status=status,
+    )

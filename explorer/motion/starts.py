@@ -1,0 +1,54 @@
+"""What is known of a motion before it is followed: its status, its constants, its place in the orbit kernels."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer import compiled
+from explorer.phase.constants import NaturalConstants
+from explorer.phase.lines import LinearConstants, nearer_plus
+from explorer.phase.membership import falls_of
+from explorer.phase.states import Array, States
+
+
+def status_at_start(states: States, natural: NaturalConstants) -> NDArray[np.int8]:
+    """Status before any integration: bad input, or on the falling set."""
+    if states.disk.body.I3 > 0.0:
+        return falls_of(states, natural).status.copy()
+    return states.status.copy()
+
+
+def held_constants(states: States, natural: NaturalConstants) -> tuple[NDArray[np.int8], LinearConstants]:
+    """Status before integration, and the constants that trajectories are held to.
+
+    Constants that were given win over those computed from the state. A state whose eta is not known to a tenth
+    on the nearer face has no known direction of its race. With I3 = 0 the constants are NaN and trajectories
+    run free.
+    """
+    code = compiled.status.Status
+    if not states.disk.body.I3 > 0.0:
+        return states.status.copy(), LinearConstants(*np.full((3, len(states)), np.nan))
+    linear = natural.linear if states.exact is None else states.exact
+    near_plus = nearer_plus(linear.eta_plus, linear.eta_minus)
+    eta = abs(np.where(near_plus, linear.eta_plus, linear.eta_minus))
+    falls = falls_of(states, natural)
+    if states.exact is None:
+        unknown = natural.rounding(near_plus) > compiled.attempt.RESOLVED_SHARE * eta
+        unknown &= falls.could_fall & ~falls.on_f
+        status = np.where((falls.status == code.OK) & unknown, code.UNRESOLVED_SIDE, falls.status)
+    else:
+        on_f = (eta == 0.0) & falls.could_fall
+        status = np.where((states.status == code.OK) & on_f, code.FALLS, states.status)
+    return status.astype(np.int8), LinearConstants(*np.nan_to_num(linear))
+
+
+def orbit_starts(states: States, linear: LinearConstants) -> Array:
+    """What the quadrature kernels know of a motion, (5, n), as seen from the hemisphere it starts in.
+
+    Rows: h = 2 sin(theta/2), theta-dot, sigma3_bar, eta on this face, eta on the other.
+    """
+    q, z, p = states.natural[:3]
+    plus = z >= 0.0
+    near = np.where(plus, linear.eta_plus, linear.eta_minus)
+    far = np.where(plus, linear.eta_minus, linear.eta_plus)
+    h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
+    return np.ascontiguousarray(np.nan_to_num(np.stack([h, p, linear.sigma3_bar, near, far])))

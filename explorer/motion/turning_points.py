@@ -1,0 +1,101 @@
+"""Where motions stop tilting: the next turning point by integration, and the smallest tilt by either method."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer import compiled
+from explorer.motion.plan import Plan
+from explorer.motion.starts import orbit_starts, status_at_start
+from explorer.phase.constants import NaturalConstants, natural_constants
+from explorer.phase.states import Array, States
+
+# Some thousand passages at the finest settings; only a start beside an equilibrium needs more.
+MAX_STEPS = 2_000_000
+
+
+@dataclass(frozen=True)
+class TurningPoints:
+    """Where motions next stop tilting (p = 0), natural units except where said.
+
+    theta: tilt from the nearer flat state (rad). face: which flat state that is. way: sigma3/q there,
+    whose sign is the direction in which the contact point moves. time, chi, psi:
+    increase since the start; zero on the reduced rung. constants_error (3, n): of energy (relative),
+    sigma3_bar, eta. Entries are NaN where status is not OK.
+    """
+
+    theta: Array
+    face: NDArray[np.int8]
+    way: Array
+    time: Array
+    chi: Array
+    psi: Array
+    status: NDArray[np.int8]
+    steps: NDArray[np.int32]
+    constants_error: Array
+
+
+def turning_points(states: States, how: Plan, natural: NaturalConstants | None = None) -> TurningPoints:
+    """Follow every state forward to its next turning point."""
+    disk = states.disk
+    if natural is None:
+        natural = natural_constants(states)
+    status = status_at_start(states, natural)
+    n = len(states)
+    initial = np.zeros((8, n))
+    initial[:5] = states.natural
+    out, constants_error, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
+    compiled.batch.first_event_batch(
+        how.kernel_method,
+        how.kernel_depth,
+        initial,
+        np.nan_to_num(how.control(disk, natural), nan=1.0),
+        compiled.events.TURNING_POINT,
+        0.0,
+        MAX_STEPS,
+        how.constants_bound,
+        disk.body,
+        disk.series,
+        out,
+        status,
+        steps,
+        constants_error,
+    )
+    out[:, status != compiled.status.Status.OK] = np.nan
+    return TurningPoints(
+        theta=np.arctan2(out[0], abs(out[1])),
+        face=np.where(out[1] >= 0.0, 1, -1).astype(np.int8),
+        way=out[3],
+        time=out[5],
+        chi=out[6],
+        psi=out[7],
+        status=status,
+        steps=steps,
+        constants_error=constants_error,
+    )
+
+
+def smallest_tilt(
+    states: States, how: Plan, natural: NaturalConstants | None = None
+) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
+    """theta_min of every motion (rad), with status and number of steps.
+
+    A motion swings between two turning points. By quadrature they are roots of the amended
+    potential; by integration, following it forward to one and backward to the other costs half a
+    period in all, and if either fails the sample fails.
+    """
+    code = compiled.status.Status
+    if natural is None:
+        natural = natural_constants(states)
+    if how.method == "quadrature":
+        disk, theta, steps = states.disk, np.empty(len(states)), np.zeros(len(states), np.int32)
+        status = status_at_start(states, natural)
+        starts = orbit_starts(states, natural.linear)
+        compiled.orbits.tilt_batch(starts, how.accuracy, disk.body, disk.series, theta, status)
+    else:
+        forward = turning_points(states, how, natural)
+        backward = turning_points(states.reversed(), how, natural)
+        theta, steps = np.minimum(forward.theta, backward.theta), forward.steps + backward.steps
+        status = np.where(forward.status == code.OK, backward.status, forward.status)
+    return np.where(status == code.OK, theta, np.nan), status, steps

@@ -1,0 +1,62 @@
+"""Starts at the vertical: what passages and their forces are asked for."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from explorer import compiled
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.states import Array, columns_of
+
+# Of speeds and eta_hat, natural units: squares overflow above, eta = I3 r(0) eta_hat loses digits below.
+LARGEST, SMALLEST = 1e100, 1e-302
+
+
+class Starts(NamedTuple):
+    """Starts at the vertical towards the flat state of `face`, columns in the units of the disk.
+
+    speed: phidot towards that flat state. Where status is not OK the numbers are placeholders: no kernel ever
+    sees what means nothing.
+    """
+
+    sigma3_bar: Array
+    eta_hat: Array
+    speed: Array
+    face: Array
+    status: NDArray[np.int8]
+
+    def at(self, rows: NDArray[np.intp]) -> "Starts":
+        """Some of the starts."""
+        s3, eta_hat, speed, face, status = self
+        return Starts(s3[rows], eta_hat[rows], speed[rows], face[rows], status[rows])
+
+    def natural(self, disk: Disk) -> tuple[Array, Array, Array]:
+        """sigma3_bar, eta and speed in natural units."""
+        unit = disk.rate_unit
+        return self.sigma3_bar / unit, disk.eta_hat_to_eta(self.eta_hat / unit), self.speed / unit
+
+
+def starts_at_vertical(
+    disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot: ArrayLike, face: ArrayLike = 1
+) -> Starts:
+    """Starts from what users give, as broadcast columns; their status says which can be computed.
+
+    A number that is not finite or whose square overflows is no input; an eta_hat that is lost in the smallest
+    numbers of the machine has no side.
+    """
+    require_axial_inertia(disk)
+    s3, eta, speed, facing = columns_of(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
+    code, unit = compiled.status.Status, disk.rate_unit
+    good = np.fmax(np.fmax(abs(s3), abs(speed)), abs(eta)) <= LARGEST * unit
+    good &= ~np.isnan(s3 + eta + speed) & (speed >= 0.0) & (abs(facing) == 1.0)
+    lost = good & (eta != 0.0) & (abs(eta) < SMALLEST * unit)
+    status = np.where(good, np.where(lost, code.UNRESOLVED_SIDE, code.OK), code.BAD_INPUT).astype(np.int8)
+    usable = status == code.OK
+    return Starts(
+        np.where(usable, s3, unit),
+        np.where(usable, eta, np.copysign(unit, eta)),
+        np.where(usable, speed, unit),
+        np.where(good, facing, 1.0),
+        status,
+    )
