@@ -129,10 +129,9 @@ def passages(
     window : float, optional
         cos(phi), 0 to 1, at which to start and stop instead of at the vertical. Quadrature only.
     **computation
-        method : 'auto' (which is 'quadrature'), 'quadrature', 'rk4', 'rk8', 'dopri5' or 'dop853'. The
-        integrators start from a state in doubles: where that does not determine the direction of the race they
-        say UNRESOLVED_SIDE. accuracy : of angles (rad), and relative of times and theta_min; 1e-6 by default.
-        jobs : threads, 1 by default.
+        method : 'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which start from a state in doubles
+        and say UNRESOLVED_SIDE where that does not determine the direction of the race. accuracy : of angles
+        (rad), and relative of times and theta_min, by default 1e-6. jobs : threads, by default 1.
 
     Returns
     -------
@@ -143,8 +142,7 @@ def passages(
     Raises
     ------
     InputError
-        For arguments that are no numbers or do not broadcast, and for a method, an accuracy, a window or a
-        number of jobs that cannot be used.
+        For arguments that are no numbers, do not broadcast or cannot be used.
 
     Notes
     -----
@@ -152,8 +150,6 @@ def passages(
 
     Examples
     --------
-    The contact point races by about kappa pi, in the direction of the sign of eta:
-
     >>> import explorer as ex
     >>> disk = ex.Disk.uniform()
     >>> found = ex.passages(disk, sigma3_bar=1.0, eta_hat=[1e-6, -1e-6, 1e-200], phidot=1.0)
@@ -161,14 +157,18 @@ def passages(
     array([ 7.0249, -7.0248,  7.0248])
     """
     given = _Computation(**computation)
-    jobs = whole("jobs", given.jobs, 1)
     how = plan(OBSERVABLES, given.accuracy, given.method)
     edge = _edge_of(window, how.method)
     starts = starts_at_vertical(disk, sigma3_bar, eta_hat, phidot, face)
+    return _in_parts(disk, starts, how, edge, whole("jobs", given.jobs, 1))
+
+
+def _in_parts(disk: Disk, starts: Starts, how: Plan, edge: float, jobs: int) -> Passages:
+    """Passages, a part of them by each of so many threads."""
     n = starts.status.size
     parts = [starts.at(rows) for rows in np.array_split(np.arange(n), max(1, min(jobs, n)))]
     if len(parts) == 1:
-        return _passages(disk, parts[0], how, edge)
+        return _passages(disk, starts, how, edge)
     done = Parallel(n_jobs=jobs, backend="threading")(delayed(_passages)(disk, part, how, edge) for part in parts)
     columns = [f.name for f in fields(Passages) if f.name not in ("method", "model")]
     merged = {name: np.concatenate([getattr(part, name) for part in done]) for name in columns}

@@ -13,7 +13,7 @@ from explorer.motion.starts import held_constants, orbit_starts
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.gauss import packed_rules
-from explorer.phase.lines import linear_constants
+from explorer.phase.lines import LinearConstants, linear_constants
 from explorer.phase.states import Array, States, columns_of
 
 
@@ -96,13 +96,7 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     disk = states.disk
     require_axial_inertia(disk)
     how = plan(("period",), accuracy, "quadrature")
-    natural = natural_constants(states)
-    plus = states.natural[1] >= 0.0
-    if eta_hat is None:
-        status, linear = held_constants(states, natural)
-    else:
-        given = columns_of(eta_hat=eta_hat, states=natural.sigma3_bar)[0] / disk.rate_unit
-        status, linear = states.status.copy(), linear_constants(disk, natural.sigma3_bar, given, plus)
+    status, linear = _known(states, eta_hat)
     starts = orbit_starts(states, linear)
     code = compiled.status.Status
     status[(status == code.OK) & (starts[3:] == 0.0).any(axis=0)] = code.FALLS
@@ -113,10 +107,20 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     return Periods(
         period=time * disk.time_unit,
         chi=chi,
-        psi=psi * np.where(plus, 1.0, -1.0),
+        psi=psi * np.where(states.natural[1] >= 0.0, 1.0, -1.0),
         theta_min=np.fmin(theta_here, theta_there),
         crosses=np.isfinite(theta_there),
         energy=energy * disk.energy_unit,
         error_estimate=np.fmax(angle_error, time_error),
         status=status,
     )
+
+
+def _known(states: States, eta_hat: ArrayLike | None) -> tuple[NDArray[np.int8], LinearConstants]:
+    """Status and linear constants of the motions, with the eta_hat that was given."""
+    natural = natural_constants(states)
+    if eta_hat is None:
+        return held_constants(states, natural)
+    given = columns_of(eta_hat=eta_hat, states=natural.sigma3_bar)[0] / states.disk.rate_unit
+    linear = linear_constants(states.disk, natural.sigma3_bar, given, states.natural[1] >= 0.0)
+    return states.status.copy(), linear

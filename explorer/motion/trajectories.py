@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, number, positive
-from explorer.motion.plan import ALGEBRA, QUADRATURE, Plan, plan
+from explorer.errors import InputError, number, positive, whole
+from explorer.motion.plan import ALGEBRA, QUADRATURE, plan
 from explorer.motion.starts import held_constants
 from explorer.motion.turning_points import MAX_STEPS
 from explorer.phase.constants import natural_constants
@@ -96,9 +96,9 @@ def simulate(
 ) -> Trajectories:
     """Follow motions in time from their initial states.
 
-    sigma3_bar, eta and the energy are held after every step, so they do not drift; what was taken out of the
-    energy on the way is reported as its error. States made by `constants_to_states` keep the eta_hat they were
-    given, down to 1e-300. A state on the falling set has no motion past the fall: its status is FALLS.
+    sigma3_bar, eta and the energy are held after every step; what was taken out of the energy on the way is
+    reported as its error. States made by `constants_to_states` keep the eta_hat they were given, down to 1e-300.
+    A state on the falling set has no motion past the fall: its status is FALLS.
 
     Parameters
     ----------
@@ -109,15 +109,13 @@ def simulate(
     t_end : float, optional
         End of the motion; it is sampled at 201 equal steps of time from 0.
     t_eval : (nt,) array, optional
-        Increasing times >= 0 at which to sample instead. Near flat the contact point races: give times that are
-        dense there.
+        Increasing times >= 0 at which to sample instead; dense near flat, where the contact point races.
     observables : sequence of str
         Any of phi, phidot, sigma3, sigma4, chi, psi, path, contact. What is not asked for is not integrated.
     **integration
-        method : 'auto', 'rk4', 'rk8', 'dopri5' or 'dop853'. 'auto' is the cheaper adaptive pair on this machine.
-        accuracy : error of angles (rad) per passage, 1e-11 to 0.1, 1e-6 by default; over k passages it grows
-        like k. chi0 : contact angle at the start (rad), 0 by default. max_steps : attempted steps after
-        which a motion is given up, 2 million by default.
+        method : 'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'. accuracy : error of
+        angles (rad) per passage, 1e-11 to 0.1, by default 1e-6; over k passages it grows like k. chi0 : contact
+        angle at the start (rad), by default 0. max_steps : attempted steps at most, by default 2 million.
 
     Returns
     -------
@@ -127,12 +125,11 @@ def simulate(
     Raises
     ------
     InputError
-        For times, observables, a method or an accuracy that cannot be used.
+        For states, times, observables, a method or an accuracy that cannot be used.
 
     Notes
     -----
-    The equations of motion are (2.15) to (2.18) of the paper in the variables q = cos phi, sin phi, dq/dt and
-    sigma3/q, which are regular up to flat; the path follows from (2.33) and (2.35).
+    Eqs (2.15) to (2.18) of the paper, regularised at flat; the path is that of (2.33), (2.35).
 
     Examples
     --------
@@ -145,10 +142,7 @@ def simulate(
     how = _Integration(**integration)
     initial = rows_to_states(disk, states)
     times = _times(t_end, t_eval)
-    chosen = plan(observables, how.accuracy, how.method)
-    if chosen.rung in (ALGEBRA, QUADRATURE):
-        raise InputError("simulate needs an observable of the motion, such as 'phi' or 'chi'")
-    recorded = _integrate(initial, chosen, times * disk.rate_unit, number("chi0", how.chi0), how.max_steps)
+    recorded = _integrate(initial, observables, times * disk.rate_unit, how)
     return _trajectories(disk, times, recorded, observables)
 
 
@@ -174,13 +168,16 @@ class _Recorded(NamedTuple):
     constants_error: Array
 
 
-def _integrate(states: States, how: Plan, times: Array, chi0: float, max_steps: int) -> _Recorded:
+def _integrate(states: States, observables: Sequence[str], times: Array, given: _Integration) -> _Recorded:
+    how = plan(observables, given.accuracy, given.method)
+    if how.rung in (ALGEBRA, QUADRATURE):
+        raise InputError("simulate needs an observable of the motion, such as 'phi' or 'chi'")
     disk, n = states.disk, len(states)
     # The kernel takes times above 0; the state at 0 is known.
     later = times[times > 0.0]
     initial = np.zeros((10, n))
     initial[:5] = states.natural
-    initial[6] = chi0
+    initial[6] = number("chi0", given.chi0)
     status, held = held_constants(states, natural_constants(states))
     out = np.empty((n, later.size, 10))
     steps, constants_error = np.empty(n, np.int32), np.empty((3, n))
@@ -192,7 +189,7 @@ def _integrate(states: States, how: Plan, times: Array, chi0: float, max_steps: 
         np.full(n, how.held_control),
         compiled.events.TIME,
         later,
-        max_steps,
+        whole("max_steps", given.max_steps, 1),
         how.constants_bound,
         disk.body,
         disk.series,
