@@ -154,7 +154,7 @@ def passages(
     >>> disk = ex.Disk.uniform()
     >>> found = ex.passages(disk, sigma3_bar=1.0, eta_hat=[1e-6, -1e-6, 1e-200], phidot=1.0)
     >>> found.race_angle.round(4)
-    array([ 7.0249, -7.0248,  7.0248])
+    array([ 7.0248, -7.0248,  7.0248])
     """
     given = _Computation(**computation)
     how = plan(OBSERVABLES, given.accuracy, given.method)

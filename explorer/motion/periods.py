@@ -45,7 +45,7 @@ class Periods:
     >>> import explorer as ex
     >>> disk = ex.Disk.uniform()
     >>> ex.periods(ex.phi_to_states(disk, 0.3, 0.0, 0.5, 0.2)).crosses
-    array([ True])
+    array([False])
     """
 
     period: Array

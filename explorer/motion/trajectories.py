@@ -137,7 +137,7 @@ def simulate(
     >>> disk = ex.Disk.uniform()
     >>> motion = ex.simulate(disk, (0.0, 1.0, 1.0, 0.7), t_end=4.0, accuracy=1e-9)
     >>> motion.phi[0, [0, 100, 200]].round(4)
-    array([ 0.    ,  0.9803, -0.7336])
+    array([0.    , 0.2749, 0.5152])
     """
     how = _Integration(**integration)
     initial = rows_to_states(disk, states)

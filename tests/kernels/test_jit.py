@@ -144,7 +144,7 @@ import numpy as np
 import explorer as ex
 from explorer import compiled
 from explorer.motion.plan import plan
-from explorer.motion.trajectories import smallest_tilt
+from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.lines import line_chart
 from explorer.phase.membership import barrier
 from explorer.phase.states import constants_to_states
