@@ -50,11 +50,22 @@ def pytest_sessionstart(session):
         assert [process.wait() for process in both] == [0, 0]
 
 
+SAVE = Figure.savefig
+
+
+@pytest.fixture(autouse=True, scope="session")
+def quick_pictures():
+    """Figures are made in full and saved as empty files: pixels take a second for each."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "savefig", lambda _, path, **options: Path(path).touch())
+        yield
+
+
 @pytest.fixture(autouse=True)
-def quick_pictures(request, monkeypatch):
-    """Figures are made in full, but only tests marked `rendered` turn them into pixels: a second for each file."""
-    if not request.node.get_closest_marker("rendered"):
-        monkeypatch.setattr(Figure, "savefig", lambda _, path, **options: Path(path).touch())
+def rendered_pictures(request, monkeypatch):
+    """Tests marked `rendered` get the pictures that a user gets."""
+    if request.node.get_closest_marker("rendered"):
+        monkeypatch.setattr(Figure, "savefig", SAVE)
 
 
 @pytest.fixture(params=BODIES, scope="session")
