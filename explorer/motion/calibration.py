@@ -1,7 +1,7 @@
-"""What accuracy costs on this machine: error and work of every method at every setting.
+"""The price of accuracy on this machine: error and work of every method at every setting.
 
 `nearflat trade` measures it and stores it per machine; a measured table is shipped for machines that
-have none. From it `models` takes the setting of an integrator, and the method where it has a choice.
+have none. From it `plan` takes the setting of an integrator, and the method where it has a choice.
 """
 
 import json
@@ -20,11 +20,11 @@ from explorer import compiled
 from explorer.errors import InputError, RunError
 from explorer.phase.states import Array
 
-# Shares of the accuracy asked that the measured 99th percentile may take: other bodies, boxes and
-# energies err more than those measured.
+# The measured 99th percentile may take a fifth of the accuracy asked: other bodies, boxes and energies err more
+# than those measured.
 SAFETY = 5.0
-_ROUNDING = 1e-12
-_FEWEST = 4
+_ROUNDING = 1e-12  # errors below it are those of rounding, which a finer setting does not lower
+_FEWEST = 4  # rows above rounding; the method's order is taken from the last three
 
 
 @dataclass(frozen=True)

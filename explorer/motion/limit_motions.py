@@ -1,4 +1,4 @@
-"""The two one-sided limit motions: what approaching F from one side converges to (section 7).
+"""The two one-sided limit motions, to which motions that approach F from one side converge (section 7).
 
 Between impacts the disk moves on F. At an impact phidot changes sign and chi jumps by
 sgn(eta) kappa pi (eq. 7.16), psi by face times that (7.11); the motion is then the same fall run
@@ -7,12 +7,14 @@ sigma3_bar = sigma4_bar = 0 the disk may swing over the vertical and fall to bot
 (`pendulum`).
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError
+from explorer.errors import InputError, number
 from explorer.motion.pendulum import Pendulum
 from explorer.motion.rise import Rise
 from explorer.phase.constants import natural_constants
@@ -21,16 +23,36 @@ from explorer.phase.membership import falls_of
 from explorer.phase.states import Array, States, columns_of, rows_to_states
 
 _HALF_PI = 0.5 * np.pi
-_MOST_IMPACTS = 1e8
+_MOST_IMPACTS = 1e8  # their times take 0.8 GB
+# |e^(i turn) - 1| below which a whole number of turns is meant: the sum of a geometric series loses all digits.
+_WHOLE_TURN = 1e-12
 
 
 @dataclass(frozen=True)
 class LimitState:
-    """A limit motion at given times, in the units of the disk; arrays like the times.
+    """A limit motion at given times, in the units of the disk; arrays of the shape of the times.
 
-    chi, psi (rad) count from t = 0 with all jumps included. path: centre of mass; contact: contact
-    point; velocity: of the centre, eq. (2.33); nu: angular velocity in space, eqs (2.27), (2.29); all
-    (..., 3). At the instant of an impact the values are those after it.
+    At the instant of an impact the values are those after it.
+
+    Attributes
+    ----------
+    phi, phidot : array
+        Tilt (rad) and its rate (rad per unit of time).
+    chi, psi : array
+        Angles of contact (rad), from 0 at t = 0, with the jumps of all impacts so far.
+    path, contact : (..., 3) array
+        Centre of mass and contact point; the centre starts above the origin.
+    velocity : (..., 3) array
+        Velocity of the centre, eq. (2.33).
+    nu : (..., 3) array
+        Angular velocity in space, eqs (2.27), (2.29), rad per unit of time.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> limit = ex.limit_motion(ex.Disk.hoop(), (0.0, 1.0, 0.0, 0.0))
+    >>> limit([0.0, 0.5]).velocity.shape
+    (2, 3)
     """
 
     phi: Array
@@ -44,7 +66,7 @@ class LimitState:
 
 
 class Continuation:
-    """What both kinds of limit motion share: times of impact, and a start that is the origin.
+    """The part that both kinds of limit motion share: times of impact, and a start that is the origin.
 
     Attributes in the units of the disk: `period` between impacts, `impact_speed` A of eq. (7.1),
     `chi_per_period` (rad, jump included).
@@ -56,20 +78,18 @@ class Continuation:
     impact_speed: float
     chi_per_period: float
     _offset: float  # natural time from an impact to the start
-    _origin: "Moving"
+    _origin: Moving
 
-    def _unfold(self, since_impact: Array) -> "Moving":
+    def _unfold(self, since_impact: Array) -> Moving:
         """The motion at natural times counted from an impact, as on face +1."""
         raise NotImplementedError
 
     def impacts(self, t_end: float) -> Array:
         """Times of impact in (0, t_end]."""
-        bounces = (t_end / self.period) if isinstance(t_end, int | float | np.number) else np.nan
-        if not bounces <= _MOST_IMPACTS:
-            raise InputError(f"t_end = {t_end!r} must be a time of at most {_MOST_IMPACTS:.0e} periods")
+        end = number("t_end", t_end, high=_MOST_IMPACTS * self.period)
         passed = self._offset * self.disk.time_unit
         first = self.period * (np.floor(passed / self.period) + 1.0) - passed
-        count = max(0, int(np.floor((t_end - first) / self.period)) + 1)
+        count = max(0, int(np.floor((end - first) / self.period)) + 1)
         return np.array(first + self.period * np.arange(count), dtype=np.float64)
 
     def __call__(self, t: ArrayLike) -> LimitState:
@@ -92,7 +112,25 @@ class Continuation:
 class LimitMotion(Continuation):
     """The one-sided continuation of a motion on F through all its impacts; call it with times.
 
-    side: the sign of eta from which F is approached.
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    face, side : int
+        Flat state that it falls to, and sign of eta from which F is approached, +1 or -1.
+    period : float
+        Time between impacts.
+    impact_speed : float
+        |phidot| at an impact, A of eq. (7.1), rad per unit of time.
+    chi_per_period : float
+        Increase of chi from impact to impact (rad), one jump of side times kappa pi included.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> limit = ex.limit_motion(ex.Disk.uniform(), (0.0, 1.0, 1.0, 0.7285923160189477))
+    >>> limit.impacts(6.0).round(4)
+    array([1.123 , 4.6417])
     """
 
     def __init__(
@@ -109,36 +147,36 @@ class LimitMotion(Continuation):
         self.impact_speed = self._rise.impact_speed * disk.rate_unit
         self.chi_per_period = 2.0 * self._rise.chi_half + self._jump
 
-    def _unfold(self, since_impact: Array) -> "Moving":
+    def _unfold(self, since_impact: Array) -> Moving:
         """The motion at times counted from an impact, as on face +1."""
         rise = self._rise
         bounces = np.floor(since_impact / (2.0 * rise.half))
         phase = since_impact - 2.0 * rise.half * bounces
         falling = phase > rise.half
-        theta, speed, chi, psi, centre, rates = rise.at(np.where(falling, 2.0 * rise.half - phase, phase))
+        here = rise.at(np.where(falling, 2.0 * rise.half - phase, phase))
         # The fall is the rise run backwards, mirrored at the turning point (eq. 3.12 ff.).
         top = rise.centre_half
-        mirrored = top + np.exp(2j * rise.chi_half) * np.conj(centre - top)
-        centre = np.where(falling, mirrored, centre)
-        chi = np.where(falling, 2.0 * rise.chi_half - chi, chi)
-        psi = np.where(falling, 2.0 * rise.psi_half - psi, psi)
-        thetadot = np.where(falling, -speed, speed)
+        mirrored = top + np.exp(2j * rise.chi_half) * np.conj(here.centre - top)
+        centre = np.where(falling, mirrored, here.centre)
+        chi = np.where(falling, 2.0 * rise.chi_half - here.chi, here.chi)
+        psi = np.where(falling, 2.0 * rise.psi_half - here.psi, here.psi)
         # Each bounce turns the whole picture by the same angle and moves it along.
         turn = 2.0 * rise.chi_half + self._jump
         whole = top + np.exp(2j * rise.chi_half) * np.conj(-top)
         spin = np.exp(1j * turn)
-        moved = bounces * whole if abs(spin - 1.0) < 1e-12 else whole * (spin**bounces - 1.0) / (spin - 1.0)
+        straight = abs(spin - 1.0) < _WHOLE_TURN
+        moved = bounces * whole if straight else whole * (spin**bounces - 1.0) / (spin - 1.0)
         centre = moved + np.exp(1j * turn * bounces) * centre
         psi_turn = 2.0 * rise.psi_half + self._jump
         return Moving(
-            theta=theta,
-            thetadot=thetadot,
+            theta=here.theta,
+            thetadot=np.where(falling, -here.speed, here.speed),
             chi=chi + turn * bounces,
             psi=psi + psi_turn * bounces,
             centre=centre,
-            turn=rates[0],
-            sigma4=rates[1],
-            face=np.ones_like(theta),
+            turn=here.turn,
+            sigma4=here.sigma4,
+            face=np.ones_like(phase),
         )
 
 
@@ -188,9 +226,30 @@ def in_space(disk: Disk, at: Moving, shape: tuple[int, ...]) -> LimitState:
 class PendulumMotion(Continuation):
     """The limit motion with sigma3_bar = sigma4_bar = 0 and energy above m g r; call it with times.
 
-    The disk swings over the vertical and falls to both sides in turn. side: sign of eta on face +1, from
-    which it is approached with sigma3_bar = 0 held; on face -1 eta then has the other sign, so chi
-    jumps to and fro while psi always jumps the same way.
+    The disk swings over the vertical and falls to both flat states in turn. With sigma3_bar = 0 held, eta has
+    the other sign on face -1, so chi jumps to and fro while psi always jumps the same way.
+
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    face : int
+        +1: the flat state for which `side` is meant.
+    side : int
+        Sign of eta on face +1, from which F is approached, +1 or -1.
+    period : float
+        Time between impacts, which are on both flat states in turn.
+    impact_speed : float
+        |phidot| at an impact, A of eq. (7.1), rad per unit of time.
+    chi_per_period : float
+        The jump of chi (rad) at an impact on face +1, side times kappa pi.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> limit = ex.limit_motion(ex.Disk.uniform(), (0.0, 1.0, 0.0, 0.0))
+    >>> limit(limit.impacts(9.0) + 0.1).phi.round(2)
+    array([ 1.41, -1.41,  1.41])
     """
 
     def __init__(self, disk: Disk, energy: float, side: int, start: tuple[float, float]) -> None:
@@ -233,11 +292,41 @@ AnyLimit = LimitMotion | PendulumMotion
 
 
 def limit_motion(disk: Disk, state_on_f: ArrayLike | States, side: int = 1) -> AnyLimit:
-    """The limit of the motions that approach `state_on_f` from the side sgn(eta) = `side`.
+    """The limit of the motions that approach a state on F from one side of F.
 
-    state_on_f: (phi, phidot, sigma3, sigma4) in the units of the disk, or States with one entry. What
-    it misses F by is ignored: its energy and sigma3_bar are taken and eta on the nearer side set to 0.
-    Raises InputError where the disk would not fall from there.
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    state_on_f : (4,) array, or States with one entry
+        phi (rad), phidot, sigma3, sigma4 (rad per unit of time). By how much it misses F is ignored: its energy
+        and sigma3_bar are taken, and eta on the nearer face is set to 0.
+    side : int
+        Sign of eta from which F is approached, +1 or -1.
+
+    Returns
+    -------
+    LimitMotion or PendulumMotion
+        The motion through all its impacts, to be called with times; a PendulumMotion where
+        sigma3_bar = sigma4_bar = 0 and the energy is above m g r.
+
+    Raises
+    ------
+    InputError
+        Where the disk would not fall from that state, for another side, and for more than one state.
+
+    Notes
+    -----
+    Section 7 of the paper: chi jumps by side times kappa pi at an impact, eq. (7.16), psi by face times that.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> disk = ex.Disk.uniform()
+    >>> start = ex.constants_to_states(disk, sigma3_bar=1.0, eta_hat=0.0, phidot=1.0)
+    >>> up, down = (ex.limit_motion(disk, start, side) for side in (1, -1))
+    >>> print(f"{up(2.0).chi - down(2.0).chi:.4f} = 2 kappa pi = {2.0 * disk.race_limit:.4f}")
+    14.0496 = 2 kappa pi = 14.0496
     """
     require_axial_inertia(disk)
     if side not in (1, -1):

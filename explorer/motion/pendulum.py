@@ -4,11 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError
-from explorer.motion.rise import primitive
+from explorer.motion.chebyshev import HALF_PI, nodes, primitive, settled
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
-_HALF_PI = 0.5 * np.pi
+# A swing at an energy 1e-12 above m g r, the nearest that rounding allows, needs the last of these degrees.
+_FIRST_DEGREE, _LAST_DEGREE = 64, 8192
+_TABLE = 513  # entries from which Newton's method starts; five steps from there end at rounding
+_NEWTON_STEPS = 5
 
 
 class Pendulum:
@@ -21,20 +24,13 @@ class Pendulum:
     def __init__(self, disk: Disk, energy: float) -> None:
         self._factor, self._energy = 2.0 / disk.body.M, energy
         self.impact_speed = float(np.sqrt(self._factor * energy))
-        degree = 64
-        while True:
-            nodes = np.cos(np.pi * (np.arange(degree) + 0.5) / degree)
-            theta = 0.25 * np.pi * (1.0 + nodes)
-            self._time = primitive(1.0 / self.speed(theta))
-            tail = abs(self._time.coef[-4:]).max() / abs(self._time.coef).max()
-            if tail < 1e-13 or degree >= 8192:
-                break
-            degree *= 2
-        if tail > 1e-9:
+        made = settled(lambda n: [primitive(1.0 / self.speed(nodes(n)))], _FIRST_DEGREE, _LAST_DEGREE)
+        if made is None:
             raise InputError(
                 "limit motion: the energy is within rounding of m g r, where the disk stops upright for ever"
             )
-        self.half = float(self._time(_HALF_PI))
+        (self._time,) = made
+        self.half = float(self._time(HALF_PI))
         self.whole = 2.0 * self.half
 
     def speed(self, theta: Array) -> Array:
@@ -43,7 +39,7 @@ class Pendulum:
 
     def time_at(self, theta: float) -> float:
         """Time since flat on the way over."""
-        if theta <= _HALF_PI:
+        if theta <= HALF_PI:
             return float(self._time(theta))
         return self.whole - float(self._time(np.pi - theta))
 
@@ -51,10 +47,10 @@ class Pendulum:
         """theta at times since flat, 0 <= time <= whole."""
         late = time > self.half
         early = np.where(late, self.whole - time, time)
-        table = np.linspace(0.0, _HALF_PI, 513)
+        table = np.linspace(0.0, HALF_PI, _TABLE)
         theta = np.interp(early, self._time(table), table)
-        for _ in range(5):
-            theta = np.clip(theta - (self._time(theta) - early) * self.speed(theta), 0.0, _HALF_PI)
+        for _ in range(_NEWTON_STEPS):
+            theta = np.clip(theta - (self._time(theta) - early) * self.speed(theta), 0.0, HALF_PI)
         return np.where(late, np.pi - theta, theta)
 
     @staticmethod

@@ -1,0 +1,43 @@
+"""Functions on 0 to pi/2 as Chebyshev series: integrals of what is known at the nodes, as long as they must be."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import Chebyshev
+from scipy.fft import dct
+
+from explorer.phase.states import Array
+
+HALF_PI = 0.5 * np.pi
+# Of the largest coefficient: the last ones are rounding, and a sum that is still of use.
+_SETTLED, _USABLE = 1e-13, 1e-9
+_LAST = 4  # coefficients looked at, since every second one may vanish
+
+
+def nodes(degree: int) -> Array:
+    """The Chebyshev nodes of 0 to pi/2, in their usual order."""
+    return 0.5 * HALF_PI * (1.0 + np.cos(np.pi * (np.arange(degree) + 0.5) / degree))
+
+
+def primitive(values: Any) -> Chebyshev:
+    """The integral from 0 of a function that is given at the nodes, real or complex.
+
+    By a cosine transform: numpy's own interpolation solves with a dense matrix, half a gigabyte at degree 8192.
+    """
+    coefficients = dct(values, type=2) / values.size
+    coefficients[0] *= 0.5
+    return Chebyshev(coefficients, domain=[0.0, HALF_PI]).integ(lbnd=0.0)
+
+
+def settled(series: Callable[[int], list[Chebyshev]], degree: int, most: int) -> list[Chebyshev] | None:
+    """`series` of the least degree, by doubling up to `most`, whose coefficients have fallen to rounding.
+
+    None where they have not fallen enough to be of use, or are not finite.
+    """
+    while True:
+        made = series(degree)
+        tail = np.max([abs(s.coef[-_LAST:]).max() / abs(s.coef).max() for s in made if s.coef.any()])
+        if tail < _SETTLED or degree >= most:
+            return made if tail <= _USABLE else None
+        degree *= 2
