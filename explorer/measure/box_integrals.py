@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import cubature
@@ -20,50 +21,58 @@ from explorer.phase.gauss import gauss
 from explorer.phase.states import COORDINATES, Array
 
 _HALF_PI = 0.5 * math.pi
-# Panels are halved until the result changes by less than this, relatively, or as often as is bearable.
-TOLERANCE = 1e-7
-_ROUGH = 1e-4  # with this one panel does
-_FINEST = 4
-_NODES = 12  # of the rule on a panel
-_MOST_PARTS = 100  # of the range of phi
-# The density beside flat: points a side, the share of its largest value that counts as zero, distance.
-_FACE, _VANISHING, _BESIDE = 13, 1e-3, 1e-9
-# Distances from the middle of a Gaussian, in standard deviations, where panels end.
+TOLERANCE = 1e-7  # relative; some 10^14 independent draws would be needed to see such an error
+_ROUGH = 1e-4  # where no more than this is asked for one panel does
+_FINEST = 4  # panels in place of one; the time grows with their square or cube
+_FINEST_CUT = 2  # the same with a bound of the energy, which already adds ends of panels
+_NODES = 12  # of the rule on a panel, so of order 24
+_MOST_PARTS = 100  # of the range of phi: a limit for integrands that are not smooth, whose error then says so
+# Whether a density vanishes at flat is looked up on a grid: points a side, distance from flat (rad), and the
+# share of its largest value on the grid below which it counts as zero.
+_GRID, _BESIDE, _VANISHING = 13, 1e-9, 1e-3
+# Distances from the mean of a Gaussian, in standard deviations, where panels end.
 _BELL = (-5.0, 0.0, 5.0)
+# Nodes crowd at phidot = 0 on the scale of the root of the gain, but no closer than of this one.
+_LEAST_GAIN = 1e-10
 
 
-def refined(
-    integral: Callable[[int], tuple[float, float]], tolerance: float, finest: int = _FINEST
-) -> tuple[float, float]:
-    """integral(m), m panels in place of one, for m = 1, 2, 4 ... until it settles; with its error."""
-    panels, (last, error) = 1, integral(1)
+class Integral(NamedTuple):
+    """A value and an estimate of its absolute error."""
+
+    value: float
+    error: float
+
+
+def settled(integral: Callable[[int], Integral], tolerance: float, finest: int = _FINEST) -> Integral:
+    """integral(panels) for 1, 2, 4 ... panels in place of one, until its relative change is below `tolerance`.
+
+    The change of the last doubling is added to its error.
+    """
+    panels, last = 1, integral(1)
     if tolerance >= _ROUGH:
-        return last, error
+        return last
     while True:
         panels *= 2
-        value, error = integral(panels)
-        change = abs(value - last)
-        if change <= tolerance * abs(value) or panels >= finest:
-            return value, error + change
-        last = value
+        now = integral(panels)
+        change = abs(now.value - last.value)
+        if change <= tolerance * abs(now.value) or panels >= finest:
+            return Integral(now.value, now.error + change)
+        last = now
 
 
-def difference(f: Callable[[float], tuple[float, float]], energy: Range) -> tuple[float, float]:
-    """What f(E), over energies up to E, is over a range of energies."""
+def between_energies(below: Callable[[float], Integral], energy: Range) -> Integral:
+    """An integral over a range of energies from `below`, which gives that over all energies up to a bound."""
     low, high = energy
-    upper = f(high)
-    lower = f(low) if math.isfinite(low) else (0.0, 0.0)
-    return upper[0] - lower[0], upper[1] + lower[1]
+    upper = below(high)
+    lower = below(low) if math.isfinite(low) else Integral(0.0, 0.0)
+    return Integral(upper.value - lower.value, upper.error + lower.error)
 
 
-def along(
-    f: Callable[[Array], Array], pieces: Sequence[Range], at_once: int, tolerance: float
-) -> tuple[float, float]:
-    """Integral of f (n) -> (n) over pieces of the range of phi; f at phi where a piece is a point.
+def over_tilts(f: Callable[[Array], Array], pieces: Sequence[Range], at_once: int, tolerance: float) -> Integral:
+    """Adaptive integral of f (n) -> (n) over pieces of the range of phi; of a piece that is a point, f there.
 
     at_once: how many values of phi fit into memory together with all nodes of the other coordinates.
     """
-
     total = error = 0.0
     for low, high in pieces:
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -78,18 +87,18 @@ def along(
         if low == high:
             total += float(f(np.array([low]))[0])
             continue
-        found = cubature(
+        piece = cubature(
             in_parts, [-_HALF_PI], [_HALF_PI], rtol=tolerance, atol=1e-300, max_subdivisions=_MOST_PARTS
         )
-        total, error = total + float(found.estimate), error + float(found.error)
-    return total, error
+        total, error = total + float(piece.estimate), error + float(piece.error)
+    return Integral(total, error)
 
 
 def panels_between(ends: Sequence[Array], panels: int) -> tuple[Array, Array]:
     """Nodes and weights between the first and last of `ends`, all of shape (n): two arrays (n, nodes).
 
-    Between neighbouring ends nodes are spaced like the sine of an angle, which is cut into `panels` parts. A
-    square root that vanishes at an end, as what is left of the energy does, is smooth in the angle.
+    Between neighbouring ends nodes are spaced like the sine of an angle, which is cut into `panels` parts: a
+    square root that vanishes at an end, such as the speed that an energy leaves, is smooth in the angle.
     """
     low, high = ends[0], np.maximum(ends[0], ends[-1])
     inner = [np.where(np.isnan(end), low, np.clip(end, low, high)) for end in ends[1:-1]]
@@ -102,9 +111,27 @@ def panels_between(ends: Sequence[Array], panels: int) -> tuple[Array, Array]:
     return (middle + half * np.sin(angle)).reshape(shape), (half * step).reshape(shape)
 
 
+def ends_of_bar(*limits: tuple[Array, float, float, Array | float]) -> tuple[Array, Array]:
+    """Ends of sigma3_bar with low - slack <= m sigma3_bar <= high + slack for every (m, low, high, slack)."""
+    low, high = np.full(limits[0][0].shape, -np.inf), np.full(limits[0][0].shape, np.inf)
+    for m, first, last, slack in limits:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            one, other = (first - slack) / m, (last + slack) / m
+        low, high = np.fmax(low, np.fmin(one, other)), np.fmin(high, np.fmax(one, other))
+    return low, high
+
+
+def mirrored(name: str, ends: Range, face: int) -> Range:
+    """The range of a coordinate as face +1 sees it: face -1 is the mirror image, eq. (3.2)."""
+    return ends if face > 0 or name == "sigma3" else (-ends[1], -ends[0])
+
+
 @dataclass(frozen=True)
-class Frame:
-    """A density in natural units."""
+class NaturalDensity:
+    """A density in natural units: what an integral needs of it, and its own integral.
+
+    tolerance: relative error that integrals try for.
+    """
 
     disk: Disk
     density: Density
@@ -137,17 +164,19 @@ class Frame:
         unit = self.disk.rate_unit
         return self.density.shape(*np.broadcast_arrays(phi, phidot * unit, sigma3 * unit, sigma4 * unit))
 
-    def mass(self) -> tuple[float, float]:
-        """Integral of the density, and its error."""
-        if self.density.function is None and self.density.energy == ANY_ENERGY:
-            return math.prod(self.one(name) for name in COORDINATES if self.free(name)), 0.0
-        # With a bound of the energy there are more ends of panels, and more panels to begin with.
-        finest = _FINEST if self.density.energy == ANY_ENERGY else 2
-        return difference(
-            lambda level: refined(lambda m: self._below(level, m), self.tolerance, finest), self.energy
-        )
+    def mass(self) -> Integral:
+        """Integral of the density."""
+        unbounded = self.density.energy == ANY_ENERGY
+        if self.density.function is None and unbounded:
+            return Integral(math.prod(self.factor_mass(name) for name in COORDINATES if self.free(name)), 0.0)
 
-    def one(self, name: str) -> float:
+        def below(energy: float) -> Integral:
+            finest = _FINEST if unbounded else _FINEST_CUT
+            return settled(lambda panels: self._below(energy, panels), self.tolerance, finest)
+
+        return between_energies(below, self.energy)
+
+    def factor_mass(self, name: str) -> float:
         """Integral of the factor of one coordinate over the box."""
         low, high = self.range(name)
         pairs = dict(self.density.gaussian)
@@ -159,9 +188,9 @@ class Frame:
         share = ndtr(-ends[0]) - ndtr(-ends[1]) if ends[0] > 0.0 else ndtr(ends[1]) - ndtr(ends[0])
         return math.sqrt(2.0 * math.pi) * deviation * float(share)
 
-    def _below(self, energy: float, panels: int) -> tuple[float, float]:
+    def _below(self, energy: float, panels: int) -> Integral:
         """Integral of the density over energies up to `energy`."""
-        return along(lambda phi: self._over_rates(phi, energy, panels), self.pieces([]), 1, self.tolerance)
+        return over_tilts(lambda phi: self._over_rates(phi, energy, panels), self.pieces([]), 1, self.tolerance)
 
     def pieces(self, middle: Sequence[float]) -> list[Range]:
         """The range of phi, cut at the vertical, at Gaussians' middles, and at some more."""
@@ -190,27 +219,28 @@ class Frame:
         return (self.over_speeds(columns, np.zeros_like(most), most, None, panels) * weight).sum(axis=(1, 2))
 
     def over_speeds(
-        self, others: tuple[Array, Array, Array], least: Array, most: Array, rise: Array | None, panels: int
+        self, others: tuple[Array, Array, Array], least: Array, most: Array, gain: Array | None, panels: int
     ) -> Array:
-        """Integral of the density times sqrt(phidot^2 + rise) over least <= |phidot| <= most in the box.
+        """Integral of the density times sqrt(phidot^2 + gain) over least <= |phidot| <= most in the box.
 
-        others: phi, sigma3, sigma4. Without `rise` the integral of the density alone.
+        others: phi, sigma3, sigma4. gain: of the square of the speed from here to flat; without it the integral
+        of the density alone.
         """
         if self.even and self.free("phidot"):
             total = np.zeros(least.shape)
             for _, inner, outer in self._halves(least, most):
-                total += outer - inner if rise is None else _root_integral(inner, outer, rise)
+                total += outer - inner if gain is None else _root_integral(inner, outer, gain)
             return total * self.shape(others[0], np.zeros(1), *others[1:])
-        bend = np.ones(least.shape) if rise is None else np.sqrt(np.maximum(abs(rise), 1e-10))
+        bend = np.ones(least.shape) if gain is None else np.sqrt(np.maximum(abs(gain), _LEAST_GAIN))
         speed, steps = self.speeds(least, most, bend, panels)
         f = self.shape(others[0][..., None], speed, others[1][..., None], others[2][..., None])
-        if rise is not None:
-            f = f * np.sqrt(np.maximum(speed * speed + rise[..., None], 0.0))
+        if gain is not None:
+            f = f * np.sqrt(np.maximum(speed * speed + gain[..., None], 0.0))
         return (f * steps).sum(axis=-1)
 
     @property
     def even(self) -> bool:
-        """Whether the density does not depend on phidot."""
+        """True where the density does not depend on phidot."""
         return self.density.function is None and not self.bells("phidot")
 
     def _halves(self, least: Array, most: Array) -> list[tuple[float, Array, Array]]:
@@ -259,18 +289,19 @@ class Frame:
         return np.concatenate(speeds, axis=-1), np.concatenate(steps, axis=-1)
 
     def reaches_flat(self) -> bool:
-        """Whether the density at flat is positive and the energy has no bound."""
+        """True where the density does not vanish at flat and the energy has no bound: there is no C then."""
         if not self.free("phi") or math.isfinite(self.energy[1]):
             return False
         ends = [end for end in self.range("phi") if abs(end) >= _HALF_PI * (1.0 - 1e-15)]
         if not ends:
             return False
-        grid = np.meshgrid(*(np.linspace(*self.range(name), _FACE) for name in COORDINATES))
-        largest = float(self.shape(*(column.ravel() for column in grid)).max())
-        face = np.meshgrid(*(np.linspace(*self.range(name), _FACE) for name in COORDINATES[1:]))
-        rates = [column.ravel() for column in face]
+        largest = float(self.shape(*(column.ravel() for column in self._grid(COORDINATES))).max())
+        rates = [column.ravel() for column in self._grid(COORDINATES[1:])]
         beside = [math.copysign(_HALF_PI - _BESIDE, end) for end in ends]
         return any(float(self.shape(np.full(1, phi), *rates).max()) > _VANISHING * largest for phi in beside)
+
+    def _grid(self, names: Sequence[str]) -> tuple[Array, ...]:
+        return np.meshgrid(*(np.linspace(*self.range(name), _GRID) for name in names))
 
     def narrowest(self) -> float:
         """The narrowest width of the density in sigma3 and sigma4; of a fixed one its distance from 0, if any."""
@@ -282,14 +313,14 @@ class Frame:
         return min(widths)
 
     def most_energy(self) -> float:
-        """An energy that few states of the box exceed: the largest there is in it at the vertical."""
+        """An energy that few states of the box exceed: the largest in it at the vertical."""
         b = self.disk.body
         kinetic = sum(m * self._most(n) ** 2 for n, m in (("phidot", b.M), ("sigma3", b.I1), ("sigma4", b.J)))
         return min(1.0 + 0.5 * kinetic, self.energy[1])
 
 
-def _root_integral(low: Array, high: Array, rise: Array) -> Array:
-    """Integral of sqrt(x^2 + rise) from low to high, 0 <= low <= high."""
-    first, last = (np.sqrt(np.maximum(x * x + rise, 0.0)) for x in (low, high))
+def _root_integral(low: Array, high: Array, gain: Array) -> Array:
+    """Integral of sqrt(x^2 + gain) from low to high, 0 <= low <= high."""
+    first, last = (np.sqrt(np.maximum(x * x + gain, 0.0)) for x in (low, high))
     ratio = (high + last) / np.maximum(low + first, 1e-300)
-    return 0.5 * (high * last - low * first + rise * np.log(np.maximum(ratio, 1.0)))
+    return 0.5 * (high * last - low * first + gain * np.log(np.maximum(ratio, 1.0)))

@@ -1,13 +1,13 @@
-"""Densities on the phase space: what initial states are weighted with.
+"""Densities on the phase space, from which initial states are drawn.
 
 A density is a function of (phi, phidot, sigma3, sigma4) in the units of the disk, with respect to the
 invariant measure dphi dphidot dsigma3 dsigma4, up to a factor: a box, optionally cut at energies, times
-Gaussians, times any function that a person gives.
+Gaussians, times any function that a user gives.
 """
 
 import hashlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -23,20 +23,25 @@ from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 
 ANY_ENERGY: Range = (-math.inf, math.inf)
-_SEARCHED = 1 << 15
-# In natural units: the fastest rates and least inertias that are sampled; deviations as shares of the box.
-_FASTEST, _LEAST, _THINNEST = 1e4, 1e-4, 1e-6
-# Deviations: past the first a Gaussian is below rounding of its largest value, past the second below doubles.
+# Points at which a function is looked at for its maximum, and how far it may exceed the largest value there: a
+# maximum that is missed costs digits where it is assumed too large, and an InputError where too small.
+_SEARCHED, _HEADROOM = 1 << 15, 1.5
+_IDENTIFYING = 256  # points at which a function is looked at for the digest that tells it from others
+# Natural units: with faster rates or a smaller inertia the lines l_+- are too steep for doubles.
+_FASTEST, _LEAST = 1e4, 1e-4
+_THINNEST = 1e-6  # standard deviation over the range of the box; a narrower Gaussian is a fixed coordinate
+# Standard deviations from the mean beyond which a Gaussian is below the rounding of its largest value, exp(-x^2/2)
+# = 2e-16, and beyond which it cannot be told from nothing in doubles.
 _REACH, _NOTHING = 8.5, 37.0
 Function = Callable[[Array, Array, Array, Array], Array]
 
 
 @dataclass(frozen=True)
 class Density:
-    """A box times whatever else is given; see `Density.parse` for how people write it.
+    """A box times whatever else is given; `Density.of` reads what users write.
 
     energy: only states with an energy in this range, in the units of the disk.
-    gaussian: {coordinate: (mean, standard deviation)}, as pairs; cut off where the box ends.
+    gaussian: pairs (coordinate, (mean, standard deviation)); cut off where the box ends.
     function: called as function(phi, phidot, sigma3, sigma4) with arrays of one length; not negative.
     """
 
@@ -75,13 +80,13 @@ class Density:
         disk: Disk,
         box: "Box | str | None" = None,
         energy: Any = None,
-        gaussian: str | None = None,
+        gaussian: str | Mapping[str, Range] | None = None,
         density: Function | None = None,
     ) -> "Density":
-        """A density from what people give; the box defaults to Box.default. Raises InputError."""
+        """A density from what users give; the box defaults to Box.default. Raises InputError."""
         if box is None or isinstance(box, str):
             box = Box.parse(box, Box.default(disk)) if box else Box.default(disk)
-        bells = () if gaussian is None else tuple(parse_ranges(gaussian, "--gaussian").items())
+        bells = parse_ranges(gaussian, "--gaussian") if isinstance(gaussian, str) else gaussian or {}
         for name, reach in zip(COORDINATES[1:], (box.phidot, box.sigma3, box.sigma4), strict=True):
             if max(map(abs, reach)) > _FASTEST * disk.rate_unit:
                 raise InputError(f"--box {name}: rates beyond {_FASTEST:g} sqrt(g/r) are not sampled; narrow it")
@@ -90,7 +95,7 @@ class Density:
                 f"disk: I1/(m r^2) = {disk.body.I1:g}, I3/I1 = {disk.body.k:g}: below {_LEAST:g} the lines of the "
                 "falling set are too steep for this; give a disk with larger ones"
             )
-        return cls(box, ANY_ENERGY if energy is None else cls.parse_energy(energy), bells, density)
+        return cls(box, ANY_ENERGY if energy is None else cls.parse_energy(energy), tuple(bells.items()), density)
 
     @staticmethod
     def parse_energy(value: Any) -> Range:
@@ -127,7 +132,7 @@ class Density:
                 raise TypeError(f"it returned {given.dtype}")
             values = np.broadcast_to(given, flat["phi"].shape).astype(np.float64)
         except Exception as error:
-            # Whatever a function of somebody else does is about the density.
+            # The function is the user's: whatever goes wrong in it is about the density.
             text = f"density: {type(error).__name__}: {error}; it must return one real number for every state"
             raise InputError(text) from error
         bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0.0)))
@@ -158,7 +163,7 @@ class Density:
             drawn = self.box.draw(random, BLOCK)
             for name, _ in self.gaussian:
                 low, high = getattr(self.box, name)
-                drawn[name] = self.at_share(name, (drawn[name] - low) / (high - low))
+                drawn[name] = self.quantile(name, (drawn[name] - low) / (high - low))
             good = np.ones(BLOCK, bool)
             if self.energy != ANY_ENERGY:
                 energy = natural_constants(phi_to_states(disk, **drawn)).energy * disk.energy_unit
@@ -167,8 +172,8 @@ class Density:
                 values = self._called(drawn)
                 if values.max() > self._bound:
                     raise InputError(
-                        f"density: is {values.max():g}, more than 1.5 times its largest value at {_SEARCHED} "
-                        "points of the box; shrink the box to where it is large"
+                        f"density: is {values.max():g}, more than {_HEADROOM:g} times its largest value at "
+                        f"{_SEARCHED} points of the box; shrink the box to where it is large"
                     )
                 good &= random.random(BLOCK) * self._bound < values
             return drawn, good
@@ -176,18 +181,18 @@ class Density:
         what = "--energy" if self.energy != ANY_ENERGY else "density"
         return gather(block, count, what + ": only {} draws from the box were kept; widen it")
 
-    def at_share(self, name: str, unit: Array) -> Array:
-        """Values of a coordinate below which shares `unit` of its own factor in the box lie."""
+    def quantile(self, name: str, share: Array) -> Array:
+        """The values of a coordinate below which these shares of its own factor in the box lie."""
         low, high = getattr(self.box, name)
         pair = dict(self.gaussian).get(name)
         if pair is None:
-            return low + (high - low) * unit
+            return low + (high - low) * share
         mean, deviation = pair
         first, last = (low - mean) / deviation, (high - mean) / deviation
         # From the nearer tail: far from the middle the other one has no digits.
         sign = -1.0 if first > 0.0 else 1.0
         tails = ndtr(sign * first), ndtr(sign * last)
-        values = mean + sign * deviation * ndtri(tails[0] + (tails[1] - tails[0]) * unit)
+        values = mean + sign * deviation * ndtri(tails[0] + (tails[1] - tails[0]) * share)
         return np.clip(values, low, high)
 
     def reach(self, name: str) -> Range:
@@ -204,19 +209,19 @@ class Density:
 
     @cached_property
     def _bound(self) -> float:
-        """What the function is taken not to exceed: half more than its largest value at many points."""
+        """A value that the function is taken not to exceed."""
         points = self.box.draw(np.random.Generator(np.random.Philox(1)), _SEARCHED)
-        return 1.5 * float(self._called(points).max())
+        return _HEADROOM * float(self._called(points).max())
 
     def describe(self) -> dict[str, Any]:
-        """What run.json says. A function is identified by its values at fixed points of the box."""
+        """The entry of run.json. A function is identified by its values at fixed points of the box."""
         described: dict[str, Any] = {"box": self.box.describe()}
         if self.energy != ANY_ENERGY:
             described["energy"] = [end if math.isfinite(end) else None for end in self.energy]
         if self.gaussian:
             described["gaussian"] = {name: list(pair) for name, pair in self.gaussian}
         if self.function is not None:
-            points = self.box.draw(np.random.Generator(np.random.Philox(0)), 256)
+            points = self.box.draw(np.random.Generator(np.random.Philox(0)), _IDENTIFYING)
             values = self._called(points)
             if (values != self._called(points)).any():
                 raise InputError("density: it changes from call to call; give a function of the state alone")

@@ -1,6 +1,6 @@
 """The constant C of P(theta_min < delta) = C delta (1 + o(1)), by deterministic quadrature over F.
 
-    C = sum over sides of  integral of f 2 A sqrt(I1 M) delta(eta) 1_F dphi dphidot dsigma3 dsigma4
+    C = sum over faces of  integral of f 2 A sqrt(I1 M) delta(eta) 1_F dphi dphidot dsigma3 dsigma4
 
 With dsigma3 dsigma4 = dsigma3_bar deta_hat at every tilt the delta function leaves an integral over
 (phi, phidot, sigma3_bar) on the line eta = 0. The innermost, over phidot, is analytic between known ends: the
@@ -20,7 +20,17 @@ from scipy.optimize import brentq
 
 from explorer import compiled
 from explorer.errors import InputError
-from explorer.measure.box_integrals import TOLERANCE, Frame, along, difference, panels_between, refined
+from explorer.measure.box_integrals import (
+    TOLERANCE,
+    Integral,
+    NaturalDensity,
+    between_energies,
+    ends_of_bar,
+    mirrored,
+    over_tilts,
+    panels_between,
+    settled,
+)
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, Range
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -28,22 +38,31 @@ from explorer.phase.lines import line_chart
 from explorer.phase.membership import barrier, well
 from explorer.phase.states import Array
 
-# Relative rounding of a sum of positive terms, and of the solutions in it.
-_ROUNDING = 1e-13
+_ROUNDING = 1e-13  # relative, of a sum of some 10^5 positive terms and of the solutions in it
+# Halvings of the range of sigma3_bar in which a panel ends: an end that is off by 1e-12 of it costs no digit.
 _BISECTIONS = 40
-# Tilts at which a sign of eta is sought, and a step for its derivative.
-_SCAN, _STEP = 4001, 1e-5
+# Tilts between which a change of the sign of eta is sought: the line may not pass a corner twice within 1e-3 rad.
+_SCAN = 4001
+_STEP = 1e-5  # rad; of a central difference, whose error is 1e-10 and whose rounding 1e-11
+_AT_ONCE = 32  # tilts, where the integral over phidot is closed; else its nodes take their place in memory
 
 
 @dataclass(frozen=True)
 class FallingConstant:
-    """C and what it is made of; all are numbers per radian of tilt.
+    """The constant C of P(theta_min < delta) = C delta, per radian of tilt.
 
-    value: plus + minus, with `error`, an estimate of its absolute error. plus, minus: from the two sides of F;
-    where a box that fixes sigma3 = 0 or sigma4 = 0 has the same states beside both, value counts them once.
-    mass: integral of the density over the box, natural units. value is infinite where the density does not
-    vanish at flat and the energy has no bound: P(theta_min < delta) is of order delta ln(1/delta) there; and
-    for sigma3 = sigma4 = 0, where all states fall.
+    Attributes
+    ----------
+    value : float
+        C. It is infinite where the density does not vanish at flat and the energy has no bound, since
+        P(theta_min < delta) is of order delta ln(1/delta) there; and for sigma3 = sigma4 = 0, where all fall.
+    error : float
+        Estimate of its absolute error.
+    plus, minus : float
+        What both faces contribute. Where a box fixes sigma3 = 0 or sigma4 = 0 some states come flat on both
+        faces; `value` counts them once.
+    mass : float
+        Integral of the density over the box, natural units.
     """
 
     value: float
@@ -61,13 +80,46 @@ def falling_constant(
     gaussian: str | None = None,
     density: Function | None = None,
 ) -> FallingConstant:
-    """C of P(theta_min < delta) = C delta for states drawn from a density.
+    """Compute C of P(theta_min < delta) = C delta for states drawn from a density, by quadrature over F.
 
-    box: as for `run` (default: the vertical, rates within two natural units). energy: (low, high), only states
-    in this range; None is no bound. gaussian: "phidot=MEAN:DEVIATION,...". density: a function of (phi, phidot,
-    sigma3, sigma4), arrays in the units of the disk, not negative; no need to normalise it. Needs I3 > 0.
+    Parameters
+    ----------
+    disk : Disk
+        Needs I3 > 0.
+    box : Box or str, optional
+        Ranges of phi (rad), phidot, sigma3 and sigma4 (rad per unit of time), as for `run`: "phi=-1:1,sigma4=0.3".
+        By default phi = 0 and rates within two natural units.
+    energy : (float, float) or str, optional
+        Only states with an energy in this range (units of the disk); None is no bound.
+    gaussian : str, optional
+        "phidot=MEAN:DEVIATION,...": Gaussian factors, cut off where the box ends.
+    density : callable, optional
+        Another factor: a function of (phi, phidot, sigma3, sigma4), arrays in the units of the disk. It is not
+        negative and need not be normalised.
+
+    Returns
+    -------
+    FallingConstant
+
+    Raises
+    ------
+    InputError
+        Where an argument cannot be used, or the density is zero in all of the box.
+
+    Notes
+    -----
     A function that is large in less than a twentieth of the box may be missed: shrink the box to it.
-    Raises InputError. Source: sections 6.2 and 7.1 of the paper for F, A and eta.
+
+    References
+    ----------
+    Sections 6.2 and 7.1 of the paper for F, A and eta.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.falling_constant(ex.Disk.uniform())
+    >>> round(found.value, 6)
+    1.469271
     """
     require_axial_inertia(disk)
     return constant_of(disk, Density.of(disk, box, energy, gaussian, density))
@@ -75,19 +127,20 @@ def falling_constant(
 
 def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> FallingConstant:
     """As falling_constant, of a Density; tolerance: relative error to try for."""
-    frame = Frame(disk, density, tolerance)
-    mass, mass_error = frame.mass()
-    if not mass > 0.0:
-        raise InputError(_NOTHING.format("--energy" if density.energy != ANY_ENERGY else "density"))
-    if frame.reaches_flat() or _all_on_f(density.box):
-        return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass)
-    parts = [difference(Sided(frame, face), frame.energy) for face in (1, -1)]
+    natural = NaturalDensity(disk, density, tolerance)
+    mass = natural.mass()
+    if not mass.value > 0.0:
+        factor = "--energy" if density.energy != ANY_ENERGY else "density"
+        raise InputError(f"{factor}: the density is zero in all of the box; widen one of them")
+    if natural.reaches_flat() or _all_on_f(density.box):
+        return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass.value)
+    parts = [_over_line(natural, face) for face in (1, -1)]
     if _lines_meet(density.box):
-        parts.append(difference(Sided(frame, 1, both=True), frame.energy))
-    plus, minus, *both = (part[0] / mass for part in parts)
+        parts.append(_over_line(natural, 1, both=True))
+    plus, minus, *both = (part.value / mass.value for part in parts)
     value = plus + minus - sum(both)
-    error = (sum(part[1] for part in parts) + value * mass_error) / mass + _ROUNDING * value
-    return FallingConstant(value, error, plus, minus, mass)
+    error = (sum(part.error for part in parts) + value * mass.error) / mass.value + _ROUNDING * value
+    return FallingConstant(value, error, plus, minus, mass.value)
 
 
 def _lines_meet(box: Box) -> bool:
@@ -100,89 +153,91 @@ def _all_on_f(box: Box) -> bool:
     return box.sigma3 == box.sigma4 == (0.0, 0.0)
 
 
-_NOTHING = "{}: the density is zero in all of the box; widen one of them"
+def _over_line(natural: NaturalDensity, face: int, both: bool = False) -> Integral:
+    """The integral over F on one face, within the density's energies."""
+
+    def below(energy: float) -> Integral:
+        return settled(LineIntegral(natural, face, energy, both).integral, natural.tolerance)
+
+    return between_energies(below, natural.energy)
 
 
 @dataclass(frozen=True)
-class Sided:
-    """The integral over F on one side as a function of the largest energy."""
+class LineIntegral:
+    """The integral over the line eta = 0 of one face, up to an energy; all is seen as from face +1, eq. (3.2).
 
-    frame: Frame
-    face: int
-    both: bool = False
-
-    def __call__(self, energy: float) -> tuple[float, float]:
-        return refined(Line(self.frame, self.face, energy, self.both).integral, self.frame.tolerance)
-
-
-@dataclass(frozen=True)
-class Line:
-    """The line eta = 0 on one side, seen as face +1: the other side is the mirror image, eq. (3.2).
-
-    both: only what comes as flat on the other side too, where both lines meet the box at sigma3_bar = 0.
+    both: only what comes as flat on the other face too, where both lines meet the box at sigma3_bar = 0.
     """
 
-    frame: Frame
+    natural: NaturalDensity
     face: int
     energy: float
     both: bool = False
 
-    def integral(self, panels: int) -> tuple[float, float]:
-        """Integral of f 2 A sqrt(I1 M)/(I3 r(0)) over phi, phidot and sigma3_bar, and its error."""
-        frame = self.frame
-        if not (frame.free("sigma3") or frame.free("sigma4")):
+    def integral(self, panels: int) -> Integral:
+        """Integral of f 2 A sqrt(I1 M)/(I3 r(0)) over phi, phidot and sigma3_bar."""
+        natural = self.natural
+        if not (natural.free("sigma3") or natural.free("sigma4")):
             points = [(x, x) for x in self._crossings()]
-            return along(lambda phi: self._at(phi, panels), points, 1, frame.tolerance)
-        kinetic = [0.5 * frame.disk.body.M * speed**2 for speed in frame.range("phidot")]
-        middle = [well(frame.disk)[0], *(-math.acos(1.0 - level) for level in kinetic if level < 2.0)]
+            return over_tilts(lambda phi: self._at(phi, panels), points, 1, natural.tolerance)
+        middle = [well(natural.disk)[0], *(-math.acos(1.0 - spent) for spent in self._kinetic() if spent < 2.0)]
         if self.energy < 1.0:
             middle += [math.acos(self.energy), -math.acos(self.energy)]
         # Between these tilts the line enters and leaves the box: a narrow box is met nowhere else.
         middle += self._crossings()
-        given = frame.pieces([self.face * m for m in middle])
+        given = natural.pieces([self.face * m for m in middle])
         pieces = [(a, b) if self.face > 0 else (-b, -a) for a, b in given]
-        return along(lambda phi: self._at(phi, panels), pieces, 32 if frame.even else 1, frame.tolerance)
+        at_once = _AT_ONCE if natural.even else 1
+        return over_tilts(lambda phi: self._at(phi, panels), pieces, at_once, natural.tolerance)
+
+    def _kinetic(self) -> list[float]:
+        """Energies of tilting at the ends of the range of phidot."""
+        return [0.5 * self.natural.disk.body.M * speed**2 for speed in self.natural.range("phidot")]
 
     def _rates(self, name: str) -> Range:
-        low, high = self.frame.range(name)
-        return (low, high) if self.face > 0 or name == "sigma3" else (-high, -low)
+        return mirrored(name, self.natural.range(name), self.face)
 
     def _at(self, phi: Array, panels: int) -> Array:
         """The integral over phidot and sigma3_bar at tilts phi."""
-        frame, b, face = self.frame, self.frame.disk.body, self.face
-        q = np.cos(phi)
+        disk, b, face = self.natural.disk, self.natural.disk.body, self.face
         a, c = self._chart(phi)
-        curvature = 0.5 * (b.I1 * (a / q) ** 2 + b.J * c * c)  # V = q + curvature sigma3_bar^2
+        curvature = self._curvature(phi, a, c)
         bar, weight = self._bars(phi, a, c, curvature, panels)
-        V = q[:, None] + curvature[:, None] * bar * bar
-        rise = 2.0 / b.M * (V - frame.disk.energy_at_flat(bar))
+        V = np.cos(phi)[:, None] + curvature[:, None] * bar * bar
+        gain = 2.0 / b.M * (V - disk.energy_at_flat(bar))
         least = self._least_speed(phi, bar, V)
         most = np.sqrt(np.maximum(2.0 / b.M * (self.energy - V), 0.0))
         weight = weight * (self.energy >= V) * (2.0 * math.sqrt(b.I1 * b.M) / (b.I3 * b.r0))
         columns = face * phi[:, None], a[:, None] * bar, face * c[:, None] * bar
-        return (weight * frame.over_speeds(columns, least, most, rise, panels)).sum(axis=-1)
+        return (weight * self.natural.over_speeds(columns, least, most, gain, panels)).sum(axis=-1)
+
+    def _curvature(self, phi: Array, a: Array, c: Array) -> Array:
+        """On the line V = cos(phi) + curvature sigma3_bar^2, eq. (3.8)."""
+        b = self.natural.disk.body
+        return 0.5 * (b.I1 * (a / np.cos(phi)) ** 2 + b.J * c * c)
 
     def _bars(self, phi: Array, a: Array, c: Array, curvature: Array, panels: int) -> tuple[Array, Array]:
         """sigma3_bar on the line within the box (n, nodes), and the weight of its step."""
-        frame = self.frame
-        if not (frame.free("sigma3") and frame.free("sigma4")):
+        natural = self.natural
+        if not (natural.free("sigma3") and natural.free("sigma4")):
             return self._only_bar(phi, a, c)
         left = self.energy - np.cos(phi)
         reach = np.sqrt(np.maximum(left, 0.0) / curvature)
         ends = ends_of_bar((a, *self._rates("sigma3"), 0.0), (c, *self._rates("sigma4"), 0.0))
         low = np.maximum(ends[0], -reach)
         high = np.maximum(np.minimum(ends[1], reach), low)
-        kinetic = [0.5 * frame.disk.body.M * speed**2 for speed in frame.range("phidot")]
-        turns = [np.sqrt(np.maximum(left - level, 0.0) / curvature) for level in kinetic]
-        turns = [turn for turn in turns if np.isfinite(turn).all()] + self._barrier_ends(phi, [0.0, *kinetic])
-        bells = [bell / a for bell in frame.bells("sigma3")]
-        bells += [bell / (self.face * c) for bell in frame.bells("sigma4")]
-        inner = [sign * turn for turn in turns for sign in (1.0, -1.0)]
+        kinetic = self._kinetic()
+        corners = [np.sqrt(np.maximum(left - spent, 0.0) / curvature) for spent in kinetic]
+        corners = [corner for corner in corners if np.isfinite(corner).all()]
+        corners += self._barrier_ends(phi, [0.0, *kinetic])
+        bells = [bell / a for bell in natural.bells("sigma3")]
+        bells += [bell / (self.face * c) for bell in natural.bells("sigma4")]
+        inner = [sign * corner for corner in corners for sign in (1.0, -1.0)]
         return panels_between([low, np.zeros_like(low), *inner, *bells, high], panels)
 
     def _chart(self, phi: Array) -> tuple[Array, Array]:
         """sigma3 and sigma4 on the line, by sigma3_bar."""
-        chart = line_chart(self.frame.disk, np.cos(phi), np.sin(phi))
+        chart = line_chart(self.natural.disk, np.cos(phi), np.sin(phi))
         return chart.bar_to_sigma3, chart.bar_to_sigma4
 
     def _corners(self) -> tuple[Array, Array]:
@@ -190,19 +245,19 @@ class Line:
         ends = []
         for name in ("sigma3", "sigma4"):
             sign = 1.0 if name == "sigma3" else float(self.face)
-            ends.append(sorted({*self._rates(name), *(sign * bell for bell in self.frame.bells(name))}))
+            ends.append(sorted({*self._rates(name), *(sign * bell for bell in self.natural.bells(name))}))
         s3, s4 = np.meshgrid(*ends)
         return s3.ravel(), s4.ravel()
 
     def _crossings(self) -> list[float]:
         """Tilts at which the line passes a corner of the box. eta_hat = c sigma3 - a sigma4 there is 0."""
-        low, high = sorted(self.face * end for end in self.frame.range("phi"))
+        low, high = sorted(self.face * end for end in self.natural.range("phi"))
         if not low < high:
             return []
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         phi = middle + half * np.sin(np.linspace(-0.5 * math.pi, 0.5 * math.pi, _SCAN)[1:-1])
         a, c = self._chart(phi)
-        found = []
+        crossings: list[float] = []
         for s3, s4 in zip(*self._corners(), strict=True):
 
             def eta(x: float, s3: float = s3, s4: float = s4) -> float:
@@ -210,13 +265,13 @@ class Line:
                 return float(c[0] * s3 - a[0] * s4)
 
             sign = np.sign(c * s3 - a * s4)
-            found += [brentq(eta, phi[i], phi[i + 1]) for i in np.flatnonzero(sign[1:] * sign[:-1] < 0.0)]
-        return found
+            crossings += [brentq(eta, phi[i], phi[i + 1]) for i in np.flatnonzero(sign[1:] * sign[:-1] < 0.0)]
+        return crossings
 
     def _only_bar(self, phi: Array, a: Array, c: Array) -> tuple[Array, Array]:
         """Where the box fixes sigma3 or sigma4 the line is met at one sigma3_bar."""
-        free3 = self.frame.free("sigma3")
-        if not (free3 or self.frame.free("sigma4")):
+        free3 = self.natural.free("sigma3")
+        if not (free3 or self.natural.free("sigma4")):
             # On the line sigma3 = a bar and sigma4 = c bar; the larger of the two says bar best.
             s3, s4 = self._rates("sigma3")[0], self._rates("sigma4")[0]
             bar = (a * s3 + c * s4) / (a * a + c * c)
@@ -236,7 +291,7 @@ class Line:
 
     def _barrier(self, phi: Array, bar: Array) -> Array:
         """Height of the barrier between a start beyond the vertical and flat, -inf if none; shapes as given."""
-        disk = self.frame.disk
+        disk = self.natural.disk
         largest, (angle, height) = well(disk)[1], barrier(disk)
         depth = np.sqrt(np.maximum(1.0 - abs(bar) / largest, 0.0))
         blocked = (abs(bar) < largest) & (phi < angle(depth))
@@ -247,44 +302,34 @@ class Line:
         least = np.zeros(bar.shape)
         if self.both:
             # The inverted pendulum reaches both sides if it passes the vertical, V = 1.
-            return np.sqrt(2.0 / self.frame.disk.body.M * np.maximum(1.0 - V, 0.0))
+            return np.sqrt(2.0 / self.natural.disk.body.M * np.maximum(1.0 - V, 0.0))
         beyond = phi < 0.0
         if beyond.any():
             height = self._barrier(phi[beyond, None], bar[beyond]) - V[beyond]
-            least[beyond] = np.sqrt(2.0 / self.frame.disk.body.M * np.maximum(height, 0.0))
+            least[beyond] = np.sqrt(2.0 / self.natural.disk.body.M * np.maximum(height, 0.0))
         return least
 
-    def _barrier_ends(self, phi: Array, levels: Sequence[float]) -> list[Array]:
-        """sigma3_bar > 0 where the barrier begins to stand in the way, and where it takes given kinetic energies.
+    def _barrier_ends(self, phi: Array, heights: Sequence[float]) -> list[Array]:
+        """sigma3_bar > 0 up to which a barrier stands in the way, and where it is a given height above the start.
 
-        Between 0 and the first its height above the start falls; NaN where there is no such point.
+        Between 0 and the first its height falls; NaN where there is no such point.
         """
         if not (phi < 0.0).any():
             return []
-        disk = self.frame.disk
+        disk = self.natural.disk
         b, (well_phi, largest) = disk.body, well(disk)
         critical = np.empty(phi.size)
         compiled.falling.critical_X2_batch(np.minimum(phi, -1e-12), b, disk.series, critical)
         own = np.sqrt(np.maximum(critical, 0.0)) * b.r0
         most = np.where(phi < 0.0, np.where(phi < well_phi, largest, np.minimum(own, largest)), np.nan)
         a, c = self._chart(phi)
-        curvature = 0.5 * (b.I1 * (a / np.cos(phi)) ** 2 + b.J * c * c)
-        found = [most]
-        for level in levels:
+        curvature = self._curvature(phi, a, c)
+        ends = [most]
+        for given in heights:
             low, high = np.zeros(phi.size), np.nan_to_num(most)
             for _ in range(_BISECTIONS):
                 middle = 0.5 * (low + high)
-                above = self._barrier(phi, middle) - np.cos(phi) - curvature * middle**2 > level
+                above = self._barrier(phi, middle) - np.cos(phi) - curvature * middle**2 > given
                 low, high = np.where(above, middle, low), np.where(above, high, middle)
-            found.append(np.where(phi < 0.0, low, np.nan))
-        return found
-
-
-def ends_of_bar(*limits: tuple[Array, float, float, Array | float]) -> tuple[Array, Array]:
-    """Ends of x with low - slack <= m x <= high + slack for every (m, low, high, slack)."""
-    low, high = np.full(limits[0][0].shape, -np.inf), np.full(limits[0][0].shape, np.inf)
-    for m, first, last, slack in limits:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            one, other = (first - slack) / m, (last + slack) / m
-        low, high = np.fmax(low, np.fmin(one, other)), np.fmin(high, np.fmax(one, other))
-    return low, high
+            ends.append(np.where(phi < 0.0, low, np.nan))
+        return ends

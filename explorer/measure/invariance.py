@@ -13,23 +13,34 @@ from scipy.stats import chi2_contingency, ks_2samp
 from explorer import compiled
 from explorer.errors import InputError
 from explorer.measure.density import Density
-from explorer.measure.laws import either_p
 from explorer.measure.sampling import Box, chunk_stream
+from explorer.measure.statistics import either_p
 from explorer.motion.trajectories import simulate
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 
-_ACCURACY = 1e-6  # of the motions, far below what a test of some thousand states can see
-_PARTS = 3  # of each coordinate, in the test of all four together
+_ACCURACY = 1e-6  # of the motions (rad), far below what a test of some thousand states can see
+_PARTS = 3  # of each coordinate, in the test of all four together: 81 cells
+_FEWEST = 20  # states in a cell of both samples; with fewer its share of chi-square is not distributed so
+_HIGHEST = 3.0  # energy over m g r, up to which states are drawn unless the user says otherwise
 
 
 @dataclass(frozen=True)
 class Stretch:
     """The flow's derivative along motions.
 
-    time (n): in the units of the disk. matrix (n, 4, 4): of (phi, phidot, sigma3, sigma4) at that time by the
-    same at the start, natural units. determinant (n): 1 for a measure that is invariant. rounding (n): the
-    order of what rounding does to it, near flat the flow stretches one way and shrinks another.
+    Attributes
+    ----------
+    time : (n,) array
+        For which each motion was followed, in the units of the disk.
+    matrix : (n, 4, 4) array
+        Derivative of (phi, phidot, sigma3, sigma4) at that time by the same at the start, natural units. NaN for
+        states that are bad input.
+    determinant : (n,) array
+        1 for a measure that is invariant.
+    rounding : (n,) array
+        Order of magnitude of the determinant's rounding error. It grows near flat, where the flow stretches one
+        direction and shrinks another.
     """
 
     time: Array
@@ -39,26 +50,62 @@ class Stretch:
 
 
 def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretch:
-    """Derivative of the flow after `steps` steps of `step` in units of 1/speed; time follows from that.
+    """Compute the derivative of the flow along motions.
 
-    Source: the reduced equations (2.15)-(2.18) and their variational equations.
+    Parameters
+    ----------
+    states : States
+        Where the motions start.
+    steps : int
+        Number of integration steps, 1 or more.
+    step : float
+        Size of a step of s in units of 1/speed, up to 1. With dt = cos(phi) ds time goes by slowly near flat.
+
+    Returns
+    -------
+    Stretch
+
+    Raises
+    ------
+    InputError
+        Where `steps` or `step` is out of its range.
+
+    References
+    ----------
+    The reduced equations (2.15)-(2.18) of the paper and their variational equations.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> stretch = ex.flow_stretch(ex.phi_to_states(ex.Disk.uniform(), 0.3, 1.0, 1.0, 0.7))
+    >>> round(float(stretch.determinant[0]), 9)
+    1.0
     """
     if not (steps >= 1 and 0.0 < step <= 1.0):
         raise InputError(f"steps = {steps}, step = {step}: give at least one step, 0 < step <= 1")
     n, disk = len(states), states.disk
     matrix, ends = np.empty((n, 4, 4)), np.empty((6, n))
     compiled.variation.variation_batch(states.natural, step, steps, disk.body, matrix, ends)
-    matrix[states.status != 0] = np.nan
+    matrix[states.status != compiled.status.Status.OK] = np.nan
     size = abs(matrix).max(axis=(1, 2))
     return Stretch(ends[5] * disk.time_unit, matrix, np.linalg.det(matrix), 2.2e-16 * steps * size)
 
 
 @dataclass(frozen=True)
 class Pushed:
-    """Two samples of one measure, one of them pushed forward; arrays (4, n), and the p-value that they agree.
+    """Two samples of one measure, one of them pushed forward by the flow, and the test that they agree.
 
-    p_values: by coordinate (Kolmogorov-Smirnov) and of all four together (chi-square of cells); p_value: of all.
-    failed: motions that could not be followed; they are in no sample.
+    Attributes
+    ----------
+    still, pushed : (4, n) arrays
+        phi (rad), phidot, sigma3, sigma4 (rad per unit of time) of states that have not moved, and of others
+        after the time that was given.
+    p_values : dict of str to float
+        By coordinate (Kolmogorov-Smirnov), and of all four together under "cells" (chi-square of cells).
+    p_value : float
+        Of all these tests together, after Bonferroni.
+    failed : int
+        Number of motions that could not be followed; they are in no sample.
     """
 
     still: Array
@@ -69,45 +116,62 @@ class Pushed:
 
 
 def push_forward(
-    disk: Disk,
-    time: float,
-    samples: int = 20_000,
-    *,
-    energy: float | None = None,
-    seed: int = 0,
-    twist: float = 0.0,
+    disk: Disk, time: float, samples: int = 20_000, *, energy: float | None = None, seed: int = 0
 ) -> Pushed:
-    """Compare states of energy up to `energy` with others that have moved for `time` (units of the disk).
+    """Compare states drawn from dphi dphidot dsigma3 dsigma4 with others that have moved for a time.
 
-    energy: default 3 m g r. twist: draws from the measure times (cos phi)^twist instead, which is not
-    invariant unless it is 0: a test of the test.
+    Parameters
+    ----------
+    disk : Disk
+    time : float
+        For which the second sample moves, in the units of the disk.
+    samples : int
+        States in each sample.
+    energy : float, optional
+        States have energies up to this one, an invariant set (units of the disk; by default 3 m g r).
+    seed : int
+        Of the draws.
+
+    Returns
+    -------
+    Pushed
+
+    Raises
+    ------
+    InputError
+        Where `energy` does not exceed that of an upright disk at rest.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> pushed = ex.push_forward(ex.Disk.uniform(), 2.0, 2000)
+    >>> pushed.p_value > 0.01, pushed.failed
+    (True, 0)
     """
-    level = 3.0 * disk.energy_unit if energy is None else energy
-    density = energy_density(disk, level, twist)
+    density = energy_density(disk, _HIGHEST * disk.energy_unit if energy is None else energy)
     still, start = (density.draw(disk, chunk_stream(seed, index), samples) for index in (0, 1))
     states = phi_to_states(disk, **start)
-    moved = simulate(disk, states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY)
-    good = moved.status == 0
-    pushed = np.stack([getattr(moved, name)[good, 0] for name in COORDINATES])
+    motions = simulate(disk, states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY)
+    good = motions.status == compiled.status.Status.OK
+    pushed = np.stack([getattr(motions, name)[good, 0] for name in COORDINATES])
     first = np.stack([still[name] for name in COORDINATES])
     p_values = {name: float(ks_2samp(first[i], pushed[i]).pvalue) for i, name in enumerate(COORDINATES)}
     p_values["cells"] = _cells_p(first, pushed)
     return Pushed(first, pushed, p_values, either_p(*p_values.values()), int((~good).sum()))
 
 
-def energy_density(disk: Disk, energy: float, twist: float = 0.0) -> Density:
+def energy_density(disk: Disk, energy: float) -> Density:
     """The measure on the states of energy up to `energy`, in a box that holds them all."""
     b, unit = disk.body, disk.rate_unit
-    level = energy / disk.energy_unit
-    if not level > 1.0:
+    highest = energy / disk.energy_unit
+    if not highest > 1.0:
         raise InputError(
             f"energy = {energy:g}: give more than m g r = {disk.energy_unit:g}, that of an upright disk"
         )
-    reach = [np.sqrt(2.0 * level / inertia) * unit for inertia in (b.M, b.I1, b.J)]
+    reach = [np.sqrt(2.0 * highest / inertia) * unit for inertia in (b.M, b.I1, b.J)]
     half_pi = 0.5 * np.pi
     box = Box((-half_pi, half_pi), *((-float(r), float(r)) for r in reach))
-    function = None if twist == 0.0 else lambda phi, *_: np.cos(phi) ** twist
-    return Density(box, (-np.inf, energy), (), function)
+    return Density(box, (-np.inf, energy))
 
 
 def _cells_p(first: Array, second: Array) -> float:
@@ -118,7 +182,7 @@ def _cells_p(first: Array, second: Array) -> float:
         edges = np.quantile(row, np.arange(1, _PARTS) / _PARTS)
         cell = cell * _PARTS + np.searchsorted(edges, row)
     counts = np.stack([np.bincount(part, minlength=_PARTS**4) for part in np.split(cell, [first.shape[1]])])
-    # Cells with few draws are joined: their chi-square is not one.
-    few = counts.sum(axis=0) < 20
+    # Cells with few draws are joined.
+    few = counts.sum(axis=0) < _FEWEST
     joined = np.column_stack([counts[:, ~few], counts[:, few].sum(axis=1)])
     return float(chi2_contingency(joined[:, joined.sum(axis=0) > 0]).pvalue)

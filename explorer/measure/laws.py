@@ -1,7 +1,7 @@
 """Laws P(theta_min < delta) = law(delta): fitted to estimates on a ladder of delta, and tested.
 
 Estimates of the rungs are independent and normal, with an error that is itself estimated (`dof`); counts of
-plain draws are binomial. Nothing here knows of disks.
+plain draws are binomial. Nothing here is about disks.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,14 +13,17 @@ from scipy.optimize import brentq
 from scipy.stats import binom, binomtest, chi2, ncx2, norm
 from scipy.stats import t as student
 
+from explorer.measure.statistics import either_p
+
 Array = NDArray[np.float64]
 Law = Callable[[Array], Array]
-LEVEL = 0.95
-# Below this many draws a rung and side its mean is not normal enough for the test.
+CONFIDENCE = 0.95  # of intervals, and one less the level at which tests reject
+# Below this many draws a rung and face its mean is not normal enough for the test.
 FEWEST = 16
 SHAPE_BINS = 20  # of theta_min / delta
-# Laws that it is not: what is put in their place.
+# The wrong laws: a probability of falling, and a relative error of C.
 PLATEAU, OFF = 1e-6, 0.02
+_MOST_PLAIN = 1e15  # plain draws; no run has as many, and counts beyond are no longer exact in doubles
 
 
 @dataclass(frozen=True)
@@ -31,9 +34,9 @@ class Estimate:
     error: float
     dof: float = np.inf
 
-    def interval(self, level: float = LEVEL) -> list[float]:
+    def interval(self, confidence: float = CONFIDENCE) -> list[float]:
         """Two-sided interval of Student's distribution."""
-        reach = self.error * float(student.ppf(0.5 + 0.5 * level, self.dof))
+        reach = self.error * float(student.ppf(0.5 + 0.5 * confidence, self.dof))
         return [self.value - reach, self.value + reach]
 
 
@@ -63,9 +66,9 @@ def total(parts: Sequence[Estimate], weights: Sequence[float] | Array | None = N
     return Estimate(value, variance**0.5, variance**2 / spread if spread > 0.0 else np.inf)
 
 
-def simultaneous(count: int, level: float = LEVEL) -> float:
-    """The level of each of `count` independent intervals for all to hold with probability `level` (Sidak)."""
-    return level ** (1.0 / max(count, 1))
+def simultaneous(count: int, confidence: float = CONFIDENCE) -> float:
+    """The confidence of each of `count` independent intervals for all to hold with `confidence` (Sidak)."""
+    return confidence ** (1.0 / max(count, 1))
 
 
 def fit_constant(ladder: Ladder) -> Estimate:
@@ -109,12 +112,7 @@ def counts_p(delta: Array, below: NDArray[np.int64], draws: int, law: Law) -> fl
     """p-value of a law from how many of `draws` lie below each delta: exact tests of bins, after Bonferroni."""
     counts = np.append(below[:-1] - below[1:], below[-1])
     each = [binomtest(int(k), draws, min(p, 1.0)).pvalue for k, p in zip(counts, bins_of(delta, law), strict=True)]
-    return float(min(1.0, len(each) * min(each)))
-
-
-def either_p(*values: float) -> float:
-    """p-value of several tests together, after Bonferroni."""
-    return min(1.0, len(values) * min(values))
+    return float(either_p(*each))
 
 
 def draws_to_reject(delta: Array, law: Law, truth: Law, variance: float, power: float = 0.95) -> int:
@@ -122,23 +120,23 @@ def draws_to_reject(delta: Array, law: Law, truth: Law, variance: float, power: 
 
     variance: relative, of one draw. The noncentral chi-square distribution gives the least shift.
     """
-    threshold = chi2.isf(1.0 - LEVEL, delta.size)
+    threshold = chi2.isf(1.0 - CONFIDENCE, delta.size)
     shift = brentq(lambda x: ncx2.sf(threshold, delta.size, x) - power, 1e-6, 1e4)
     each = float((((truth(delta) / law(delta)) - 1.0) ** 2).sum())
     return max(FEWEST, int(np.ceil(shift * variance / each)))
 
 
 def plain_draws_to_reject(delta: Array, law: Law, truth: Law, power: float = 0.95) -> float:
-    """The same for `counts_p` and plain draws; infinite where 10^15 of them do not do."""
+    """The same for `counts_p` and plain draws; infinite where 10^15 of them are too few."""
     nulls, trues = bins_of(delta, law), bins_of(delta, truth)
-    tail = 0.5 * (1.0 - LEVEL) / delta.size
+    tail = 0.5 * (1.0 - CONFIDENCE) / delta.size
 
     def missed(draws: float) -> float:
         low, high = binom.ppf(tail, draws, nulls), binom.isf(tail, draws, nulls)
         inside = binom.cdf(high, draws, trues) - np.where(low > 0, binom.cdf(low - 1, draws, trues), 0.0)
         return float(np.prod(inside))
 
-    few, many = 1.0, 1e15
+    few, many = 1.0, _MOST_PLAIN
     if missed(many) > 1.0 - power:
         return np.inf
     while many > few + 1.0 and many > few * 1.001:
@@ -148,7 +146,7 @@ def plain_draws_to_reject(delta: Array, law: Law, truth: Law, power: float = 0.9
 
 
 def wrong_laws(constant: float, top: float) -> dict[str, Law]:
-    """Laws that codimension one rules out, by name; `top` is the largest delta they are compared at."""
+    """Laws that codimension one rules out, by name. They are compared at delta up to `top`."""
     return {
         "dimension_two": lambda delta: constant * delta * (delta / top),
         "plateau": lambda delta: constant * delta + PLATEAU,

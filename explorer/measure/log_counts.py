@@ -1,4 +1,4 @@
-"""Counts of many samples that can be added up: what a chunk says of samples that it does not keep."""
+"""Counts of many samples that can be added up: a chunk has them of samples whose rows it does not keep."""
 
 import base64
 import zlib
@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from explorer.measure.statistics import ONE_SIGMA, QUANTILES
 from explorer.phase.states import Array
 
-PER_DECADE = 400  # bins of logarithmic counts: a quantile is good to 0.3 %
+PER_DECADE = 400  # bins of logarithmic counts: a quantile is good to half a bin, 0.3 %
+CELLS_PER_DECADE = 12  # of maps of two magnitudes: cells 21 % wide, which pictures can show
 
 
 class LogCounts:
@@ -152,11 +153,8 @@ def pack(values: NDArray[np.uint16]) -> str:
 
 
 def unpack(text: str) -> NDArray[np.uint16]:
-    """What `pack` was given, flat."""
+    """The array that `pack` was given, flat."""
     return np.frombuffer(zlib.decompress(base64.b85decode(text)), dtype="<u2")
-
-
-CELLS_PER_DECADE = 12
 
 
 def count_cells(x: Array, y: Array) -> list[list[int]]:

@@ -9,21 +9,20 @@ in the run, never on the number of workers.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError
+from explorer.errors import InputError, suggest
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 
 Range = tuple[float, float]
 
-# Rejection at an energy gives up below this share of accepted draws.
-_SMALLEST_SHARE = 1e-4
-BLOCK = 8192
+BLOCK = 8192  # draws at once: a few columns of them stay in a processor's cache
+_SMALLEST_SHARE = 1e-4  # of draws that are kept, below which rejection gives up: it would take 10^4 times as long
+_TRIED = 8  # blocks before it does
 
 
 @dataclass(frozen=True)
@@ -77,7 +76,7 @@ class Box:
         return columns
 
     def describe(self) -> dict[str, list[float]]:
-        """What run.json says about the box."""
+        """The entry of run.json."""
         return {name: list(getattr(self, name)) for name in COORDINATES}
 
 
@@ -87,9 +86,7 @@ def parse_ranges(text: str, option: str) -> dict[str, Range]:
     for item in text.split(","):
         name, equals, value = (part.strip() for part in item.partition("="))
         if name not in COORDINATES:
-            near = get_close_matches(name, COORDINATES, n=1)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            raise InputError(f"{option}: unknown coordinate {name!r}; {hint}known: {', '.join(COORDINATES)}")
+            raise InputError(f"{option}: unknown coordinate {name!r}; {suggest(name, COORDINATES)}")
         if not equals or name in ranges:
             raise InputError(f"{option}: {item.strip()!r}; write each coordinate once, NAME=VALUE or LOW:HIGH")
         ranges[name] = parse_range(value, f"{option} {name}")
@@ -131,10 +128,10 @@ def draw_states(
 def gather(
     block: Callable[[], tuple[dict[str, Array], NDArray[np.bool_]]], count: int, remedy: str
 ) -> dict[str, Array]:
-    """The first `count` states that are kept of blocks of draws: rejection.
+    """Rejection sampling: call `block` until `count` states are accepted, and return exactly `count`.
 
-    block: returns BLOCK states and which of them to keep. remedy: what an InputError says where fewer than one
-    draw in 10^4 is kept, with {} for how many were.
+    block: returns BLOCK states and which of them to keep. remedy: the message of the InputError that is raised
+    where fewer than one draw in 10^4 is kept, with {} for how many were.
     """
     kept: list[dict[str, Array]] = []
     have = tried = 0
@@ -142,7 +139,7 @@ def gather(
         drawn, good = block()
         kept.append({name: values[good] for name, values in drawn.items()})
         have, tried = have + int(good.sum()), tried + good.size
-        if tried >= 8 * BLOCK and have < _SMALLEST_SHARE * tried:
+        if tried >= _TRIED * BLOCK and have < _SMALLEST_SHARE * tried:
             raise InputError(f"{remedy.format(f'{have} of {tried}')} or shrink the box")
     return {name: np.concatenate([part[name] for part in kept])[:count] for name in COORDINATES}
 

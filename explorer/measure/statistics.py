@@ -37,7 +37,12 @@ def share(count: int, total: int) -> dict[str, float | list[float]]:
     return {"value": count / total, "interval_95": [float(interval.low), float(interval.high)]}
 
 
-def upper_bound(count: int, total: int, level: float = 0.95) -> float:
+def upper_bound(count: int, total: int, confidence: float = 0.95) -> float:
     """The exact one-sided (Clopper-Pearson) upper bound of a probability after `count` of `total`."""
-    interval = binomtest(count, total, alternative="less").proportion_ci(level, method="exact")
+    interval = binomtest(count, total, alternative="less").proportion_ci(confidence, method="exact")
     return float(interval.high)
+
+
+def either_p(*values: float) -> float:
+    """p-value of several tests together, after Bonferroni."""
+    return min(1.0, len(values) * min(values))

@@ -1,6 +1,6 @@
 """Tubes round the falling set: draws of states that come flatter than a given tilt, with their weights.
 
-Beside F on one side a state is (phi, phidot, sigma3_bar, eta_hat), and dsigma3 dsigma4 = dsigma3_bar deta_hat.
+Beside F on one face a state is (phi, phidot, sigma3_bar, eta_hat), and dsigma3 dsigma4 = dsigma3_bar deta_hat.
 So eta_hat is a number of its own, drawn as small as one likes, and no digit is lost. A tube is wide enough to
 hold every motion that gets flatter than delta: at its flattest moment the energy bounds sigma3 and sigma4, and
 with them eta.
@@ -14,18 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.measure.box_integrals import Frame
+from explorer.measure.box_integrals import NaturalDensity, ends_of_bar, mirrored
 from explorer.measure.density import Density
-from explorer.measure.falling_constant import ends_of_bar
 from explorer.measure.sampling import Range
 from explorer.phase.disk import Disk
-from explorer.phase.lines import line_chart, other_eta_hat
+from explorer.phase.lines import LineChart, line_chart, other_eta_hat
 from explorer.phase.states import Array
 
+# Half the width of a tube is sought by iteration. Each round overshoots by this much, so that it ends above the
+# bound that it would otherwise creep up to; a tube that is 2 % too wide wastes 2 % of its draws.
 _MARGIN = 1.02
-_ROUNDS = 12
-_TIE = 1.0 - 1e-12
-_SCAN = 2001
+_ROUNDS = 12  # what has not settled by then takes the bound that holds in all of the box
+_TIE = 1.0 - 1e-12  # ratio of two |eta_hat| that are equal up to rounding
+_SCAN = 2001  # tilts at which it is looked up where the tube meets the box
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Draws:
     """States of a tube, one array entry each, in the units of the disk.
 
     weight: the mean of weight times an indicator, over the draws, is the probability of the event within the
-    tube. Zero outside the box or the energies, and where the other side of F is nearer.
+    tube. Zero outside the box or the energies, and where the other face is nearer.
     theta_min: smallest tilt of the whole motion (rad); NaN where status is not OK.
     """
 
@@ -53,14 +54,14 @@ def dimensions(density: Density) -> int:
 
 
 def draw_tube(
-    disk: Disk, density: Density, mass: float, face: int, delta: float, unit: Array, accuracy: float = 1e-6
+    disk: Disk, density: Density, mass: float, face: int, delta: float, points: Array, accuracy: float = 1e-6
 ) -> Draws:
-    """States within the tube of tilt delta round F on one side; unit (n, dimensions), uniform in the unit cube.
+    """States within the tube of tilt delta round F on one face.
 
-    mass: integral of the density (falling_constant.mass). accuracy: relative, of theta_min.
+    mass: integral of the density (FallingConstant.mass). points: (n, dimensions), uniform in the unit cube.
+    accuracy: relative, of theta_min.
     """
-    tube = Tube(Frame(disk, density), face, delta)
-    return tube.draw(unit, mass, accuracy)
+    return Tube(NaturalDensity(disk, density), face, delta).draw(points, mass, accuracy)
 
 
 def widest_eta(energy: Array, delta: float, disk: Disk) -> Array:
@@ -79,73 +80,77 @@ def widest_eta(energy: Array, delta: float, disk: Disk) -> Array:
 
 @dataclass(frozen=True)
 class Tube:
-    """The tube of tilt delta round F on one side, seen as face +1: the mirror image for the other, eq. (3.2)."""
+    """The tube of tilt delta round F on one face. All is seen as from face +1, by the symmetry (3.2)."""
 
-    frame: Frame
+    natural: NaturalDensity
     face: int
     delta: float
 
     def _range(self, name: str) -> Range:
-        """Where the density is not zero, as seen from this side; natural units."""
-        low, high = (end / self.frame.unit(name) for end in self.frame.density.reach(name))
-        return (low, high) if self.face > 0 or name == "sigma3" else (-high, -low)
+        """Where the density is not zero; natural units."""
+        low, high = (end / self.natural.unit(name) for end in self.natural.density.reach(name))
+        return mirrored(name, (low, high), self.face)
+
+    @property
+    def _both_free(self) -> bool:
+        """True where neither sigma3 nor sigma4 is fixed by the box."""
+        return self.natural.free("sigma3") and self.natural.free("sigma4")
 
     def _tilts_met(self) -> Range:
         """The tilts between which the tube passes the box."""
         low, high = self._range("phi")
         phi = np.linspace(low, high, _SCAN)
         fastest = np.full(_SCAN, max(map(abs, self._range("phidot"))))
-        if not (self.frame.free("sigma3") and self.frame.free("sigma4")):
+        if not self._both_free:
             return low, high
-        span = self._spans(Place.at(self.frame.disk, phi, fastest))[2]
+        span = self._spans(Place.at(self.natural.disk, phi, fastest))[2]
         met = np.flatnonzero(span > 0.0)
         if not met.size:
             return low, high
         return phi[max(met[0] - 1, 0)], phi[min(met[-1] + 1, _SCAN - 1)]
 
-    def draw(self, unit: Array, mass: float, accuracy: float) -> Draws:
-        frame, disk = self.frame, self.frame.disk
-        columns = iter(unit.T)
-        weight = np.ones(unit.shape[0])
-        start = {}
-        for name in ("phi", "phidot"):
-            low, high = self._range(name)
-            start[name] = np.full(unit.shape[0], low)
-            bell = dict(frame.density.gaussian).get(name)
-            if bell is not None:
-                share = next(columns)
-                value = frame.density.at_share(name, share if self.face > 0 else 1.0 - share)
-                start[name] = self.face * value / frame.unit(name)
-                # Drawn from its own factor: what it weighs is that factor's integral over the factor.
-                away = (value - bell[0]) / bell[1]
-                weight *= frame.one(name) * np.exp(0.5 * away * away)
-            elif frame.free(name):
-                low, high = self._tilts_met() if name == "phi" else (low, high)
-                start[name] = low + (high - low) * next(columns)
-                weight *= high - low
-        phi, phidot = start["phi"], start["phidot"]
+    def draw(self, points: Array, mass: float, accuracy: float) -> Draws:
+        """As `draw_tube`."""
+        natural, disk, face = self.natural, self.natural.disk, self.face
+        columns, weight = iter(points.T), np.ones(points.shape[0])
+        phi, phidot = (self._draw_factor(name, columns, weight) for name in ("phi", "phidot"))
         place = Place.at(disk, phi, phidot)
         bar, eta, width = self._beside(place, columns)
-        s3, s4 = place.rates(bar, eta)
+        s3, s4 = place.chart.rates(bar, eta)
         energy = place.energy(bar, eta)
         other = other_eta_hat(disk, bar, eta)
-        unit_rate, face = disk.rate_unit, self.face
-        given = face * phi, face * phidot * unit_rate, s3 * unit_rate, face * s4 * unit_rate
-        counted = frame.density.inside(*given, energy * disk.energy_unit)
-        # A state beside both lines counts once, on the nearer side; equally near, up to rounding, on face +1.
+        unit = disk.rate_unit
+        given = face * phi, face * phidot * unit, s3 * unit, face * s4 * unit
+        counted = natural.density.inside(*given, energy * disk.energy_unit)
+        # A state beside both lines counts once, on the nearer face; equally near, up to rounding, on face +1.
         nearer = abs(eta) * _TIE <= abs(other) if face > 0 else abs(eta) < abs(other) * _TIE
         counted &= nearer & (width > 0.0)
         weight = np.where(counted, weight * width / mass, 0.0)
-        weight[counted] *= frame.density.shape(*(column[counted] for column in given))
+        weight[counted] *= natural.density.shape(*(column[counted] for column in given))
         theta, status = self._tilts(place, bar, eta, other, np.flatnonzero(weight > 0.0), accuracy)
-        return Draws(
-            given[0], given[1], bar * unit_rate, eta * unit_rate, energy * disk.energy_unit, weight, theta, status
-        )
+        return Draws(given[0], given[1], bar * unit, eta * unit, energy * disk.energy_unit, weight, theta, status)
+
+    def _draw_factor(self, name: str, columns: Iterator[Array], weight: Array) -> Array:
+        """Values of phi or phidot; multiplies `weight` by one over the density that they are drawn from."""
+        natural = self.natural
+        low, high = self._range(name)
+        bell = dict(natural.density.gaussian).get(name)
+        if bell is not None:
+            share = next(columns)
+            value = natural.density.quantile(name, share if self.face > 0 else 1.0 - share)
+            # Drawn from its own factor: what it weighs is that factor's integral over the factor.
+            away = (value - bell[0]) / bell[1]
+            weight *= natural.factor_mass(name) * np.exp(0.5 * away * away)
+            return self.face * value / natural.unit(name)
+        if not natural.free(name):
+            return np.full(weight.size, low)
+        low, high = self._tilts_met() if name == "phi" else (low, high)
+        weight *= high - low
+        return low + (high - low) * next(columns)
 
     def _beside(self, place: "Place", columns: Iterator[Array]) -> tuple[Array, Array, Array]:
         """sigma3_bar, eta_hat, and the density of these draws to the power -1."""
-        frame = self.frame
-        if not (frame.free("sigma3") and frame.free("sigma4")):
+        if not self._both_free:
             return self._on_segment(place, self._widest(place), next(columns))
         low, widest, span = self._spans(place)
         bar = np.where(span > 0.0, low + span * next(columns), 0.0)
@@ -157,16 +162,16 @@ class Tube:
         """A bound of |eta_hat| at these tilts and speeds, for states of the box that come flatter than delta."""
         most3, most4 = (max(map(abs, self._range(name))) for name in ("sigma3", "sigma4"))
         top = place.tilting + 0.5 * place.inertia3 * most3**2 + 0.5 * place.inertia4 * most4**2
-        top = np.minimum(top, self.frame.energy[1])
-        bound = widest_eta(top, self.delta, self.frame.disk)
-        return np.minimum(bound, abs(place.c) * most3 + abs(place.a) * most4)
+        top = np.minimum(top, self.natural.energy[1])
+        bound = widest_eta(top, self.delta, self.natural.disk)
+        return np.minimum(bound, abs(place.chart.bar_to_sigma4) * most3 + abs(place.chart.bar_to_sigma3) * most4)
 
     def _spans(self, place: "Place") -> tuple[Array, Array, Array]:
         """Smallest sigma3_bar in the tube, half its width in eta_hat, and the span of sigma3_bar (0: not met)."""
         widest = self._widest(place)
+        a, a2, c, c2 = place.chart
         low, high = ends_of_bar(
-            (place.a, *self._range("sigma3"), abs(place.a2) * widest),
-            (place.c, *self._range("sigma4"), abs(place.c2) * widest),
+            (a, *self._range("sigma3"), abs(a2) * widest), (c, *self._range("sigma4"), abs(c2) * widest)
         )
         return low, widest, np.maximum(high - low, 0.0)
 
@@ -175,8 +180,8 @@ class Tube:
 
         widest_eta(energy(x)) is convex in x, so beyond such an x no state comes flatter than delta.
         """
-        disk, delta = self.frame.disk, self.delta
-        cut = self.frame.energy[1]
+        disk, delta = self.natural.disk, self.delta
+        cut = self.natural.energy[1]
         half = widest_eta(place.energy(bar, np.zeros_like(bar)), delta, disk) * _MARGIN
         settled = np.zeros(bar.shape, bool)
         for _ in range(_ROUNDS):
@@ -190,9 +195,9 @@ class Tube:
 
     def _on_segment(self, place: "Place", widest: Array, unit: Array) -> tuple[Array, Array, Array]:
         """Where the box fixes sigma3 or sigma4: eta_hat is all that is drawn, and sets the free one."""
-        fixed3 = not self.frame.free("sigma3")
+        fixed3 = not self.natural.free("sigma3")
         fixed = self._range("sigma3" if fixed3 else "sigma4")[0]
-        m, m2 = (place.a, place.a2) if fixed3 else (place.c, place.c2)
+        m, m2 = place.chart[:2] if fixed3 else place.chart[2:]
         eta = widest * (2.0 * unit - 1.0)
         # d(free)/d(eta_hat) = 1/|m| since the chart's determinant is -1
         return (fixed - m2 * eta) / m, eta, 2.0 * widest / abs(m)
@@ -201,7 +206,7 @@ class Tube:
         self, place: "Place", bar: Array, eta: Array, other: Array, rows: NDArray[np.intp], accuracy: float
     ) -> tuple[Array, NDArray[np.int8]]:
         """theta_min and status of the rows that count."""
-        disk, b = self.frame.disk, self.frame.disk.body
+        disk, b = self.natural.disk, self.natural.disk.body
         here, there = disk.eta_hat_to_eta(np.where(place.z >= 0.0, [eta, other], [other, eta]))
         starts = np.stack([place.h, place.phidot, bar, here, there])[:, rows]
         out, code = np.empty(rows.size), np.zeros(rows.size, np.int8)
@@ -213,7 +218,7 @@ class Tube:
 
 @dataclass(frozen=True)
 class Place:
-    """Tilts and speeds of draws, and the chart there: sigma3 = a bar + a2 eta, sigma4 = c bar + c2 eta."""
+    """Tilts and speeds of draws, the chart there, and the factors of the energy, eq. (2.19); natural units."""
 
     z: Array
     h: Array
@@ -221,23 +226,15 @@ class Place:
     tilting: Array
     inertia3: Array
     inertia4: float
-    a: Array
-    a2: Array
-    c: Array
-    c2: Array
+    chart: LineChart
 
     @classmethod
     def at(cls, disk: Disk, phi: Array, phidot: Array) -> "Place":
         b = disk.body
         q, z = np.cos(phi), np.sin(phi)
         h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
-        return cls(z, h, phidot, 0.5 * b.M * phidot**2 + q, b.I1 / (q * q), b.J, *line_chart(disk, q, z))
-
-    def rates(self, bar: Array, eta: Array) -> tuple[Array, Array]:
-        """sigma3 and sigma4."""
-        return self.a * bar + self.a2 * eta, self.c * bar + self.c2 * eta
+        return cls(z, h, phidot, 0.5 * b.M * phidot**2 + q, b.I1 / (q * q), b.J, line_chart(disk, q, z))
 
     def energy(self, bar: Array, eta: Array) -> Array:
-        """Energy, eq. (2.19)."""
-        s3, s4 = self.rates(bar, eta)
+        s3, s4 = self.chart.rates(bar, eta)
         return self.tilting + 0.5 * self.inertia3 * s3 * s3 + 0.5 * self.inertia4 * s4 * s4

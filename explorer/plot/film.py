@@ -17,12 +17,12 @@ from explorer.phase.states import Array
 from explorer.plot.style import DARK, SIGN_COLOURS, SMALL, TEXT, times_of
 from explorer.portrait.film import FRAMES, Film, film
 
-# From here neither disk hides its contact point, and both races run towards the viewer.
+# From above, for the paths on the table, and from aside, for the tilt.
 _ELEVATION, _AZIMUTH = math.radians(32.0), math.radians(-50.0)
 _FRAME_MS, _REST_MS = 60, 1500  # some 17 frames a second; the last frame stays long enough to be compared
 # Small enough for a page: 100 frames stay below 3 MB.
 _DPI, _SIZE = 100, (6.4, 3.8)
-_COLOURS = 96  # of the palette; fewer show as bands in the tinted faces
+_COLOURS = 96  # of the palette, for a smaller file; a GIF may have 256
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 73)
 _TABLE, _LINES = "#EFEDE6", "#D5D2C8"
 _GRID = 6  # radii from the start to the edge of the lines on the table

@@ -11,7 +11,7 @@ from explorer.motion.passages import passages
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
-MOST = 16.0  # of m r^2/I1; a uniform disk has 4, and few bodies more than 10
+MOST = 16.0  # of m r^2/I1; a hoop has 2, a uniform disk 4
 # Where the gap is measured, natural units of eta_hat: the law eta ln(1/eta) leaves 1e-10 rad there.
 _BESIDE = 1e-12
 _LARGEST = 1e6  # of m r^2/I1: a body a thousand times smaller than its rim

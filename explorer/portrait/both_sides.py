@@ -11,7 +11,7 @@ from explorer.phase.disk import Disk
 from explorer.phase.states import Array, constants_to_states
 
 FALLS = 3  # impacts that each motion passes
-TIMES = 240  # at which distances are taken; the largest one settles to a per cent with half as many
+TIMES = 240  # at which distances are taken: some 80 to a period
 # Share of a period that is cut out on either side of an impact: there the limits jump and motions do not.
 MARGIN = 0.1
 _FIRST_TIMES = 800  # of a picture: phi(t) is round at its turning points; the race adds its own

@@ -22,7 +22,7 @@ from explorer.phase.states import Array, States, columns_of, constants_to_states
 # Errors of chi per period add up over the periods of a path: 1e-9 leaves 1e-5 rad after the most of them.
 _ACCURACY = 1e-9
 _MOST_PERIODS = 10_000
-_MOST_TURNS = 1_000_000  # of chi in a period; a race makes some ten at the most
+_MOST_TURNS = 1_000_000  # of chi in a period, far beyond any body's race
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from scipy.stats import qmc
 from explorer import compiled
 from explorer.errors import InputError
 from explorer.measure import statistics
-from explorer.measure.box_integrals import Frame
+from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density, Function
 from explorer.measure.falling_constant import FallingConstant, constant_of
 from explorer.measure.laws import SHAPE_BINS
@@ -86,7 +86,7 @@ class MeasureZero(SampledScene):
                 "--box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "
                 "all, and there are no tubes; give one of them a range (falling_constant gives C in Python)"
             )
-        if Frame(self.disk, self.source).reaches_flat():
+        if NaturalDensity(self.disk, self.source).reaches_flat():
             raise InputError(
                 "--box reaches flat (phi = +-pi/2) where the density does not vanish and the energy has no bound: "
                 "P is of order delta ln(1/delta) there, there is no C; give --energy LOW:HIGH, or keep phi away"
@@ -114,7 +114,7 @@ class MeasureZero(SampledScene):
     @cached_property
     def law_limit(self) -> float:
         """The largest delta at which the next term of the law may be neglected."""
-        frame = Frame(self.disk, self.source)
+        frame = NaturalDensity(self.disk, self.source)
         away = 0.5 * np.pi - max(map(abs, self.source.box.phi))
         near_flat = _NEAREST_FLAT * away if away > 0.0 else LAW_LIMIT
         # The half-width of a thin tube is proportional to its delta.

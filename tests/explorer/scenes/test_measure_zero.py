@@ -135,7 +135,7 @@ def test_draws_of_a_tube_are_states_with_the_eta_they_claim(box, face):
 
     unit_rate = disk.rate_unit
     place = Place.at(disk, face * found.phi[rows], face * found.phidot[rows] / unit_rate)
-    s3, s4 = place.rates(found.sigma3_bar[rows] / unit_rate, found.eta_hat[rows] / unit_rate)
+    s3, s4 = place.chart.rates(found.sigma3_bar[rows] / unit_rate, found.eta_hat[rows] / unit_rate)
     given = found.phi[rows], found.phidot[rows], s3 * unit_rate, face * s4 * unit_rate
     states, known = phi_to_states(disk, *given), ex.constants(disk, *given)
     here = known.eta_hat_plus if face > 0 else known.eta_hat_minus
