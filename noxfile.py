@@ -1,0 +1,72 @@
+#!/usr/bin/env -S uv run --script
+# /// script
+# dependencies = ["nox"]
+# ///
+"""Sessions: `nox` runs tests and lint, `nox --list` names the others, `nox -s NAME -- ...` passes arguments on."""
+
+import tempfile
+
+import nox
+
+nox.needs_version = ">=2024.4.15"
+nox.options.default_venv_backend = "uv|virtualenv"
+
+
+@nox.session(python=["3.11", "3.12", "3.13"])
+def tests(session):
+    """The suite, in two processes."""
+    session.install("--editable", ".[test]")
+    session.run("python", "-m", "pytest", *session.posargs)
+
+
+@nox.session
+def lint(session):
+    """Style, format and types."""
+    session.install("--editable", ".[test]")
+    session.run("ruff", "check", *session.posargs)
+    session.run("ruff", "format", "--check")
+    session.run("mypy")
+
+
+@nox.session(default=False)
+def docs(session):
+    """Run the examples in docstrings."""
+    session.install("--editable", ".[test]")
+    session.run("python", "-m", "pytest", "-n", "0", "--doctest-modules", "explorer", *session.posargs)
+
+
+@nox.session(default=False)
+def bounds(session):
+    """The tests of kernels with every index checked, compiled into a cache of their own."""
+    session.install("--editable", ".[test]")
+    environment = {"NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": tempfile.mkdtemp()}
+    session.run("python", "-m", "pytest", "tests/kernels", *session.posargs, env=environment)
+
+
+@nox.session(default=False)
+def peers(session):
+    """Write results/peers/: other programs on the same work, on one core. Some minutes."""
+    session.install("--editable", ".[peers]")
+    session.chdir("tests")
+    session.run("python", "-m", "peers.report_peers", env={"OMP_NUM_THREADS": "1"})
+
+
+@nox.session(default=False)
+def faults(session):
+    """Write results/faults/: runs that are killed, starved and spoilt. Some minutes; Linux."""
+    session.install("--editable", ".[test]")
+    session.run("python", "tests/faults/report_faults.py")
+
+
+@nox.session(python="3.11", venv_backend="uv", default=False)
+def lowest(session):
+    """The suite with the oldest versions that pyproject.toml allows.
+
+    Old versions warn of newer ones of what they depend on, so warnings are no errors here.
+    """
+    session.install("--resolution", "lowest-direct", "--editable", ".[test]")
+    session.run("python", "-m", "pytest", "-W", "default", *session.posargs)
+
+
+if __name__ == "__main__":
+    nox.main()
