@@ -197,15 +197,18 @@ def test_help_loads_neither_the_compiler_nor_the_plotting():
     assert done.stdout.strip() == "[]"
 
 
-def test_the_readme_has_the_two_lines_and_ci_runs_the_second():
-    lines = re.findall(r"^python3 -m venv .*$", (ROOT / "README.md").read_text("utf-8"), flags=re.MULTILINE)
-    assert len(lines) == 2
-    assert lines[0].endswith(".venv/bin/nearflat demo")
-    assert lines[1].endswith(".venv/bin/python -m pytest")
-    ci = (ROOT / ".ci" / "run").read_text("utf-8")
-    assert "python -m pytest$" in ci
-    assert "README.md" in ci
-
-
 def test_both_packages_say_that_they_are_typed():
     assert all((ROOT / package / "py.typed").is_file() for package in PACKAGES)
+
+
+SCRIPTS = [path for path in TESTS if not path.name.startswith("test_")]
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_scripts_beside_the_tests_import_what_is_there(path):
+    """Nothing runs them in the suite; some have the code of another process as text."""
+    lines = re.findall(r"^ *from ((?:explorer|kernels)[\w.]*) import (.+)$", path.read_text("utf-8"), re.MULTILINE)
+    for module, names in lines:
+        for name in re.findall(r"(?:^|, )(\w+)", names):
+            defined = re.search(rf"^(def |class )?{name}\b", path_of(module).read_text("utf-8"), re.MULTILINE)
+            assert defined or f"{module}.{name}" in MODULES, f"{module}.{name}"

@@ -36,7 +36,7 @@ from pathlib import Path
 from explorer.runs import store, workers
 from explorer.runs.run import execute
 from explorer.runs.workers import Workers
-from explorer.scenes.build import build_scene
+from explorer.scenes.options import build_scene
 folder, jobs, backend, resume, point, number, options = eval(sys.argv[1])
 calls = 0
 def trip(name):

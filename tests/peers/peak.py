@@ -15,11 +15,11 @@ _LANES = 16
 _COUNT = """
 import json
 import numpy as np
-from kernels.eighth import eighth_order_step
-from kernels.adaptive import dopri5_step
-from kernels.field import State
-from kernels.fixed import rk4_step
-from kernels import field
+from kernels.steps.eighth import eighth_order_step
+from kernels.steps.adaptive import dopri5_step
+from kernels.disk.field import State
+from kernels.steps.fixed import rk4_step
+from kernels.disk import field
 import explorer as ex
 
 class Silent(float):  # the path, which the compiler drops
