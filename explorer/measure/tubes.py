@@ -207,7 +207,7 @@ class Tube:
     ) -> tuple[Array, NDArray[np.int8]]:
         """theta_min and status of the rows that count."""
         disk, b = self.natural.disk, self.natural.disk.body
-        here, there = disk.eta_hat_to_eta(np.where(place.z >= 0.0, [eta, other], [other, eta]))
+        here, there = np.where(place.z >= 0.0, [eta, other], [other, eta]) * disk.eta_hat_to_eta(1.0)
         starts = np.stack([place.h, place.phidot, bar, here, there])[:, rows]
         out, code = np.empty(rows.size), np.zeros(rows.size, np.int8)
         compiled.orbits.tilt_batch(np.ascontiguousarray(starts), accuracy, b, disk.series, out, code)

@@ -1,0 +1,113 @@
+"""Integrals over boxes against closed forms and against scipy."""
+
+import math
+
+import numpy as np
+import pytest
+from conftest import BODIES
+from scipy.integrate import nquad, quad
+
+from explorer.measure.box_integrals import (
+    Integral,
+    NaturalDensity,
+    between_energies,
+    ends_of_bar,
+    mirrored,
+    over_tilts,
+    panels_between,
+    settled,
+)
+from explorer.measure.density import Density
+
+UNIFORM, COIN = BODIES["uniform"], BODIES["coin"]
+
+
+def test_panels_are_doubled_until_the_result_settles():
+    asked = []
+
+    def integral(panels):
+        asked.append(panels)
+        return Integral(1.0 + 0.1**panels, 1e-9)
+
+    found = settled(integral, 1e-5, 8)
+    assert asked == [1, 2, 4, 8]
+    assert found == pytest.approx(Integral(1.0 + 1e-8, 1e-9 + 1e-4 - 1e-8))
+    asked.clear()
+    assert settled(integral, 1e-4) == Integral(1.1, 1e-9)
+    assert asked == [1]
+
+
+def test_a_range_of_energies_is_a_difference_and_errors_add():
+    def below(energy):
+        return Integral(energy**2, 0.1)
+
+    assert between_energies(below, (2.0, 3.0)) == pytest.approx(Integral(5.0, 0.2))
+    assert between_energies(below, (-math.inf, 3.0)) == pytest.approx(Integral(9.0, 0.1))
+
+
+def test_an_integral_over_tilts_is_that_of_its_pieces():
+    found = over_tilts(lambda phi: np.cos(phi) ** 3, [(-1.0, 0.3), (0.3, 1.2)], 16, 1e-9)
+    exact = quad(lambda phi: math.cos(phi) ** 3, -1.0, 1.2)[0]
+    assert found.value == pytest.approx(exact, rel=1e-9)
+    assert abs(found.value - exact) <= found.error + 1e-15
+    assert over_tilts(np.cos, [(0.5, 0.5)], 16, 1e-9).value == math.cos(0.5)
+
+
+@pytest.mark.parametrize("panels", [1, 2, 4])
+def test_nodes_integrate_a_square_root_that_ends_at_an_end(panels):
+    nodes, weights = panels_between([np.array([0.0]), np.array([0.5]), np.array([2.0])], panels)
+    kinked = np.sqrt(2.0 - nodes) * abs(nodes - 0.5)
+    exact = quad(lambda x: math.sqrt(2.0 - x) * abs(x - 0.5), 0.0, 2.0, points=[0.5], epsabs=1e-13)[0]
+    assert (kinked * weights).sum() == pytest.approx(exact, rel=1e-9)
+
+
+def test_ends_that_are_out_of_order_or_unknown_leave_an_empty_or_whole_panel():
+    nodes, weights = panels_between([np.array([1.0, 0.0]), np.array([np.nan, np.nan]), np.array([0.5, 3.0])], 1)
+    assert weights.sum(axis=-1) == pytest.approx([0.0, 3.0])
+    assert (nodes[0] == 1.0).all()
+
+
+def test_the_ends_of_sigma3_bar_keep_every_rate_in_its_range():
+    m, n = np.array([2.0, -1.0]), np.array([0.5, 0.5])
+    low, high = ends_of_bar((m, -1.0, 4.0, 0.0), (n, -9.0, 9.0, np.array([0.1, 0.1])))
+    np.testing.assert_allclose(low, [-0.5, -4.0])
+    np.testing.assert_allclose(high, [2.0, 1.0])
+
+
+def test_the_mirror_image_turns_all_ranges_round_but_that_of_sigma3():
+    assert mirrored("phi", (-0.1, 0.7), -1) == (-0.7, 0.1)
+    assert mirrored("sigma3", (-0.1, 0.7), -1) == mirrored("phi", (-0.1, 0.7), 1) == (-0.1, 0.7)
+
+
+@pytest.mark.parametrize("disk", [UNIFORM, COIN], ids=["natural", "SI"])
+def test_the_mass_is_the_integral_of_the_density(disk):
+    """A Gaussian and a function, against nested quadrature by scipy in the units of the disk."""
+    u = disk.rate_unit
+    box = f"phi=-1:0.5,phidot={-u}:{2 * u},sigma3={0.3 * u},sigma4={-u}:{u}"
+
+    def tilted(phi, phidot, sigma3, sigma4):
+        return 1.0 + phi**2 * (sigma4 / u) ** 2
+
+    density = Density.of(disk, box, None, f"phidot={0.5 * u}:{0.4 * u}", tilted)
+
+    def value(phi, phidot, sigma4):
+        bell = math.exp(-0.5 * ((phidot - 0.5) / 0.4) ** 2)
+        return bell * (1.0 + phi**2 * sigma4**2)
+
+    exact = nquad(value, [(-1.0, 0.5), (-1.0, 2.0), (-1.0, 1.0)])[0]
+    assert NaturalDensity(disk, density).mass().value == pytest.approx(exact, rel=1e-6)
+
+
+def test_a_box_alone_has_the_mass_of_its_sides():
+    natural = NaturalDensity(UNIFORM, Density.of(UNIFORM, "phi=0,phidot=-1:2,sigma3=0:1,sigma4=-2:2"))
+    assert natural.mass() == Integral(pytest.approx(12.0), 0.0)
+    assert natural.factor_mass("sigma4") == 4.0
+
+
+def test_only_densities_that_do_not_vanish_at_flat_reach_it():
+    flat = f"phi=0:{0.5 * math.pi!r}"
+    assert NaturalDensity(UNIFORM, Density.of(UNIFORM, flat)).reaches_flat()
+    assert not NaturalDensity(UNIFORM, Density.of(UNIFORM, flat, ":3")).reaches_flat()
+    assert not NaturalDensity(UNIFORM, Density.of(UNIFORM, "phi=0:1")).reaches_flat()
+    vanishing = Density.of(UNIFORM, flat, density=lambda phi, *_: np.cos(phi))
+    assert not NaturalDensity(UNIFORM, vanishing).reaches_flat()

@@ -1,0 +1,38 @@
+"""Counts with their intervals."""
+
+import numpy as np
+import pytest
+from scipy.stats import beta
+
+import explorer as ex
+from explorer.measure.statistics import add_counts, count_status, either_p, share, upper_bound
+
+
+def test_statuses_are_counted_by_name_and_only_those_that_occur():
+    parts = [np.array([ex.Status.OK, ex.Status.FALLS, ex.Status.OK], np.int8), np.array([ex.Status.OK], np.int8)]
+    assert count_status(parts) == {"ok": 3, "falls": 1}
+
+
+def test_counts_add_up_whatever_their_order():
+    parts = [{"ok": 3}, {"falls": 1, "ok": 2}]
+    assert add_counts(parts) == add_counts(parts[::-1]) == {"falls": 1, "ok": 5}
+
+
+@pytest.mark.parametrize(("count", "total"), [(0, 10), (3, 100), (100, 100)])
+def test_a_share_has_its_exact_interval(count, total):
+    """Clopper and Pearson's, by quantiles of the beta distribution."""
+    low = beta.ppf(0.025, count, total - count + 1) if count else 0.0
+    high = beta.ppf(0.975, count + 1, total - count) if count < total else 1.0
+    found = share(count, total)
+    assert found["value"] == count / total
+    assert found["interval_95"] == pytest.approx([low, high])
+
+
+def test_after_no_event_the_bound_is_that_of_the_rule_of_three():
+    assert upper_bound(0, 10**6) == pytest.approx(-np.log(0.05) / 1e6, rel=1e-5)
+    assert upper_bound(0, 10**6, 0.99) > upper_bound(0, 10**6)
+
+
+def test_several_tests_together_are_no_more_certain_than_all_of_them():
+    assert either_p(0.2, 0.01, 0.7) == pytest.approx(0.03)
+    assert either_p(0.9, 0.8) == 1.0
