@@ -11,7 +11,7 @@ from explorer.errors import InputError
 
 
 def add_commands(commands: Any, add: Callable[..., argparse.ArgumentParser]) -> None:
-    """Add both commands. add: as explorer.cli._add."""
+    """Add the three commands. add: the `_add` of `explorer.commands.main`."""
     command = add(
         commands,
         "paper",
@@ -78,21 +78,19 @@ def _gallery(options: argparse.Namespace) -> int:
 
 
 def _paper(options: argparse.Namespace) -> int:
-    from explorer.paper.pages import headline, paper, printed
+    from explorer.paper.pages import headline, line_of, paper
 
     rows = paper(options.out, only=options.only, jobs=options.jobs, quiet=options.quiet)
+    holding = sum(row.passed for row in rows)
     if options.json:
-        passed = sum(row.passed for row in rows)
-        found = {"holding": passed, "failing": len(rows) - passed, "rows": [row.describe() for row in rows]}
-        print(json.dumps(found))
+        counts = {"holding": holding, "failing": len(rows) - holding}
+        print(json.dumps(counts | {"rows": [row.describe() for row in rows]}))
     else:
         if options.only is not None:
             for row in rows:
                 print(f"{row.statement.number} {row.statement.name}: {row.statement.text}")
                 for finding in row.findings:
-                    values = f"{printed(finding.measured)}, expected {printed(finding.expected)}"
-                    off = f"compared {finding.error:.1e}, at most {finding.tolerance:.1e}"
-                    print(f"  {finding.computed}: {values} ({off})")
+                    print(line_of(finding))
         for line in headline(rows):
             print(line)
-    return 0 if all(row.passed for row in rows) else 1
+    return 0 if holding == len(rows) else 1

@@ -16,10 +16,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from explorer.errors import InputError
+from explorer.motion.dense_times import dense_times
 from explorer.motion.limit_motions import limit_motion
 from explorer.motion.passages import passages
 from explorer.motion.periods import periods
-from explorer.motion.trajectories import simulate
+from explorer.paper.checks import followed
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States, constants_to_states
 from explorer.plot.style import DARK, SIGN_COLOURS, axes_or_new, dress, legend
@@ -31,6 +32,7 @@ ZOOM = (-0.15, 0.2)  # both axes, the ticks of Fig. 3
 _ACCURACY = 1e-9
 _WIDTH, _HEIGHT = 8.4, 4.5
 _RACE_POINTS = 200
+_STEP = 0.05  # rad of chi between two points: the contact point's circles look round at the size of a page
 _BODY_WORDS = {"uniform": "the uniform disk", "hoop": "the hoop"}
 
 CHI0_FITS = (0.41, 0.57)  # rad: what the ticks of Fig. 7 leave, to the last digit
@@ -78,26 +80,13 @@ def period_of(disk: Disk, eta_hat: float) -> float:
 
 
 def motion(disk: Disk, eta_hat: float, turns: float) -> Curve:
-    """The motion over `turns` periods, sampled densely where it is nearly flat."""
-    tau = period_of(disk, eta_hat)
-    there = passages(disk, SIGMA3, eta_hat, PHIDOT, accuracy=_ACCURACY)
-    flat = 0.5 * float(there.duration[0]) + tau * np.arange(int(np.ceil(turns)), dtype=np.float64)
-    flat = flat[flat <= turns * tau]
-    race = float(there.theta_min[0] / there.impact_speed[0])
-    spread = race * np.sinh(np.linspace(-5.0, 5.0, 401))
-    times = np.concatenate([np.linspace(0.0, turns * tau, 1201), (flat[:, None] + spread).ravel()])
-    times = np.unique(times[(times >= 0.0) & (times <= turns * tau)])
-    found = simulate(
-        disk,
-        start(disk, eta_hat),
-        t_eval=times,
-        observables=("phi", "chi", "path", "contact"),
-        accuracy=_ACCURACY,
-        chi0=CHI0,
-    )
-    if found.phi is None or found.chi is None or found.path is None or found.contact is None:
-        raise InputError("observables: the motion came without what was asked for")
-    return Curve(times, found.phi[0], found.chi[0], found.path[0, :, :2], found.contact[0, :, :2], flat)
+    """The motion over `turns` periods, with the flattest moments among its times."""
+    state, tau = start(disk, eta_hat), period_of(disk, eta_hat)
+    first = 0.5 * float(passages(disk, SIGMA3, eta_hat, PHIDOT, accuracy=_ACCURACY).duration[0])
+    flat = np.arange(first, turns * tau, tau)
+    times = dense_times(state, np.union1d(np.linspace(0.0, turns * tau, 1201), flat), _STEP)
+    run = followed(disk, state, times, _ACCURACY, CHI0)
+    return Curve(times, run.phi, run.chi, run.path[:, :2], run.contact[:, :2], flat)
 
 
 def limit(disk: Disk, sign: int, t_end: float) -> Curve:

@@ -1,27 +1,41 @@
 """`nearflat paper`: every statement checked, every figure drawn, every misprint shown with its evidence."""
 
-import hashlib
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from importlib import import_module
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from joblib import Parallel, delayed
 
 from explorer import compiled
-from explorer.errors import InputError, note
-from explorer.paper.statement import Finding, Statement, chosen
+from explorer.errors import InputError, note, whole
+from explorer.paper import (
+    figure_numbers,
+    section_2,
+    section_3_4,
+    section_5,
+    section_6_1,
+    section_6_2,
+    section_6_3,
+    section_7_1,
+    section_7_3,
+)
+from explorer.paper.figures import FIGURES, figure
+from explorer.paper.misprints import misprints_page
+from explorer.paper.statement import Finding, Statement, chosen, shown
 
-_MODULES = ("mechanics", "reduction", "chaplygin", "fall", "membership", "race", "jump", "figure_statement")
-_SEAL = "<!-- sha256 of all above: "
+# The statements of these are registered as they are imported.
+SECTIONS = (
+    *(section_2, section_3_4, section_5, section_6_1, section_6_2, section_6_3, section_7_1, section_7_3),
+    figure_numbers,
+)
 DPI = 150
 
 
 @dataclass(frozen=True)
 class Row:
-    """A statement with what was found; `trouble` says why it could not be computed."""
+    """A statement with its findings; `trouble` says why it could not be computed."""
 
     statement: Statement
     findings: tuple[Finding, ...]
@@ -40,29 +54,17 @@ class Row:
             "verdict": verdict(self.passed),
             "trouble": self.trouble,
             "findings": [
-                {
-                    "computed": f.computed,
-                    "measured": printed(f.measured),
-                    "expected": printed(f.expected),
-                    "error": f.error if math.isfinite(f.error) else None,
-                    "tolerance": f.tolerance,
-                    "reason": f.reason,
-                    "verdict": verdict(f.passed),
-                }
+                asdict(f)
+                | {"measured": shown(f.measured), "expected": shown(f.expected), "verdict": verdict(f.passed)}
+                | {"error": f.error if math.isfinite(f.error) else None}
                 for f in self.findings
             ],
         }
 
 
 def verdict(passed: bool) -> str:
+    """How a row or a finding came out, in a word."""
     return "holds" if passed else "FAILS"
-
-
-def all_statements(only: str | None = None) -> list[Statement]:
-    """The rows of the paper in order. Raises InputError where `only` names none of them."""
-    for name in _MODULES:
-        import_module(f"explorer.paper.{name}")
-    return chosen(only)
 
 
 def check_row(row: Statement) -> Row:
@@ -74,8 +76,8 @@ def check_row(row: Statement) -> Row:
 
 
 def check_all(only: str | None = None, jobs: int = 2) -> list[Row]:
-    """Check all statements, or one."""
-    rows = all_statements(only)
+    """Check all statements, or one. Raises InputError where `only` names none of them."""
+    rows = chosen(only)
     compiled.warmup()
     return list(Parallel(n_jobs=jobs, backend="threading")(delayed(check_row)(row) for row in rows))
 
@@ -85,12 +87,10 @@ def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: boo
 
     Raises InputError for an unknown statement or a folder that cannot be written.
     """
-    if not isinstance(jobs, int) or jobs < 1:
-        raise InputError(f"--jobs {jobs}: give a whole number, 1 or more")
-    folder = Path(out)
+    jobs, folder = whole("--jobs", jobs, 1), Path(out)
     if folder.exists() and not folder.is_dir():
         raise InputError(f"--out {folder}: is a file; give a folder")
-    all_statements(only)
+    chosen(only)
     note("checking the statements", quiet)
     rows = check_all(only, jobs)
     if only is None:
@@ -104,25 +104,26 @@ def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: boo
 def _write(folder: Path, rows: Sequence[Row], quiet: bool) -> None:
     """All pages and pictures."""
     (folder / "figures").mkdir(parents=True, exist_ok=True)
-    write_sealed(folder / "statements.md", statements_page(rows))
+    for name, page in pages(rows).items():
+        (folder / name).write_text(page, encoding="utf-8")
     note("drawing the figures", quiet)
-    _write_figures(folder / "figures")
-    (folder / "README.md").write_text(figures_page(), encoding="utf-8")
-    note("weighing the misprints", quiet)
-    write_sealed(folder / "misprints.md", import_module("explorer.paper.misprints").misprints_page())
-
-
-def _write_figures(folder: Path) -> None:
-    figures = import_module("explorer.paper.figures")
-    for number in sorted(figures.FIGURES):
-        drawn = figures.figure(number)
+    for number in sorted(FIGURES):
+        drawn = figure(number)
         for kind in ("png", "svg"):
-            drawn.savefig(folder / f"figure-{number}.{kind}", dpi=DPI)
+            drawn.savefig(folder / "figures" / f"figure-{number}.{kind}", dpi=DPI)
+
+
+def pages(rows: Sequence[Row]) -> dict[str, str]:
+    """The Markdown pages of checked rows, by the name of the file."""
+    return {
+        "statements.md": statements_page(rows),
+        "misprints.md": misprints_page((row.statement, row.findings) for row in rows),
+        "README.md": figures_page(),
+    }
 
 
 def figures_page() -> str:
     """The figures with their captions, as Markdown."""
-    figures = import_module("explorer.paper.figures").FIGURES
     lines = [
         "# The paper, reproduced",
         "",
@@ -130,14 +131,14 @@ def figures_page() -> str:
         "the numbers that decide them: [misprints.md](misprints.md). Cushman & Duistermaat, *Nearly flat falling",
         "motions of the rolling disk*, Regul. Chaotic Dyn. 11 (2006) 31-60.",
     ]
-    for number in sorted(figures):
+    for number in sorted(FIGURES):
         lines += ["", f"## Figure {number}", "", f'<img src="figures/figure-{number}.png" width="700">', ""]
-        lines.append(figures[number].caption)
+        lines.append(FIGURES[number].caption)
     return "\n".join(lines) + "\n"
 
 
 def statements_page(rows: Sequence[Row]) -> str:
-    """The statements with what was computed, found and expected, as Markdown."""
+    """The statements with what was computed, measured and expected, as Markdown."""
     failed = [row.statement.name for row in rows if not row.passed]
     lines = [
         "# The statements of the paper, checked",
@@ -145,15 +146,14 @@ def statements_page(rows: Sequence[Row]) -> str:
         "Made by `nearflat paper`. Cushman & Duistermaat, *Nearly flat falling motions of the rolling disk*,",
         "Regul. Chaotic Dyn. 11 (2006) 31-60. [corrected]: as `misprints.md` says.",
         "",
+        "Each comparison gives what was computed, the number that came out, the one that the paper leads to, how",
+        "far they are apart (compared), how far they may be (at most) and why that much (because).",
+        "",
         f"{len(rows) - len(failed)} of {len(rows)} hold." + (f" Failing: {', '.join(failed)}." if failed else ""),
     ]
     for row in rows:
-        lines += [
-            "",
-            f"## {row.statement.number}. {row.statement.name}: {verdict(row.passed)}",
-            "",
-            row.statement.text,
-        ]
+        heading = f"## {row.statement.number}. {row.statement.name}: {verdict(row.passed)}"
+        lines += ["", heading, "", row.statement.text]
         if row.trouble is not None:
             lines += ["", f"Could not be computed: {row.trouble}"]
         if row.findings:
@@ -161,57 +161,35 @@ def statements_page(rows: Sequence[Row]) -> str:
                 "",
                 "| computed | measured | expected | compared | at most | because | |",
                 "|---|---|---|---|---|---|---|",
+                *(_cells(finding) for finding in row.findings),
             ]
-            lines += [_cells(finding) for finding in row.findings]
     return "\n".join(lines) + "\n"
 
 
 def _cells(finding: Finding) -> str:
     cells = (
         finding.computed,
-        printed(finding.measured),
-        printed(finding.expected),
+        shown(finding.measured),
+        shown(finding.expected),
         f"{finding.error:.1e}",
         f"{finding.tolerance:.1e}",
         finding.reason,
         verdict(finding.passed),
     )
-    return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
-def printed(value: Any) -> str:
-    """A number, a list of numbers or words, to ten digits."""
-    if isinstance(value, str | bool):
-        return str(value)
-    if isinstance(value, float | int):
-        return f"{value:.10g}"
-    try:
-        return ", ".join(printed(item) for item in value)
-    except TypeError:
-        return f"{float(value):.10g}"
-
-
-def write_sealed(path: Path, text: str) -> None:
-    """A generated page with a digest of itself at its end, by which a hand edit is noticed."""
-    digest = hashlib.sha256(text.encode()).hexdigest()
-    path.write_text(f"{text}\n{_SEAL}{digest} -->\n", encoding="utf-8")
-
-
-def is_sealed(path: Path) -> bool:
-    """Whether a page is as it was generated."""
-    text, seal, rest = path.read_text(encoding="utf-8").rpartition(f"\n{_SEAL}")
-    return bool(seal) and rest.split(" ")[0] == hashlib.sha256(text.encode()).hexdigest()
+def line_of(finding: Finding) -> str:
+    """A finding in one line for the terminal."""
+    values = f"{shown(finding.measured)}, expected {shown(finding.expected)}"
+    off = f"compared {finding.error:.1e}, at most {finding.tolerance:.1e}"
+    return f"  {finding.computed}: {values} ({off})"
 
 
 def headline(rows: Sequence[Row]) -> Iterator[str]:
-    """Lines for a person: what fails, and how many hold."""
+    """Lines for the user: what fails, and how many hold."""
     for row in rows:
-        if row.passed:
-            continue
-        yield f"{row.statement.number} {row.statement.name} FAILS: {row.trouble or row.statement.text}"
-        for finding in row.findings:
-            if not finding.passed:
-                found = f"{printed(finding.measured)}, expected {printed(finding.expected)}"
-                off = f"compared {finding.error:.1e}, at most {finding.tolerance:.1e}"
-                yield f"  {finding.computed}: {found} ({off})"
+        if not row.passed:
+            yield f"{row.statement.number} {row.statement.name} FAILS: {row.trouble or row.statement.text}"
+            yield from (line_of(finding) for finding in row.findings if not finding.passed)
     yield f"{sum(row.passed for row in rows)} of {len(rows)} statements hold."

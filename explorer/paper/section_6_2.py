@@ -1,30 +1,38 @@
-"""Statements 33 and 34: which motions on the lines l± fall, and which never do (section 6.2 of the paper)."""
+"""Section 6.2 of the paper: which motions on the lines l± fall, which never do, and how rare they are."""
 
 from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from explorer import compiled
+from explorer.measure import laws
+from explorer.measure.density import Density
+from explorer.measure.falling_constant import falling_constant
+from explorer.measure.sampling import Box
+from explorer.measure.tubes import dimensions, draw_tube
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.paper.fall import BODIES, at_most, near, observed, potential, rates_down, reduced, shot_slope
+from explorer.paper.checks import BODIES, HOOP, THICK, UNIFORM, at_most, near, observed
+from explorer.paper.four_dimensions import potential, rates_down, reduced, shot_slope
 from explorer.paper.statement import Finding, statement
 from explorer.phase.disk import Disk
+from explorer.phase.lines import line_chart
 from explorer.phase.membership import falls, falls_of, well
 from explorer.phase.states import phi_to_states
 
 _BESIDE = 1e-7  # eta_hat: far above rounding, far below what decides who falls
 
 
-@statement(33, "SEC-6.2", "6.2: on l± with E > V₀ all motions in the component that reaches flat fall.")
+@statement(33, "SEC-6.2")
 def all_fall() -> Iterator[Finding]:
+    """6.2: on l± with E > V₀ all motions in the component that reaches flat fall."""
     random = np.random.Generator(np.random.Philox(33))
     for disk in BODIES:
         phi, phidot = random.uniform(-1.4, 1.0, 3000), random.uniform(-1.5, 1.5, 3000)
         bar = random.choice([-1.0, 1.0], 3000) * random.uniform(1.05 * well(disk)[1], 2.0, 3000)
-        chart = np.empty((4, 3000))  # face -1 is the mirror image, eq. (3.2)
-        compiled.falling.line_chart_batch(np.cos(phi), -np.sin(phi), disk.body, disk.series, chart)
-        rows = np.stack([phi, phidot, chart[0] * bar, -chart[2] * bar])
+        # Face -1 is the mirror image, eq. (3.2).
+        sigma3, sigma4 = line_chart(disk, np.cos(phi), -np.sin(phi)).rates(bar, 0.0)
+        rows = np.stack([phi, phidot, sigma3, -sigma4])
         count = int(falls(disk, *rows).could_fall_minus.sum())
         yield near(f"{disk.name}: of 3000 states on l₋ with |σ̄₃| > σ̄₃*, could fall", count, 3000, 0.0, "a count")
         fallen = 0
@@ -43,26 +51,23 @@ def _beside_the_well(disk: Disk, random: np.random.Generator) -> Iterator[Findin
     # Beyond the vertical and slow, where the barrier decides; not so slow that the energy of eta does.
     phi = random.uniform(0.0, 1.4, n)
     phidot = random.choice([-1.0, 1.0], n) * random.uniform(0.01, 0.5, n)
-    chart = np.empty((4, n))
-    compiled.falling.line_chart_batch(np.cos(phi), -np.sin(phi), disk.body, disk.series, chart)
-    sigma3, sigma4 = chart[0] * bar + _BESIDE * chart[1], chart[2] * bar + _BESIDE * chart[3]
+    sigma3, sigma4 = line_chart(disk, np.cos(phi), -np.sin(phi)).rates(bar, _BESIDE)
     states = phi_to_states(disk, phi, phidot, sigma3, -sigma4)
     said = falls_of(states).could_fall_minus
     tilt, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-6, "dopri5"))
     known = status == 0
     came = tilt[known] < 1e-3
     agree, both = int((came == said[known]).sum()), min(came.mean(), 1.0 - came.mean())
-    yield near(
-        f"{disk.name}: integrated beside l₋ with a well", int(known.sum()), n, 0.01 * n, "near a separatrix"
-    )
-    yield near(f"{disk.name}: of these, agree on who falls", agree, int(known.sum()), 0, "a count")
-    yield at_most(
-        f"{disk.name}: share of the commoner outcome", 1.0 - both, 0.9, "both must occur for this to tell"
-    )
+    done = int(known.sum())
+    yield near(f"{disk.name}: integrated beside l₋ with a well", done, n, 0.01 * n, "near a separatrix")
+    yield near(f"{disk.name}: of these, agree on who falls", agree, done, 0, "a count")
+    why = "both must occur for this to tell"
+    yield at_most(f"{disk.name}: share of the commoner outcome", 1.0 - both, 0.9, why)
 
 
-@statement(34, "WELL", "6.2: on l± near the origin there are also motions that never fall: iff |σ̄₃| < σ̄₃*.")
+@statement(34, "WELL")
 def non_falling_well() -> Iterator[Finding]:
+    """6.2: on l± near the origin there are also motions that never fall: iff |σ̄₃| < σ̄₃*."""
     tilts = np.geomspace(0.5 * np.pi, 0.05, 4000)[1:]
     for disk in BODIES:
         # l_+ as seen from face -1: V = sigma3_bar^2 U + q, so V' = 0 where sigma3_bar^2 = -cos(tilt)/U'
@@ -84,3 +89,29 @@ def non_falling_well() -> Iterator[Finding]:
                 phi = observed(disk, row, np.linspace(0.0, 30.0, 200), "phi")[0]
                 agree -= not bool((phi < 0.0).all() and phi.min() > -1.5)
         yield near(f"{disk.name}: of 10 |σ̄₃|, a well iff below σ̄₃*; motions stay in it", agree, 10, 0, "a count")
+
+
+@statement(35, "CODIM-1")
+def codimension_one() -> Iterator[Finding]:
+    """6.2: F has codimension one: P(θ_min < δ) ~ Cδ; no state drawn plainly lies on it."""
+    deltas, draws = np.array([1e-3, 1e-5, 1e-7]), 6000
+    random = np.random.Generator(np.random.Philox(35))
+    for disk in (UNIFORM, HOOP, THICK):
+        density = Density.of(disk)
+        C = falling_constant(disk)
+        value, error = np.zeros(3), np.zeros(3)
+        for i, delta in enumerate(deltas):
+            for face in (1, -1):
+                drawn = draw_tube(disk, density, C.mass, face, delta, random.random((draws, dimensions(density))))
+                hit = np.where(drawn.theta_min < delta, drawn.weight, 0.0)
+                value[i] += hit.mean()
+                error[i] = np.hypot(error[i], hit.std() / np.sqrt(draws))
+        ladder = laws.Ladder(deltas, value, error, np.full(3, 2.0 * draws))
+        slope, constant = laws.fit_slope(ladder), laws.fit_constant(ladder)
+        why = f"four standard errors of {draws} draws per δ and face"
+        yield near(f"{disk.name}: slope of ln P in ln δ, δ = 1e-3 to 1e-7", slope.value, 1.0, 4 * slope.error, why)
+        yield near(f"{disk.name}: C by draws beside F", constant.value, C.value, 4 * constant.error, why)
+        lot = Box.default(disk).draw(random, 100_000)
+        hits = int((falls_of(phi_to_states(disk, **lot)).status == compiled.status.Status.FALLS).sum())
+        yield near(f"{disk.name}: exact falls in 10⁵ plain draws (so P < 3e-5)", hits, 0, 0.0, "a count")
+    yield near("uniform: C", falling_constant(UNIFORM).value, 1.46927, 6e-6, "digits of the earlier quadrature")

@@ -1,0 +1,97 @@
+"""Rows of the paper that are checked, and ways to damage what they rest on."""
+
+from dataclasses import replace
+
+from explorer.paper import eight_dimensions, four_dimensions, pages
+from explorer.paper.statement import STATEMENTS
+
+
+def findings(number):
+    return list(STATEMENTS[number].check())
+
+
+def fails(number):
+    return not all(finding.passed for finding in findings(number))
+
+
+def assert_holds(row):
+    """A checked row without trouble, with findings that all pass and give their reasons."""
+    assert row.trouble is None
+    assert row.findings
+    assert [(f.computed, f.error, f.tolerance, f.printed) for f in row.findings if not f.passed] == []
+    assert all(f.reason and f.computed for f in row.findings)
+
+
+def forget():
+    """Drop what the rows remember of motions, so that nothing is carried from or to a damaged row."""
+    for module in (*pages.SECTIONS, four_dimensions, eight_dimensions):
+        for value in vars(module).values():
+            if hasattr(value, "cache_clear"):
+                value.cache_clear()
+
+
+def scaled(factor):
+    """A damage: what a function returns is too large, every part of it."""
+
+    def damage(original):
+        def wrong(*arguments, **named):
+            value = original(*arguments, **named)
+            if not isinstance(value, tuple):
+                return factor * value
+            parts = [factor * part for part in value]
+            return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+
+        return wrong
+
+    return damage
+
+
+def first(factor):
+    """A damage: the first of several results is too large."""
+
+    def damage(original):
+        def wrong(*arguments, **named):
+            one, *others = original(*arguments, **named)
+            return (factor * one, *others)
+
+        return wrong
+
+    return damage
+
+
+def second(factor):
+    """A damage: the second of two results is too large."""
+
+    def damage(original):
+        def wrong(*arguments):
+            one, other = original(*arguments)
+            return one, factor * other
+
+        return wrong
+
+    return damage
+
+
+def field(name, factor):
+    """A damage: one field of a result is too large."""
+
+    def damage(original):
+        def wrong(*arguments, **named):
+            value = original(*arguments, **named)
+            return replace(value, **{name: getattr(value, name) * factor})
+
+        return wrong
+
+    return damage
+
+
+class Lifted:
+    """A disk on which gravity pulls up, as eq. (2.12) has it in print."""
+
+    def __init__(self, disk):
+        self.m, self.r, self.g, self.I1, self.I3 = disk.m, disk.r, -disk.g, disk.I1, disk.I3
+
+
+def upwards(original):
+    """A damage of the angular acceleration: eq. (2.12) as printed."""
+    return lambda disk, u, omega: original(Lifted(disk), u, omega)
