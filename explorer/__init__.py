@@ -9,12 +9,15 @@ Names are loaded on first use, so that importing this package is cheap.
 """
 
 from importlib import import_module
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from explorer import plot as plot
     from explorer.commands.run import run as run
+    from explorer.compiled import status as _status
     from explorer.errors import InputError as InputError
+    from explorer.errors import Interrupted as Interrupted
     from explorer.errors import RunError as RunError
     from explorer.measure.falling_constant import falling_constant as falling_constant
     from explorer.measure.invariance import flow_stretch as flow_stretch
@@ -27,14 +30,23 @@ if TYPE_CHECKING:
     from explorer.phase.constants import constants as constants
     from explorer.phase.disk import Disk as Disk
     from explorer.phase.membership import falls as falls
+    from explorer.phase.states import States as States
     from explorer.phase.states import constants_to_states as constants_to_states
     from explorer.phase.states import phi_to_states as phi_to_states
     from explorer.phase.states import theta_to_states as theta_to_states
 
+    Status = _status.Status
+    __version__: str
+
+# Every public name, with the module it comes from; after a colon what it is called there, if not the same. `plot` is
+# a module itself.
 _HOMES = {
     "Disk": "phase.disk",
     "InputError": "errors",
+    "Interrupted": "errors",
     "RunError": "errors",
+    "States": "phase.states",
+    "Status": "compiled:status.Status",
     "constants": "phase.constants",
     "constants_to_states": "phase.states",
     "falling_constant": "measure.falling_constant",
@@ -45,22 +57,25 @@ _HOMES = {
     "passages": "motion.passages",
     "periods": "motion.periods",
     "phi_to_states": "phase.states",
-    "plot": "",
+    "plot": "plot",
     "push_forward": "measure.invariance",
     "run": "commands.run",
     "simulate": "motion.trajectories",
     "theta_to_states": "phase.states",
 }
 
-__all__ = ["Status", *sorted(_HOMES)]
+__all__ = [*_HOMES]
 
 
 def __getattr__(name: str) -> Any:
-    if name == "Status":
-        value = import_module("explorer.compiled").status.Status
+    if name == "__version__":
+        from importlib.metadata import version
+
+        value: Any = version("nearflat")
     elif name in _HOMES:
-        home = _HOMES[name]
-        value = getattr(import_module(f"explorer.{home}"), name) if home else import_module(f"explorer.{name}")
+        home, _, path = _HOMES[name].partition(":")
+        module = import_module(f"explorer.{home}")
+        value = module if name == home else attrgetter(path or name)(module)
     else:
         raise AttributeError(f"module 'explorer' has no attribute {name!r}")
     globals()[name] = value
@@ -68,4 +83,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return [*__all__, "__version__"]

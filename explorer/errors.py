@@ -7,9 +7,11 @@ read as a number, a number of numpy like one of Python, and a bool never counts 
 
 import math
 import sys
+import tomllib
 from collections.abc import Collection
 from difflib import get_close_matches
 from numbers import Integral
+from pathlib import Path
 from typing import Any
 
 
@@ -145,6 +147,16 @@ def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, f
     if low > high:
         raise InputError(f"{name} {low:g}:{high:g} is empty; give {form}, the smaller number first")
     return low, high
+
+
+def read_toml(path: Path, option: str) -> dict[str, Any]:
+    """The content of a TOML file. Raises InputError naming the option and the file."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{option} {path}: cannot be read ({error.strerror})") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{option} {path}: not valid TOML ({error})") from None
 
 
 def _numbers(low: float, high: float) -> str:

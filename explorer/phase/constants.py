@@ -1,6 +1,9 @@
 """Constants of motion of states, without integration."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,46 +14,24 @@ from explorer.phase.lines import LinearConstants, nearer_plus
 from explorer.phase.states import Array, States, phi_to_states
 
 
-@dataclass(frozen=True)
-class NaturalConstants:
+class NaturalConstants(NamedTuple):
     """Constants of motion in natural units, arrays of one length.
 
-    rows: all of them as the kernels take them, (6, n), in the order of kernels.disk.constants.Constants. An eta
-    below its `rounding` in size cannot be told from zero.
+    An eta below its rounding in size cannot be told from zero. rows: the others as the kernels take them, (6, n).
     """
 
+    sigma3_bar: Array
+    eta_plus: Array
+    eta_minus: Array
+    energy: Array
+    rounding_plus: Array
+    rounding_minus: Array
     rows: Array
-
-    def __len__(self) -> int:
-        return self.rows.shape[1]
-
-    @property
-    def sigma3_bar(self) -> Array:
-        return self.rows[0]
-
-    @property
-    def eta_plus(self) -> Array:
-        return self.rows[1]
-
-    @property
-    def eta_minus(self) -> Array:
-        return self.rows[2]
-
-    @property
-    def energy(self) -> Array:
-        return self.rows[3]
-
-    @property
-    def rounding_plus(self) -> Array:
-        return self.rows[4]
-
-    @property
-    def rounding_minus(self) -> Array:
-        return self.rows[5]
 
     @property
     def linear(self) -> LinearConstants:
-        return LinearConstants(*self.rows[:3])
+        """Those that are linear in the rates."""
+        return LinearConstants(self.sigma3_bar, self.eta_plus, self.eta_minus)
 
     @property
     def nearer_plus(self) -> NDArray[np.bool_]:
@@ -65,18 +46,42 @@ class NaturalConstants:
         """A bound of the rounding error of that eta."""
         return np.where(plus, self.rounding_plus, self.rounding_minus)
 
-    def at(self, rows: NDArray[np.intp]) -> "NaturalConstants":
+    def at(self, chosen: NDArray[np.intp]) -> NaturalConstants:
         """Those of some of the states."""
-        return NaturalConstants(np.ascontiguousarray(self.rows[:, rows]))
+        return from_rows(np.ascontiguousarray(self.rows[:, chosen]))
+
+
+def from_rows(rows: Array) -> NaturalConstants:
+    """Constants by name from the rows of kernels.disk.constants.Constants, (6, n)."""
+    return NaturalConstants(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows)
 
 
 @dataclass(frozen=True)
 class Constants:
-    """Constants of motion, 1-D arrays in the units of the disk; NaN for bad input.
+    """Constants of motion in the units of the disk, one entry per state: what `constants` returns.
 
-    sigma3_bar, sigma4_bar, eta_hat_plus, eta_hat_minus: rad per unit of time, eqs (3.5), (6.2);
-    eta_plus, eta_minus: eta_hat times I3 r(0); energy: eq. (2.19).
-    eta_hat_* and sigma4_bar are NaN where I3 = 0, since they divide by it.
+    All is NaN for a state that is none, and status says so.
+
+    Attributes
+    ----------
+    sigma3_bar, sigma4_bar : (n,) array
+        Values at the vertical of the motion's sigma3 and sigma4, rad per unit of time, eq. (3.5).
+        sigma4_bar is NaN where I3 = 0.
+    eta_hat_plus, eta_hat_minus : (n,) array
+        Signed distance of (sigma3_bar, sigma4_bar) from the lines l_+ and l_-, measured along sigma4_bar,
+        rad per unit of time, eq. (6.2); NaN where I3 = 0.
+    eta_plus, eta_minus : (n,) array
+        The same times I3 r(0).
+    energy : (n,) array
+        Energy, eq. (2.19).
+    status : (n,) array of int8
+        `Status` of each state, OK or BAD_INPUT.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.constants(ex.Disk.uniform(), 0.0, 1.0, [1.0, 2.0], 0.7).sigma3_bar
+    array([1., 2.])
     """
 
     sigma3_bar: Array
@@ -91,10 +96,10 @@ class Constants:
 
 def natural_constants(states: States) -> NaturalConstants:
     """Constants of motion in natural units; NaN for bad input."""
-    rows = np.empty((6, len(states)))
-    compiled.algebra.constants_batch(states.natural, states.disk.whole, states.disk.body, states.disk.series, rows)
+    disk, rows = states.disk, np.empty((6, len(states)))
+    compiled.algebra.constants_batch(states.natural, disk.whole, disk.body, disk.series, rows)
     rows[:, states.status == compiled.status.Status.BAD_INPUT] = np.nan
-    return NaturalConstants(rows)
+    return from_rows(rows)
 
 
 def constants_of(states: States, natural: NaturalConstants | None = None) -> Constants:
@@ -116,10 +121,37 @@ def constants_of(states: States, natural: NaturalConstants | None = None) -> Con
 
 
 def constants(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> Constants:
-    """Constants of motion from a state, with no integration.
+    """Constants of motion of states, by algebra and without integration.
 
-    phi in rad, -pi/2 < phi < pi/2; phidot, sigma3, sigma4 in rad per unit of time (eq. 2.14).
-    Arguments broadcast; the result is 1-D. Bad input gives NaN and status BAD_INPUT.
-    For states nearer to flat than phi can express see `theta_to_states` and `constants_of`.
+    Parameters
+    ----------
+    disk : Disk
+        The body.
+    phi : array_like
+        Tilt (rad), -pi/2 < phi < pi/2, 0 at the vertical.
+    phidot, sigma3, sigma4 : array_like
+        Rates of eq. (2.14), rad per unit of time. The arrays broadcast; the result is 1-D.
+
+    Returns
+    -------
+    Constants
+        One entry per state; NaN and status BAD_INPUT where it is not finite or already flat.
+
+    Raises
+    ------
+    InputError
+        For arguments that are no numbers or do not broadcast.
+
+    Notes
+    -----
+    Eqs (3.5), (6.2) and (2.19) of the paper, to full relative accuracy near both flat states. Near flat phi has
+    no digits left: for such states see `theta_to_states`.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.constants(ex.Disk.uniform(), phi=0.0, phidot=1.0, sigma3=1.0, sigma4=0.7)
+    >>> found.eta_hat_plus.round(4), found.energy
+    (array([0.0286]), array([2.1175]))
     """
     return constants_of(phi_to_states(disk, phi, phidot, sigma3, sigma4))

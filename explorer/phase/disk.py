@@ -1,27 +1,59 @@
 """The disk: SI units in, validated, and its natural units."""
 
+from __future__ import annotations
+
 import math
-import tomllib
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError
+from explorer.errors import InputError, number, positive, read_toml
 from explorer.phase.gauss import table_rules
 
-PRESETS = ("uniform", "hoop", "matching")
+Array = NDArray[np.float64]
+Number = TypeVar("Number", float, Array)
+
+_PRESETS = ("uniform", "hoop", "matching")
 _SYNTAX = 'uniform, hoop, matching, annulus:INNER_OVER_OUTER, FILE.toml, or "m=..,r=..,g=..,I1=..,I3=.."'
+# I3 may exceed 2 I1 by rounding of doubles; a rounded decimal such as I1 = 0.3333, I3 = 0.6667 is refused.
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
 class Disk:
-    """A body of revolution rolling on a sharp rim, centre of mass at the rim's centre.
+    """A body of revolution rolling on a sharp rim, its centre of mass at the rim's centre.
 
-    m: mass (kg); r: rim radius (m); g: gravity (m/s^2); I1, I3: transverse and axial moment of
-    inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3). Any consistent units do. Raises InputError.
-    Not validated: that a real body with these moments exists and fits inside the rim.
+    Any consistent units do. It is not checked that a real body with these moments exists and fits inside the rim.
+
+    Parameters
+    ----------
+    m : float
+        Mass (kg).
+    r : float
+        Radius of the rim (m).
+    g : float
+        Gravity (m/s^2).
+    I1, I3 : float
+        Transverse and axial moment of inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3).
+    name : str
+        Stands in folders, pictures and tables.
+
+    Raises
+    ------
+    InputError
+        For quantities that no disk has, and for units so far apart that numbers overflow.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
+    >>> print(f"{coin.kappa:.6f} {coin.time_unit:.4f}")
+    2.236068 0.0351
     """
 
     m: float = 1.0
@@ -33,13 +65,9 @@ class Disk:
 
     def __post_init__(self) -> None:
         for key in ("m", "r", "g", "I1"):
-            value = self._number(key)
-            if not (math.isfinite(value) and value > 0.0):
-                raise InputError(f"disk: {key} = {value} must be a finite number above 0")
-        if not (math.isfinite(self._number("I3")) and self.I3 >= 0.0):
-            raise InputError(f"disk: I3 = {self.I3} must be a finite number, 0 <= I3 <= 2 I1")
-        # A rounded decimal such as I1 = 0.3333, I3 = 0.6667 is refused; rounding of doubles is not.
-        if self.I3 > 2.0 * self.I1 * (1.0 + 1e-12):
+            object.__setattr__(self, key, positive(f"disk: {key}", getattr(self, key)))
+        object.__setattr__(self, "I3", number("disk: I3", self.I3, 0.0))
+        if self.I3 > 2.0 * self.I1 * (1.0 + _ROUNDING):
             raise InputError(
                 f"disk: I3 = {self.I3} exceeds 2 I1 = {2.0 * self.I1}, which no body has; "
                 "a flat one has I3 = 2 I1 exactly"
@@ -47,14 +75,8 @@ class Disk:
         if not all(map(math.isfinite, (self.I1 / self._inertia_unit, self.rate_unit, self.energy_unit))):
             raise InputError("disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
 
-    def _number(self, key: str) -> float:
-        value = getattr(self, key)
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"disk: {key} = {value!r} is not a number")
-        return float(value)
-
     @classmethod
-    def annulus(cls, inner: float, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> "Disk":
+    def annulus(cls, inner: float, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop)."""
         if not 0.0 <= inner <= 1.0:
             raise InputError(f"disk: annulus inner over outer radius {inner} must lie between 0 and 1")
@@ -62,38 +84,38 @@ class Disk:
         return cls(m, r, g, 0.5 * axial, axial, f"annulus-{inner:g}")
 
     @classmethod
-    def uniform(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> "Disk":
+    def uniform(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The uniform disk, eq. (2.5): m r^2 / I1 = 4."""
         return replace(cls.annulus(0.0, m, r, g), name="uniform")
 
     @classmethod
-    def hoop(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> "Disk":
+    def hoop(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The hoop, eq. (2.6): m r^2 / I1 = 2."""
         return replace(cls.annulus(1.0, m, r, g), name="hoop")
 
     @classmethod
-    def matching(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> "Disk":
+    def matching(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The flat body with m r^2 / I1 = 3, for which both one-sided limit motions agree."""
         third = m * r * r / 3.0
         return cls(m, r, g, third, 2.0 * third, "matching")
 
     @classmethod
-    def parse(cls, text: str) -> "Disk":
+    def parse(cls, text: str) -> Disk:
         """A disk from what the command line accepts. Raises InputError."""
         text = text.strip()
-        if text in PRESETS:
+        if text in _PRESETS:
             return {"uniform": cls.uniform, "hoop": cls.hoop, "matching": cls.matching}[text]()
         if text.startswith("annulus:"):
-            return cls.annulus(_to_number("annulus", text.removeprefix("annulus:")))
+            return cls.annulus(number("disk: annulus", text.removeprefix("annulus:")))
         if text.endswith(".toml"):
             return cls._from_mapping(read_toml(Path(text), "--disk"), Path(text).stem)
         if "=" in text:
             pairs = [item.partition("=") for item in text.split(",")]
-            return cls._from_mapping({k.strip(): _to_number(k.strip(), v) for k, _, v in pairs}, "custom")
+            return cls._from_mapping({key.strip(): value.strip() for key, _, value in pairs}, "custom")
         raise InputError(f"--disk {text!r} is not known; choose {_SYNTAX}")
 
     @classmethod
-    def _from_mapping(cls, values: dict[str, Any], name: str) -> "Disk":
+    def _from_mapping(cls, values: dict[str, Any], name: str) -> Disk:
         known = ("m", "r", "g", "I1", "I3")
         for key in values:
             if key not in (*known, "name"):
@@ -127,18 +149,17 @@ class Disk:
         """m r^2 sqrt(g/r), the unit of eta_+-."""
         return self._inertia_unit * self.rate_unit
 
-    def eta_hat_to_eta(self, eta_hat: Any) -> Any:
+    def eta_hat_to_eta(self, eta_hat: Number) -> Number:
         """eta = I3 r(0) eta_hat, eq. (6.2); both in natural units."""
         return eta_hat * self.body.I3 * self.body.r0
 
-    def eta_to_eta_hat(self, eta: Any) -> Any:
+    def eta_to_eta_hat(self, eta: Number) -> Number:
         """eta_hat = eta / (I3 r(0)), eq. (6.2); both in natural units. NaN where I3 = 0."""
         return eta / (self.body.I3 * self.body.r0 if self.body.I3 > 0.0 else math.nan)
 
-    def energy_at_flat(self, sigma3_bar: Any) -> Any:
+    def energy_at_flat(self, sigma3_bar: Number) -> Number:
         """V_0, the amended potential at flat on a line l_+-, eq. (6.9); natural units. Needs I3 > 0."""
-        b = self.body
-        return 0.5 * b.J * (sigma3_bar / (b.k * b.r0)) ** 2
+        return 0.5 * self.body.J * (sigma3_bar / (self.body.k * self.body.r0)) ** 2
 
     @property
     def kappa(self) -> float:
@@ -158,41 +179,33 @@ class Disk:
         return 0.0 if abs(gap) < 1e-12 else gap % (2.0 * math.pi)
 
     @cached_property
-    def _compiled(self) -> tuple["compiled.body.Body", "compiled.types.Matrix"]:
+    def _compiled(self) -> tuple[compiled.body.Body, Array]:
         unit = self._inertia_unit
         return compiled.body.make_body(self.I1 / unit, min(self.I3 / unit, 2.0 * self.I1 / unit))
 
     @property
-    def body(self) -> "compiled.body.Body":
+    def body(self) -> compiled.body.Body:
         """Dimensionless constants for the kernels."""
         return self._compiled[0]
 
     @property
-    def series(self) -> "compiled.types.Matrix":
+    def series(self) -> Array:
         """Chaplygin series for the kernels."""
         return self._compiled[1]
 
     @cached_property
-    def whole(self) -> "compiled.chaplygin.Whole":
+    def whole(self) -> compiled.chaplygin.Whole:
         """Chaplygin series as tuples, for lanes."""
         return compiled.chaplygin.make_whole(self.series)
 
     @cached_property
-    def tables(self) -> "compiled.tables.Tables":
+    def tables(self) -> compiled.tables.Tables:
         """Tables for passages."""
         return compiled.tables.make_tables(self.body, self.series, table_rules())
 
     def describe(self) -> dict[str, float | str]:
-        """What run.json and summary.json say about the disk."""
-        numbers = {key: float(getattr(self, key)) for key in ("m", "r", "g", "I1", "I3")}
-        return {"name": self.name, **numbers}
-
-
-def _to_number(key: str, text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(f"disk: {key} = {text.strip()!r} is not a number") from None
+        """The disk as run.json and summary.json show it."""
+        return {"name": self.name, "m": self.m, "r": self.r, "g": self.g, "I1": self.I1, "I3": self.I3}
 
 
 def require_disk(disk: Disk) -> None:
@@ -206,13 +219,3 @@ def require_axial_inertia(disk: Disk) -> None:
     require_disk(disk)
     if not disk.body.I3 > 0.0:
         raise InputError("disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")
-
-
-def read_toml(path: Path, option: str) -> dict[str, Any]:
-    """The content of a TOML file. Raises InputError naming the option and the file."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{option} {path}: cannot be read ({error.strerror})") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{option} {path}: not valid TOML ({error})") from None

@@ -1,4 +1,8 @@
-"""Gauss-Legendre rules good to the last digit, packed for the quadrature kernels."""
+"""Gauss-Legendre rules good to the last digit, packed for the quadrature kernels.
+
+They rest on numpy's longdouble. Where that is a plain double (Windows, macOS on ARM) weights are off by 7e-14
+(relative) at 140 nodes and by 1e-12 at 280; those of numpy and SciPy are off by 1e-11 and 3e-10 everywhere.
+"""
 
 from functools import cache
 from typing import Any

@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.phase.disk import Disk, require_axial_inertia
-
-Array = NDArray[np.float64]
+from explorer.phase.disk import Array, Disk, require_axial_inertia
 
 
 class LinearConstants(NamedTuple):

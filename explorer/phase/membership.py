@@ -1,4 +1,6 @@
-"""The falling set F: which side of it a state is, how far, and whether the disk could fall."""
+"""The falling set F: which side of it a state is on, how far it is, and whether the disk could fall."""
+
+from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,21 +15,43 @@ from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, phi_to_states
 
-_BARRIER_DEGREE = 24  # both series are at rounding
+_BARRIER_DEGREE = 24  # at which the coefficients of both series are at rounding
+# phi from the other flat state to the vertical, short of both, where critical_X2 is 0/0; and to what it is found:
+# at a maximum, sigma3_bar* is then at rounding.
+_BEYOND_VERTICAL, _XATOL = (-0.5 * np.pi + 1e-6, -1e-6), 1e-10
 
 
 @dataclass(frozen=True)
 class Falls:
-    """Where states lie relative to F; 1-D arrays.
+    """Positions of states relative to the falling set F, one entry per state: what `falls` returns.
 
-    face: +1 or -1, the flat state whose line l_+- is nearer (ties: +1).
-    distance: signed distance of (sigma3_bar, sigma4_bar) to that line, rad per unit of time; its
-    sign is the sign of eta, the direction in which the contact point races.
-    distance_plus, distance_minus: the same for each line.
-    could_fall: E > V_0 and the component of {V < E} reaches flat, on the nearer side, eta set to 0.
-    could_fall_plus, could_fall_minus: the same on each side.
-    on_f: distance is zero to rounding. A state with on_f and could_fall falls.
-    theta_min_estimate: leading order |eta| / sqrt(2 I1 (E - V_0)) in rad; NaN where not could_fall.
+    Attributes
+    ----------
+    face : (n,) array of int8
+        Flat state whose line l_+- is nearer, +1 or -1; +1 where both are equally near.
+    distance : (n,) array
+        Signed distance of (sigma3_bar, sigma4_bar) from that line, rad per unit of time. Its sign is that of
+        eta, the direction in which the contact point races.
+    distance_plus, distance_minus : (n,) array
+        The same for each line.
+    could_fall : (n,) array of bool
+        Whether it would fall on that face if eta were exactly 0: E > V_0, and the component of {V < E} that
+        contains the state reaches flat.
+    could_fall_plus, could_fall_minus : (n,) array of bool
+        The same for each face.
+    on_f : (n,) array of bool
+        Whether the distance is zero to rounding. A state with on_f and could_fall falls.
+    theta_min_estimate : (n,) array
+        Leading order of the smallest tilt, |eta| / sqrt(2 I1 (E - V_0)) (rad); NaN where not could_fall.
+    status : (n,) array of int8
+        `Status` of each state: OK, FALLS or BAD_INPUT.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.falls(ex.Disk.uniform(), 0.0, 1.0, 1.0, [0.7, 0.75])
+    >>> found.face, found.distance.round(4)
+    (array([1, 1], dtype=int8), array([ 0.0231, -0.0173]))
     """
 
     face: NDArray[np.int8]
@@ -60,10 +84,8 @@ def well(disk: Disk) -> tuple[float, float]:
         compiled.falling.critical_X2_batch(np.array([phi]), disk.body, disk.series, out)
         return -float(out[0])
 
-    found = minimize_scalar(
-        minus_critical, bounds=(-0.5 * np.pi + 1e-6, -1e-6), method="bounded", options={"xatol": 1e-10}
-    )
-    return float(found.x), float(np.sqrt(-found.fun)) * disk.body.r0
+    peak = minimize_scalar(minus_critical, bounds=_BEYOND_VERTICAL, method="bounded", options={"xatol": _XATOL})
+    return float(peak.x), float(np.sqrt(-peak.fun)) * disk.body.r0
 
 
 @lru_cache(maxsize=64)
@@ -85,30 +107,35 @@ def barrier(disk: Disk) -> tuple[Chebyshev, Chebyshev]:
 
 
 def could_fall(states: States, natural: NaturalConstants) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether states could fall on face +1 and on face -1, were eta there zero. natural: their constants."""
-    out = np.empty((3, len(states)))
-    disk = states.disk
+    """True where states could fall on face +1, and on face -1, were eta there zero. natural: their constants."""
+    plus, minus, _above = _membership(states, natural)
+    return plus > 0.0, minus > 0.0
+
+
+def _membership(states: States, natural: NaturalConstants) -> Array:
+    """Rows: 1 or 0 for could fall on face +1, the same for face -1, and E - V_0."""
+    disk, out = states.disk, np.empty((3, len(states)))
     compiled.falling.falls_batch(states.natural, natural.rows, well(disk)[0], disk.body, disk.series, out)
-    return out[0] > 0.0, out[1] > 0.0
+    return out
 
 
 def falls_of(states: States, natural: NaturalConstants | None = None) -> Falls:
-    """Where states lie relative to F. `natural`: their constants, where they are known already."""
-    disk = states.disk
+    """The position of states relative to F. `natural`: their constants, where known already."""
+    disk, code = states.disk, compiled.status.Status
     require_axial_inertia(disk)
-    b, unit = disk.body, disk.rate_unit
+    b = disk.body
     if natural is None:
         natural = natural_constants(states)
-    out = np.empty((3, len(states)))
-    compiled.falling.falls_batch(states.natural, natural.rows, well(disk)[0], b, disk.series, out)
-    norm = unit / np.hypot(b.I1 * b.dr0, b.I3 * b.r0)
+    plus, minus, above = _membership(states, natural)
+    norm = disk.rate_unit / np.hypot(b.I1 * b.dr0, b.I3 * b.r0)
     near_plus = natural.nearer_plus
     eta, rounding = natural.eta(near_plus), natural.rounding(near_plus)
-    could_plus, could_minus = out[0] > 0.0, out[1] > 0.0
+    could_plus, could_minus = plus > 0.0, minus > 0.0
     could_fall = np.where(near_plus, could_plus, could_minus)
     with np.errstate(invalid="ignore"):
-        estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could_fall, out[2], np.nan))
+        estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could_fall, above, np.nan))
         on_f = abs(eta) <= rounding
+    falling = on_f & could_fall & (states.status == code.OK)
     return Falls(
         face=np.where(near_plus, 1, -1).astype(np.int8),
         distance=eta * norm,
@@ -119,15 +146,41 @@ def falls_of(states: States, natural: NaturalConstants | None = None) -> Falls:
         could_fall_minus=could_minus,
         on_f=on_f,
         theta_min_estimate=estimate,
-        status=np.where(
-            on_f & could_fall & (states.status == 0), compiled.status.Status.FALLS, states.status
-        ).astype(np.int8),
+        status=np.where(falling, code.FALLS, states.status).astype(np.int8),
     )
 
 
 def falls(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> Falls:
-    """Signed side and distance to F, and whether the disk could fall; no integration.
+    """Signed distance of states from the falling set F, and whether the disk could fall; no integration.
 
-    Arguments as for `constants`. Eqs (6.1), (6.2), (6.9) and section 6.2 of the paper. Needs I3 > 0.
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    phi : array_like
+        Tilt (rad), -pi/2 < phi < pi/2, 0 at the vertical.
+    phidot, sigma3, sigma4 : array_like
+        Rates of eq. (2.14), rad per unit of time. The arrays broadcast; the result is 1-D.
+
+    Returns
+    -------
+    Falls
+        One entry per state.
+
+    Raises
+    ------
+    InputError
+        For arguments that are no numbers or do not broadcast, and for a disk with I3 = 0.
+
+    Notes
+    -----
+    Eqs (6.1), (6.2), (6.9) and section 6.2 of the paper.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.falls(ex.Disk.uniform(), phi=0.0, phidot=1.0, sigma3=[1.0, 3.0], sigma4=0.7)
+    >>> found.could_fall
+    array([ True, False])
     """
     return falls_of(phi_to_states(disk, phi, phidot, sigma3, sigma4))

@@ -1,34 +1,49 @@
-"""Charts of the phase space: what people give, what kernels take, and the constants of motion.
+"""Charts of the phase space: states as users give them, and as kernels take them.
 
-People give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
+Users give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
 (q, z, p, rho, sigma4) in natural units, which keep full relative accuracy near flat.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError
+from explorer.phase.disk import Array as Array
 from explorer.phase.disk import Disk, require_disk
-from explorer.phase.lines import Array as Array
 from explorer.phase.lines import LinearConstants, line_slope, linear_constants
 
 COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
-
-
-_LARGEST = 1e150
+_LARGEST = 1e150  # natural units: squares of rates overflow beyond
 
 
 @dataclass(frozen=True)
 class States:
-    """Initial states in the kernels' chart.
+    """States of one disk in the chart of the kernels: what `phi_to_states` and its like return.
 
-    natural: (5, n) rows q, z, p, rho, sigma4 in natural units. status: (n) int8, kernels.Status;
-    a state that is not finite or already flat is BAD_INPUT and never reaches an integrator.
-    exact: the linear constants where they were given rather than computed from the state, so that eta may be
-    smaller than the state's rounding; None otherwise.
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    natural : (5, n) array
+        Rows q = cos phi, z = sin phi, p = -phidot, rho = sigma3/q and sigma4, in natural units.
+    status : (n,) array of int8
+        `Status` of each state. One that is not finite or already flat is BAD_INPUT; no integrator sees it.
+    exact : LinearConstants or None
+        sigma3_bar, eta_plus and eta_minus (natural units) where they were given rather than computed from the
+        state, so that eta may be smaller than the state's rounding.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> states = ex.phi_to_states(ex.Disk.uniform(), [0.0, 2.0], 1.0, 1.0, 0.7)
+    >>> len(states), states.status
+    (2, array([0, 2], dtype=int8))
     """
 
     disk: Disk
@@ -39,12 +54,12 @@ class States:
     def __len__(self) -> int:
         return self.natural.shape[1]
 
-    def at(self, rows: NDArray[np.intp]) -> "States":
+    def at(self, rows: NDArray[np.intp]) -> States:
         """Some of the states."""
         exact = None if self.exact is None else LinearConstants(*(column[rows] for column in self.exact))
         return States(self.disk, np.ascontiguousarray(self.natural[:, rows]), self.status[rows], exact)
 
-    def reversed(self) -> "States":
+    def reversed(self) -> States:
         """The same states with time running backwards: phidot changes sign (rho, sigma4 stay)."""
         natural = self.natural.copy()
         natural[2] *= -1.0
@@ -52,15 +67,41 @@ class States:
 
 
 def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> States:
-    """States from phi (rad), phidot, sigma3, sigma4 (rad per unit of time); arguments broadcast."""
+    """States from the tilt phi from the vertical.
+
+    Parameters
+    ----------
+    disk : Disk
+        The body.
+    phi : array_like
+        Tilt (rad), -pi/2 < phi < pi/2, 0 at the vertical.
+    phidot, sigma3, sigma4 : array_like
+        Rates of eq. (2.14), rad per unit of time. The arrays broadcast; the result is 1-D.
+
+    Returns
+    -------
+    States
+        States with status BAD_INPUT where they are not finite or already flat.
+
+    Raises
+    ------
+    InputError
+        For arguments that are no numbers or do not broadcast.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, [1.0, 2.0, 3.0], 0.7).natural[3]
+    array([1., 2., 3.])
+    """
     require_disk(disk)
-    columns = _broadcast(phi, phidot, sigma3, sigma4)
-    angle = np.where(np.isfinite(columns[0]), columns[0], np.pi)
+    tilt, rate, s3, s4 = columns_of(phi=phi, phidot=phidot, sigma3=sigma3, sigma4=sigma4)
+    angle = np.where(np.isfinite(tilt), tilt, np.pi)
     if angle.size and (angle == angle[0]).all():
         q, z = (np.full(angle.size, f(angle[0])) for f in (np.cos, np.sin))
     else:
         q, z = np.cos(angle), np.sin(angle)
-    return _states(disk, q, z, -columns[1], columns[2], columns[3], abs(angle))
+    return _states(disk, _Chart(q, z, -rate, s3, s4), abs(angle) < 0.5 * np.pi)
 
 
 def theta_to_states(
@@ -71,54 +112,118 @@ def theta_to_states(
     sigma4: ArrayLike,
     face: ArrayLike = 1,
 ) -> States:
-    """States from the tilt theta (rad, 0 < theta < pi) measured from the flat state of `face` (+-1).
+    """States from the tilt theta from flat: the chart for states so near flat that phi has no digits left.
 
-    The chart for states very near flat, where phi itself has no digits left.
+    Parameters
+    ----------
+    disk : Disk
+        The body.
+    theta : array_like
+        Tilt (rad) from the flat state of `face`, 0 < theta < pi.
+    thetadot, sigma3, sigma4 : array_like
+        Rates, rad per unit of time. The arrays broadcast; the result is 1-D.
+    face : array_like
+        Flat state that theta is measured from, +1 or -1.
+
+    Returns
+    -------
+    States
+        States with status BAD_INPUT where they are not finite or already flat.
+
+    Raises
+    ------
+    InputError
+        For arguments that are no numbers or do not broadcast.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.theta_to_states(ex.Disk.uniform(), 1e-200, 0.5, 0.0, 0.3).natural[:3, 0]
+    array([1.e-200, 1.e+000, 5.e-001])
     """
-    tilt, rate, s3, s4, s = _broadcast(theta, thetadot, sigma3, sigma4, face)
+    require_disk(disk)
+    columns = columns_of(theta=theta, thetadot=thetadot, sigma3=sigma3, sigma4=sigma4, face=face)
+    tilt, rate, s3, s4, s = columns
     good = (tilt > 0.0) & (tilt < np.pi) & (abs(s) == 1.0)
-    flat, tilt = np.where(good, 0.0, np.inf), np.where(good, tilt, 1.0)
-    return _states(disk, np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4, flat)
+    tilt = np.where(good, tilt, 1.0)
+    return _states(disk, _Chart(np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4), good)
 
 
 def constants_to_states(
     disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot: ArrayLike, face: ArrayLike = 1
 ) -> States:
-    """States at the vertical with given sigma3_bar, eta_hat on `face` (+-1) and phidot, eq. (6.2)."""
-    s3, eta_hat_, rate, s = _broadcast(sigma3_bar, eta_hat, phidot, face)
-    flat = np.where(abs(s) == 1.0, 0.0, np.inf)
-    s4 = s * (line_slope(disk) * s3 - eta_hat_)
-    made = _states(disk, np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4, flat)
+    """States at the vertical from constants of motion.
+
+    They keep the eta_hat they are made from, however small, where a state in doubles would lose it.
+
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    sigma3_bar : array_like
+        Constant of motion of eq. (3.5), which at the vertical is sigma3; rad per unit of time.
+    eta_hat : array_like
+        Signed distance from the line of `face`, eq. (6.2), rad per unit of time.
+    phidot : array_like
+        Speed at the vertical, rad per unit of time. The arrays broadcast; the result is 1-D.
+    face : array_like
+        Flat state whose line is meant, +1 or -1.
+
+    Returns
+    -------
+    States
+        States with phi = 0; status BAD_INPUT where they are not finite.
+
+    Raises
+    ------
+    InputError
+        For arguments that are no numbers or do not broadcast, and for a disk with I3 = 0.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> states = ex.constants_to_states(ex.Disk.hoop(), 1.0, [1e-3, 1e-300], 1.0)
+    >>> states.exact.eta_plus / states.exact.eta_plus[0]
+    array([1.e+000, 1.e-297])
+    """
+    slope = line_slope(disk)
+    s3, distance, rate, s = columns_of(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
+    s4 = s * (slope * s3 - distance)
+    made = _states(disk, _Chart(np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4), abs(s) == 1.0)
     unit = disk.rate_unit
-    return replace(made, exact=linear_constants(disk, s3 / unit, eta_hat_ / unit, s > 0.0))
+    return replace(made, exact=linear_constants(disk, s3 / unit, distance / unit, s > 0.0))
 
 
-def _broadcast(*arguments: ArrayLike) -> list[Array]:
-    try:
-        arrays = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in arguments))
-    except (TypeError, ValueError) as error:
-        raise InputError(f"initial states: {error}; give numbers or arrays that broadcast together") from None
-    return [np.ravel(a).astype(np.float64) for a in arrays]
+class _Chart(NamedTuple):
+    """q, z, p of the kernels' chart, and sigma3, sigma4; rates in the units of the disk."""
+
+    q: Array
+    z: Array
+    p: Array
+    sigma3: Array
+    sigma4: Array
 
 
-def _states(disk: Disk, q: Array, z: Array, p: Array, sigma3: Array, sigma4: Array, tilt: Array) -> States:
+def _states(disk: Disk, x: _Chart, good: NDArray[np.bool_]) -> States:
+    """States in natural units. good: where the tilt is one."""
     unit = disk.rate_unit
-    good = (q > 0.0) & (tilt < 0.5 * np.pi)
+    good = good & (x.q > 0.0)
+    # In place: large runs make states in blocks that stay in the processor's cache.
+    natural = np.empty((5, x.q.size))
+    natural[0], natural[1] = x.q, x.z
     with np.errstate(all="ignore"):
-        natural = np.empty((5, q.size))
-        natural[0], natural[1] = q, z
-        np.divide(p, unit, out=natural[2])
-        np.divide(sigma3, q * unit, out=natural[3])
-        np.divide(sigma4, unit, out=natural[4])
+        np.divide(x.p, unit, out=natural[2])
+        np.divide(x.sigma3, x.q * unit, out=natural[3])
+        np.divide(x.sigma4, unit, out=natural[4])
     # Squares beyond overflow; NaN fails the comparison as well. rho may be large near flat.
-    rates = natural[2], natural[3] * q, natural[4]
+    rates = natural[2], natural[3] * x.q, natural[4]
     if not all(rate.min(initial=0.0) > -_LARGEST and rate.max(initial=0.0) < _LARGEST for rate in rates):
         good &= np.all([abs(rate) < _LARGEST for rate in rates], axis=0)
     good &= np.isfinite(natural[3])
     # A placeholder keeps the kernels away from values that mean nothing; the status says so.
     natural[:, ~good] = np.array([[1.0], [0.0], [0.0], [0.0], [0.0]])
     status = np.where(good, compiled.status.Status.OK, compiled.status.Status.BAD_INPUT)
-    return States(disk, np.ascontiguousarray(natural), status.astype(np.int8))
+    return States(disk, natural, status.astype(np.int8))
 
 
 def columns_of(**named: ArrayLike) -> list[Array]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from explorer.errors import InputError
+from explorer.errors import InputError, read_toml
 from explorer.measure.density import Density
 from explorer.measure.sampling import Box, Range, parse_range, parse_ranges
 from explorer.motion import plan as models
@@ -212,8 +212,6 @@ def _slices(value: str | Slice | Sequence[str | Slice]) -> tuple[Slice, ...]:
 
 def read_scene_file(path: Path) -> dict[str, Any]:
     """Options from a TOML file that names a `scene`. Raises InputError."""
-    from explorer.phase.disk import read_toml
-
     content = read_toml(path, "SCENE")
     if "scene" not in content:
         raise InputError(f'{path}: names no scene; write scene = "race-angles" or another at its top')

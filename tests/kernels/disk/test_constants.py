@@ -123,5 +123,5 @@ def test_a_body_without_axial_inertia_has_eta_but_no_eta_hat():
 
 
 def test_arguments_that_do_not_broadcast_are_refused():
-    with pytest.raises(ex.InputError, match="broadcast"):
+    with pytest.raises(ex.InputError, match="do not fit together"):
         phi_to_states(BODIES["uniform"], [0, 1], [1, 2, 3], 0, 0)
