@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     Status = _status.Status
     __version__: str
 
-# Every public name, with the module it comes from; after a colon what it is called there, if not the same. `plot` is
-# a module itself.
+# Every public name, with the module it comes from; after a colon, what it is called there if not the same. `plot`
+# is a module itself.
 _HOMES = {
     "Disk": "phase.disk",
     "InputError": "errors",
@@ -69,9 +69,7 @@ __all__ = [*_HOMES]
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        from importlib.metadata import version
-
-        value: Any = version("nearflat")
+        value: Any = _version()
     elif name in _HOMES:
         home, _, path = _HOMES[name].partition(":")
         module = import_module(f"explorer.{home}")
@@ -80,6 +78,15 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'explorer' has no attribute {name!r}")
     globals()[name] = value
     return value
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("nearflat")
+    except PackageNotFoundError:  # a folder on the path, not an installed package
+        return "0+unknown"
 
 
 def __dir__() -> list[str]:

@@ -11,6 +11,8 @@ like 1/theta^2, and come that much nearer to the other one: P is of order delta 
 no C. A bound on the energy mends it.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

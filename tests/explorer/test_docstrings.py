@@ -1,0 +1,117 @@
+"""Every public name and every result class explains itself, and its examples print what they say."""
+
+import doctest
+import inspect
+import re
+import typing
+from types import ModuleType
+
+import pytest
+
+import explorer as ex
+
+# Not written in full yet. This list only shrinks.
+UNFINISHED = {
+    "FallingConstant",
+    "InputError",
+    "Interrupted",
+    "Pushed",
+    "Run",
+    "RunError",
+    "Status",
+    "Stretch",
+    "run",
+}
+
+SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}$", flags=re.MULTILINE)
+
+
+def results(function):
+    """Classes of this package that a function returns, and those that they return when they are called."""
+    try:
+        returned = typing.get_type_hints(function).get("return")
+    except NameError:  # a type that only type checkers import
+        return
+    for kind in typing.get_args(returned) or (returned,):
+        if inspect.isclass(kind) and kind.__module__.startswith("explorer."):
+            yield kind
+            if "__call__" in dir(kind):
+                yield from results(kind.__call__)
+
+
+def documented():
+    """name -> object, for all public functions and classes and all result classes."""
+    public = {name: getattr(ex, name) for name in ex.__all__}
+    public = {name: value for name, value in public.items() if not isinstance(value, ModuleType)}
+    for value in list(public.values()):
+        public |= {kind.__name__: kind for kind in results(value) if inspect.isfunction(value)}
+    return public
+
+
+OBJECTS = documented()
+NAMES = sorted(set(OBJECTS) - UNFINISHED)
+
+
+def sections(value):
+    """Title -> text of the sections of a numpydoc docstring; the summary has the title ''."""
+    parts = SECTION.split(inspect.getdoc(value))
+    return dict(zip(["", *parts[1::2]], [part.strip() for part in parts[::2]], strict=True))
+
+
+def named(text):
+    """The names that a section lists: those at the margin, before a colon."""
+    entries = re.findall(r"^(\S[^:\n]*?)(?: :|$)", text, flags=re.MULTILINE)
+    return {name.strip().lstrip("*") for entry in entries for name in entry.split(",")}
+
+
+def fields(kind):
+    """Public attributes that a class declares."""
+    declared = {name for base in kind.__mro__ for name in inspect.get_annotations(base)}
+    return {name for name in declared if not name.startswith("_")}
+
+
+def test_the_list_of_unfinished_names_only_holds_names():
+    assert set(OBJECTS) >= UNFINISHED
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if inspect.isfunction(OBJECTS[name])])
+def test_a_function_names_its_parameters_what_it_returns_and_what_it_raises(name):
+    function, found = OBJECTS[name], sections(OBJECTS[name])
+    assert found[""].partition("\n")[0].endswith((".", ":"))
+    assert set(found) >= {"Parameters", "Returns", "Raises", "Examples"}
+    assert named(found["Parameters"]) == set(inspect.signature(function).parameters)
+    assert "InputError" in named(found["Raises"])
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if inspect.isfunction(OBJECTS[name])])
+def test_keywords_that_travel_together_are_named_each(name):
+    """`**settings: Unpack[Settings]` stands for the keys of Settings."""
+    for parameter in inspect.signature(OBJECTS[name]).parameters.values():
+        if parameter.kind is parameter.VAR_KEYWORD:
+            (keys,) = typing.get_args(typing.get_type_hints(OBJECTS[name])[parameter.name])
+            for key in keys.__annotations__:
+                assert re.search(rf"\b{key} : ", inspect.getdoc(OBJECTS[name])), key
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if inspect.isclass(OBJECTS[name])])
+def test_a_class_names_its_attributes_and_has_an_example(name):
+    found = sections(OBJECTS[name])
+    assert found[""].partition("\n")[0].endswith((".", ":"))
+    assert "Examples" in found
+    assert named(found.get("Attributes", "")) | named(found.get("Parameters", "")) >= fields(OBJECTS[name])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_examples_run_and_print_what_they_say(name):
+    example = doctest.DocTestParser().get_doctest(inspect.getdoc(OBJECTS[name]), {}, name, None, 0)
+    assert example.examples
+    report = []
+    doctest.DocTestRunner(verbose=False).run(example, out=report.append)
+    assert not report, "".join(report)
+
+
+def test_help_is_short():
+    """Types stand by name, not written out: `ArrayLike` is a union of a line."""
+    for name in NAMES:
+        if inspect.isfunction(OBJECTS[name]):
+            assert len(str(inspect.signature(OBJECTS[name]))) < 400, name
