@@ -18,7 +18,7 @@ from explorer.phase.gauss import table_rules
 Array = NDArray[np.float64]
 Number = TypeVar("Number", float, Array)
 
-_PRESETS = ("uniform", "hoop", "matching")
+PRESETS = ("uniform", "hoop", "matching")
 _SYNTAX = 'uniform, hoop, matching, annulus:INNER_OVER_OUTER, FILE.toml, or "m=..,r=..,g=..,I1=..,I3=.."'
 # I3 may exceed 2 I1 by rounding of doubles; a rounded decimal such as I1 = 0.3333, I3 = 0.6667 is refused.
 _ROUNDING = 1e-12
@@ -103,7 +103,7 @@ class Disk:
     def parse(cls, text: str) -> Disk:
         """A disk from what the command line accepts. Raises InputError."""
         text = text.strip()
-        if text in _PRESETS:
+        if text in PRESETS:
             return {"uniform": cls.uniform, "hoop": cls.hoop, "matching": cls.matching}[text]()
         if text.startswith("annulus:"):
             return cls.annulus(number("disk: annulus", text.removeprefix("annulus:")))
