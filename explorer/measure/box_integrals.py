@@ -27,7 +27,7 @@ _FINEST = 4  # panels in place of one; the time grows with their square or cube
 _FINEST_CUT = 2  # the same with a bound of the energy, which already adds ends of panels
 _NODES = 12  # of the rule on a panel, so of order 24
 _MOST_PARTS = 100  # of the range of phi: a limit for integrands that are not smooth, whose error then says so
-# Whether a density vanishes at flat is looked up on a grid: points a side, distance from flat (rad), and the
+# A grid tells whether a density vanishes at flat: points a side, distance from flat (rad), and the
 # share of its largest value on the grid below which it counts as zero.
 _GRID, _BESIDE, _VANISHING = 13, 1e-9, 1e-3
 # Distances from the mean of a Gaussian, in standard deviations, where panels end.
@@ -154,7 +154,7 @@ class NaturalDensity:
         return name in self.density.box.free
 
     def bells(self, name: str) -> list[float]:
-        """Where a Gaussian factor asks for ends of panels."""
+        """Values at which a Gaussian factor asks for ends of panels."""
         pairs = dict(self.density.gaussian)
         mean, deviation = pairs.get(name, (0.0, math.nan))
         return [(mean + k * deviation) / self.unit(name) for k in _BELL] if name in pairs else []

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
-from explorer.errors import InputError
+from explorer.errors import InputError, read_range
 from explorer.measure.sampling import BLOCK, Box, Range, gather, parse_ranges
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
@@ -100,17 +100,9 @@ class Density:
     @staticmethod
     def parse_energy(value: Any) -> Range:
         """(low, high) from "LOW:HIGH", ":HIGH", "LOW:" or a pair, where None is no bound. Raises InputError."""
-        try:
-            low, high = value.split(":") if isinstance(value, str) else value
-            ends = (
-                -math.inf if low is None or low == "" else float(low),
-                math.inf if high is None or high == "" else float(high),
-            )
-            if any(map(math.isnan, ends)):
-                raise ValueError(value)
-            return ends
-        except (TypeError, ValueError):
-            raise InputError(f"--energy {value!r} is not a range; write LOW:HIGH, :HIGH or LOW:") from None
+        if isinstance(value, list | tuple):
+            value = [None if isinstance(end, float) and math.isinf(end) else end for end in value]
+        return read_range("--energy", value, unbounded=True)
 
     def shape(self, phi: Array, phidot: Array, sigma3: Array, sigma4: Array) -> Array:
         """The density without the ends of the box and of the energy. Raises InputError where it is no density."""
@@ -144,7 +136,7 @@ class Density:
         return values.reshape(shape)
 
     def inside(self, phi: Array, phidot: Array, sigma3: Array, sigma4: Array, energy: Array) -> NDArray[np.bool_]:
-        """Whether states lie in the box and in the range of energy; fixed coordinates are taken for granted."""
+        """True for states in the box and in the range of energy; fixed coordinates are taken for granted."""
         good = (energy >= self.energy[0]) & (energy <= self.energy[1])
         for name, column in zip(COORDINATES, (phi, phidot, sigma3, sigma4), strict=True):
             if name in self.box.free:

@@ -119,8 +119,8 @@ def falling_constant(
     Examples
     --------
     >>> import explorer as ex
-    >>> found = ex.falling_constant(ex.Disk.uniform())
-    >>> round(found.value, 6)
+    >>> constant = ex.falling_constant(ex.Disk.uniform())
+    >>> round(constant.value, 6)
     1.469271
     """
     require_axial_inertia(disk)
@@ -146,12 +146,12 @@ def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> F
 
 
 def _lines_meet(box: Box) -> bool:
-    """Whether l_+ and l_- meet the box in the same states: one rate fixed at 0, where sigma3_bar = 0 on both."""
+    """True where l_+ and l_- meet the box in the same states: it fixes a rate at 0, so sigma3_bar = 0 on both."""
     return (0.0, 0.0) in (box.sigma3, box.sigma4)
 
 
 def _all_on_f(box: Box) -> bool:
-    """Whether the box is the inverted pendulum, sigma3 = sigma4 = 0: all of it falls."""
+    """True for the inverted pendulum, sigma3 = sigma4 = 0: all of the box falls."""
     return box.sigma3 == box.sigma4 == (0.0, 0.0)
 
 
@@ -271,7 +271,7 @@ class LineIntegral:
         return crossings
 
     def _only_bar(self, phi: Array, a: Array, c: Array) -> tuple[Array, Array]:
-        """Where the box fixes sigma3 or sigma4 the line is met at one sigma3_bar."""
+        """The one sigma3_bar at which the line meets a box that fixes sigma3 or sigma4, and its weight."""
         free3 = self.natural.free("sigma3")
         if not (free3 or self.natural.free("sigma4")):
             # On the line sigma3 = a bar and sigma4 = c bar; the larger of the two says bar best.
@@ -303,7 +303,7 @@ class LineIntegral:
         """|phidot| below which a start beyond the vertical does not pass the barrier on its way to flat."""
         least = np.zeros(bar.shape)
         if self.both:
-            # The inverted pendulum reaches both sides if it passes the vertical, V = 1.
+            # The inverted pendulum reaches both faces if it passes the vertical, V = 1.
             return np.sqrt(2.0 / self.natural.disk.body.M * np.maximum(1.0 - V, 0.0))
         beyond = phi < 0.0
         if beyond.any():

@@ -1,4 +1,4 @@
-"""Where initial states are drawn: a box in (phi, phidot, sigma3, sigma4), and seeded streams.
+"""The box in (phi, phidot, sigma3, sigma4) from which initial states are drawn, and seeded streams.
 
 dphi dphidot dsigma3 dsigma4 is invariant under the reduced flow (its vector field has no
 divergence in these coordinates), so uniform draws in a box are draws from the natural measure.

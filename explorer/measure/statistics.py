@@ -14,7 +14,7 @@ ONE_SIGMA = (15.865525393145708, 84.13447460685429)
 
 
 def count_status(status: Iterable[NDArray[np.int8]]) -> dict[str, int]:
-    """How many samples ended in each status that occurs; names in lower case."""
+    """Number of samples that ended in each status, for those that occur; names in lower case."""
     Status = compiled.status.Status
     counts = np.zeros(len(Status), dtype=np.int64)
     for part in status:

@@ -49,7 +49,7 @@ class Draws:
 
 
 def dimensions(density: Density) -> int:
-    """How many numbers a draw takes."""
+    """Number of uniform numbers that a draw takes."""
     return len(density.box.free)
 
 
@@ -87,7 +87,7 @@ class Tube:
     delta: float
 
     def _range(self, name: str) -> Range:
-        """Where the density is not zero; natural units."""
+        """The range in which the density is not zero; natural units."""
         low, high = (end / self.natural.unit(name) for end in self.natural.density.reach(name))
         return mirrored(name, (low, high), self.face)
 
@@ -194,7 +194,7 @@ class Tube:
         return np.where(settled, np.minimum(half, widest), widest)
 
     def _on_segment(self, place: "Place", widest: Array, unit: Array) -> tuple[Array, Array, Array]:
-        """Where the box fixes sigma3 or sigma4: eta_hat is all that is drawn, and sets the free one."""
+        """As `_beside` for a box that fixes sigma3 or sigma4: only eta_hat is drawn, and sets the free one."""
         fixed3 = not self.natural.free("sigma3")
         fixed = self._range("sigma3" if fixed3 else "sigma4")[0]
         m, m2 = place.chart[:2] if fixed3 else place.chart[2:]

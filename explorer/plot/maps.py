@@ -143,7 +143,7 @@ def _falling_set(ax: Axes, cut: SliceMap, face: int, distance: Array, could: NDA
 
 
 def _has_zero(values: Array) -> bool:
-    """Whether values that are not NaN change their sign; matplotlib warns of contours that are not there."""
+    """True where values that are not NaN change their sign; matplotlib warns of contours that are not there."""
     finite = values[np.isfinite(values)]
     return finite.size > 0 and finite.min() <= 0.0 <= finite.max()
 

@@ -1,4 +1,4 @@
-"""How pictures look: sizes, colours that colour-blind users can tell apart, plain axes and their units."""
+"""The look of all pictures: sizes, colours that colour-blind users can tell apart, axes and their units."""
 
 from collections.abc import Callable, Mapping
 from typing import Any

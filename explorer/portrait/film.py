@@ -1,4 +1,4 @@
-"""A fall from the vertical on both sides of F, frame by frame, on a clock that slows down near flat."""
+"""A motion from the vertical to nearly flat and back, on both sides of F, on a clock that slows near flat."""
 
 import math
 from dataclasses import dataclass

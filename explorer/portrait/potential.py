@@ -2,7 +2,7 @@
 
 With sigma3_bar and eta held, the tilt moves like a point of mass M in V(phi; sigma3_bar, eta):
 E = M phidot^2/2 + V, eq. (3.8). Off the lines l_+- V grows beyond all bounds at both flat states: a wall. On
-l_+- it ends at V_0 on that side, eq. (6.9), and the disk falls. Everything is found in y = artanh(sin phi),
+l_+- it ends at V_0 on that face, eq. (6.9), and the disk falls. All roots are sought in y = artanh(sin phi),
 the logarithm of the tilt near flat, so that a wall at eta_hat = 1e-100 is as far away as any other.
 """
 
@@ -257,7 +257,7 @@ class Potential:
         return self._component(saddle.energy, left, here), self._component(saddle.energy, here, right)
 
     def _end(self, E: float, start: float, way: int) -> tuple[float, str]:
-        """Where the level E that starts at a saddle ends in one direction."""
+        """The end, in one direction, of the level E that starts at a saddle: y, and its kind."""
         y, V = self._stops
         i = int(np.argmin(abs(y - start)))
         equal = 32.0 * _EPS * abs(E)  # some roundings of V at two saddles

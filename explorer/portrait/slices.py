@@ -1,4 +1,4 @@
-"""Slices of the phase space: how flat motions come, and to which side of F they lie."""
+"""Slices of the phase space: the smallest tilt of motions, and the side of F on which they lie."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,4 +1,4 @@
-"""How the disk wanders over the table: by how much per period, and the resonances where it has no bound.
+"""The wander of the disk over the table: the shift per period, and resonances, at which it has no bound.
 
 One period turns the picture by chi(tau) and moves it by a(tau) - a(0): the motion in the plane is a
 rotation about a fixed centre unless chi(tau) is a multiple of 2 pi (Borisov, Mamaev & Kilin 2003).
@@ -27,7 +27,7 @@ _MOST_TURNS = 1_000_000  # of chi in a period, far beyond any body's race
 
 @dataclass(frozen=True)
 class Wander:
-    """What one period does to the place of the disk, one entry per motion; arrays (n), units of the disk.
+    """The shift of the disk in one period, one entry per motion; arrays (n), units of the disk.
 
     period: time. chi: turn per period (rad). step: a(tau) - a(0) as a1 + i a2, where chi(0) = 0. radius:
     of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|), infinite at a
@@ -106,7 +106,7 @@ class WanderPath:
     """The path of one motion over whole periods, units of the disk.
 
     t (nt); contact, centre: (nt, 2), the contact point and the shadow of the centre on the table, which
-    starts at the origin with chi = 0. wander: what one period does. count: number of periods.
+    starts at the origin with chi = 0. wander: the shift in one period. count: number of periods.
     """
 
     disk: Disk

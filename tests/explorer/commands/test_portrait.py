@@ -1,3 +1,5 @@
+"""The command that draws portraits: groups, options, and what it refuses."""
+
 import pytest
 
 import explorer as ex

@@ -1,3 +1,5 @@
+"""The constant C against grids of states, limits of boxes, and its own symmetries."""
+
 import math
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Fits and tests of laws: on ladders drawn from a law that is known."""
+
 import numpy as np
 import pytest
 

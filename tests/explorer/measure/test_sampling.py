@@ -1,3 +1,5 @@
+"""Boxes, streams and draws: that they are uniform, repeatable, and refuse nonsense."""
+
 import numpy as np
 import pytest
 from conftest import BODIES

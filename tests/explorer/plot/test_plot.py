@@ -1,3 +1,5 @@
+"""All pictures: each draws where it is told to, names its axes, and claims nothing that was not done."""
+
 import matplotlib
 import numpy as np
 import pytest

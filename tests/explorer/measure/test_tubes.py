@@ -1,0 +1,76 @@
+"""Tubes beside F: they hold what comes flat, their draws are the states they claim, their intervals cover."""
+
+import numpy as np
+import pytest
+from conftest import BODIES
+from small_runs import coverage
+
+import explorer as ex
+from explorer.measure.density import Density
+from explorer.measure.falling_constant import constant_of
+from explorer.measure.tubes import Place, dimensions, draw_tube, widest_eta
+from explorer.motion.plan import plan
+from explorer.motion.turning_points import smallest_tilt
+from explorer.phase.constants import natural_constants
+from explorer.phase.states import phi_to_states
+
+
+@pytest.mark.parametrize("name", ["uniform", "thick", "heavy-core"])
+@pytest.mark.parametrize("delta", [0.3, 0.03])
+def test_a_tube_holds_every_state_that_comes_flatter(name, delta):
+    """|eta_hat| of plain draws with theta_min < delta never exceeds the bound that tubes are cut at."""
+    disk = BODIES[name]
+    draw = np.random.default_rng(9).uniform
+    states = phi_to_states(disk, draw(-1.5, 1.5, 20_000), *(disk.rate_unit * draw(-2, 2, (3, 20_000))))
+    natural = natural_constants(states)
+    theta, status, _ = smallest_tilt(states, plan(("theta_min",)), natural)
+    flat = (status == 0) & (theta < delta)
+    eta = disk.eta_to_eta_hat(np.fmin(abs(natural.eta_plus), abs(natural.eta_minus)))[flat]
+    assert flat.sum() > 100
+    assert (eta <= widest_eta(natural.energy[flat], delta, disk)).all()
+
+
+@pytest.mark.parametrize("box", [None, "phi=-1.2:1.2", "phi=-1.5:1.5,sigma3=0.1"])
+@pytest.mark.parametrize("face", [1, -1])
+def test_draws_of_a_tube_are_states_with_the_eta_they_claim(box, face):
+    """At an eta that a state can express, the constants of motion of the state itself agree."""
+    disk = ex.Disk.hoop(m=2.0, r=0.5, g=9.81)
+    density = Density.of(disk, box)
+    unit = np.random.default_rng(3).random((500, dimensions(density)))
+    found = draw_tube(disk, density, constant_of(disk, density).mass, face, 0.05, unit)
+    rows = found.weight > 0.0
+
+    unit_rate = disk.rate_unit
+    place = Place.at(disk, face * found.phi[rows], face * found.phidot[rows] / unit_rate)
+    s3, s4 = place.chart.rates(found.sigma3_bar[rows] / unit_rate, found.eta_hat[rows] / unit_rate)
+    given = found.phi[rows], found.phidot[rows], s3 * unit_rate, face * s4 * unit_rate
+    states, known = phi_to_states(disk, *given), ex.constants(disk, *given)
+    here = known.eta_hat_plus if face > 0 else known.eta_hat_minus
+    np.testing.assert_allclose(here, found.eta_hat[rows], atol=1e-13 * disk.rate_unit)
+    np.testing.assert_allclose(known.sigma3_bar, found.sigma3_bar[rows], atol=1e-12 * disk.rate_unit)
+    np.testing.assert_allclose(known.energy, found.energy[rows], rtol=1e-12)
+    theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-8))
+    np.testing.assert_allclose(theta[status == 0], found.theta_min[rows][status == 0], rtol=1e-6)
+
+
+def test_intervals_cover_over_four_hundred_small_runs():
+    """Between 92 % and 98 % of the 95 % intervals of C, of the slope and of a rung contain the truth."""
+    disk = ex.Disk.uniform()
+    shares = coverage(disk, Density.of(disk, "phi=-1:1"), runs=400, draws=256, seed=12)
+    assert all(0.92 <= share <= 0.98 for share in shares), shares
+
+
+@pytest.mark.parametrize("box", [None, "phi=-1:1,sigma4=0.3"])
+def test_weights_of_draws_are_the_probability_of_coming_flat(box):
+    """P = C delta at a delta so small that its next term, of order delta^2, is far below the error."""
+    disk = BODIES["hoop"]
+    density = Density.of(disk, box)
+    constant = constant_of(disk, density)
+    total = variance = 0.0
+    for face in (1, -1):
+        points = np.random.default_rng(5).random((20_000, dimensions(density)))
+        draws = draw_tube(disk, density, constant.mass, face, 1e-9, points)
+        hits = draws.weight * (draws.theta_min < 1e-9)
+        total, variance = total + hits.mean(), variance + hits.var() / hits.size
+    assert variance**0.5 < 0.02 * total
+    assert abs(total - 1e-9 * constant.value) < 4.0 * variance**0.5
