@@ -14,7 +14,7 @@ from PIL import Image
 from explorer.errors import InputError
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
-from explorer.plot.style import DARK, SIGN_COLOURS, SMALL, TEXT, times_of
+from explorer.plot.style import DARK, SIGN_COLOURS, SMALL, TEXT
 from explorer.portrait.film import FRAMES, Film, film
 
 # From above, for the paths on the table, and from aside, for the tilt.
@@ -56,8 +56,8 @@ class _Panel:
         (self.spoke,) = ax.plot([], [], color=DARK, lw=0.9)
         (self.mark,) = ax.plot([], [], "s", color="white", mec=DARK, ms=7)
         (self.contact,) = ax.plot([], [], "o", color=colour, mec=DARK, ms=8)
-        turn = shown.chi[sign][-1] - shown.chi[sign][0]
-        ax.set_title(rf"$\hat\eta$ = {sign * shown.eta_hat:+g}: contact turns by {turn:+.2f} rad", fontsize=SMALL)
+        turned, eta_hat = shown.chi[sign][-1] - shown.chi[sign][0], sign * shown.eta_hat
+        ax.set_title(rf"$\hat\eta$ = {eta_hat:+.4g}: contact turns by {turned:+.2f} rad", fontsize=SMALL)
         ax.set_xlim(limits[0][0], limits[1][0])
         ax.set_ylim(limits[0][1], limits[1][1])
         ax.set_aspect("equal", adjustable="box")
@@ -104,8 +104,10 @@ class Stage:
         for panel in self.panels:
             panel.show(row)
         t, slowed = self.shown.t[row], self.shown.slowed[row]
-        unit = times_of(self.shown.disk)
-        self.clock.set_text(f"t = {t:+.3f} ({unit}); near flat the clock is slowed: {slowed:4.1f} times")
+        natural = t / self.shown.disk.time_unit
+        self.clock.set_text(
+            rf"t = {natural:+.3f} $\sqrt{{r/g}}$; near flat the clock is slowed: {slowed:4.1f} times"
+        )
 
     def image(self, row: int) -> Image.Image:
         """Row `row` as a picture."""

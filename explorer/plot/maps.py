@@ -117,7 +117,7 @@ def slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
         *_falling_set(ax, cut, -1, cut.distance_minus, cut.could_fall_minus),
     ]
     if handles:
-        legend(ax, handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)
+        legend(ax, handles=handles, loc="upper center", bbox_to_anchor=(0.55, -0.15), ncols=2, columnspacing=1.0)
     first, second = (coordinate_label(name, cut.disk) for name in cut.slice.axes)
     return dress(ax, first, second, f"Where the disk falls: slice {values_label(cut.slice.fixed)}")
 
@@ -138,7 +138,7 @@ def _falling_set(ax: Axes, cut: SliceMap, face: int, distance: Array, could: NDA
             styles.append((label, style, width))
     if could.any() and not could.all():
         ax.contour(cut.x, cut.y, could, [0.5], colors=colour, linewidths=0.8, linestyles=[_EDGES[face]])
-        styles.append((rf"would fall if $\eta_{name}$ were 0: edge", _EDGES[1], 0.8))
+        styles.append((rf"would fall at $\eta_{name}=0$: edge", _EDGES[1], 0.8))
     return [Line2D([], [], color=colour, ls=style, lw=width, label=label) for label, style, width in styles]
 
 
