@@ -127,7 +127,7 @@ def figures_page() -> str:
     lines = [
         "# The paper, reproduced",
         "",
-        "Made by `nearflat paper`. Statements and what was found: [statements.md](statements.md). Misprints, with",
+        "Made by `nearflat paper`. Statements and their numbers: [statements.md](statements.md). Misprints, with",
         "the numbers that decide them: [misprints.md](misprints.md). Cushman & Duistermaat, *Nearly flat falling",
         "motions of the rolling disk*, Regul. Chaotic Dyn. 11 (2006) 31-60.",
     ]

@@ -1,6 +1,7 @@
 """Misprints: each is decided by numbers of a statement, and the numbers can decide otherwise."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -57,6 +58,13 @@ def test_the_numbers_refute_the_printed_form_and_bear_the_right_one(where, decid
         assert math.isfinite(finding.printed[where])
         assert finding.printed[where] >= FACTOR * finding.tolerance
         assert finding.passed
+
+
+@pytest.mark.parametrize("where", MISPRINTS)
+def test_a_row_fails_whose_printed_form_is_as_good_as_the_right_one(where, deciding):
+    rows = [finding for _, finding in deciding if where in finding.printed]
+    assert rows
+    assert not any(replace(finding, printed={where: finding.error}).passed for finding in rows)
 
 
 def test_no_finding_decides_a_misprint_that_is_not_listed(checked):
