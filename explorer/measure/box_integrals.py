@@ -264,9 +264,9 @@ class NaturalDensity:
             return np.full((*left.shape, 1), low), np.ones((*left.shape, 1))
         reach = np.sqrt(np.maximum(left, 0.0) / inertia)
         bounded = corners if np.isfinite(reach).all() else []
-        turns = [np.sqrt(np.maximum(left - corner, 0.0) / inertia) for corner in bounded]
+        kinks = [np.sqrt(np.maximum(left - corner, 0.0) / inertia) for corner in bounded]
         first, last = np.maximum(low, -reach), np.minimum(high, reach)
-        inner = [sign * turn for turn in turns for sign in (1.0, -1.0)]
+        inner = [sign * kink for kink in kinks for sign in (1.0, -1.0)]
         bells = [np.full_like(reach, bell) for bell in self.bells(name)]
         return panels_between([first, *inner, *bells, last], panels)
 
