@@ -1,21 +1,15 @@
 """The measured trade of speed for accuracy, and what is chosen from it."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import BODIES
 
-import explorer as ex
-from explorer import compiled
 from explorer.commands import main as cli
 from explorer.commands import trade
 from explorer.motion import calibration
 from explorer.motion.plan import plan
-from explorer.motion.turning_points import turning_points
-from explorer.phase.constants import natural_constants
-from explorer.phase.states import constants_to_states
 from explorer.plot import work_precision
 
 
@@ -69,12 +63,6 @@ def test_the_front_holds_what_nothing_beats():
     assert [found.on_front for found in trade.mark_front(rows)] == [True, True, False, False]
 
 
-def test_the_shipped_table_is_used_and_named_where_nothing_was_measured(private):
-    assert "shipped" in calibration.current().origin
-    assert "shipped" in plan(("chi",), 1e-6).reason
-    assert "shipped" in plan(("chi",), 1e-6).cost
-
-
 def test_a_stored_table_is_read_back_and_decides(private, rows):
     table = trade.calibrate(rows, samples=64)
     assert calibration.store(table) == private
@@ -88,110 +76,6 @@ def test_a_stored_table_is_read_back_and_decides(private, rows):
         entry[3] /= 1e9
     calibration.store(table)
     assert plan(("chi",), 1e-3).method == "dop853"
-
-
-def shipped():
-    table = json.loads((Path(calibration.__file__).parent / "calibration.json").read_text())
-    return {**table, "kernels": compiled.source_digest()}
-
-
-@pytest.mark.parametrize(
-    "spoil",
-    [
-        lambda table: {},
-        lambda table: [1],
-        lambda table: {**table, "methods": {"rk4": table["methods"]["rk4"]}},
-        lambda table: {**table, "methods": []},
-        lambda table: {**table, "quadrature": float("nan")},
-        lambda table: {**table, "methods": {k: [[1, 2, 3]] for k in table["methods"]}},
-        lambda table: {**table, "methods": {k: rows[:1] for k, rows in table["methods"].items()}},
-        lambda table: {**table, "methods": {k: rows[::-1] for k, rows in table["methods"].items()}},
-        lambda table: {**table, "methods": {k: [rows[0]] * 5 for k, rows in table["methods"].items()}},
-    ],
-)
-def test_a_damaged_table_is_named_not_used(private, spoil):
-    private.write_text(json.dumps(spoil(shipped())))
-    with pytest.raises(ex.InputError, match="calibration"):
-        plan(("chi",), 1e-6)
-
-
-def test_a_table_of_other_kernels_is_not_used(private):
-    private.write_text(json.dumps({**shipped(), "kernels": "0" * 64}))
-    assert "measured with other kernels" in plan(("chi",), 1e-6).reason
-
-
-def test_settings_are_monotone_in_the_accuracy(private):
-    targets = 10.0 ** -np.arange(1.0, 12.0)
-    for curve in calibration.current().curves.values():
-        settings = curve.at(targets)
-        assert (np.diff(settings) <= 0).all()
-        assert (settings > 0).all()
-        costs = [curve.cost(t)[1] for t in targets]
-        assert (np.diff(costs) >= 0).all()
-
-
-@pytest.mark.parametrize("exponent", range(2, 12))
-@pytest.mark.parametrize("method", ["quadrature", "rk8", "dop853", "dopri5", "rk4"])
-def test_the_accuracy_asked_is_met_by_work_nobody_calibrated_on(private, method, exponent):
-    """99th percentile over random bodies and boxes, |eta_hat| from 1e-4, of angles, times and tilts."""
-    if method == "rk4" and exponent > 8:
-        pytest.skip("thousands of steps of order four per passage; order eight is there for that")
-    accuracy = 10.0**-exponent
-    rng = np.random.default_rng(exponent)
-    for _ in range(3):
-        I1 = 10.0 ** rng.uniform(-1.5, 0.5)
-        disk = ex.Disk(I1=I1, I3=I1 * rng.uniform(0.4, 2.0))
-        n, box = 400, rng.uniform(0.5, 3.0)
-        eta_hat = 10 ** rng.uniform(-4, -1, n) * rng.choice([-1, 1], n)
-        start = rng.uniform(-box, box, n), eta_hat, rng.uniform(0.3, 3.0, n)
-        exact = ex.passages(disk, *start, accuracy=1e-11)
-        if method == "quadrature":
-            got = ex.passages(disk, *start, accuracy=accuracy)
-            errors = (got.delta_chi - exact.delta_chi, got.delta_psi - exact.delta_psi)
-            ratios = (got.duration / exact.duration, got.theta_min / exact.theta_min)
-            status, known = got.status, True
-        else:
-            states = constants_to_states(disk, *start)
-            constants = natural_constants(states)
-            found = turning_points(states, plan(("chi", "psi", "theta_min"), accuracy, method), constants)
-            # A state in doubles knows eta, and with it theta_min, only so well.
-            known = constants.rounding_plus / abs(constants.eta_plus) < 0.02 * accuracy
-            errors = (2 * found.chi - exact.delta_chi, 2 * found.psi - exact.delta_psi)
-            ratios = (2 * found.time / exact.duration, found.theta / exact.theta_min)
-            status = found.status
-        ok = (status == 0) & (exact.status == 0)
-        assert ok.mean() > 0.97
-        for error in (*errors, ratios[0] - 1):
-            assert np.percentile(abs(error[ok]), 99) <= accuracy
-        tilt = abs(ratios[1] - 1)[ok & known]
-        assert tilt.size == 0 or np.percentile(tilt, 99) <= accuracy
-
-
-@pytest.mark.parametrize("exponent", range(2, 11))
-@pytest.mark.parametrize("method", ["auto", "rk8", "dopri5"])
-def test_motions_in_time_meet_the_accuracy_too(private, method, exponent):
-    """A whole passage followed in time, against quadrature."""
-    rng = np.random.default_rng(100 + exponent)
-    errors = []
-    for disk in (ex.Disk.uniform(), ex.Disk(I1=0.3, I3=0.25)):
-        start = (
-            rng.uniform(-2, 2, 60),
-            rng.choice([-1, 1], 60) * 10 ** rng.uniform(-3, -1, 60),
-            rng.uniform(0.5, 2, 60),
-        )
-        exact = ex.passages(disk, *start, accuracy=1e-11)
-        for i in np.flatnonzero(exact.status == 0):
-            state = constants_to_states(disk, *(column[i : i + 1] for column in start))
-            got = ex.simulate(
-                disk,
-                state,
-                t_eval=exact.duration[i : i + 1],
-                observables=("chi", "psi"),
-                method=method,
-                accuracy=10.0**-exponent,
-            )
-            errors += [abs(got.chi[0, 0] - exact.delta_chi[i]), abs(got.psi[0, 0] - exact.delta_psi[i])]
-    assert np.percentile(errors, 99) <= 10.0**-exponent
 
 
 @pytest.mark.parametrize(

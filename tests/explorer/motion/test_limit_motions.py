@@ -1,3 +1,5 @@
+"""The two one-sided limit motions, section 7."""
+
 import numpy as np
 import pytest
 from conftest import BODIES
@@ -115,18 +117,6 @@ def natural_state_on_f(disk, phi):
     return f.turn * np.cos(phi) ** 2, f.sigma4
 
 
-def test_the_fall_from_the_vertical_agrees_with_the_limit_motion(paper_body):
-    states = base(paper_body, 1, 0.7, 0.4)
-    natural = natural_constants(states)
-    time, chi, psi, _error = fall_from_vertical(paper_body, natural.sigma3_bar, natural.energy)
-    limit = limit_motion(paper_body, states, 1)
-    hit = limit.impacts(10.0)[0]
-    assert time[0] == pytest.approx(hit, rel=1e-10)
-    before = limit(hit * (1 - 1e-12))
-    assert chi[0] == pytest.approx(float(before.chi), abs=1e-9)
-    assert psi[0] == pytest.approx(float(before.psi), abs=1e-9)
-
-
 @pytest.mark.parametrize("speed", [1e-6, 1e-3, 0.1, 1.0, 30.0])
 def test_the_fall_is_integrated_well_however_slowly_it_starts(speed):
     """Against SciPy on the plain second-order equation M phi'' = -V'(phi) on F."""
@@ -210,3 +200,10 @@ def test_limits_at_the_impact_are_those_of_sections_6_and_7(name, face):
 def test_anything_but_one_state_is_refused(states):
     with pytest.raises(ex.InputError, match="state"):
         limit_motion(BODIES["uniform"], states)
+
+
+@pytest.mark.parametrize("state", [(0.0, 0.0, 1e-4, 0.7285923160189477e-4), (1.5707963267948, 0.0, 0.0, 0.0)])
+@pytest.mark.filterwarnings("error")
+def test_limit_motions_that_rounding_decides_are_refused(state):
+    with pytest.raises(ex.InputError, match="rest"):
+        ex.limit_motion(BODIES["uniform"], state)

@@ -1,3 +1,5 @@
+"""The ladder of models: which rung and which method a question gets."""
+
 import numpy as np
 import pytest
 from conftest import BODIES

@@ -1,3 +1,5 @@
+"""Disks: presets, text forms, units, and what no disk has."""
+
 import numpy as np
 import pytest
 

@@ -1,0 +1,27 @@
+"""Forces at the contact during passages."""
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+
+
+@pytest.mark.parametrize(("name", "least"), [("uniform", -0.97), ("hoop", -0.89)])
+def test_the_normal_force_of_the_papers_own_scenes_falls_below_zero(name, least):
+    """Section 8. Where the disk would lift off, no friction is enough."""
+    found = ex.passage_forces(BODIES[name], 1.0, 0.01, 1.0)
+    assert found.min_normal_force[0] == pytest.approx(least, abs=0.01)
+    assert np.isinf(found.max_friction[0])
+
+
+def test_a_calm_passage_stays_on_the_table():
+    found = ex.passage_forces(BODIES["uniform"], 0.05, 0.3, 0.2)
+    assert 0.0 < found.min_normal_force[0] < 1.0
+    assert np.isfinite(found.max_friction[0])
+
+
+def test_what_is_no_passage_has_no_forces():
+    found = ex.passage_forces(BODIES["uniform"], 1.0, [1e-3, 1e-3, 5e-324], [1.0, -1.0, 1.0])
+    assert np.isnan(found.max_friction).tolist() == [False, True, True]
+    assert np.isnan(found.min_normal_force).tolist() == [False, True, True]

@@ -1,0 +1,75 @@
+"""Passages as integrals, against arithmetic in 30 and 40 digits and at the extremes."""
+
+import numpy as np
+import pytest
+from conftest import BODIES
+from reference.report_extremes import measure, rows
+
+import explorer as ex
+from explorer import compiled
+from explorer.motion.passages_by_quadrature import chord, energy_on_f, fall_from_vertical
+
+EXTREMES = list(rows())
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_passages_agree_with_forty_digits_and_their_error_estimates_are_honest(reference_passages, accuracy):
+    for row in reference_passages:
+        disk = ex.Disk(*(row[key] for key in ("m", "r", "g", "I1", "I3")))
+        got = ex.passages(disk, row["sigma3_bar"], row["eta_hat"], row["phidot"], accuracy=accuracy)
+        assert got.status[0] == ex.Status.OK
+        angle = max(abs(got.delta_chi[0] - row["delta_chi"]), abs(got.delta_psi[0] - row["delta_psi"]))
+        scale = max(abs(got.duration[0] / row["duration"] - 1), abs(got.theta_min[0] / row["theta_min"] - 1))
+        assert angle <= max(accuracy, 1e-11)
+        assert scale <= max(accuracy, 1e-12)
+        assert max(angle, scale) <= 10 * got.error_estimate[0] + 1e-13
+        assert got.energy[0] == pytest.approx(row["energy"], rel=1e-14)
+
+
+@pytest.mark.parametrize(("name", "row", "units"), EXTREMES, ids=[name for name, _, _ in EXTREMES])
+def test_the_extremes_agree_with_34_digits(name, row, units):
+    """Errors within ten times the estimate and within the accuracy met; otherwise no number at all."""
+    accuracy, status, angle, relative, estimate = measure(row, units)
+    if status == ex.Status.OK:
+        assert max(angle, relative) <= 10 * estimate + 1e-13
+        assert angle <= 10 * accuracy * max(1.0, abs(float(row["delta_chi"])))
+        assert relative <= 10 * accuracy
+    else:
+        assert status == ex.Status.STEP_LIMIT
+        assert np.isnan(angle)
+
+
+def test_all_extremes_but_those_next_to_a_separatrix_are_resolved():
+    met = {name: measure(row, units)[:2] for name, row, units in EXTREMES}
+    unresolved = {name for name, (_, status) in met.items() if status != ex.Status.OK}
+    assert all("separatrix" in name or "equilibrium" in name for name in unresolved)
+    ordinary = [name for name in met if "separatrix" not in name and "equilibrium" not in name]
+    # Bodies whose inertia is next to nothing about one axis: terms of the energy cancel.
+    hard = {"m r^2/I1 = 1e+06, flat", "I3/I1 = 0.001", "I3/I1 = 1e-06"}
+    assert {name for name in ordinary if met[name][0] > 1e-11} <= hard
+
+
+@pytest.mark.parametrize("sigma3_bar", [5.0, 20.0])
+def test_a_start_that_is_almost_at_rest_says_how_little_it_knows(sigma3_bar):
+    """Two orders of rules and the integrator, each with its own rounding, within both estimates."""
+    disk = BODIES["uniform"]
+    loose = ex.passages(disk, sigma3_bar, 1e-8, 5e-4, accuracy=1e-2)
+    tight = ex.passages(disk, sigma3_bar, 1e-8, 5e-4, accuracy=1e-8)
+    assert tight.status[0] == loose.status[0] == ex.Status.OK
+    assert abs(loose.delta_chi - tight.delta_chi) <= loose.error_estimate + tight.error_estimate
+    assert tight.error_estimate > 1e-11
+
+
+def test_a_fall_is_the_limit_of_passages_and_takes_half_their_time():
+    disk = BODIES["thick"]
+    found = ex.passages(disk, 0.6, [1e-250, 0.0], 0.8, accuracy=1e-11)
+    assert found.fall_time[1] == pytest.approx(0.5 * found.duration[0], rel=1e-10)
+    assert found.energy[1] == pytest.approx(found.energy[0], rel=1e-14)
+    fall = fall_from_vertical(disk, np.array([0.6]), energy_on_f(disk, np.array([0.6]), np.array([0.8])))
+    assert fall.time[0] == found.fall_time[1]
+    assert 2.0 * fall.chi[0] == found.fall_angle[1]
+
+
+def test_tilt_is_measured_as_the_kernels_do():
+    assert chord(0.0) == compiled.quadrature.VERTICAL
+    assert chord(0.5 * np.pi - 1e-3) == pytest.approx(1e-3, rel=1e-6)

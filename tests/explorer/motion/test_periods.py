@@ -1,0 +1,69 @@
+"""Whole periods by quadrature: the numbers of the paper, returns, and eta at the extremes."""
+
+import math
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer.phase.states import constants_to_states, phi_to_states
+
+ROWS = {  # mathematics, section 10
+    ("uniform", 0.01): (3.5309125568, 10.16442885, 4.88619430),
+    ("uniform", -0.01): (3.5069444328, -3.87572184, -9.14592890),
+    ("hoop", 0.01): (3.5443368831, 8.57037740, 3.49347084),
+    ("hoop", -0.01): (3.5168724512, -2.31358306, -7.37252693),
+}
+
+
+@pytest.mark.parametrize("key", ROWS, ids=str)
+def test_whole_periods_of_the_figures(key):
+    name, eta_hat = key
+    got = ex.periods(constants_to_states(BODIES[name], 1.0, eta_hat, 1.0), 1e-11)
+    assert (got.period[0], got.chi[0], got.psi[0]) == pytest.approx(ROWS[key], abs=1e-8)
+    assert got.crosses[0]
+
+
+def test_periods_without_crossing_the_vertical_bring_the_motion_back():
+    rng = np.random.default_rng(15)
+    disk = BODIES["hoop"]
+    n = 60
+    states = np.column_stack([rng.uniform(0.3, 1.4, n) * rng.choice([-1, 1], n), rng.uniform(-0.2, 0.2, (n, 3))])
+    got = ex.periods(phi_to_states(disk, *states.T), 1e-9)
+    inside = (got.status == 0) & ~got.crosses & (got.theta_min > 1e-3)
+    assert inside.sum() > 20
+    for i in np.flatnonzero(inside)[:12]:
+        after = ex.simulate(
+            disk, states[i], t_eval=[got.period[i]], observables=("phi", "phidot", "chi", "psi"), accuracy=1e-10
+        )
+        assert after.phi[0, 0] == pytest.approx(states[i, 0], abs=1e-8)
+        assert after.phidot[0, 0] == pytest.approx(states[i, 1], abs=1e-7)
+        assert after.chi[0, 0] == pytest.approx(got.chi[i], abs=1e-8)
+        assert after.psi[0, 0] == pytest.approx(got.psi[i], abs=1e-8)
+
+
+def test_slow_rocking_near_flat_turns_by_the_eulers_disk_angle():
+    """Bottom of the near-flat well: 2 pi sqrt(M / (3 I1)) per bounce (section 5)."""
+    for name, turn in (("uniform", 2.58177), ("hoop", 1.99983)):
+        disk = BODIES[name]
+        b = disk.body
+        eta = 1e-9
+        theta0 = eta ** (2 / 3) / b.I1 ** (1 / 3)
+        excess = math.sqrt(2 * (1.001 - 1) * 1.5 * theta0 / b.M)
+        eta_hat = eta / (b.I3 * b.r0)
+        states = ex.theta_to_states(disk, theta0, excess, eta / b.I1, 0.0)
+        got = ex.periods(states, 1e-6, eta_hat=eta_hat)
+        assert got.status[0] == ex.Status.OK
+        assert got.chi[0] / np.pi == pytest.approx(turn, abs=2e-3)
+
+
+def test_periods_on_f_fall_and_beside_it_need_the_eta_they_were_given():
+    disk = BODIES["uniform"]
+    on_f = ex.periods(constants_to_states(disk, 1.0, 0.0, 1.0))
+    assert on_f.status[0] == ex.Status.FALLS
+    found = ex.periods(constants_to_states(disk, 1.0, [1e-200, -1e-200], 1.0))
+    assert (found.status == ex.Status.OK).all()
+    assert found.chi[0] - found.chi[1] == pytest.approx(2 * disk.race_limit, abs=1e-9)
+    rows = phi_to_states(disk, 0.0, 1.0, 1.0, 0.7285923160189477)
+    assert ex.periods(rows).status[0] in (ex.Status.FALLS, ex.Status.UNRESOLVED_SIDE)

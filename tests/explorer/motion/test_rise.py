@@ -1,0 +1,54 @@
+"""One rise on F from flat to its turning point."""
+
+import numpy as np
+import pytest
+
+import explorer as ex
+from explorer.motion.limit_motions import limit_motion
+from explorer.motion.passages_by_quadrature import fall_from_vertical
+from explorer.motion.rise import Rise
+from explorer.phase.constants import natural_constants
+from explorer.phase.lines import line_chart
+from explorer.phase.states import constants_to_states
+
+
+def test_the_fall_from_the_vertical_agrees_with_the_limit_motion(paper_body):
+    states = base(paper_body, 1, 0.7, 0.4)
+    natural = natural_constants(states)
+    time, chi, psi, _error = fall_from_vertical(paper_body, natural.sigma3_bar, natural.energy)
+    limit = limit_motion(paper_body, states, 1)
+    hit = limit.impacts(10.0)[0]
+    assert time[0] == pytest.approx(hit, rel=1e-10)
+    before = limit(hit * (1 - 1e-12))
+    assert chi[0] == pytest.approx(float(before.chi), abs=1e-9)
+    assert psi[0] == pytest.approx(float(before.psi), abs=1e-9)
+
+
+def base(disk, face, sigma3_bar=1.0, speed=1.0):
+    unit = disk.rate_unit
+    return constants_to_states(disk, sigma3_bar * unit, 0.0, face * speed * unit, face)
+
+
+@pytest.mark.parametrize(("sigma3_bar", "energy"), [(0.9, 1.4), (-2.0, 2.5), (0.1, 0.8)])
+def test_a_rise_keeps_its_energy_and_ends_at_rest(body, sigma3_bar, energy):
+    sigma3_bar *= float(np.sqrt(min(1.0, 0.5 * energy / body.energy_at_flat(sigma3_bar))))
+    rise = Rise(body, energy, sigma3_bar)
+    time = np.linspace(0.0, rise.half, 30)
+    here = rise.at(time)
+    b = body.body
+    q, z = np.sin(here.theta[1:]), np.cos(here.theta[1:])
+    V = 0.5 * b.I1 * (here.turn[1:] * q) ** 2 + 0.5 * b.J * here.sigma4[1:] ** 2 + q
+    np.testing.assert_allclose(0.5 * b.M * here.speed[1:] ** 2 + V, energy, rtol=1e-9)
+    chart = line_chart(body, q, z)
+    np.testing.assert_allclose(here.turn[1:] * q * q, chart.bar_to_sigma3 * sigma3_bar, atol=1e-11)
+    assert here.speed[0] == pytest.approx(rise.impact_speed, rel=1e-11)
+    assert here.speed[-1] < 1e-6
+    assert here.theta[-1] == pytest.approx(rise.theta_turn, rel=1e-12)
+
+
+def test_the_time_of_a_tilt_is_when_the_rise_is_there(paper_body):
+    rise = Rise(paper_body, 1.6, 0.5)
+    for theta in (1e-3, 0.4, 0.99 * rise.theta_turn):
+        assert rise.at(np.array([rise.time_at(theta)])).theta[0] == pytest.approx(theta, rel=1e-9)
+    with pytest.raises(ex.InputError, match="not on the part of F"):
+        rise.time_at(1.01 * rise.theta_turn)

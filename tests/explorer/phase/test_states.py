@@ -1,0 +1,58 @@
+"""Charts of the phase space."""
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer.phase.states import constants_to_states, phi_to_states, rows_to_states, theta_to_states
+
+
+def test_arguments_that_do_not_broadcast_are_refused():
+    with pytest.raises(ex.InputError, match="do not fit together"):
+        phi_to_states(BODIES["uniform"], [0, 1], [1, 2, 3], 0, 0)
+
+
+def test_states_of_the_wrong_shape_are_refused():
+    with pytest.raises(ex.InputError, match="shape"):
+        ex.simulate(BODIES["uniform"], [1.0, 2.0, 3.0], 1.0)
+
+
+def test_states_of_another_disk_are_refused():
+    states = constants_to_states(BODIES["hoop"], 1.0, 0.1, 1.0)
+    with pytest.raises(ex.InputError, match="made for the disk 'hoop'"):
+        ex.simulate(BODIES["uniform"], states, 1.0)
+
+
+def test_both_charts_of_the_tilt_name_the_same_states(body):
+    rng = np.random.default_rng(8)
+    face = rng.choice([-1.0, 1.0], 40)
+    theta, rates = rng.uniform(0.1, 1.5, 40), rng.uniform(-2, 2, (3, 40)) * body.rate_unit
+    here = theta_to_states(body, theta, rates[0], rates[1], rates[2], face)
+    there = phi_to_states(body, face * (0.5 * np.pi - theta), -face * rates[0], rates[1], rates[2])
+    np.testing.assert_allclose(here.natural, there.natural, rtol=1e-14, atol=1e-15)
+
+
+def test_a_tilt_far_below_what_phi_can_say_is_kept():
+    states = theta_to_states(BODIES["hoop"], [1e-300, 0.0, np.pi, 1.0], 0.0, 0.0, 0.5, [1, 1, 1, 2])
+    assert states.natural[0, 0] == 1e-300
+    assert states.status.tolist() == [0, 2, 2, 2]
+
+
+def test_states_from_constants_keep_the_eta_that_doubles_of_a_state_lose():
+    disk = BODIES["uniform"]
+    states = constants_to_states(disk, 1.0, [1e-250, -1e-3], 0.5, [1, -1])
+    chosen = states.at(np.array([1, 0]))
+    assert chosen.exact.eta_plus[1] == disk.eta_hat_to_eta(1e-250)
+    assert chosen.exact.eta_minus[0] == disk.eta_hat_to_eta(-1e-3)
+    turned = states.reversed()
+    assert turned.exact is states.exact
+    np.testing.assert_array_equal(turned.natural[2], -states.natural[2])
+    np.testing.assert_array_equal(turned.natural[3:], states.natural[3:])
+
+
+def test_what_is_no_number_is_named():
+    with pytest.raises(ex.InputError, match="sigma3 = 'x'"):
+        phi_to_states(BODIES["uniform"], 0.0, 1.0, "x", 0.7)
+    with pytest.raises(ex.InputError, match="rows of phi"):
+        rows_to_states(BODIES["uniform"], "flat")
