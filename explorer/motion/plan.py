@@ -27,27 +27,14 @@ RUNGS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
 FIXED, ADAPTIVE = ("rk4", "rk8"), ("dopri5", "dop853")
 METHODS = ("auto", *FIXED, *ADAPTIVE, "quadrature")
 
-OBSERVABLES = {
-    "constants": ALGEBRA,
-    "face": ALGEBRA,
-    "distance": ALGEBRA,
-    "could_fall": ALGEBRA,
-    "theta_min": QUADRATURE,
-    "race_angle": QUADRATURE,
-    "delta_chi": QUADRATURE,
-    "delta_psi": QUADRATURE,
-    "duration": QUADRATURE,
-    "period": QUADRATURE,
-    "phi": REDUCED,
-    "phidot": REDUCED,
-    "sigma3": REDUCED,
-    "sigma4": REDUCED,
-    "time": ANGLES,
-    "chi": ANGLES,
-    "psi": ANGLES,
-    "path": PATH,
-    "contact": PATH,
+_OF_RUNG = {
+    ALGEBRA: ("constants", "face", "distance", "could_fall"),
+    QUADRATURE: ("theta_min", "race_angle", "delta_chi", "delta_psi", "duration", "period"),
+    REDUCED: ("phi", "phidot", "sigma3", "sigma4"),
+    ANGLES: ("time", "chi", "psi"),
+    PATH: ("path", "contact"),
 }
+OBSERVABLES = {name: rung for rung, names in _OF_RUNG.items() for name in names}
 
 # What an integrator must carry for an observable that quadrature would give.
 _INTEGRATED = {"theta_min": REDUCED}
