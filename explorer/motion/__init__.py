@@ -1,1 +1,1 @@
-"""How a motion goes on from its state: trajectories, passages, periods and limit motions."""
+"""The way a motion goes on from its state: trajectories, passages, periods and limit motions."""

@@ -132,7 +132,7 @@ def store(table: dict[str, Any]) -> Path:
 
 
 def stored_at() -> Path:
-    """Where this machine's calibration is kept; NEARFLAT_CALIBRATION names another file."""
+    """The file of this machine's calibration; NEARFLAT_CALIBRATION names another one."""
     chosen = os.environ.get("NEARFLAT_CALIBRATION")
     if chosen:
         return Path(chosen)

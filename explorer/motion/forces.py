@@ -1,4 +1,4 @@
-"""What a passage asks of the contact: normal force and friction."""
+"""Forces at the contact during passages: normal force and friction."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from explorer.phase.states import Array
 
 @dataclass(frozen=True)
 class Forces:
-    """What passages ask of the contact: what `passage_forces` returns.
+    """Extremes of the forces during passages, one entry per sample: what `passage_forces` returns.
 
     Attributes
     ----------

@@ -14,7 +14,7 @@ from explorer.phase.states import Array
 
 
 class Followed(NamedTuple):
-    """What a method found of passages, columns in natural units, angles as on face +1.
+    """Passages as a method followed them, columns in natural units, angles as on face +1.
 
     way: sigma3/q at the flattest moment, whose sign is the direction of the race. error: as
     `Passages.error_estimate`.
@@ -66,7 +66,7 @@ def chord(phi: float) -> float:
 
 
 class Fall(NamedTuple):
-    """What the fall on F from the vertical to flat adds (face +1), columns in natural units, and its error."""
+    """Time and angles of the fall on F from the vertical to flat (face +1), natural units, and their error."""
 
     time: Array
     chi: Array

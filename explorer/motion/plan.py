@@ -54,7 +54,7 @@ _STRICTER = 10.0
 
 @dataclass(frozen=True)
 class Plan:
-    """What will be run for a question: the rung, the method, and the reason in words.
+    """The way a question will be answered: the rung, the method, and the reason in words.
 
     relative_tilt: theta_min is asked for to a relative accuracy, so eta must be known that well.
     slack: factor of the tolerance or step that the accuracy needs, for error estimates.
@@ -69,13 +69,13 @@ class Plan:
 
     @property
     def kernel_method(self) -> int:
-        """What the kernels call the method."""
+        """The number of the method in the kernels."""
         steps = compiled.attempt
         return {"rk4": steps.RK4, "rk8": steps.RK8, "dopri5": steps.DOPRI5, "dop853": steps.DOP853}[self.method]
 
     @property
     def kernel_depth(self) -> int:
-        """How much of a state the kernels carry along for this rung."""
+        """The number of components of a state that the kernels carry along for this rung."""
         field = compiled.field
         return {REDUCED: field.REDUCED, ANGLES: field.ANGLES, PATH: field.PATH}[self.rung]
 
@@ -86,7 +86,7 @@ class Plan:
 
     @property
     def adaptive(self) -> bool:
-        """Whether the method chooses its own steps."""
+        """True where the method chooses its own steps."""
         return self.method in ADAPTIVE
 
     def scaled(self, factor: float) -> "Plan":
@@ -149,7 +149,7 @@ def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto
 
 
 def method_in_words(method: str) -> str:
-    """How a result was computed, as pictures and pages say it; `method` as in Plan.method."""
+    """The way a result was computed, as pictures and pages say it; `method` as in Plan.method."""
     return "by quadrature" if method == "quadrature" else f"integrated with {method}"
 
 

@@ -1,4 +1,4 @@
-"""What is known of a motion before it is followed: its status, its constants, its place in the orbit kernels."""
+"""Knowledge of a motion before it is followed: its status, its constants, its place in the orbit kernels."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ def held_constants(states: States, natural: NaturalConstants) -> tuple[NDArray[n
 
 
 def orbit_starts(states: States, linear: LinearConstants) -> Array:
-    """What the quadrature kernels know of a motion, (5, n), as seen from the hemisphere it starts in.
+    """Motions in the chart of the quadrature kernels, (5, n), as seen from the hemisphere they start in.
 
     Rows: h = 2 sin(theta/2), theta-dot, sigma3_bar, eta on this face, eta on the other.
     """

@@ -1,4 +1,4 @@
-"""Where motions stop tilting: the next turning point by integration, and the smallest tilt by either method."""
+"""Turning points, where motions stop tilting: the next one by integration, and the smallest tilt by either method."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ MAX_STEPS = 2_000_000
 
 @dataclass(frozen=True)
 class TurningPoints:
-    """Where motions next stop tilting (p = 0), natural units except where said.
+    """The next points at which motions stop tilting (p = 0), natural units except where said.
 
     theta: tilt from the nearer flat state (rad). face: which flat state that is. way: sigma3/q there,
     whose sign is the direction in which the contact point moves. time, chi, psi:

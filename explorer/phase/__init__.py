@@ -1,1 +1,1 @@
-"""Where a state is: the disk, charts of its phase space, constants of motion and the falling set."""
+"""The place of a state: the disk, charts of its phase space, constants of motion and the falling set."""

@@ -1,4 +1,4 @@
-"""The falling set F: which side of it a state is on, how far it is, and whether the disk could fall."""
+"""The falling set F: the side of it that a state is on, its distance, and whether the disk could fall."""
 
 from __future__ import annotations
 
