@@ -17,6 +17,7 @@ _OURS = Path(__file__).resolve().parent.parent / "kernels"
 _LOCK = threading.RLock()
 
 if TYPE_CHECKING:
+    from kernels import rows as rows
     from kernels import status as status
     from kernels import types as types
     from kernels.disk import algebra as algebra
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from kernels.integrals import forces as forces
     from kernels.integrals import orbits as orbits
     from kernels.integrals import passages as passages
+    from kernels.integrals import point as point
     from kernels.integrals import quadrature as quadrature
     from kernels.integrals import tables as tables
     from kernels.steps import attempt as attempt
