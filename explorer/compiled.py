@@ -17,7 +17,6 @@ _OURS = Path(__file__).resolve().parent.parent / "kernels"
 _LOCK = threading.RLock()
 
 if TYPE_CHECKING:
-    from kernels import rows as rows
     from kernels import status as status
     from kernels import types as types
     from kernels.disk import algebra as algebra

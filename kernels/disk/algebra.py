@@ -10,7 +10,7 @@ from kernels.disk.chaplygin import Whole, whole_solutions
 from kernels.disk.constants import Constants, constants_of, contracted_from_solutions
 from kernels.disk.elementary import log_ratio
 from kernels.disk.field import State, column, contracted_energy, reduced_state
-from kernels.rows import put
+from kernels.disk.rows import put
 from kernels.types import Longs, Matrix, Vector
 
 LANES = 64

@@ -8,7 +8,7 @@ from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Solutions
 from kernels.disk.field import State, energy, with_reduced
-from kernels.rows import Entry
+from kernels.disk.rows import Entry
 
 
 class Constants(NamedTuple, Generic[Entry]):

@@ -12,7 +12,7 @@ from kernels._jit import both_devices, device, kernel, subroutine
 from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
 from kernels.disk.constants import depth_below_vertical
-from kernels.rows import Entry, put
+from kernels.disk.rows import Entry, put
 from kernels.types import Matrix, Vector
 
 # Bisection to rounding on an interval of length pi/2.

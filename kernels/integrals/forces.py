@@ -7,11 +7,11 @@ import numpy as np
 
 from kernels._jit import kernel, subroutine
 from kernels.disk.body import Disk
+from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
 from kernels.integrals.passages import Crossings
 from kernels.integrals.point import VERTICAL, Motion, motion_through, point
 from kernels.integrals.turning import turning_point
-from kernels.rows import Entry, put
 from kernels.types import Matrix
 
 # Points per passage at which forces are looked at.

@@ -8,11 +8,11 @@ import numpy as np
 from kernels._jit import kernel, subroutine
 from kernels.disk.body import Disk
 from kernels.disk.falling import potential_at_flat
+from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
 from kernels.integrals.point import VERTICAL, Motion, motion_through
 from kernels.integrals.quadrature import Passage, Rules, Start, passage
 from kernels.integrals.turning import turning_point, turning_point_outward
-from kernels.rows import Entry, put
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
 

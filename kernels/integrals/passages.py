@@ -8,12 +8,12 @@ import numpy as np
 from kernels._jit import kernel, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_flat
+from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes, tabulated
 from kernels.integrals.point import VERTICAL, Motion, motion_through
 from kernels.integrals.quadrature import FLOOR, FallRow, Rules, Start, fall, passage
 from kernels.integrals.tables import Tables
 from kernels.integrals.tabulated import CHECK, LANES
-from kernels.rows import Entry, put
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
 

@@ -18,11 +18,11 @@ from typing import Generic, NamedTuple
 
 from kernels._jit import device, subroutine
 from kernels.disk.body import Body, Disk
+from kernels.disk.rows import Entry
 from kernels.integrals import nodes
 from kernels.integrals.nodes import ROOM
 from kernels.integrals.point import Motion, Point, point
 from kernels.integrals.turning import turning_point
-from kernels.rows import Entry
 from kernels.status import Status
 from kernels.types import Longs, Matrix, Table, Vector
 

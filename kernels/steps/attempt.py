@@ -7,7 +7,7 @@ from kernels._jit import device, subroutine
 from kernels.disk.body import Body
 from kernels.disk.constants import Constants
 from kernels.disk.field import ANGLES, REDUCED, State, field, shift
-from kernels.rows import Entry
+from kernels.disk.rows import Entry
 from kernels.status import Status
 from kernels.steps.adaptive import LONGEST_STEP, dopri5_step, error_norm, path_error_norm, step_factor
 from kernels.steps.eighth import combined_error, eighth_order_step, eighth_step_factor

@@ -14,7 +14,7 @@ from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.constants import Constants, constants_of
 from kernels.disk.field import ANGLES, REDUCED, State, column, speed
-from kernels.rows import put
+from kernels.disk.rows import put
 from kernels.status import Status
 from kernels.steps.adaptive import SHORTEST_STEP
 from kernels.steps.attempt import (

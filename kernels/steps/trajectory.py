@@ -6,7 +6,7 @@ from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.constants import Pinned, constants_of, onto_constants, onto_energy
 from kernels.disk.field import ANGLES, PATH, State, column, energy, speed
-from kernels.rows import put
+from kernels.disk.rows import put
 from kernels.status import Status
 from kernels.steps.adaptive import SHORTEST_STEP
 from kernels.steps.attempt import (
