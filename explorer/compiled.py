@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from kernels.integrals import forces as forces
     from kernels.integrals import orbits as orbits
     from kernels.integrals import passages as passages
+    from kernels.integrals import point as point
     from kernels.integrals import quadrature as quadrature
     from kernels.integrals import tables as tables
     from kernels.steps import attempt as attempt

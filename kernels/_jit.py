@@ -79,6 +79,11 @@ def contracted_subroutine(function: F) -> F:
     return numba.njit(**_CONTRACTED)(function)
 
 
+def both_devices(function: F) -> tuple[F, F]:
+    """One formula as `device` and as `contracted_device`."""
+    return device(function), contracted_device(function)
+
+
 def kernel(function: Callable[P, None]) -> "Kernel[P]":
     """Declare a public kernel; the annotations of its arguments are its signature, and it returns nothing."""
     made = Kernel(function)

@@ -133,11 +133,11 @@ class Work:
 
     def errors(self, out: Array) -> Array:
         """Largest error of delta chi, delta psi (rad) and duration (relative) of every sample."""
-        exact, unit = self.exact, self.disk.time_unit
+        exact, unit, row = self.exact, self.disk.time_unit, compiled.field.ROW
         errors = (
-            2.0 * out[6] - exact.delta_chi,
-            2.0 * out[7] - exact.delta_psi,
-            2.0 * out[5] * unit / exact.duration - 1.0,
+            2.0 * out[row.chi] - exact.delta_chi,
+            2.0 * out[row.psi] - exact.delta_psi,
+            2.0 * out[row.t] * unit / exact.duration - 1.0,
         )
         return np.max(np.abs(errors), axis=0)
 
@@ -156,20 +156,12 @@ class Solved:
         """Follow every sample to its turning point."""
         self.status[:] = 0
         compiled.batch.first_event_batch(
-            self._method,
-            compiled.field.ANGLES,
+            compiled.attempt.Integration(self._method, compiled.field.ANGLES, self._control, 200_000, 1.0),
+            compiled.events.Stop(compiled.events.TURNING_POINT, 0.0),
             self._work.initial,
-            self._control,
-            compiled.events.TURNING_POINT,
-            0.0,
-            200_000,
-            1.0,
-            self._work.disk.body,
-            self._work.disk.series,
+            self._work.disk.natural,
             self.out,
-            self.status,
-            self.steps,
-            self._drift,
+            compiled.attempt.Outcome(self.status, self.steps, self._drift),
         )
 
 

@@ -321,7 +321,7 @@ class LineIntegral:
         disk = self.natural.disk
         b, (well_phi, largest) = disk.body, well(disk)
         critical = np.empty(phi.size)
-        compiled.falling.critical_X2_batch(np.minimum(phi, -1e-12), b, disk.series, critical)
+        compiled.falling.critical_X2_batch(np.minimum(phi, -1e-12), disk.natural, critical)
         own = np.sqrt(np.maximum(critical, 0.0)) * b.r0
         most = np.where(phi < 0.0, np.where(phi < well_phi, largest, np.minimum(own, largest)), np.nan)
         a, c = self._chart(phi)

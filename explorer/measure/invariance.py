@@ -88,7 +88,9 @@ def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretc
     compiled.variation.variation_batch(states.natural, step, steps, disk.body, matrix, ends)
     matrix[states.status != compiled.status.Status.OK] = np.nan
     size = abs(matrix).max(axis=(1, 2))
-    return Stretch(ends[5] * disk.time_unit, matrix, np.linalg.det(matrix), 2.2e-16 * steps * size)
+    return Stretch(
+        ends[compiled.field.ROW.t] * disk.time_unit, matrix, np.linalg.det(matrix), 2.2e-16 * steps * size
+    )
 
 
 @dataclass(frozen=True)

@@ -206,11 +206,11 @@ class Tube:
         self, place: "Place", bar: Array, eta: Array, other: Array, rows: NDArray[np.intp], accuracy: float
     ) -> tuple[Array, NDArray[np.int8]]:
         """theta_min and status of the rows that count."""
-        disk, b = self.natural.disk, self.natural.disk.body
+        disk = self.natural.disk
         here, there = np.where(place.z >= 0.0, [eta, other], [other, eta]) * disk.eta_hat_to_eta(1.0)
-        starts = np.stack([place.h, place.phidot, bar, here, there])[:, rows]
+        orbits = compiled.orbits.Orbits(*np.stack([place.h, place.phidot, bar, here, there])[:, rows])
         out, code = np.empty(rows.size), np.zeros(rows.size, np.int8)
-        compiled.orbits.tilt_batch(np.ascontiguousarray(starts), accuracy, b, disk.series, out, code)
+        compiled.orbits.tilt_batch(orbits, accuracy, disk.natural, out, code)
         theta, status = np.full(bar.size, np.nan), np.zeros(bar.size, np.int8)
         theta[rows], status[rows] = np.where(code == 0, out, np.nan), code
         return theta, status

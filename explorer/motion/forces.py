@@ -70,6 +70,7 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     """
     starts = starts_at_vertical(disk, sigma3_bar, eta_hat, phidot)
     out = np.empty((2, starts.status.size))
-    compiled.forces.forces_batch(*starts.natural(disk), disk.body, disk.series, out)
+    compiled.forces.forces_batch(starts.natural(disk), disk.natural, out)
     out[:, starts.status != compiled.status.Status.OK] = np.nan
-    return Forces(min_normal_force=out[0], max_friction=out[1])
+    found = compiled.forces.ForceRow(*out)
+    return Forces(min_normal_force=found.normal, max_friction=found.friction)

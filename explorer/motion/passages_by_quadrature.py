@@ -9,7 +9,6 @@ from explorer import compiled
 from explorer.motion.plan import Plan
 from explorer.motion.vertical import Starts
 from explorer.phase.disk import Disk
-from explorer.phase.gauss import packed_rules
 from explorer.phase.states import Array
 
 
@@ -32,25 +31,18 @@ class Followed(NamedTuple):
 
 def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> Followed:
     """Passages as integrals. edge: the tilt phi (rad) at which they start and stop, 0 for the vertical."""
-    sigma3_bar, eta, speed = starts.natural(disk)
-    out, status = np.empty((8, eta.size)), starts.status.copy()
+    crossings = starts.natural(disk)
+    out, status = np.empty((8, starts.status.size)), starts.status.copy()
     compiled.passages.passage_batch(
-        sigma3_bar,
-        eta,
-        speed,
-        chord(edge),
-        how.accuracy,
-        *packed_rules(),
-        disk.tables,
-        disk.body,
-        disk.series,
-        out,
-        status,
+        crossings, chord(edge), how.accuracy, disk.quadrature, disk.natural, out, status
     )
-    theta_min, chi, psi, time, energy, angle_error, time_error, way = out
+    passage = compiled.passages.PassageRow(*out)
     # The kernel skips what lies on F.
-    energy = np.where(eta == 0.0, energy_on_f(disk, sigma3_bar, speed), energy)
-    return Followed(theta_min, chi, psi, time, way, energy, np.fmax(angle_error, time_error), status)
+    energy = np.where(
+        crossings.eta == 0.0, energy_on_f(disk, crossings.sigma3_bar, crossings.speed), passage.energy
+    )
+    error = np.fmax(passage.angle_error, passage.time_error)
+    return Followed(passage.theta_min, passage.chi, passage.psi, passage.time, passage.way, energy, error, status)
 
 
 def energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
@@ -62,29 +54,23 @@ def energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
 
 def chord(phi: float) -> float:
     """2 sin(theta/2) at the tilt phi (rad), as the kernels measure tilt; at the vertical exactly theirs."""
-    return 2.0 * float(np.sin(0.5 * (0.5 * np.pi - phi))) if phi > 0.0 else float(compiled.quadrature.VERTICAL)
+    return 2.0 * float(np.sin(0.5 * (0.5 * np.pi - phi))) if phi > 0.0 else float(compiled.point.VERTICAL)
 
 
-class Fall(NamedTuple):
-    """Time and angles of the fall on F from the vertical to flat (face +1), natural units, and their error."""
+def fall_from_vertical(
+    disk: Disk, sigma3_bar: Array, energy: Array, edge: float = 0.0
+) -> "compiled.quadrature.FallRow[Array]":
+    """The fall on F with these constants from the vertical to flat, face +1, natural units.
 
-    time: Array
-    chi: Array
-    psi: Array
-    error: Array
-
-
-def fall_from_vertical(disk: Disk, sigma3_bar: Array, energy: Array, edge: float = 0.0) -> Fall:
-    """The fall on F with these constants (natural units). edge: phi (rad) at which it begins instead."""
+    edge: phi (rad) at which it begins instead.
+    """
     out = np.empty((4, sigma3_bar.size))
     compiled.passages.fall_batch(
         np.ascontiguousarray(sigma3_bar),
         np.ascontiguousarray(energy),
         chord(edge),
-        *packed_rules(),
-        disk.tables,
-        disk.body,
-        disk.series,
+        disk.quadrature,
+        disk.natural,
         out,
     )
-    return Fall(*out)
+    return compiled.quadrature.FallRow(*out)

@@ -99,19 +99,19 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     status, linear = _known(states, eta_hat)
     starts = orbit_starts(states, linear)
     code = compiled.status.Status
-    status[(status == code.OK) & (starts[3:] == 0.0).any(axis=0)] = code.FALLS
+    status[(status == code.OK) & ((starts.near == 0.0) | (starts.far == 0.0))] = code.FALLS
     out = np.empty((8, status.size))
-    compiled.orbits.orbit_batch(starts, how.accuracy, *packed_rules(), disk.body, disk.series, out, status)
+    compiled.orbits.orbit_batch(starts, how.accuracy, packed_rules(), disk.natural, out, status)
     out[:, status != code.OK] = np.nan
-    theta_here, theta_there, chi, psi, time, energy, angle_error, time_error = out
+    found = compiled.orbits.OrbitRow(*out)
     return Periods(
-        period=time * disk.time_unit,
-        chi=chi,
-        psi=psi * np.where(states.natural[1] >= 0.0, 1.0, -1.0),
-        theta_min=np.fmin(theta_here, theta_there),
-        crosses=np.isfinite(theta_there),
-        energy=energy * disk.energy_unit,
-        error_estimate=np.fmax(angle_error, time_error),
+        period=found.time * disk.time_unit,
+        chi=found.chi,
+        psi=found.psi * np.where(states.natural[1] >= 0.0, 1.0, -1.0),
+        theta_min=np.fmin(found.theta_here, found.theta_there),
+        crosses=np.isfinite(found.theta_there),
+        energy=found.energy * disk.energy_unit,
+        error_estimate=np.fmax(found.angle_error, found.time_error),
         status=status,
     )
 

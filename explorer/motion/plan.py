@@ -79,6 +79,11 @@ class Plan:
         field = compiled.field
         return {REDUCED: field.REDUCED, ANGLES: field.ANGLES, PATH: field.PATH}[self.rung]
 
+    def integration(self, control: Array, max_steps: int, least_depth: int = 0) -> "compiled.attempt.Integration":
+        """The plan as the kernels take it; control (n): step or tolerance of every sample."""
+        depth = max(self.kernel_depth, least_depth)
+        return compiled.attempt.Integration(self.kernel_method, depth, control, max_steps, self.constants_bound)
+
     @property
     def constants_bound(self) -> float:
         """Relative change of a constant of motion above which a sample is refused."""

@@ -29,17 +29,8 @@ _WELL_POINTS = 512  # tilts looked at, between the vertical and the well, for th
 _XTOL = 1e-15  # of a turning point: rounding
 
 
-class OnF(NamedTuple):
-    """Points of the motion on F: sigma3/q^2, which is the rate of chi, sigma4, V and dV/dphi."""
-
-    turn: Array
-    sigma4: Array
-    V: Array
-    dV: Array
-
-
 class Rising(NamedTuple):
-    """Points of a rise in natural units. centre: a1 + i a2; turn, sigma4: as in OnF."""
+    """Points of a rise in natural units. centre: a1 + i a2; turn, sigma4: as in kernels.disk.falling.OnF."""
 
     theta: Array
     speed: Array
@@ -79,11 +70,10 @@ class Rise:
         self._table = np.linspace(0.0, HALF_PI, _TABLE)
         self._table_time = self._time(self._table)
 
-    def _on_f(self, theta: Array) -> OnF:
+    def _on_f(self, theta: Array) -> "compiled.falling.OnF[Array]":
         out = np.empty((4, theta.size))
-        disk = self._disk
-        compiled.falling.on_f_batch(np.ascontiguousarray(theta), self._X, disk.body, disk.series, out)
-        return OnF(*out)
+        compiled.falling.on_f_batch(np.ascontiguousarray(theta), self._X, self._disk.natural, out)
+        return compiled.falling.OnF(*out)
 
     def _kinetic(self, theta: float) -> float:
         """E - V at one tilt."""
@@ -108,7 +98,7 @@ class Rise:
         first = int(np.argmax(blocked))
         return root(grid[first - 1], grid[first])
 
-    def _along(self, alpha: Array) -> tuple[Array, Array, OnF]:
+    def _along(self, alpha: Array) -> tuple[Array, Array, "compiled.falling.OnF[Array]"]:
         """theta, |thetadot| and the point of F at alpha."""
         theta = self.theta_turn * np.sin(alpha)
         here = self._on_f(np.maximum(theta, _SMALLEST))

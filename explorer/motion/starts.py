@@ -7,7 +7,7 @@ from explorer import compiled
 from explorer.phase.constants import NaturalConstants
 from explorer.phase.lines import LinearConstants, nearer_plus
 from explorer.phase.membership import falls_of
-from explorer.phase.states import Array, States
+from explorer.phase.states import States
 
 
 def status_at_start(states: States, natural: NaturalConstants) -> NDArray[np.int8]:
@@ -41,14 +41,11 @@ def held_constants(states: States, natural: NaturalConstants) -> tuple[NDArray[n
     return status.astype(np.int8), LinearConstants(*np.nan_to_num(linear))
 
 
-def orbit_starts(states: States, linear: LinearConstants) -> Array:
-    """Motions in the chart of the quadrature kernels, (5, n), as seen from the hemisphere they start in.
-
-    Rows: h = 2 sin(theta/2), theta-dot, sigma3_bar, eta on this face, eta on the other.
-    """
+def orbit_starts(states: States, linear: LinearConstants) -> "compiled.orbits.Orbits":
+    """Motions in the chart of the quadrature kernels, as seen from the hemisphere they start in."""
     q, z, p = states.natural[:3]
     plus = z >= 0.0
     near = np.where(plus, linear.eta_plus, linear.eta_minus)
     far = np.where(plus, linear.eta_minus, linear.eta_plus)
     h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
-    return np.ascontiguousarray(np.nan_to_num(np.stack([h, p, linear.sigma3_bar, near, far])))
+    return compiled.orbits.Orbits(*np.nan_to_num(np.stack([h, p, linear.sigma3_bar, near, far])))

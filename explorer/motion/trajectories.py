@@ -177,26 +177,21 @@ def _integrate(states: States, observables: Sequence[str], times: Array, given: 
     later = times[times > 0.0]
     initial = np.zeros((10, n))
     initial[:5] = states.natural
-    initial[6] = number("chi0", given.chi0)
+    initial[compiled.field.ROW.chi] = number("chi0", given.chi0)
     status, held = held_constants(states, natural_constants(states))
     out = np.empty((n, later.size, 10))
     steps, constants_error = np.empty(n, np.int32), np.empty((3, n))
     compiled.trajectory.trajectory_batch(
-        how.kernel_method,
-        max(how.kernel_depth, compiled.field.ANGLES),  # time itself is carried from there on
+        # Time itself is carried from this depth on.
+        how.integration(
+            np.full(n, how.held_control), whole("max_steps", given.max_steps, 1), compiled.field.ANGLES
+        ),
+        compiled.events.Stops(compiled.events.TIME, later),
         initial,
         np.stack(held),
-        np.full(n, how.held_control),
-        compiled.events.TIME,
-        later,
-        whole("max_steps", given.max_steps, 1),
-        how.constants_bound,
-        disk.body,
-        disk.series,
+        disk.natural,
         out,
-        status,
-        steps,
-        constants_error,
+        compiled.attempt.Outcome(status, steps, constants_error),
     )
     if later.size < times.size:
         out = np.concatenate([initial.T[:, None], out], axis=1)

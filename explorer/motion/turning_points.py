@@ -47,29 +47,22 @@ def turning_points(states: States, how: Plan, natural: NaturalConstants | None =
     initial[:5] = states.natural
     out, constants_error, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
     compiled.batch.first_event_batch(
-        how.kernel_method,
-        how.kernel_depth,
+        how.integration(np.nan_to_num(how.control(disk, natural), nan=1.0), MAX_STEPS),
+        compiled.events.Stop(compiled.events.TURNING_POINT, 0.0),
         initial,
-        np.nan_to_num(how.control(disk, natural), nan=1.0),
-        compiled.events.TURNING_POINT,
-        0.0,
-        MAX_STEPS,
-        how.constants_bound,
-        disk.body,
-        disk.series,
+        disk.natural,
         out,
-        status,
-        steps,
-        constants_error,
+        compiled.attempt.Outcome(status, steps, constants_error),
     )
     out[:, status != compiled.status.Status.OK] = np.nan
+    row = compiled.field.ROW
     return TurningPoints(
-        theta=np.arctan2(out[0], abs(out[1])),
-        face=np.where(out[1] >= 0.0, 1, -1).astype(np.int8),
-        way=out[3],
-        time=out[5],
-        chi=out[6],
-        psi=out[7],
+        theta=np.arctan2(out[row.q], abs(out[row.z])),
+        face=np.where(out[row.z] >= 0.0, 1, -1).astype(np.int8),
+        way=out[row.rho],
+        time=out[row.t],
+        chi=out[row.chi],
+        psi=out[row.psi],
         status=status,
         steps=steps,
         constants_error=constants_error,
@@ -92,7 +85,7 @@ def smallest_tilt(
         disk, theta, steps = states.disk, np.empty(len(states)), np.zeros(len(states), np.int32)
         status = status_at_start(states, natural)
         starts = orbit_starts(states, natural.linear)
-        compiled.orbits.tilt_batch(starts, how.accuracy, disk.body, disk.series, theta, status)
+        compiled.orbits.tilt_batch(starts, how.accuracy, disk.natural, theta, status)
     else:
         forward = turning_points(states, how, natural)
         backward = turning_points(states.reversed(), how, natural)

@@ -31,10 +31,11 @@ class Starts(NamedTuple):
         s3, eta_hat, speed, face, status = self
         return Starts(s3[rows], eta_hat[rows], speed[rows], face[rows], status[rows])
 
-    def natural(self, disk: Disk) -> tuple[Array, Array, Array]:
-        """sigma3_bar, eta and speed in natural units."""
+    def natural(self, disk: Disk) -> "compiled.passages.Crossings":
+        """The starts as the kernels take them, in natural units."""
         unit = disk.rate_unit
-        return self.sigma3_bar / unit, disk.eta_hat_to_eta(self.eta_hat / unit), self.speed / unit
+        eta = disk.eta_hat_to_eta(self.eta_hat / unit)
+        return compiled.passages.Crossings(self.sigma3_bar / unit, eta, self.speed / unit)
 
 
 def starts_at_vertical(

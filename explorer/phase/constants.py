@@ -17,7 +17,7 @@ from explorer.phase.states import Array, States, phi_to_states
 class NaturalConstants(NamedTuple):
     """Constants of motion in natural units, arrays of one length.
 
-    An eta below its rounding in size cannot be told from zero. rows: the others as the kernels take them, (6, n).
+    An eta below its rounding in size cannot be told from zero.
     """
 
     sigma3_bar: Array
@@ -26,7 +26,6 @@ class NaturalConstants(NamedTuple):
     energy: Array
     rounding_plus: Array
     rounding_minus: Array
-    rows: Array
 
     @property
     def linear(self) -> LinearConstants:
@@ -48,12 +47,7 @@ class NaturalConstants(NamedTuple):
 
     def at(self, chosen: NDArray[np.intp]) -> NaturalConstants:
         """Those of some of the states."""
-        return from_rows(np.ascontiguousarray(self.rows[:, chosen]))
-
-
-def from_rows(rows: Array) -> NaturalConstants:
-    """Constants by name from the rows of kernels.disk.constants.Constants, (6, n)."""
-    return NaturalConstants(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows)
+        return NaturalConstants(*(column[chosen] for column in self))
 
 
 @dataclass(frozen=True)
@@ -97,9 +91,9 @@ class Constants:
 def natural_constants(states: States) -> NaturalConstants:
     """Constants of motion in natural units; NaN for bad input."""
     disk, rows = states.disk, np.empty((6, len(states)))
-    compiled.algebra.constants_batch(states.natural, disk.whole, disk.body, disk.series, rows)
+    compiled.algebra.constants_batch(states.natural, disk.whole, disk.natural, rows)
     rows[:, states.status == compiled.status.Status.BAD_INPUT] = np.nan
-    return from_rows(rows)
+    return NaturalConstants(**compiled.constants.Constants(*rows)._asdict())
 
 
 def constants_of(states: States, natural: NaturalConstants | None = None) -> Constants:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, number, positive, read_toml
-from explorer.phase.gauss import table_rules
+from explorer.phase.gauss import packed_rules, table_rules
 
 Array = NDArray[np.float64]
 Number = TypeVar("Number", float, Array)
@@ -179,29 +179,26 @@ class Disk:
         return 0.0 if abs(gap) < 1e-12 else gap % (2.0 * math.pi)
 
     @cached_property
-    def _compiled(self) -> tuple[compiled.body.Body, Array]:
+    def natural(self) -> compiled.body.Disk:
+        """The disk as the kernels take it: dimensionless constants and Chaplygin series."""
         unit = self._inertia_unit
-        return compiled.body.make_body(self.I1 / unit, min(self.I3 / unit, 2.0 * self.I1 / unit))
+        return compiled.body.make_disk(self.I1 / unit, min(self.I3 / unit, 2.0 * self.I1 / unit))
 
     @property
     def body(self) -> compiled.body.Body:
-        """Dimensionless constants for the kernels."""
-        return self._compiled[0]
-
-    @property
-    def series(self) -> Array:
-        """Chaplygin series for the kernels."""
-        return self._compiled[1]
+        """Dimensionless constants of the disk."""
+        return self.natural.body
 
     @cached_property
     def whole(self) -> compiled.chaplygin.Whole:
         """Chaplygin series as tuples, for lanes."""
-        return compiled.chaplygin.make_whole(self.series)
+        return compiled.chaplygin.make_whole(self.natural.series)
 
     @cached_property
-    def tables(self) -> compiled.tables.Tables:
-        """Tables for passages."""
-        return compiled.tables.make_tables(self.body, self.series, table_rules())
+    def quadrature(self) -> compiled.passages.Quadrature:
+        """Rules and tables by which the kernels integrate."""
+        tables = compiled.tables.make_tables(self.natural, table_rules())
+        return compiled.passages.Quadrature(packed_rules(), tables)
 
     def describe(self) -> dict[str, float | str]:
         """The disk as run.json and summary.json show it."""

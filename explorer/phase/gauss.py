@@ -11,6 +11,8 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
+from explorer import compiled
+
 _Array = NDArray[np.float64]
 
 # Orders tried in turn. Where the integrand is smooth the second already agrees with the first.
@@ -40,10 +42,10 @@ def _legendre(n: int, x: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
 
 
 @cache
-def packed_rules() -> tuple[_Array, NDArray[np.int64]]:
-    """(rules, sizes) as kernels.quadrature.passage takes them.
+def packed_rules() -> "compiled.quadrature.Rules":
+    """The rules as the kernels take them.
 
-    rules[0]: positive halves of symmetric rules of 2n nodes; rules[1]: whole rules of n nodes.
+    packed[0]: positive halves of symmetric rules of 2n nodes; packed[1]: whole rules of n nodes.
     """
     halves, wholes = [], []
     for n in SIZES:
@@ -51,12 +53,12 @@ def packed_rules() -> tuple[_Array, NDArray[np.int64]]:
         halves.append(np.stack([x[n:], w[n:]]))
         wholes.append(np.stack(gauss(n)))
     rules = np.stack([np.concatenate(halves, axis=1), np.concatenate(wholes, axis=1)])
-    return np.ascontiguousarray(rules), np.array(SIZES, dtype=np.int64)
+    return compiled.quadrature.Rules(np.ascontiguousarray(rules), np.array(SIZES, dtype=np.int64))
 
 
 @cache
 def table_rules() -> tuple[_Array, _Array, _Array]:
-    """Rules for kernels.tables.make_tables: outer, fall and inner.
+    """Rules for kernels.integrals.tables.make_tables: outer, fall and inner.
 
     Orders at which the estimated error is below 1e-11 for all of 12,800 ordinary passages (speeds of
     0.5 to 2 at the vertical, |sigma3_bar| <= 2, any eta down to 1e-280); the true one is near 1e-13.

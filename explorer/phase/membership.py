@@ -81,7 +81,7 @@ def well(disk: Disk) -> tuple[float, float]:
 
     def minus_critical(phi: float) -> float:
         out = np.empty(1)
-        compiled.falling.critical_X2_batch(np.array([phi]), disk.body, disk.series, out)
+        compiled.falling.critical_X2_batch(np.array([phi]), disk.natural, out)
         return -float(out[0])
 
     peak = minimize_scalar(minus_critical, bounds=_BEYOND_VERTICAL, method="bounded", options={"xatol": _XATOL})
@@ -96,27 +96,30 @@ def barrier(disk: Disk) -> tuple[Chebyshev, Chebyshev]:
     """
     angle, largest = well(disk)
 
-    def top(depth: Array, row: int) -> Array:
+    def top(depth: Array, name: str) -> Array:
         out = np.empty((2, depth.size))
         bar = np.ascontiguousarray(largest * (1.0 - depth * depth))
-        compiled.falling.barrier_batch(bar, angle, disk.body, disk.series, out)
-        return out[row]
+        compiled.falling.barrier_batch(bar, angle, disk.natural, out)
+        top: Array = getattr(compiled.falling.Barrier(*out), name)
+        return top
 
-    phi, V = (Chebyshev.interpolate(top, _BARRIER_DEGREE, domain=[0.0, 1.0], args=(row,)) for row in (0, 1))
+    phi, V = (
+        Chebyshev.interpolate(top, _BARRIER_DEGREE, domain=[0.0, 1.0], args=(name,)) for name in ("phi", "V")
+    )
     return phi, V
 
 
 def could_fall(states: States, natural: NaturalConstants) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """True where states could fall on face +1, and on face -1, were eta there zero. natural: their constants."""
-    plus, minus, _above = _membership(states, natural)
-    return plus > 0.0, minus > 0.0
+    members = _membership(states, natural)
+    return members.plus > 0.0, members.minus > 0.0
 
 
-def _membership(states: States, natural: NaturalConstants) -> Array:
-    """Rows: 1 or 0 for could fall on face +1, the same for face -1, and E - V_0."""
+def _membership(states: States, natural: NaturalConstants) -> compiled.falling.Membership[Array]:
     disk, out = states.disk, np.empty((3, len(states)))
-    compiled.falling.falls_batch(states.natural, natural.rows, well(disk)[0], disk.body, disk.series, out)
-    return out
+    well_phi, energy = well(disk)[0], natural.energy
+    compiled.falling.falls_batch(states.natural, natural.sigma3_bar, energy, well_phi, disk.natural, out)
+    return compiled.falling.Membership(*out)
 
 
 def falls_of(states: States, natural: NaturalConstants | None = None) -> Falls:
@@ -126,14 +129,14 @@ def falls_of(states: States, natural: NaturalConstants | None = None) -> Falls:
     b = disk.body
     if natural is None:
         natural = natural_constants(states)
-    plus, minus, above = _membership(states, natural)
+    members = _membership(states, natural)
     norm = disk.rate_unit / np.hypot(b.I1 * b.dr0, b.I3 * b.r0)
     near_plus = natural.nearer_plus
     eta, rounding = natural.eta(near_plus), natural.rounding(near_plus)
-    could_plus, could_minus = plus > 0.0, minus > 0.0
+    could_plus, could_minus = members.plus > 0.0, members.minus > 0.0
     could_fall = np.where(near_plus, could_plus, could_minus)
     with np.errstate(invalid="ignore"):
-        estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could_fall, above, np.nan))
+        estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could_fall, members.excess, np.nan))
         on_f = abs(eta) <= rounding
     falling = on_f & could_fall & (states.status == code.OK)
     return Falls(

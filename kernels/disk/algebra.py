@@ -4,13 +4,14 @@ import math
 
 import numpy as np
 
-from kernels._jit import contracted_subroutine, kernel, subroutine
-from kernels.disk.body import Body
-from kernels.disk.chaplygin import Whole
-from kernels.disk.constants import ULPS, constants_of
-from kernels.disk.elementary import log_ratio, long_horner
-from kernels.disk.field import State
-from kernels.types import Matrix
+from kernels._jit import contracted_device, contracted_subroutine, kernel, subroutine
+from kernels.disk.body import Body, Disk
+from kernels.disk.chaplygin import Whole, whole_solutions
+from kernels.disk.constants import Constants, constants_of, contracted_from_solutions
+from kernels.disk.elementary import log_ratio
+from kernels.disk.field import State, column, contracted_energy, reduced_state
+from kernels.disk.rows import put
+from kernels.types import Longs, Matrix, Vector
 
 LANES = 64
 # Rows of the work array: entry (row, i) stands at row * LANES + i, as in `batch`.
@@ -28,7 +29,7 @@ _SMALLEST = 2.3e-308  # below, the exponent's bits are zero
 
 
 @contracted_subroutine
-def split(bits):
+def split(bits: Longs) -> None:
     """Exponent and mantissa of row _Q into their rows; `bits` is the work array seen as integers."""
     for i in range(LANES):
         word = bits[_Q * LANES + i]
@@ -36,60 +37,58 @@ def split(bits):
         bits[_MANTISSA * LANES + i] = (word & _FRACTION) + _ONE
 
 
+@contracted_device
+def depth(x: State, m: float, e: float) -> tuple[float, float]:
+    """(S, ln S) as `depth_below_vertical`, where q = m 2^e, by short series."""
+    # m between sqrt(1/2) and sqrt 2, so that ln m is short.
+    large = m > 2.0 * _ROOT_HALF
+    m, e = (0.5 * m if large else m), (e + 1.0 if large else e)
+    larger = 1.0 + abs(x.z)
+    # larger is 1 ... 2: ln(larger) = ln(larger / sqrt 2) + ln 2 / 2
+    s = (larger * _ROOT_HALF - 1.0) / (larger * _ROOT_HALF + 1.0)
+    log_S = 2.0 * (e * _LN2 + log_ratio((m - 1.0) / (m + 1.0))) - log_ratio(s) - 0.5 * _LN2
+    return x.q * (x.q / larger), log_S
+
+
+@contracted_device
+def constants_by_series(x: State, m: float, e: float, whole: Whole, b: Body) -> Constants[float]:
+    """Constants of the state x, whose q is m 2^e."""
+    S, log_S = depth(x, m, e)
+    return contracted_from_solutions(x, whole_solutions(S, log_S, b.c, whole), contracted_energy(x, b), b)
+
+
 @contracted_subroutine
-def lanes(W, b, whole):
+def lanes(W: Vector, whole: Whole, b: Body) -> None:
     """Rows _OUT ... from rows _Q ... _MANTISSA."""
-    half_c, both_factor = 0.5 * b.c, 2.0 * b.I1 * b.dr0
     for i in range(LANES):
-        q, z, p = W[_Q * LANES + i], W[_Z * LANES + i], W[_P * LANES + i]
-        rho_bar, sigma4 = W[_RHO * LANES + i], W[_SIGMA4 * LANES + i]
-        # q = m 2^e with m between sqrt(1/2) and sqrt 2, so that ln m is a short series.
+        x = reduced_state(
+            W[_Q * LANES + i],
+            W[_Z * LANES + i],
+            W[_P * LANES + i],
+            W[_RHO * LANES + i],
+            W[_SIGMA4 * LANES + i],
+        )
         m, e = W[_MANTISSA * LANES + i], W[_EXPONENT * LANES + i] - _OFFSET
-        large = m > 2.0 * _ROOT_HALF
-        m, e = (0.5 * m if large else m), (e + 1.0 if large else e)
-        larger = 1.0 + abs(z)
-        # larger is 1 ... 2: ln(larger) = ln(larger / sqrt 2) + ln 2 / 2
-        s = (larger * _ROOT_HALF - 1.0) / (larger * _ROOT_HALF + 1.0)
-        log_S = 2.0 * (e * _LN2 + log_ratio((m - 1.0) / (m + 1.0))) - log_ratio(s) - 0.5 * _LN2
-        S = q * (q / larger)
-        t = 2.0 * S - 1.0
-        g, drho = long_horner(whole.rho_over_S, t), long_horner(whole.drho, t)
-        rho = S * g
-        D = half_c * rho * log_S + long_horner(whole.v, t)
-        dD = half_c * (drho * log_S + g) + long_horner(whole.dv, t)
-        north = z >= 0.0
-        spin = b.k * (sigma4 if north else -sigma4)
-        sigma3 = q * rho_bar
-        sigma3_bar = b.r0 * (spin * D - sigma3 * dD)
-        near = b.I1 * (sigma3 * drho - spin * rho)
-        both = both_factor * sigma3_bar
-        far = both - near
-        near_rounding = ULPS * b.I1 * (abs(sigma3 * drho) + abs(spin * rho))
-        far_rounding = near_rounding + ULPS * (abs(both) + abs(near))
-        energy = 0.5 * b.M * (p * p + rho_bar * rho_bar * b.inv_kappa2) + 0.5 * b.J * sigma4 * sigma4 + q
-        W[_OUT * LANES + i] = sigma3_bar
-        W[(_OUT + 1) * LANES + i] = near if north else far
-        W[(_OUT + 2) * LANES + i] = far if north else near
-        W[(_OUT + 3) * LANES + i] = energy
-        W[(_OUT + 4) * LANES + i] = near_rounding if north else far_rounding
-        W[(_OUT + 5) * LANES + i] = far_rounding if north else near_rounding
+        constants = constants_by_series(x, m, e, whole, b)
+        W[_OUT * LANES + i] = constants.sigma3_bar
+        W[(_OUT + 1) * LANES + i] = constants.eta_plus
+        W[(_OUT + 2) * LANES + i] = constants.eta_minus
+        W[(_OUT + 3) * LANES + i] = constants.energy
+        W[(_OUT + 4) * LANES + i] = constants.rounding_plus
+        W[(_OUT + 5) * LANES + i] = constants.rounding_minus
 
 
 @subroutine
-def one(states, j, b, series, out):
+def one(states: Matrix, j: int, disk: Disk, out: Matrix) -> None:
     """Sample j by itself: a q that is not positive, or so small that its exponent has no bits."""
-    q = states[0, j]
-    if not q > 0.0:
+    if states[0, j] > 0.0:
+        put(constants_of(column(states, j), disk), out, j)
+    else:
         out[:, j] = math.nan
-        return
-    x = State(q, states[1, j], states[2, j], states[3, j], states[4, j], 0.0, 0.0, 0.0, 0.0, 0.0)
-    found = constants_of(x, b, series)
-    out[0, j], out[1, j], out[2, j] = found.sigma3_bar, found.eta_plus, found.eta_minus
-    out[3, j], out[4, j], out[5, j] = found.energy, found.rounding_plus, found.rounding_minus
 
 
 @kernel
-def constants_batch(states: Matrix, whole: Whole, b: Body, series: Matrix, out: Matrix) -> None:
+def constants_batch(states: Matrix, whole: Whole, disk: Disk, out: Matrix) -> None:
     """states (5, n): q, z, p, rho, sigma4 -> out (6, n), rows as Constants. NaN where not q > 0."""
     n = states.shape[1]
     W = np.zeros(_ROWS * LANES)
@@ -100,10 +99,10 @@ def constants_batch(states: Matrix, whole: Whole, b: Body, series: Matrix, out: 
             for i in range(count):
                 W[row * LANES + i] = states[row, first + i]
         split(bits)
-        lanes(W, b, whole)
+        lanes(W, whole, disk.body)
         for row in range(6):
             for i in range(count):
                 out[row, first + i] = W[(_OUT + row) * LANES + i]
         for i in range(count):
             if not W[_Q * LANES + i] > _SMALLEST:
-                one(states, first + i, b, series, out)
+                one(states, first + i, disk, out)

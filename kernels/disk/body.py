@@ -1,4 +1,4 @@
-"""The disk's dimensionless constants, computed once and passed to every kernel."""
+"""The disk's dimensionless constants and its Chaplygin series, computed once and passed to every kernel."""
 
 import math
 from typing import NamedTuple
@@ -8,10 +8,7 @@ from kernels.types import Matrix
 
 
 class Body(NamedTuple):
-    """Constants of one disk in natural units (m = r = g = 1); all dimensionless.
-
-    Made by :func:`make_body`, which does not validate: ``explorer.Disk`` does.
-    """
+    """Constants of one disk in natural units (m = r = g = 1); all dimensionless."""
 
     I1: float
     I3: float
@@ -28,11 +25,18 @@ class Body(NamedTuple):
     dr0: float  # r'(0)
 
 
-def make_body(I1: float, I3: float) -> tuple[Body, Matrix]:
-    """The constants of the disk and its Chaplygin series, from I1/(m r^2) and I3/(m r^2).
+class Disk(NamedTuple):
+    """What kernels know of a disk: its constants, and (5, n) coefficients of `chaplygin.make_series`.
 
-    Returns the body and the (5, n) coefficients of :func:`kernels.disk.chaplygin.make_series`.
+    Made by :func:`make_disk`, which does not validate: ``explorer.Disk`` does.
     """
+
+    body: Body
+    series: Matrix
+
+
+def make_disk(I1: float, I3: float) -> Disk:
+    """The disk with the moments of inertia I1/(m r^2) and I3/(m r^2)."""
     M, J = I1 + 1.0, I3 + 1.0
     c = I3 / (J * I1)
     series, r0, dr0 = chaplygin.make_series(c)
@@ -51,4 +55,4 @@ def make_body(I1: float, I3: float) -> tuple[Body, Matrix]:
         r0=r0,
         dr0=dr0,
     )
-    return body, series
+    return Disk(body, series)

@@ -18,8 +18,9 @@ import numpy as np
 from numba import float64
 from numba import types as nb
 
-from kernels._jit import device
-from kernels.types import Matrix, Vector
+from kernels._jit import both_devices, contracted_device, device
+from kernels.disk.polynomials import economise, long_horner
+from kernels.types import Matrix
 
 # The nearest singularity is S = 2, so Chebyshev coefficients on [0, 1] fall like 5.8^-n:
 # degree 20 is at rounding (17 leaves 4e-14 in D'), and the monomial form in 2S - 1 loses nothing.
@@ -37,6 +38,18 @@ class Solutions(NamedTuple):
     dD: float
 
 
+Powers = Annotated[tuple[float, ...], nb.UniTuple(float64, DEGREE + 1)]
+
+
+class Whole(NamedTuple):
+    """Chaplygin's series for S <= 1, ascending powers of 2 S - 1."""
+
+    rho_over_S: Powers
+    drho: Powers
+    v: Powers
+    dv: Powers
+
+
 def make_series(c: float) -> tuple[Matrix, float, float]:
     """Polynomials in 2S - 1 on 0 <= S <= 1 for rho/S, rho', v, v', (rho' - 1)/S; and r(0), r'(0).
 
@@ -45,6 +58,11 @@ def make_series(c: float) -> tuple[Matrix, float, float]:
     """
     rows, r0, dr0 = power_series(c)
     return np.ascontiguousarray(np.stack([economise(row, DEGREE) for row in rows])), r0, dr0
+
+
+def make_whole(series: Matrix) -> Whole:
+    """Rows of make_series as tuples, which lanes keep at hand."""
+    return Whole(*(tuple(map(float, row)) for row in series[:4]))
 
 
 def power_series(c: float) -> tuple[Matrix, float, float]:
@@ -69,41 +87,45 @@ def power_series(c: float) -> tuple[Matrix, float, float]:
     return rows, math.fsum(r), math.fsum(r * orders)
 
 
-def economise(coefficients: Vector, degree: int) -> Vector:
-    """Ascending powers of S on [0, 1] -> ascending powers of 2S - 1 up to `degree`, by way of Chebyshev.
+def _combined(S: float, log_S: float, c: float, smooth: tuple[float, float, float, float]) -> Solutions:
+    """The solutions from the values of their four series (rho/S, rho', v, v') at S."""
+    g, drho, v, dv = smooth
+    rho, half_c = S * g, 0.5 * c
+    return Solutions(rho, drho, g, half_c * rho * log_S + v, half_c * (drho * log_S + g) + dv)
 
-    S^n = 2^(1-2n) sum' C(2n, n-j) T_j(2S - 1) has positive weights only: nothing cancels, where a
-    fit through points would lose a digit.
-    """
-    chebyshev = np.empty(degree + 1)
-    for j in range(degree + 1):
-        terms = (a * math.comb(2 * n, n - j) / 4**n for n, a in enumerate(coefficients) if n >= j)
-        chebyshev[j] = math.fsum(terms) * (1.0 if j == 0 else 2.0)
-    powers = np.polynomial.chebyshev.cheb2poly(chebyshev)
-    return np.pad(powers, (0, degree + 1 - powers.size))  # numpy drops trailing zeros
+
+combined, contracted_combined = both_devices(_combined)
 
 
 @device
-def solutions(S, log_S, c, series):
-    """rho, rho', rho/S, D, D' at 0 <= S <= 1; log_S is passed because S may underflow."""
+def solutions(S: float, log_S: float, c: float, series: Matrix) -> Solutions:
+    """The solutions at 0 <= S <= 1; log_S is passed because S may underflow."""
     x = 2.0 * S - 1.0
     n = series.shape[1] - 1
-    g = series[0, n]
-    drho = series[1, n]
-    v = series[2, n]
-    dv = series[3, n]
+    g, drho, v, dv = series[0, n], series[1, n], series[2, n], series[3, n]
     for j in range(n - 1, -1, -1):
         g = g * x + series[0, j]
         drho = drho * x + series[1, j]
         v = v * x + series[2, j]
         dv = dv * x + series[3, j]
-    rho = S * g
-    half_c = 0.5 * c
-    return Solutions(rho, drho, g, half_c * rho * log_S + v, half_c * (drho * log_S + g) + dv)
+    return combined(S, log_S, c, (g, drho, v, dv))
+
+
+@contracted_device
+def whole_solutions(S: float, log_S: float, c: float, whole: Whole) -> Solutions:
+    """As `solutions`, in lanes."""
+    t = 2.0 * S - 1.0
+    smooth = (
+        long_horner(whole.rho_over_S, t),
+        long_horner(whole.drho, t),
+        long_horner(whole.v, t),
+        long_horner(whole.dv, t),
+    )
+    return contracted_combined(S, log_S, c, smooth)
 
 
 @device
-def slope_excess(S, series):
+def slope_excess(S: float, series: Matrix) -> float:
     """(rho' - 1) / S: what is left of rho' above its value at flat, without cancellation."""
     x = 2.0 * S - 1.0
     n = series.shape[1] - 1
@@ -114,30 +136,6 @@ def slope_excess(S, series):
 
 
 @device
-def constants_from_sigma(face, sigma3, sigma4, f, k):
-    """(X, Y) from (sigma3, sigma4) at a point of the hemisphere `face`, given its solutions f."""
-    spin = face * k * sigma4
-    return spin * f.D - sigma3 * f.dD, sigma3 * f.drho - spin * f.rho
-
-
-@device
-def sigma_from_constants(face, X, Y, f, k):
+def sigma_from_constants(face: float, X: float, Y: float, f: Solutions, k: float) -> tuple[float, float]:
     """(sigma3, sigma4) from (X, Y) at a point of the hemisphere `face`. Needs I3 > 0."""
     return X * f.rho + Y * f.D, face * (X * f.drho + Y * f.dD) / k
-
-
-Powers = Annotated[tuple[float, ...], nb.UniTuple(float64, DEGREE + 1)]
-
-
-class Whole(NamedTuple):
-    """Chaplygin's series for S <= 1, ascending powers of 2 S - 1."""
-
-    rho_over_S: Powers
-    drho: Powers
-    v: Powers
-    dv: Powers
-
-
-def make_whole(series: Matrix) -> Whole:
-    """Rows of chaplygin.make_series as tuples, which lanes keep at hand."""
-    return Whole(*(tuple(map(float, row)) for row in series[:4]))

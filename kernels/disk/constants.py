@@ -1,60 +1,83 @@
 """Constants of motion of a state, eqs (3.5), (6.2), (2.19): algebra, no integration."""
 
 import math
-from typing import NamedTuple
+from typing import Generic, NamedTuple
 
-from kernels._jit import device, subroutine
+from kernels._jit import both_devices, device, subroutine
 from kernels.disk import chaplygin
-from kernels.disk.field import State, energy
+from kernels.disk.body import Body, Disk
+from kernels.disk.chaplygin import Solutions
+from kernels.disk.field import State, energy, with_reduced
+from kernels.disk.rows import Entry
 
 
-class Constants(NamedTuple):
+class Constants(NamedTuple, Generic[Entry]):
     """Constants of one motion in natural units.
 
     rounding_plus and rounding_minus bound the rounding error of eta_plus and eta_minus: each eta is
     a difference, and below this bound a state given in doubles lies on F as far as it can tell.
     """
 
-    sigma3_bar: float
-    eta_plus: float
-    eta_minus: float
-    energy: float
-    rounding_plus: float
-    rounding_minus: float
+    sigma3_bar: Entry
+    eta_plus: Entry
+    eta_minus: Entry
+    energy: Entry
+    rounding_plus: Entry
+    rounding_minus: Entry
+
+
+class Pinned(NamedTuple, Generic[Entry]):
+    """Constants of motion that a trajectory is held to; NaN in sigma3_bar: it runs free."""
+
+    sigma3_bar: Entry
+    eta_plus: Entry
+    eta_minus: Entry
 
 
 # A dozen operations per term and the series, each half a unit in the last place.
-ULPS = 6 * 2.2e-16
+_ULPS = 6 * 2.2e-16
 
 
 @device
-def depth_below_vertical(q, z):
+def depth_below_vertical(q: float, z: float) -> tuple[float, float]:
     """(S, ln S) with S = 1 - |z|, from q and z without cancellation and beyond underflow."""
     larger = 1.0 + abs(z)
     return q * (q / larger), 2.0 * math.log(q) - math.log(larger)
 
 
-@subroutine
-def constants_of(x, b, series):
-    """Constants of the state x, to full relative accuracy near both flat states.
+def _from_solutions(x: State, f: Solutions, E: float, b: Body) -> Constants[float]:
+    """Constants of the state x with energy E, f the solutions at its tilt.
 
     On the hemisphere of the state eta is found directly; the other one follows from
     eta_+ + eta_- = 2 I1 r'(0) sigma3_bar.
     """
-    face = 1.0 if x.z >= 0.0 else -1.0
-    S, log_S = depth_below_vertical(x.q, x.z)
-    f = chaplygin.solutions(S, log_S, b.c, series)
-    sigma3 = x.q * x.rho
-    X, Y = chaplygin.constants_from_sigma(face, sigma3, x.sigma4, f, b.k)
-    sigma3_bar = b.r0 * X
-    near = b.I1 * Y
+    north = x.z >= 0.0
+    sigma3, spin = x.q * x.rho, b.k * (x.sigma4 if north else -x.sigma4)
+    sigma3_bar = b.r0 * (spin * f.D - sigma3 * f.dD)
+    near = b.I1 * (sigma3 * f.drho - spin * f.rho)
     both = 2.0 * b.I1 * b.dr0 * sigma3_bar
     far = both - near
-    near_rounding = ULPS * b.I1 * (abs(sigma3 * f.drho) + abs(b.k * x.sigma4 * f.rho))
-    far_rounding = near_rounding + ULPS * (abs(both) + abs(near))
-    if face > 0.0:
-        return Constants(sigma3_bar, near, far, energy(x, b), near_rounding, far_rounding)
-    return Constants(sigma3_bar, far, near, energy(x, b), far_rounding, near_rounding)
+    near_rounding = _ULPS * b.I1 * (abs(sigma3 * f.drho) + abs(spin * f.rho))
+    far_rounding = near_rounding + _ULPS * (abs(both) + abs(near))
+    return Constants(
+        sigma3_bar,
+        near if north else far,
+        far if north else near,
+        E,
+        near_rounding if north else far_rounding,
+        far_rounding if north else near_rounding,
+    )
+
+
+from_solutions, contracted_from_solutions = both_devices(_from_solutions)
+
+
+@subroutine
+def constants_of(x: State, disk: Disk) -> Constants[float]:
+    """Constants of the state x, to full relative accuracy near both flat states."""
+    b = disk.body
+    S, log_S = depth_below_vertical(x.q, x.z)
+    return from_solutions(x, chaplygin.solutions(S, log_S, b.c, disk.series), energy(x, b), b)
 
 
 # Shares of the energy: kinetic energy below which p is left alone, and the most that p is corrected by.
@@ -62,7 +85,7 @@ _MOVING, _SMALL = 0.01, 0.01
 
 
 @device
-def onto_energy(x, total, b):
+def onto_energy(x: State, total: float, b: Body) -> tuple[State, float]:
     """(x with p set so that the energy is `total`, what was in excess); for x on its other constants.
 
     An energy that drifts makes the error of time and angles grow like the square of the time; held, like
@@ -74,17 +97,17 @@ def onto_energy(x, total, b):
     kinetic = 0.5 * b.M * x.p * x.p
     if not (kinetic > _MOVING * total and abs(excess) < _SMALL * kinetic):
         return x, 0.0
-    p = x.p * math.sqrt(1.0 - excess / kinetic)
-    return State(x.q, x.z, p, x.rho, x.sigma4, x.t, x.chi, x.psi, x.a1, x.a2), excess
+    return with_reduced(x, x.q, x.z, x.p * math.sqrt(1.0 - excess / kinetic), x.rho, x.sigma4), excess
 
 
 @subroutine
-def onto_constants(x, sigma3_bar, eta_plus, eta_minus, b, series):
+def onto_constants(x: State, pinned: Pinned[float], disk: Disk) -> State:
     """x with q^2 + z^2 = 1 restored and rho, sigma4 set to what the constants say at its tilt.
 
     The saddle beside flat amplifies an error in rho by 1/theta_min. Set anew after every step, rho
     never carries one: eta stays what it was given as, down to 1e-300. Needs I3 > 0.
     """
+    b = disk.body
     face = 1.0 if x.z >= 0.0 else -1.0
     q, z = x.q, x.z
     if q < abs(z):
@@ -92,10 +115,10 @@ def onto_constants(x, sigma3_bar, eta_plus, eta_minus, b, series):
     else:
         q = math.sqrt((1.0 - z) * (1.0 + z))
     S, log_S = depth_below_vertical(q, z)
-    f = chaplygin.solutions(S, log_S, b.c, series)
-    X = sigma3_bar / b.r0
-    Y = (eta_plus if face > 0.0 else eta_minus) / b.I1
+    f = chaplygin.solutions(S, log_S, b.c, disk.series)
+    X = pinned.sigma3_bar / b.r0
+    Y = (pinned.eta_plus if face > 0.0 else pinned.eta_minus) / b.I1
     _sigma3, sigma4 = chaplygin.sigma_from_constants(face, X, Y, f, b.k)
     # sigma3/q written so that S may underflow
     rho = X * f.rho_over_S * (q / (1.0 + abs(z))) + Y * (f.D / q)
-    return State(q, z, x.p, rho, sigma4, x.t, x.chi, x.psi, x.a1, x.a2)
+    return with_reduced(x, q, z, x.p, rho, sigma4)

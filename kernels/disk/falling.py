@@ -6,12 +6,13 @@ Face -1 is the mirror image (sigma1, sigma3, sigma4) -> (-sigma1, sigma3, -sigma
 """
 
 import math
-from typing import NamedTuple
+from typing import Generic, NamedTuple
 
-from kernels._jit import device, kernel, subroutine
+from kernels._jit import both_devices, device, kernel, subroutine
 from kernels.disk import chaplygin
-from kernels.disk.body import Body
+from kernels.disk.body import Body, Disk
 from kernels.disk.constants import depth_below_vertical
+from kernels.disk.rows import Entry, put
 from kernels.types import Matrix, Vector
 
 # Bisection to rounding on an interval of length pi/2.
@@ -19,20 +20,79 @@ BISECTIONS = 60
 _ROUNDING = 8 * 2.2e-16
 
 
-class OnF(NamedTuple):
+class OnF(NamedTuple, Generic[Entry]):
     """One point of a motion on F (face +1): sigma3/q^2, sigma4, V, dV/dphi."""
 
-    turn: float
-    sigma4: float
-    V: float
-    dV: float
+    turn: Entry
+    sigma4: Entry
+    V: Entry
+    dV: Entry
+
+
+class Tilt(NamedTuple):
+    """A tilt as all motions on F see it: V = X^2 U + q and dV/dphi = X^2 dU - z there."""
+
+    q: float
+    z: float
+    U: float
+    dU: float
+
+
+class Membership(NamedTuple, Generic[Entry]):
+    """Whether a state could fall on either face, were eta there zero: 1 or 0; and E - V_0."""
+
+    plus: Entry
+    minus: Entry
+    excess: Entry
+
+
+class LineChart(NamedTuple, Generic[Entry]):
+    """The linear map from (sigma3_bar, eta_hat_+) to (sigma3, sigma4) at one tilt.
+
+    sigma3 = bar_to_sigma3 sigma3_bar + eta_hat_to_sigma3 eta_hat, and sigma4 alike.
+    """
+
+    bar_to_sigma3: Entry
+    eta_hat_to_sigma3: Entry
+    bar_to_sigma4: Entry
+    eta_hat_to_sigma4: Entry
+
+
+class Barrier(NamedTuple, Generic[Entry]):
+    """phi and V of the barrier between the non-falling well and the vertical; NaN if there is none."""
+
+    phi: Entry
+    V: Entry
+
+
+def _potential_above_flat(
+    gyration: float, rise: float, twice_flat: float, q: float, b: Body
+) -> tuple[float, float]:
+    """(V - V_0, the part of the spin in it), eq. (3.8): gyration + 1/2 J (sigma4^2 - flat^2) + q.
+
+    gyration = 1/2 I1 (sigma3/q)^2; sigma4 = flat + rise. From the difference itself: near flat V - V_0
+    is all there is.
+    """
+    spin = 0.5 * b.J * rise * (twice_flat + rise)
+    return gyration + spin + q, spin
+
+
+potential_above_flat, contracted_potential_above_flat = both_devices(_potential_above_flat)
+
+
+@device
+def potential_at_flat(X: float, b: Body) -> float:
+    """V_0 = V(pi/2), eq. (6.9)."""
+    spin = X / b.k
+    return 0.5 * b.J * spin * spin
 
 
 @subroutine
-def on_f(q, z, X, b, series):
+def on_f(q: float, z: float, X: float, disk: Disk) -> OnF[float]:
     """The motion with eta_+ = 0 where cos phi = q, sin phi = z. Needs I3 > 0. Eqs (3.8), (5.9)."""
+    b = disk.body
     S, log_S = depth_below_vertical(q, z)
-    f = chaplygin.solutions(S, log_S, b.c, series)
+    f = chaplygin.solutions(S, log_S, b.c, disk.series)
     if z >= 0.0:
         turn = X * f.rho_over_S / (1.0 + z)
         sigma4 = X * f.drho / b.k
@@ -46,33 +106,33 @@ def on_f(q, z, X, b, series):
     return OnF(turn, sigma4, V, dV)
 
 
-@device
-def potential_at_flat(X, b):
-    """V_0 = V(pi/2), eq. (6.9)."""
-    spin = X / b.k
-    return 0.5 * b.J * spin * spin
+@subroutine
+def tilt(q: float, z: float, disk: Disk) -> Tilt:
+    """The tilt where cos phi = q, sin phi = z."""
+    one = on_f(q, z, 1.0, disk)
+    return Tilt(q, z, one.V - q, one.dV + z)
 
 
 @subroutine
-def critical_X2(phi, b, series):
+def critical_X2(phi: float, disk: Disk) -> float:
     """The X^2 for which V has a critical point at phi < 0 (its other hemisphere)."""
     q, z = math.cos(phi), math.sin(phi)
-    return z / (on_f(q, z, 1.0, b, series).dV + z)
+    return z / tilt(q, z, disk).dU
 
 
 @subroutine
-def barrier_angle(X, well_phi, b, series):
+def barrier_angle(X: float, well_phi: float, disk: Disk) -> float:
     """phi of the local maximum of V between a non-falling well and the vertical; NaN if there is none.
 
     well_phi is where critical_X2 peaks: the well and the barrier merge there.
     """
     X2 = X * X
-    if not critical_X2(well_phi, b, series) > X2:
+    if not critical_X2(well_phi, disk) > X2:
         return math.nan
     low, high = well_phi, 0.0
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        if critical_X2(middle, b, series) > X2:
+        if critical_X2(middle, disk) > X2:
             low = middle
         else:
             high = middle
@@ -80,88 +140,91 @@ def barrier_angle(X, well_phi, b, series):
 
 
 @device
-def reaches_flat(q, z, U, dU, energy, X, well_phi, b, series):
-    """True if the component of {V < energy} that contains phi reaches phi = +pi/2, for eta_+ = 0.
+def reaches_flat(at: Tilt, energy: float, X: float, well_phi: float, disk: Disk) -> bool:
+    """True if the component of {V < energy} that contains the tilt reaches phi = +pi/2, for eta_+ = 0.
 
-    V = X^2 U + q there and dV = X^2 dU - z. From the vertical to flat V only decreases; beyond the vertical
-    a barrier may stand between.
+    From the vertical to flat V only decreases; beyond the vertical a barrier may stand between.
     """
-    V, dV = X * X * U + q, X * X * dU - z
+    V, dV = X * X * at.U + at.q, X * X * at.dU - at.z
     # A start from rest has E = V up to rounding; it falls if V falls towards flat.
     at_rest = abs(energy - V) <= _ROUNDING * V and dV < -_ROUNDING
-    if not (energy > potential_at_flat(X, b) and (energy > V or at_rest)):
+    if not (energy > potential_at_flat(X, disk.body) and (energy > V or at_rest)):
         return False
-    if z >= 0.0:
+    if at.z >= 0.0:
         return True
-    phi = barrier_angle(X, well_phi, b, series)
-    if not z < math.sin(phi):
+    phi = barrier_angle(X, well_phi, disk)
+    if not at.z < math.sin(phi):
         return True
-    return energy > on_f(math.cos(phi), math.sin(phi), X, b, series).V
+    return energy > on_f(math.cos(phi), math.sin(phi), X, disk).V
 
 
 @kernel
-def falls_batch(states: Matrix, constants: Matrix, well_phi: float, b: Body, series: Matrix, out: Matrix) -> None:
+def falls_batch(
+    states: Matrix, sigma3_bar: Vector, energy: Vector, well_phi: float, disk: Disk, out: Matrix
+) -> None:
     """Could these states fall, were eta on that side zero?
 
-    states (5, n) as State; constants (6, n) as Constants -> out (3, n): 1 or 0 for face +1, the same
-    for face -1, and E - V_0.
+    states (5, n) as State; sigma3_bar, energy (n): their constants -> out (3, n), rows as Membership.
     """
-    q = z = math.nan
-    here = there = OnF(math.nan, math.nan, math.nan, math.nan)
+    north = south = Tilt(math.nan, math.nan, math.nan, math.nan)
     for i in range(states.shape[1]):
-        X = constants[0, i] / b.r0
-        E = constants[3, i]
-        if not (states[0, i] == q and states[1, i] == z):
+        q, z, E = states[0, i], states[1, i], energy[i]
+        if not (q == north.q and z == north.z):
             # Many draws share one tilt, the vertical above all.
-            q, z = states[0, i], states[1, i]
-            here, there = on_f(q, z, 1.0, b, series), on_f(q, -z, 1.0, b, series)
-        plus = reaches_flat(q, z, here.V - q, here.dV + z, E, X, well_phi, b, series)
-        minus = reaches_flat(q, -z, there.V - q, there.dV - z, E, X, well_phi, b, series)
-        out[0, i] = 1.0 if plus else 0.0
-        out[1, i] = 1.0 if minus else 0.0
-        out[2, i] = E - potential_at_flat(X, b)
+            north, south = tilt(q, z, disk), tilt(q, -z, disk)
+        X = sigma3_bar[i] / disk.body.r0
+        plus = reaches_flat(north, E, X, well_phi, disk)
+        minus = reaches_flat(south, E, X, well_phi, disk)
+        excess = E - potential_at_flat(X, disk.body)
+        put(Membership(1.0 if plus else 0.0, 1.0 if minus else 0.0, excess), out, i)
 
 
 @kernel
-def critical_X2_batch(phi: Vector, b: Body, series: Matrix, out: Vector) -> None:
+def critical_X2_batch(phi: Vector, disk: Disk, out: Vector) -> None:
     """critical_X2 at every phi < 0."""
     for i in range(phi.size):
-        out[i] = critical_X2(phi[i], b, series)
+        out[i] = critical_X2(phi[i], disk)
 
 
 @kernel
-def on_f_batch(theta: Vector, X: float, b: Body, series: Matrix, out: Matrix) -> None:
-    """theta (n) in (0, pi) -> out (4, n): sigma3/q^2, sigma4, V, dV/dphi on the motion with eta_+ = 0."""
+def on_f_batch(theta: Vector, X: float, disk: Disk, out: Matrix) -> None:
+    """theta (n) in (0, pi) -> out (4, n): the motion with eta_+ = 0, rows as OnF."""
     for i in range(theta.size):
-        f = on_f(math.sin(theta[i]), math.cos(theta[i]), X, b, series)
-        out[0, i], out[1, i], out[2, i], out[3, i] = f.turn, f.sigma4, f.V, f.dV
+        put(on_f(math.sin(theta[i]), math.cos(theta[i]), X, disk), out, i)
+
+
+@subroutine
+def line_chart(q: float, z: float, disk: Disk) -> LineChart[float]:
+    """The chart where cos phi = q, sin phi = z. Needs I3 > 0. Eqs (3.5), (6.2)."""
+    b = disk.body
+    S, log_S = depth_below_vertical(q, z)
+    f = chaplygin.solutions(S, log_S, b.c, disk.series)
+    if z >= 0.0:
+        return LineChart(f.rho / b.r0, b.k * b.r0 * f.D, f.drho / (b.k * b.r0), b.r0 * f.dD)
+    # Seen from the other hemisphere eta_- = 2 I1 r'(0) sigma3_bar - eta_+
+    return LineChart(
+        f.rho / b.r0 + 2.0 * b.dr0 * f.D,
+        -b.k * b.r0 * f.D,
+        -(f.drho / b.r0 + 2.0 * b.dr0 * f.dD) / b.k,
+        b.r0 * f.dD,
+    )
 
 
 @kernel
-def line_chart_batch(q: Vector, z: Vector, b: Body, series: Matrix, out: Matrix) -> None:
-    """The linear map from (sigma3_bar, eta_hat_+) to (sigma3, sigma4) where cos phi = q, sin phi = z.
+def line_chart_batch(q: Vector, z: Vector, disk: Disk, out: Matrix) -> None:
+    """q = cos phi, z = sin phi (n) -> out (4, n), rows as LineChart.
 
-    out (4, n): sigma3 = out[0] sigma3_bar + out[1] eta_hat, sigma4 = out[2] sigma3_bar + out[3] eta_hat. Its
-    determinant is -1 at every tilt: dsigma3 dsigma4 = dsigma3_bar deta_hat. Needs I3 > 0. Eqs (3.5), (6.2).
+    The chart's determinant is -1 at every tilt: dsigma3 dsigma4 = dsigma3_bar deta_hat.
     """
     for i in range(q.size):
-        S, log_S = depth_below_vertical(q[i], z[i])
-        f = chaplygin.solutions(S, log_S, b.c, series)
-        if z[i] >= 0.0:
-            out[0, i], out[1, i] = f.rho / b.r0, b.k * b.r0 * f.D
-            out[2, i], out[3, i] = f.drho / (b.k * b.r0), b.r0 * f.dD
-        else:
-            # Seen from the other hemisphere eta_- = 2 I1 r'(0) sigma3_bar - eta_+
-            out[0, i], out[1, i] = f.rho / b.r0 + 2.0 * b.dr0 * f.D, -b.k * b.r0 * f.D
-            out[2, i], out[3, i] = -(f.drho / b.r0 + 2.0 * b.dr0 * f.dD) / b.k, b.r0 * f.dD
+        put(line_chart(q[i], z[i], disk), out, i)
 
 
 @kernel
-def barrier_batch(sigma3_bar: Vector, well_phi: float, b: Body, series: Matrix, out: Matrix) -> None:
-    """out (2, n): phi and V of the barrier between the non-falling well and the vertical; NaN if none."""
+def barrier_batch(sigma3_bar: Vector, well_phi: float, disk: Disk, out: Matrix) -> None:
+    """sigma3_bar (n) -> out (2, n), rows as Barrier."""
     for i in range(sigma3_bar.size):
-        X = sigma3_bar[i] / b.r0
-        phi = barrier_angle(X, well_phi, b, series)
-        out[0, i], out[1, i] = phi, math.nan
-        if phi < 0.0:
-            out[1, i] = on_f(math.cos(phi), math.sin(phi), X, b, series).V
+        X = sigma3_bar[i] / disk.body.r0
+        phi = barrier_angle(X, well_phi, disk)
+        V = on_f(math.cos(phi), math.sin(phi), X, disk).V if phi < 0.0 else math.nan
+        put(Barrier(phi, V), out, i)

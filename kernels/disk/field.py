@@ -9,9 +9,11 @@ sines) is dead code that the compiler removes, so a shallower model costs nothin
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from kernels._jit import device
+from kernels._jit import both_devices, device, subroutine
+from kernels.disk.body import Body
+from kernels.types import Matrix
 
 
 class State(NamedTuple):
@@ -33,10 +35,42 @@ class State(NamedTuple):
 
 
 REDUCED, ANGLES, PATH = 5, 8, 10  # components of State that each depth needs
+ROW: Any = State(*range(10))  # the row of each component in an array of states
+ORIGIN = State(*(0.0,) * 10)
 
 
 @device
-def reduced(x, b):
+def reduced_state(q: float, z: float, p: float, rho: float, sigma4: float) -> State:
+    """The state at the start of its time, its angles and its path."""
+    return State(q, z, p, rho, sigma4, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@device
+def with_reduced(x: State, q: float, z: float, p: float, rho: float, sigma4: float) -> State:
+    """x with another reduced motion."""
+    return State(q, z, p, rho, sigma4, x.t, x.chi, x.psi, x.a1, x.a2)
+
+
+@subroutine
+def column(states: Matrix, i: int) -> State:
+    """The state in column i of an array with as many rows as a depth needs; what it lacks is 0."""
+    depth = states.shape[0]
+    return State(
+        states[0, i],
+        states[1, i],
+        states[2, i],
+        states[3, i],
+        states[4, i],
+        states[5, i] if depth > REDUCED else 0.0,
+        states[6, i] if depth > REDUCED else 0.0,
+        states[7, i] if depth > REDUCED else 0.0,
+        states[8, i] if depth > ANGLES else 0.0,
+        states[9, i] if depth > ANGLES else 0.0,
+    )
+
+
+@device
+def reduced(x: State, b: Body) -> tuple[float, float, float, float, float]:
     """d/ds of (q, z, p, rho, sigma4): eqs (2.15)-(2.18), regularised."""
     qp = x.q * x.p
     return (
@@ -49,13 +83,13 @@ def reduced(x, b):
 
 
 @device
-def angles(x):
+def angles(x: State) -> tuple[float, float, float]:
     """d/ds of (t, chi, psi): dt = q ds, eqs (2.31) and (2.22)."""
     return x.q, x.rho, x.z * x.rho - x.q * x.sigma4
 
 
 @device
-def path(x):
+def path(x: State) -> tuple[float, float]:
     """d/ds of (a1, a2): eq. (2.33)."""
     sine, cosine = math.sin(x.chi), math.cos(x.chi)
     slide = x.p * x.q
@@ -66,7 +100,7 @@ def path(x):
 
 
 @device
-def field(x, b):
+def field(x: State, b: Body) -> State:
     """d/ds of the whole state."""
     dq, dz, dp, drho, dsigma4 = reduced(x, b)
     dt, dchi, dpsi = angles(x)
@@ -75,7 +109,7 @@ def field(x, b):
 
 
 @device
-def shift(x, h, k):
+def shift(x: State, h: float, k: State) -> State:
     """x + h k, component by component."""
     return State(
         x.q + h * k.q,
@@ -91,14 +125,16 @@ def shift(x, h, k):
     )
 
 
-@device
-def energy(x, b):
+def _energy(x: State, b: Body) -> float:
     """Total energy, eq. (2.19), in units of m g r."""
     return 0.5 * b.M * (x.p * x.p + x.rho * x.rho * b.inv_kappa2) + 0.5 * b.J * x.sigma4 * x.sigma4 + x.q
 
 
+energy, contracted_energy = both_devices(_energy)
+
+
 @device
-def speed(x, b):
+def speed(x: State, b: Body) -> float:
     """sqrt(2E/M): no rate of the reduced field exceeds it by more than a factor of order one.
 
     Tilting moves at |p| <= speed, gyration at sqrt(I3/I1) speed or less, and where the energy is

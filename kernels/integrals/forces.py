@@ -1,57 +1,73 @@
 """What a passage asks of the contact: normal force and friction (not part of the paper's model)."""
 
 import math
+from typing import Generic, NamedTuple
 
 import numpy as np
 
 from kernels._jit import kernel, subroutine
-from kernels.disk.body import Body
+from kernels.disk.body import Disk
+from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
-from kernels.integrals.quadrature import VERTICAL, point, turning_point
-from kernels.types import Matrix, Vector
+from kernels.integrals.passages import Crossings
+from kernels.integrals.point import VERTICAL, Motion, motion_through, point
+from kernels.integrals.turning import turning_point
+from kernels.types import Matrix
 
 # Points per passage at which forces are looked at.
 _FORCE_POINTS = 400
+_NEAR = 20.0  # in y: half of the points lie within ten units of the turning point, half of the vertical
+
+
+class ForceRow(NamedTuple, Generic[Entry]):
+    """Normal force (in m g) and the friction coefficient needed, infinite where the force is not positive."""
+
+    normal: Entry
+    friction: Entry
 
 
 @kernel
-def forces_batch(sigma3_bar: Vector, eta: Vector, speed: Vector, b: Body, series: Matrix, out: Matrix) -> None:
-    """Least normal force (in m g) and largest needed friction coefficient of passages, face +1.
+def forces_batch(crossings: Crossings, disk: Disk, out: Matrix) -> None:
+    """Least normal force and largest needed friction of every passage, face +1 -> out (2, n), rows as ForceRow.
 
-    Arguments as passage_batch. Looked at on a grid in y and at both ends, so good to some digits. The
-    coefficient is infinite where the normal force is not positive. out (2, n).
+    Looked at on a grid in y and at both ends, so good to some digits.
     """
+    b = disk.body
     W = np.zeros(nodes.ROWS * nodes.ROOM)
-    for i in range(eta.size):
-        X, Y = sigma3_bar[i] / b.r0, eta[i] / b.I1
-        level = 0.5 * b.M * speed[i] * speed[i] + point(VERTICAL, X, Y, b, series).V
-        h_turn = turning_point(VERTICAL, speed[i] == 0.0, level, X, Y, b, series, W)
-        out[0, i] = out[1, i] = math.nan
-        if not h_turn > 0.0:
-            continue
-        y_end = math.acosh(max(VERTICAL / h_turn, 1.0))
-        least, most = math.inf, 0.0
-        for j in range(_FORCE_POINTS + 1):
-            # Half of the points within ten units of the turning point, half of the vertical.
-            share = j / _FORCE_POINTS
-            y = min(20.0 * share, y_end * share) if share < 0.5 else y_end - min(20.0, y_end) * (1.0 - share)
-            normal, needed = forces(h_turn * math.cosh(y), level, X, Y, b, series)
-            least, most = min(least, normal), max(most, needed)
-        out[0, i], out[1, i] = least, most
+    for i in range(out.shape[1]):
+        X, Y, speed = crossings.sigma3_bar[i] / b.r0, crossings.eta[i] / b.I1, crossings.speed[i]
+        motion = motion_through(VERTICAL, speed, X, Y, disk)
+        h_turn = turning_point(VERTICAL, speed == 0.0, motion, disk, W)
+        out[:, i] = math.nan
+        if h_turn > 0.0:
+            put(extremes(h_turn, motion, disk), out, i)
 
 
 @subroutine
-def forces(h, level, X, Y, b, series):
-    """(normal force / m g, needed friction coefficient) at h.
+def extremes(h_turn: float, motion: Motion, disk: Disk) -> ForceRow[float]:
+    """The least normal force and the largest friction of one passage."""
+    y_end = math.acosh(max(VERTICAL / h_turn, 1.0))
+    least, most = math.inf, 0.0
+    for j in range(_FORCE_POINTS + 1):
+        share = j / _FORCE_POINTS
+        y = min(_NEAR * share, y_end * share) if share < 0.5 else y_end - min(_NEAR, y_end) * (1.0 - share)
+        at = forces(h_turn * math.cosh(y), motion, disk)
+        least, most = min(least, at.normal), max(most, at.friction)
+    return ForceRow(least, most)
+
+
+@subroutine
+def forces(h: float, motion: Motion, disk: Disk) -> ForceRow[float]:
+    """The forces at h.
 
     Centre of mass: a3 = sin theta, and (2.33) for the horizontal part, differentiated once more.
     """
-    at = point(h, X, Y, b, series)
+    b = disk.body
+    at = point(h, motion.X, motion.Y, disk)
     q, z = h * at.shape, 1.0 - at.S
-    kinetic2 = 2.0 * b.inv_M * max(level - at.V, 0.0)
+    kinetic2 = 2.0 * b.inv_M * max(motion.level - at.V, 0.0)
     acceleration = -b.inv_M * at.slope * at.shape / h
     normal = 1.0 + z * acceleration - q * kinetic2
     along = acceleration * q + kinetic2 * z + at.ratio * at.sigma4 / q
     across = at.ratio * math.sqrt(kinetic2) * (1.0 - b.inv_J)
-    needed = math.hypot(along, across) / normal if normal > 0.0 else math.inf
-    return normal, needed
+    return ForceRow(normal, math.hypot(along, across) / normal if normal > 0.0 else math.inf)

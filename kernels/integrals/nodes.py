@@ -1,24 +1,34 @@
 """The motion at many tilts at once: array loops that the compiler vectorises.
 
-What `quadrature.point` does for one tilt, for all nodes of a rule. Every loop here runs over nodes with
+What `point.point` does for one tilt, for all nodes of a rule. Every loop here runs over nodes with
 no branch and no library call: exponentials and logarithms are polynomials, evaluated like the series
 of Chaplygin's solutions, one coefficient after another for all nodes. One flat work array with
 constant offsets, for the reason given in `batch`.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from kernels._jit import subroutine
+from kernels._jit import device, subroutine
+from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import DEGREE
+from kernels.disk.falling import potential_above_flat
+from kernels.disk.polynomials import interpolate
+from kernels.integrals.point import Motion
+from kernels.types import Matrix, Vector
 
 ROOM = 288  # nodes that fit: two panels of the largest rule
-GAP, WEIGHT, CLOSED = 0, 1, 2  # set by the caller
-H, E2, LOG = 3, 4, 5  # set by `place`, or by the caller
-CHI, REST, TIME, LEVEL, SLOPE = 6, 7, 8, 9, 10  # results
-_X, _G, _DRHO, _V, _DV, _EXCESS, _Y, _FALL, _LEFT = 11, 12, 13, 14, 15, 16, 17, 18, 19
 ROWS = 20
+(
+    # set by the caller; H, E2 and LOG by the caller or by `place`
+    GAP, WEIGHT, CLOSED, H, E2, LOG,
+    # results
+    CHI, REST, TIME, LEVEL, SLOPE,
+    # between
+    _X, _G, _DRHO, _V, _DV, _EXCESS, _Y, _FALL, _LEFT,
+) = range(ROWS)  # fmt: skip
 
 _LN2 = math.log(2.0)
 # exp(-d) for 0 <= d <= FARTHEST: polynomials on a sixteenth of the range, squared four times.
@@ -27,22 +37,25 @@ _SQUARINGS = 4
 _STRETCH = FARTHEST / 2.0**_SQUARINGS
 # Up to this y the distance of h from h_turn keeps its relative accuracy.
 _NEAR = 16.0
+_LEAST = 1e-300  # of E - V, which rounding may make negative: the root of it must exist
+
+_EXP = interpolate(lambda u: np.exp(-u * _STRETCH), 18)
+_GROWN = interpolate(lambda u: -np.expm1(-u * _STRETCH) / (u * _STRETCH), 18)
+_LOG1P = interpolate(np.log1p, 22)
 
 
-def _powers(function, degree):
-    """Ascending powers of t of the Chebyshev interpolant of function((1 + t)/2) on -1 <= t <= 1."""
-    chebyshev = np.polynomial.chebyshev.chebinterpolate(lambda t: function(0.5 * (1.0 + t)), degree)
-    powers = np.polynomial.chebyshev.cheb2poly(chebyshev)
-    return np.ascontiguousarray(powers)
+class Series(NamedTuple):
+    """Chaplygin's five series at one node, as `chaplygin.make_series`."""
 
-
-_EXP = _powers(lambda u: np.exp(-u * _STRETCH), 18)
-_GROWN = _powers(lambda u: -np.expm1(-u * _STRETCH) / (u * _STRETCH), 18)
-_LOG1P = _powers(np.log1p, 22)
+    g: float
+    drho: float
+    v: float
+    dv: float
+    excess: float
 
 
 @subroutine
-def polynomial(W, target, coefficients, n):
+def polynomial(W: Vector, target: int, coefficients: Vector, n: int) -> None:
     """Row `target` = the polynomial in row _X."""
     for j in range(n):
         W[target * ROOM + j] = coefficients[coefficients.size - 1]
@@ -53,7 +66,7 @@ def polynomial(W, target, coefficients, n):
 
 
 @subroutine
-def decay(W, source, target, n):
+def decay(W: Vector, source: int, target: int, n: int) -> None:
     """Row `target` = exp(-d), d from row `source` and clipped at FARTHEST. Relative error 16 roundings."""
     scale = 2.0 / FARTHEST
     for j in range(n):
@@ -66,7 +79,7 @@ def decay(W, source, target, n):
 
 
 @subroutine
-def growth(W, target, n):
+def growth(W: Vector, target: int, n: int) -> None:
     """Row `target` = 1 - exp(-d), its relative error some 1e-14 at any d; d is that of the last `decay`."""
     polynomial(W, target, _GROWN, n)
     for j in range(n):
@@ -78,7 +91,7 @@ def growth(W, target, n):
 
 
 @subroutine
-def place(W, n, h_end, h_turn, y_end):
+def place(W: Vector, n: int, h_end: float, h_turn: float, y_end: float) -> None:
     """H, E2 = exp(-2y), LOG = ln S of nodes that lie GAP below y_end; h = h_turn cosh y.
 
     Near the turning point h is h_turn and a small relative excess, since P depends on that excess;
@@ -105,7 +118,7 @@ def place(W, n, h_end, h_turn, y_end):
 
 
 @subroutine
-def expand(W, n, series):
+def expand(W: Vector, n: int, series: Matrix) -> None:
     """Chaplygin's series at S = H^2/2 for all nodes."""
     for j in range(n):
         W[_X * ROOM + j] = W[H * ROOM + j] * W[H * ROOM + j] - 1.0
@@ -125,57 +138,98 @@ def expand(W, n, series):
             W[_EXCESS * ROOM + j] = W[_EXCESS * ROOM + j] * x + a4
 
 
-@subroutine
-def levels(W, n, X, Y, b, series):
-    """LEVEL = V - V_0 and SLOPE = h dV/dh at nodes with H and LOG set."""
-    expand(W, n, series)
+@device
+def expanded(W: Vector, j: int) -> Series:
+    """The series at node j, after `expand`."""
+    return Series(
+        W[_G * ROOM + j], W[_DRHO * ROOM + j], W[_V * ROOM + j], W[_DV * ROOM + j], W[_EXCESS * ROOM + j]
+    )
+
+
+class Node(NamedTuple):
+    """The motion at one node: what `point.Point` is for one tilt; smooth: the part of sigma3/q by X, times shape.
+
+    V: amended potential above V_0; flat: sigma4 at flat, rise: what sigma4 has above that.
+    """
+
+    S: float
+    shape: float
+    smooth: float
+    D: float
+    ratio: float
+    flat: float
+    rise: float
+    V: float
+
+
+@device
+def at_node(h: float, log_S: float, f: Series, X: float, Y: float, b: Body) -> Node:
+    """The motion with constants X, Y at h."""
     half_c, inv_k, flat = 0.5 * b.c, 1.0 / b.k, X / b.k
-    for j in range(n):
-        h, log_S, g = W[H * ROOM + j], W[LOG * ROOM + j], W[_G * ROOM + j]
-        S = 0.5 * h * h
-        shape = math.sqrt(1.0 - 0.5 * S)
-        D = half_c * S * g * log_S + W[_V * ROOM + j]
-        dD = half_c * (W[_DRHO * ROOM + j] * log_S + g) + W[_DV * ROOM + j]
-        ratio = (0.5 * X * g * h + Y * D / h) / shape
-        rise = (X * S * W[_EXCESS * ROOM + j] + Y * dD) * inv_k
-        z = 1.0 - S
-        gyration = b.I1 * ratio * ratio
-        W[LEVEL * ROOM + j] = 0.5 * gyration + 0.5 * b.J * rise * (2.0 * flat + rise) + h * shape
-        tilting = h / shape * (b.J * ratio * (flat + rise) + z)
-        W[SLOPE * ROOM + j] = tilting - z * gyration / (shape * shape)
+    S = 0.5 * h * h
+    shape = math.sqrt(1.0 - 0.5 * S)
+    D = half_c * S * f.g * log_S + f.v
+    dD = half_c * (f.drho * log_S + f.g) + f.dv
+    smooth = 0.5 * X * f.g * h
+    ratio = (smooth + Y * D / h) / shape
+    rise = (X * S * f.excess + Y * dD) * inv_k
+    V, _spin = potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * flat, h * shape, b)
+    return Node(S, shape, smooth, D, ratio, flat, rise, V)
+
+
+@device
+def slope_at(h: float, at: Node, b: Body) -> float:
+    """h dV/dh."""
+    z = 1.0 - at.S
+    tilting = h / at.shape * (b.J * at.ratio * (at.flat + at.rise) + z)
+    return tilting - z * (b.I1 * at.ratio * at.ratio) / (at.shape * at.shape)
+
+
+@device
+def integrands_at(
+    h: float, e2: float, weight: float, closed: float, at: Node, motion: Motion, b: Body
+) -> tuple[float, float, float]:
+    """(CHI, REST, TIME) of a node."""
+    left = motion.level - at.V
+    left = left if left > _LEAST else _LEAST
+    dt = weight * h * (1.0 - e2) / ((1.0 + e2) * at.shape * math.sqrt(2.0 * b.inv_M * left))
+    w = dt / (h * (1.0 - 0.5 * at.S))
+    chi = w * at.smooth + motion.Y / h * (at.D * w - closed)
+    return chi, dt * (at.ratio * h * at.shape / (2.0 - at.S) + at.flat + at.rise), dt
 
 
 @subroutine
-def integrands(W, n, level, X, Y, b, series):
+def levels(W: Vector, n: int, motion: Motion, disk: Disk) -> None:
+    """LEVEL = V - V_0 and SLOPE = h dV/dh at nodes with H and LOG set."""
+    expand(W, n, disk.series)
+    b = disk.body
+    for j in range(n):
+        h = W[H * ROOM + j]
+        at = at_node(h, W[LOG * ROOM + j], expanded(W, j), motion.X, motion.Y, b)
+        W[LEVEL * ROOM + j] = at.V
+        W[SLOPE * ROOM + j] = slope_at(h, at, b)
+
+
+@subroutine
+def integrands(W: Vector, n: int, motion: Motion, disk: Disk) -> None:
     """CHI (less the closed part), REST and TIME, weighted, at nodes placed by `place`.
 
     chi needs sigma3/q^2 dt, psi is chi less REST: S sigma3/q^2 + sigma4. CLOSED holds D_m w(0) times
     the weight where the race is taken out, and 0 elsewhere.
     """
-    expand(W, n, series)
-    half_c, inv_k, flat, twice = 0.5 * b.c, 1.0 / b.k, X / b.k, 2.0 * b.inv_M
+    expand(W, n, disk.series)
+    b = disk.body
     for j in range(n):
-        h, log_S, g, e2 = W[H * ROOM + j], W[LOG * ROOM + j], W[_G * ROOM + j], W[E2 * ROOM + j]
-        S = 0.5 * h * h
-        shape2 = 1.0 - 0.5 * S
-        shape = math.sqrt(shape2)
-        D = half_c * S * g * log_S + W[_V * ROOM + j]
-        dD = half_c * (W[_DRHO * ROOM + j] * log_S + g) + W[_DV * ROOM + j]
-        smooth = 0.5 * X * g * h
-        ratio = (smooth + Y * D / h) / shape
-        rise = (X * S * W[_EXCESS * ROOM + j] + Y * dD) * inv_k
-        V = 0.5 * b.I1 * ratio * ratio + 0.5 * b.J * rise * (2.0 * flat + rise) + h * shape
-        left = level - V
-        left = left if left > 1e-300 else 1e-300
-        dt = W[WEIGHT * ROOM + j] * h * (1.0 - e2) / ((1.0 + e2) * shape * math.sqrt(twice * left))
-        w = dt / (h * shape2)
-        W[CHI * ROOM + j] = w * smooth + Y / h * (D * w - W[CLOSED * ROOM + j])
-        W[REST * ROOM + j] = dt * (ratio * h * shape / (2.0 - S) + flat + rise)
-        W[TIME * ROOM + j] = dt
+        h = W[H * ROOM + j]
+        at = at_node(h, W[LOG * ROOM + j], expanded(W, j), motion.X, motion.Y, b)
+        chi, rest, time = integrands_at(
+            h, W[E2 * ROOM + j], W[WEIGHT * ROOM + j], W[CLOSED * ROOM + j], at, motion, b
+        )
+        W[CHI * ROOM + j], W[REST * ROOM + j], W[TIME * ROOM + j] = chi, rest, time
 
 
 @subroutine
-def total(W, row, n):
+def total(W: Vector, row: int, n: int) -> float:
     """Sum of a row, in order."""
     result = 0.0
     for j in range(n):

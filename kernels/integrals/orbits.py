@@ -1,114 +1,122 @@
 """Whole orbits between two turning points: periods, and the smallest tilt without any integral."""
 
 import math
+from typing import Generic, NamedTuple
 
 import numpy as np
 
 from kernels._jit import kernel, subroutine
-from kernels.disk.body import Body
+from kernels.disk.body import Disk
 from kernels.disk.falling import potential_at_flat
+from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
-from kernels.integrals.quadrature import SCAN, VERTICAL, Passage, crest, passage, point, turning_point
+from kernels.integrals.point import VERTICAL, Motion, motion_through
+from kernels.integrals.quadrature import Passage, Rules, Start, passage
+from kernels.integrals.turning import turning_point, turning_point_outward
 from kernels.status import Status
-from kernels.types import Codes, Longs, Matrix, Table, Vector
+from kernels.types import Codes, Matrix, Vector
 
 _OK = int(Status.OK)
 _LIMIT = int(Status.STEP_LIMIT)
+# V is measured from V_0; where V_0 exceeds the energy by more (I3 near 0), its rounding is felt.
+_ROUNDING = 20.0 * 2.2e-16
+_NOT_THERE = Passage(math.nan, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@subroutine
-def turning_point_outward(h0, level, X, Y, b, series):
-    """h of the turning point on the way from h0 to the vertical; NaN if the motion reaches it."""
-    inside = math.log(h0)
-    slope_inside = point(h0, X, Y, b, series).slope
-    for i in range(1, SCAN + 1):
-        h = h0 + (VERTICAL - h0) * i / SCAN
-        at = point(h, X, Y, b, series)
-        here = math.log(h)
-        edge = here
-        blocked = level < at.V
-        if not blocked and slope_inside > 0.0 and at.slope < 0.0:
-            edge = crest(inside, here, X, Y, b, series)
-            blocked = level < point(math.exp(edge), X, Y, b, series).V
-        if blocked:
-            low, high = inside, edge
-            for _ in range(80):
-                middle = 0.5 * (low + high)
-                if level < point(math.exp(middle), X, Y, b, series).V:
-                    high = middle
-                else:
-                    low = middle
-            return math.exp(low)
-        inside, slope_inside = here, at.slope
-    return math.nan
+class Orbits(NamedTuple):
+    """States (n) on motions, as seen from their hemisphere.
 
-
-@subroutine
-def orbit(h0, p, X, near, far, target, rules, sizes, b, series, W):
-    """One whole period through (h0, theta-dot = p) on face +1, with Y on this and on the other side.
-
-    Returns status, the passage on this side (or between both turning points), the one on the other
-    side (chi = psi = time = 0 if the motion does not cross the vertical), and the energy.
+    h and rate: 2 sin(theta/2) and theta-dot; near and far: eta on this and on the other side.
     """
-    level = 0.5 * b.M * p * p + point(h0, X, near, b, series).V
-    none = Passage(math.nan, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
-    outer = turning_point_outward(h0, level, X, near, b, series)
+
+    h: Vector
+    rate: Vector
+    sigma3_bar: Vector
+    near: Vector
+    far: Vector
+
+
+class OrbitRow(NamedTuple, Generic[Entry]):
+    """One period: smallest tilt here and on the other side (NaN if never there), what a period adds to the
+    angles and the time, energy, error of angles, relative error of time."""
+
+    theta_here: Entry
+    theta_there: Entry
+    chi: Entry
+    psi: Entry
+    time: Entry
+    energy: Entry
+    angle_error: Entry
+    time_error: Entry
+
+
+@subroutine
+def orbit(
+    h0: float, motion: Motion, far: float, target: float, rules: Rules, disk: Disk, W: Vector
+) -> tuple[int, Passage, Passage]:
+    """One whole period of a motion that passes h0 on face +1; far: its Y on the other side.
+
+    Returns status, the passage on this side (or between both turning points) and the one on the other
+    side (chi = psi = time = 0 if the motion does not cross the vertical).
+    """
+    outer = turning_point_outward(h0, motion, disk)
     if outer > 0.0:
-        status, here = passage(outer, True, level, X, near, target, rules, sizes, b, series, W)
-        return status, here, none, level
-    status, here = passage(VERTICAL, False, level, X, near, target, rules, sizes, b, series, W)
-    other_status, there = passage(VERTICAL, False, level, X, far, target, rules, sizes, b, series, W)
-    return max(status, other_status), here, there, level
+        status, here = passage(Start(outer, True), motion, target, rules, disk, W)
+        return status, here, _NOT_THERE
+    mirrored = Motion(motion.X, far, motion.level)
+    status, here = passage(Start(VERTICAL, False), motion, target, rules, disk, W)
+    other_status, there = passage(Start(VERTICAL, False), mirrored, target, rules, disk, W)
+    return max(status, other_status), here, there
 
 
 @kernel
-def orbit_batch(
-    starts: Matrix, target: float, rules: Table, sizes: Longs, b: Body, series: Matrix, out: Matrix, status: Codes
-) -> None:
-    """`orbit` for every column of starts (5, n): h, theta-dot, sigma3_bar, eta here, eta on the other side.
+def orbit_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Matrix, status: Codes) -> None:
+    """`orbit` for every sample -> out (8, n), rows as OrbitRow.
 
-    All as seen from the hemisphere of the start. out (8, n): smallest tilt here, smallest tilt on the
-    other side (NaN if never there), chi, psi, time of one period, energy, error of angles, relative
-    error of time. status (n): samples that come in as not OK are skipped.
+    status (n): samples that come in as not OK are skipped.
     """
+    b = disk.body
     W = np.zeros(nodes.ROWS * nodes.ROOM)
     for i in range(status.size):
         out[:, i] = math.nan
         if status[i] != _OK:
             continue
-        h, p, s3 = starts[0, i], starts[1, i], starts[2, i]
-        near, far = starts[3, i] / b.I1, starts[4, i] / b.I1
-        code, here, there, level = orbit(h, p, s3 / b.r0, near, far, target, rules, sizes, b, series, W)
-        status[i] = code
-        out[0, i], out[1, i] = 2.0 * math.asin(0.5 * here.h_turn), 2.0 * math.asin(0.5 * there.h_turn)
-        out[2, i], out[3, i] = here.chi + there.chi, here.psi - there.psi
-        out[4, i], out[5, i] = here.time + there.time, level + potential_at_flat(s3 / b.r0, b)
-        out[6, i] = here.angle_error + there.angle_error
-        out[7, i] = max(here.time_error, there.time_error)
-
-
-# V is measured from V_0; where V_0 exceeds the energy by more (I3 near 0), its rounding is felt.
-_ROUNDING = 20.0 * 2.2e-16
+        X, Y = orbits.sigma3_bar[i] / b.r0, orbits.near[i] / b.I1
+        motion = motion_through(orbits.h[i], orbits.rate[i], X, Y, disk)
+        status[i], here, there = orbit(orbits.h[i], motion, orbits.far[i] / b.I1, target, rules, disk, W)
+        period = OrbitRow(
+            theta_here=2.0 * math.asin(0.5 * here.h_turn),
+            theta_there=2.0 * math.asin(0.5 * there.h_turn),
+            chi=here.chi + there.chi,
+            psi=here.psi - there.psi,
+            time=here.time + there.time,
+            energy=motion.level + potential_at_flat(X, b),
+            angle_error=here.angle_error + there.angle_error,
+            time_error=max(here.time_error, there.time_error),
+        )
+        put(period, out, i)
 
 
 @kernel
-def tilt_batch(starts: Matrix, target: float, b: Body, series: Matrix, out: Vector, status: Codes) -> None:
-    """Smallest tilt of every motion, from both of its turning points; starts as for orbit_batch.
+def tilt_batch(orbits: Orbits, target: float, disk: Disk, out: Vector, status: Codes) -> None:
+    """Smallest tilt of every motion, from both of its turning points.
 
-    A sample whose energy is not known to `target` times what it has above V_0 is STEP_LIMIT.
+    A sample whose energy is not known to `target` times what it has above V_0 is STEP_LIMIT; those that
+    come in as not OK are skipped.
     """
+    b = disk.body
     W = np.zeros(nodes.ROWS * nodes.ROOM)
     for i in range(status.size):
         out[i] = math.nan
         if status[i] != _OK:
             continue
-        h, p, X = starts[0, i], starts[1, i], starts[2, i] / b.r0
-        near, far = starts[3, i] / b.I1, starts[4, i] / b.I1
-        level = 0.5 * b.M * p * p + point(h, X, near, b, series).V
-        least = turning_point(h, p == 0.0, level, X, near, b, series, W)
-        if not turning_point_outward(h, level, X, near, b, series) > 0.0:
-            least = min(least, turning_point(VERTICAL, False, level, X, far, b, series, W))
+        h, rate, X, Y = orbits.h[i], orbits.rate[i], orbits.sigma3_bar[i] / b.r0, orbits.near[i] / b.I1
+        motion = motion_through(h, rate, X, Y, disk)
+        least = turning_point(h, rate == 0.0, motion, disk, W)
+        if not turning_point_outward(h, motion, disk) > 0.0:
+            mirrored = Motion(X, orbits.far[i] / b.I1, motion.level)
+            least = min(least, turning_point(VERTICAL, False, mirrored, disk, W))
         out[i] = 2.0 * math.asin(0.5 * least)
         scale = potential_at_flat(X, b)
-        if not (least > 0.0 and _ROUNDING * scale <= target * abs(level + scale)):
+        if not (least > 0.0 and _ROUNDING * scale <= target * abs(motion.level + scale)):
             status[i] = _LIMIT

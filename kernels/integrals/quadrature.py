@@ -10,55 +10,58 @@ with w = (1 - S/2)^(-3/2) (P / tanh^2 y)^(-1/2) and P = theta-dot^2. What is lef
 distances in y by an amount of order eta, so a fixed Gauss rule serves |eta| from 1 to 1e-300: below
 y_c - 36 the rest is smaller than rounding, and the range never grows. The end towards the vertical,
 where a slow start makes P nearly vanish, has a panel of its own in d = scale sinh^2 x.
-Everything near flat is written in h and ratios to it; S = h^2/2 may underflow. The nodes of a rule are
-evaluated together, in `nodes`; `point` is the same for one tilt.
+The nodes of a rule are evaluated together, in `nodes`.
 """
 
 import math
-from typing import NamedTuple
+from typing import Generic, NamedTuple
 
 from kernels._jit import device, subroutine
-from kernels.disk import chaplygin
+from kernels.disk.body import Body, Disk
+from kernels.disk.rows import Entry
 from kernels.integrals import nodes
 from kernels.integrals.nodes import ROOM
+from kernels.integrals.point import Motion, Point, point
+from kernels.integrals.turning import turning_point
 from kernels.status import Status
+from kernels.types import Longs, Matrix, Table, Vector
 
 # Length of the panel towards the vertical, in y: it ends at a fifth of the vertical's h.
 _END_PANEL = 1.5
 # e^-36 = 2e-16: nothing but the closed part is left below.
 _DEEPEST = 36.0
 _LN2 = math.log(2.0)
-# Tilts tried between the vertical and flat when looking for the first turning point.
-SCAN = 24
-_ROOT_LIMIT = 200
+_BISECTIONS = 60  # to rounding, of h
 _EPSILON = 2.2e-16
 FLOOR = 1e-11  # an accuracy below this is met as far as rounding allows
-VERTICAL = math.sqrt(2.0)  # h there
 _NOISE = 100.0  # units of rounding: 30 nodes, sixteen in an exponential, the solutions
+_LEAST = 1e-300  # of what is divided by
 
 _OK = int(Status.OK)
 _BAD = int(Status.BAD_INPUT)
 _LIMIT = int(Status.STEP_LIMIT)
 
 
-class Point(NamedTuple):
-    """A tilt on a motion with constants (X, Y), face +1.
+class Rules(NamedTuple):
+    """Gauss rules of rising order on [-1, 1], side by side.
 
-    shape: sqrt(1 - h^2/4) = cos(theta/2); D: dominant solution; ratio: sigma3/q; V: amended potential
-    above V_0; slope: h dV/dh.
+    packed (2, 2, n): nodes and weights of the positive halves of symmetric rules, and of whole rules;
+    sizes: how many nodes each has.
     """
 
-    S: float
-    shape: float
-    D: float
-    ratio: float
-    sigma4: float
-    V: float
-    slope: float
+    packed: Table
+    sizes: Longs
+
+
+class Start(NamedTuple):
+    """Where a passage begins: h there, and whether it begins from rest, whatever rounding makes of its speed."""
+
+    h: float
+    rest: bool
 
 
 class Passage(NamedTuple):
-    """A passage from `end` to the turning point and back, natural units, face +1.
+    """A passage from its start to the turning point and back, natural units, face +1.
 
     way: sigma3 at the turning point, whose sign is the direction of the race.
     """
@@ -72,116 +75,43 @@ class Passage(NamedTuple):
     time_error: float
 
 
-@subroutine
-def point(h, X, Y, b, series):
-    """The motion at h = 2 sin(theta/2), 0 < h <= sqrt 2."""
-    S = 0.5 * h * h
-    f = chaplygin.solutions(S, 2.0 * math.log(h) - _LN2, b.c, series)
-    shape = math.sqrt(1.0 - 0.5 * S)
-    smooth = 0.5 * X * f.rho_over_S * h
-    ratio = (smooth + Y * f.D / h) / shape
-    sigma4 = (X * f.drho + Y * f.dD) / b.k
-    q, z = h * shape, 1.0 - S
-    # sigma4^2 less its value at flat, from the difference itself: near flat V - V_0 is all there is
-    flat = X / b.k
-    rise = (X * S * chaplygin.slope_excess(S, series) + Y * f.dD) / b.k
-    V = 0.5 * b.I1 * ratio * ratio + 0.5 * b.J * rise * (2.0 * flat + rise) + q
-    slope = h / shape * (b.J * ratio * sigma4 + z) - b.I1 * z * ratio * ratio / (shape * shape)
-    return Point(S, shape, f.D, ratio, sigma4, V, slope)
+class FallRow(NamedTuple, Generic[Entry]):
+    """The fall on F to flat: time, increases of chi and psi, and their error. psi changes sign on face -1."""
+
+    time: Entry
+    chi: Entry
+    psi: Entry
+    error: Entry
 
 
-@subroutine
-def kinetic(h, level, X, Y, b, series):
-    """P = theta-dot^2 = 2 (E - V) / M, with level = E - V_0, as everywhere here."""
-    return 2.0 * b.inv_M * (level - point(h, X, Y, b, series).V)
+class Panels(NamedTuple):
+    """Where the nodes of a passage lie.
 
-
-@subroutine
-def refine(low, high, level, X, Y, b, series):
-    """The turning point between ln h = low (P < 0) and high (P > 0), by bracketed Newton in ln h."""
-    x = 0.5 * (low + high)
-    for _ in range(_ROOT_LIMIT):
-        at = point(math.exp(x), X, Y, b, series)
-        gap = level - at.V
-        if gap < 0.0:
-            low = x
-        else:
-            high = x
-        # d(E - V)/d ln h = -slope
-        guess = x + gap / at.slope if at.slope != 0.0 else low
-        if not (low < guess < high):
-            guess = 0.5 * (low + high)
-        if abs(guess - x) <= 2.0 * _EPSILON * max(1.0, abs(x)):
-            return math.exp(guess)
-        x = guess
-    return math.exp(x)
-
-
-@subroutine
-def crest(low, high, X, Y, b, series):
-    """ln h of the maximum of V between ln h = low, where V rises with h, and high, where it falls."""
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if point(math.exp(middle), X, Y, b, series).slope > 0.0:
-            low = middle
-        else:
-            high = middle
-    return low
-
-
-@subroutine
-def turning_point(h_end, rest, level, X, Y, b, series, W):
-    """h of the first turning point on the way from h_end to flat; NaN if it starts on the wrong side.
-
-    Steps down in tilt, looking at every local minimum of P on the way (a barrier), then in ln h.
+    y_end: y at the start; length: of the panel there; scale: where a slow start stops being slow;
+    closed: D_m w(0), the factor of the closed part.
     """
-    if rest:
-        # From rest it moves towards flat only if V falls that way.
-        if not point(h_end, X, Y, b, series).slope > 0.0:
-            return math.nan
-    elif not kinetic(h_end, level, X, Y, b, series) >= 0.0:
-        return math.nan
-    for i in range(SCAN):
-        h = h_end * (1.0 - i / SCAN)
-        W[nodes.H * ROOM + i] = h
-        W[nodes.LOG * ROOM + i] = 2.0 * math.log(h) - _LN2
-    nodes.levels(W, SCAN, X, Y, b, series)
-    above = math.log(h_end)
-    for i in range(1, SCAN):
-        here = 0.5 * (W[nodes.LOG * ROOM + i] + _LN2)
-        if level < W[nodes.LEVEL * ROOM + i]:
-            return refine(here, above, level, X, Y, b, series)
-        if W[nodes.SLOPE * ROOM + i - 1] < 0.0 < W[nodes.SLOPE * ROOM + i]:
-            # V rose and falls again: its maximum is between.
-            top = crest(here, above, X, Y, b, series)
-            if level < point(math.exp(top), X, Y, b, series).V:
-                return refine(top, above, level, X, Y, b, series)
-        above = here
-    # Near flat h_m = |Y| sqrt(I1/M) / A to leading order: look there before walking down.
-    if level > 0.0 and Y != 0.0:
-        guess = math.log(abs(Y)) + 0.5 * math.log(0.5 * b.I1 / level)
-        if guess + 0.7 < above:
-            low = kinetic(math.exp(max(guess - 0.7, -744.0)), level, X, Y, b, series)
-            if low < 0.0 < kinetic(math.exp(guess + 0.7), level, X, Y, b, series):
-                return refine(guess - 0.7, guess + 0.7, level, X, Y, b, series)
-    below = above
-    while below > -740.0:
-        below -= 2.0
-        if kinetic(math.exp(below), level, X, Y, b, series) < 0.0:
-            return refine(below, below + 2.0, level, X, Y, b, series)
-    return math.nan
+
+    y_end: float
+    length: float
+    scale: float
+    closed: float
+
+
+NO_PASSAGE = Passage(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
 
 
 @device
-def magnitude(at, level, X, b):
+def magnitude(at: Point, motion: Motion, b: Body) -> float:
     """Sum of the sizes of what E - V is a difference of: its rounding is some units of that."""
-    flat = X / b.k
+    flat = motion.X / b.k
     spin = b.J * abs(at.sigma4 - flat) * (abs(flat) + abs(at.sigma4))
-    return abs(level) + 0.5 * b.I1 * at.ratio * at.ratio + spin + math.sqrt(2.0 * at.S) * at.shape
+    return abs(motion.level) + 0.5 * b.I1 * at.ratio * at.ratio + spin + math.sqrt(2.0 * at.S) * at.shape
 
 
 @device
-def slow_start(kinetic_energy, slope, bend, length, rest, rounding):
+def slow_start(
+    kinetic_energy: float, slope: float, bend: float, length: float, rest: bool, rounding: float
+) -> tuple[float, float]:
     """(scale, least kinetic energy that matters) of E - V = kinetic + slope d + bend d^2, d from the start.
 
     scale: where the start's terms give way to the last; with d = scale sinh^2 x the root of E - V is
@@ -193,7 +123,7 @@ def slow_start(kinetic_energy, slope, bend, length, rest, rounding):
         if bend > 0.0:
             scale = min(length, slope / bend)
             least = min(least, slope * slope / bend)
-        return max(scale, 1e-300), least
+        return max(scale, _LEAST), least
     if kinetic_energy > 0.0 and slope + bend > 0.0:
         root = math.sqrt(slope * slope + 4.0 * bend * kinetic_energy)
         scale = min(length, 2.0 * kinetic_energy / (slope + root))
@@ -201,24 +131,7 @@ def slow_start(kinetic_energy, slope, bend, length, rest, rounding):
 
 
 @subroutine
-def end_scale(h_turn, y_end, length, rest, level, X, Y, b, series):
-    """(scale, noise): where a slow start at y_end stops being slow, and what rounding does there.
-
-    rest: the motion starts from rest at y_end, whatever rounding makes of its speed there.
-    """
-    last = point(h_turn * math.cosh(y_end), X, Y, b, series)
-    start = 0.0 if rest else max(level - last.V, 0.0)
-    slope = max(last.slope * math.tanh(y_end), 0.0)
-    other = level - point(h_turn * math.cosh(y_end - length), X, Y, b, series).V
-    bend = max(other - start - slope * length, 0.0) / (length * length)
-    rounding = _EPSILON * magnitude(last, level, X, b)
-    scale, slow = slow_start(start, slope, bend, length, rest, rounding)
-    tilt = h_turn * math.sinh(y_end) / last.shape  # d theta / dy
-    return scale, slow_noise(slow, scale * tilt, rounding, last, b)
-
-
-@subroutine
-def slow_noise(slow, distance, rounding, at, b):
+def slow_noise(slow: float, distance: float, rounding: float, at: Point, b: Body) -> float:
     """Error of angles and time from rounding in E - V, which acts for as long as the motion is slow."""
     if not slow > 0.0:
         return math.inf
@@ -227,20 +140,50 @@ def slow_noise(slow, distance, rounding, at, b):
 
 
 @subroutine
-def lay_nodes(W, y_end, length, scale, closed, half, whole):
+def end_scale(
+    h_turn: float, y_end: float, length: float, rest: bool, motion: Motion, disk: Disk
+) -> tuple[float, float]:
+    """(scale, noise): where a slow start at y_end stops being slow, and what rounding does there."""
+    b, level = disk.body, motion.level
+    last = point(h_turn * math.cosh(y_end), motion.X, motion.Y, disk)
+    start = 0.0 if rest else max(level - last.V, 0.0)
+    slope = max(last.slope * math.tanh(y_end), 0.0)
+    other = level - point(h_turn * math.cosh(y_end - length), motion.X, motion.Y, disk).V
+    bend = max(other - start - slope * length, 0.0) / (length * length)
+    rounding = _EPSILON * magnitude(last, motion, b)
+    scale, slow = slow_start(start, slope, bend, length, rest, rounding)
+    tilt = h_turn * math.sinh(y_end) / last.shape  # d theta / dy
+    return scale, slow_noise(slow, scale * tilt, rounding, last, b)
+
+
+@subroutine
+def rounding_noise(start: Start, turn: Point, y_cut: float, motion: Motion, disk: Disk) -> float:
+    """Relative error from rounding in E - V, away from a slow start.
+
+    The terms of V may be larger than their sum, the spin's at the start most of all where I3 is small.
+    """
+    gyration = 0.5 * disk.body.I1 * turn.ratio * turn.ratio
+    terms = abs(motion.level) + gyration + abs(point(start.h, motion.X, motion.Y, disk).V)
+    # On a short panel the first nodes lie so near the turning point that E - V ~ y^2 has few digits.
+    few = 1.0 + (2.0 + 2.5 / y_cut) / y_cut
+    return _NOISE * _EPSILON * few * (1.0 + terms / max(-turn.slope, _EPSILON * gyration))
+
+
+@subroutine
+def lay_nodes(W: Vector, panels: Panels, half: Matrix, whole: Matrix) -> int:
     """Place the nodes of both panels, as distances below y_end; returns how many.
 
     Flat panel, 0 < y < y_end - length: the positive half of a symmetric rule, since the integrand is
     even. Where y_end is large it starts at _DEEPEST below its end: nothing is left under that, and it
     makes no difference that the integrand is not even there. End panel: y_end - scale sinh^2 x.
     """
-    n = half.shape[1]
-    width = min(y_end - length, _DEEPEST)
+    n, scale = half.shape[1], panels.scale
+    width = min(panels.y_end - panels.length, _DEEPEST)
     for j in range(n):
-        W[nodes.GAP * ROOM + j] = length + width * (1.0 - half[0, j])
+        W[nodes.GAP * ROOM + j] = panels.length + width * (1.0 - half[0, j])
         W[nodes.WEIGHT * ROOM + j] = width * half[1, j]
-        W[nodes.CLOSED * ROOM + j] = closed * width * half[1, j]
-    stretch = math.asinh(math.sqrt(length / scale))
+        W[nodes.CLOSED * ROOM + j] = panels.closed * width * half[1, j]
+    stretch = math.asinh(math.sqrt(panels.length / scale))
     for j in range(n):
         x = 0.5 * stretch * (1.0 + whole[0, j])
         sinh = math.sinh(x)
@@ -250,116 +193,128 @@ def lay_nodes(W, y_end, length, scale, closed, half, whole):
     return 2 * n
 
 
+@device
+def refined(before: Passage, race: float, W: Vector, n: int) -> Passage:
+    """The passage by the integrands of n nodes; its errors are its differences from the one before."""
+    chi = 2.0 * (race + nodes.total(W, nodes.CHI, n))
+    psi = chi - 2.0 * nodes.total(W, nodes.REST, n)
+    time = 2.0 * nodes.total(W, nodes.TIME, n)
+    angle_error = max(abs(chi - before.chi), abs(psi - before.psi))
+    return Passage(before.h_turn, before.way, chi, psi, time, angle_error, abs(time / before.time - 1.0))
+
+
+@device
+def judged(found: Passage, angle_noise: float, time_noise: float, target: float) -> tuple[bool, Passage]:
+    """Whether a passage is good enough, and the passage with the errors to be stated then."""
+    # Rounding may keep two rules apart; what it leaves must still be what was asked for.
+    floor = FLOOR * max(1.0, abs(found.chi))
+    settled = found.angle_error <= max(target, angle_noise) and found.time_error <= max(target, time_noise)
+    angle_error, time_error = found.angle_error + angle_noise, found.time_error + time_noise
+    good = angle_error <= max(target, floor) and time_error <= max(target, FLOOR)
+    # Twice over: where rounding is all that is left, two rules may be wrong alike.
+    stated = Passage(
+        found.h_turn, found.way, found.chi, found.psi, found.time, 2.0 * angle_error, 2.0 * time_error
+    )
+    return settled and good, stated
+
+
 @subroutine
-def passage(h_end, rest, level, X, Y, target, rules, sizes, b, series, W):
-    """The passage from h_end (from rest there, or not) to its turning point and back; Y != 0.
+def passage(
+    start: Start, motion: Motion, target: float, rules: Rules, disk: Disk, W: Vector
+) -> tuple[int, Passage]:
+    """The passage from its start to the turning point and back; Y != 0. Returns status and results.
 
-    Returns status and results.
-
-    rules (2, 2, n): half rules and whole rules of rising order, packed side by side; sizes: how many
-    nodes each has. Orders rise until two in turn agree to `target` (rad, relative in time).
+    Orders of the rules rise until two in turn agree to `target` (rad, relative in time).
     """
-    h_turn = turning_point(h_end, rest, level, X, Y, b, series, W)
-    if not h_turn > 0.0:
-        return _BAD, Passage(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
-    turn = point(h_turn, X, Y, b, series)
-    y_end = math.acosh(max(h_end / h_turn, 1.0))
+    h_turn = turning_point(start.h, start.rest, motion, disk, W)
+    y_end = math.acosh(max(start.h / h_turn, 1.0)) if h_turn > 0.0 else 0.0
     if not y_end > 0.0:
-        return _BAD, Passage(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
+        return _BAD, NO_PASSAGE
+    turn = point(h_turn, motion.X, motion.Y, disk)
     length = min(_END_PANEL, 0.5 * y_end)
     y_cut = y_end - length
-    closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * b.inv_M, 1e-300)))
-    race = closed * Y / h_turn * 2.0 * math.atan(math.tanh(0.5 * y_cut))
-    chi = psi = time = math.nan
-    angle_error = time_error = math.inf
-    # What a unit of rounding in E - V does: the terms of V may be larger than their sum, the spin's
-    # at the end most of all where I3 is small.
-    gyration = 0.5 * b.I1 * turn.ratio * turn.ratio
-    terms = abs(level) + gyration + abs(point(h_end, X, Y, b, series).V)
-    # On a short panel the first nodes lie so near the turning point that E - V ~ y^2 has few digits.
-    few = 1.0 + (2.0 + 2.5 / y_cut) / y_cut
-    noise = _NOISE * _EPSILON * few * (1.0 + terms / max(-turn.slope, _EPSILON * gyration))
-    scale, slow_noise = end_scale(h_turn, y_end, length, rest, level, X, Y, b, series)
+    closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * disk.body.inv_M, _LEAST)))
+    race = closed * motion.Y / h_turn * 2.0 * math.atan(math.tanh(0.5 * y_cut))
+    noise = rounding_noise(start, turn, y_cut, motion, disk)
+    scale, slow = end_scale(h_turn, y_end, length, start.rest, motion, disk)
+    panels = Panels(y_end, length, scale, closed)
+    latest = Passage(h_turn, turn.ratio, math.nan, math.nan, math.nan, math.inf, math.inf)
     first = 0
-    for size in sizes:
-        half, whole = rules[0, :, first : first + size], rules[1, :, first : first + size]
-        first += size
-        n = lay_nodes(W, y_end, length, scale, closed, half, whole)
-        nodes.place(W, n, h_end, h_turn, y_end)
-        nodes.integrands(W, n, level, X, Y, b, series)
-        new_chi = 2.0 * (race + nodes.total(W, nodes.CHI, n))
-        new_psi = new_chi - 2.0 * nodes.total(W, nodes.REST, n)
-        new_time = 2.0 * nodes.total(W, nodes.TIME, n)
-        angle_error = max(abs(new_chi - chi), abs(new_psi - psi))
-        time_error = abs(new_time / time - 1.0)
-        chi, psi, time = new_chi, new_psi, new_time
-        angle_noise = noise * (abs(race) + abs(chi) + abs(psi)) + slow_noise
-        time_noise = noise + slow_noise / time
-        # Rounding may keep two rules apart; what it leaves must still be what was asked for.
-        floor = FLOOR * max(1.0, abs(chi))
-        settled = angle_error <= max(target, angle_noise) and time_error <= max(target, time_noise)
-        good = angle_error + angle_noise <= max(target, floor) and time_error + time_noise <= max(target, FLOOR)
-        if settled and good:
-            # Twice over: where rounding is all that is left, two rules may be wrong alike.
-            angle_error, time_error = 2.0 * (angle_error + angle_noise), 2.0 * (time_error + time_noise)
-            return _OK, Passage(h_turn, turn.ratio, chi, psi, time, angle_error, time_error)
-    return _LIMIT, Passage(h_turn, turn.ratio, chi, psi, time, angle_error, time_error)
+    for size in rules.sizes:
+        last = first + int(size)
+        n = lay_nodes(W, panels, rules.packed[0, :, first:last], rules.packed[1, :, first:last])
+        first = last
+        nodes.place(W, n, start.h, h_turn, y_end)
+        nodes.integrands(W, n, motion, disk)
+        latest = refined(latest, race, W, n)
+        angle_noise = noise * (abs(race) + abs(latest.chi) + abs(latest.psi)) + slow
+        good, stated = judged(latest, angle_noise, noise + slow / latest.time, target)
+        if good:
+            return _OK, stated
+    return _LIMIT, latest
 
 
 @subroutine
-def start_of_fall(h_end, level, X, b, series):
-    """(h, from rest) where the fall on F begins: h_end, or the turning point if that comes later."""
-    if level >= point(h_end, X, 0.0, b, series).V:
-        return h_end, False
+def start_of_fall(h_end: float, motion: Motion, disk: Disk) -> Start:
+    """Where the fall on F begins: at h_end, or at rest at the turning point if that comes later."""
+    if motion.level >= point(h_end, motion.X, 0.0, disk).V:
+        return Start(h_end, False)
     low, high = 0.0, h_end
-    for _ in range(60):
+    for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        if level < point(middle, X, 0.0, b, series).V:
+        if motion.level < point(middle, motion.X, 0.0, disk).V:
             high = middle
         else:
             low = middle
-    return low, True
+    return Start(low, True)
 
 
 @subroutine
-def fall(h_end, level, X, rules, sizes, b, series, W):
-    """(time, increase of chi, increase of psi, error) of the fall on F from h_end to flat.
+def lay_fall_nodes(W: Vector, start: float, scale: float, rule: Matrix) -> None:
+    """Place the nodes of a fall from the tilt `start`: theta = start - scale sinh^2 x."""
+    stretch = math.asinh(math.sqrt(start / scale))
+    for j in range(rule.shape[1]):
+        x = 0.5 * stretch * (1.0 + rule[0, j])
+        sinh = math.sinh(x)
+        theta = max(start - scale * sinh * sinh, _LEAST)
+        h = 2.0 * math.sin(0.5 * theta)
+        dtheta = rule[1, j] * stretch * scale * sinh * math.sqrt(1.0 + sinh * sinh)
+        W[nodes.H * ROOM + j] = h
+        W[nodes.LOG * ROOM + j] = 2.0 * math.log(h) - _LN2
+        W[nodes.E2 * ROOM + j] = W[nodes.CLOSED * ROOM + j] = 0.0
+        # integrands() takes weights in y, with dtheta = h tanh(y) dy / shape
+        W[nodes.WEIGHT * ROOM + j] = dtheta * math.sqrt(1.0 - 0.25 * h * h) / h
+
+
+@subroutine
+def fall(h_end: float, motion: Motion, rules: Rules, disk: Disk, W: Vector) -> FallRow[float]:
+    """The fall on F (Y = 0) from h_end to flat.
 
     Where the energy is too low for h_end the fall begins at rest, later. theta = start - scale sinh^2 x
     makes the square root of E - V smooth in x, however slow the start. Orders rise as in `passage`.
     """
-    h, rest = start_of_fall(h_end, level, X, b, series)
-    start = 2.0 * math.asin(0.5 * h)
-    first = point(h, X, 0.0, b, series)
-    kinetic_energy = 0.0 if rest else level - first.V
-    slope = max(first.slope * first.shape / h, 0.0)
-    bend = max(level - kinetic_energy - slope * start, 0.0) / (start * start)
+    start = start_of_fall(h_end, motion, disk)
+    theta = 2.0 * math.asin(0.5 * start.h)
+    first = point(start.h, motion.X, 0.0, disk)
+    kinetic_energy = 0.0 if start.rest else motion.level - first.V
+    slope = max(first.slope * first.shape / start.h, 0.0)
+    bend = max(motion.level - kinetic_energy - slope * theta, 0.0) / (theta * theta)
     # The energy comes from a start at the vertical, where q = 1.
-    rounding = _EPSILON * (magnitude(first, level, X, b) + 1.0)
-    scale, slow = slow_start(kinetic_energy, slope, bend, start, rest, rounding)
-    noise = slow_noise(slow, scale, rounding, first, b) + _NOISE * _EPSILON
-    stretch = math.asinh(math.sqrt(start / scale))
+    rounding = _EPSILON * (magnitude(first, motion, disk.body) + 1.0)
+    scale, slow = slow_start(kinetic_energy, slope, bend, theta, start.rest, rounding)
+    noise = slow_noise(slow, scale, rounding, first, disk.body) + _NOISE * _EPSILON
     time = chi = psi = math.nan
     error = math.inf
     done = 0
-    for n in sizes:
-        for j in range(n):
-            x = 0.5 * stretch * (1.0 + rules[1, 0, done + j])
-            sinh = math.sinh(x)
-            theta = max(start - scale * sinh * sinh, 1e-300)
-            here = 2.0 * math.sin(0.5 * theta)
-            dtheta = rules[1, 1, done + j] * stretch * scale * sinh * math.sqrt(1.0 + sinh * sinh)
-            W[nodes.H * ROOM + j] = here
-            W[nodes.LOG * ROOM + j] = 2.0 * math.log(here) - _LN2
-            W[nodes.E2 * ROOM + j] = W[nodes.CLOSED * ROOM + j] = 0.0
-            # integrands() takes weights in y, with dtheta = h tanh(y) dy / shape
-            W[nodes.WEIGHT * ROOM + j] = dtheta * math.sqrt(1.0 - 0.25 * here * here) / here
+    for size in rules.sizes:
+        n = int(size)
+        lay_fall_nodes(W, theta, scale, rules.packed[1, :, done : done + n])
         done += n
-        nodes.integrands(W, n, level, X, 0.0, b, series)
+        nodes.integrands(W, n, motion, disk)
         new_time, new_chi = nodes.total(W, nodes.TIME, n), nodes.total(W, nodes.CHI, n)
         new_psi = new_chi - nodes.total(W, nodes.REST, n)
         error = max(abs(new_time - time), max(abs(new_chi - chi), abs(new_psi - psi)))
         time, chi, psi = new_time, new_chi, new_psi
         if error <= noise * (1.0 + time):
             break
-    return time, chi, psi, error + noise * (1.0 + time)
+    return FallRow(time, chi, psi, error + noise * (1.0 + time))

@@ -13,8 +13,10 @@ import numpy as np
 from numba import float64
 from numba import types as nb
 
+from kernels._jit import contracted_device
 from kernels.disk import chaplygin
-from kernels.disk.body import Body
+from kernels.disk.body import Disk
+from kernels.disk.polynomials import economise
 from kernels.types import Matrix
 
 # h where the fixed nodes end: as far out as the low series stay short.
@@ -26,6 +28,34 @@ LOW_DEGREE = 9  # the nearest singularity is 16 intervals away: coefficients fal
 RATIO_X, RATIO_Y, RISE_X, RISE_Y, HEIGHT, SLOPE, TIME, CHI, LAST, LAST_BUT_ONE = range(10)
 # Rows of the table of relative nodes in y, its last coefficients below them.
 GAP, WEIGHT, EVEN, EVEN_BUT_ONE = range(4)
+
+
+class Fixed(NamedTuple):
+    """What a node at a fixed tilt has of the body: the first rows of a table."""
+
+    ratio_x: float
+    ratio_y: float
+    rise_x: float
+    rise_y: float
+    height: float
+    slope: float
+    time: float
+    chi: float
+
+
+@contracted_device
+def fixed(table: Matrix, j: int) -> Fixed:
+    """Node j of a table of fixed tilts."""
+    return Fixed(
+        table[RATIO_X, j],
+        table[RATIO_Y, j],
+        table[RISE_X, j],
+        table[RISE_Y, j],
+        table[HEIGHT, j],
+        table[SLOPE, j],
+        table[TIME, j],
+        table[CHI, j],
+    )
 
 
 LowPowers = Annotated[tuple[float, ...], nb.UniTuple(float64, LOW_DEGREE + 1)]
@@ -51,8 +81,8 @@ class Tables(NamedTuple):
     low: Low
 
 
-def make_tables(body: Body, series: Matrix, rules: tuple[np.ndarray, ...]) -> Tables:
-    """Tables for passages of `body`. rules: Gauss rules (2, n) on [-1, 1] for outer, fall and inner.
+def make_tables(disk: Disk, rules: tuple[np.ndarray, ...]) -> Tables:
+    """Tables for passages of a disk. rules: Gauss rules (2, n) on [-1, 1] for outer, fall and inner.
 
     The inner rule has an even number of nodes; its positive half is used.
     """
@@ -61,17 +91,17 @@ def make_tables(body: Body, series: Matrix, rules: tuple[np.ndarray, ...]) -> Ta
     length = 0.5 * math.pi - handover
     # A slow start makes theta-dot^2 small towards the vertical; there nodes lie close, like u^2.
     u = 0.5 * (1.0 + outer[0])
-    fixed = _at_tilts(body, series, 0.5 * math.pi - length * u * u, length * u * outer[1])
+    fixed = _at_tilts(disk, 0.5 * math.pi - length * u * u, length * u * outer[1])
     # The fall has a logarithm at flat as well: u^2 (3 - 2u) crowds nodes at both ends.
     u = 0.5 * (1.0 + fall[0])
     theta = 0.5 * math.pi * u * u * (3.0 - 2.0 * u)
-    fallen = _at_tilts(body, series, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
+    fallen = _at_tilts(disk, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
     half, n = inner.shape[1] // 2, inner.shape[1]
     # Of an even function the even coefficients are left, of degrees n - 2 and n - 4.
     last = _coefficients(inner, (n - 2, n - 4))[:, half:]
-    low = Low(*(tuple(map(float, row)) for row in _low_series(body.c)))
+    low = Low(*(tuple(map(float, row)) for row in _low_series(disk.body.c)))
     return Tables(
-        vertical=_at_tilts(body, series, np.array([0.5 * math.pi]), np.zeros(1)),
+        vertical=_at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1)),
         outer=np.concatenate([fixed, _coefficients(outer, (outer.shape[1] - 1, outer.shape[1] - 2))]),
         fall=np.concatenate([fallen, _coefficients(fall, (fall.shape[1] - 1, fall.shape[1] - 2))]),
         inner=np.concatenate([1.0 - inner[:1, half:], inner[1:, half:], last]),
@@ -79,11 +109,12 @@ def make_tables(body: Body, series: Matrix, rules: tuple[np.ndarray, ...]) -> Ta
     )
 
 
-def _at_tilts(body: Body, series: Matrix, theta: np.ndarray, weights: np.ndarray) -> np.ndarray:
+def _at_tilts(disk: Disk, theta: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Rows RATIO_X ... CHI at the given tilts; weights in theta."""
+    body = disk.body
     h = 2.0 * np.sin(0.5 * theta)
     S, log_S = 0.5 * h * h, 2.0 * np.log(h) - math.log(2.0)
-    g, drho, v, dv, excess = (np.polynomial.polynomial.polyval(2.0 * S - 1.0, row) for row in series)
+    g, drho, v, dv, excess = (np.polynomial.polynomial.polyval(2.0 * S - 1.0, row) for row in disk.series)
     D = 0.5 * body.c * S * g * log_S + v
     dD = 0.5 * body.c * (drho * log_S + g) + dv
     shape = np.cos(0.5 * theta)
@@ -102,4 +133,4 @@ def _coefficients(rule: np.ndarray, degrees: tuple[int, int]) -> np.ndarray:
 def _low_series(c: float) -> list[np.ndarray]:
     power_series, _r0, _dr0 = chaplygin.power_series(c)
     shrink = (0.5 * HANDOVER * HANDOVER) ** np.arange(power_series.shape[1])
-    return [chaplygin.economise(row * shrink, LOW_DEGREE) for row in power_series]
+    return [economise(row * shrink, LOW_DEGREE) for row in power_series]

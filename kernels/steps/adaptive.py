@@ -9,23 +9,28 @@ some 500 of the stage sums, and lanes would have to store and reload ten numbers
 import math
 
 from kernels._jit import device
-from kernels.disk.field import State, field, shift
+from kernels.disk.body import Body
+from kernels.disk.field import ORIGIN, State, field, shift
 from kernels.steps.tableaux import DORMAND_PRINCE_54
 
 _A = DORMAND_PRINCE_54.a_floats
 _E = DORMAND_PRINCE_54.error_floats
 
+# Usual values: a tenth of a step is given away for fewer refusals, and one estimate, which may be wrong
+# by luck, changes the step by a factor of five at most.
 SAFETY = 0.9
 SHRINK = 0.2
 GROW = 5.0
 # In units of 1/speed. Beyond one unit a turning point of p could hide inside a step.
 LONGEST_STEP = 1.0
-_SMALLEST_ERROR = 1e-30
+# In the same units. It is some thousand units of rounding of the way a motion goes meanwhile: shorter steps
+# add rounding and no accuracy.
 SHORTEST_STEP = 1e-12
+SMALLEST_ERROR = 1e-30  # far below any tolerance, far above underflow
 
 
 @device
-def dopri5_step(x, h, b):
+def dopri5_step(x: State, h: float, b: Body) -> tuple[State, State]:
     """The state one step h later, and the estimated local error of each component."""
     k1 = field(x, b)
     k2 = field(shift(x, h * _A[0][0], k1), b)
@@ -41,14 +46,13 @@ def dopri5_step(x, h, b):
     y = shift(shift(x, h * _A[5][0], k1), h * _A[5][2], k3)
     y = shift(shift(shift(y, h * _A[5][3], k4), h * _A[5][4], k5), h * _A[5][5], k6)
     k7 = field(y, b)
-    zero = State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    e = shift(shift(zero, h * _E[0], k1), h * _E[2], k3)
+    e = shift(shift(ORIGIN, h * _E[0], k1), h * _E[2], k3)
     e = shift(shift(shift(shift(e, h * _E[3], k4), h * _E[4], k5), h * _E[5], k6), h * _E[6], k7)
     return y, e
 
 
 @device
-def error_norm(x, e, unit, b):
+def error_norm(x: State, e: State, unit: float, b: Body) -> float:
     """Largest local error of the reduced motion and of chi, each on the scale that matters.
 
     q is relative, since its logarithm is what near-flat motion resolves; angles are absolute (rad);
@@ -64,26 +68,26 @@ def error_norm(x, e, unit, b):
 
 
 @device
-def path_error_norm(x, e, unit, b):
+def path_error_norm(x: State, e: State, unit: float, b: Body) -> float:
     """As error_norm, and the path in units of r: large kappa turns it many times per step."""
     worst = error_norm(x, e, unit, b)
     return _larger(_larger(worst, abs(e.a1)), abs(e.a2))
 
 
 @device
-def _larger(worst, candidate):
+def _larger(worst: float, candidate: float) -> float:
     # Keeps NaN: a comparison with NaN is false, so NaN replaces `worst` and then stays.
     return worst if worst >= candidate else candidate + 0.0 * worst
 
 
 @device
-def step_factor(error):
+def step_factor(error: float) -> float:
     """Factor for the next step from error / tolerance: near error^(-1/5), by square roots only.
 
     3/16 is near enough to 1/5 and needs four square roots, which vectorise; pow does not.
     """
     # An exact step must not divide by zero; a NaN passes on.
-    error = _SMALLEST_ERROR if error < _SMALLEST_ERROR else error
+    error = SMALLEST_ERROR if error < SMALLEST_ERROR else error
     eighth = math.sqrt(math.sqrt(math.sqrt(error)))
     factor = SAFETY / (eighth * math.sqrt(eighth))
     # In this order: a NaN fails the first comparison and shrinks the step.

@@ -1,15 +1,19 @@
 """What all integrators share: one attempted step, event location, limits, and the verdict."""
 
 import math
-from typing import NamedTuple
+from typing import Generic, NamedTuple
 
 from kernels._jit import device, subroutine
+from kernels.disk.body import Body
+from kernels.disk.constants import Constants
 from kernels.disk.field import ANGLES, REDUCED, State, field, shift
+from kernels.disk.rows import Entry
 from kernels.status import Status
 from kernels.steps.adaptive import LONGEST_STEP, dopri5_step, error_norm, path_error_norm, step_factor
 from kernels.steps.eighth import combined_error, eighth_order_step, eighth_step_factor
-from kernels.steps.events import level, level_rate
+from kernels.steps.events import Stop, level, level_rate
 from kernels.steps.fixed import rk4_step
+from kernels.types import Codes, Counts, Matrix, Vector
 
 RK4, DOPRI5, RK8, DOP853 = range(4)  # RK8: the steps of DOP853 at a fixed length
 
@@ -27,16 +31,42 @@ _CUBIC_STEPS = 3
 _SHORT, _SHORTER, _LAST = 1e-3, 1e-5, 1e-8
 
 
-class ConstantsError(NamedTuple):
+class Integration(NamedTuple):
+    """How motions are integrated: RK4 ...; REDUCED, ANGLES or PATH; and when to give up.
+
+    control (n): step in units of 1/speed (RK4, RK8) or tolerance (DOPRI5, DOP853) of every sample.
+    max_steps: attempts, refused ones included. constants_bound: how far constants of motion may move.
+    """
+
+    method: int
+    depth: int
+    control: Vector
+    max_steps: int
+    constants_bound: float
+
+
+class Outcome(NamedTuple):
+    """What became of every sample.
+
+    status (n): samples that come in as not OK are skipped; steps (n): attempted ones; errors (3, n): rows
+    as ConstantsError.
+    """
+
+    status: Codes
+    steps: Counts
+    errors: Matrix
+
+
+class ConstantsError(NamedTuple, Generic[Entry]):
     """How far the constants of motion moved: relative energy; sigma3_bar and eta on the near side."""
 
-    energy: float
-    sigma3_bar: float
-    eta: float
+    energy: Entry
+    sigma3_bar: Entry
+    eta: Entry
 
 
 @device
-def first_step(method, control, unit):
+def first_step(method: int, control: float, unit: float) -> float:
     """Step to begin with. `control` is the step in units of 1/unit, or the tolerance."""
     if method in (RK4, RK8):
         return control / unit
@@ -44,7 +74,7 @@ def first_step(method, control, unit):
 
 
 @device
-def to_depth(x, depth):
+def to_depth(x: State, depth: int) -> State:
     """x without what the depth does not carry."""
     return State(
         x.q,
@@ -61,7 +91,9 @@ def to_depth(x, depth):
 
 
 @device
-def attempt(method, depth, x, h, control, unit, b):
+def attempt(
+    method: int, depth: int, x: State, h: float, control: float, unit: float, b: Body
+) -> tuple[State, bool, float]:
     """One step: the state after it, whether it is accepted, and the step to try next.
 
     Call with constant method and depth: the compiler then keeps one branch and drops what the
@@ -85,7 +117,7 @@ def attempt(method, depth, x, h, control, unit, b):
 
 
 @device
-def norm(x, e, unit, b, depth):
+def norm(x: State, e: State, unit: float, b: Body, depth: int) -> float:
     """Size of a local error at the depth carried."""
     if depth > ANGLES:
         return path_error_norm(x, e, unit, b)
@@ -93,7 +125,7 @@ def norm(x, e, unit, b, depth):
 
 
 @subroutine
-def partial_step(method, x, h, b):
+def partial_step(method: int, x: State, h: float, b: Body) -> State:
     """The state a fraction of an accepted step later, by the same method."""
     if method == RK4:
         return rk4_step(x, h, b)
@@ -103,16 +135,16 @@ def partial_step(method, x, h, b):
 
 
 @subroutine
-def first_guess(x, end, h, event, target, b):
+def first_guess(x: State, end: State, h: float, stop: Stop, b: Body) -> float:
     """Length at which the cubic through both ends of a step, with their slopes, takes the value."""
-    start, stop = level(x, event) - target, level(end, event) - target
-    leave, arrive = h * level_rate(x, event, b), h * level_rate(end, event, b)
+    start, last = level(x, stop.event) - stop.value, level(end, stop.event) - stop.value
+    leave, arrive = h * level_rate(x, stop.event, b), h * level_rate(end, stop.event, b)
     low, high = 0.0, 1.0
-    u = start / (start - stop) if start != stop else 1.0
+    u = start / (start - last) if start != last else 1.0
     for _ in range(_CUBIC_STEPS):
         v = 1.0 - u
-        value = v * v * ((1.0 + 2.0 * u) * start + u * leave) + u * u * ((1.0 + 2.0 * v) * stop - v * arrive)
-        slope = 6.0 * u * v * (stop - start) + v * (1.0 - 3.0 * u) * leave + u * (3.0 * u - 2.0) * arrive
+        value = v * v * ((1.0 + 2.0 * u) * start + u * leave) + u * u * ((1.0 + 2.0 * v) * last - v * arrive)
+        slope = 6.0 * u * v * (last - start) + v * (1.0 - 3.0 * u) * leave + u * (3.0 * u - 2.0) * arrive
         if (value < 0.0) == (start < 0.0):
             low = u
         else:
@@ -123,24 +155,24 @@ def first_guess(x, end, h, event, target, b):
 
 
 @subroutine
-def locate(method, x, end, h, event, target, b):
-    """The state where `event` takes the value `target` within the step from x to `end`, to rounding."""
-    length = first_guess(x, end, h, event, target, b)
-    return settle(method, x, h, length, partial_step(method, x, length, b), event, target, b)
+def locate(method: int, x: State, end: State, h: float, stop: Stop, b: Body) -> State:
+    """The state where the event takes its value within the step of length h from x to `end`, to rounding."""
+    length = first_guess(x, end, h, stop, b)
+    return settle(method, x, h, length, partial_step(method, x, length, b), stop, b)
 
 
 @subroutine
-def settle(method, x, h, length, y, event, target, b):
-    """The state where `event` takes the value, from y, which is x a partial step of `length` later.
+def settle(method: int, x: State, h: float, length: float, y: State, stop: Stop, b: Body) -> State:
+    """The state where the event takes its value, from y, which is x a partial step of `length` later.
 
     Newton's method. What is left to go is so short that a lower order adds less than rounding, so the
     located state has the accuracy of the method itself, with no interpolation error.
     """
     low, high = 0.0, h
-    below = level(x, event) < target
+    below = level(x, stop.event) < stop.value
     for _ in range(LOCATE_LIMIT):
-        gap = level(y, event) - target
-        slope = level_rate(y, event, b)
+        gap = level(y, stop.event) - stop.value
+        slope = level_rate(y, stop.event, b)
         left = -gap / slope
         if abs(left) <= _LAST * h:
             return shift(y, left, field(y, b))
@@ -163,7 +195,7 @@ def settle(method, x, h, length, y, event, target, b):
 
 
 @device
-def constants_error(before, after, near_plus):
+def constants_error(before: Constants[float], after: Constants[float], near_plus: bool) -> ConstantsError[float]:
     """Change of the constants of motion between two states of one motion."""
     eta = after.eta_plus - before.eta_plus if near_plus else after.eta_minus - before.eta_minus
     energy = (after.energy - before.energy) / before.energy
@@ -171,7 +203,7 @@ def constants_error(before, after, near_plus):
 
 
 @device
-def verdict(moved, eta, spin_scale, constants_bound):
+def verdict(moved: ConstantsError[float], eta: float, spin_scale: float, constants_bound: float) -> int:
     """Status of a finished sample from the change of its constants; `eta` is its exact value.
 
     spin_scale is sqrt(2E/I1), a bound of sigma3.
@@ -184,7 +216,7 @@ def verdict(moved, eta, spin_scale, constants_bound):
 
 
 @device
-def all_finite(x):
+def all_finite(x: State) -> bool:
     """False if any component is NaN or infinite."""
     total = x.q + x.z + x.p + x.rho + x.sigma4 + x.t + x.chi + x.psi + x.a1 + x.a2
     return abs(total) < math.inf

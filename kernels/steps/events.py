@@ -7,7 +7,9 @@ serves them all, so lanes test for an event with four multiply-adds and no branc
 from typing import NamedTuple
 
 from kernels._jit import device
-from kernels.disk.field import angles, reduced
+from kernels.disk.body import Body
+from kernels.disk.field import State, angles, reduced
+from kernels.types import Vector
 
 
 class Event(NamedTuple):
@@ -19,19 +21,33 @@ class Event(NamedTuple):
     t: float
 
 
+class Stop(NamedTuple):
+    """Where a motion ends: the first time that the event takes the value."""
+
+    event: Event
+    value: float
+
+
+class Stops(NamedTuple):
+    """Where a motion is recorded: whenever the event has taken the next of the values."""
+
+    event: Event
+    values: Vector
+
+
 TURNING_POINT = Event(0.0, 0.0, 1.0, 0.0)
 VERTICAL = Event(0.0, 1.0, 0.0, 0.0)
 TIME = Event(0.0, 0.0, 0.0, 1.0)
 
 
 @device
-def level(x, event):
+def level(x: State, event: Event) -> float:
     """The value watched."""
     return event.q * x.q + event.z * x.z + event.p * x.p + event.t * x.t
 
 
 @device
-def level_rate(x, event, b):
+def level_rate(x: State, event: Event, b: Body) -> float:
     """Its derivative along the motion, d/ds."""
     dq, dz, dp, _drho, _dsigma4 = reduced(x, b)
     dt, _dchi, _dpsi = angles(x)
@@ -39,7 +55,7 @@ def level_rate(x, event, b):
 
 
 @device
-def crossed(before, after, target):
-    """True where the target was reached in a step; starting on it does not count."""
+def crossed(before: float, after: float, value: float) -> bool:
+    """True where the value was reached in a step; starting on it does not count."""
     # Without `and`/`or`: lanes need straight-line code.
-    return ((before - target) * (after - target) < 0.0) | ((after == target) & (before != target))
+    return ((before - value) * (after - value) < 0.0) | ((after == value) & (before != value))

@@ -1,7 +1,8 @@
 """One fixed step: the classical fourth-order Runge-Kutta method."""
 
 from kernels._jit import device
-from kernels.disk.field import field, shift
+from kernels.disk.body import Body
+from kernels.disk.field import State, field, shift
 from kernels.steps.tableaux import CLASSICAL_RK4
 
 _A = CLASSICAL_RK4.a_floats
@@ -9,7 +10,7 @@ _B = CLASSICAL_RK4.b_floats
 
 
 @device
-def rk4_step(x, h, b):
+def rk4_step(x: State, h: float, b: Body) -> State:
     """The state one step of length h in s later."""
     k1 = field(x, b)
     k2 = field(shift(x, h * _A[0][0], k1), b)

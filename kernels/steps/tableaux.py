@@ -9,13 +9,17 @@ Sources: Kutta (1901), the classical method; Dormand & Prince, J. Comput. Appl. 
 """
 
 import math
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction as F
 from functools import cache
+from typing import Any
 
 from kernels.steps import coefficients853 as dop853
 
 Tree = tuple  # a rooted tree is the sorted tuple of its subtrees; () is the single node
+Rows = tuple[tuple, ...]
+Sum = Callable[[Iterable], Any]
 
 
 @cache
@@ -23,15 +27,16 @@ def trees(nodes: int) -> tuple[Tree, ...]:
     """All rooted trees with that many nodes."""
     if nodes == 1:
         return ((),)
-    found = set()
+    grown = set()
     for size in range(1, nodes):
         for branch in trees(size):
             for rest in trees(nodes - size):
-                found.add(tuple(sorted((*rest, branch))))
-    return tuple(sorted(found))
+                grown.add(tuple(sorted((*rest, branch))))
+    return tuple(sorted(grown))
 
 
 def tree_size(tree: Tree) -> int:
+    """How many nodes a tree has."""
     return 1 + sum(tree_size(branch) for branch in tree)
 
 
@@ -41,6 +46,28 @@ def tree_density(tree: Tree) -> int:
     for branch in tree:
         product *= tree_density(branch)
     return product
+
+
+def elementary_weight(a: Rows, weights: Iterable, tree: Tree, add: Sum) -> Any:
+    """sum_i weights_i Phi_i(tree) of the method with rows a; `add` says how its numbers are added up."""
+    return add(w * s for w, s in zip(weights, _stage_weights(a, tree, add), strict=True))
+
+
+def _stage_weights(a: Rows, tree: Tree, add: Sum) -> list:
+    result: list = [1] * len(a)
+    for branch in tree:
+        inner = _stage_weights(a, branch, add)
+        for i, row in enumerate(a):
+            result[i] *= add(x * inner[j] for j, x in enumerate(row))
+    return result
+
+
+def defects(a: Rows, weights: Iterable, order: int, add: Sum) -> Iterator[tuple[str, Any]]:
+    """By how much each order condition up to `order` fails, and which it is."""
+    for nodes in range(1, order + 1):
+        for tree in trees(nodes):
+            defect = elementary_weight(a, weights, tree, add) - F(1, tree_density(tree))
+            yield f"order condition {tree} of order {nodes} fails", defect
 
 
 @dataclass(frozen=True)
@@ -68,29 +95,18 @@ class Tableau:
             self._verify(self.embedded, self.embedded_order)
 
     def _verify(self, weights: tuple[F, ...], order: int) -> None:
-        for nodes in range(1, order + 1):
-            for tree in trees(nodes):
-                if self.elementary_weight(weights, tree) != F(1, tree_density(tree)):
-                    raise ValueError(f"tableau {self.name}: order condition {tree} of order {nodes} fails")
-
-    def elementary_weight(self, weights: tuple[F, ...], tree: Tree) -> F:
-        stages = self._stage_weights(tree)
-        return sum((w * s for w, s in zip(weights, stages, strict=True)), F(0))
-
-    def _stage_weights(self, tree: Tree) -> list[F]:
-        result = [F(1)] * len(self.b)
-        for branch in tree:
-            inner = self._stage_weights(branch)
-            for i, row in enumerate(self.a):
-                result[i] *= sum((a * inner[j] for j, a in enumerate(row)), F(0))
-        return result
+        for condition, defect in defects(self.a, weights, order, sum):
+            if defect != 0:
+                raise ValueError(f"tableau {self.name}: {condition}")
 
     @property
     def a_floats(self) -> tuple[tuple[float, ...], ...]:
+        """Rows of a from the second stage on."""
         return tuple(tuple(map(float, row)) for row in self.a[1:])
 
     @property
     def b_floats(self) -> tuple[float, ...]:
+        """Weights of the solution."""
         return tuple(map(float, self.b))
 
     @property
@@ -151,21 +167,10 @@ class Tableau853:
     def __post_init__(self) -> None:
         solutions = ((self.b, 8), (_minus(self.b, self.fifth), 5), (_minus(self.b, self.third), 3))
         for weights, order in solutions:
-            for nodes in range(1, order + 1):
-                for tree in trees(nodes):
-                    if abs(self._elementary_weight(weights, tree) - 1.0 / tree_density(tree)) > 1e-13:
-                        raise ValueError(f"tableau 8(5,3): order condition {tree} of order {nodes} fails")
-
-    def _elementary_weight(self, weights: tuple[float, ...], tree: Tree) -> float:
-        return math.fsum(w * s for w, s in zip(weights, self._stage_weights(tree), strict=True))
-
-    def _stage_weights(self, tree: Tree) -> list[float]:
-        result = [1.0] * len(self.b)
-        for branch in tree:
-            inner = self._stage_weights(branch)
-            for i, row in enumerate(self.a):
-                result[i] *= math.fsum(a * inner[j] for j, a in enumerate(row))
-        return result
+            for condition, defect in defects(self.a, weights, order, math.fsum):
+                # Digits of a double: every row rounds by some 1e-16.
+                if abs(defect) > 1e-13:
+                    raise ValueError(f"tableau 8(5,3): {condition}")
 
 
 def _minus(x: tuple[float, ...], y: tuple[float, ...]) -> tuple[float, ...]:

@@ -1,12 +1,12 @@
 """One trajectory after another, recorded at a list of events. The plain reference of `batch`."""
 
 import math
-from typing import NamedTuple
 
 from kernels._jit import device, kernel, subroutine
-from kernels.disk.body import Body
-from kernels.disk.constants import constants_of, onto_constants, onto_energy
-from kernels.disk.field import ANGLES, PATH, State, energy, speed
+from kernels.disk.body import Body, Disk
+from kernels.disk.constants import Pinned, constants_of, onto_constants, onto_energy
+from kernels.disk.field import ANGLES, PATH, State, column, energy, speed
+from kernels.disk.rows import put
 from kernels.status import Status
 from kernels.steps.adaptive import SHORTEST_STEP
 from kernels.steps.attempt import (
@@ -14,6 +14,9 @@ from kernels.steps.attempt import (
     DOPRI5,
     RK4,
     RK8,
+    ConstantsError,
+    Integration,
+    Outcome,
     all_finite,
     attempt,
     constants_error,
@@ -22,8 +25,8 @@ from kernels.steps.attempt import (
     to_depth,
     verdict,
 )
-from kernels.steps.events import Event, crossed, level
-from kernels.types import Codes, Counts, Matrix, Table, Vector
+from kernels.steps.events import Stop, Stops, crossed, level
+from kernels.types import Matrix, Table
 
 _OK = int(Status.OK)
 _DRIFT = int(Status.INVARIANT_DRIFT)
@@ -31,9 +34,11 @@ _STEP_LIMIT = int(Status.STEP_LIMIT)
 _TOO_SMALL = int(Status.STEP_TOO_SMALL)
 _NOT_FINITE = int(Status.NOT_FINITE)
 
+Attempt = tuple[State, bool, float]
+
 
 @subroutine
-def attempt_any(method, depth, x, h, control, unit, b):
+def attempt_any(method: int, depth: int, x: State, h: float, control: float, unit: float, b: Body) -> Attempt:
     """attempt() with method and depth only known at run time."""
     if method == RK4:
         return attempt_at_depth(RK4, depth, x, h, control, unit, b)
@@ -45,7 +50,7 @@ def attempt_any(method, depth, x, h, control, unit, b):
 
 
 @device
-def attempt_at_depth(method, depth, x, h, control, unit, b):
+def attempt_at_depth(method: int, depth: int, x: State, h: float, control: float, unit: float, b: Body) -> Attempt:
     """attempt() with the depth only known at run time."""
     if depth == PATH:
         return attempt(method, PATH, x, h, control, unit, b)
@@ -53,123 +58,80 @@ def attempt_at_depth(method, depth, x, h, control, unit, b):
 
 
 @subroutine
-def record(y, row):
-    """Write a state into one row of output, in the order of State."""
-    row[0], row[1], row[2], row[3], row[4] = y.q, y.z, y.p, y.rho, y.sigma4
-    row[5], row[6], row[7], row[8], row[9] = y.t, y.chi, y.psi, y.a1, y.a2
+def trajectory(
+    how: Integration, stops: Stops, x: State, pinned: Pinned[float], control: float, disk: Disk, out: Matrix
+) -> tuple[int, int, State, float]:
+    """Follow one motion until it has come to each of the stops in turn.
 
-
-class Pinned(NamedTuple):
-    """Constants of motion that a trajectory is held to; NaN in sigma3_bar: it runs free."""
-
-    sigma3_bar: float
-    eta_plus: float
-    eta_minus: float
-
-
-@subroutine
-def trajectory(method, depth, x, pinned, control, event, targets, max_steps, b, series, out):
-    """Follow one motion until `event` has taken each value of `targets` in turn.
-
-    out (len(targets), 10) receives the states there, in the order of State. Returns status, the
+    out (stops, 10) receives the states there, in the order of State. Returns status, the
     number of attempted steps, the last state reached and the energy taken out on the way.
     """
+    b, values = disk.body, stops.values
     held = not math.isnan(pinned.sigma3_bar)
     removed = 0.0
     if held:
-        x = onto_constants(x, pinned.sigma3_bar, pinned.eta_plus, pinned.eta_minus, b, series)
+        x = onto_constants(x, pinned, disk)
     total = energy(x, b)
     unit = speed(x, b)
-    if depth == PATH:
+    if how.depth == PATH:
         unit *= b.kappa  # sin chi turns at up to kappa times the speed
-    h = first_step(method, control, unit)
+    h = first_step(how.method, control, unit)
     done = 0
-    for step in range(max_steps):
-        y, accepted, following = attempt_any(method, depth, x, h, control, unit, b)
+    for step in range(how.max_steps):
+        y, accepted, following = attempt_any(how.method, how.depth, x, h, control, unit, b)
         if accepted:
             if not all_finite(y):
                 return _NOT_FINITE, step + 1, x, removed
-            before, after = level(x, event), level(y, event)
-            while done < targets.size and crossed(before, after, targets[done]):
-                record(to_depth(locate(method, x, y, h, event, targets[done], b), depth), out[done])
-                # Two equal targets are two crossings; different ones may share a step.
-                again = done + 1 < targets.size and targets[done + 1] == targets[done]
+            before, after = level(x, stops.event), level(y, stops.event)
+            while done < values.size and crossed(before, after, values[done]):
+                there = to_depth(locate(how.method, x, y, h, Stop(stops.event, values[done]), b), how.depth)
+                for component in range(out.shape[1]):
+                    out[done, component] = there[component]
+                # Two equal values are two crossings; different ones may share a step.
+                again = done + 1 < values.size and values[done + 1] == values[done]
                 done += 1
                 if again:
                     break
             if held:
-                y = onto_constants(y, pinned.sigma3_bar, pinned.eta_plus, pinned.eta_minus, b, series)
-                y, excess = onto_energy(y, total, b)
+                y, excess = onto_energy(onto_constants(y, pinned, disk), total, b)
                 removed += excess
             x = y
-            if done == targets.size:
+            if done == values.size:
                 return _OK, step + 1, x, removed
         elif not following * unit > SHORTEST_STEP:
             return _TOO_SMALL, step + 1, x, removed
         h = following
-    return _STEP_LIMIT, max_steps, x, removed
+    return _STEP_LIMIT, how.max_steps, x, removed
 
 
 @kernel
 def trajectory_batch(
-    method: int,
-    depth: int,
-    states: Matrix,
-    pinned: Matrix,
-    control: Vector,
-    event: Event,
-    targets: Vector,
-    max_steps: int,
-    constants_bound: float,
-    b: Body,
-    series: Matrix,
-    out: Table,
-    status: Codes,
-    steps: Counts,
-    errors: Matrix,
+    how: Integration, stops: Stops, states: Matrix, pinned: Matrix, disk: Disk, out: Table, outcome: Outcome
 ) -> None:
-    """Every column of states (10, n) through `trajectory`, recorded in out (n, len(targets), 10).
+    """Every column of states (10, n) through `trajectory`, recorded in out (n, stops, 10), NaN where it failed.
 
-    pinned (3, n): rows as Pinned. status (n): samples that come in as not OK are skipped. errors (3, n):
-    as attempt.ConstantsError, of the energy what was taken out on the way included.
+    pinned (3, n): rows as Pinned. The error of the energy includes what was taken out on the way.
     """
+    status, bound = outcome.status, how.constants_bound
     for i in range(states.shape[1]):
         out[i, :, :] = math.nan
-        steps[i] = 0
-        errors[:, i] = math.nan
+        outcome.steps[i] = 0
+        outcome.errors[:, i] = math.nan
         if status[i] != _OK:
             continue
-        x = State(
-            states[0, i],
-            states[1, i],
-            states[2, i],
-            states[3, i],
-            states[4, i],
-            states[5, i],
-            states[6, i],
-            states[7, i],
-            states[8, i],
-            states[9, i],
-        )
-        hold = Pinned(pinned[0, i], pinned[1, i], pinned[2, i])
-        begin = constants_of(x, b, series)
-        code, steps[i], last, removed = trajectory(
-            method, depth, x, hold, control[i], event, targets, max_steps, b, series, out[i]
-        )
-        end = constants_of(last, b, series)
+        x, hold = column(states, i), Pinned(pinned[0, i], pinned[1, i], pinned[2, i])
+        begin = constants_of(x, disk)
+        code, outcome.steps[i], last, removed = trajectory(how, stops, x, hold, how.control[i], disk, out[i])
+        end = constants_of(last, disk)
         # Whichever side is nearer decides whether the direction of its races is known.
         near_plus = abs(begin.eta_plus) <= abs(begin.eta_minus)
         moved = constants_error(begin, end, near_plus)
         energy_error = moved.energy + removed / begin.energy
-        errors[0, i], errors[1, i], errors[2, i] = (
-            energy_error,
-            moved.sigma3_bar,
-            moved.eta,
-        )
+        put(ConstantsError(energy_error, moved.sigma3_bar, moved.eta), outcome.errors, i)
         if code == _OK and not math.isnan(hold.sigma3_bar):
             # The accuracy is per passage, which takes about two units of time; errors add up.
-            code = _OK if abs(energy_error) <= constants_bound * max(1.0, 0.5 * last.t) else _DRIFT
+            code = _OK if abs(energy_error) <= bound * max(1.0, 0.5 * last.t) else _DRIFT
         elif code == _OK:
             eta = begin.eta_plus if near_plus else begin.eta_minus
-            code = verdict(moved, eta, math.sqrt(2.0 * begin.energy / b.I1), constants_bound)
+            code = verdict(moved, eta, math.sqrt(2.0 * begin.energy / disk.body.I1), bound)
         status[i] = code

@@ -4,13 +4,11 @@ Four tangent vectors ride along with a state. Time is carried as well (t' = q), 
 the flow at a fixed time follows by taking out of every vector what its difference in time has moved.
 """
 
-import math
-
 import numpy as np
 
-from kernels._jit import kernel, subroutine
+from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Body
-from kernels.disk.field import State, reduced
+from kernels.disk.field import State, column, reduced, reduced_state, speed
 from kernels.steps.tableaux import DORMAND_PRINCE_853
 from kernels.types import Matrix, Table
 
@@ -22,11 +20,10 @@ _ROWS, _COLUMNS = 6, 5
 
 
 @subroutine
-def tangent_field(Y, b, out):
+def tangent_field(Y: Matrix, b: Body, out: Matrix) -> None:
     """d/ds of the state in column 0 of Y and of the tangent vectors in the others."""
     q, z, p, rho, s4 = Y[0, 0], Y[1, 0], Y[2, 0], Y[3, 0], Y[4, 0]
-    x = State(q, z, p, rho, s4, 0.0, 0.0, 0.0, 0.0, 0.0)
-    out[0, 0], out[1, 0], out[2, 0], out[3, 0], out[4, 0] = reduced(x, b)
+    out[0, 0], out[1, 0], out[2, 0], out[3, 0], out[4, 0] = reduced(reduced_state(q, z, p, rho, s4), b)
     out[5, 0] = q
     pull = b.J_over_M * (rho * s4) + b.inv_M * z
     for j in range(1, _COLUMNS):
@@ -42,20 +39,18 @@ def tangent_field(Y, b, out):
 
 
 @subroutine
-def begin(x, Y):
+def begin(x: State, Y: Matrix) -> None:
     """The state and the unit vectors of phi, phidot, sigma3, sigma4: q = cos phi, p = -phidot, rho = sigma3/q."""
     Y[:, :] = 0.0
-    q, z = x[0], x[1]
-    for i in range(5):
-        Y[i, 0] = x[i]
-    Y[0, 1], Y[1, 1], Y[3, 1] = -z, q, x[3] * z / q
+    Y[0, 0], Y[1, 0], Y[2, 0], Y[3, 0], Y[4, 0] = x.q, x.z, x.p, x.rho, x.sigma4
+    Y[0, 1], Y[1, 1], Y[3, 1] = -x.z, x.q, x.rho * x.z / x.q
     Y[2, 2] = -1.0
-    Y[3, 3] = 1.0 / q
+    Y[3, 3] = 1.0 / x.q
     Y[4, 4] = 1.0
 
 
 @subroutine
-def at_fixed_time(Y, b, rate, out):
+def at_fixed_time(Y: Matrix, b: Body, rate: Matrix, out: Matrix) -> None:
     """d(phi, phidot, sigma3, sigma4) at this time by the same at the start, out (4, 4)."""
     tangent_field(Y, b, rate)
     q, z, rho = Y[0, 0], Y[1, 0], Y[3, 0]
@@ -69,30 +64,42 @@ def at_fixed_time(Y, b, rate, out):
         out[3, j] = Y[4, j + 1] - late * rate[4, 0]
 
 
+@device
+def add(total: Matrix, weight: float, part: Matrix) -> None:
+    """total += weight part."""
+    for row in range(_ROWS):
+        for j in range(_COLUMNS):
+            total[row, j] += weight * part[row, j]
+
+
+@subroutine
+def advance(Y: Matrix, h: float, b: Body, X: Matrix, K: Table) -> None:
+    """One step of length h in s, by the method of order 8; X and K are room for a state and for the stages."""
+    for stage in range(_STAGES):
+        X[:, :] = Y
+        for before in range(stage):
+            if _A[stage, before] != 0.0:
+                add(X, h * _A[stage, before], K[before])
+        tangent_field(X, b, K[stage])
+    for stage in range(_STAGES):
+        if _B[stage] != 0.0:
+            add(Y, h * _B[stage], K[stage])
+
+
 @kernel
 def variation_batch(states: Matrix, h: float, steps: int, b: Body, out: Table, ends: Matrix) -> None:
-    """Follow states (5, n) for `steps` steps of h/speed in s, by the method of order 8.
+    """Follow states (5, n), rows as State, for `steps` steps of h/speed in s.
 
     out (n, 4, 4): derivative of (phi, phidot, sigma3, sigma4) then by that at the start, at a fixed time; ends
-    (6, n): q, z, p, rho, sigma4, t there.
+    (6, n): the state there and its time, rows as State.
     """
     Y, X = np.empty((_ROWS, _COLUMNS)), np.empty((_ROWS, _COLUMNS))
     K = np.empty((_STAGES, _ROWS, _COLUMNS))
-    rate = np.empty((_ROWS, _COLUMNS))
     for i in range(states.shape[1]):
-        begin(states[:, i], Y)
-        x = State(Y[0, 0], Y[1, 0], Y[2, 0], Y[3, 0], Y[4, 0], 0.0, 0.0, 0.0, 0.0, 0.0)
-        kinetic = b.M * (x.p * x.p + x.rho * x.rho * b.inv_kappa2) + b.J * x.sigma4 * x.sigma4
-        step = h / math.sqrt((kinetic + 2.0 * x.q) * b.inv_M)
+        x = column(states, i)
+        begin(x, Y)
+        step = h / speed(x, b)
         for _ in range(steps):
-            for stage in range(_STAGES):
-                X[:, :] = Y
-                for before in range(stage):
-                    if _A[stage, before] != 0.0:
-                        X += step * _A[stage, before] * K[before]
-                tangent_field(X, b, K[stage])
-            for stage in range(_STAGES):
-                if _B[stage] != 0.0:
-                    Y += step * _B[stage] * K[stage]
-        at_fixed_time(Y, b, rate, out[i])
+            advance(Y, step, b, X, K)
+        at_fixed_time(Y, b, X, out[i])
         ends[:, i] = Y[:, 0]

@@ -14,10 +14,9 @@ from conftest import BODIES
 import explorer as ex
 from explorer import compiled
 from explorer.commands.trade import STAGES, Solved, Work
-from explorer.phase.gauss import packed_rules
 from explorer.phase.states import constants_to_states
 from kernels.disk.constants import constants_of
-from kernels.disk.field import State
+from kernels.disk.field import column
 
 SAMPLES = 4096
 # method, step or tolerance, steps of all samples together, 99th percentile of the error
@@ -51,14 +50,11 @@ def test_passages_by_quadrature(benchmark, work):
     disk, start = work.disk, work.start
     got = benchmark(ex.passages, disk, *start, accuracy=1e-9)
     assert (got.status == 0).all()
-    rules, sizes = packed_rules()
     found, status = np.empty((8, SAMPLES)), np.zeros(SAMPLES, np.int8)
     # A start off the vertical by one rounding does not go by tables.
-    h_end = compiled.quadrature.VERTICAL * (1.0 - 2.3e-16)
-    compiled.passages.passage_batch(
-        start[0], start[1] * disk.body.I3 * disk.body.r0, start[2], h_end, 1e-9, rules, sizes, disk.tables,
-        disk.body, disk.series, found, status,
-    )  # fmt: skip
+    h_end = compiled.point.VERTICAL * (1.0 - 2.3e-16)
+    crossings = compiled.passages.Crossings(start[0], disk.eta_hat_to_eta(start[1]), start[2])
+    compiled.passages.passage_batch(crossings, h_end, 1e-9, disk.quadrature, disk.natural, found, status)
     p99 = float(np.percentile(abs(found[1] - got.delta_chi), 99))
     assert p99 <= 1e-12
     benchmark.extra_info["p99 error"] = p99
@@ -68,12 +64,10 @@ def test_constants_of_motion(benchmark, work):
     """In lanes, against one state at a time."""
     disk, states = work.disk, np.ascontiguousarray(work.initial[:5])
     found = np.empty((6, SAMPLES))
-    call = (states, disk.whole, disk.body, disk.series, found)
+    call = (states, disk.whole, disk.natural, found)
     compiled.algebra.constants_batch(*call)
     benchmark(compiled.algebra.constants_batch, *call)
-    one = [
-        constants_of(State(*states[:, i], 0.0, 0.0, 0.0, 0.0, 0.0), disk.body, disk.series) for i in range(SAMPLES)
-    ]
+    one = [constants_of(column(states, i), disk.natural) for i in range(SAMPLES)]
     error = float(np.max(abs(found[:4].T - np.array(one)[:, :4])))
     assert error <= 1e-14
     benchmark.extra_info["largest error"] = error

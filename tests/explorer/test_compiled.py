@@ -10,14 +10,14 @@ ROOT = Path(__file__).parents[2]
 
 # Each snippet is a function of its own; mypy reads all of them in one run, with what it knows of the package.
 SNIPPETS = {
-    "a right call": "compiled.falling.critical_X2_batch(phi, disk.body, disk.series, out)",
-    "a misspelt module": "compiled.faling.critical_X2_batch(phi, disk.body, disk.series, out)",
-    "a misspelt kernel": "compiled.falling.critical_X3_batch(phi, disk.body, disk.series, out)",
-    "an argument too few": "compiled.falling.critical_X2_batch(phi, disk.body, disk.series)",
-    "an argument too many": "compiled.falling.critical_X2_batch(phi, disk.body, disk.series, out, out)",
-    "a number for an array": "compiled.falling.critical_X2_batch(0.5, disk.body, disk.series, out)",
-    "a matrix for a vector": "compiled.falling.critical_X2_batch(matrix, disk.body, disk.series, out)",
-    "arguments exchanged": "compiled.falling.critical_X2_batch(phi, disk.series, disk.body, out)",
+    "a right call": "compiled.falling.critical_X2_batch(phi, disk.natural, out)",
+    "a misspelt module": "compiled.faling.critical_X2_batch(phi, disk.natural, out)",
+    "a misspelt kernel": "compiled.falling.critical_X3_batch(phi, disk.natural, out)",
+    "an argument too few": "compiled.falling.critical_X2_batch(phi, disk.natural)",
+    "an argument too many": "compiled.falling.critical_X2_batch(phi, disk.natural, out, out)",
+    "a number for an array": "compiled.falling.critical_X2_batch(0.5, disk.natural, out)",
+    "a matrix for a vector": "compiled.falling.critical_X2_batch(matrix, disk.natural, out)",
+    "arguments exchanged": "compiled.falling.critical_X2_batch(phi, out, disk.natural)",
 }
 MESSAGES = {
     "a right call": "",

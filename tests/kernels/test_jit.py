@@ -15,11 +15,11 @@ ROOT = Path(__file__).parents[2]
 ASK = """
 import numpy as np
 from kernels.disk import falling
-from kernels.disk.body import make_body
-body, series = make_body(0.25, 0.5)
+from kernels.disk.body import make_disk
+disk = make_disk(0.25, 0.5)
 out = np.empty((4, 1))
 # A kernel that compiles in a second; it calls solutions() in another file.
-falling.line_chart_batch(np.ones(1), np.zeros(1), body, series, out)
+falling.line_chart_batch(np.ones(1), np.zeros(1), disk, out)
 print(round(float(out[0, 0]), 12), falling.line_chart_batch.is_cached())
 """
 
@@ -62,8 +62,8 @@ def test_editing_a_called_function_in_another_file_gives_the_new_answer(tmp_path
     assert first == again == ["1.0", "True"]
     chaplygin = copy / "kernels" / "disk" / "chaplygin.py"
     text = chaplygin.read_text()
-    assert "rho = S * g" in text
-    chaplygin.write_text(text.replace("rho = S * g", "rho = 3.0 * S * g"))
+    assert "rho, half_c = S * g" in text
+    chaplygin.write_text(text.replace("rho, half_c = S * g", "rho, half_c = 3.0 * S * g"))
     edited = run(ASK, copy, **cache).stdout.split()
     assert edited == ["3.0", "True"]
 
@@ -96,8 +96,8 @@ PLAIN = """
 import sys, numpy as np, numba
 from kernels.disk import field
 from kernels.steps import attempt as steps, batch, events
-from kernels.disk.body import make_body
-body, series = make_body(0.25, 0.5)
+from kernels.disk.body import make_disk
+disk = make_disk(0.25, 0.5)
 for last in (-0.2, np.nan):
     states = np.zeros((8, 3))
     states[0], states[2], states[3] = 1.0, [-1.0, 0.4, -0.2], [1.0, 0.3, -0.7]
@@ -105,8 +105,10 @@ for last in (-0.2, np.nan):
     out, constants_error, steps_ = np.empty((8, 3)), np.empty((3, 3)), np.empty(3, np.int32)
     for method, control in ((steps.RK4, 0.1), (steps.DOPRI5, 1e-5)):
         status = np.zeros(3, np.int8)
-        batch.first_event_batch(method, field.ANGLES, states, np.full(3, control), events.TURNING_POINT, 0.0,
-                                5000, 1e-2, body, series, out, status, steps_, constants_error)
+        how = steps.Integration(method, field.ANGLES, np.full(3, control), 5000, 1e-2)
+        stop = events.Stop(events.TURNING_POINT, 0.0)
+        outcome = steps.Outcome(status, steps_, constants_error)
+        batch.first_event_batch(how, stop, states, disk, out, outcome)
         print([x.hex() for x in out.ravel()], status.tolist(), steps_.tolist())
 """
 # The kernel of PLAIN with those methods only that PLAIN asks for: it compiles in half the time.
@@ -117,10 +119,10 @@ from kernels.steps import batch
 from kernels.steps.attempt import DOPRI5, RK4
 sweep = batch.sweep
 @device
-def sweep_one_of_two(method, depth, W, event, target, b):
+def sweep_one_of_two(method, depth, W, stop, b):
     if method == RK4:
-        return sweep(RK4, ANGLES, W, event, target, b)
-    return sweep(DOPRI5, ANGLES, W, event, target, b)
+        return sweep(RK4, ANGLES, W, stop, b)
+    return sweep(DOPRI5, ANGLES, W, stop, b)
 batch.sweep_any = sweep_one_of_two
 """
 

@@ -4,7 +4,6 @@ import numpy as np
 from peers.problem import COUNT, DISK, T_END, work
 
 from explorer import compiled
-from explorer.phase.gauss import packed_rules
 
 COPIES = 32  # of the 256 trajectories in one call, so that the lanes' filling and draining do not count
 METHODS = {"rk4": 0, "dopri5": 1, "rk8": 2, "dop853": 3}
@@ -15,7 +14,7 @@ def integrator(name, whole):
     n = COUNT * COPIES
     initial = np.zeros((8, n))
     initial[:5] = np.tile(work().regular[:5], COPIES)
-    event, target = (compiled.events.TIME, T_END) if whole else (compiled.events.TURNING_POINT, 0.0)
+    event, value = (compiled.events.TIME, T_END) if whole else (compiled.events.TURNING_POINT, 0.0)
     out, constants_error, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
 
     def make(control):
@@ -24,9 +23,13 @@ def integrator(name, whole):
         def solve(_n):
             status = np.zeros(n, np.int8)
             compiled.batch.first_event_batch(
-                METHODS[name], compiled.field.ANGLES, initial, settings, event, target, 200_000, 1e-2,
-                DISK.body, DISK.series, out, status, steps, constants_error,
-            )  # fmt: skip
+                compiled.attempt.Integration(METHODS[name], compiled.field.ANGLES, settings, 200_000, 1e-2),
+                compiled.events.Stop(event, value),
+                initial,
+                DISK.natural,
+                out,
+                compiled.attempt.Outcome(status, steps, constants_error),
+            )
             resolved = status == 0
             return np.where(resolved, out[6] if whole else 2.0 * out[6], np.nan)[:COUNT]
 
@@ -42,23 +45,13 @@ def quadrature():
     eta = np.tile(work().eta_hat, COPIES) * b.I3 * b.r0
     one = np.ones(eta.size)
     out = np.empty((8, eta.size))
-    rules, vertical = packed_rules(), compiled.quadrature.VERTICAL
+    crossings = compiled.passages.Crossings(one, eta, one)
 
     def make(accuracy):
         def solve(_n):
             status = np.zeros(eta.size, np.int8)
             compiled.passages.passage_batch(
-                one,
-                eta,
-                one,
-                vertical,
-                accuracy,
-                *rules,
-                DISK.tables,
-                b,
-                DISK.series,
-                out,
-                status,
+                crossings, compiled.point.VERTICAL, accuracy, DISK.quadrature, DISK.natural, out, status
             )
             return np.where(status == 0, out[1], np.nan)[:COUNT]
 

@@ -46,7 +46,7 @@ def algebra(samples, jobs):
             random.random(out=states[2:])
             states[2:] *= 4.0
             states[2:] -= 2.0
-            compiled.algebra.constants_batch(states, disk.whole, disk.body, disk.series, found)
+            compiled.algebra.constants_batch(states, disk.whole, disk.natural, found)
             distance = np.abs(found[1:3], out=found[1:3])
             near += np.count_nonzero(np.minimum(distance[0], distance[1], out=distance[0]) < 1e-3)
         return near

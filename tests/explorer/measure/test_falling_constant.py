@@ -32,7 +32,7 @@ def by_grid(disk, box, points, energy=math.inf):
     for face in (1, -1):
         # eta is linear in sigma4: two states give the line.
         row = 1 if face > 0 else 2
-        etas = [natural_constants(phi_to_states(disk, phi, phidot, sigma3, s4)).rows[row] for s4 in (0.0, 1.0)]
+        etas = [natural_constants(phi_to_states(disk, phi, phidot, sigma3, s4))[row] for s4 in (0.0, 1.0)]
         slope = etas[1] - etas[0]
         sigma4 = -etas[0] / slope
         states = phi_to_states(disk, phi, phidot, sigma3, sigma4)

@@ -113,7 +113,7 @@ def natural_state_on_f(disk, phi):
     """(sigma3, sigma4) at phi on l_+ with sigma3_bar = 1."""
     from kernels.disk.falling import on_f
 
-    f = on_f(np.cos(phi), np.sin(phi), 1.0 / disk.body.r0, disk.body, disk.series)
+    f = on_f(np.cos(phi), np.sin(phi), 1.0 / disk.body.r0, disk.natural)
     return f.turn * np.cos(phi) ** 2, f.sigma4
 
 
@@ -128,7 +128,7 @@ def test_the_fall_is_integrated_well_however_slowly_it_starts(speed):
     b, X = disk.body, 1.0 / disk.body.r0
 
     def rate(_t, y):
-        f = on_f(np.cos(y[0]), np.sin(y[0]), X, b, disk.series)
+        f = on_f(np.cos(y[0]), np.sin(y[0]), X, disk.natural)
         return [y[1], -f.dV / b.M, f.turn]
 
     def flat(_t, y):

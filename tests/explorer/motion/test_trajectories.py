@@ -70,10 +70,10 @@ def test_the_four_figure_rows(key, method):
     status, steps = np.zeros(1, np.int8), np.zeros(1, np.int32)
     code = getattr(steps_module, method.upper())
     control = {"rk4": 2e-3, "rk8": 0.05}.get(method, 1e-12)
-    trajectory.trajectory_batch(
-        code, 10, initial, np.full((3, 1), np.nan), np.array([control]), events.VERTICAL, np.zeros(2), 10**6, 1e-6,
-        disk.body, disk.series, out, status, steps, constants_error,
-    )  # fmt: skip
+    how = steps_module.Integration(code, 10, np.array([control]), 10**6, 1e-6)
+    stops, free = events.Stops(events.VERTICAL, np.zeros(2)), np.full((3, 1), np.nan)
+    outcome = steps_module.Outcome(status, steps, constants_error)
+    trajectory.trajectory_batch(how, stops, initial, free, disk.natural, out, outcome)
     assert status[0] == ex.Status.OK
     tau, chi, psi, theta, distance = ROWS[key]
     after = out[0, 1]

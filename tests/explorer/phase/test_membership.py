@@ -77,7 +77,7 @@ def beside_line(disk, phi, phidot, sigma3_bar, eta):
     for i in range(phi.size):
         face = 1.0 if phi[i] >= 0 else -1.0
         S = 2.0 * np.sin((np.pi / 2 - abs(phi[i])) / 2) ** 2
-        f = solutions(S, np.log(S), b.c, disk.series)
+        f = solutions(S, np.log(S), b.c, disk.natural.series)
         near = eta if face > 0 else 2 * b.I1 * b.dr0 * sigma3_bar[i] - eta
         sigma[:, i] = sigma_from_constants(face, sigma3_bar[i] / b.r0, near / b.I1, f, b.k)
     unit = disk.rate_unit

@@ -22,7 +22,7 @@ def test_states_made_from_constants_give_them_back_near_both_flat_states(body, f
     b = body.body
     X, eta = 0.8 / b.r0, 3e-3
     S, log_S = 2.0 * math.sin(theta / 2) ** 2, 2.0 * math.log(math.sqrt(2) * math.sin(theta / 2))
-    f = solutions(S, log_S, b.c, body.series)
+    f = solutions(S, log_S, b.c, body.natural.series)
     sigma3, sigma4 = sigma_from_constants(face, X, eta / b.I1, f, b.k)
     unit = body.rate_unit
     states = theta_to_states(body, theta, 0.0, sigma3 * unit, sigma4 * unit, face)

@@ -7,7 +7,7 @@ import pytest
 from conftest import BODIES
 
 from kernels.integrals import nodes
-from kernels.integrals.quadrature import point
+from kernels.integrals.point import Motion, point
 
 
 def row(W, which, n):
@@ -42,9 +42,9 @@ def test_levels_and_slopes_are_those_of_a_single_tilt(name):
     row(W, nodes.H, 50)[:] = h
     row(W, nodes.LOG, 50)[:] = 2.0 * np.log(h) - math.log(2.0)
     X, Y = 0.7, 1e-5
-    nodes.levels(W, 50, X, Y, disk.body, disk.series)
+    nodes.levels(W, 50, Motion(X, Y, 0.0), disk.natural)
     for j, tilt in enumerate(h):
-        at = point(tilt, X, Y, disk.body, disk.series)
+        at = point(tilt, X, Y, disk.natural)
         scale = disk.body.J * (X / disk.body.k) ** 2
         assert row(W, nodes.LEVEL, 50)[j] == pytest.approx(at.V, rel=1e-13, abs=1e-14 * scale)
         assert row(W, nodes.SLOPE, 50)[j] == pytest.approx(at.slope, rel=1e-12, abs=1e-13 * scale)

@@ -9,12 +9,11 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.phase.gauss import packed_rules
 from kernels._jit import numba_type
-from kernels.disk import chaplygin, elementary
+from kernels.disk import chaplygin, elementary, polynomials
 from kernels.disk.body import Body
 from kernels.integrals import passages, tables, tabulated
-from kernels.integrals.quadrature import VERTICAL
+from kernels.integrals.point import VERTICAL
 from kernels.integrals.tables import Low
 from kernels.types import Matrix, Vector
 
@@ -32,10 +31,8 @@ def batch(disk, sigma3_bar, eta_hat, speed, accuracy, by_tables):
     out, status = np.empty((8, n)), np.zeros(n, np.int8)
     eta = eta_hat * disk.body.I3 * disk.body.r0
     h_end = VERTICAL if by_tables else math.nextafter(VERTICAL, 0.0)
-    rules = packed_rules()
-    passages.passage_batch(
-        sigma3_bar, eta, speed, h_end, accuracy, *rules, disk.tables, disk.body, disk.series, out, status
-    )
+    crossings = passages.Crossings(sigma3_bar, eta, speed)
+    passages.passage_batch(crossings, h_end, accuracy, disk.quadrature, disk.natural, out, status)
     return out, status
 
 
@@ -114,7 +111,7 @@ def test_falls_by_tables_and_by_one_rule_agree(name):
     found = []
     for h_end in (VERTICAL, math.nextafter(VERTICAL, 0.0)):
         out = np.empty((4, n))
-        passages.fall_batch(s3, energy, h_end, *packed_rules(), disk.tables, b, disk.series, out)
+        passages.fall_batch(s3, energy, h_end, disk.quadrature, disk.natural, out)
         found.append(out)
     allowed = 10 * (found[0][3] + found[1][3]) + 1e-13
     assert (abs(found[0][:3] - found[1][:3]) <= allowed).all()
@@ -137,12 +134,12 @@ def test_the_elementary_functions_are_at_rounding():
 def test_the_low_series_are_those_of_the_whole_range(name):
     disk = ALL[name]
     for S in np.linspace(1e-6, 0.5 * tables.HANDOVER**2, 20):
-        whole = chaplygin.solutions(S, math.log(S), disk.body.c, disk.series)
+        whole = chaplygin.solutions(S, math.log(S), disk.body.c, disk.natural.series)
         t = 16.0 * S - 1.0
-        low = disk.tables.low
-        got = [elementary.horner(row, t) for row in (low.rho_over_S, low.drho)]
+        low = disk.quadrature.tables.low
+        got = [polynomials.horner(row, t) for row in (low.rho_over_S, low.drho)]
         assert got == pytest.approx([whole.rho_over_S, whole.drho], rel=1e-15)
-        D = 0.5 * disk.body.c * S * got[0] * math.log(S) + elementary.horner(low.v, t)
+        D = 0.5 * disk.body.c * S * got[0] * math.log(S) + polynomials.horner(low.v, t)
         assert pytest.approx(whole.D, rel=3e-15) == D
 
 

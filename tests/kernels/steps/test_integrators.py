@@ -13,9 +13,9 @@ from kernels.disk.field import ANGLES, PATH, REDUCED, State, energy, speed
 from kernels.status import Status
 from kernels.steps import batch, events, trajectory
 from kernels.steps.adaptive import GROW, SHRINK, dopri5_step, error_norm, step_factor
-from kernels.steps.attempt import DOP853, DOPRI5, RK4, RK8, locate
+from kernels.steps.attempt import DOP853, DOPRI5, RK4, RK8, Integration, Outcome, locate
 from kernels.steps.eighth import eighth_order_step
-from kernels.steps.events import Event
+from kernels.steps.events import Stop, Stops
 from kernels.steps.fixed import rk4_step
 from kernels.types import Vector
 
@@ -41,11 +41,11 @@ def start(sigma4=0.65, chi=0.3):
 @pytest.mark.parametrize("method", [RK4, RK8, DOPRI5, DOP853])
 def test_the_lanes_of_every_method_are_packed(method):
     """Packed arithmetic outnumbers scalar many times; a change that stops the vectoriser shows here."""
-    signature = numba.void(*map(numba_type, (Vector, Event, float, Body)))
+    signature = numba.void(*map(numba_type, (Vector, Stop, Body)))
 
     @numba.njit(signature, error_model="numpy")
-    def step_all(W, event, target, b):
-        batch.sweep(method, ANGLES, W, event, target, b)
+    def step_all(W, stop, b):
+        batch.sweep(method, ANGLES, W, stop, b)
 
     (assembly,) = step_all.inspect_asm().values()
     found = re.findall(r"^\s+v?(?:add|sub|mul)(pd|sd)\s", assembly, re.MULTILINE)
@@ -120,7 +120,7 @@ def test_events_are_located_to_rounding(method, event, target):
     low, high = sorted((events.level(x, event), events.level(end, event)))
     if not low < target < high:
         target = 0.5 * (low + high)
-    y = locate(method, x, end, h, event, target, b)
+    y = locate(method, x, end, h, Stop(event, target), b)
     assert events.level(y, event) == pytest.approx(target, abs=5e-16)
 
 
@@ -129,22 +129,9 @@ def run_batch(method, depth, states, control, max_steps=100_000, constants_bound
     out, constants_error = np.empty((8, n)), np.empty((3, n))
     # The steps are counted from 0, whatever is in the array.
     status, steps = np.full(n, before, np.int8), np.ones(n, np.int32)
-    batch.first_event_batch(
-        method,
-        depth,
-        states,
-        np.full(n, control),
-        events.TURNING_POINT,
-        0.0,
-        max_steps,
-        constants_bound,
-        UNIFORM.body,
-        UNIFORM.series,
-        out,
-        status,
-        steps,
-        constants_error,
-    )
+    how = Integration(method, depth, np.full(n, control), max_steps, constants_bound)
+    stop, outcome = Stop(events.TURNING_POINT, 0.0), Outcome(status, steps, constants_error)
+    batch.first_event_batch(how, stop, states, UNIFORM.natural, out, outcome)
     return out, status, steps, constants_error
 
 
@@ -169,23 +156,12 @@ def test_lanes_give_bit_for_bit_what_one_trajectory_after_another_gives(method, 
     status, steps, constants_error = np.zeros(n, np.int8), np.zeros(n, np.int32), np.empty((3, n))
     full = np.zeros((10, n))
     full[:8] = states
-    trajectory.trajectory_batch(
-        method,
-        ANGLES,
-        full,
-        np.full((3, n), np.nan),
-        np.full(n, control),
-        events.TURNING_POINT,
-        np.zeros(1),
-        100_000,
-        1e-2,
-        UNIFORM.body,
-        UNIFORM.series,
-        slow,
-        status,
-        steps,
-        constants_error,
+    how, stops = (
+        Integration(method, ANGLES, np.full(n, control), 100_000, 1e-2),
+        Stops(events.TURNING_POINT, np.zeros(1)),
     )
+    outcome, free = Outcome(status, steps, constants_error), np.full((3, n), np.nan)
+    trajectory.trajectory_batch(how, stops, full, free, UNIFORM.natural, slow, outcome)
     reached = fast[1] == Status.OK
     assert reached.sum() > 300
     np.testing.assert_array_equal(fast[0][:, reached].T, slow[reached, 0, :8])

@@ -1,0 +1,61 @@
+"""Polynomials in ascending powers: how their coefficients are made, and how they are evaluated."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from kernels._jit import contracted_device
+from kernels.types import Vector
+
+_TERMS = 60  # of a Taylor series on an interval where it gains a digit per term or more
+
+
+def economise(coefficients: Vector, degree: int) -> Vector:
+    """Ascending powers of S on [0, 1] -> ascending powers of 2S - 1 up to `degree`, by way of Chebyshev.
+
+    S^n = 2^(1-2n) sum' C(2n, n-j) T_j(2S - 1) has positive weights only: nothing cancels, where a
+    fit through points would lose a digit.
+    """
+    chebyshev = np.empty(degree + 1)
+    for j in range(degree + 1):
+        terms = (a * math.comb(2 * n, n - j) / 4**n for n, a in enumerate(coefficients) if n >= j)
+        chebyshev[j] = math.fsum(terms) * (1.0 if j == 0 else 2.0)
+    return _powers(chebyshev)
+
+
+def taylor(term: Callable[[int], float], degree: int) -> tuple[float, ...]:
+    """Ascending powers of 2u - 1 on 0 <= u <= 1 of the sum of term(n) u^n."""
+    return tuple(map(float, economise(np.array([term(n) for n in range(_TERMS)]), degree)))
+
+
+def interpolate(function: Callable, degree: int) -> Vector:
+    """Ascending powers of 2u - 1 of the Chebyshev interpolant of function(u) on 0 <= u <= 1."""
+    return _powers(np.polynomial.chebyshev.chebinterpolate(lambda t: function(0.5 * (1.0 + t)), degree))
+
+
+def _powers(chebyshev: Vector) -> Vector:
+    powers = np.polynomial.chebyshev.cheb2poly(chebyshev)
+    return np.pad(powers, (0, chebyshev.size - powers.size))  # numpy drops trailing zeros
+
+
+@contracted_device
+def horner(coefficients: tuple[float, ...], x: float) -> float:
+    """The polynomial with the given ascending powers."""
+    total = coefficients[len(coefficients) - 1]
+    for k in range(len(coefficients) - 2, -1, -1):
+        total = total * x + coefficients[k]
+    return total
+
+
+@contracted_device
+def long_horner(coefficients: tuple[float, ...], x: float) -> float:
+    """As `horner`, even and odd powers apart: short loops, which the compiler unrolls; degree even, >= 4."""
+    square = x * x
+    n = len(coefficients)
+    even, odd = coefficients[n - 1], coefficients[n - 2]
+    for k in range(n - 3, -1, -2):
+        even = even * square + coefficients[k]
+    for k in range(n - 4, 0, -2):
+        odd = odd * square + coefficients[k]
+    return even + x * odd

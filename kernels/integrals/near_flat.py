@@ -1,0 +1,180 @@
+"""Formulas of a motion below the handover, in lanes: the potential, the turning point, the closed forms.
+
+Here h = h_m cosh y, where h_m is the turning point. With tau = h_m sinh y and the angle gd = atan(tau / h_m),
+the integrals over y of
+
+    1/h                      gd / h_m                           the race itself
+    h / (h + h_m)            y - tau / (h + h_m)                gravity's pull on it
+    h ln(h/h_m) / tau^2      gd / h_m - ln(h/h_m) / tau         the spin's
+    h, h ln h                tau, tau ln h - tau + h_m gd       the rest of the motion
+
+are what the terms of first order give; the nodes of a panel bring the rest.
+"""
+
+import math
+from typing import NamedTuple
+
+from kernels._jit import contracted_device
+from kernels.disk.body import Body
+from kernels.disk.elementary import DEEPEST, arctan, exp_fall, log_ratio
+from kernels.disk.falling import contracted_potential_above_flat
+from kernels.disk.polynomials import horner
+from kernels.integrals.point import Motion
+from kernels.integrals.tables import HANDOVER, Low
+
+_LN2 = math.log(2.0)
+_LOG_HANDOVER = math.log(HANDOVER)
+_LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y, or ends at the turning point
+_LONGEST = 0.25  # step of Newton's method, in ln h
+
+
+class Near(NamedTuple):
+    """The motion at h <= HANDOVER: n = sigma3/q cos(theta/2) = smooth + Y D/h.
+
+    rise: of sigma4 above its value at flat; V: amended potential above V_0; shape2: cos^2(theta/2).
+    """
+
+    smooth: float
+    D: float
+    n: float
+    rise: float
+    V: float
+    inv_h: float
+    shape2: float
+    shape: float
+
+
+class Closed(NamedTuple):
+    """Factors of the closed forms.
+
+    cap: (HANDOVER + tau)/2 there; width: in y, of the panel, and below: what lies deeper, as far as it counts;
+    turn2: (h_m/2)^2; race, pull, spin: of the first three integrals; slow: of time; rest0, rest1: of the last two.
+    """
+
+    cap: float
+    log_cap: float
+    width: float
+    below: float
+    turn2: float
+    race: float
+    pull: float
+    spin: float
+    slow: float
+    rest0: float
+    rest1: float
+
+
+class Integrals(NamedTuple):
+    """Increase of chi, chi less psi, and time; or what a node adds to them."""
+
+    chi: float
+    rest: float
+    time: float
+
+
+@contracted_device
+def near_flat(h: float, log_h: float, motion: Motion, b: Body, low: Low) -> Near:
+    """The motion at h."""
+    x, y = motion.X, motion.Y
+    S = 0.5 * h * h
+    t = 16.0 * S - 1.0
+    log_S = 2.0 * log_h - _LN2
+    g = horner(low.rho_over_S, t)
+    half_c, inv_k = 0.5 * b.c, 1.0 / b.k
+    D = half_c * S * g * log_S + horner(low.v, t)
+    dD = half_c * (horner(low.drho, t) * log_S + g) + horner(low.dv, t)
+    rise = (x * S * horner(low.excess, t) + y * dD) * inv_k
+    inv_h = 1.0 / h
+    smooth = 0.5 * x * g * h
+    n = smooth + y * inv_h * D
+    shape2 = 1.0 - 0.5 * S
+    shape = math.sqrt(shape2)
+    V, _spin = contracted_potential_above_flat(0.5 * b.I1 * n * n / shape2, rise, 2.0 * x * inv_k, h * shape, b)
+    return Near(smooth, D, n, rise, V, inv_h, shape2, shape)
+
+
+@contracted_device
+def slope_of(h: float, at: Near, x: float, b: Body) -> float:
+    """h dV/dh."""
+    z = 1.0 - 0.5 * h * h
+    spin = x / b.k + at.rise
+    pull = h / at.shape * (b.J * at.n / at.shape * spin + z)
+    return pull - b.I1 * z * at.n * at.n / (at.shape2 * at.shape2)
+
+
+@contracted_device
+def newton(h: float, log_h: float, motion: Motion, b: Body, low: Low) -> tuple[float, float, float]:
+    """(h, ln h, step) after one step of Newton's method in ln h towards the turning point."""
+    at = near_flat(h, log_h, motion, b, low)
+    step = (motion.level - at.V) / slope_of(h, at, motion.X, b)
+    step = max(min(step, _LONGEST), -_LONGEST)
+    return h + h * step, log_h + log_ratio(step / (2.0 + step)), step
+
+
+@contracted_device
+def closed_forms(
+    h: float, log_h: float, at: Near, slope: float, motion: Motion, b: Body, low: Low
+) -> tuple[Closed, Integrals]:
+    """What is known in closed form between the turning point h and the handover; slope = -h dV/dh there."""
+    x, y, inv_k = motion.X, motion.Y, 1.0 / b.k
+    slow = 1.0 / (at.shape2 * at.shape * math.sqrt(slope * b.inv_M))
+    race = at.D * slow
+    tau = math.sqrt(HANDOVER * HANDOVER - h * h)
+    # ln((HANDOVER + tau)/2) is ln(HANDOVER) + ln(1 - s) with a small s.
+    s = 0.5 * (HANDOVER - tau) / HANDOVER
+    cap = 0.5 * (HANDOVER + tau)
+    log_cap = _LOG_HANDOVER + log_ratio(-s / (2.0 - s))
+    gd = 0.5 * math.pi - arctan(h / tau)
+    y_end = log_cap + _LN2 - log_h
+    # M theta-dot^2 = slope tanh^2 y less 2 (h - h_m) and 2 spin ln(h/h_m), to first order
+    spin = b.J * (x * inv_k + at.rise) * b.c * y * inv_k
+    pull = y * race / slope
+    wide = y_end if y_end < DEEPEST else DEEPEST
+    below = y_end - wide
+    below = below if below < _LEFT_OUT else _LEFT_OUT
+    rest0 = (x + y * (0.5 * b.c * (1.0 - _LN2) + horner(low.dv, -1.0))) * inv_k
+    rest1 = y * b.c * inv_k
+    fraction = _LOG_HANDOVER - log_h
+    chi = (
+        race * y * at.inv_h * gd
+        + pull * (y_end - tau / (h + HANDOVER) - 0.5 * gd)
+        + pull * spin * (0.5 * gd * at.inv_h - fraction / tau)
+        + 0.5 * x * slow * tau
+    )
+    rest = slow * (rest0 * tau + rest1 * (tau * _LOG_HANDOVER - tau + h * gd))
+    factors = Closed(cap, log_cap, wide, below, 0.25 * h * h, race, pull, pull * spin, slow, rest0, rest1)
+    return factors, Integrals(chi, rest, slow * tau)
+
+
+@contracted_device
+def left_at_node(
+    gap: float, motion: Motion, h_turn: float, log_turn: float, known: Closed, b: Body, low: Low
+) -> tuple[float, Integrals]:
+    """(theta-dot^2, what the closed forms leave of the integrands) at y below the handover by gap widths."""
+    x, y, inv_k = motion.X, motion.Y, 1.0 / b.k
+    d = known.width * gap
+    # h and tau are the sum and the difference of h_m e^y / 2 and h_m e^-y / 2.
+    rising = known.cap * exp_fall(d)
+    inv_rising = 1.0 / rising
+    falling = known.turn2 * inv_rising
+    h, tau = rising + falling, rising - falling
+    fraction = falling * inv_rising
+    log_h = known.log_cap - d + log_ratio(fraction / (2.0 + fraction))
+    at = near_flat(h, log_h, motion, b, low)
+    speed2 = 2.0 * b.inv_M * (motion.level - at.V)
+    inv_shape2 = 1.0 / at.shape2
+    w = tau * at.inv_h * inv_shape2 / (at.shape * math.sqrt(speed2 if speed2 > 0.0 else 1.0))
+    dt = h * w * at.shape2
+    inv_tau2 = 1.0 / (tau * tau)
+    log_rise = log_h - log_turn
+    chi = (
+        at.smooth * w
+        - 0.5 * x * h * known.slow
+        + y * at.inv_h * (at.D * w - known.race)
+        - known.pull * (h * (h - h_turn) * inv_tau2 - 0.5 * h_turn * at.inv_h)
+        - known.spin * (log_rise * h * inv_tau2 - 0.5 * at.inv_h)
+    )
+    rest = dt * (0.5 * h * at.n * inv_shape2 + x * inv_k + at.rise) - known.slow * h * (
+        known.rest0 + known.rest1 * log_h
+    )
+    return speed2, Integrals(chi, rest, dt - known.slow * h)
