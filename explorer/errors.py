@@ -138,10 +138,11 @@ def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, f
         ends *= 2
     if not isinstance(ends, list | tuple) or len(ends) != 2:
         raise InputError(f"{name} {value!r} is not a range; give {form}")
-    missing = [unbounded and (end is None or (isinstance(end, str) and not end.strip())) for end in ends]
     try:
-        low = -math.inf if missing[0] else number(name, ends[0])
-        high = math.inf if missing[1] else number(name, ends[1])
+        low, high = (
+            bound if unbounded and (end is None or end in ("", bound)) else number(name, end)
+            for end, bound in zip(ends, (-math.inf, math.inf), strict=True)
+        )
     except InputError:
         raise InputError(f"{name} {value!r} is not a range; give {form} with finite numbers") from None
     if low > high:

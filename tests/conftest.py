@@ -89,11 +89,8 @@ def reference_passages():
 
 
 def computed(scene):
-    """All chunks of a scene, as a stored run would give them."""
+    """All chunks of a scene together, as they come out of a stored run."""
     from explorer.scenes.base import Chunks
 
-    tables = [scene.compute(index) for index in range(scene.chunks())]
-    return Chunks(
-        tallies=lambda: (json.loads(json.dumps(scene.tally(table))) for table in tables),
-        tables=lambda: (scene.kept(table) for table in tables),
-    )
+    tables, tallies = zip(*(scene.process(index) for index in range(scene.chunks())), strict=True)
+    return scene.add_up(Chunks((json.loads(json.dumps(tally)) for tally in tallies), iter(tables)))

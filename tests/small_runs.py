@@ -1,4 +1,4 @@
-"""How often intervals of small runs of scene measure-zero contain the truth."""
+"""Small runs: of race-angles, for what is stored; of measure-zero, for how often intervals contain the truth."""
 
 import numpy as np
 
@@ -7,6 +7,7 @@ from explorer.measure.falling_constant import constant_of
 from explorer.measure.laws import Estimate, Ladder
 from explorer.measure.tubes import dimensions, draw_tube
 
+SMALL_RACES = {"samples": 3000, "seed": 5, "eta_hat": "1e-4:1e-2", "chunk_size": 700}
 DELTAS = np.array([1e-5, 1e-8, 1e-11, 1e-14])
 
 

@@ -1,18 +1,21 @@
-"""The main job, small: sample a million states, map F, compare the limits, histogram the race."""
+"""`nearflat demo`: the main job, small: sample a million states, map F, compare the limits, histogram the race."""
 
+import argparse
+import json
 import shutil
 from pathlib import Path
 from typing import Any
 
+from explorer.commands.common import add_json
+from explorer.commands.made_by import FILE, command_of, leave_made_by
 from explorer.errors import InputError, note
-from explorer.motion.plan import method_in_words, plan
-from explorer.runs import store
+from explorer.motion.plan import method_in_words
 from explorer.runs.run import Run, execute
 from explorer.runs.workers import Workers
 from explorer.scenes.base import Scene
-from explorer.scenes.options import build_scene
+from explorer.scenes.registry import build_scene
 
-_MARK = "demo.json"
+_COMMAND = "nearflat demo"
 _STEPS: tuple[tuple[str, dict[str, Any], str], ...] = (
     ("falling-set", {"samples": 1_000_000}, "Where does the disk fall? A million states, {how}."),
     ("one-sided", {}, "What happens just beside the falling set? Two sides, two limit motions."),
@@ -36,8 +39,8 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
         run = execute(scene, folder / scene.name, workers=workers, quiet=quiet)
         for line in scene.headline(run.summary):
             note(f"  {line}", quiet)
-        if not (folder / _MARK).exists():
-            store.write_json(folder / _MARK, {"made_by": "nearflat demo"})
+        if not (folder / FILE).exists():
+            leave_made_by(folder, _COMMAND)
         runs.append(run)
     (folder / "README.md").write_text(_page(runs, [title for _, title in scenes]), encoding="utf-8")
     return runs
@@ -45,14 +48,14 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
 
 def title_of(scene: Scene, title: str) -> str:
     """A title with what the scene's plan does in place of {how}."""
-    return title.format(how=method_in_words(plan(scene.observables, scene.accuracy, scene.method).method))
+    return title.format(how=method_in_words(scene.plan.method))
 
 
 def _clear(folder: Path) -> None:
     """Remove what an earlier demo left, and nothing else."""
     if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
         return
-    if not (folder / _MARK).exists():
+    if command_of(folder) != _COMMAND:
         raise InputError(f"--out {folder}: is not empty and holds no earlier demo; give another folder")
     try:
         for name, _, _ in _STEPS:
@@ -66,7 +69,7 @@ def _page(runs: list[Run], titles: list[str]) -> str:
     lines = [
         "# What `nearflat demo` found",
         "",
-        "Made by `nearflat demo`. The numbers are in each `summary.json`.",
+        f"Made by `{_COMMAND}`. The numbers are in each `summary.json`.",
     ]
     for run, title in zip(runs, titles, strict=True):
         lines += ["", f"## {title}", ""]
@@ -79,6 +82,18 @@ def _page(runs: list[Run], titles: list[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def summary_of(runs: list[Run]) -> dict[str, Any]:
-    """All summaries, for --json."""
-    return {run.scene.name: run.summary for run in runs}
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the options of `nearflat demo`."""
+    command.add_argument("--out", default="results/demo", metavar="DIR", help="folder (default results/demo)")
+    command.add_argument("--jobs", default=2, metavar="N", help="threads (default 2)")
+    command.add_argument("--seed", default=0, metavar="S", help="seed of the random streams (default 0)")
+    add_json(command)
+
+
+def call(options: argparse.Namespace) -> int:
+    runs = demo(options.out, jobs=options.jobs, seed=options.seed, quiet=options.quiet)
+    if options.json:
+        print(json.dumps({run.scene.name: run.summary for run in runs}))
+    else:
+        print(f"Pictures and numbers are in {options.out}; start with {Path(options.out) / 'README.md'}.")
+    return 0

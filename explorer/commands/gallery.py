@@ -1,20 +1,17 @@
-"""The page of a folder of results: every picture with the command that makes it."""
+"""`nearflat gallery`: the page of a folder of results, every picture with the command that makes it."""
 
-import json
-import re
+import argparse
 from pathlib import Path
 
+from explorer.commands.made_by import command_of
 from explorer.errors import InputError
 
-_COMMAND = re.compile(r"^`(nearflat [^`]+)`$", re.MULTILINE)
-_MADE_BY = re.compile(r"Made by `([^`]+)`")
-_WIDTH = 600
+_WIDTH = 600  # pixels
 
 
 def gallery(folder: Path | str) -> str:
-    """Markdown for the README.md of `folder`, from what commands have written into the folders below it.
+    """Markdown for the README.md of `folder`; commands are read from what they left in the folders below it.
 
-    The pages in a folder say by what it was made, and what made each picture; a run says it in run.json.
     Raises InputError where `folder` is none.
     """
     root = Path(folder)
@@ -31,7 +28,7 @@ def gallery(folder: Path | str) -> str:
         *(f"| [`{path.name}/`]({path.name}) | `{command_of(path)}` |" for path in parts),
     ]
     for path in parts:
-        pictures = sorted(found for kind in ("png", "gif") for found in path.rglob(f"*.{kind}"))
+        pictures = sorted(picture for kind in ("png", "gif") for picture in path.rglob(f"*.{kind}"))
         if pictures:
             lines += ["", f"## {path.name}"]
         for picture in pictures:
@@ -47,17 +44,17 @@ def _title(picture: Path) -> str:
     return f"{above.name}, {picture.stem.replace('-', ' ')}"
 
 
-def command_of(folder: Path, picture: str | None = None) -> str:
-    """The command that made a folder, or a picture in it where a page tells that apart."""
-    for page in sorted(folder.glob("*.md")):
-        text = page.read_text(encoding="utf-8")
-        found = _MADE_BY.search(text)
-        if found is None:
-            continue
-        before = _COMMAND.findall(text.partition(picture)[0]) if picture and picture in text else []
-        return before[-1] if before else found[1]
-    record = folder / "run.json"
-    if record.is_file():
-        scene = json.loads(record.read_text(encoding="utf-8"))["identity"]["options"]["scene"]
-        return f"nearflat run {scene}, with the options in run.json"
-    return "not known"
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the options of `nearflat gallery`."""
+    command.add_argument("folder", nargs="?", default="results", metavar="DIR", help="folder (default results)")
+
+
+def call(options: argparse.Namespace) -> int:
+    page = Path(options.folder) / "README.md"
+    text = gallery(options.folder)
+    try:
+        page.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{page}: cannot be written ({error.strerror}); give a folder that can") from None
+    print(f"wrote {page}")
+    return 0

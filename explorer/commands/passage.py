@@ -1,11 +1,15 @@
-"""One passage, for people and for scripts."""
+"""`nearflat passage`: one passage near flat, as text or as JSON."""
 
-from typing import Any
+import argparse
+import json
+import sys
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError
+from explorer.commands.common import add_json
+from explorer.errors import number
 from explorer.motion.forces import passage_forces
 from explorer.motion.passages import passages
 from explorer.phase.disk import Disk
@@ -20,38 +24,46 @@ _UNITS = {
     "error_estimate": "",
     "face": "",
 }
+_NUMBERS = (
+    "race_angle",
+    "delta_chi",
+    "delta_psi",
+    "fall_angle",
+    "theta_min",
+    "duration",
+    "fall_time",
+    "energy",
+    "impact_speed",
+    "limit",
+    "error_estimate",
+)
 _WORDS = ("status", "method", "model", "disk")
 
 
+class Start(NamedTuple):
+    """A motion at the vertical, in the units of the disk: speed towards the flat state `face`."""
+
+    sigma3_bar: float
+    eta_hat: float
+    phidot: float
+    face: int = 1
+
+
 def passage_report(
-    disk: str | Disk,
-    sigma3_bar: float,
-    eta_hat: float,
-    phidot: float,
-    face: int = 1,
-    *,
-    method: str = "auto",
-    accuracy: float = 1e-6,
-    window: float | None = None,
+    disk: Disk, start: Start, *, method: str = "auto", accuracy: float = 1e-6, window: float | None = None
 ) -> dict[str, Any]:
     """What `nearflat passage --json` prints. Quantities that do not exist are None."""
-    body = disk if isinstance(disk, Disk) else Disk.parse(disk)
-    for name, value in (("--sigma3-bar", sigma3_bar), ("--eta-hat", eta_hat), ("--phidot", phidot)):
-        if not np.isfinite(value) or (name == "--phidot" and value < 0.0):
-            raise InputError(f"{name} {value} must be a finite number{', 0 or more' * (name == '--phidot')}")
-    found = passages(body, sigma3_bar, eta_hat, phidot, face, method=method, accuracy=accuracy, window=window)
-    status = compiled.status.Status(int(found.status[0]))
-    report: dict[str, Any] = {"disk": body.name, "face": face, "status": status.name.lower()}
-    for name in ("race_angle", "delta_chi", "delta_psi", "fall_angle", "theta_min", "duration", "fall_time"):
-        report[name] = _number(getattr(found, name)[0])
-    for name in ("energy", "impact_speed", "limit", "error_estimate"):
-        report[name] = _number(getattr(found, name)[0])
-    report |= {"method": found.method, "model": found.model, "accuracy": accuracy}
+    made = passages(disk, *start, method=method, accuracy=accuracy, window=window)
+    status = compiled.status.Status(int(made.status[0]))
+    report: dict[str, Any] = {"disk": disk.name, "face": start.face, "status": status.name.lower()}
+    for name in _NUMBERS:
+        report[name] = _number(getattr(made, name)[0])
+    report |= {"method": made.method, "model": made.model, "accuracy": accuracy}
     report["warnings"] = []
     if status == compiled.status.Status.FALLS:
-        report["limits"] = _continuations(body, report["fall_angle"], face)
+        report["limits"] = _continuations(disk, report["fall_angle"], start.face)
     elif status == compiled.status.Status.OK:
-        forces = passage_forces(body, sigma3_bar, eta_hat, phidot)
+        forces = passage_forces(disk, *start[:3])
         report["min_normal_force"] = _number(forces.min_normal_force[0])
         report["max_friction"] = _number(forces.max_friction[0])
         report["warnings"] = _physicality(forces.min_normal_force[0], forces.max_friction[0])
@@ -95,6 +107,42 @@ def passage_text(report: dict[str, Any]) -> str:
         shown = value if name in _WORDS or name == "face" else f"{value:.12g} {_UNITS.get(name, 'rad')}".rstrip()
         lines.append(f"{name:18} {shown}")
     for name, values in report.get("limits", {}).items():
-        face = ">" if name == "plus" else "<"
-        lines += [f"limit, eta {face} 0     {key} {value:+.12g} rad" for key, value in values.items()]
+        sign = ">" if name == "plus" else "<"
+        lines += [f"limit, eta {sign} 0     {key} {value:+.12g} rad" for key, value in values.items()]
     return "\n".join(lines)
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the options of `nearflat passage`."""
+    command.add_argument("--disk", default="uniform", metavar="DISK", help="as for run (default uniform)")
+    for flag, text in (
+        ("--sigma3-bar", "sigma3 at the vertical, in the units of the disk"),
+        ("--eta-hat", "distance beside the falling set, in the units of the disk; 0 is the fall itself"),
+        ("--phidot", "speed at the vertical towards the flat state, 0 or more, in the units of the disk"),
+    ):
+        command.add_argument(flag, required=True, metavar="X", help=text)
+    command.add_argument("--face", type=int, choices=(1, -1), default=1, help="flat state (default 1)")
+    command.add_argument("--accuracy", default="1e-6", metavar="TOL", help="as for run (default 1e-6)")
+    command.add_argument("--method", default="auto", metavar="NAME", help="as for run (default auto)")
+    command.add_argument("--window", metavar="Q", help="cos phi at which to start and to stop, 0 to 1")
+    add_json(command)
+
+
+def call(options: argparse.Namespace) -> int:
+    start = Start(
+        number("--sigma3-bar", options.sigma3_bar),
+        number("--eta-hat", options.eta_hat),
+        number("--phidot", options.phidot, 0.0),
+        options.face,
+    )
+    report = passage_report(
+        Disk.parse(options.disk),
+        start,
+        method=options.method,
+        accuracy=number("--accuracy", options.accuracy),
+        window=None if options.window is None else number("--window", options.window),
+    )
+    print(json.dumps(report) if options.json else passage_text(report))
+    for warning in () if options.quiet else report["warnings"]:
+        print(f"nearflat passage: {warning}", file=sys.stderr)
+    return 0 if report["status"] in ("ok", "falls") else 1

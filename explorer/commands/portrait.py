@@ -1,5 +1,6 @@
 """`nearflat portrait`: the pictures that the paper does not have, each made by one command."""
 
+import argparse
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from explorer.errors import InputError, note
+from explorer.commands.made_by import leave_made_by
+from explorer.errors import InputError, note, one_of
 from explorer.phase.disk import Disk
 from explorer.phase.states import constants_to_states
 from explorer.portrait.bodies import flat_body, measured_gaps, race_numbers
 from explorer.portrait.rocking import rocking
 from explorer.portrait.slices import Slice, map_slice
 from explorer.portrait.wander import resonance, wander, wander_path
-from explorer.scenes.base import Chunks
-from explorer.scenes.options import build_scene
+from explorer.scenes.portrait import CONSTANTS, Portrait
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,9 +40,7 @@ class Group:
 
 def _phase(disk: Disk, options: dict[str, Any]) -> Pictures:
     """(phi, phidot) portraits, potentials and steady motions: the pictures of scene portrait."""
-    scene = build_scene("portrait", disk=disk, **options)
-    none = Chunks(tallies=lambda: iter(()), tables=lambda: iter(()))
-    yield from scene.figures({}, none)
+    yield from Portrait.of({**options, "disk": disk}).pictures()
 
 
 def _slices(disk: Disk, _options: dict[str, Any]) -> Pictures:
@@ -103,18 +102,18 @@ def portrait(
 ) -> list[Path]:
     """Draw all groups of pictures, or one, into a folder; returns the files.
 
-    options, for the group phase, as for scene portrait: sigma3_bar, sigma4_bar or eta_hat, energies, well.
+    options, for the group phase, as for scene portrait: sigma3_bar, sigma4_bar or eta_hat, energy, well.
     Raises InputError for an unknown group or a folder that cannot be written.
     """
     names = [*GROUPS, FILM]
-    if only is not None and only not in names:
-        raise InputError(f"--only {only!r} is no group of pictures; known: {', '.join(names)}")
+    if only is not None:
+        one_of("--only", only, names)
     folder = Path(out)
     if options and only not in (None, "phase"):
         given = ", ".join(f"--{key.replace('_', '-')}" for key in options)
         raise InputError(f"{given}: only the group phase takes this; leave it out, or --only phase")
     # What the options do not allow is said before anything is written.
-    build_scene("portrait", disk=disk, **options)
+    Portrait.of({**options, "disk": disk})
     written: dict[str, list[Path]] = {}
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -124,8 +123,10 @@ def portrait(
                 written[name] = _film(folder, disk)
             else:
                 written[name] = _write(folder, GROUPS[name].draw(disk, options))
-        how = "" if only is None else f" --only {only}"
-        (folder / "README.md").write_text(_page(written, disk, f"nearflat portrait{how}"), encoding="utf-8")
+        command = "nearflat portrait" if only is None else f"nearflat portrait --only {only}"
+        (folder / "README.md").write_text(_page(written, disk, command), encoding="utf-8")
+        each = {path.name: f"nearflat portrait --only {name}" for name, paths in written.items() for path in paths}
+        leave_made_by(folder, command, each)
     except OSError as error:
         raise InputError(f"--out {folder}: cannot be written ({error.strerror})") from None
     return [path for paths in written.values() for path in paths]
@@ -157,3 +158,26 @@ def _page(written: dict[str, list[Path]], disk: Disk, command: str) -> str:
         for path in paths:
             lines += ["", f'<img src="{path.name}" width="600" alt="{path.stem}">']
     return "\n".join(lines) + "\n"
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the options of `nearflat portrait`: those of its pictures, and of scene portrait for the group phase."""
+    command.add_argument("--disk", default="uniform", metavar="DISK", help="as for run (default uniform)")
+    groups = ", ".join([*GROUPS, FILM])
+    command.add_argument("--only", metavar="GROUP", help=f"one group of pictures: {groups} (default all)")
+    for option in CONSTANTS:
+        text = f"phase: {option.help_for(Portrait)}"
+        if option.metavar:
+            command.add_argument(option.flag, metavar=option.metavar, help=text)
+        else:
+            command.add_argument(option.flag, action="store_const", const=True, help=text)
+    command.add_argument("--out", default="results/portrait", metavar="DIR", help="default results/portrait")
+
+
+def call(options: argparse.Namespace) -> int:
+    given = {option.word: getattr(options, option.word) for option in CONSTANTS}
+    given = {name: value for name, value in given.items() if value is not None}
+    disk = Disk.parse(options.disk)
+    written = portrait(options.out, disk, only=options.only, quiet=options.quiet, **given)
+    print(f"{len(written)} pictures are in {options.out}.")
+    return 0

@@ -1,5 +1,7 @@
-"""Speed against accuracy, measured: every method at every setting, on passages of a body."""
+"""`nearflat trade`: speed against accuracy, measured: every method at every setting, on passages of a body."""
 
+import argparse
+import json
 import platform
 import time
 from dataclasses import dataclass, replace
@@ -9,7 +11,10 @@ from typing import Any
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError
+from explorer.commands.common import add_json
+from explorer.commands.made_by import leave_made_by
+from explorer.errors import InputError, note, whole
+from explorer.motion import calibration
 from explorer.motion.passages import passages
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, constants_to_states
@@ -21,7 +26,7 @@ SETTINGS = {
     "dopri5": tuple(10.0 ** -np.arange(3.0, 14.5)),
     "dop853": tuple(10.0 ** -np.arange(4.0, 15.5)),
 }
-FEWEST = 1024  # samples; with fewer, overheads are measured
+FEWEST, MOST = 1024, 1_000_000  # samples; with fewer, overheads are measured
 STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
 # Errors are calibrated on all of these, so that they hold for bodies nobody measured.
 BODIES = (Disk.uniform(), Disk.hoop(), Disk(I1=0.02, I3=0.04), Disk(I1=0.5, I3=0.3))
@@ -47,11 +52,7 @@ def trade(disk: Disk, samples: int = 4096, seed: int = 0, say: Any = lambda text
     Starts as race-angles draws them, |eta_hat| from 1e-3 to 1e-1. Error: largest of delta chi, delta psi
     (rad) and duration (relative), against quadrature at 1e-11. Cost: one core, compile time apart.
     """
-    if not FEWEST <= samples <= 1_000_000:
-        raise InputError(f"--samples {samples} must lie between {FEWEST} and 1000000")
-    if seed < 0:
-        raise InputError(f"--seed {seed} must be 0 or more")
-    work = Work(disk, samples, seed)
+    work = Work(disk, whole("--samples", samples, FEWEST, MOST), whole("--seed", seed))
     if not (work.exact.status == compiled.status.Status.OK).mean() > 0.99:
         raise InputError(
             f"--disk {disk.name}: quadrature does not reach 1e-11 for this body; nothing to compare with"
@@ -231,3 +232,31 @@ def report(disk: Disk, rows: list[Row], out: Path, command: str, where: Path | N
         lines += ["", "Stored for this machine; `--accuracy` and `--method auto` read it."]
     (out / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     figure_of(work_precision, rows).savefig(out / "trade.png", dpi=150)
+    leave_made_by(out, command)
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the options of `nearflat trade`."""
+    command.add_argument("--disk", default="uniform", metavar="DISK", help="as for run (default uniform)")
+    command.add_argument("--samples", default=4096, metavar="N", help="passages (default 4096)")
+    command.add_argument("--seed", default=0, metavar="S", help="seed of the random streams (default 0)")
+    command.add_argument("--out", default="results/trade", metavar="DIR", help="folder (default results/trade)")
+    command.add_argument("--no-store", action="store_true", help="do not keep the result for this machine")
+    add_json(command)
+
+
+def call(options: argparse.Namespace) -> int:
+    disk, out = Disk.parse(options.disk), folder_for(Path(options.out))
+    samples, seed = whole("--samples", options.samples, FEWEST, MOST), whole("--seed", options.seed)
+    rows = trade(disk, samples, seed, lambda text: note(text, options.quiet))
+    command = f"nearflat trade --disk {options.disk} --samples {samples} --seed {seed}"
+    where = None if options.no_store else calibration.stored_at()
+    report(disk, rows, out, command, where)
+    if where is not None:
+        calibration.store(calibrate(rows))
+    if options.json:
+        print(json.dumps({"disk": disk.describe(), "rows": [vars(row) for row in rows]}))
+        return 0
+    print("\n".join(table(rows)))
+    print(f"Table and picture are in {options.out}." + (f" Calibration kept in {where}." if where else ""))
+    return 0

@@ -95,14 +95,12 @@ class Density:
                 f"disk: I1/(m r^2) = {disk.body.I1:g}, I3/I1 = {disk.body.k:g}: below {_LEAST:g} the lines of the "
                 "falling set are too steep for this; give a disk with larger ones"
             )
-        return cls(box, ANY_ENERGY if energy is None else cls.parse_energy(energy), tuple(bells.items()), density)
-
-    @staticmethod
-    def parse_energy(value: Any) -> Range:
-        """(low, high) from "LOW:HIGH", ":HIGH", "LOW:" or a pair, where None is no bound. Raises InputError."""
-        if isinstance(value, list | tuple):
-            value = [None if isinstance(end, float) and math.isinf(end) else end for end in value]
-        return read_range("--energy", value, unbounded=True)
+        return cls(
+            box,
+            ANY_ENERGY if energy is None else read_range("--energy", energy, unbounded=True),
+            tuple(bells.items()),
+            density,
+        )
 
     def shape(self, phi: Array, phidot: Array, sigma3: Array, sigma4: Array) -> Array:
         """The density without the ends of the box and of the energy. Raises InputError where it is no density."""

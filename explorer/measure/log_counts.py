@@ -163,11 +163,3 @@ def count_cells(x: Array, y: Array) -> list[list[int]]:
     i, j = (np.floor(CELLS_PER_DECADE * np.log10(v[good])).astype(np.int64) for v in (x, y))
     cells, counts = np.unique(np.stack([i, j]), axis=1, return_counts=True)
     return np.column_stack([cells.T, counts]).tolist()
-
-
-def merged(chunks: Any, name: str) -> LogCounts:
-    """The LogCounts called `name` of all chunks together."""
-    total = LogCounts()
-    for tally in chunks.tallies():
-        total.add(LogCounts(tally[name]))
-    return total

@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, suggest
-from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
-from explorer.phase.states import COORDINATES, Array, phi_to_states
+from explorer.phase.states import COORDINATES, Array
 
 Range = tuple[float, float]
 
@@ -105,24 +104,6 @@ def parse_range(text: str, option: str) -> Range:
 def chunk_stream(seed: int, index: int) -> np.random.Generator:
     """The random stream of chunk `index`; only its uniform doubles are used, which no numpy release changes."""
     return np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=(index,))))
-
-
-def draw_states(
-    disk: Disk, box: Box, random: np.random.Generator, count: int, max_energy: float | None = None
-) -> dict[str, Array]:
-    """Coordinates of `count` states from the box, optionally only those with energy <= max_energy.
-
-    Raises InputError where fewer than one draw in 10^4 is below the energy.
-    """
-    if max_energy is None:
-        return box.draw(random, count)
-
-    def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
-        drawn = box.draw(random, BLOCK)
-        energy = natural_constants(phi_to_states(disk, **drawn)).energy
-        return drawn, energy * disk.energy_unit <= max_energy
-
-    return gather(block, count, f"--max-energy {max_energy:g}: {{}} states of the box are below it; raise it")
 
 
 def gather(

@@ -63,6 +63,10 @@ class Slice:
     def fixed(self) -> dict[str, float]:
         return {name: low for name, (low, high) in self.ranges if low == high}
 
+    def describe(self) -> dict[str, list[float]]:
+        """The ranges as run.json holds them."""
+        return {name: list(span) for name, span in self.ranges}
+
     def grid(self, points: int) -> tuple[Array, Array, dict[str, Array]]:
         """Axis values (points) of both axes, and the coordinates of the grid, second axis first."""
         box = dict(self.ranges)

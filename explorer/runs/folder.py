@@ -1,4 +1,10 @@
-"""The folder of a run: may it be used, what does it say, is it the same run."""
+"""The folder of a run: may it be used, what does it say, is it the same run.
+
+run.json carries a format number. Every later version of nearflat reads the run.json of an earlier one: a number
+is raised only together with a reader of the format before. Options in it are those of `Scene.options`, which the
+readers of the scene's table take back, so `ex.run` accepts them too. A run.json without a number was written
+before 0.2; it is read where this version knows all of its options.
+"""
 
 import hashlib
 import json
@@ -15,8 +21,9 @@ from explorer import compiled
 from explorer.errors import InputError, RunError
 from explorer.runs import store
 from explorer.scenes.base import Scene
-from explorer.scenes.options import scene_from_options
+from explorer.scenes.registry import scene_from_options
 
+FORMAT = 1
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pyarrow", "tqdm")
 
 
@@ -61,18 +68,39 @@ def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str],
     return [index for index in range(scene.chunks()) if index not in good]
 
 
-def scene_of(folder: Path) -> Scene:
-    """The scene of a stored run, from its run.json. Raises InputError."""
+def read_record(folder: Path) -> dict[str, Any]:
+    """What run.json says, of this format or an earlier one. Raises InputError."""
     record = folder / "run.json"
     if not record.is_file():
         raise InputError(f"{folder}: holds no run (there is no {record.name})")
     try:
-        options = dict(store.read_json(record)["identity"]["options"])
-        return scene_from_options(options)
-    except InputError:
-        raise
+        content = dict(store.read_json(record))
+        written, identity = content.get("format", 0), dict(content["identity"])
+        content["identity"] = {"kernels": identity["kernels"], "options": dict(identity["options"])}
     except (RunError, KeyError, TypeError, ValueError) as error:
         raise InputError(f"{record}: is damaged ({error}); start the run anew in another folder") from None
+    if written not in range(FORMAT + 1):
+        raise InputError(
+            f"{record}: has format {written}, and this version of nearflat reads up to {FORMAT}; use the version "
+            "that wrote it, or a later one"
+        )
+    return content
+
+
+def scene_of(folder: Path) -> Scene:
+    """The scene of a stored run, from its run.json. Raises InputError."""
+    content, record = read_record(folder), folder / "run.json"
+    try:
+        return scene_from_options(content["identity"]["options"])
+    except KeyError as error:
+        raise InputError(f"{record}: names no {error}; start the run anew in another folder") from None
+    except InputError as error:
+        if "format" in content:
+            raise
+        raise InputError(
+            f"{record}: an earlier version of nearflat wrote it, and this one does not know all of its options "
+            f"({error}); start the run anew in another folder"
+        ) from None
 
 
 def open_folder(folder: Path, scene: Scene, resume: bool) -> None:
@@ -85,7 +113,7 @@ def open_folder(folder: Path, scene: Scene, resume: bool) -> None:
     if exists:
         if not resume:
             raise InputError(f"--out {folder}: holds a run already; add --resume or give another folder")
-        _check_same(record, scene)
+        _check_same(folder, scene)
     elif resume:
         raise InputError(f"--resume: {folder} holds no run; leave --resume out to start one")
     elif folder.is_dir() and any(folder.iterdir()):
@@ -100,46 +128,39 @@ def open_folder(folder: Path, scene: Scene, resume: bool) -> None:
         raise InputError(f"--out {folder}: cannot be written ({error.strerror}); give a folder that can") from None
 
 
-def _check_same(record: Path, scene: Scene) -> None:
-    try:
-        before = store.read_json(record)["identity"]
-        before = {"kernels": before["kernels"], "options": dict(before["options"])}
-    except (RunError, KeyError, TypeError, ValueError):
-        raise InputError(f"--resume: {record} is damaged; give another folder") from None
-    now = identity(scene)
-    if before.get("kernels") != now["kernels"]:
-        raise InputError(
-            f"--resume: {record.parent} was computed by another version of the kernels; give another folder"
-        )
-    old, new = before.get("options", {}), now["options"]
+def _check_same(folder: Path, scene: Scene) -> None:
+    """Raise InputError where the folder holds another run, or one of more samples."""
+    before, now = read_record(folder)["identity"], identity(scene)
+    if before["kernels"] != now["kernels"]:
+        raise InputError(f"--resume: {folder} was computed by another version of the kernels; give another folder")
+    old, new = before["options"], now["options"]
     if new.get("samples", 0) < old.get("samples", 0):
-        raise InputError(
-            f"--samples {new['samples']}: {record.parent} has {old['samples']}; give as many, or more"
-        )
+        raise InputError(f"--samples {new['samples']}: {folder} has {old['samples']}; give as many, or more")
     # More samples may be added to a run: its chunks are those of the longer one.
     differing = [key for key in {**old, **new} if key != "samples" and old.get(key) != new.get(key)]
     if differing:
         key = differing[0]
         raise InputError(
-            f"--resume: {record.parent} was run with {key} = {old.get(key)}, now {key} = {new.get(key)}; "
+            f"--resume: {folder} was run with {key} = {old.get(key)}, now {key} = {new.get(key)}; "
             "give the same options or another folder"
         )
 
 
-def begun(folder: Path) -> str:
-    """When the run in `folder` was first started; now, where it is new."""
+def begun(folder: Path, command: str | None) -> dict[str, Any]:
+    """When the run in `folder` was first started, and by which command line, if by any."""
     try:
-        return str(store.read_json(folder / "run.json")["started"])
+        before = store.read_json(folder / "run.json")
+        return {"started": str(before["started"]), "command": command or before.get("command")}
     except (RunError, KeyError, TypeError):
-        return now()
+        return {"started": now(), "command": command}
 
 
-def write_record(folder: Path, scene: Scene, started: str, **more: Any) -> None:
-    """run.json: everything needed to run it again, and what it ran on."""
+def write_record(folder: Path, scene: Scene, **more: Any) -> None:
+    """Write run.json: everything needed to run it again, and what it ran on."""
     versions = {name: _version(name) for name in PACKAGES}
     content = {
+        "format": FORMAT,
         "identity": identity(scene),
-        "started": started,
         **more,
         "versions": {"python": platform.python_version(), **versions},
         "machine": {

@@ -27,8 +27,7 @@ class Progressed:
 
 def status(folder: Path) -> Progressed:
     """How far the run in `folder` is, from the footers of its chunks. Raises InputError."""
-    scene = folders.scene_of(folder)
-    record = store.read_json(folder / "run.json")
+    scene, record = folders.scene_of(folder), folders.read_record(folder)
     notes = []
     for path in store.found_chunks(folder).values():
         try:
@@ -52,7 +51,7 @@ def verify(folder: Path) -> list[str]:
     scene = folders.scene_of(folder)
     shared, paths = folders.digest_of_identity(scene), store.found_chunks(folder)
     faults = []
-    if store.read_json(folder / "run.json")["identity"].get("kernels") != compiled.source_digest():
+    if folders.read_record(folder)["identity"]["kernels"] != compiled.source_digest():
         # Its own kernels made these chunks; only what they say of themselves can be checked.
         shared = next((store.read_note(path).identity for path in paths.values()), shared)
         faults.append("run.json: other kernels than these computed the run; it cannot be resumed with them")
@@ -78,8 +77,8 @@ def _summary_faults(folder: Path, paths: dict[int, Path], count: int) -> list[st
         digest = dict(store.read_json(folder / "summary.json")).get("digest")
     except (RunError, TypeError, ValueError) as error:
         return [str(error)]
-    found = store.digest_of_all(store.read_note(paths[index]) for index in range(count))
-    return [] if digest == found else ["summary.json: does not belong to these chunks; run `nearflat summary`"]
+    of_chunks = store.digest_of_all(store.read_note(paths[index]).digest for index in range(count))
+    return [] if digest == of_chunks else ["summary.json: does not belong to these chunks; run `nearflat summary`"]
 
 
 def summary(folder: Path) -> dict[str, Any]:
@@ -87,11 +86,11 @@ def summary(folder: Path) -> dict[str, Any]:
     scene = folders.scene_of(folder)
     notes = {index: store.read_note(path) for index, path in store.found_chunks(folder).items()}
     strange = {note.identity for note in notes.values()}
-    if store.read_json(folder / "run.json")["identity"].get("kernels") == compiled.source_digest():
+    if folders.read_record(folder)["identity"]["kernels"] == compiled.source_digest():
         strange |= {folders.digest_of_identity(scene)}
     for index, note in notes.items():
         if len(strange) > 1 or index >= scene.chunks() or note.samples != scene.length(index):
             raise RunError(
                 f"{folder}: its chunks are not those that run.json describes; see: nearflat verify {folder}"
             )
-    return summarise(folder, scene)
+    return summarise(folder, scene)[1]

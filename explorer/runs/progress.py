@@ -1,4 +1,4 @@
-"""Progress for people: a bar on a terminal, plain lines elsewhere, nothing when quiet."""
+"""Progress as users see it: a bar on a terminal, plain lines elsewhere, nothing when quiet."""
 
 import sys
 import time

@@ -4,7 +4,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from explorer import compiled
 from explorer.errors import InputError, Interrupted, RunError, note
@@ -13,8 +13,8 @@ from explorer.runs import store
 from explorer.runs.interrupt import graceful
 from explorer.runs.lock import only_one
 from explorer.runs.progress import Progress
-from explorer.runs.workers import Workers
-from explorer.scenes.base import Chunks, Scene, Table
+from explorer.runs.workers import Task, Workers
+from explorer.scenes.base import Chunks, Scene, Table, Tally
 
 
 @dataclass(frozen=True)
@@ -26,11 +26,12 @@ class Run:
     summary: dict[str, Any]
 
     def tables(self) -> Iterator[Table]:
-        return stored(self.folder, self.scene).tables()
+        """The kept samples, chunk by chunk, in order. Raises RunError where a chunk is missing or damaged."""
+        return (store.read_chunk(path) for path in _chunks_of(self.folder, self.scene))
 
 
-def stored(folder: Path, scene: Scene) -> Chunks:
-    """The chunks of a finished run. Raises RunError where one is missing or damaged."""
+def _chunks_of(folder: Path, scene: Scene) -> list[Path]:
+    """The chunks of a finished run, in order. Raises RunError where one is missing."""
     paths = store.found_chunks(folder)
     missing = [index for index in range(scene.chunks()) if index not in paths]
     if missing:
@@ -38,11 +39,35 @@ def stored(folder: Path, scene: Scene) -> Chunks:
             f"{folder}: {len(missing)} of {scene.chunks()} chunks are missing; continue with: "
             f"nearflat resume {folder}"
         )
-    order = [paths[index] for index in range(scene.chunks())]
-    return Chunks(
-        tallies=lambda: (store.read_note(path).tally for path in order),
-        tables=lambda: (store.read_chunk(path) for path in order),
-    )
+    return [paths[index] for index in range(scene.chunks())]
+
+
+def add_up(folder: Path, scene: Scene) -> tuple[Any, str]:
+    """What the scene makes of all chunks, and the digest of the run. Every footer is read once.
+
+    Raises RunError where a chunk is missing or damaged.
+    """
+    paths, digests = _chunks_of(folder, scene), []
+
+    def tallies() -> Iterator[Tally]:
+        for path in paths:
+            note = store.read_note(path)
+            digests.append(note.digest)
+            yield note.tally
+
+    chunks = Chunks(tallies(), (store.read_chunk(path) for path in paths))
+    total = scene.add_up(chunks)
+    for _ in chunks.tallies:
+        pass  # a scene that asks for rows only leaves the footers, and with them the digests, to be read
+    return total, store.digest_of_all(digests)
+
+
+class Manner(NamedTuple):
+    """What a run says and leaves besides its numbers."""
+
+    quiet: bool
+    figures: bool
+    command: str | None
 
 
 def execute(
@@ -53,45 +78,40 @@ def execute(
     resume: bool = False,
     quiet: bool = True,
     figures: bool = True,
+    command: str | None = None,
 ) -> Run:
     """Compute a scene into a folder. Raises InputError before anything is written, RunError after.
 
     The numbers depend on the scene alone, never on workers or an interruption. The first Ctrl-C or SIGTERM
-    lets running chunks finish; then Interrupted is raised, which says how to continue.
+    lets running chunks finish; then Interrupted is raised, which says how to continue. command: the command line
+    that asked for the run, for run.json.
     """
     workers = workers or Workers()
     folder = Path(out) if out is not None else folders.default_folder(scene)
     folders.open_folder(folder, scene, resume)
     with only_one(folder):
         try:
-            return _fill(scene, folder, workers, quiet, figures)
+            return _fill(scene, folder, workers, Manner(quiet, figures, command))
         except InputError as error:
             # Only a run can tell that some input leads nowhere; by then the folder holds it.
             raise RunError(f"{error} ({folder} holds what was computed)") from error
 
 
-def _fill(scene: Scene, folder: Path, workers: Workers, quiet: bool, figures: bool) -> Run:
+def _fill(scene: Scene, folder: Path, workers: Workers, manner: Manner) -> Run:
     """Compute, store, summarise and draw."""
-    compiled.warmup(lambda text: note(text, quiet))
-    started, clock = folders.begun(folder), time.monotonic()
-    how = {"jobs": workers.jobs, "backend": workers.backend}
-    folders.write_record(folder, scene, started, finished=None, **how)
-    computed = _compute(scene, folder, workers, quiet)
-    seconds = time.monotonic() - clock
-    summary = summarise(folder, scene)
-    if figures:
-        for name, picture in scene.figures(summary, stored(folder, scene)):
+    compiled.warmup(lambda text: note(text, manner.quiet))
+    clock = time.monotonic()
+    how = {**folders.begun(folder, manner.command), "jobs": workers.jobs, "backend": workers.backend}
+    folders.write_record(folder, scene, finished=None, **how)
+    computed = _compute(scene, folder, workers, manner.quiet)
+    seconds = round(time.monotonic() - clock, 3)
+    total, summary = summarise(folder, scene)
+    if manner.figures:
+        for name, picture in scene.figures(summary, total):
             for kind in ("png", "svg"):
                 picture.savefig(folder / "figures" / f"{name}.{kind}", dpi=150)
-    folders.write_record(
-        folder,
-        scene,
-        started,
-        finished=folders.now(),
-        **how,
-        chunks_computed=computed,
-        seconds_for_chunks=round(seconds, 3),
-    )
+    done = {"finished": folders.now(), "chunks_computed": computed, "seconds_for_chunks": seconds}
+    folders.write_record(folder, scene, **how, **done)
     return Run(scene, folder, summary)
 
 
@@ -104,7 +124,7 @@ def _compute(scene: Scene, folder: Path, workers: Workers, quiet: bool) -> int:
     done = 0
     with graceful(folder, quiet) as stop:
         try:
-            for status in workers.compute(scene, identity, missing, folder, stop):
+            for status in workers.compute(Task(scene, identity, folder), missing, stop):
                 done += 1
                 progress.advance(status)
         except KeyboardInterrupt:
@@ -119,10 +139,9 @@ def _compute(scene: Scene, folder: Path, workers: Workers, quiet: bool) -> int:
     return done
 
 
-def summarise(folder: Path, scene: Scene) -> dict[str, Any]:
-    """The scene's numbers from the stored chunks, written to summary.json."""
-    chunks, paths = stored(folder, scene), store.found_chunks(folder)
-    notes = (store.read_note(paths[index]) for index in range(scene.chunks()))
-    summary = {**scene.options(), **scene.summarise(chunks), "digest": store.digest_of_all(notes)}
+def summarise(folder: Path, scene: Scene) -> tuple[Any, dict[str, Any]]:
+    """The stored chunks added up, for pictures, and the scene's numbers, which are written to summary.json."""
+    total, digest = add_up(folder, scene)
+    summary = {**scene.options(), **scene.summarise(total), "digest": digest}
     store.write_json(folder / "summary.json", summary)
-    return summary
+    return total, summary

@@ -9,18 +9,26 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from joblib import Parallel, delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-from explorer.errors import InputError, RunError
+from explorer.errors import InputError, RunError, one_of, whole
 from explorer.runs import store
 from explorer.scenes.base import Scene
 
 BACKENDS = ("threads", "processes", "dask")
 # Rounds without a single new chunk after which killed workers are no longer an accident.
 _PATIENCE = 3
+
+
+class Task(NamedTuple):
+    """What is computed, and where it goes. identity: of the run, for the chunks."""
+
+    scene: Scene
+    identity: str
+    folder: Path
 
 
 @dataclass(frozen=True)
@@ -32,36 +40,33 @@ class Workers:
     scheduler: str | None = None
 
     def __post_init__(self) -> None:
-        if isinstance(self.jobs, bool) or not isinstance(self.jobs, int) or self.jobs < 1:
-            raise InputError(f"--jobs {self.jobs} must be a whole number, 1 or more")
-        if self.backend not in BACKENDS:
-            raise InputError(f"--backend {self.backend!r} is not known; choose {' or '.join(BACKENDS)}")
+        object.__setattr__(self, "jobs", whole("--jobs", self.jobs, 1))
+        one_of("--backend", self.backend, BACKENDS)
         if self.scheduler is not None and self.backend != "dask":
-            raise InputError(f"--scheduler {self.scheduler}: is for --backend dask")
+            raise InputError(f"--scheduler {self.scheduler}: is for --backend dask; give both")
         if self.backend == "dask":
             _distributed()
 
-    def compute(
-        self, scene: Scene, identity: str, indices: list[int], folder: Path, stop: threading.Event
-    ) -> Iterator[dict[str, int]]:
+    def compute(self, task: Task, indices: list[int], stop: threading.Event) -> Iterator[dict[str, int]]:
         """Compute and store chunks, in any order; yields the count of each status as they are done.
 
         Starts no further chunk once `stop` is set.
         """
         if self.backend == "dask":
-            yield from _by_dask(self, scene, identity, indices, folder, stop)
+            yield from _by_dask(self, task, indices, stop)
         elif self.backend == "threads":
-            yield from _by_joblib("threading", self.jobs, scene, identity, indices, folder, stop)
+            yield from _by_joblib("threading", self.jobs, task, indices, stop)
         else:
-            yield from _by_processes(self.jobs, scene, identity, indices, folder, stop)
+            yield from _by_processes(self.jobs, task, indices, stop)
 
 
-def compute_chunk(scene: Scene, identity: str, index: int, folder: Path) -> dict[str, int]:
+def compute_chunk(task: Task, index: int) -> dict[str, int]:
     """Compute and store one chunk; returns how many samples ended in each status."""
+    scene = task.scene
     try:
         kept, tally = scene.process(index)
-        note = store.Note(index, identity, scene.length(index), store.digest_of(kept, tally), tally)
-        store.write_chunk(folder, note, kept)
+        note = store.Note(index, task.identity, scene.length(index), store.digest_of(kept, tally), tally)
+        store.write_chunk(task.folder, note, kept)
     except MemoryError:
         raise RunError(
             f"chunk {index}: {scene.length(index):,} samples do not fit into memory; start the run anew with "
@@ -70,11 +75,11 @@ def compute_chunk(scene: Scene, identity: str, index: int, folder: Path) -> dict
     return tally["status"]
 
 
-def _in_a_process(scene: Scene, identity: str, index: int, folder: Path, parent: int) -> dict[str, int]:
+def _in_a_process(task: Task, index: int, parent: int) -> dict[str, int]:
     if os.getpid() != parent and threading.current_thread() is threading.main_thread():
         # Ctrl-C reaches the whole group; the parent decides what becomes of running chunks.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-    return compute_chunk(scene, identity, index, folder)
+    return compute_chunk(task, index)
 
 
 def _until(indices: list[int], stop: threading.Event) -> Iterator[int]:
@@ -85,7 +90,7 @@ def _until(indices: list[int], stop: threading.Event) -> Iterator[int]:
 
 
 def _by_joblib(
-    kind: str, jobs: int, scene: Scene, identity: str, indices: list[int], folder: Path, stop: threading.Event
+    kind: str, jobs: int, task: Task, indices: list[int], stop: threading.Event
 ) -> Iterator[dict[str, int]]:
     pool = Parallel(
         n_jobs=min(jobs, max(1, len(indices))),
@@ -95,22 +100,18 @@ def _by_joblib(
         batch_size=1,
     )
     parent = os.getpid()
-    yield from pool(
-        delayed(_in_a_process)(scene, identity, index, folder, parent) for index in _until(indices, stop)
-    )
+    yield from pool(delayed(_in_a_process)(task, index, parent) for index in _until(indices, stop))
 
 
-def _by_processes(
-    jobs: int, scene: Scene, identity: str, indices: list[int], folder: Path, stop: threading.Event
-) -> Iterator[dict[str, int]]:
+def _by_processes(jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[dict[str, int]]:
     missing, idle = indices, 0
     while missing and not stop.is_set():
         try:
-            yield from _by_joblib("loky", jobs, scene, identity, missing, folder, stop)
+            yield from _by_joblib("loky", jobs, task, missing, stop)
             return
         except TerminatedWorkerError as error:
             # joblib gives up the whole call; what is on disk counts.
-            there = store.found_chunks(folder)
+            there = store.found_chunks(task.folder)
             left = [index for index in missing if index not in there]
             idle = idle + 1 if len(left) == len(missing) else 0
             if idle >= _PATIENCE:
@@ -129,11 +130,9 @@ def _distributed() -> Any:
     return distributed
 
 
-def _by_dask(
-    workers: Workers, scene: Scene, identity: str, indices: list[int], folder: Path, stop: threading.Event
-) -> Iterator[dict[str, int]]:
+def _by_dask(workers: Workers, task: Task, indices: list[int], stop: threading.Event) -> Iterator[dict[str, int]]:
     distributed = _distributed()
-    place = folder.resolve()  # workers see the same file system
+    shared = task._replace(folder=task.folder.resolve())  # workers see the same file system
     cluster = None
     try:
         if workers.scheduler is None:
@@ -150,7 +149,7 @@ def _by_dask(
         def submit_next() -> None:
             index = next(source, None)
             if index is not None:
-                running.add(client.submit(compute_chunk, scene, identity, index, place, pure=False, retries=2))
+                running.add(client.submit(compute_chunk, shared, index, pure=False, retries=2))
 
         for _ in range(2 * max(1, len(client.scheduler_info()["workers"]) or workers.jobs)):
             submit_next()

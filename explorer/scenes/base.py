@@ -1,20 +1,25 @@
 """What every scene offers, and how samples are cut into chunks.
 
-To add a scene: one file with one frozen dataclass that implements Scene, one line in
-`registry.SCENES`. A scene draws or receives initial states, asks `models` for observables, and
-reduces what comes back. It knows nothing of files, workers or pictures' storage.
+To add a scene: one file with one frozen dataclass that implements Scene and declares its OPTIONS, and one line in
+`registry.SCENES`. A scene draws or receives initial states, asks `motion.plan` for observables, and reduces what
+comes back. It knows nothing of files, workers or where pictures are kept.
 """
 
+import re
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from explorer.errors import InputError, suggest
 from explorer.measure import statistics
+from explorer.motion.plan import Plan, plan
 from explorer.phase.disk import Disk
+from explorer.scenes.options import CHUNK_SIZE, COMMON, KEEP, SAMPLES, Option, as_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,75 +27,108 @@ if TYPE_CHECKING:
 Table = dict[str, NDArray[Any]]
 Tally = dict[str, Any]
 
+DEFAULT_CHUNK = 1 << 16  # samples; a kernel call on it stays well under a second
+# Memory (bytes) of compiled code and libraries, measured.
+BASE_MEMORY = 450e6
+# A budget is shared by at least so many jobs, so that the numbers do not depend on how many there are.
+SHARERS = 4
+SMALLEST_CHUNK, LARGEST_CHUNK = 1 << 12, 1 << 20
+
 
 @dataclass(frozen=True)
 class Chunks:
-    """What a scene computed, in the order of its chunks; each call starts from the first.
+    """The chunks of a scene that are computed, in their order; each of the two can be gone through once.
 
-    tallies(): of all samples, ready for JSON. tables(): the rows that were kept.
+    tallies: counts of all samples, as JSON gives them back. tables: the rows that were kept.
     """
 
-    tallies: Callable[[], Iterator[Tally]]
-    tables: Callable[[], Iterator[Table]]
+    tallies: Iterator[Tally]
+    tables: Iterator[Table]
 
 
-KEEP = ("none", "near", "all")
-CHUNK_SIZE = 1 << 16  # samples; a kernel call on it stays well under a second
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Scene(ABC):
     """A question about many initial states. Frozen, so that its options identify a run."""
 
-    disks: tuple[Disk, ...]
+    disks: tuple[Disk, ...] = (Disk.uniform(),)
     seed: int = 0
     accuracy: float = 1e-6
     method: str = "auto"
 
     name: ClassVar[str]
     observables: ClassVar[tuple[str, ...]]
-    # Readers of options that mean something of their own here.
-    readers: ClassVar[dict[str, Callable[[Any], Any]]] = {}
+    OPTIONS: ClassVar[tuple[Option, ...]] = COMMON
 
-    @abstractmethod
+    def __post_init__(self) -> None:
+        """Raise InputError where options do not go together; scenes add what they must refuse."""
+        _ = self.plan  # a method that cannot give the observables is refused before anything is written
+
+    @classmethod
+    def of(cls, options: Mapping[str, Any]) -> Self:
+        """The scene that a user describes by options, each by its word or its field's name.
+
+        An option that is None keeps its default. Raises InputError for an option that the scene does not take, or
+        a value that it cannot use.
+        """
+        known = {name: option for option in cls.OPTIONS for name in (option.word, option.name)}
+        given: dict[str, Any] = {}
+        for key, value in options.items():
+            if key not in known:
+                flag = f"--{key.replace('_', '-')}"
+                flags = [option.flag for option in cls.OPTIONS]
+                raise InputError(f"{flag}: {cls.name} takes no such option; {suggest(flag, flags)}")
+            if value is not None:
+                given[known[key].name] = known[key].read(known[key].flag, value)
+        return cls(**cls.completed(given))
+
+    @classmethod
+    def completed(cls, given: dict[str, Any]) -> dict[str, Any]:
+        """What was given, and those defaults that depend on it."""
+        return given
+
     def options(self) -> dict[str, Any]:
-        """Everything that decides the numbers, ready for JSON."""
+        """Everything that decides the numbers, ready for JSON; `of` takes it back, without the scene's name."""
+        return {"scene": self.name, **{o.name: as_json(getattr(self, o.name)) for o in self.OPTIONS}}
 
     @abstractmethod
     def chunks(self) -> int:
         """Number of independent pieces of work."""
 
     @abstractmethod
-    def compute(self, index: int) -> Table:
-        """The samples of one piece: columns of equal length."""
-
-    @abstractmethod
     def length(self, index: int) -> int:
         """How many samples chunk `index` stands for."""
 
-    def process(self, index: int) -> tuple[Table, Tally]:
-        """The rows of a chunk that are stored, and the counts of all its samples."""
-        table = self.compute(index)
-        return self.kept(table), self.tally(table)
+    @abstractmethod
+    def compute(self, index: int) -> Table:
+        """The samples of chunk `index`: columns of equal length."""
 
-    def tally(self, table: Table) -> Tally:
-        """Counts of all samples of a chunk, ready for JSON; kept whichever rows are."""
+    def tally(self, index: int, table: Table) -> Tally:
+        """Counts of all samples of chunk `index`, ready for JSON; kept whichever rows are."""
         return {"status": statistics.count_status([table["status"]])}
 
-    def kept(self, table: Table) -> Table:
-        """The rows of a chunk that are stored."""
+    def kept(self, index: int, table: Table) -> Table:
+        """The rows of chunk `index` that are stored."""
         return table
 
-    @abstractmethod
-    def summarise(self, chunks: Chunks) -> dict[str, Any]:
-        """The scene's numbers from all samples, in chunk order."""
+    def process(self, index: int) -> tuple[Table, Tally]:
+        """The rows of chunk `index` that are stored, and the counts of all its samples."""
+        table = self.compute(index)
+        return self.kept(index, table), self.tally(index, table)
 
     @abstractmethod
-    def figures(self, summary: dict[str, Any], chunks: Chunks) -> "Iterable[tuple[str, Figure]]":
+    def add_up(self, chunks: Chunks) -> Any:
+        """All chunks together: what `summarise` and `figures` need, in one pass."""
+
+    @abstractmethod
+    def summarise(self, total: Any) -> dict[str, Any]:
+        """The scene's numbers, from what `add_up` returns."""
+
+    @abstractmethod
+    def figures(self, summary: dict[str, Any], total: Any) -> "Iterable[tuple[str, Figure]]":
         """Named pictures, drawn one at a time."""
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
-        """A few lines for a person."""
+        """The summary in a few lines of text."""
         return []
 
     @property
@@ -103,49 +141,64 @@ class Scene(ABC):
         """Names the disks in a folder name."""
         return "+".join(disk.name for disk in self.disks)
 
-    def common_options(self) -> dict[str, Any]:
-        return {
-            "scene": self.name,
-            "disks": [disk.describe() for disk in self.disks],
-            "seed": self.seed,
-            "accuracy": self.accuracy,
-            "method": self.method,
-        }
+    @cached_property
+    def plan(self) -> Plan:
+        """How the observables are computed. Raises InputError where the method cannot give them."""
+        return plan(self.observables, self.accuracy, self.method)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SampledScene(Scene):
     """A scene made of `samples` equal draws on one disk."""
 
     samples: int = 100_000
-    chunk_size: int = CHUNK_SIZE
+    chunk_size: int = DEFAULT_CHUNK
     keep: str = "near"
 
     # Memory of one sample while its chunk is computed (bytes), for a budget.
     bytes_per_sample: ClassVar[int]
+    OPTIONS: ClassVar[tuple[Option, ...]] = (*COMMON, SAMPLES, CHUNK_SIZE, KEEP)
 
     def chunks(self) -> int:
         return -(-self.samples // self.chunk_size)
-
-    @classmethod
-    def default_chunk(cls, samples: int) -> int:
-        """Samples per chunk unless a person says otherwise."""
-        return CHUNK_SIZE
 
     def length(self, index: int) -> int:
         """How many samples chunk `index` stands for; only the last is shorter."""
         return min(self.chunk_size, self.samples - index * self.chunk_size)
 
-    def near(self, table: Table) -> NDArray[np.bool_]:
-        """Rows near F."""
+    def near(self, index: int, table: Table) -> NDArray[np.bool_]:
+        """Rows of chunk `index` that lie near F."""
         return np.ones(table["status"].size, dtype=bool)
 
-    def kept(self, table: Table) -> Table:
+    def kept(self, index: int, table: Table) -> Table:
         if self.keep == "all":
             return table
-        rows = self.near(table) if self.keep == "near" else np.zeros(table["status"].size, dtype=bool)
+        rows = self.near(index, table) if self.keep == "near" else np.zeros(table["status"].size, dtype=bool)
         return {name: values[rows] for name, values in table.items()}
 
-    def common_options(self) -> dict[str, Any]:
-        sampled = {"samples": self.samples, "chunk_size": self.chunk_size, "keep": self.keep}
-        return {**super().common_options(), **sampled}
+
+def chunk_size_for(kind: type[SampledScene], memory: Any, jobs: int) -> int:
+    """The largest power of two of samples per chunk with which a few chunks at once fit into a budget.
+
+    The same for all `jobs` up to SHARERS. Raises InputError, with what is needed, where not even small chunks fit.
+    """
+    budget, jobs = read_memory("--memory", memory), max(jobs, SHARERS)
+    least = BASE_MEMORY + jobs * SMALLEST_CHUNK * kind.bytes_per_sample
+    if budget < least:
+        raise InputError(
+            f"--memory {memory}: {kind.name} with up to {jobs} jobs needs at least {least / 1e6:.0f}MB; give more"
+        )
+    fits = int((budget - BASE_MEMORY) / (jobs * kind.bytes_per_sample))
+    return min(1 << (fits.bit_length() - 1), LARGEST_CHUNK)
+
+
+def read_memory(flag: str, value: Any) -> float:
+    """Bytes from "1GB", "500MB" or a number. Raises InputError."""
+    match = re.fullmatch(r"\s*([0-9.eE+]+)\s*([KMGT]?)(?:i?B)?\s*", str(value), re.IGNORECASE)
+    try:
+        size = float(match[1]) * 1000.0 ** " KMGT".index(match[2].upper() or " ") if match else float(value)
+        if not 0.0 < size < 1e18:
+            raise ValueError(value)
+        return size
+    except (TypeError, ValueError):
+        raise InputError(f"{flag} {value!r} is no amount; write 1GB or 500MB") from None

@@ -4,17 +4,34 @@ Shared by the scenes that look along F. The flow preserves the measure, so near 
 (phidot, sigma3, eta_hat) at the vertical stands for draws anywhere along the motion.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from explorer.errors import InputError
+from explorer.errors import InputError, read_range
 from explorer.measure.sampling import Box, Range
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
+from explorer.scenes.options import Option, read_ranges
 
 # In natural units: where doubles still have all their digits, and where "beside F" loses its meaning.
 _BESIDE = (1e-305, 10.0)
+
+BOX = Option(
+    "--box",
+    read_ranges,
+    "BOX",
+    "where motions start, at the vertical: speed towards flat and sigma3, in the units of the disk, as in "
+    '"phidot=0.5:2,sigma3=-2:2"',
+    default="that, in natural units",
+)
+
+
+def eta_hat_option(default: str) -> Option:
+    """The range of distances beside F, for both signs."""
+    text = "distance |eta_hat| beside the falling set, both signs, in the units of the disk"
+    return Option("--eta-hat", read_range, "LOW:HIGH", text, f"{default} natural units")
 
 
 @dataclass(frozen=True)
@@ -44,17 +61,24 @@ def default_box(disk: Disk) -> Box:
     return Box((0.0, 0.0), (0.5 * unit, 2.0 * unit), (-2.0 * unit, 2.0 * unit), (0.0, 0.0))
 
 
-def check_box(box: Box, given: tuple[str, ...], scene: str) -> None:
-    """Raise InputError for a box that does not describe starts beside F."""
-    if "sigma4" in given:
-        raise InputError(f"--box sigma4: {scene} sets sigma4 by --eta-hat; leave it out")
+def box_beside(disk: Disk, ranges: Mapping[str, Range]) -> Box:
+    """The default box with other ranges. Raises InputError where these do not describe starts beside F."""
+    if "sigma4" in ranges:
+        raise InputError("--box sigma4: this scene sets sigma4 by --eta-hat; leave it out")
+    box = replace(default_box(disk), **ranges)
     if box.phi != (0.0, 0.0):
-        raise InputError(f"--box phi: {scene} starts at the vertical; leave phi out or give phi=0")
+        raise InputError("--box phi: this scene starts at the vertical; leave phi out or give phi=0")
     if box.phidot[0] < 0.0:
         raise InputError(
-            f"--box phidot = {box.phidot[0]:g}:{box.phidot[1]:g}: {scene} takes the speed towards flat, "
+            f"--box phidot = {box.phidot[0]:g}:{box.phidot[1]:g}: this scene takes the speed towards flat, "
             "used for both sides; give 0 <= LOW"
         )
+    return box
+
+
+def describe_beside(box: Box) -> dict[str, list[float]]:
+    """The ranges of a box that a scene beside F takes."""
+    return {name: span for name, span in box.describe().items() if name in ("phidot", "sigma3")}
 
 
 def check_eta_hat(span: Range, disk: Disk) -> None:

@@ -3,22 +3,23 @@
 theta_min is the smaller tilt at the two turning points of a motion. The slices are integrated,
 whatever gives the samples' theta_min, and the exact set drawn over them comes from the constants of
 motion alone. The two never meet before the picture, so the valley of the one lying on the curves of
-the other is a test that a person can see.
+the other is a test that users can see.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
+from explorer.errors import InputError, one_of, whole
 from explorer.measure import statistics
+from explorer.measure.density import ANY_ENERGY, Density
 from explorer.measure.log_counts import LogCounts
-from explorer.measure.sampling import Box, chunk_stream, draw_states
-from explorer.motion import plan as models
+from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import NaturalConstants, constants_of, natural_constants
 from explorer.phase.disk import require_axial_inertia
@@ -28,73 +29,102 @@ from explorer.phase.states import Array, States, phi_to_states
 from explorer.portrait.slices import ConstantsPlane, Slice, map_slice
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_sides, joined, nearer, no_cells
+from explorer.scenes.options import BOX, ENERGY, Option, read_slices, read_states
 from explorer.scenes.state_file import StateFile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Near F, natural units of eta_hat. Rows beyond are counted, not stored, unless all are asked for.
-NEAR = 0.01
-BLOCK = 1 << 14
-LARGE_CHUNK = 1 << 20
-# With more samples than this theta_min is computed near F only, and nearer.
-NEARER = 0.001
+# Near F, natural units of eta_hat: where all samples have a theta_min, and where only those near F do. Rows beyond
+# are counted, not stored, unless all are asked for.
+NEAR = {"all": 0.01, "near": 0.001}
+# Above so many samples theta_min is computed near F only, where it is all that matters, and chunks are large:
+# such runs keep few rows of each.
 MOST_THETA_MIN = 10_000_000
-_FIRST = 16_384
+LARGE_CHUNK = 1 << 20
+BLOCK = 1 << 14  # states: intermediate arrays stay in the processor's cache
+_FIRST = 16_384  # states that say how far the map of all samples must reach
 _WIDER = 1.0 + 1e-9  # rounding of a distance must not decide what is looked at
 # The map's theta_min as integers: 3000 to the decade above 1e-20.
 _DEEPEST, _CODES_PER_DECADE = -20.0, 3000.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FallingSet(SampledScene):
-    """theta_min, side of F and could-fall of states drawn from a box."""
+    """Where does the disk fall? theta_min, side of the falling set and could-fall of states drawn from a box."""
 
-    box: Box | None = None
-    max_energy: float | None = None
-    slices: tuple[Slice, ...] | None = None
+    box: Box | None
+    energy: Range | None = None
+    slices: tuple[Slice, ...]
     grid: int = 401
+    theta_min: str
     states: StateFile | None = None
 
     bytes_per_sample: ClassVar[int] = 300
     name: ClassVar[str] = "falling-set"
     observables: ClassVar[tuple[str, ...]] = ("theta_min", "face", "could_fall")
+    OPTIONS: ClassVar[tuple[Option, ...]] = (
+        *SampledScene.OPTIONS,
+        BOX,
+        ENERGY,
+        Option(
+            "--states",
+            read_states,
+            "FILE",
+            "Parquet file with the states, in columns phi, phidot, sigma3 and sigma4, instead of --box",
+        ),
+        Option(
+            "--theta-min",
+            partial(one_of, known=tuple(NEAR)),
+            "WHICH",
+            "states whose theta_min is computed: all, or those near the falling set (near)",
+            default=f"all up to {MOST_THETA_MIN:.0e} samples",
+        ),
+        Option(
+            "--slice",
+            read_slices,
+            "SLICE",
+            'a slice to draw, two ranges and two numbers: "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
+            default="two slices",
+            field="slices",
+            several=True,
+        ),
+        Option("--grid", partial(whole, low=2, high=4000), "N", "points per axis of a slice"),
+    )
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         require_axial_inertia(self.disk)
-        if self.max_energy is not None:
+        if self.energy is not None:
             # An energy that the box does not reach is refused before anything is written.
-            draw_states(self.disk, self.where, chunk_stream(self.seed, 0), 1, self.max_energy)
+            self._drawn(chunk_stream(self.seed, 0), 1)
 
     @classmethod
-    def default_chunk(cls, samples: int) -> int:
-        # Large runs keep few rows; fewer files then.
-        return super().default_chunk(samples) if samples <= MOST_THETA_MIN else LARGE_CHUNK
-
-    @property
-    def where(self) -> Box:
-        return self.box or Box.default(self.disk)
-
-    def options(self) -> dict[str, Any]:
-        slices = self.slices or Slice.defaults(self.disk)
-        source = {"box": self.where.describe(), "max_energy": self.max_energy}
+    def completed(cls, given: dict[str, Any]) -> dict[str, Any]:
+        disk, states = given.get("disks", cls.disks)[0], given.get("states")
+        if states is not None:
+            _check_states(given, states)
+            given = {"samples": states.rows, "box": None, **given}
+        else:
+            given = {**given, "box": replace(Box.default(disk), **given.get("box", {}))}
+        many = given.get("samples", cls.samples) > MOST_THETA_MIN
         return {
-            **self.common_options(),
-            **(source if self.states is None else {"states": self.states.describe()}),
-            "theta_min": "all" if self.every_theta_min else "near",
-            "slices": [{name: list(span) for name, span in s.ranges} for s in slices],
-            "grid": self.grid,
+            "chunk_size": LARGE_CHUNK if many else cls.chunk_size,
+            "theta_min": "near" if many else "all",
+            "slices": Slice.defaults(disk),
+            **given,
         }
 
     @cached_property
-    def every_theta_min(self) -> bool:
-        """Whether theta_min is computed for all samples, or only near F, where it is all that matters."""
-        return self.samples <= MOST_THETA_MIN
+    def density(self) -> Density:
+        """What states are drawn from."""
+        assert self.box is not None
+        return Density(self.box, ANY_ENERGY if self.energy is None else self.energy)
 
     @property
     def tube(self) -> float:
         """|eta_hat| below which a sample is near F, in the units of the disk."""
-        return (NEAR if self.every_theta_min else NEARER) * self.disk.rate_unit
+        return NEAR[self.theta_min] * self.disk.rate_unit
 
     def draw(self, index: int) -> Iterator[Table]:
         """Coordinates of the states of a chunk, block by block."""
@@ -104,7 +134,13 @@ class FallingSet(SampledScene):
             if self.states is not None:
                 yield self.states.read(index * self.chunk_size + first, size)
             else:
-                yield draw_states(self.disk, self.where, random, size, self.max_energy)
+                yield self._drawn(random, size)
+
+    def _drawn(self, random: np.random.Generator, count: int) -> Table:
+        # Where nothing is rejected no draw is wasted: the box is drawn from directly.
+        if self.energy is None:
+            return self.density.box.draw(random, count)
+        return self.density.draw(self.disk, random, count)
 
     def compute(self, index: int) -> Table:
         return joined([self._block(columns) for columns in self.draw(index)])
@@ -113,13 +149,13 @@ class FallingSet(SampledScene):
         # Block by block: what is not kept never leaves the processor's cache.
         counts, kept = FallingCounts(), []
         for columns in self.draw(index):
-            if self.every_theta_min or self.keep == "all":
+            if self.theta_min == "all" or self.keep == "all":
                 block = self._block(columns)
                 found = self._count(block)
             else:
                 found, block = self._sift(columns)
             counts.add(found)
-            kept.append(self.kept(block))
+            kept.append(self.kept(index, block))
         return joined(kept), counts.tally()
 
     def _sift(self, columns: Table) -> tuple[FallingCounts, Table]:
@@ -166,23 +202,25 @@ class FallingSet(SampledScene):
         self, table: Table, states: States, natural: NaturalConstants, status: NDArray[np.int8]
     ) -> Table:
         """theta_min, status and steps; where theta_min is not computed it is NaN."""
-        how = models.plan(self.observables, self.accuracy, self.method)
-        if self.every_theta_min:
-            theta, status, steps = smallest_tilt(states, how, natural)
+        if self.theta_min == "all":
+            theta, status, steps = smallest_tilt(states, self.plan, natural)
             return {"theta_min": theta, "status": status.astype(np.int8), "steps": steps}
-        rows = np.flatnonzero(self.near(table))
+        rows = np.flatnonzero(self._is_near(table))
         n = len(states)
         flattest, code, steps = np.full(n, np.nan), status.astype(np.int8), np.zeros(n, np.int32)
-        flattest[rows], code[rows], steps[rows] = smallest_tilt(states.at(rows), how, natural.at(rows))
+        flattest[rows], code[rows], steps[rows] = smallest_tilt(states.at(rows), self.plan, natural.at(rows))
         return {"theta_min": flattest, "status": code, "steps": steps}
 
-    def near(self, table: Table) -> NDArray[np.bool_]:
+    def near(self, index: int, table: Table) -> NDArray[np.bool_]:
+        return self._is_near(table)
+
+    def _is_near(self, table: Table) -> NDArray[np.bool_]:
         return (nearer(table) <= self.tube) & table["could_fall"]
 
-    def tally(self, table: Table) -> Tally:
+    def tally(self, index: int, table: Table) -> Tally:
         return self._count(table).tally()
 
-    def _count(self, table: Table) -> "FallingCounts":
+    def _count(self, table: Table) -> FallingCounts:
         counts = FallingCounts()
         sided = table["face"] == 1
         counts.sides = count_sides(sided, np.where(sided, table["eta_hat_plus"], table["eta_hat_minus"]))
@@ -193,36 +231,34 @@ class FallingSet(SampledScene):
         counts.plane = self._cells(table)
         return counts
 
-    def _total(self, chunks: Chunks) -> "FallingCounts":
+    def add_up(self, chunks: Chunks) -> FallingCounts:
         total = FallingCounts()
-        for tally in chunks.tallies():
+        for tally in chunks.tallies:
             total.add(FallingCounts.of(tally))
         return total
 
-    def summarise(self, chunks: Chunks) -> dict[str, Any]:
-        total = self._total(chunks)
+    def summarise(self, total: FallingCounts) -> dict[str, Any]:
         fraction = statistics.share(total.could_fall, self.samples)
-        summary = {
+        near = f"samples with |eta_hat| <= {self.tube:g}"
+        return {
             "samples": self.samples,
             "side_counts": total.sides,
             "could_fall_fraction": fraction["value"],
             "could_fall_interval_95": fraction["interval_95"],
-            "theta_min_of": "all samples" if self.every_theta_min else f"samples with |eta_hat| <= {self.tube:g}",
+            "theta_min_of": "all samples" if self.theta_min == "all" else near,
             "theta_min_quantiles": total.theta_min.quantiles(),
             "distance_quantiles": total.distance.quantiles(),
             "falls": total.status.get("falls", 0),
             "status": total.status,
         }
-        return summary
 
-    def figures(self, summary: dict[str, Any], chunks: Chunks) -> "Iterator[tuple[str, Figure]]":
+    def figures(self, summary: dict[str, Any], total: FallingCounts) -> "Iterator[tuple[str, Figure]]":
         from explorer import plot
 
-        total = self._total(chunks)
         yield "constants-plane", plot.figure_of(plot.constants_plane, self.plane(total.plane))
-        for number, where in enumerate(self.slices or Slice.defaults(self.disk), 1):
-            found = map_slice(self.disk, where, self.grid, "dopri5")
-            yield f"slice-{number}", plot.figure_of(plot.slice_map, found)
+        for number, where in enumerate(self.slices, 1):
+            mapped = map_slice(self.disk, where, self.grid, "dopri5")
+            yield f"slice-{number}", plot.figure_of(plot.slice_map, mapped)
         yield "theta-min", plot.figure_of(plot.theta_min_distribution, total.theta_min, self.samples)
 
     @cached_property
@@ -239,8 +275,7 @@ class FallingSet(SampledScene):
         """A few states like those of the run."""
         if self.states is not None:
             return phi_to_states(self.disk, **self.states.read(0, min(_FIRST, self.samples)))
-        columns = draw_states(self.disk, self.where, chunk_stream(self.seed, 0), _FIRST, self.max_energy)
-        return phi_to_states(self.disk, **columns)
+        return phi_to_states(self.disk, **self._drawn(chunk_stream(self.seed, 0), _FIRST))
 
     def _cells(self, table: Table) -> NDArray[np.uint16]:
         """The smallest theta_min in each cell of the plane of constants, as a code; none is the largest."""
@@ -266,7 +301,7 @@ class FallingSet(SampledScene):
             *self._plane_edges,
             smallest.reshape(MAP_CELLS, MAP_CELLS),
             line_slope(self.disk),
-            models.plan(self.observables, self.accuracy, self.method).method,
+            self.plan.method,
         )
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
@@ -276,10 +311,20 @@ class FallingSet(SampledScene):
         lines = [
             f"{summary['samples']:,} states, {ok:,} computed to the accuracy asked, "
             f"{summary['falls']} exactly on the falling set",
-            f"could fall, were they on it: {summary['could_fall_fraction']:.4%} (95 %: {low:.4%} to {high:.4%})",
+            f"would fall if eta were exactly 0: {100.0 * summary['could_fall_fraction']:.1f} % "
+            f"(95 % interval {100.0 * low:.1f} % to {100.0 * high:.1f} %)",
         ]
         if quantile:
             lines.append(
                 f"tilt at the flattest moment: median {quantile['0.5']:.3g} rad, smallest {quantile['0']:.3g} rad"
             )
         return lines
+
+
+def _check_states(given: dict[str, Any], states: StateFile) -> None:
+    """Raise InputError for options that say what the file of states says already."""
+    for name in ("box", "energy"):
+        if name in given:
+            raise InputError(f"--{name}: the states come from --states; leave it out")
+    if given.get("samples", 1) > states.rows:
+        raise InputError(f"--samples {given['samples']}: --states holds {states.rows}; leave --samples out")

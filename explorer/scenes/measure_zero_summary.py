@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,8 @@ from explorer.measure.invariance import flow_stretch, push_forward
 from explorer.measure.laws import SHAPE_BINS, Estimate, Ladder, Law, wrong_laws
 from explorer.measure.sampling import chunk_stream
 from explorer.phase.states import Array, phi_to_states
-from explorer.scenes.base import Chunks, Tally
-
-if TYPE_CHECKING:
-    from explorer.scenes.measure_zero import MeasureZero
+from explorer.scenes.base import Tally
+from explorer.scenes.measure_zero_draws import Question
 
 FEWEST_HITS = 50  # worth of equal weight in a rung; with fewer its interval is not to be trusted
 _MANY = 25  # plain hits, enough for a normal distribution
@@ -74,8 +72,8 @@ class Tubes:
         return laws.total([self.estimate(rung, face) for face in (0, 1)])
 
     def ladder(self, delta: Array) -> Ladder:
-        found = [self.rung(rung) for rung in range(delta.size)]
-        columns = zip(*((e.value, e.error, e.dof) for e in found), strict=True)
+        rungs = [self.rung(rung) for rung in range(delta.size)]
+        columns = zip(*((e.value, e.error, e.dof) for e in rungs), strict=True)
         return Ladder(delta, *(np.array(column) for column in columns))
 
     def effective_size(self, rung: int) -> float:
@@ -87,82 +85,101 @@ class Tubes:
 _COLUMNS = tuple(Tubes.__annotations__)[1:]
 
 
-def summarise(scene: "MeasureZero", chunks: Chunks) -> dict[str, Any]:
-    tallies = list(chunks.tallies())
-    plain = [tally for tally in tallies if tally["kind"] == "plain"]
-    tubes = Tubes.of([t for t in tallies if t["kind"] == "tube"], scene.deltas.size, scene.sampling == "sobol")
-    status = statistics.add_counts(tally["status"] for tally in tallies)
-    falls = sum(tally["status"].get("falls", 0) for tally in plain)
-    below = np.sum([tally["hits"] for tally in plain], axis=0)
+@dataclass(frozen=True)
+class Counted:
+    """All chunks together. below: hits of the plain draws, (rungs, 4); race: ways of the races of these hits."""
+
+    status: dict[str, int]
+    falls: int
+    below: NDArray[np.int64]
+    race: dict[str, int]
+    tubes: Tubes
+
+    @classmethod
+    def of(cls, question: Question, tallies: list[Tally]) -> "Counted":
+        plain = [tally for tally in tallies if tally["kind"] == "plain"]
+        batches = [tally for tally in tallies if tally["kind"] == "tube"]
+        return cls(
+            status=statistics.add_counts(tally["status"] for tally in tallies),
+            falls=sum(tally["status"].get("falls", 0) for tally in plain),
+            below=np.sum([tally["hits"] for tally in plain], axis=0),
+            race={key: sum(tally["race"][key] for tally in plain) for key in plain[0]["race"]},
+            tubes=Tubes.of(batches, question.deltas.size, question.scrambled),
+        )
+
+
+def summarise(question: Question, total: Counted) -> dict[str, Any]:
+    """The numbers of summary.json; without enough hits slope and constant are None, and there are no tests."""
+    tubes, below, constant = total.tubes, total.below, question.constant
     summary: dict[str, Any] = {
-        "samples": scene.samples,
-        "falls": falls,
-        "upper_bound_95": statistics.upper_bound(falls, scene.samples),
-        "status": status,
-        "constant_predicted": scene.constant.value,
-        "constant_predicted_error": scene.constant.error,
-        "ladder": _rows(scene, tubes, below),
-        "invariance": _invariance(scene),
-        "race": {key: sum(tally["race"][key] for tally in plain) for key in plain[0]["race"]},
+        "samples": question.samples,
+        "falls": total.falls,
+        "upper_bound_95": statistics.upper_bound(total.falls, question.samples),
+        "status": total.status,
+        "constant_predicted": constant.value,
+        "constant_predicted_error": constant.error,
+        "ladder": _rows(question, tubes, below),
+        "invariance": _invariance(question),
+        "race": total.race,
         "slope": None,
         "constant": None,
     }
-    ladder = tubes.ladder(scene.deltas)
-    tested = ladder.at(scene.deltas <= scene.law_limit)
+    ladder = tubes.ladder(question.deltas)
+    tested = ladder.at(question.tested)
     enough = all(row["effective_sample_size"] >= FEWEST_HITS for row in summary["ladder"])
-    if not (scene.constant.value > 0.0 and enough):
+    if not (constant.value > 0.0 and enough):
         return summary
     summary["slope"] = _described(laws.fit_slope(tested))
     summary["constant"] = _described(laws.fit_constant(tested))
-    summary["law_limit"] = scene.law_limit
-    summary |= _tests(scene, tested, below.sum(axis=1))
-    summary["power"] = _power(scene, tubes)
-    summary["p_value_counts_against_tubes"] = _agreement(scene, ladder, below.sum(axis=1))
-    summary["splits"] = _splits(scene, tubes, ladder)
-    summary["convergence"] = _convergence(scene, tubes)
-    if scene.sampling == "sobol":
-        summary["sobol_gain"] = _gain(scene, tubes)
+    summary["law_limit"] = question.law_limit
+    summary |= _tests(question, tested, below.sum(axis=1))
+    summary["power"] = _power(question, tubes)
+    summary["p_value_counts_against_tubes"] = _agreement(question, ladder, below.sum(axis=1))
+    summary["splits"] = _splits(question, tubes, ladder)
+    summary["convergence"] = _convergence(question, tubes)
+    if question.scrambled:
+        summary["sobol_gain"] = _gain(question, tubes)
     return summary
 
 
-def _invariance(scene: "MeasureZero") -> dict[str, float]:
+def _invariance(question: Question) -> dict[str, float]:
     """Whether the measure is one: the flow's determinant, and states pushed forward."""
-    start = scene.source.draw(scene.disk, chunk_stream(scene.seed, _INVARIANCE), _FOLLOWED)
-    found = flow_stretch(phi_to_states(scene.disk, **start))
-    time = _LATER * scene.disk.time_unit
+    start = question.source.draw(question.disk, chunk_stream(question.seed, _INVARIANCE), _FOLLOWED)
+    stretch = flow_stretch(phi_to_states(question.disk, **start))
+    time = _LATER * question.disk.time_unit
     return {
-        "determinant_error": float(np.nanmax(abs(found.determinant - 1.0))),
-        "determinant_rounding": float(np.nanmax(found.rounding)),
-        "push_forward_p_value": push_forward(scene.disk, time, seed=scene.seed).p_value,
+        "determinant_error": float(np.nanmax(abs(stretch.determinant - 1.0))),
+        "determinant_rounding": float(np.nanmax(stretch.rounding)),
+        "push_forward_p_value": push_forward(question.disk, time, seed=question.seed).p_value,
     }
 
 
-def _described(found: Estimate) -> dict[str, Any]:
-    return {"value": found.value, "error": found.error, "interval_95": found.interval()}
+def _described(estimate: Estimate) -> dict[str, Any]:
+    return {"value": estimate.value, "error": estimate.error, "interval_95": estimate.interval()}
 
 
-def _rows(scene: "MeasureZero", tubes: Tubes, below: Array) -> list[dict[str, Any]]:
+def _rows(question: Question, tubes: Tubes, below: NDArray[np.int64]) -> list[dict[str, Any]]:
     """The ladder: counts of plain draws with exact intervals, and estimates from the tubes."""
-    level = laws.simultaneous(scene.deltas.size)
+    level = laws.simultaneous(question.deltas.size)
     rows = []
-    for k, delta in enumerate(scene.deltas):
-        count, found = int(below[k].sum()), tubes.rung(k)
+    for k, delta in enumerate(question.deltas):
+        count, estimate = int(below[k].sum()), tubes.rung(k)
         # A draw whose tilt is not known may be a hit or not.
         unknown = math.fsum((tubes.unresolved[k] / tubes.draws[k].sum(axis=1, keepdims=True)).ravel())
         rows.append(
             {
                 "delta": float(delta),
                 "count": count,
-                "plain": statistics.share(count, scene.samples),
-                "estimate": found.value,
-                "error": found.error,
-                "interval_95": _widened(found.interval(), unknown),
-                "interval_95_simultaneous": _widened(found.interval(level), unknown),
+                "plain": statistics.share(count, question.samples),
+                "estimate": estimate.value,
+                "error": estimate.error,
+                "interval_95": _widened(estimate.interval(), unknown),
+                "interval_95_simultaneous": _widened(estimate.interval(level), unknown),
                 "tube_draws": int(tubes.draws[k].sum()),
                 "tube_hits": int(tubes.hits[k].sum()),
                 "effective_sample_size": tubes.effective_size(k),
                 "unresolved": unknown,
-                "predicted": scene.constant.value * float(delta),
+                "predicted": question.constant.value * float(delta),
             }
         )
     return rows
@@ -172,27 +189,27 @@ def _widened(interval: list[float], unknown: float) -> list[float]:
     return [max(interval[0], 0.0), interval[1] + unknown]
 
 
-def _tests(scene: "MeasureZero", tested: Ladder, below: NDArray[np.int64]) -> dict[str, Any]:
+def _tests(question: Question, tested: Ladder, below: NDArray[np.int64]) -> dict[str, Any]:
     """p-values of the law and of wrong ones: from tubes, from plain counts, and the one that can tell."""
-    constant = scene.constant
-    counts = below[scene.deltas <= scene.law_limit]
+    constant = question.constant
+    counts = below[question.tested]
     known: dict[str, Law] = {"law": lambda delta: constant.value * delta}
     known |= wrong_laws(constant.value, float(tested.delta[0]))
     apart: dict[str, dict[str, float]] = {"tubes": {}, "counts": {}}
     for name, law in known.items():
         apart["tubes"][name] = laws.ladder_p(tested, law, constant.error / constant.value)
-        apart["counts"][name] = laws.counts_p(tested.delta, counts, scene.samples, law)
+        apart["counts"][name] = laws.counts_p(tested.delta, counts, question.samples, law)
     # Tubes hold what is beside F. Falls anywhere else are for plain draws to find.
     headline = {name: apart["counts" if name == "plateau" else "tubes"][name] for name in known}
     return {"p_value": headline, "p_value_tubes": apart["tubes"], "p_value_counts": apart["counts"]}
 
 
-def _agreement(scene: "MeasureZero", ladder: Ladder, below: NDArray[np.int64]) -> float:
+def _agreement(question: Question, ladder: Ladder, below: NDArray[np.int64]) -> float:
     """p-value that plain counts and tubes estimate the same, whatever the law; of all rungs, after Bonferroni."""
     share = np.clip(ladder.value, 1e-300, 1.0)
-    spread = np.sqrt(share * (1.0 - share) / scene.samples + ladder.error**2)
+    spread = np.sqrt(share * (1.0 - share) / question.samples + ladder.error**2)
     many = below >= _MANY
-    away = abs(below / scene.samples - ladder.value)[many] / spread[many]
+    away = abs(below / question.samples - ladder.value)[many] / spread[many]
     return float(min(1.0, 2.0 * many.sum() * norm.sf(away.max(initial=0.0)))) if many.any() else 1.0
 
 
@@ -200,34 +217,34 @@ def _relative_variance(tubes: Tubes, rungs: NDArray[np.intp]) -> float:
     """Relative variance of one draw of a tube with both sides taken in turn, mean over the rungs."""
     each = []
     for rung in rungs:
-        found, draws = tubes.rung(int(rung)), tubes.draws[rung].sum()
-        each.append((found.error / found.value) ** 2 * draws)
+        estimate, draws = tubes.rung(int(rung)), tubes.draws[rung].sum()
+        each.append((estimate.error / estimate.value) ** 2 * draws)
     return float(np.mean(each))
 
 
-def _power(scene: "MeasureZero", tubes: Tubes) -> dict[str, Any]:
+def _power(question: Question, tubes: Tubes) -> dict[str, Any]:
     """Draws with which the test rejects a wrong law, at 5 %, with probability 95 %."""
-    rungs = np.flatnonzero(scene.deltas <= scene.law_limit)
-    delta, constant = scene.deltas[rungs], scene.constant.value
+    rungs = np.flatnonzero(question.tested)
+    delta, constant = question.deltas[rungs], question.constant.value
     variance = _relative_variance(tubes, rungs)
 
     def right(delta: Array) -> Array:
         return constant * delta
 
-    found: dict[str, Any] = {"relative_variance_of_a_draw": variance}
+    power: dict[str, Any] = {"relative_variance_of_a_draw": variance}
     for name, law in wrong_laws(constant, float(delta[0])).items():
         beside = delta.size * laws.draws_to_reject(delta, right, law, variance)
-        found[name] = {
+        power[name] = {
             "tube_draws": None if name == "plateau" else beside,
             "plain_draws": _finite(laws.plain_draws_to_reject(delta, right, law)),
         }
-    return found
+    return power
 
 
-def _splits(scene: "MeasureZero", tubes: Tubes, ladder: Ladder) -> dict[str, Any]:
+def _splits(question: Question, tubes: Tubes, ladder: Ladder) -> dict[str, Any]:
     """By side, sign of eta, energy, and tilt; all shares of the rungs of the law but for the sign of eta."""
-    rungs = np.flatnonzero(scene.deltas <= scene.law_limit)
-    unit = scene.deltas[rungs]
+    rungs = np.flatnonzero(question.tested)
+    unit = question.deltas[rungs]
     sides = []
     for face in (0, 1):
         parts = [tubes.estimate(int(rung), face) for rung in rungs]
@@ -236,28 +253,28 @@ def _splits(scene: "MeasureZero", tubes: Tubes, ladder: Ladder) -> dict[str, Any
     error = math.hypot(sides[1].value * sides[0].error, sides[0].value * sides[1].error) / both.value**2
     plus = Estimate(sides[0].value / both.value, error, both.dof)
     return {
-        "side_plus": {**_described(plus), "predicted": scene.constant.plus / scene.constant.value},
-        "eta_positive": _signs(scene, tubes, ladder),
-        "energy": _by_energy(scene, tubes, rungs),
-        "tilt": _by_tilt(tubes, scene.deltas, rungs),
+        "side_plus": {**_described(plus), "predicted": question.constant.plus / question.constant.value},
+        "eta_positive": _signs(question, tubes, ladder),
+        "energy": _by_energy(question, tubes, rungs),
+        "tilt": _by_tilt(tubes, question.deltas, rungs),
     }
 
 
-def _signs(scene: "MeasureZero", tubes: Tubes, ladder: Ladder) -> list[dict[str, Any]]:
+def _signs(question: Question, tubes: Tubes, ladder: Ladder) -> list[dict[str, Any]]:
     """(P(eta > 0) - P(eta < 0)) / P, rung by rung, and how much P itself is off C delta."""
     rows = []
-    for k, delta in enumerate(scene.deltas):
+    for k, delta in enumerate(question.deltas):
         # The sum over draws of +-weight has the same squares as that of weight.
         net = 2.0 * tubes.sum_eta_positive[k] - tubes.sum[k]
         signed = [tubes.mean(net[s], tubes.squares[k, s], tubes.draws[k, s]) for s in (0, 1)]
-        found = laws.total(signed, np.full(2, 1.0 / ladder.value[k]))
-        unit = scene.constant.value * delta
+        asymmetry = laws.total(signed, np.full(2, 1.0 / ladder.value[k]))
+        unit = question.constant.value * delta
         off = Estimate(ladder.value[k] / unit - 1.0, ladder.error[k] / unit)
         rows.append(
             {
                 "delta": float(delta),
-                "asymmetry": found.value,
-                "asymmetry_interval_95": found.interval(),
+                "asymmetry": asymmetry.value,
+                "asymmetry_interval_95": asymmetry.interval(),
                 "correction": off.value,
                 "correction_interval_95": off.interval(),
             }
@@ -280,16 +297,16 @@ def _shares(tubes: Tubes, name: str, unit: Array, rungs: NDArray[np.intp]) -> tu
     return share, np.sqrt(np.maximum(variance, 0.0)) / total
 
 
-def _by_energy(scene: "MeasureZero", tubes: Tubes, rungs: NDArray[np.intp]) -> list[dict[str, Any]]:
-    edges = scene.energy_edges
+def _by_energy(question: Question, tubes: Tubes, rungs: NDArray[np.intp]) -> list[dict[str, Any]]:
+    edges = question.energy_edges
     if not edges.size:
         return []
-    share, error = _shares(tubes, "energy", scene.deltas[rungs], rungs)
-    low, high = scene.source.energy
+    share, error = _shares(tubes, "energy", question.deltas[rungs], rungs)
+    low, high = question.source.energy
     below = [0.0]
     for edge in edges:
-        part = constant_of(scene.disk, replace(scene.source, energy=(low, float(edge))), _ROUGHLY)
-        below.append(part.value * part.mass / (scene.constant.value * scene.constant.mass))
+        part = constant_of(question.disk, replace(question.source, energy=(low, float(edge))), _ROUGHLY)
+        below.append(part.value * part.mass / (question.constant.value * question.constant.mass))
     ends = [low, *map(float, edges), high]
     return [
         {
@@ -322,25 +339,25 @@ def _by_tilt(tubes: Tubes, delta: Array, rungs: NDArray[np.intp]) -> dict[str, A
     }
 
 
-def _convergence(scene: "MeasureZero", tubes: Tubes) -> list[dict[str, Any]]:
+def _convergence(question: Question, tubes: Tubes) -> list[dict[str, Any]]:
     """C from the first 1, 2, 4 ... batches of every tube."""
     batches, rows = tubes.draws.shape[2], []
-    rungs = scene.deltas <= scene.law_limit
+    rungs = question.tested
     counts = [2**j for j in range(30) if 2**j < batches] + [batches]
     for count in counts:
-        if scene.sampling == "sobol" and count < 4:
+        if question.scrambled and count < 4:
             continue
         some = tubes.first(count)
-        found = laws.fit_constant(some.ladder(scene.deltas).at(rungs))
-        rows.append({"draws": int(some.draws[rungs].sum()), **_described(found)})
+        constant = laws.fit_constant(some.ladder(question.deltas).at(rungs))
+        rows.append({"draws": int(some.draws[rungs].sum()), **_described(constant)})
     return rows
 
 
-def _gain(scene: "MeasureZero", tubes: Tubes) -> float:
+def _gain(question: Question, tubes: Tubes) -> float:
     """Variance of independent draws over that of Sobol points, the same number of each; over the law's rungs."""
     alone = replace(tubes, by_batches=False)
     variance = []
     for kind in (alone, tubes):
-        ladder = kind.ladder(scene.deltas).at(scene.deltas <= scene.law_limit)
+        ladder = kind.ladder(question.deltas).at(question.tested)
         variance.append(float(((ladder.error / ladder.value) ** 2).mean()))
     return variance[0] / variance[1]

@@ -14,14 +14,24 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from explorer.errors import InputError
+from explorer.errors import InputError, whole
 from explorer.measure import statistics
 from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 from explorer.portrait.both_sides import QUANTITIES, both_sides, follow, limits_at, sample_times
 from explorer.scenes.base import Chunks, Scene, Table
-from explorer.scenes.beside import Beside, check_eta_hat, default_box, draw_beside
+from explorer.scenes.beside import (
+    BOX,
+    Beside,
+    box_beside,
+    check_eta_hat,
+    default_box,
+    describe_beside,
+    draw_beside,
+    eta_hat_option,
+)
+from explorer.scenes.options import ACCURACY, METHOD, MOST_SAMPLES, SEED, Option, read_disks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,22 +42,47 @@ SAME = 1e-3
 
 
 @dataclass(frozen=True)
-class OneSided(Scene):
-    """Distance to each limit motion over a ladder of eta_hat, for several disks."""
+class Approach:
+    """What all chunks say: the rows of every disk, and how many motions ended in each status."""
 
+    tables: dict[str, Table]
+    status: dict[str, int]
+
+
+@dataclass(frozen=True, kw_only=True)
+class OneSided(Scene):
+    """What is the limit from each side? Distance to each limit motion as eta shrinks, for several disks."""
+
+    disks: tuple[Disk, ...] = (Disk.uniform(), Disk.hoop(), Disk.matching())
     samples: int = 32
     box: Box | None = None
     eta_hat: Range | None = None
 
     name: ClassVar[str] = "one-sided"
     observables: ClassVar[tuple[str, ...]] = QUANTITIES
+    OPTIONS: ClassVar[tuple[Option, ...]] = (
+        Option("--disk", read_disks, "DISK", "disk, as for other scenes; several may be given", "", "disks", True),
+        SEED,
+        ACCURACY,
+        METHOD,
+        Option("--samples", partial(whole, low=1, high=MOST_SAMPLES), "N", "points of the falling set per disk"),
+        BOX,
+        eta_hat_option("1e-6:1e-1, by decades,"),
+    )
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for disk in self.disks:
             require_axial_inertia(disk)
             check_eta_hat(self.span(disk), disk)
         if len({disk.name for disk in self.disks}) < len(self.disks):
             raise InputError("--disk: one-sided needs different names; name disks in TOML files")
+
+    @classmethod
+    def completed(cls, given: dict[str, Any]) -> dict[str, Any]:
+        if "box" not in given:
+            return given
+        return {**given, "box": box_beside(given.get("disks", cls.disks)[0], given["box"])}
 
     def where(self, disk: Disk) -> Box:
         return self.box or default_box(disk)
@@ -63,12 +98,7 @@ class OneSided(Scene):
         return np.geomspace(high, low, rungs)
 
     def options(self) -> dict[str, Any]:
-        return {
-            **self.common_options(),
-            "samples": self.samples,
-            "box": self.box and self.box.describe(),
-            "eta_hat": self.eta_hat and list(self.eta_hat),
-        }
+        return {**super().options(), "box": self.box and describe_beside(self.box)}
 
     @property
     def blocks(self) -> int:
@@ -123,14 +153,16 @@ class OneSided(Scene):
         disk, starts = self.disks[index // self.blocks], self._count(index)
         return 2 * starts * len(self.ladder(disk))
 
-    def summarise(self, chunks: Chunks) -> dict[str, Any]:
-        per_disk, source = {}, chunks.tables()
+    def add_up(self, chunks: Chunks) -> Approach:
+        tables = {}
         for disk in self.disks:
-            parts = list(islice(source, self.blocks))
-            merged = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
-            per_disk[disk.name] = self._summarise_disk(disk, merged)
-        status = statistics.add_counts(tally["status"] for tally in chunks.tallies())
-        return {"samples": self.samples, "disks": per_disk, "status": status}
+            parts = list(islice(chunks.tables, self.blocks))
+            tables[disk.name] = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
+        return Approach(tables, statistics.add_counts(tally["status"] for tally in chunks.tallies))
+
+    def summarise(self, total: Approach) -> dict[str, Any]:
+        per_disk = {disk.name: self._summarise_disk(disk, total.tables[disk.name]) for disk in self.disks}
+        return {"samples": self.samples, "disks": per_disk, "status": total.status}
 
     def _summarise_disk(self, disk: Disk, table: Table) -> dict[str, Any]:
         rows = []
@@ -171,7 +203,7 @@ class OneSided(Scene):
             "at_eta_hat": float(smallest),
         }
 
-    def figures(self, summary: dict[str, Any], chunks: Chunks) -> "Iterator[tuple[str, Figure]]":
+    def figures(self, summary: dict[str, Any], total: Approach) -> "Iterator[tuple[str, Figure]]":
         from explorer import plot
 
         yield "distance", plot.figure_of(plot.one_sided_distance, summary)
@@ -185,13 +217,13 @@ class OneSided(Scene):
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         lines = []
-        for name, found in summary["disks"].items():
-            gap = found["gap"]
+        for name, limits in summary["disks"].items():
+            gap = limits["gap"]
             measured = "not measured" if gap["measured"] is None else f"{gap['measured']:+.6f}"
             verdict = {True: "they coincide", False: "they differ", None: "start nearer to the falling set"}
             lines.append(
                 f"{name}: gap between the two limits {measured} rad (exact {gap['exact']:.6f}); "
-                f"{verdict[found['coincide']]}"
+                f"{verdict[limits['coincide']]}"
             )
         return lines
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from explorer.errors import InputError
-from explorer.measure.sampling import Range, parse_range
+from explorer.errors import InputError, flag, number, read_range
+from explorer.measure.sampling import Range
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.membership import well
 from explorer.portrait.potential import (
@@ -25,6 +25,7 @@ from explorer.portrait.potential import (
 )
 from explorer.portrait.steady import PATHS, bifurcation, path_values, thresholds
 from explorer.scenes.base import Chunks, Scene, Table, Tally
+from explorer.scenes.options import COMMON, Option
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,58 +37,41 @@ SIGMA3_BAR, BESIDE = 0.25, 0.01
 _CURVES = (0.001, 0.01, 0.1)
 
 
-def read_number(option: str, value: Any) -> float:
-    """A finite number. Raises InputError naming the option."""
-    try:
-        number = math.nan if isinstance(value, bool) else float(value)
-    except (TypeError, ValueError):
-        number = math.nan
-    if not abs(number) < 1e100:
-        raise InputError(f"{option} {value!r} must be a finite number")
-    return number
+CONSTANTS = (
+    Option("--sigma3-bar", number, "X", "constant of motion, in the units of the disk", "0.25 natural units"),
+    Option("--sigma4-bar", number, "X", "the other constant, in the units of the disk, instead of --eta-hat"),
+    Option(
+        "--eta-hat",
+        number,
+        "X",
+        "distance beside the line of face +1, in the units of the disk; 0 is on it",
+        "on the line, and on both sides",
+    ),
+    Option("--energy", read_range, "LOW:HIGH", "energies of the levels, in the units of the disk"),
+    Option("--well", flag, "", "insist on a well beside the falling motions"),
+)
 
 
-def read_energies(value: Any) -> Range:
-    """(low, high) from "LOW:HIGH" or a pair. Raises InputError."""
-    if isinstance(value, str):
-        return parse_range(value, "--energies")
-    if not isinstance(value, list | tuple) or len(value) != 2:
-        raise InputError(f"--energies {value!r} is not a range; give LOW:HIGH or a pair of numbers")
-    return read_number("--energies", value[0]), read_number("--energies", value[1])
-
-
-def read_flag(value: Any) -> bool:
-    """True or False. Raises InputError."""
-    if not isinstance(value, bool):
-        raise InputError(f"--well {value!r} must be true or false")
-    return value
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Portrait(Scene):
-    """Portraits at sigma3_bar (rad per unit of time) and one of sigma4_bar or eta_hat.
+    """Which motions are there at given constants of motion? Portraits, equilibria, separatrices, thresholds.
 
-    With neither, on l_+ and on both sides of it; with eta_hat, on l_+ and there. energies: range of the levels.
-    well: insist that l_+ carries a well at sigma3_bar.
+    With neither sigma4_bar nor eta_hat, on l_+ and on both sides of it; with eta_hat, on l_+ and there. Constants
+    are in the units of the disk. energy: range of the levels. well: insist that l_+ carries a well at sigma3_bar.
     """
 
     sigma3_bar: float | None = None
     sigma4_bar: float | None = None
     eta_hat: float | None = None
-    energies: Range | None = None
+    energy: Range | None = None
     well: bool = False
 
     name: ClassVar[str] = "portrait"
     observables: ClassVar[tuple[str, ...]] = ("constants",)
-    readers: ClassVar[dict[str, Any]] = {
-        "sigma3_bar": lambda value: read_number("--sigma3-bar", value),
-        "sigma4_bar": lambda value: read_number("--sigma4-bar", value),
-        "eta_hat": lambda value: read_number("--eta-hat", value),
-        "energies": read_energies,
-        "well": read_flag,
-    }
+    OPTIONS: ClassVar[tuple[Option, ...]] = (*COMMON, *CONSTANTS)
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         require_axial_inertia(self.disk)
         if self.sigma4_bar is not None and self.eta_hat is not None:
             raise InputError(
@@ -98,7 +82,7 @@ class Portrait(Scene):
             if self.sigma4_bar is not None:
                 raise InputError(f"--sigma4-bar {self.sigma4_bar:g}: a well is asked for on l_+; leave it out")
         for potential in self.places().values():
-            level_energies(potential, self.energies, LEVELS)
+            level_energies(potential, self.energy, LEVELS)
 
     @property
     def bar(self) -> float:
@@ -119,16 +103,6 @@ class Portrait(Scene):
         size = BESIDE / SIGMA3_BAR * min(abs(self.bar), SIGMA3_BAR * disk.rate_unit) or BESIDE * disk.rate_unit
         return line | {"plus": on_line(disk, self.bar, size), "minus": on_line(disk, self.bar, -size)}
 
-    def options(self) -> dict[str, Any]:
-        return {
-            **self.common_options(),
-            "sigma3_bar": self.sigma3_bar,
-            "sigma4_bar": self.sigma4_bar,
-            "eta_hat": self.eta_hat,
-            "energies": self.energies and list(self.energies),
-            "well": self.well,
-        }
-
     def chunks(self) -> int:
         return len(self.places())
 
@@ -140,37 +114,40 @@ class Portrait(Scene):
         """Points of the levels: energy, number of the piece, whether it falls, phi, phidot (upper half)."""
         potential = list(self.places().values())[index]
         parts = []
-        for energy in level_energies(potential, self.energies, LEVELS):
-            for number, piece in enumerate(potential.components(float(energy))):
+        for energy in level_energies(potential, self.energy, LEVELS):
+            for place, piece in enumerate(potential.components(float(energy))):
                 phi, phidot = potential.curve(piece)
-                fixed = {"energy": energy, "piece": number, "falls": piece.falls}
+                fixed = {"energy": energy, "piece": place, "falls": piece.falls}
                 parts.append({key: np.full(phi.size, value) for key, value in fixed.items()})
                 parts[-1] |= {"phi": phi, "phidot": phidot, "status": np.zeros(phi.size, np.int8)}
         return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
 
-    def tally(self, table: Table) -> Tally:
+    def tally(self, index: int, table: Table) -> Tally:
         return {"status": {"ok": int(np.unique(table["energy"]).size)}}
 
-    def summarise(self, chunks: Chunks) -> dict[str, Any]:
-        found: dict[str, Any] = {key: [] for key in ("places", "levels", "equilibria", "separatrices")}
-        for (name, potential), table in zip(self.places().items(), chunks.tables(), strict=True):
-            found["places"].append(_place(name, potential, table))
+    def add_up(self, chunks: Chunks) -> list[Table]:
+        return list(chunks.tables)
+
+    def summarise(self, total: list[Table]) -> dict[str, Any]:
+        rows: dict[str, Any] = {key: [] for key in ("places", "levels", "equilibria", "separatrices")}
+        for (name, potential), table in zip(self.places().items(), total, strict=True):
+            rows["places"].append(_place(name, potential, table))
             for energy in np.unique(table["energy"]):
                 pieces = [_piece(piece) for piece in potential.components(float(energy))]
-                found["levels"].append({"place": name, "energy": float(energy), "pieces": pieces})
+                rows["levels"].append({"place": name, "energy": float(energy), "pieces": pieces})
             for at in potential.equilibria:
                 row = {key: getattr(at, key) for key in ("phi", "theta", "energy", "curvature", "kind")}
-                found["equilibria"].append({"place": name, **row})
+                rows["equilibria"].append({"place": name, **row})
             for each in potential.separatrices():
                 row = {"place": name, "phi": each.saddle.phi, "energy": each.saddle.energy}
-                found["separatrices"].append({**row, "branches": [_piece(piece) for piece in each.branches]})
+                rows["separatrices"].append({**row, "branches": [_piece(piece) for piece in each.branches]})
         return {
-            "samples": len(found["levels"]),
+            "samples": len(rows["levels"]),
             "sigma3_bar": self.bar,
-            **found,
+            **rows,
             "thresholds": thresholds(self.disk),
             "well_on_the_line": self._well(),
-            "status": {"ok": len(found["levels"])},
+            "status": {"ok": len(rows["levels"])},
         }
 
     def _well(self) -> dict[str, Any] | None:
@@ -187,13 +164,17 @@ class Portrait(Scene):
             "left_end": rim.branches[0].low,
         }
 
-    def figures(self, summary: dict[str, Any], chunks: Chunks) -> "Iterator[tuple[str, Figure]]":
+    def figures(self, summary: dict[str, Any], total: list[Table]) -> "Iterator[tuple[str, Figure]]":
+        return self.pictures()
+
+    def pictures(self) -> "Iterator[tuple[str, Figure]]":
+        """All pictures, which need no run."""
         from explorer.plot import potential as potentials
         from explorer.plot import steady, style
 
         places, disk = self.places(), self.disk
         for name, potential in places.items():
-            yield f"portrait-{name}", style.figure_of(potentials.phase_portrait, potential, self.energies)
+            yield f"portrait-{name}", style.figure_of(potentials.phase_portrait, potential, self.energy)
         line = [*places.values()]
         if self.sigma4_bar is None:
             sizes = [sign * size * disk.rate_unit for size in _CURVES for sign in (1.0, -1.0)]
@@ -216,8 +197,11 @@ class Portrait(Scene):
             ends = "flat within reach" if place["reaches_flat"] else "walls at both flat states"
             lines.append(f"{place['name']} (eta_hat = {place['eta_hat']:.6g}): {what}; {ends}")
         for name in ("straight_rolling", "spinning_upright", "circular_rolling"):
-            found = summary["thresholds"][name]
-            lines.append(f"{name}: {found['measured']:.10g} from V, {found['closed_form']:.10g} in closed form")
+            threshold = summary["thresholds"][name]
+            measured, exact = threshold["measured"], threshold["closed_form"]
+            lines.append(
+                f"threshold of {name.replace('_', ' ')}: {measured:.10g} from V, {exact:.10g} in closed form"
+            )
         return lines
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from pyarrow.dataset import dataset
 
 from explorer.errors import InputError
 from explorer.phase.states import COORDINATES, Array
@@ -47,6 +46,8 @@ class StateFile:
 
     def read(self, first: int, count: int) -> dict[str, Array]:
         """Rows first ... first + count - 1. Missing values are NaN."""
+        from pyarrow.dataset import dataset  # takes half a second, and few runs need it
+
         table = dataset(self.path, format="parquet").scanner(columns=list(COORDINATES))
         rows = table.take(pa.array(np.arange(first, first + count)))
         return {name: rows[name].to_numpy().astype(np.float64) for name in COORDINATES}

@@ -88,12 +88,23 @@ def test_one_number_as_text_is_a_range_of_one_point():
 
 
 @pytest.mark.parametrize(
-    ("value", "ends"), [(":3", (-math.inf, 3.0)), ("3:", (3.0, math.inf)), ((None, 2.0), (-math.inf, 2.0))]
+    ("value", "ends"),
+    [
+        (":3", (-math.inf, 3.0)),
+        ("3:", (3.0, math.inf)),
+        ((None, 2.0), (-math.inf, 2.0)),
+        ((-math.inf, math.inf), (-math.inf, math.inf)),
+    ],
 )
 def test_an_end_may_be_left_out_only_where_a_range_may_be_unbounded(value, ends):
     assert read_range("--energy", value, unbounded=True) == ends
     with pytest.raises(InputError, match="is not a range"):
         read_range("--ladder", value)
+
+
+def test_an_infinite_end_is_on_its_own_side():
+    with pytest.raises(InputError, match="is not a range"):
+        read_range("--energy", (math.inf, 3.0), unbounded=True)
 
 
 @pytest.mark.parametrize("value", ["1:2:3", "a:b", "nan:1", (1.0,), 3.0, None, (True, 2), "inf:inf", "", ":"])

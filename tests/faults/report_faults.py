@@ -22,6 +22,7 @@ import psutil
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from explorer.commands.made_by import leave_made_by
 from explorer.runs import store
 
 OUT = Path(__file__).parents[2] / "results" / "faults"
@@ -36,7 +37,7 @@ from pathlib import Path
 from explorer.runs import store, workers
 from explorer.runs.run import execute
 from explorer.runs.workers import Workers
-from explorer.scenes.options import build_scene
+from explorer.scenes.registry import build_scene
 folder, jobs, backend, resume, point, number, options = eval(sys.argv[1])
 calls = 0
 def trip(name):
@@ -69,10 +70,10 @@ if point.startswith("error"):
         return inner(*a, **k)
     setattr(owner, attribute, failing)
 plain = workers.compute_chunk
-def noted(scene, identity, index, place):
+def noted(task, index):
     with open(str(folder) + ".started", "a") as log:
         print(index, file=log)
-    return plain(scene, identity, index, place)
+    return plain(task, index)
 if backend == "threads":
     workers.compute_chunk = noted
 scene = build_scene("race-angles", **options)
@@ -345,6 +346,7 @@ def main():
         *(f"| {fault} | {found} |" for fault, found in rows),
     ]
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    leave_made_by(OUT, "python tests/faults/report_faults.py")
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import explorer as ex
+from explorer.commands.made_by import leave_made_by
 
 HERE = Path(__file__).parent
 OUT = HERE.parents[1] / "results" / "extremes"
@@ -136,6 +137,7 @@ def main():
         lines.append(f"- {method}: {pairs}")
     lines += ["", "![cost](cost.png)"]
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    leave_made_by(OUT, "python tests/reference/report_extremes.py")
 
 
 if __name__ == "__main__":

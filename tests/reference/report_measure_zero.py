@@ -7,6 +7,7 @@ import tempfile
 from pathlib import Path
 
 import explorer as ex
+from explorer.commands.made_by import leave_made_by
 from explorer.measure.density import Density
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -81,6 +82,7 @@ def main():
     lines += [*ladder_lines(first), *power_lines(first), *split_lines(first)]
     lines += ["", "![convergence](convergence.png)", "", "![tilt](tilt.png)", "", *coverage_lines(), ""]
     (OUT / "README.md").write_text("\n".join(lines), encoding="utf-8")
+    leave_made_by(OUT, "python tests/reference/report_measure_zero.py")
 
 
 def ladder_lines(summary):

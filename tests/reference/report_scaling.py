@@ -17,6 +17,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from explorer.commands.made_by import leave_made_by
+
 OUT = Path(__file__).parents[2] / "results" / "scaling"
 PASSAGES = (10**3, 10**4, 10**5, 10**6, 10**7)
 STATES = (10**3, 10**4, 10**5, 10**6, 10**7, 10**8, 10**9)
@@ -162,6 +164,7 @@ def main():
     ]
     lines += eta_lines(against_eta())
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    leave_made_by(OUT, "python tests/reference/report_scaling.py")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 import pytest
 
 from explorer.commands.demo import _STEPS, title_of
-from explorer.scenes.options import build_scene
+from explorer.scenes.registry import build_scene
 
 _TITLES = {name: title for name, _, title in _STEPS}
 

@@ -1,3 +1,5 @@
+"""The command line as a whole: statuses, errors in two lines, scene files, interrupts."""
+
 import json
 import os
 import subprocess
@@ -109,11 +111,6 @@ def test_a_wrong_scene_file_is_refused_in_words(content, message, capsys, tmp_pa
     status, _, err = run(capsys, "run", scene, "--out", tmp_path / "r")
     assert status == 2
     assert message in err
-
-
-def test_warmup_says_when_all_is_ready(capsys):
-    assert run(capsys, "warmup")[0] == 0
-    assert run(capsys, "warmup")[1] == "All kernels were ready.\n"
 
 
 @pytest.fixture

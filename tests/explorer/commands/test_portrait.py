@@ -3,9 +3,8 @@
 import pytest
 
 import explorer as ex
-from explorer.commands import portrait as module
 from explorer.commands.portrait import FILM, GROUPS, portrait
-from explorer.scenes.options import build_scene as build
+from explorer.scenes.portrait import Portrait
 
 HOOP = ex.Disk.hoop()
 
@@ -21,24 +20,24 @@ def test_each_group_of_pictures_is_one_command(group, tmp_path):
 
 
 def test_options_reach_the_phase_portrait(tmp_path, monkeypatch):
-    drawn = []
+    drawn, pictures = [], Portrait.pictures
 
-    def noted(*given, **options):
-        drawn.append(build(*given, **options))
-        return drawn[-1]
+    def noted(scene):
+        drawn.append(scene)
+        return pictures(scene)
 
-    monkeypatch.setattr(module, "build_scene", noted)
-    written = portrait(tmp_path, HOOP, only="phase", sigma3_bar="0.3", eta_hat="1e-3", energies="0.5:2")
+    monkeypatch.setattr(Portrait, "pictures", noted)
+    written = portrait(tmp_path, HOOP, only="phase", sigma3_bar="0.3", eta_hat="1e-3", energy="0.5:2")
     assert {"portrait-on.png", "portrait-beside.png"} < {path.name for path in written}
     assert "portrait-plus.png" not in {path.name for path in written}
-    assert (drawn[-1].sigma3_bar, drawn[-1].eta_hat, drawn[-1].energies) == (0.3, 1e-3, (0.5, 2.0))
+    assert (drawn[-1].sigma3_bar, drawn[-1].eta_hat, drawn[-1].energy) == (0.3, 1e-3, (0.5, 2.0))
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"only": "nothing"}, "--only 'nothing' is no group"),
-        ({"energies": "2:1"}, "energies"),
+        ({"only": "nothing"}, "--only 'nothing' is not known"),
+        ({"energy": "2:1"}, "--energy 2:1 is empty"),
         ({"sigma3_bar": "a lot"}, "sigma3"),
         ({"sigma3_bar": 2.0, "well": True}, "well"),
     ],

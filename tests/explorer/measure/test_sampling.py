@@ -6,7 +6,8 @@ from conftest import BODIES
 from scipy.stats import kstest
 
 import explorer as ex
-from explorer.measure.sampling import Box, chunk_stream, draw_states, log_uniform
+from explorer.measure.density import Density
+from explorer.measure.sampling import Box, chunk_stream, log_uniform
 from explorer.phase.constants import natural_constants
 from explorer.phase.states import phi_to_states
 
@@ -40,11 +41,11 @@ def test_the_first_draws_of_a_stream_never_change():
 
 
 def test_an_energy_cut_keeps_the_measure_below_it():
-    columns = draw_states(UNIFORM, WIDE, chunk_stream(1, 0), 5_000, max_energy=2.0)
+    columns = Density(WIDE, (-np.inf, 2.0)).draw(UNIFORM, chunk_stream(1, 0), 5_000)
     states = phi_to_states(UNIFORM, **columns)
     assert len(states) == 5_000
     assert (natural_constants(states).energy <= 2.0).all()
-    plain = draw_states(UNIFORM, WIDE, chunk_stream(2, 0), 60_000)
+    plain = WIDE.draw(chunk_stream(2, 0), 60_000)
     below = natural_constants(phi_to_states(UNIFORM, **plain)).energy <= 2.0
     low, high = np.quantile(plain["sigma4"][below], [0.2, 0.8])
     inside = (columns["sigma4"] > low) & (columns["sigma4"] < high)
@@ -52,8 +53,8 @@ def test_an_energy_cut_keeps_the_measure_below_it():
 
 
 def test_an_energy_below_the_whole_box_is_refused_in_words():
-    with pytest.raises(ex.InputError, match="raise it or shrink the box"):
-        draw_states(UNIFORM, WIDE, chunk_stream(1, 0), 10, max_energy=0.1)
+    with pytest.raises(ex.InputError, match="widen it or shrink the box"):
+        Density(WIDE, (-np.inf, 0.1)).draw(UNIFORM, chunk_stream(1, 0), 10)
 
 
 @pytest.mark.parametrize(

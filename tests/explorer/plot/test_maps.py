@@ -6,7 +6,7 @@ from conftest import BODIES, computed
 
 from explorer import plot
 from explorer.portrait.slices import Slice, map_slice
-from explorer.scenes.options import build_scene
+from explorer.scenes.registry import build_scene
 
 UNIFORM = BODIES["uniform"]
 
@@ -14,7 +14,7 @@ UNIFORM = BODIES["uniform"]
 def plane_by(method):
     """The map of all samples of a small run."""
     scene = build_scene("falling-set", samples=200, method=method, accuracy=1e-3)
-    return scene.plane(scene._total(computed(scene)).plane)
+    return scene.plane(computed(scene).plane)
 
 
 def cut_by(method):

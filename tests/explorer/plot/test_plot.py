@@ -10,7 +10,6 @@ from matplotlib.text import Text
 import explorer as ex
 from explorer import plot
 from explorer.commands.trade import trade
-from explorer.measure.log_counts import merged
 from explorer.portrait.bodies import race_numbers
 from explorer.portrait.both_sides import both_sides
 from explorer.portrait.potential import on_line
@@ -18,15 +17,15 @@ from explorer.portrait.rocking import rocking
 from explorer.portrait.slices import Slice, map_slice
 from explorer.portrait.steady import bifurcation
 from explorer.portrait.wander import wander, wander_path
-from explorer.scenes.options import build_scene
+from explorer.scenes.registry import build_scene
 
 UNIFORM = BODIES["uniform"]
 
 
 def made(name, **options):
     scene = build_scene(name, **options)
-    chunks = computed(scene)
-    return scene, chunks, scene.summarise(chunks)
+    total = computed(scene)
+    return scene, total, scene.summarise(total)
 
 
 def measure_zero(folder):
@@ -46,9 +45,9 @@ def pictures(tmp_path_factory):
     cut = map_slice(UNIFORM, Slice.defaults(UNIFORM)[1], 41)
     return {
         "race_histogram": (race_summary,),
-        "race_deviation": (race.disk, {(i, j): n for t in races.tallies() for i, j, n in t["cells"]}, 1.8),
-        "constants_plane": (falling.plane(falling._total(states).plane),),
-        "theta_min_distribution": (merged(states, "theta_min"), 500),
+        "race_deviation": (race.disk, races.cells, 1.8),
+        "constants_plane": (falling.plane(states.plane),),
+        "theta_min_distribution": (states.theta_min, 500),
         "slice_map": (cut,),
         "race_number": (race_numbers(),),
         "race_gap": (race_numbers(),),

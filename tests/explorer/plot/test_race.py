@@ -4,7 +4,7 @@ import numpy as np
 from conftest import BODIES, computed
 
 from explorer import plot
-from explorer.scenes.options import build_scene
+from explorer.scenes.registry import build_scene
 
 UNIFORM = BODIES["uniform"]
 

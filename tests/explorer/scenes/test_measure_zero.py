@@ -1,23 +1,19 @@
 import itertools
-import json
 import math
 
 import numpy as np
 import pytest
+from conftest import computed
 
 import explorer as ex
-from explorer.scenes.base import Chunks
-from explorer.scenes.options import build_scene
+from explorer.scenes.registry import build_scene
 
 SMALL = {"samples": 40_000, "tube": 2048}
 
 
 def summary_of(**options):
     scene = build_scene("measure-zero", **options)
-    done = [scene.process(index) for index in range(scene.chunks())]
-    tallies = [json.loads(json.dumps(tally)) for _, tally in done]
-    chunks = Chunks(tallies=lambda: iter(tallies), tables=lambda: iter([table for table, _ in done]))
-    return scene, scene.summarise(chunks), chunks
+    return scene, scene.summarise(computed(scene))
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +36,7 @@ def uniform():
 )
 def test_slope_and_constant_are_those_of_codimension_one(disk, options):
     """Every estimate within 4 standard errors, and errors as small as the draws allow."""
-    _, found, _ = summary_of(disk=disk, samples=4096, tube=2048, **options)
+    _, found = summary_of(disk=disk, samples=4096, tube=2048, **options)
     assert found["falls"] == 0
     followed = sum(count for name, count in found["status"].items() if name != "not followed")
     assert found["status"]["ok"] == followed
@@ -61,7 +57,7 @@ def test_slope_and_constant_are_those_of_codimension_one(disk, options):
 
 def test_plain_counts_and_tubes_agree_where_both_have_hits(uniform):
     """Independent of the law: delta = 0.1 and 0.01, where it is off by 10 % and 1 %."""
-    _, found, _ = uniform
+    _, found = uniform
     for row in found["ladder"][:3]:
         low, high = row["plain"]["interval_95"]
         spread = 0.5 * (high - low)
@@ -70,13 +66,13 @@ def test_plain_counts_and_tubes_agree_where_both_have_hits(uniform):
 
 
 def test_no_falls_are_bounded_exactly(uniform):
-    _, found, _ = uniform
+    _, found = uniform
     assert found["falls"] == 0
     assert found["upper_bound_95"] == pytest.approx(1.0 - 0.05 ** (1.0 / 40_000), rel=1e-9)
 
 
 def test_probability_splits_as_predicted(uniform):
-    _, found, _ = uniform
+    _, found = uniform
     face = found["splits"]["side_plus"]
     assert abs(face["value"] - face["predicted"]) < 4.0 * face["error"]
     shares = found["splits"]["energy"]
@@ -91,7 +87,7 @@ def test_probability_splits_as_predicted(uniform):
 
 def test_the_correction_to_the_law_shrinks_like_delta():
     """P/(C delta) - 1 at delta = 0.1 and 0.01 differ by about ten; Sobol points see it."""
-    _, found, _ = summary_of(samples=4096, tube=1 << 14, sampling="sobol", ladder="1e-6:1e-1")
+    _, found = summary_of(samples=4096, tube=1 << 14, sampling="sobol", ladder="1e-6:1e-1")
     corrections = [row["correction"] for row in found["splits"]["eta_positive"]]
     assert corrections[0] < -0.05
     assert 0.04 < corrections[1] / corrections[0] < 0.2
@@ -211,7 +207,7 @@ def test_a_longer_run_takes_over_the_chunks_of_a_shorter_one(tmp_path):
 @pytest.mark.parametrize("box", ["sigma3=0", "sigma4=0", "phi=0.5,sigma4=0", "phi=-1:1,sigma4=0"])
 def test_states_beside_both_lines_count_once(box):
     """Where sigma3_bar = 0 on both lines a state near one is near the other; plain draws know no lines."""
-    _, found, _ = summary_of(box=box, samples=100_000, tube=4096, ladder="1e-6:1e-1")
+    _, found = summary_of(box=box, samples=100_000, tube=4096, ladder="1e-6:1e-1")
     assert found["p_value_counts_against_tubes"] > 1e-3
     constant = found["constant"]
     assert abs(constant["value"] - found["constant_predicted"]) < 4 * constant["error"]
@@ -233,7 +229,7 @@ def test_states_beside_both_lines_count_once(box):
     ids=["fast", "bells", "narrow", "thin", "beside both", "tail", "tails"],
 )
 def test_narrow_densities_are_drawn_where_they_are(options):
-    _, found, _ = summary_of(samples=4096, tube=4096, ladder="1e-12:1e-2", **options)
+    _, found = summary_of(samples=4096, tube=4096, ladder="1e-12:1e-2", **options)
     constant = found["constant"]
     assert min(row["effective_sample_size"] for row in found["ladder"]) > 100
     assert abs(constant["value"] - found["constant_predicted"]) < 4 * constant["error"]
@@ -241,13 +237,13 @@ def test_narrow_densities_are_drawn_where_they_are(options):
 
 
 def test_too_few_hits_are_no_estimate():
-    scene, found, _ = summary_of(samples=4096, tube=16, ladder="1e-7:1e-2")
+    scene, found = summary_of(samples=4096, tube=16, ladder="1e-7:1e-2")
     assert found["constant"] is None
-    assert "raise --tube" in scene.headline(found)[-1]
+    assert "Raise --tube" in scene.headline(found)[-1]
 
 
 def test_rungs_are_decades(uniform):
-    scene, _, _ = uniform
+    scene, _ = uniform
     assert scene.deltas[0] == 0.1
     assert scene.deltas[-1] == 1e-15
     assert all(a == pytest.approx(10 * b) for a, b in itertools.pairwise(scene.deltas))

@@ -42,10 +42,10 @@ def test_the_summary_has_levels_equilibria_separatrices_and_thresholds():
     ("options", "words"),
     [
         ({"well": True, "sigma3_bar": 1.0}, "no well beside the falling motions"),
-        ({"energies": (2.0, 1.0)}, "empty range"),
-        ({"energies": (1.0, 1.0)}, "empty range"),
-        ({"energies": (-2.0, -1.0)}, "no motion has an energy below"),
-        ({"energies": (0.0, math.inf)}, "empty range"),
+        ({"energy": (2.0, 1.0)}, "empty range"),
+        ({"energy": (1.0, 1.0)}, "empty range"),
+        ({"energy": (-2.0, -1.0)}, "no motion has an energy below"),
+        ({"energy": (0.0, math.inf)}, "empty range"),
         ({"sigma4_bar": 0.1, "eta_hat": 0.1}, "leave out one"),
         ({"well": True, "sigma4_bar": 0.1}, "leave it out"),
         ({"sigma3_bar": math.nan}, "must be a finite number"),
@@ -59,9 +59,9 @@ def test_bad_input_gets_a_sentence(options, words):
 
 def test_every_figure_of_the_scene_is_drawn(tmp_path):
     scene = scene_of(disk=BODIES["thick"], eta_hat=0.02)
-    chunks = computed(scene)
+    total = computed(scene)
     names = []
-    for name, figure in scene.figures(scene.summarise(chunks), chunks):
+    for name, figure in scene.figures(scene.summarise(total), total):
         names.append(name)
         for ax in figure.axes:
             assert ax.get_xlabel()
@@ -71,7 +71,7 @@ def test_every_figure_of_the_scene_is_drawn(tmp_path):
 
 
 def test_a_run_stores_its_levels_and_goes_on(tmp_path):
-    run = ex.run("portrait", out=tmp_path / "run", disk="hoop", eta_hat="0.02", energies="0.5:2", well=True)
+    run = ex.run("portrait", out=tmp_path / "run", disk="hoop", eta_hat="0.02", energy="0.5:2", well=True)
     assert run.summary["eta_hat"] == 0.02
     tables = list(run.tables())
     assert len(tables) == 2
@@ -80,10 +80,10 @@ def test_a_run_stores_its_levels_and_goes_on(tmp_path):
     with pytest.raises(ex.InputError, match="resume"):
         ex.run("portrait", out=tmp_path / "run", disk="hoop", eta_hat=0.02)
     again = ex.run(
-        "portrait", out=tmp_path / "run", disk="hoop", eta_hat=0.02, energies=(0.5, 2.0), well=True, resume=True
+        "portrait", out=tmp_path / "run", disk="hoop", eta_hat=0.02, energy=(0.5, 2.0), well=True, resume=True
     )
     assert again.summary == run.summary
-    for name, value in (("energies", "far"), ("well", "yes"), ("sigma3_bar", "far"), ("eta_hat", "1:2")):
+    for name, value in (("energy", "far"), ("well", "yes"), ("sigma3_bar", "far"), ("eta_hat", "1:2")):
         with pytest.raises(ex.InputError, match=f"--{name.replace('_', '-')}"):
             ex.run("portrait", out=tmp_path / "none", **{name: value})
     assert not (tmp_path / "none").exists()

@@ -1,9 +1,11 @@
-"""The commands that write pages: what they print, and the status they exit with."""
+"""`nearflat paper`: what it prints, what it leaves, and the status it exits with."""
 
 import json
 
 import pytest
 
+from explorer.commands import paper as module
+from explorer.commands.made_by import command_of
 from explorer.commands.main import main
 from explorer.paper import pages
 from explorer.paper.statement import STATEMENTS, Finding, Statement
@@ -54,10 +56,14 @@ def test_an_unknown_statement_is_refused_with_the_nearest_name(capsys):
     assert "did you mean 'LEMMA-5'?" in capsys.readouterr().err
 
 
-def test_a_gallery_is_written_where_it_is_asked_for(tmp_path, capsys):
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "one.png").write_bytes(b"")
-    (tmp_path / "mine" / "notes.md").write_text("Made by `nearflat demo`.")
-    assert main(["gallery", str(tmp_path)]) == 0
-    assert "mine/one.png" in (tmp_path / "README.md").read_text(encoding="utf-8")
-    assert str(tmp_path / "README.md") in capsys.readouterr().out
+def test_one_statement_writes_nothing(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["paper", "--only", "LEMMA-5", "--quiet"]) == 0
+    assert "LEMMA-5" in capsys.readouterr().out
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_all_statements_leave_the_command_beside_the_pages(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(module, "paper", lambda out, **options: [])
+    assert main(["paper", "--out", str(tmp_path), "--quiet"]) == 0
+    assert command_of(tmp_path) == "nearflat paper"

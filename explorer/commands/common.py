@@ -1,0 +1,31 @@
+"""What several commands share: their options, and how a finished run is shown."""
+
+import argparse
+import json
+
+from explorer.runs.run import Run
+
+
+def add_json(command: argparse.ArgumentParser) -> None:
+    """Add the option of every command that prints a result."""
+    command.add_argument("--json", action="store_true", help="print one JSON object on stdout and nothing else")
+
+
+def add_workers(command: argparse.ArgumentParser) -> None:
+    """Add the options that say who computes."""
+    command.add_argument("--jobs", metavar="N", help="workers (default 2)")
+    command.add_argument("--backend", metavar="NAME", help="threads, processes or dask (default threads)")
+    command.add_argument(
+        "--scheduler", metavar="ADDRESS", help="address of a dask scheduler (default: one of its own)"
+    )
+
+
+def show(run: Run, as_json: bool) -> int:
+    """Print a finished run; returns the exit status."""
+    if as_json:
+        print(json.dumps(run.summary))
+        return 0
+    for line in run.scene.headline(run.summary):
+        print(line)
+    print(f"Samples, numbers and pictures are in {run.folder}.")
+    return 0

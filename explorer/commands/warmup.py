@@ -1,0 +1,16 @@
+"""`nearflat warmup`: compile before the first question is asked."""
+
+import argparse
+
+from explorer.compiled import warmup
+from explorer.errors import note
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """The command has no options of its own."""
+
+
+def call(options: argparse.Namespace) -> int:
+    fresh = warmup(lambda text: note(text, options.quiet))
+    print(f"{fresh} kernels compiled; all are ready." if fresh else "All kernels were ready.")
+    return 0

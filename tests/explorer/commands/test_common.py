@@ -1,0 +1,29 @@
+"""What several commands share."""
+
+import argparse
+import json
+from types import SimpleNamespace
+
+from explorer.commands.common import add_json, add_workers, show
+
+
+def test_workers_and_json_have_the_same_flags_everywhere():
+    command = argparse.ArgumentParser()
+    add_workers(command)
+    add_json(command)
+    words = ["--jobs", "3", "--backend", "dask", "--scheduler", "tcp://127.0.0.1:1", "--json"]
+    given = command.parse_args(words)
+    assert vars(given) == {"jobs": "3", "backend": "dask", "scheduler": "tcp://127.0.0.1:1", "json": True}
+    assert set(vars(command.parse_args([])).values()) == {None, False}
+
+
+def test_a_finished_run_is_shown_as_lines_or_as_one_object(capsys):
+    run = SimpleNamespace(
+        summary={"samples": 3},
+        folder="here",
+        scene=SimpleNamespace(headline=lambda summary: [str(summary["samples"])]),
+    )
+    assert show(run, as_json=False) == 0
+    assert capsys.readouterr().out == "3\nSamples, numbers and pictures are in here.\n"
+    assert show(run, as_json=True) == 0
+    assert json.loads(capsys.readouterr().out) == {"samples": 3}

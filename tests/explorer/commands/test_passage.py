@@ -1,0 +1,56 @@
+"""`nearflat passage`: one passage, as text and as JSON."""
+
+import json
+
+import numpy as np
+import pytest
+
+import explorer as ex
+from explorer.commands.main import main
+from explorer.commands.passage import Start, passage_report
+
+UNIFORM = ex.Disk.uniform()
+WORDS = ["passage", "--sigma3-bar", "1", "--phidot", "1", "--eta-hat"]
+
+
+def test_the_report_has_the_numbers_of_the_public_function():
+    report = passage_report(UNIFORM, Start(0.3, -1e-6, 0.8, -1))
+    made = ex.passages(UNIFORM, 0.3, -1e-6, 0.8, -1)
+    assert report["status"] == "ok"
+    assert report["face"] == -1
+    for name in ("race_angle", "delta_chi", "theta_min", "duration", "energy", "impact_speed"):
+        assert report[name] == getattr(made, name)[0]
+    assert report["fall_time"] is None or np.isfinite(report["fall_time"])
+
+
+def test_a_fall_has_both_limits_and_says_so_as_text(capsys):
+    assert main([*WORDS, "0", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["status"] == "falls"
+    assert report["limits"]["plus"]["race_angle"] == -report["limits"]["minus"]["race_angle"] == UNIFORM.race_limit
+    assert main([*WORDS, "0"]) == 0
+    assert "limit, eta > 0     race_angle +7.0" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("value", ["-1e-3", "-.5e-3", "-1", "1e-200"])
+def test_a_number_below_zero_needs_no_equals_sign(value, capsys):
+    main([*WORDS, value, "--json", "--quiet"])
+    report = json.loads(capsys.readouterr().out)
+    assert report["race_angle"] is None or np.sign(report["race_angle"]) == np.sign(float(value))
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([*WORDS, "nan"], "--eta-hat nan must be a finite number"),
+        ([*WORDS, "far"], "--eta-hat far is not a number"),
+        (
+            ["passage", "--sigma3-bar", "1", "--phidot", "-1", "--eta-hat", "0"],
+            "--phidot -1 must be a finite number, 0",
+        ),
+        ([*WORDS, "1e-3", "--accuracy", "x"], "--accuracy x is not a number"),
+    ],
+)
+def test_bad_numbers_are_named(words, message, capsys):
+    assert main(words) == 2
+    assert message in capsys.readouterr().err

@@ -1,0 +1,93 @@
+"""`nearflat run` and `ex.run`: options, help, and how a run is made."""
+
+import json
+
+import pytest
+
+import explorer as ex
+from explorer.commands.main import main
+
+
+def said(capsys, *words):
+    try:
+        status = main([str(word) for word in words])
+    except SystemExit as stop:
+        status = stop.code
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+def test_help_for_a_scene_shows_its_options_and_those_of_no_other(capsys):
+    status, out, _ = said(capsys, "run", "measure-zero", "--help")
+    assert status == 0
+    for flag in ("--ladder LOW:HIGH", "--tube N", "--energy LOW:HIGH", "--jobs N", "--memory SIZE", "--resume"):
+        assert flag in out
+    assert "--eta-hat" not in out
+    assert "How rarely does it nearly fall?" in out
+    assert "example: nearflat run" in out
+
+
+def test_help_without_a_scene_says_which_scene_takes_what(capsys):
+    status, out, _ = said(capsys, "run", "--help")
+    text = " ".join(out.split())
+    assert status == 0
+    assert "measure-zero: tilts delta in rad" in text
+    assert "portrait: distance beside the line of face +1" in text
+    assert "falling-set, measure-zero: only states with an energy in this range" in text
+    assert "--seed S seed of the random streams (default 0)" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "key", "value"),
+    [
+        (("portrait", "--sigma3-bar", "-0.2", "--eta-hat", "-1e-3"), "eta_hat", -1e-3),
+        (("falling-set", "--samples", "50", "--grid", "5", "--energy", "-1:2"), "energy", [-1.0, 2.0]),
+        (
+            ("race-angles", "--samples", "50", "--box", "sigma3=-1:1"),
+            "box",
+            {"phidot": [0.5, 2.0], "sigma3": [-1.0, 1.0]},
+        ),
+    ],
+)
+def test_numbers_below_zero_are_values_and_not_flags(words, key, value, capsys, tmp_path):
+    status, out, err = said(capsys, "run", *words, "--out", tmp_path / "run", "--json", "--quiet")
+    assert status == 0, err
+    assert json.loads(out)[key] == value
+
+
+def test_one_option_has_one_name_in_every_scene(capsys):
+    for words in (("falling-set", "--max-energy", "3"), ("portrait", "--energies", "1:2")):
+        status, _, err = said(capsys, "run", *words)
+        assert status == 2
+        assert words[1] in err
+
+
+def test_the_record_has_a_format_its_options_and_the_command_line(capsys, tmp_path):
+    words = ("run", "race-angles", "--samples", "100", "--eta-hat", "1e-4:1e-3", "--out", tmp_path / "run")
+    assert said(capsys, *words)[0] == 0
+    record = json.loads((tmp_path / "run" / "run.json").read_text())
+    assert record["format"] == 1
+    assert (
+        record["command"] == f"nearflat run race-angles --samples 100 --eta-hat 1e-4:1e-3 --out {tmp_path / 'run'}"
+    )
+    options = record["identity"]["options"]
+    again = ex.run(options.pop("scene"), out=tmp_path / "again", **options)
+    assert again.summary == json.loads((tmp_path / "run" / "summary.json").read_text())
+
+
+def test_settings_of_a_run_may_stand_in_a_scene_file(capsys, tmp_path):
+    (tmp_path / "scene.toml").write_text(
+        f"""scene = "race-angles"
+samples = 50
+backend = "processes"
+jobs = 1
+memory = "1GB"
+out = '{tmp_path / "run"}'
+"""
+    )
+    status, _, err = said(capsys, "run", tmp_path / "scene.toml")
+    assert status == 0
+    assert "--memory 1GB: chunks of" in err
+    record = json.loads((tmp_path / "run" / "run.json").read_text())
+    assert (record["jobs"], record["backend"]) == (1, "processes")
+    assert said(capsys, "run", tmp_path / "scene.toml", "--resume")[0] == 0

@@ -1,0 +1,98 @@
+"""The folder of a run: its record is enough to go on, and nothing else is touched."""
+
+import json
+
+import pytest
+from small_runs import SMALL_RACES
+
+import explorer as ex
+from explorer.runs import folder as folders
+
+
+def text(run):
+    return (run.folder / "summary.json").read_text()
+
+
+@pytest.mark.parametrize(
+    ("scene", "options"),
+    [
+        ("race-angles", SMALL_RACES),
+        ("falling-set", {"samples": 3000, "chunk_size": 900, "grid": 5, "box": "phi=0.1:0.4", "energy": ":3"}),
+        ("falling-set", {"samples": 900, "grid": 5, "slices": ["phi=0:1,phidot=0.1,sigma3=0:1,sigma4=0.3"]}),
+        ("one-sided", {"samples": 3, "disk": ["hoop", "m=1,r=1,g=1,I1=0.3,I3=0.5"]}),
+    ],
+)
+def test_the_record_of_a_run_is_enough_to_continue_it(scene, options, tmp_path):
+    run = ex.run(scene, out=tmp_path / "run", **options)
+    again = folders.scene_of(run.folder)
+    assert again.options() == run.scene.options()
+    assert folders.identity(again) == folders.identity(run.scene)
+
+
+def test_resume_refuses_other_options_and_other_kernels(finished):
+    with pytest.raises(ex.InputError, match="seed = 5, now seed = 9"):
+        ex.run("race-angles", out=finished.folder, resume=True, **{**SMALL_RACES, "seed": 9})
+    record = finished.folder / "run.json"
+    content = json.loads(record.read_text())
+    content["identity"]["kernels"] = "0" * 64
+    record.write_text(json.dumps(content))
+    with pytest.raises(ex.InputError, match="another version of the kernels"):
+        ex.run("race-angles", out=finished.folder, resume=True, **SMALL_RACES)
+
+
+def test_a_folder_with_a_run_or_with_something_else_is_left_alone(finished, tmp_path):
+    before = text(finished)
+    with pytest.raises(ex.InputError, match="holds a run already; add --resume or give another folder"):
+        ex.run("race-angles", out=finished.folder, **SMALL_RACES)
+    assert text(finished) == before
+    (tmp_path / "thesis").mkdir()
+    (tmp_path / "thesis" / "chapter.tex").write_text("do not lose me")
+    with pytest.raises(ex.InputError, match="is not empty"):
+        ex.run("race-angles", out=tmp_path / "thesis", **SMALL_RACES)
+    assert [p.name for p in (tmp_path / "thesis").iterdir()] == ["chapter.tex"]
+    with pytest.raises(ex.InputError, match="holds no run"):
+        ex.run("race-angles", out=tmp_path / "nowhere", resume=True, **SMALL_RACES)
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ex.InputError, match="cannot be written"):
+        ex.run("race-angles", out=tmp_path / "file" / "run", **SMALL_RACES)
+
+
+@pytest.mark.parametrize("content", ["[]", '{"identity": 3}', "{", '{"identity": {"kernels": "x"}}'])
+def test_a_damaged_record_is_named(content, tmp_path):
+    (tmp_path / "run.json").write_text(content)
+    with pytest.raises(ex.InputError, match="is damaged"):
+        folders.scene_of(tmp_path)
+
+
+def rewritten(run, change):
+    record = run.folder / "run.json"
+    content = json.loads(record.read_text())
+    change(content)
+    record.write_text(json.dumps(content))
+    return run.folder
+
+
+def test_a_record_of_a_later_format_is_refused_and_one_of_none_is_read(finished):
+    folder = rewritten(finished, lambda content: content.update(format=folders.FORMAT + 1))
+    with pytest.raises(ex.InputError, match="this version of nearflat reads up to 1; use the version"):
+        folders.scene_of(folder)
+    folder = rewritten(finished, lambda content: content.pop("format"))
+    assert folders.scene_of(folder).options() == finished.scene.options()
+
+
+def test_an_early_record_with_options_of_its_own_is_refused_in_words(finished):
+    def early(content):
+        content.pop("format")
+        content["identity"]["options"]["max_energy"] = 3.0
+
+    with pytest.raises(ex.InputError, match=r"an earlier version of nearflat wrote it.*--max-energy"):
+        folders.scene_of(rewritten(finished, early))
+
+
+def test_the_first_command_line_is_kept_when_a_run_goes_on(finished):
+    folder = rewritten(finished, lambda content: content.update(command="nearflat run race-angles"))
+    ex.run("race-angles", out=folder, resume=True, **SMALL_RACES)
+    assert folders.read_record(folder)["command"] == "nearflat run race-angles"

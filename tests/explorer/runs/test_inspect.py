@@ -1,0 +1,34 @@
+"""What a stored run says of itself."""
+
+import json
+
+import pytest
+
+import explorer as ex
+from explorer.runs import store
+from explorer.runs.inspect import status, summary, verify
+
+
+def test_a_summary_is_not_made_of_another_run_s_chunks(finished):
+    record = finished.folder / "run.json"
+    content = json.loads(record.read_text())
+    content["identity"]["options"]["seed"] = 7
+    record.write_text(json.dumps(content))
+    with pytest.raises(ex.RunError, match="not those that"):
+        summary(finished.folder)
+
+
+def test_status_counts_what_is_there(finished):
+    store.found_chunks(finished.folder)[1].unlink()
+    far = status(finished.folder)
+    assert (far.scene, far.chunks, far.chunks_done, far.samples_done) == ("race-angles", 5, 4, 2300)
+    assert sum(far.status.values()) == 2300
+
+
+def test_a_summary_of_other_chunks_is_a_fault(finished):
+    path = finished.folder / "summary.json"
+    content = json.loads(path.read_text())
+    path.write_text(json.dumps({**content, "digest": "0" * 64}))
+    assert verify(finished.folder) == ["summary.json: does not belong to these chunks; run `nearflat summary`"]
+    assert summary(finished.folder) == finished.summary
+    assert verify(finished.folder) == []

@@ -1,0 +1,65 @@
+"""Chunks and JSON on disk: any change of a file is noticed."""
+
+import json
+
+import numpy as np
+import pyarrow.dataset
+from small_runs import SMALL_RACES
+
+import explorer as ex
+from explorer.runs import store
+from explorer.runs.inspect import verify
+
+
+def text(run):
+    return (run.folder / "summary.json").read_text()
+
+
+def test_any_flipped_bit_of_a_chunk_is_noticed(finished):
+    rng = np.random.default_rng(0)
+    path = store.found_chunks(finished.folder)[2]
+    content = path.read_bytes()
+    assert verify(finished.folder) == []
+    for _ in range(40):
+        broken = bytearray(content)
+        broken[int(rng.integers(len(content)))] ^= 1 << int(rng.integers(8))
+        path.write_bytes(broken)
+        (fault,) = verify(finished.folder)
+        assert path.name in fault
+    path.write_bytes(content[:-100])
+    assert len(verify(finished.folder)) == 1
+
+
+def test_swapped_and_foreign_chunks_are_noticed(finished, tmp_path):
+    other = ex.run("race-angles", out=tmp_path / "other", **{**SMALL_RACES, "seed": 6})
+    mine, theirs = store.found_chunks(finished.folder), store.found_chunks(other.folder)
+    content = [mine[i].read_bytes() for i in range(2)]
+    mine[0].write_bytes(content[1])
+    mine[1].write_bytes(content[0])
+    assert len(verify(finished.folder)) == 2
+    mine[0].write_bytes(content[0])
+    mine[1].write_bytes(content[1])
+    # Renamed as well, so that the bytes agree with the name.
+    mine[2].unlink()
+    (mine[2].parent / theirs[2].name).write_bytes(theirs[2].read_bytes())
+    (fault,) = verify(finished.folder)
+    assert "it belongs to another run" in fault
+    (mine[2].parent / theirs[2].name).unlink()
+    moved = mine[3].name.replace("000003", "000002")
+    (mine[2].parent / moved).write_bytes(mine[3].read_bytes())
+    (fault,) = verify(finished.folder)
+    assert "it is chunk 3" in fault
+
+
+def test_strangers_among_the_chunks_are_put_aside(finished, capsys):
+    before, chunks = text(finished), finished.folder / "chunks"
+    for name in ("x.parquet", "chunk-000001-0000000000000000.parquet", "chunk-000001-ffffffffffffffff.parquet"):
+        (chunks / name).write_bytes(store.found_chunks(finished.folder)[2].read_bytes())
+    assert len(verify(finished.folder)) >= 3
+    again = ex.run("race-angles", out=finished.folder, resume=True, quiet=False, **SMALL_RACES)
+    assert text(again) == before
+    assert verify(finished.folder) == []
+    assert len(list((finished.folder / "bad").iterdir())) == 3
+    assert pyarrow.dataset.dataset(chunks).to_table().num_rows == 3000
+    assert "x.parquet: is no chunk of a run" in capsys.readouterr().err
+    assert json.loads((finished.folder / "run.json").read_text())["chunks_computed"] == 0

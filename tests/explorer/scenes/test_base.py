@@ -1,0 +1,62 @@
+"""Scenes in general: chunks, and the memory that they take."""
+
+import json
+
+import pytest
+
+import explorer as ex
+from explorer.scenes.base import LARGEST_CHUNK, chunk_size_for, read_memory
+from explorer.scenes.race_angles import RaceAngles
+from explorer.scenes.registry import SCENES, build_scene
+
+
+def test_a_budget_decides_the_size_of_chunks_or_is_refused(tmp_path, capsys):
+    run = ex.run("race-angles", out=tmp_path / "run", memory="1GB", samples=1000, quiet=False)
+    size = json.loads((run.folder / "run.json").read_text())["identity"]["options"]["chunk_size"]
+    assert f"chunks of {size:,} samples" in capsys.readouterr().err
+    assert 2 * size * run.scene.bytes_per_sample < 1e9
+    with pytest.raises(ex.InputError, match="needs at least 4"):
+        ex.run("race-angles", out=tmp_path / "small", memory="10MB")
+    for wrong in ("much", "nan", "inf", "1e400", "-1GB", 0):
+        with pytest.raises(ex.InputError, match="is no amount"):
+            ex.run("race-angles", out=tmp_path / "small", memory=wrong)
+    one, two = (ex.run("race-angles", out=tmp_path / str(n), memory="1GB", jobs=n, samples=1000) for n in (1, 2))
+    assert one.summary["digest"] == two.summary["digest"]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_chunks_cover_all_samples_once(name):
+    options = {"samples": 100_001} if name in ("falling-set", "race-angles") else {}
+    scene = build_scene(name, **options)
+    lengths = [scene.length(index) for index in range(scene.chunks())]
+    assert min(lengths) > 0
+    if options:
+        assert sum(lengths) == 100_001
+
+
+@pytest.mark.parametrize("size", ["2GB", 2e9, "2000 MB", "2e6k"])
+def test_memory_is_read_with_its_unit(size):
+    assert read_memory("--memory", size) == 2e9
+
+
+def test_no_budget_makes_chunks_larger_than_a_kernel_call_should_be():
+    assert chunk_size_for(RaceAngles, "100TB", 1) == LARGEST_CHUNK
+
+
+def test_memory_is_refused_for_scenes_without_such_chunks_by_the_names_of_those_that_have_them(tmp_path):
+    with pytest.raises(ex.InputError, match="falling-set, measure-zero, race-angles, one-sided has none"):
+        ex.run("one-sided", memory="1GB", out=tmp_path / "run")
+    with pytest.raises(ex.InputError, match="sets chunk_size, which is given too"):
+        ex.run("measure-zero", memory="1GB", chunk_size=100, out=tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
+def test_an_option_of_another_scene_is_refused_by_name():
+    with pytest.raises(ex.InputError, match="--ladder: race-angles takes no such option"):
+        build_scene("race-angles", ladder="1e-3:1e-1")
+
+
+def test_the_plan_of_a_scene_is_made_once_and_kept():
+    scene = build_scene("race-angles", method="dop853", accuracy="1e-4")
+    assert scene.plan is scene.plan
+    assert (scene.plan.method, scene.plan.accuracy) == ("dop853", 1e-4)

@@ -1,0 +1,178 @@
+"""Scenes by name: what makes no sense is refused, and a new scene is one file and one line."""
+
+import importlib.util
+import json
+
+import pytest
+
+import explorer as ex
+from explorer.commands.main import main
+from explorer.runs.folder import scene_of
+from explorer.scenes.registry import SCENES, build_scene, read_scene_file, scene_class
+
+TOY = """
+'''Scene toy: how fast is the vertical passed?'''
+
+from dataclasses import dataclass
+from functools import partial
+from typing import ClassVar
+
+import numpy as np
+
+from explorer.errors import InputError, number
+from explorer.measure.sampling import chunk_stream
+from explorer.scenes.base import SampledScene
+from explorer.scenes.options import Option
+
+
+@dataclass(frozen=True, kw_only=True)
+class Toy(SampledScene):
+    '''How fast is the vertical passed? Speeds drawn below a limit.'''
+
+    speed: float = 2.5
+
+    name: ClassVar[str] = "toy"
+    observables: ClassVar[tuple[str, ...]] = ("constants",)
+    bytes_per_sample: ClassVar[int] = 8
+    OPTIONS: ClassVar = (
+        *SampledScene.OPTIONS,
+        Option("--speed", partial(number, low=0.0), "X", "largest speed in units of the disk"),
+    )
+
+    def compute(self, index):
+        speed = self.speed * chunk_stream(self.seed, index).random(self.length(index))
+        return {"speed": speed, "status": np.zeros(speed.size, np.int8)}
+
+    def tally(self, index, table):
+        return {**super().tally(index, table), "sum": float(table["speed"].sum())}
+
+    def add_up(self, chunks):
+        return sum(tally["sum"] for tally in chunks.tallies)
+
+    def summarise(self, total):
+        return {"mean": total / self.samples}
+
+    def figures(self, summary, total):
+        return ()
+
+    def headline(self, summary):
+        return [f"mean speed {summary['mean']:.3f}"]
+"""
+
+
+@pytest.fixture
+def toy(tmp_path, monkeypatch):
+    """A scene that somebody adds: one file, and one line in the registry."""
+    path = tmp_path / "toy.py"
+    path.write_text(TOY)
+    spec = importlib.util.spec_from_file_location("toy", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    monkeypatch.setitem(SCENES, "toy", module.Toy)
+    return module.Toy
+
+
+def said(capsys, *words):
+    try:
+        status = main([str(word) for word in words])
+    except SystemExit as stop:
+        status = stop.code
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+def test_a_new_scene_has_its_help_on_the_command_line(toy, capsys):
+    status, out, _ = said(capsys, "run", "toy", "--help")
+    assert status == 0
+    text = " ".join(out.split())
+    assert "How fast is the vertical passed? Speeds drawn below a limit." in text
+    assert "--speed X largest speed in units of the disk (default 2.5)" in text
+    assert "--samples N" in text
+    assert "--ladder" not in text
+    assert "toy: largest speed" in " ".join(said(capsys, "run", "--help")[1].split())
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--speed", "-1"], "--speed -1 must be a finite number, 0 or more"),
+        (["--speed", "fast"], "--speed fast is not a number"),
+        (["--ladder", "1:2"], "--ladder: toy takes no such option"),
+        (["--samples", "0"], "--samples 0"),
+    ],
+)
+def test_a_new_scene_has_its_values_checked(toy, words, message, capsys, tmp_path):
+    status, _, err = said(capsys, "run", "toy", *words, "--out", tmp_path / "run")
+    assert status == 2
+    assert message in err
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_new_scene_has_its_chunks_its_record_and_its_resume(toy, capsys, tmp_path):
+    words = ("run", "toy", "--samples", "1e3", "--speed", "2", "--seed", "4", "--out", tmp_path / "run")
+    assert said(capsys, *words)[0] == 0
+    chunks = sorted((tmp_path / "run" / "chunks").glob("*.parquet"))
+    assert len(chunks) == 1
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["speed"] == 2.0
+    assert summary["mean"] == pytest.approx(1.0, abs=0.1)
+    assert scene_of(tmp_path / "run") == build_scene("toy", samples=1000, speed=2, seed=4)
+    chunks[0].unlink()
+    status, out, _ = said(capsys, "resume", tmp_path / "run")
+    assert status == 0
+    assert f"mean speed {summary['mean']:.3f}" in out
+    assert json.loads((tmp_path / "run" / "summary.json").read_text()) == summary
+    longer = ex.run("toy", samples=2000, speed="2", seed=4, chunk_size=65536, out=tmp_path / "run", resume=True)
+    assert sum(table["speed"].size for table in longer.tables()) == 2000
+
+
+def test_a_new_scene_may_be_named_in_a_scene_file(toy, capsys, tmp_path):
+    (tmp_path / "scene.toml").write_text('scene = "toy"\nspeed = 3\nsamples = 10\n')
+    status, out, _ = said(capsys, "run", tmp_path / "scene.toml", "--out", tmp_path / "run", "--json", "--quiet")
+    assert status == 0
+    assert json.loads(out)["speed"] == 3.0
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "message"),
+    [
+        ("race-angels", {}, "did you mean 'race-angles'"),
+        ("falling-set", {"samples": 0}, "--samples 0"),
+        ("falling-set", {"samples": "1e400"}, "finite"),
+        ("falling-set", {"samples": 1.5}, "whole number"),
+        ("falling-set", {"samples": "many"}, "not a number"),
+        ("falling-set", {"eta_hat": "1e-3:1e-2"}, "takes no such option"),
+        ("falling-set", {"slices": "phi=0,phidot=1"}, "--slice"),
+        ("falling-set", {"energy": ":nan"}, "finite"),
+        ("falling-set", {"energy": ":0"}, "widen it or shrink the box"),
+        ("falling-set", {"disk": ex.Disk(I1=0.3, I3=0.0)}, "I3 = 0"),
+        ("one-sided", {"eta_hat": "1:1e10"}, "--eta-hat"),
+        ("race-angles", {"eta_hat": "1e-320:1e-310"}, "--eta-hat"),
+        ("race-angles", {"box": "sigma4=1:2"}, "--box sigma4"),
+        ("race-angles", {"box": "phi=0.2"}, "--box phi"),
+        ("race-angles", {"box": "phidot=-2:2"}, "towards flat"),
+        ("race-angles", {"eta_hat": "0:1"}, "--eta-hat"),
+        ("race-angles", {"eta_hat": "1e-2:1e-3"}, "--eta-hat"),
+        ("race-angles", {"method": "rk45"}, "--method"),
+        ("race-angles", {"accuracy": "1e-40"}, "--accuracy"),
+        ("race-angles", {"seed": -1}, "--seed"),
+        ("race-angles", {"disk": ["hoop", "uniform"]}, "one disk"),
+        ("race-angles", {"disk": ex.Disk(I1=0.3, I3=0.0)}, "I3 = 0"),
+        ("one-sided", {"disk": ["hoop", "hoop"]}, "different names"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused_by_name(scene, options, message):
+    with pytest.raises(ex.InputError, match=message):
+        build_scene(scene, **options)
+
+
+@pytest.mark.parametrize("name", ["falling", 5, None, ["falling-set"]])
+def test_what_is_no_scene_is_answered_with_the_known_ones(name):
+    with pytest.raises(ex.InputError, match="known: falling-set, measure-zero, one-sided, portrait, race-angles"):
+        scene_class(name)
+
+
+def test_dashes_and_underscores_are_the_same_in_a_scene_file(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text('scene = "race-angles"\neta-hat = "1e-3:1e-2"\n')
+    assert read_scene_file(path) == {"scene": "race-angles", "eta_hat": "1e-3:1e-2"}
