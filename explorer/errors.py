@@ -35,7 +35,9 @@ def note(text: str, quiet: bool) -> None:
 
 def said(name: str, value: Any) -> str:
     """An argument with its value as the user wrote it: "--samples 0" or "samples = 0"."""
-    return f"{name} {value}" if name.startswith("--") else f"{name} = {value!r}"
+    if name.startswith("--"):
+        return f"{name} {value}"
+    return f"{name} = {value if isinstance(value, str) else repr(value)}"
 
 
 def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:

@@ -53,6 +53,8 @@ def test_bounds_of_a_number_are_in_the_message():
     ):
         with pytest.raises(InputError, match=words):
             number("x", 2.0, low, high)
+    with pytest.raises(InputError, match="t_end = soon is not a number"):
+        number("t_end", "soon")
     with pytest.raises(InputError, match="jobs = 0 must be a whole number, 1 or more"):
         whole("jobs", 0, 1)
 

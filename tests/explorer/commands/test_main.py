@@ -23,10 +23,10 @@ def run(capsys, *arguments):
 
 BAD = [
     (["run", "falling-set", "--disk", "m=1,r=1,g=1,I1=0.25,I3=0.6"], "I3 = 0.6"),
-    (["run", "falling-set", "--disk", "m=0,I1=1,I3=1"], "m = 0.0"),
-    (["run", "falling-set", "--disk", "r=-1,I1=1,I3=1"], "r = -1.0"),
+    (["run", "falling-set", "--disk", "m=0,I1=1,I3=1"], "m = 0 must"),
+    (["run", "falling-set", "--disk", "r=-1,I1=1,I3=1"], "r = -1 must"),
     (["run", "falling-set", "--disk", "g=nan,I1=1,I3=1"], "g = nan"),
-    (["run", "falling-set", "--disk", "I1=0,I3=0"], "I1 = 0.0"),
+    (["run", "falling-set", "--disk", "I1=0,I3=0"], "I1 = 0 must"),
     (["run", "falling-set", "--samples", "0"], "--samples 0"),
     (["run", "falling-set", "--samples", "1e400"], "--samples"),
     (["run", "falling-set", "--samples=-5"], "--samples -5"),

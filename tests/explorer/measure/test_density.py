@@ -69,7 +69,7 @@ def test_a_function_that_exceeds_its_looked_up_maximum_is_refused():
     [("1:2", (1.0, 2.0)), (":3", (-math.inf, 3.0)), ("2:", (2.0, math.inf)), ((None, 4), (-math.inf, 4.0))],
 )
 def test_ranges_of_energy_may_be_open(given, ends):
-    assert Density.parse_energy(given) == ends
+    assert Density.of(UNIFORM, energy=given).energy == ends
 
 
 def test_a_density_says_what_it_is_and_tells_functions_apart():
