@@ -1,4 +1,4 @@
-"""Turning points, where a motion stops tilting: the next one by integration, the smallest tilt by either method."""
+"""Turning points, where motions stop tilting: the next by integration, and the smallest tilt by either method."""
 
 from dataclasses import dataclass
 
