@@ -1,4 +1,4 @@
-"""Turning points, where motions stop tilting: the next one by integration, and the smallest tilt by either method."""
+"""Turning points, where motions stop tilting: the next one by integration, and the smallest tilt by any method."""
 
 from dataclasses import dataclass
 
