@@ -326,12 +326,14 @@ class LineIntegral:
         most = np.where(phi < 0.0, np.where(phi < well_phi, largest, np.minimum(own, largest)), np.nan)
         a, c = self._chart(phi)
         curvature = self._curvature(phi, a, c)
-        ends = [most]
-        for given in heights:
-            low, high = np.zeros(phi.size), np.nan_to_num(most)
-            for _ in range(_BISECTIONS):
-                middle = 0.5 * (low + high)
-                above = self._barrier(phi, middle) - np.cos(phi) - curvature * middle**2 > given
-                low, high = np.where(above, middle, low), np.where(above, high, middle)
-            ends.append(np.where(phi < 0.0, low, np.nan))
-        return ends
+        beyond = phi < 0.0
+        there, bend, given = phi[beyond], curvature[beyond], np.array(heights)[:, None]
+        low = np.zeros((len(heights), there.size))
+        high = np.broadcast_to(np.nan_to_num(most[beyond]), low.shape)
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            above = self._barrier(there, middle) - np.cos(there) - bend * middle**2 > given
+            low, high = np.where(above, middle, low), np.where(above, high, middle)
+        ends = np.full((len(heights), phi.size), np.nan)
+        ends[:, beyond] = low
+        return [most, *ends]

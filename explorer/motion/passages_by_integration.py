@@ -63,7 +63,7 @@ def estimate_error(
 
     rounding: that of eta at the start, natural units.
     """
-    eta, unit = disk.eta_hat_to_eta(starts.eta_hat / disk.rate_unit), disk.rate_unit
+    eta, unit = starts.natural(disk)[1], disk.rate_unit
     unknown = rounding / np.where(eta == 0.0, 1.0, abs(eta))
     apart = np.fmax(2.0 * abs(fine.chi - rough.chi), 2.0 * abs(fine.psi - rough.psi))
     apart = np.fmax(apart, abs(rough.time / fine.time - 1.0))
@@ -79,7 +79,7 @@ def statuses(
 
     A state in doubles knows eta to its rounding. Where that is not small, it does not know its race.
     """
-    code, eta = compiled.status.Status, disk.eta_hat_to_eta(starts.eta_hat / disk.rate_unit)
+    code, eta = compiled.status.Status, starts.natural(disk)[1]
     doubtful = (fine.status == code.FALLS) | (rounding > compiled.attempt.RESOLVED_SHARE * abs(eta))
     status = np.where(rough.status == code.OK, fine.status, rough.status)
     status = np.where(doubtful, code.UNRESOLVED_SIDE, status)
