@@ -1,8 +1,4 @@
-<<<<<<< HEAD
 """Turning points, where motions stop tilting: the next by integration, and the smallest tilt by either method."""
-=======
-"""Turning points, where motions stop tilting: the next one by integration, and the smallest tilt by any method."""
->>>>>>> hub/main
 
 from dataclasses import dataclass
 
