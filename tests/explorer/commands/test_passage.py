@@ -32,6 +32,25 @@ def test_a_fall_has_both_limits_and_says_so_as_text(capsys):
     assert "limit, eta > 0     race_angle +7.0" in capsys.readouterr().out
 
 
+def test_the_report_of_a_fall_has_its_published_time_and_no_passage():
+    hoop = ex.Disk.hoop()
+    report = passage_report(hoop, Start(0.0, 0.0, 1.0))
+    assert report["status"] == "falls"
+    assert report["fall_time"] == pytest.approx(1.325324, abs=5e-7)
+    assert report["duration"] is None
+    limits = report["limits"]
+    assert limits["plus"]["race_angle"] == -limits["minus"]["race_angle"] == hoop.race_limit
+    assert json.loads(json.dumps(report)) == report
+
+
+@pytest.mark.parametrize(("disk", "least"), [(UNIFORM, -0.97), (ex.Disk.hoop(), -0.89)])
+def test_the_report_says_when_a_real_disk_would_lift_off(disk, least):
+    """Section 8: the normal force of the paper's own scenes, in m g."""
+    report = passage_report(disk, Start(1.0, 0.01, 1.0))
+    assert report["min_normal_force"] == pytest.approx(least, abs=0.01)
+    assert "lift off" in report["warnings"][0]
+
+
 @pytest.mark.parametrize("value", ["-1e-3", "-.5e-3", "-1", "1e-200"])
 def test_a_number_below_zero_needs_no_equals_sign(value, capsys):
     main([*WORDS, value, "--json", "--quiet"])
