@@ -19,11 +19,15 @@ from explorer.errors import InputError, Interrupted, RunError
 
 
 class Command(NamedTuple):
-    """A command: what imports the module that carries it out, what --help says, and an example."""
+    """A command: what imports its module, what --help says, and the words of an example after its name."""
 
     load: Callable[[], ModuleType]
     text: str
     example: str
+
+
+def _runs() -> ModuleType:
+    return import_module("explorer.commands.runs")
 
 
 _STORED = "results/race-angles-uniform-0"
@@ -31,65 +35,49 @@ COMMANDS = {
     "demo": Command(
         lambda: import_module("explorer.commands.demo"),
         "Do the main job, small: map the falling set, compare the limits, histogram the race.",
-        "nearflat demo --jobs 2",
+        "--jobs 2",
     ),
     "run": Command(
         lambda: import_module("explorer.commands.run"),
         "Run a scene on many initial states and store samples, summary and figures.",
-        "nearflat run race-angles --disk hoop --samples 1e5 --eta-hat 1e-6:1e-2 --out results/races",
+        "race-angles --disk hoop --samples 1e5 --eta-hat 1e-6:1e-2 --out results/races",
     ),
-    "status": Command(
-        lambda: import_module("explorer.commands.runs"),
-        "Say how far a stored run is.",
-        f"nearflat status {_STORED}",
-    ),
-    "verify": Command(
-        lambda: import_module("explorer.commands.runs"),
-        "Check every chunk of a stored run; exit status 1 if one is bad.",
-        f"nearflat verify {_STORED}",
-    ),
-    "resume": Command(
-        lambda: import_module("explorer.commands.runs"),
-        "Go on with a stored run: compute what is missing or bad, nothing else.",
-        f"nearflat resume {_STORED}",
-    ),
-    "summary": Command(
-        lambda: import_module("explorer.commands.runs"),
-        "Add up the numbers of a stored run anew, from its chunks.",
-        f"nearflat summary {_STORED}",
-    ),
+    "status": Command(_runs, "Say how far a stored run is.", _STORED),
+    "verify": Command(_runs, "Check every chunk of a stored run; exit status 1 if one is bad.", _STORED),
+    "resume": Command(_runs, "Go on with a stored run: compute what is missing or bad, nothing else.", _STORED),
+    "summary": Command(_runs, "Add up the numbers of a stored run anew, from its chunks.", _STORED),
     "passage": Command(
         lambda: import_module("explorer.commands.passage"),
         "Compute one passage near flat, from vertical to vertical: race angle, times, limits, forces.",
-        "nearflat passage --disk uniform --sigma3-bar 1 --eta-hat -1e-6 --phidot 1 --json",
+        "--disk uniform --sigma3-bar 1 --eta-hat -1e-6 --phidot 1 --json",
     ),
     "plan": Command(
         lambda: import_module("explorer.commands.plan"),
         "Say which model and method `run` would choose for a scene, and why; compute nothing.",
-        "nearflat plan race-angles --accuracy 1e-9",
+        "race-angles --accuracy 1e-9",
     ),
     "trade": Command(
         lambda: import_module("explorer.commands.trade"),
         "Measure error and cost of every method on this machine; `--accuracy` and `--method auto` use it.",
-        "nearflat trade --disk hoop",
+        "--disk hoop",
     ),
     "paper": Command(
         lambda: import_module("explorer.commands.paper"),
         "Check every statement of the paper, draw its figures, list its misprints; exit status 1 if one fails.",
-        "nearflat paper --only LEMMA-5",
+        "--only LEMMA-5",
     ),
     "portrait": Command(
         lambda: import_module("explorer.commands.portrait"),
         "Draw phase portraits, steady motions, slices, race numbers, bounces, paths and a film.",
-        "nearflat portrait --disk hoop --only paths",
+        "--disk hoop --only paths",
     ),
     "gallery": Command(
         lambda: import_module("explorer.commands.gallery"),
         "Write the page of a folder of results: every picture with the command that makes it.",
-        "nearflat gallery results",
+        "results",
     ),
     "warmup": Command(
-        lambda: import_module("explorer.commands.warmup"), "Compile all kernels into the cache.", "nearflat warmup"
+        lambda: import_module("explorer.commands.warmup"), "Compile all kernels into the cache.", ""
     ),
 }
 
@@ -161,9 +149,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"nearflat {_version()}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_CommandParser)
-    for name, command in COMMANDS.items():
-        epilog = f"example: {command.example}"
-        commands.add_parser(name, load=command.load, help=command.text, description=command.text, epilog=epilog)
+    for name, (load, text, example) in COMMANDS.items():
+        epilog = f"example: nearflat {name} {example}"
+        commands.add_parser(name, load=load, help=text, description=text, epilog=epilog)
     return parser
 
 

@@ -2,7 +2,6 @@
 
 import argparse
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from inspect import cleandoc
 from pathlib import Path
 from typing import Any, TypedDict, Unpack
@@ -163,7 +162,8 @@ def run(
     (0, 5.441)
     """
     workers = Workers(jobs, options.pop("backend", "threads"), options.pop("scheduler", None))
-    return _started(scene, options, Settings(out, workers, memory, resume, quiet))
+    made = _scene(scene, options, memory, workers.jobs, quiet)
+    return execute(made, out, workers=workers, resume=resume, quiet=quiet)
 
 
 # help(run) shows what the scenes take beside what every run takes. Without docstrings (python -OO) both are empty.
@@ -171,41 +171,19 @@ _of_options = cleandoc(Options.__doc__ or "").partition("\n\n")[2]
 run.__doc__ = cleandoc(run.__doc__ or "").replace("\nReturns\n", f"\n{_of_options}\n\nReturns\n", 1)
 
 
-@dataclass(frozen=True)
-class Settings:
-    """How a run is made; only memory has a say in its numbers."""
-
-    out: Path | str | None = None
-    workers: Workers = field(default_factory=Workers)
-    memory: str | float | None = None
-    resume: bool = False
-    quiet: bool = True
-    command: str | None = None
-
-
-def _started(scene: str, options: Mapping[str, Any], settings: Settings) -> Run:
-    if settings.memory is not None:
-        size = _chunk_size(scene, settings, options.get("chunk_size"))
-        options = {**options, "chunk_size": size}
-        note(f"--memory {settings.memory}: chunks of {size:,} samples", settings.quiet)
-    return execute(
-        build_scene(scene, **options),
-        settings.out,
-        workers=settings.workers,
-        resume=settings.resume,
-        quiet=settings.quiet,
-        command=settings.command,
-    )
-
-
-def _chunk_size(scene: str, settings: Settings, given: int | None) -> int:
-    kind = scene_class(scene)
+def _scene(name: str, options: Mapping[str, Any], memory: Any, jobs: int, quiet: bool) -> Scene:
+    """The scene of a run, with chunks that fit into a budget where one is given."""
+    if memory is None:
+        return build_scene(name, **options)
+    kind = scene_class(name)
     if not issubclass(kind, SampledScene):
-        names = ", ".join(name for name, each in SCENES.items() if issubclass(each, SampledScene))
-        raise InputError(f"--memory {settings.memory}: sets the chunks of {names}, {scene} has none; leave it out")
-    if given is not None:
-        raise InputError(f"--memory {settings.memory}: sets chunk_size, which is given too; leave one of them out")
-    return chunk_size_for(kind, settings.memory, settings.workers.jobs)
+        names = ", ".join(each for each, other in SCENES.items() if issubclass(other, SampledScene))
+        raise InputError(f"--memory {memory}: sets the chunks of {names}, {name} has none; leave it out")
+    if options.get("chunk_size") is not None:
+        raise InputError(f"--memory {memory}: sets chunk_size, which is given too; leave one of them out")
+    size = chunk_size_for(kind, memory, jobs)
+    note(f"--memory {memory}: chunks of {size:,} samples", quiet)
+    return build_scene(name, **{**options, "chunk_size": size})
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -275,9 +253,15 @@ def call(options: argparse.Namespace) -> int:
         given = read_scene_file(Path(options.scene))
     apart = ("scene", "command", "command_line", "call", "arithmetic", "json", "quiet", "resume")
     given |= {key: value for key, value in vars(options).items() if key not in apart and value is not None}
-    resume = options.resume or given.pop("resume", False)
-    how = {key: given.pop(key) for key in ("jobs", "backend", "scheduler") if key in given}
-    where = {key: given.pop(key) for key in ("out", "memory") if key in given}
-    command = options.command_line
-    settings = Settings(**where, workers=Workers(**how), resume=resume, quiet=options.quiet, command=command)
-    return show(_started(given.pop("scene"), given, settings), options.json)
+    resume, out, memory = (given.pop(key, None) for key in ("resume", "out", "memory"))
+    workers = Workers(**{key: given.pop(key) for key in ("jobs", "backend", "scheduler") if key in given})
+    scene = _scene(given.pop("scene"), given, memory, workers.jobs, options.quiet)
+    done = execute(
+        scene,
+        out,
+        workers=workers,
+        resume=options.resume or bool(resume),
+        quiet=options.quiet,
+        command=options.command_line,
+    )
+    return show(done, options.json)
