@@ -8,7 +8,7 @@ are distributed as before after any time.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2_contingency, ks_2samp
+import scipy
 
 from explorer import compiled
 from explorer.errors import InputError
@@ -157,7 +157,9 @@ def push_forward(
     good = motions.status == compiled.status.Status.OK
     pushed = np.stack([getattr(motions, name)[good, 0] for name in COORDINATES])
     first = np.stack([still[name] for name in COORDINATES])
-    p_values = {name: float(ks_2samp(first[i], pushed[i]).pvalue) for i, name in enumerate(COORDINATES)}
+    p_values = {
+        name: float(scipy.stats.ks_2samp(first[i], pushed[i]).pvalue) for i, name in enumerate(COORDINATES)
+    }
     p_values["cells"] = _cells_p(first, pushed)
     return Pushed(first, pushed, p_values, either_p(*p_values.values()), int((~good).sum()))
 
@@ -187,4 +189,4 @@ def _cells_p(first: Array, second: Array) -> float:
     # Cells with few draws are joined.
     few = counts.sum(axis=0) < _FEWEST
     joined = np.column_stack([counts[:, ~few], counts[:, few].sum(axis=1)])
-    return float(chi2_contingency(joined[:, joined.sum(axis=0) > 0]).pvalue)
+    return float(scipy.stats.chi2_contingency(joined[:, joined.sum(axis=0) > 0]).pvalue)

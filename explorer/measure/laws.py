@@ -8,10 +8,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from scipy.stats import binom, binomtest, chi2, ncx2, norm
-from scipy.stats import t as student
 
 from explorer.measure.statistics import either_p
 
@@ -36,7 +35,7 @@ class Estimate:
 
     def interval(self, confidence: float = CONFIDENCE) -> list[float]:
         """Two-sided interval of Student's distribution."""
-        reach = self.error * float(student.ppf(0.5 + 0.5 * confidence, self.dof))
+        reach = self.error * float(scipy.stats.t.ppf(0.5 + 0.5 * confidence, self.dof))
         return [self.value - reach, self.value + reach]
 
 
@@ -98,8 +97,8 @@ def ladder_p(ladder: Ladder, law: Law, law_error: float = 0.0) -> float:
     error = np.hypot(ladder.error, law_error * expected)
     away = abs(ladder.value - expected) / np.maximum(error, 1e-300)
     # As many normal deviations as Student's distribution gives these.
-    normal = norm.isf(student.sf(away, ladder.dof))
-    return float(chi2.sf((np.minimum(normal, 1e3) ** 2).sum(), len(ladder)))
+    normal = scipy.stats.norm.isf(scipy.stats.t.sf(away, ladder.dof))
+    return float(scipy.stats.chi2.sf((np.minimum(normal, 1e3) ** 2).sum(), len(ladder)))
 
 
 def bins_of(delta: Array, law: Law) -> Array:
@@ -111,7 +110,8 @@ def bins_of(delta: Array, law: Law) -> Array:
 def counts_p(delta: Array, below: NDArray[np.int64], draws: int, law: Law) -> float:
     """p-value of a law from how many of `draws` lie below each delta: exact tests of bins, after Bonferroni."""
     counts = np.append(below[:-1] - below[1:], below[-1])
-    each = [binomtest(int(k), draws, min(p, 1.0)).pvalue for k, p in zip(counts, bins_of(delta, law), strict=True)]
+    bins = zip(counts, bins_of(delta, law), strict=True)
+    each = [scipy.stats.binomtest(int(k), draws, min(p, 1.0)).pvalue for k, p in bins]
     return float(either_p(*each))
 
 
@@ -120,8 +120,8 @@ def draws_to_reject(delta: Array, law: Law, truth: Law, variance: float, power: 
 
     variance: relative, of one draw. The noncentral chi-square distribution gives the least shift.
     """
-    threshold = chi2.isf(1.0 - CONFIDENCE, delta.size)
-    shift = brentq(lambda x: ncx2.sf(threshold, delta.size, x) - power, 1e-6, 1e4)
+    threshold = scipy.stats.chi2.isf(1.0 - CONFIDENCE, delta.size)
+    shift = brentq(lambda x: scipy.stats.ncx2.sf(threshold, delta.size, x) - power, 1e-6, 1e4)
     each = float((((truth(delta) / law(delta)) - 1.0) ** 2).sum())
     return max(FEWEST, int(np.ceil(shift * variance / each)))
 
@@ -132,6 +132,7 @@ def plain_draws_to_reject(delta: Array, law: Law, truth: Law, power: float = 0.9
     tail = 0.5 * (1.0 - CONFIDENCE) / delta.size
 
     def missed(draws: float) -> float:
+        binom = scipy.stats.binom
         low, high = binom.ppf(tail, draws, nulls), binom.isf(tail, draws, nulls)
         inside = binom.cdf(high, draws, trues) - np.where(low > 0, binom.cdf(low - 1, draws, trues), 0.0)
         return float(np.prod(inside))

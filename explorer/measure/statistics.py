@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 
 import numpy as np
+import scipy  # loads scipy.stats where it is used: it takes a second, and workers never do
 from numpy.typing import NDArray
-from scipy.stats import binomtest
 
 from explorer import compiled
 
@@ -33,13 +33,13 @@ def add_counts(parts: Iterable[dict[str, int]]) -> dict[str, int]:
 
 def share(count: int, total: int) -> dict[str, float | list[float]]:
     """A fraction with its exact (Clopper-Pearson) 95 % interval."""
-    interval = binomtest(count, total).proportion_ci(0.95, method="exact")
+    interval = scipy.stats.binomtest(count, total).proportion_ci(0.95, method="exact")
     return {"value": count / total, "interval_95": [float(interval.low), float(interval.high)]}
 
 
 def upper_bound(count: int, total: int, confidence: float = 0.95) -> float:
     """The exact one-sided (Clopper-Pearson) upper bound of a probability after `count` of `total`."""
-    interval = binomtest(count, total, alternative="less").proportion_ci(confidence, method="exact")
+    interval = scipy.stats.binomtest(count, total, alternative="less").proportion_ci(confidence, method="exact")
     return float(interval.high)
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from explorer import compiled
 from explorer.measure import statistics
@@ -177,7 +177,7 @@ class TubeDraws:
         """All draws. sigma3 and sigma4 are NaN: doubles do not hold such a small eta_hat as a difference."""
         random, size = chunk_stream(self.question.seed, self.index), dimensions(self.question.source)
         if self.question.scrambled:
-            points = qmc.Sobol(size, scramble=True, bits=53, rng=random).random(self.count)
+            points = scipy.stats.qmc.Sobol(size, scramble=True, bits=53, rng=random).random(self.count)
         else:
             points = random.random((self.count, size))
         draws = self.question.draw(self.face, self.delta, points)

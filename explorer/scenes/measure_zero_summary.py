@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm
 
 from explorer.measure import laws, statistics
 from explorer.measure.falling_constant import constant_of
@@ -210,7 +210,7 @@ def _agreement(question: Question, ladder: Ladder, below: NDArray[np.int64]) -> 
     spread = np.sqrt(share * (1.0 - share) / question.samples + ladder.error**2)
     many = below >= _MANY
     away = abs(below / question.samples - ladder.value)[many] / spread[many]
-    return float(min(1.0, 2.0 * many.sum() * norm.sf(away.max(initial=0.0)))) if many.any() else 1.0
+    return float(min(1.0, 2.0 * many.sum() * scipy.stats.norm.sf(away.max(initial=0.0)))) if many.any() else 1.0
 
 
 def _relative_variance(tubes: Tubes, rungs: NDArray[np.intp]) -> float:
@@ -335,7 +335,7 @@ def _by_tilt(tubes: Tubes, delta: Array, rungs: NDArray[np.intp]) -> dict[str, A
         "share": share.tolist(),
         "error": error.tolist(),
         "predicted": expected,
-        "p_value": float(chi2.sf(statistic, SHAPE_BINS - 1)),
+        "p_value": float(scipy.stats.chi2.sf(statistic, SHAPE_BINS - 1)),
     }
 
 

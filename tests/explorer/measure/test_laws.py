@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import scipy
 
 from explorer.measure import laws
 from explorer.measure.laws import Estimate, Ladder, wrong_laws
@@ -67,7 +68,7 @@ def test_the_draws_that_are_said_to_reject_a_wrong_law_do(name):
 @pytest.mark.parametrize("name", ["dimension_two", "plateau", "constant_off"])
 def test_the_plain_draws_that_are_said_to_reject_a_wrong_law_do(name, monkeypatch):
     # Most bins hold few draws: the same tests again and again.
-    monkeypatch.setattr(laws, "binomtest", cache(laws.binomtest))
+    monkeypatch.setattr(scipy.stats, "binomtest", cache(scipy.stats.binomtest))
     truth = wrong_laws(C, DELTA[0])[name]
     draws = int(laws.plain_draws_to_reject(DELTA, right, truth))
     random = np.random.default_rng(8)
