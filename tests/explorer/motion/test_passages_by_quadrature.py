@@ -71,5 +71,5 @@ def test_a_fall_is_the_limit_of_passages_and_takes_half_their_time():
 
 
 def test_tilt_is_measured_as_the_kernels_do():
-    assert chord(0.0) == compiled.quadrature.VERTICAL
+    assert chord(0.0) == compiled.point.VERTICAL
     assert chord(0.5 * np.pi - 1e-3) == pytest.approx(1e-3, rel=1e-6)
