@@ -70,8 +70,8 @@ def _paths(disk: Disk, _options: dict[str, Any]) -> Pictures:
     unit = disk.rate_unit
     bars = np.linspace(*_BARS, _TRIED) * unit
     for eta_hat, phidot in ((sign * _ETA_HAT * unit, speed * unit) for speed in _SPEEDS for sign in (1.0, -1.0)):
-        found = wander(constants_to_states(disk, bars, eta_hat, phidot))
-        turns = found.chi / (2.0 * np.pi)
+        wanders = wander(constants_to_states(disk, bars, eta_hat, phidot))
+        turns = wanders.chi / (2.0 * np.pi)
         met = np.flatnonzero(np.floor(turns[1:]) != np.floor(turns[:-1]))
         if met.size:
             break
@@ -84,7 +84,7 @@ def _paths(disk: Disk, _options: dict[str, Any]) -> Pictures:
     resonant = wander_path(start, _PERIODS)
     yield "paths", plot.rosette_and_resonance(generic, resonant)
     yield "distance", plot.figure_of(plot.wander_distance, {"generic": generic, "resonant": resonant})
-    yield "radius", plot.figure_of(plot.wander_radius, disk, bars, found, {whole: bar})
+    yield "radius", plot.figure_of(plot.wander_radius, disk, bars, wanders, {whole: bar})
 
 
 GROUPS = {

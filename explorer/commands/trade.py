@@ -85,8 +85,8 @@ def calibrate(rows: list[Row], samples: int = 1024) -> dict[str, Any]:
         work = Work(disk, samples, number)
         for method, settings in SETTINGS.items():
             for setting in settings:
-                found = work.measure(method, setting, repeats=1)
-                errors[method, setting] = max(errors[method, setting], found.p99)
+                row = work.measure(method, setting, repeats=1)
+                errors[method, setting] = max(errors[method, setting], row.p99)
     methods = {
         name: [
             [row.setting, max(errors[row.method, row.setting], 1e-16), row.evaluations, row.nanoseconds]

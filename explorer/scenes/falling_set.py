@@ -151,10 +151,10 @@ class FallingSet(SampledScene):
         for columns in self.draw(index):
             if self.theta_min == "all" or self.keep == "all":
                 block = self._block(columns)
-                found = self._count(block)
+                of_block = self._count(block)
             else:
-                found, block = self._sift(columns)
-            counts.add(found)
+                of_block, block = self._sift(columns)
+            counts.add(of_block)
             kept.append(self.kept(index, block))
         return joined(kept), counts.tally()
 

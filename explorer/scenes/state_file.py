@@ -14,9 +14,9 @@ from explorer.phase.states import COORDINATES, Array
 
 @dataclass(frozen=True)
 class StateFile:
-    """States that a person gives: a Parquet file with columns phi, phidot, sigma3, sigma4.
+    """States that a user gives: a Parquet file with columns phi, phidot, sigma3, sigma4.
 
-    sha256 of its bytes is part of what identifies a run. What is not a state gets the status BAD_INPUT.
+    The sha256 of its bytes is part of what identifies a run. A row that is no state gets the status BAD_INPUT.
     """
 
     path: Path

@@ -11,6 +11,7 @@ import time
 import numpy as np
 import psutil
 import pytest
+from small_runs import SMALL_RACES
 
 import explorer as ex
 from explorer.commands import main as cli
@@ -168,3 +169,12 @@ def test_chunks_are_read_by_pandas_and_duckdb(tmp_path):
     ((mean,),) = duckdb.sql(f"select avg(race_angle) from '{places}/*.parquet' where eta_hat > 0").fetchall()
     assert mean == pytest.approx(frame.race_angle[frame.eta_hat > 0].mean())
     assert np.isfinite(mean)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"), [({"jobs": 0}, "--jobs 0"), ({"backend": "gpu"}, "--backend 'gpu'")]
+)
+def test_workers_that_cannot_be_are_refused_before_anything_is_written(options, message, tmp_path):
+    with pytest.raises(ex.InputError, match=message):
+        ex.run("race-angles", out=tmp_path / "run", **options, **SMALL_RACES)
+    assert not (tmp_path / "run").exists()

@@ -1,3 +1,5 @@
+"""Scene measure-zero: the law P(theta_min < delta) = C delta, its constant, and what is refused."""
+
 import itertools
 import math
 
