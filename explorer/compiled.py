@@ -69,7 +69,8 @@ def _load(module: str) -> ModuleType:
 
 def source_digest() -> str:
     """Digest of the kernels' source and of the versions that compile them."""
-    return _load("kernels._jit").source_digest()
+    digest: str = _load("kernels._jit").source_digest()
+    return digest
 
 
 def warmup(say: Callable[[str], None] = lambda text: None) -> int:

@@ -119,7 +119,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Read when the kernels are first loaded, here and in worker processes.
         os.environ["NEARFLAT_ARITHMETIC"] = options.arithmetic
     try:
-        return options.call(options)
+        status: int = options.call(options)
+        return status
     except (InputError, ImportError) as error:
         return _complain(options, error, 2)
     except Interrupted as error:

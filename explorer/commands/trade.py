@@ -140,7 +140,8 @@ class Work:
             2.0 * out[row.psi] - exact.delta_psi,
             2.0 * out[row.t] * unit / exact.duration - 1.0,
         )
-        return np.max(np.abs(errors), axis=0)
+        largest: Array = np.max(np.abs(errors), axis=0)
+        return largest
 
 
 class Solved:

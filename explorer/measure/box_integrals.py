@@ -216,7 +216,10 @@ class NaturalDensity:
         most = np.sqrt(np.maximum(left, 0.0) / b.M)
         weight = w4[..., None] * w3 * (left >= 0.0)
         columns = phi[:, None, None], s3, s4[..., None]
-        return (self.over_speeds(columns, np.zeros_like(most), most, None, panels) * weight).sum(axis=(1, 2))
+        total: Array = (self.over_speeds(columns, np.zeros_like(most), most, None, panels) * weight).sum(
+            axis=(1, 2)
+        )
+        return total
 
     def over_speeds(
         self, others: tuple[Array, Array, Array], least: Array, most: Array, gain: Array | None, panels: int
@@ -236,7 +239,8 @@ class NaturalDensity:
         f = self.shape(others[0][..., None], speed, others[1][..., None], others[2][..., None])
         if gain is not None:
             f = f * np.sqrt(np.maximum(speed * speed + gain[..., None], 0.0))
-        return (f * steps).sum(axis=-1)
+        summed: Array = (f * steps).sum(axis=-1)
+        return summed
 
     @property
     def even(self) -> bool:

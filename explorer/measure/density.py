@@ -176,14 +176,16 @@ class Density:
         low, high = getattr(self.box, name)
         pair = dict(self.gaussian).get(name)
         if pair is None:
-            return low + (high - low) * share
+            evenly: Array = low + (high - low) * share
+            return evenly
         mean, deviation = pair
         first, last = (low - mean) / deviation, (high - mean) / deviation
         # From the nearer tail: far from the middle the other one has no digits.
         sign = -1.0 if first > 0.0 else 1.0
         tails = ndtr(sign * first), ndtr(sign * last)
         values = mean + sign * deviation * ndtri(tails[0] + (tails[1] - tails[0]) * share)
-        return np.clip(values, low, high)
+        inside: Array = np.clip(values, low, high)
+        return inside
 
     def reach(self, name: str) -> Range:
         """The part of the box in which a coordinate's own factor is not zero in doubles."""

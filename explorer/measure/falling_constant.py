@@ -211,7 +211,8 @@ class LineIntegral:
         most = np.sqrt(np.maximum(2.0 / b.M * (self.energy - V), 0.0))
         weight = weight * (self.energy >= V) * (2.0 * math.sqrt(b.I1 * b.M) / (b.I3 * b.r0))
         columns = face * phi[:, None], a[:, None] * bar, face * c[:, None] * bar
-        return (weight * self.natural.over_speeds(columns, least, most, gain, panels)).sum(axis=-1)
+        total: Array = (weight * self.natural.over_speeds(columns, least, most, gain, panels)).sum(axis=-1)
+        return total
 
     def _curvature(self, phi: Array, a: Array, c: Array) -> Array:
         """On the line V = cos(phi) + curvature sigma3_bar^2, eq. (3.8)."""

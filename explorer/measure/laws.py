@@ -67,7 +67,7 @@ def total(parts: Sequence[Estimate], weights: Sequence[float] | Array | None = N
 
 def simultaneous(count: int, confidence: float = CONFIDENCE) -> float:
     """The confidence of each of `count` independent intervals for all to hold with `confidence` (Sidak)."""
-    return confidence ** (1.0 / max(count, 1))
+    return float(confidence ** (1.0 / max(count, 1)))
 
 
 def fit_constant(ladder: Ladder) -> Estimate:
@@ -104,7 +104,8 @@ def ladder_p(ladder: Ladder, law: Law, law_error: float = 0.0) -> float:
 def bins_of(delta: Array, law: Law) -> Array:
     """Probabilities of the disjoint bins that a ladder (falling delta) cuts: ..., (d2, d1], and (0, smallest]."""
     at = law(delta)
-    return np.maximum(np.append(at[:-1] - at[1:], at[-1]), 0.0)
+    bins: Array = np.maximum(np.append(at[:-1] - at[1:], at[-1]), 0.0)
+    return bins
 
 
 def counts_p(delta: Array, below: NDArray[np.int64], draws: int, law: Law) -> float:

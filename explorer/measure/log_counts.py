@@ -162,4 +162,5 @@ def count_cells(x: Array, y: Array) -> list[list[int]]:
     good = np.isfinite(x) & np.isfinite(y) & (x > 0.0) & (y > 0.0)
     i, j = (np.floor(CELLS_PER_DECADE * np.log10(v[good])).astype(np.int64) for v in (x, y))
     cells, counts = np.unique(np.stack([i, j]), axis=1, return_counts=True)
-    return np.column_stack([cells.T, counts]).tolist()
+    rows: list[list[int]] = np.column_stack([cells.T, counts]).tolist()
+    return rows

@@ -75,7 +75,10 @@ def widest_eta(energy: Array, delta: float, disk: Disk) -> Array:
     # rho(S) and rho'(S) are the chart's columns of sigma3_bar times r(0) and k r(0); rho >= S
     recessive, slope = max(b.r0 * chart.bar_to_sigma3[0], S), b.k * b.r0 * chart.bar_to_sigma4[0]
     most = np.sqrt(2.0 * np.maximum(energy, 0.0))
-    return most * (math.sqrt(b.I1) * math.sin(delta) * slope + b.I3 / math.sqrt(b.J) * recessive) / (b.I3 * b.r0)
+    widest: Array = (
+        most * (math.sqrt(b.I1) * math.sin(delta) * slope + b.I3 / math.sqrt(b.J) * recessive) / (b.I3 * b.r0)
+    )
+    return widest
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,8 @@ class Curve:
         wanted = np.log(np.maximum(target, 1e-300) / SAFETY)
         measured = np.interp(wanted, log_error[::-1], log_setting[::-1])
         continued = measured + slope * np.minimum(wanted - log_error[-1], 0.0)
-        return np.exp(np.maximum(continued, np.log(self.setting[-1])))
+        settings: Array = np.exp(np.maximum(continued, np.log(self.setting[-1])))
+        return settings
 
     def cost(self, target: float) -> tuple[float, float]:
         """(nanoseconds, field evaluations) per passage at that setting."""

@@ -65,4 +65,5 @@ class Pendulum:
         per_pair = 2.0 - 2.0 * back
         there = pairs * per_pair + (1.0 - np.cos(theta))
         home = pairs * per_pair + 2.0 + back * ((1.0 - np.cos(theta)) - 2.0)
-        return np.where(odd == 1.0, home, there)
+        centre: NDArray[np.complex128] = np.where(odd == 1.0, home, there)
+        return centre

@@ -83,7 +83,7 @@ class Rise:
         """The tilt at which the rise ends; ValueError where it does not begin."""
 
         def root(low: float, high: float) -> float:
-            return brentq(self._kinetic, low, high, xtol=_XTOL, rtol=_XTOL)
+            return float(brentq(self._kinetic, low, high, xtol=_XTOL, rtol=_XTOL))
 
         if self._kinetic(HALF_PI) <= 0.0:
             return root(_FLAT, HALF_PI)

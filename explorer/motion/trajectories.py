@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypedDict, Unpack
 
@@ -202,7 +202,7 @@ def _integrate(states: States, observables: Sequence[str], times: Array, given: 
 def _trajectories(disk: Disk, times: Array, recorded: _Recorded, observables: Sequence[str]) -> Trajectories:
     q, z, p, rho, sigma4, _t, chi, psi, a1, a2 = np.moveaxis(recorded.states, 2, 0)
     r, unit = disk.r, disk.rate_unit
-    values = {
+    values: dict[str, Callable[[], Array]] = {
         "phi": lambda: np.arctan2(z, q),
         "phidot": lambda: -p * unit,
         "sigma3": lambda: q * rho * unit,

@@ -46,7 +46,8 @@ class PlainMotion:
     @property
     def nu(self) -> Array:
         """The angular velocity in space, A omega."""
-        return np.einsum("nij,nj->ni", self.A, self.omega)
+        turned: Array = np.einsum("nij,nj->ni", self.A, self.omega)
+        return turned
 
     @property
     def chi(self) -> Array:
@@ -67,14 +68,16 @@ class PlainMotion:
 def rim_point(disk: Any, u: Array) -> Array:
     """s(u), eq. (2.9)."""
     flat = np.array([u[0], u[1], 0.0])
-    return -disk.r * flat / np.linalg.norm(flat)
+    lowest: Array = -disk.r * flat / np.linalg.norm(flat)
+    return lowest
 
 
 def rim_velocity(disk: Any, u: Array, udot: Array) -> Array:
     """ds/dt."""
     flat, flatdot = np.array([u[0], u[1], 0.0]), np.array([udot[0], udot[1], 0.0])
     size = np.linalg.norm(flat)
-    return -disk.r * (flatdot / size - flat * (flat @ flatdot) / size**3)
+    rate: Array = -disk.r * (flatdot / size - flat * (flat @ flatdot) / size**3)
+    return rate
 
 
 def angular_acceleration(disk: Any, u: Array, omega: Array) -> Array:

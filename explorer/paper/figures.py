@@ -66,7 +66,8 @@ class Curve:
 
     @property
     def axis(self) -> Array:
-        return np.cos(self.phi)[:, None] * np.stack([np.cos(self.chi), np.sin(self.chi)], axis=1)
+        axis: Array = np.cos(self.phi)[:, None] * np.stack([np.cos(self.chi), np.sin(self.chi)], axis=1)
+        return axis
 
 
 def start(disk: Disk, eta_hat: float) -> States:

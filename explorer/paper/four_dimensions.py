@@ -52,7 +52,8 @@ def solved(
     rate: Callable[..., Any], start: Sequence[float] | Array, at: Array, begin: float, rtol: float
 ) -> Array:
     """Solutions of linear equations at the places `at`, (n, places), from `start` at the place `begin`."""
-    return solve_ivp(rate, (begin, at[-1]), start, "DOP853", at, rtol=rtol, atol=1e-14).y
+    solutions: Array = solve_ivp(rate, (begin, at[-1]), start, "DOP853", at, rtol=rtol, atol=1e-14).y
+    return solutions
 
 
 def reduced(disk: Disk, face: int, start: Sequence[float], t_end: float, events: Any = None) -> Any:
@@ -84,13 +85,15 @@ def rates_down(
         return [face * k * s[1] * np.sin(tilt) * tilt, face * h * s[0] * tilt / np.sin(tilt)]
 
     ends = float(np.log(0.5 * np.pi)), float(np.log(tilts[-1]))
-    return solve_ivp(rate, ends, [sigma3_bar, sigma4_bar], t_eval=np.log(tilts), **_TIGHT).y
+    rates: Array = solve_ivp(rate, ends, [sigma3_bar, sigma4_bar], t_eval=np.log(tilts), **_TIGHT).y
+    return rates
 
 
 def potential(disk: Disk, tilts: Any, sigma: Array) -> Array:
     """The amended potential, eq. (3.8)."""
     q = np.sin(tilts)
-    return 0.5 * disk.I1 * (sigma[0] / q) ** 2 + 0.5 * (disk.I3 + 1.0) * sigma[1] ** 2 + q
+    potential: Array = 0.5 * disk.I1 * (sigma[0] / q) ** 2 + 0.5 * (disk.I3 + 1.0) * sigma[1] ** 2 + q
+    return potential
 
 
 @lru_cache

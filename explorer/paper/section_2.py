@@ -50,7 +50,8 @@ def tumble(disk: Disk) -> tuple[plain.PlainMotion, SimpleNamespace]:
 def inertia_tensor(points: Array, masses: Array) -> Array:
     """Moments of inertia of point masses; points (n, 3)."""
     squares = (points * points).sum(axis=1)
-    return (masses * squares).sum() * np.eye(3) - np.einsum("n,ni,nj->ij", masses, points, points)
+    inertia: Array = (masses * squares).sum() * np.eye(3) - np.einsum("n,ni,nj->ij", masses, points, points)
+    return inertia
 
 
 def rings(radii: Array, heights: Array, masses: Array) -> tuple[Array, Array]:
@@ -261,7 +262,8 @@ def reconstruction() -> Iterator[Finding]:
 
 def euler_rotation(chi: Array, tilt: Array, psi: Array) -> Array:
     """About e3 by -psi - pi, then e2 by tilt, then e3 by chi, (n, 3, 3); by SciPy."""
-    return Rotation.from_euler("ZYZ", np.stack([chi, tilt, -psi - np.pi], axis=1)).as_matrix()
+    turn: Array = Rotation.from_euler("ZYZ", np.stack([chi, tilt, -psi - np.pi], axis=1)).as_matrix()
+    return turn
 
 
 @statement(7, "EQ-2.32")
@@ -286,7 +288,8 @@ def euler_angles() -> Iterator[Finding]:
 def contact_from_normal(disk: Disk, v: Array, a: Array) -> Array:
     """Eq. (2.35) corrected, (n, 3)."""
     q = np.sqrt(1.0 - v[:, 2] ** 2)
-    return disk.r * (v[:, 2:] * v - np.array([0.0, 0.0, 1.0])) / q[:, None] + a
+    contact: Array = disk.r * (v[:, 2:] * v - np.array([0.0, 0.0, 1.0])) / q[:, None] + a
+    return contact
 
 
 @statement(8, "EQ-2.35")

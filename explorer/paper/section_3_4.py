@@ -132,7 +132,8 @@ class Swing:
 
     def _excess(self, phi: Array | float) -> Array:
         """E - V."""
-        return self.E - amended(self.disk, *self.bars, np.sin(phi))
+        left: Array = self.E - amended(self.disk, *self.bars, np.sin(phi))
+        return left
 
     def _end(self, phi: float, step: float) -> float:
         while self._excess(phi + step) > 0.0:

@@ -69,7 +69,7 @@ def passage(disk: Disk, eta_hat: float, face: int = 1) -> Passage:
     """See Passage; eta_hat is that of `face`."""
 
     def turning(_t: float, y: Array) -> float:
-        return y[1]
+        return float(y[1])
 
     turning.direction = 1.0  # type: ignore[attr-defined]
     start = upright(disk, eta_hat, face)
@@ -86,7 +86,7 @@ def level(run: Passage, share: float) -> tuple[float, float]:
     width = run.theta_min / run.A * np.sqrt((1.0 - share) / share)
 
     def excess(time: float) -> float:
-        return abs(run.at(run.middle + time)[1]) - speed
+        return float(abs(run.at(run.middle + time)[1]) - speed)
 
     first, last = (brentq(excess, 0.0, end, xtol=1e-20, rtol=1e-14) for end in (-3.0 * width, 3.0 * width))
     return run.middle + first, run.middle + last

@@ -52,7 +52,7 @@ class States:
     exact: LinearConstants | None = None
 
     def __len__(self) -> int:
-        return self.natural.shape[1]
+        return int(self.natural.shape[1])
 
     def at(self, rows: NDArray[np.intp]) -> States:
         """Some of the states."""

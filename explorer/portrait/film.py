@@ -112,4 +112,5 @@ def _times(starts: dict[int, States], halves: dict[int, float], count: int) -> A
         tilts.append(np.cos(phi[0]))
     rate = 1.0 / np.minimum(*tilts)
     s = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t))])
-    return np.clip(CubicSpline(s, t)(np.linspace(0.0, s[-1], count)), -end, end)
+    times: Array = np.clip(CubicSpline(s, t)(np.linspace(0.0, s[-1], count)), -end, end)
+    return times

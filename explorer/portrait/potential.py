@@ -83,13 +83,14 @@ def curvature_of(q: Array, z: Array, sigma3: Array, sigma4: Array, b: Any) -> Ar
     """
     rho = sigma3 / q
     steep = rho * z / q
-    return (
+    curvature: Array = (
         b.M * rho * rho
         + 3.0 * b.I1 * steep * steep
         - (2.0 * b.I3 + b.J) * steep * sigma4
         + b.J * b.k * sigma4 * sigma4
         - q
     )
+    return curvature
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,9 @@ class Wander:
     def after(self, count: int) -> NDArray[np.complex128]:
         """a(k tau) - a(0) for k = 0 ... count, (n, count + 1): the steps, each turned by chi more."""
         turned = np.exp(1j * self.chi[:, None] * np.arange(count))
-        return self.step[:, None] * np.concatenate([0.0 * turned[:, :1], np.cumsum(turned, axis=1)], axis=1)
+        turns = np.concatenate([0.0 * turned[:, :1], np.cumsum(turned, axis=1)], axis=1)
+        centres: NDArray[np.complex128] = self.step[:, None] * turns
+        return centres
 
 
 def wander(states: States) -> Wander:

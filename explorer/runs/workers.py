@@ -72,7 +72,8 @@ def compute_chunk(task: Task, index: int) -> dict[str, int]:
             f"chunk {index}: {scene.length(index):,} samples do not fit into memory; start the run anew with "
             "a smaller --memory"
         ) from None
-    return tally["status"]
+    status: dict[str, int] = tally["status"]
+    return status
 
 
 def _in_a_process(task: Task, index: int, parent: int) -> dict[str, int]:

@@ -17,7 +17,8 @@ NO_CODE = 65535
 
 def nearer(table: Table) -> Array:
     """|eta_hat| on the nearer side."""
-    return np.fmin(abs(table["eta_hat_plus"]), abs(table["eta_hat_minus"]))
+    nearer: Array = np.fmin(abs(table["eta_hat_plus"]), abs(table["eta_hat_minus"]))
+    return nearer
 
 
 def count_sides(on_plus: NDArray[np.bool_], eta: Array) -> dict[str, int]:

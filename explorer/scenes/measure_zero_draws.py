@@ -124,7 +124,8 @@ class PlainDraws:
 
     def near(self, table: Table) -> NDArray[np.bool_]:
         """Rows flatter than the first rung."""
-        return table["theta_min"] < self.question.deltas[0]
+        near: NDArray[np.bool_] = table["theta_min"] < self.question.deltas[0]
+        return near
 
     def tally(self, table: Table) -> Tally:
         """Hits of every rung by side and by sign of eta (0 counts as +), and the way their races go."""

@@ -158,7 +158,8 @@ def read_density(flag: str, value: Any) -> Function:
         )
     if not callable(value):
         raise InputError(f"{flag} = {value!r} cannot be called; give a function of four arrays")
-    return value
+    density: Function = value
+    return density
 
 
 # Options of several scenes.
