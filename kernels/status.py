@@ -40,10 +40,7 @@ _TEXTS = {
         "The work allowed ended before the event or the accuracy asked: a slow start, or an equilibrium near.",
         "Raise the step cap, or ask for less accuracy.",
     ),
-    Status.STEP_TOO_SMALL: (
-        "The step size fell below what rounding allows.",
-        "Ask for less accuracy.",
-    ),
+    Status.STEP_TOO_SMALL: ("The step size fell below what rounding allows.", "Ask for less accuracy."),
     Status.NOT_FINITE: (
         "The integration overflowed or became undefined.",
         "Use a smaller step or the adaptive method.",

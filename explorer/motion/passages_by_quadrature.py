@@ -36,7 +36,7 @@ def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> Followe
     compiled.passages.passage_batch(
         crossings, chord(edge), how.accuracy, disk.quadrature, disk.natural, out, status
     )
-    passage = compiled.passages.PassageRow(*out)
+    passage = compiled.quadrature.PassageRow(*out)
     # The kernel skips what lies on F.
     energy = np.where(
         crossings.eta == 0.0, energy_on_f(disk, crossings.sigma3_bar, crossings.speed), passage.energy

@@ -62,11 +62,7 @@ def lanes(W: Vector, whole: Whole, b: Body) -> None:
     """Rows _OUT ... from rows _Q ... _MANTISSA."""
     for i in range(LANES):
         x = reduced_state(
-            W[_Q * LANES + i],
-            W[_Z * LANES + i],
-            W[_P * LANES + i],
-            W[_RHO * LANES + i],
-            W[_SIGMA4 * LANES + i],
+            W[_Q * LANES + i], W[_Z * LANES + i], W[_P * LANES + i], W[_RHO * LANES + i], W[_SIGMA4 * LANES + i]
         )
         m, e = W[_MANTISSA * LANES + i], W[_EXPONENT * LANES + i] - _OFFSET
         constants = constants_by_series(x, m, e, whole, b)

@@ -93,10 +93,7 @@ def path(x: State) -> tuple[float, float]:
     """d/ds of (a1, a2): eq. (2.33)."""
     sine, cosine = math.sin(x.chi), math.cos(x.chi)
     slide = x.p * x.q
-    return (
-        x.q * (x.sigma4 * sine + slide * cosine),
-        x.q * (slide * sine - x.sigma4 * cosine),
-    )
+    return (x.q * (x.sigma4 * sine + slide * cosine), x.q * (slide * sine - x.sigma4 * cosine))
 
 
 @device

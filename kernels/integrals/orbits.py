@@ -11,7 +11,7 @@ from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
 from kernels.integrals.point import VERTICAL, Motion, motion_through
-from kernels.integrals.quadrature import Passage, Rules, Start, passage
+from kernels.integrals.quadrature import PassageRow, Rules, Start, passage
 from kernels.integrals.turning import turning_point, turning_point_outward
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
@@ -20,7 +20,7 @@ _OK = int(Status.OK)
 _LIMIT = int(Status.STEP_LIMIT)
 # V is measured from V_0; where V_0 exceeds the energy by more (I3 near 0), its rounding is felt.
 _ROUNDING = 20.0 * 2.2e-16
-_NOT_THERE = Passage(math.nan, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
+_NOT_THERE = PassageRow(math.nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Orbits(NamedTuple):
@@ -53,7 +53,7 @@ class OrbitRow(NamedTuple, Generic[Entry]):
 @subroutine
 def orbit(
     h0: float, motion: Motion, far: float, target: float, rules: Rules, disk: Disk, W: Vector
-) -> tuple[int, Passage, Passage]:
+) -> tuple[int, PassageRow[float], PassageRow[float]]:
     """One whole period of a motion that passes h0 on face +1; far: its Y on the other side.
 
     Returns status, the passage on this side (or between both turning points) and the one on the other
@@ -85,12 +85,12 @@ def orbit_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Ma
         motion = motion_through(orbits.h[i], orbits.rate[i], X, Y, disk)
         status[i], here, there = orbit(orbits.h[i], motion, orbits.far[i] / b.I1, target, rules, disk, W)
         period = OrbitRow(
-            theta_here=2.0 * math.asin(0.5 * here.h_turn),
-            theta_there=2.0 * math.asin(0.5 * there.h_turn),
+            theta_here=here.theta_min,
+            theta_there=there.theta_min,
             chi=here.chi + there.chi,
             psi=here.psi - there.psi,
             time=here.time + there.time,
-            energy=motion.level + potential_at_flat(X, b),
+            energy=here.energy,
             angle_error=here.angle_error + there.angle_error,
             time_error=max(here.time_error, there.time_error),
         )

@@ -1,17 +1,17 @@
 """Passages and falls of many samples: by tables where they serve, by adaptive quadrature elsewhere."""
 
 import math
-from typing import Generic, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from kernels._jit import kernel, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_flat
-from kernels.disk.rows import Entry, put
+from kernels.disk.rows import put
 from kernels.integrals import nodes, tabulated
 from kernels.integrals.point import VERTICAL, Motion, motion_through
-from kernels.integrals.quadrature import FLOOR, FallRow, Rules, Start, fall, passage
+from kernels.integrals.quadrature import FLOOR, FallRow, PassageRow, Rules, Start, fall, passage
 from kernels.integrals.tables import Tables
 from kernels.integrals.tabulated import CHECK, LANES
 from kernels.status import Status
@@ -34,20 +34,6 @@ class Quadrature(NamedTuple):
 
     rules: Rules
     tables: Tables
-
-
-class PassageRow(NamedTuple, Generic[Entry]):
-    """A passage on face +1: smallest tilt, increases of chi and psi, time, energy, error of angles, relative
-    error of time, and sigma3 at the turning point, whose sign is the way of the race."""
-
-    theta_min: Entry
-    chi: Entry
-    psi: Entry
-    time: Entry
-    energy: Entry
-    angle_error: Entry
-    time_error: Entry
-    way: Entry
 
 
 @subroutine
@@ -76,24 +62,6 @@ def in_lane(W: Vector, i: int, b: Body) -> PassageRow[float]:
     )
 
 
-@subroutine
-def by_rules(
-    start: Start, motion: Motion, target: float, rules: Rules, disk: Disk, W: Vector
-) -> tuple[int, PassageRow[float]]:
-    """Status and passage by adaptive quadrature."""
-    status, found = passage(start, motion, target, rules, disk, W)
-    return status, PassageRow(
-        theta_min=2.0 * math.asin(0.5 * found.h_turn),
-        chi=found.chi,
-        psi=found.psi,
-        time=found.time,
-        energy=motion.level + potential_at_flat(motion.X, disk.body),
-        angle_error=found.angle_error,
-        time_error=found.time_error,
-        way=found.way,
-    )
-
-
 @kernel
 def passage_batch(
     crossings: Crossings,
@@ -111,9 +79,7 @@ def passage_batch(
     """
     b, rules = disk.body, quadrature.rules
     W = np.zeros(nodes.ROWS * nodes.ROOM)
-    lanes = np.zeros(tabulated.ROWS * LANES)
-    for i in range(LANES):
-        lanes[CHECK * LANES + i] = 1.0
+    lanes = np.ones(tabulated.ROWS * LANES)  # row CHECK above all
     for i in range(status.size):
         if i % LANES == 0 and h_end == VERTICAL:
             fill(lanes, i, crossings, status, b)
@@ -129,7 +95,7 @@ def passage_batch(
             X, Y = crossings.sigma3_bar[i] / b.r0, crossings.eta[i] / b.I1
             motion = motion_through(VERTICAL, speed, X, Y, disk)
             start = Start(h_end, speed == 0.0 and h_end == VERTICAL)
-            status[i], row = by_rules(start, motion, target, rules, disk, W)
+            status[i], row = passage(start, motion, target, rules, disk, W)
             put(row, out, i)
 
 
@@ -165,9 +131,7 @@ def fall_batch(
     """
     b = disk.body
     W = np.zeros(nodes.ROWS * nodes.ROOM)
-    lanes = np.zeros(tabulated.ROWS * LANES)
-    for i in range(LANES):
-        lanes[CHECK * LANES + i] = 1.0
+    lanes = np.ones(tabulated.ROWS * LANES)  # row CHECK above all
     for i in range(energy.size):
         if i % LANES == 0 and h_end == VERTICAL:
             fill_falls(lanes, i, sigma3_bar, energy, b)

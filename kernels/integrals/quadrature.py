@@ -18,6 +18,7 @@ from typing import Generic, NamedTuple
 
 from kernels._jit import device, subroutine
 from kernels.disk.body import Body, Disk
+from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import Entry
 from kernels.integrals import nodes
 from kernels.integrals.nodes import ROOM
@@ -60,19 +61,21 @@ class Start(NamedTuple):
     rest: bool
 
 
-class Passage(NamedTuple):
+class PassageRow(NamedTuple, Generic[Entry]):
     """A passage from its start to the turning point and back, natural units, face +1.
 
-    way: sigma3 at the turning point, whose sign is the direction of the race.
+    theta_min: smallest tilt; chi, psi, time: increases; angle_error (rad), time_error (relative): of these.
+    way: sigma3/q at the turning point, whose sign is the direction of the race.
     """
 
-    h_turn: float
-    way: float
-    chi: float
-    psi: float
-    time: float
-    angle_error: float
-    time_error: float
+    theta_min: Entry
+    chi: Entry
+    psi: Entry
+    time: Entry
+    energy: Entry
+    angle_error: Entry
+    time_error: Entry
+    way: Entry
 
 
 class FallRow(NamedTuple, Generic[Entry]):
@@ -95,9 +98,6 @@ class Panels(NamedTuple):
     length: float
     scale: float
     closed: float
-
-
-NO_PASSAGE = Passage(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
 
 
 @device
@@ -169,6 +169,13 @@ def rounding_noise(start: Start, turn: Point, y_cut: float, motion: Motion, disk
     return _NOISE * _EPSILON * few * (1.0 + terms / max(-turn.slope, _EPSILON * gyration))
 
 
+@device
+def slow_node(node: float, weight: float, stretch: float, scale: float) -> tuple[float, float]:
+    """(distance from a slow start, weight) of a node: distance = scale sinh^2 x, 0 < x < stretch."""
+    sinh = math.sinh(0.5 * stretch * (1.0 + node))
+    return scale * sinh * sinh, weight * stretch * scale * sinh * math.sqrt(1.0 + sinh * sinh)
+
+
 @subroutine
 def lay_nodes(W: Vector, panels: Panels, half: Matrix, whole: Matrix) -> int:
     """Place the nodes of both panels, as distances below y_end; returns how many.
@@ -185,73 +192,64 @@ def lay_nodes(W: Vector, panels: Panels, half: Matrix, whole: Matrix) -> int:
         W[nodes.CLOSED * ROOM + j] = panels.closed * width * half[1, j]
     stretch = math.asinh(math.sqrt(panels.length / scale))
     for j in range(n):
-        x = 0.5 * stretch * (1.0 + whole[0, j])
-        sinh = math.sinh(x)
-        W[nodes.GAP * ROOM + n + j] = scale * sinh * sinh
-        W[nodes.WEIGHT * ROOM + n + j] = whole[1, j] * stretch * scale * sinh * math.sqrt(1.0 + sinh * sinh)
+        distance, weight = slow_node(whole[0, j], whole[1, j], stretch, scale)
+        W[nodes.GAP * ROOM + n + j], W[nodes.WEIGHT * ROOM + n + j] = distance, weight
         W[nodes.CLOSED * ROOM + n + j] = 0.0
     return 2 * n
 
 
 @device
-def refined(before: Passage, race: float, W: Vector, n: int) -> Passage:
-    """The passage by the integrands of n nodes; its errors are its differences from the one before."""
-    chi = 2.0 * (race + nodes.total(W, nodes.CHI, n))
-    psi = chi - 2.0 * nodes.total(W, nodes.REST, n)
-    time = 2.0 * nodes.total(W, nodes.TIME, n)
-    angle_error = max(abs(chi - before.chi), abs(psi - before.psi))
-    return Passage(before.h_turn, before.way, chi, psi, time, angle_error, abs(time / before.time - 1.0))
-
-
-@device
-def judged(found: Passage, angle_noise: float, time_noise: float, target: float) -> tuple[bool, Passage]:
-    """Whether a passage is good enough, and the passage with the errors to be stated then."""
-    # Rounding may keep two rules apart; what it leaves must still be what was asked for.
-    floor = FLOOR * max(1.0, abs(found.chi))
-    settled = found.angle_error <= max(target, angle_noise) and found.time_error <= max(target, time_noise)
-    angle_error, time_error = found.angle_error + angle_noise, found.time_error + time_noise
-    good = angle_error <= max(target, floor) and time_error <= max(target, FLOOR)
-    # Twice over: where rounding is all that is left, two rules may be wrong alike.
-    stated = Passage(
-        found.h_turn, found.way, found.chi, found.psi, found.time, 2.0 * angle_error, 2.0 * time_error
-    )
-    return settled and good, stated
+def good_enough(error: float, noise: float, target: float, floor: float) -> bool:
+    """True where two rules agree to `target`, or as far as rounding lets them, and rounding leaves that much."""
+    return error <= max(target, noise) and error + noise <= max(target, floor)
 
 
 @subroutine
 def passage(
     start: Start, motion: Motion, target: float, rules: Rules, disk: Disk, W: Vector
-) -> tuple[int, Passage]:
+) -> tuple[int, PassageRow[float]]:
     """The passage from its start to the turning point and back; Y != 0. Returns status and results.
 
     Orders of the rules rise until two in turn agree to `target` (rad, relative in time).
     """
+    b = disk.body
+    energy = motion.level + potential_at_flat(motion.X, b)
     h_turn = turning_point(start.h, start.rest, motion, disk, W)
     y_end = math.acosh(max(start.h / h_turn, 1.0)) if h_turn > 0.0 else 0.0
+    chi = psi = time = math.nan
     if not y_end > 0.0:
-        return _BAD, NO_PASSAGE
+        return _BAD, PassageRow(math.nan, chi, psi, time, energy, math.nan, math.nan, math.nan)
     turn = point(h_turn, motion.X, motion.Y, disk)
     length = min(_END_PANEL, 0.5 * y_end)
     y_cut = y_end - length
-    closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * disk.body.inv_M, _LEAST)))
+    closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * b.inv_M, _LEAST)))
     race = closed * motion.Y / h_turn * 2.0 * math.atan(math.tanh(0.5 * y_cut))
     noise = rounding_noise(start, turn, y_cut, motion, disk)
     scale, slow = end_scale(h_turn, y_end, length, start.rest, motion, disk)
     panels = Panels(y_end, length, scale, closed)
-    latest = Passage(h_turn, turn.ratio, math.nan, math.nan, math.nan, math.inf, math.inf)
-    first = 0
+    angle_error = time_error = math.inf
+    status, first = _LIMIT, 0
     for size in rules.sizes:
         last = first + int(size)
         n = lay_nodes(W, panels, rules.packed[0, :, first:last], rules.packed[1, :, first:last])
         first = last
         nodes.place(W, n, start.h, h_turn, y_end)
         nodes.integrands(W, n, motion, disk)
-        latest = refined(latest, race, W, n)
-        angle_noise = noise * (abs(race) + abs(latest.chi) + abs(latest.psi)) + slow
-        good, stated = judged(latest, angle_noise, noise + slow / latest.time, target)
-        if good:
-            return _OK, stated
-    return _LIMIT, latest
+        chi_before, psi_before, time_before = chi, psi, time
+        chi = 2.0 * (race + nodes.total(W, nodes.CHI, n))
+        psi = chi - 2.0 * nodes.total(W, nodes.REST, n)
+        time = 2.0 * nodes.total(W, nodes.TIME, n)
+        angle_error, time_error = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
+        angle_noise, time_noise = noise * (abs(race) + abs(chi) + abs(psi)) + slow, noise + slow / time
+        if good_enough(angle_error, angle_noise, target, FLOOR * max(1.0, abs(chi))) and good_enough(
+            time_error, time_noise, target, FLOOR
+        ):
+            # Twice over: where rounding is all that is left, two rules may be wrong alike.
+            angle_error, time_error = 2.0 * (angle_error + angle_noise), 2.0 * (time_error + time_noise)
+            status = _OK
+            break
+    theta_min = 2.0 * math.asin(0.5 * h_turn)
+    return status, PassageRow(theta_min, chi, psi, time, energy, angle_error, time_error, turn.ratio)
 
 
 @subroutine
@@ -274,11 +272,8 @@ def lay_fall_nodes(W: Vector, start: float, scale: float, rule: Matrix) -> None:
     """Place the nodes of a fall from the tilt `start`: theta = start - scale sinh^2 x."""
     stretch = math.asinh(math.sqrt(start / scale))
     for j in range(rule.shape[1]):
-        x = 0.5 * stretch * (1.0 + rule[0, j])
-        sinh = math.sinh(x)
-        theta = max(start - scale * sinh * sinh, _LEAST)
-        h = 2.0 * math.sin(0.5 * theta)
-        dtheta = rule[1, j] * stretch * scale * sinh * math.sqrt(1.0 + sinh * sinh)
+        distance, dtheta = slow_node(rule[0, j], rule[1, j], stretch, scale)
+        h = 2.0 * math.sin(0.5 * max(start - distance, _LEAST))
         W[nodes.H * ROOM + j] = h
         W[nodes.LOG * ROOM + j] = 2.0 * math.log(h) - _LN2
         W[nodes.E2 * ROOM + j] = W[nodes.CLOSED * ROOM + j] = 0.0

@@ -23,15 +23,18 @@ from kernels.types import Matrix
 HANDOVER = 0.5
 LOW_DEGREE = 9  # the nearest singularity is 16 intervals away: coefficients fall like 62^-n
 
-# Rows of the tables of fixed tilts: sigma3/q per X and per Y; rise of sigma4 above its value at flat
-# per X and per Y; q; tan(theta/2); weights of time and of chi; last Legendre coefficients.
-RATIO_X, RATIO_Y, RISE_X, RISE_Y, HEIGHT, SLOPE, TIME, CHI, LAST, LAST_BUT_ONE = range(10)
+# Rows of the tables of fixed tilts below those of Fixed: the last Legendre coefficients.
+LAST, LAST_BUT_ONE = 8, 9
 # Rows of the table of relative nodes in y, its last coefficients below them.
 GAP, WEIGHT, EVEN, EVEN_BUT_ONE = range(4)
 
 
 class Fixed(NamedTuple):
-    """What a node at a fixed tilt has of the body: the first rows of a table."""
+    """A node at a fixed tilt: the first rows of a table.
+
+    ratio_x, ratio_y: sigma3/q per X and per Y; rise_x, rise_y: rise of sigma4 above its value at flat, alike;
+    height: q; slope: tan(theta/2); time, chi: weights.
+    """
 
     ratio_x: float
     ratio_y: float
@@ -46,16 +49,8 @@ class Fixed(NamedTuple):
 @contracted_device
 def fixed(table: Matrix, j: int) -> Fixed:
     """Node j of a table of fixed tilts."""
-    return Fixed(
-        table[RATIO_X, j],
-        table[RATIO_Y, j],
-        table[RISE_X, j],
-        table[RISE_Y, j],
-        table[HEIGHT, j],
-        table[SLOPE, j],
-        table[TIME, j],
-        table[CHI, j],
-    )
+    ratio_x, ratio_y, rise_x, rise_y = table[0, j], table[1, j], table[2, j], table[3, j]
+    return Fixed(ratio_x, ratio_y, rise_x, rise_y, table[4, j], table[5, j], table[6, j], table[7, j])
 
 
 LowPowers = Annotated[tuple[float, ...], nb.UniTuple(float64, LOW_DEGREE + 1)]
@@ -110,7 +105,7 @@ def make_tables(disk: Disk, rules: tuple[np.ndarray, ...]) -> Tables:
 
 
 def _at_tilts(disk: Disk, theta: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Rows RATIO_X ... CHI at the given tilts; weights in theta."""
+    """The rows of Fixed at the given tilts; weights in theta."""
     body = disk.body
     h = 2.0 * np.sin(0.5 * theta)
     S, log_S = 0.5 * h * h, 2.0 * np.log(h) - math.log(2.0)

@@ -17,15 +17,7 @@ from kernels._jit import contracted_device, contracted_subroutine
 from kernels.disk.body import Body
 from kernels.disk.falling import contracted_potential_above_flat
 from kernels.integrals import tables
-from kernels.integrals.near_flat import (
-    Closed,
-    Integrals,
-    closed_forms,
-    left_at_node,
-    near_flat,
-    newton,
-    slope_of,
-)
+from kernels.integrals.near_flat import Closed, Integrals, closed_forms, left_at_node, near_flat, newton, slope_of
 from kernels.integrals.point import Motion
 from kernels.integrals.tables import Fixed, Low, Tables, fixed
 from kernels.types import Matrix, Vector

@@ -103,28 +103,11 @@ def sweep(method: int, depth: int, W: Vector, stop: Stop, b: Body) -> int:
         W[_TAKEN * LANES + i] = h
         W[_STEP * LANES + i] = following
         write(W, _BEFORE, i, x, depth)
-        write(W, _NOW, i, choose(accepted, y, x), depth)
+        write(W, _NOW, i, y if accepted else x, depth)
     attention = 0
     for i in range(LANES):
         attention += W[_NOTE * LANES + i] != _NOTHING
     return attention
-
-
-@device
-def choose(condition: bool, x: State, y: State) -> State:
-    """x where the condition holds, else y."""
-    return State(
-        x.q if condition else y.q,
-        x.z if condition else y.z,
-        x.p if condition else y.p,
-        x.rho if condition else y.rho,
-        x.sigma4 if condition else y.sigma4,
-        x.t if condition else y.t,
-        x.chi if condition else y.chi,
-        x.psi if condition else y.psi,
-        x.a1 if condition else y.a1,
-        x.a2 if condition else y.a2,
-    )
 
 
 @device

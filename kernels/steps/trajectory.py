@@ -2,7 +2,7 @@
 
 import math
 
-from kernels._jit import device, kernel, subroutine
+from kernels._jit import kernel, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.constants import Pinned, constants_of, onto_constants, onto_energy
 from kernels.disk.field import ANGLES, PATH, State, column, energy, speed
@@ -10,10 +10,6 @@ from kernels.disk.rows import put
 from kernels.status import Status
 from kernels.steps.adaptive import SHORTEST_STEP
 from kernels.steps.attempt import (
-    DOP853,
-    DOPRI5,
-    RK4,
-    RK8,
     ConstantsError,
     Integration,
     Outcome,
@@ -34,24 +30,12 @@ _STEP_LIMIT = int(Status.STEP_LIMIT)
 _TOO_SMALL = int(Status.STEP_TOO_SMALL)
 _NOT_FINITE = int(Status.NOT_FINITE)
 
-Attempt = tuple[State, bool, float]
-
 
 @subroutine
-def attempt_any(method: int, depth: int, x: State, h: float, control: float, unit: float, b: Body) -> Attempt:
+def attempt_any(
+    method: int, depth: int, x: State, h: float, control: float, unit: float, b: Body
+) -> tuple[State, bool, float]:
     """attempt() with method and depth only known at run time."""
-    if method == RK4:
-        return attempt_at_depth(RK4, depth, x, h, control, unit, b)
-    if method == RK8:
-        return attempt_at_depth(RK8, depth, x, h, control, unit, b)
-    if method == DOP853:
-        return attempt_at_depth(DOP853, depth, x, h, control, unit, b)
-    return attempt_at_depth(DOPRI5, depth, x, h, control, unit, b)
-
-
-@device
-def attempt_at_depth(method: int, depth: int, x: State, h: float, control: float, unit: float, b: Body) -> Attempt:
-    """attempt() with the depth only known at run time."""
     if depth == PATH:
         return attempt(method, PATH, x, h, control, unit, b)
     return attempt(method, ANGLES, x, h, control, unit, b)
