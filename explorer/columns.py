@@ -1,0 +1,107 @@
+"""What the columns of results and of stored runs mean: one sentence, a unit and an equation for each name.
+
+A column has one meaning wherever it appears: in a result of a Python call, in the Parquet files of a run and
+in what `nearflat columns` prints. Units are those of the disk; with m = r = g = 1 they are natural ones.
+"""
+
+from dataclasses import dataclass
+
+from explorer.errors import InputError, suggest
+
+ANGLE, RATE, TIME, LENGTH, ENERGY, NUMBER = "rad", "rad/time", "time", "length", "energy", ""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A named quantity.
+
+    Parameters
+    ----------
+    meaning : str
+        One sentence.
+    unit : str
+        'rad', 'rad/time', 'time', 'length', 'energy' in the units of the disk; empty for a pure number.
+    equation : str
+        Where Cushman & Duistermaat (2006) define it; empty where the paper does not.
+    """
+
+    meaning: str
+    unit: str = NUMBER
+    equation: str = ""
+
+    def describe(self) -> dict[str, str]:
+        """The three texts by name, as they stand in the metadata of a Parquet column."""
+        return {"meaning": self.meaning, "unit": self.unit, "equation": self.equation}
+
+
+COLUMNS = {
+    # where a state is
+    "phi": Column("Angle of the disk's plane to the vertical; flat at +-pi/2.", ANGLE, "section 2.3"),
+    "phidot": Column("Rate of phi.", RATE, "section 2.3"),
+    "sigma3": Column("cos^2(phi) times the rate at which the contact point turns in space.", RATE, "(2.14)"),
+    "sigma4": Column("Spin: angular velocity about the axis of the disk.", RATE, "(2.14)"),
+    "sigma3_bar": Column("Constant of motion: sigma3 continued to the vertical.", RATE, "(3.5)"),
+    "sigma4_bar": Column("Constant of motion: sigma4 continued to the vertical.", RATE, "(3.5)"),
+    "eta_hat": Column("Signed distance to the line of the column `face`: eta / (I3 r(0)).", RATE, "(6.2)"),
+    "eta_hat_plus": Column("Signed distance to the line l_+, on which the disk falls on face +1.", RATE, "(6.2)"),
+    "eta_hat_minus": Column("Signed distance to the line l_-, on which the disk falls on face -1.", RATE, "(6.2)"),
+    "eta_plus": Column("eta_hat_plus times I3 r(0).", "mass length^2 rad/time", "(6.2)"),
+    "eta_minus": Column("eta_hat_minus times I3 r(0).", "mass length^2 rad/time", "(6.2)"),
+    "energy": Column("Total energy.", ENERGY, "(2.19)"),
+    "face": Column("Which face comes down: +1 for flat at phi = +pi/2, -1 for flat at phi = -pi/2."),
+    "side": Column("Sign of eta on `face`: the side of the falling set on which the motion is."),
+    "distance": Column("eta_hat on the nearer face.", RATE, "(6.2)"),
+    "could_fall": Column("Whether the disk would fall if eta were exactly 0.", NUMBER, "section 6.2"),
+    "could_fall_plus": Column("Whether it would fall on face +1 if eta there were exactly 0."),
+    "could_fall_minus": Column("Whether it would fall on face -1 if eta there were exactly 0."),
+    "on_f": Column("Whether the state lies on the falling set to rounding."),
+    # a passage near flat
+    "race_angle": Column("delta_chi less fall_angle; its limit is side times kappa pi.", ANGLE, "(7.9)"),
+    "fall_angle": Column(
+        "By how much chi turns along the limit motion with the same sigma3_bar and energy, over the same stretch.",
+        ANGLE,
+        "section 7.1",
+    ),
+    "delta_chi": Column("By how much the contact point turns in space.", ANGLE, "(2.31)"),
+    "delta_psi": Column("By how much the contact point turns in the body.", ANGLE, "(2.22)"),
+    "theta_min": Column("Smallest tilt: angle between the plane of the disk and the table.", ANGLE, "Lemma 5"),
+    "duration": Column("Time that the stretch takes.", TIME, "(3.12)"),
+    "fall_time": Column("Time to flat, of a motion that falls.", TIME, "(3.12)"),
+    "time": Column("Time since the given state.", TIME),
+    "impact_speed": Column("Rate of phi at which the limit motion meets the table.", RATE, "(7.1)"),
+    "limit": Column("The limit of race_angle: side times kappa pi.", ANGLE, "(7.9)"),
+    "wrong_way": Column("Whether the contact point moves against the sign of eta at the flattest moment."),
+    "error_estimate": Column(
+        "Estimated error: of angles in rad, of times and theta_min relative; the larger of both."
+    ),
+    "status": Column("What became of the sample; `nearflat columns` lists the codes."),
+    "steps": Column("Steps of the integration; 0 where there was none."),
+    # a whole period
+    "period": Column("Time from one turning point of the tilt back to it.", TIME, "(3.12)"),
+    "chi": Column("Angle of the contact point in space, or its increase per period.", ANGLE, "(2.30)"),
+    "psi": Column("Angle of the contact point in the body, or its increase per period.", ANGLE, "(2.21)"),
+    "crosses": Column("Whether the motion passes the vertical."),
+    "min_normal_force": Column("Least normal force, over m g; where it is negative a real disk would lift off."),
+    "max_friction": Column("Largest friction coefficient that the motion needs."),
+    # scenes
+    "delta": Column("Tilt whose probability the draw estimates; NaN for plain draws.", ANGLE),
+    "weight": Column("Density times volume that the draw stands for, over that of a plain draw."),
+    "base": Column("Number of the start beside which the motion was followed."),
+    "distance_phi": Column("Largest distance of phi to the limit motion of the same side.", ANGLE),
+    "distance_chi": Column("Largest distance of chi to the limit motion of the same side.", ANGLE),
+    "distance_psi": Column("Largest distance of psi to the limit motion of the same side.", ANGLE),
+    "distance_path": Column("Largest distance of the centre to that of the limit motion.", LENGTH),
+    "distance_contact": Column("Largest distance of the contact point to that of the limit motion.", LENGTH),
+    "chi_between": Column("chi half-way between the first two impacts.", ANGLE),
+    "piece": Column("Number of the connected piece of the level."),
+    "falls": Column("Whether motions on this piece fall flat."),
+    "row": Column("Row of the given states, counted from 0."),
+    "bounce": Column("Number of the approach to flat since the given state, counted from 0."),
+}
+
+
+def column(name: str) -> Column:
+    """The column of a name; InputError with the nearest one where there is none."""
+    if name not in COLUMNS:
+        raise InputError(f"column {name!r} is not known; {suggest(name, COLUMNS)}")
+    return COLUMNS[name]
