@@ -1,0 +1,110 @@
+"""An observable of the user's own, for every state: in batches, in parallel, with bounded memory."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+from numpy.typing import ArrayLike, NDArray
+
+from explorer.errors import InputError, suggest, whole
+from explorer.motion.bounces import bounces
+from explorer.motion.periods import periods
+from explorer.phase.constants import constants_of
+from explorer.phase.membership import falls_of
+from explorer.phase.states import States
+
+BATCH = 4096  # states; a trajectory of a few hundred times for each still takes some ten megabytes
+Values = NDArray[Any] | dict[str, NDArray[Any]]
+Observable = str | Callable[[States], ArrayLike | Mapping[str, ArrayLike]]
+
+# The observables that have names, by the call that computes them.
+_SOURCES: dict[str, tuple[Callable[[States], Any], tuple[str, ...]]] = {
+    "constants": (constants_of, ("sigma3_bar", "sigma4_bar", "eta_hat_plus", "eta_hat_minus", "energy")),
+    "falls": (falls_of, ("face", "distance", "could_fall", "on_f")),
+    "periods": (periods, ("theta_min", "period", "chi", "psi", "crosses")),
+    "bounces": (bounces, ("race_angle", "delta_chi", "fall_angle", "side", "time")),
+}
+OBSERVABLES = {name: call for call, names in _SOURCES.values() for name in names}
+
+
+def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BATCH) -> Values:
+    """Compute an observable for every state.
+
+    Parameters
+    ----------
+    states : States
+        The states, for instance of `phi_to_states`, `rates_to_states` or `coordinates_to_states`.
+    observable : str or callable
+        A name: one of sigma3_bar, sigma4_bar, eta_hat_plus, eta_hat_minus, energy, face, distance, could_fall,
+        on_f, theta_min, period, chi and psi (per period), crosses, and race_angle, delta_chi, fall_angle, side,
+        time of the next approach to flat. Or a function f(batch) of `States` that returns an array with one
+        entry for each state, or a dict of such arrays; it may call `constants`, `bounces`, `simulate` and so on.
+    jobs : int
+        Threads. A function must then not depend on the order of its calls.
+    batch : int
+        States in one call of the function, which bounds the memory.
+
+    Returns
+    -------
+    array or dict of arrays
+        What the function returned for all states, with the shape of `states` first.
+
+    Raises
+    ------
+    InputError
+        Where the name is not known, or the function does not return one entry for each state.
+
+    Examples
+    --------
+    >>> import numpy as np, explorer as ex
+    >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, 0.5, np.linspace(-1.0, 1.0, 5))
+    >>> ex.scan(states, "theta_min").round(4)
+    array([0.8257, 0.5191, 0.2263, 0.09  , 0.3891])
+
+    Turns of the contact point within a time of 10, by a function of one's own:
+
+    >>> def turns(batch):
+    ...     return ex.simulate(batch, t_eval=[10.0], observables=["chi"]).chi[:, 0] / (2.0 * np.pi)
+    >>> ex.scan(states, turns).round(3)
+    array([0., 0., 0., 0., 0.])
+    """
+    if not isinstance(states, States):
+        raise InputError("states: give States, for instance of phi_to_states")
+    jobs, batch = whole("jobs", jobs, 1), whole("batch", batch, 1)
+    if isinstance(observable, str):
+        if observable not in OBSERVABLES:
+            raise InputError(f"observable {observable!r} is not known; {suggest(observable, OBSERVABLES)}")
+        call, name = OBSERVABLES[observable], observable
+        return scan(states, lambda part: getattr(call(part), name), jobs, batch)
+    if not callable(observable):
+        raise InputError(f"observable = {observable!r} is neither a name nor a function of States")
+    parts = [np.arange(first, min(first + batch, len(states))) for first in range(0, max(len(states), 1), batch)]
+    found = Parallel(n_jobs=jobs, backend="threading")(
+        delayed(_checked)(observable, states.at(rows)) for rows in parts
+    )
+    names = list(found[0])
+    if any(list(part) != names for part in found):
+        raise InputError("observable: the function returned other names for some states")
+    joined = {name: _joined([part[name] for part in found], states.shape) for name in names}
+    return joined[""] if names == [""] else joined
+
+
+def _checked(observable: Callable[[States], Any], part: States) -> dict[str, NDArray[Any]]:
+    """What the function returned for some states, by name; a single array has the name ''."""
+    returned = observable(part)
+    columns = dict(returned) if isinstance(returned, Mapping) else {"": returned}
+    arrays = {name: np.asarray(values) for name, values in columns.items()}
+    for name, values in arrays.items():
+        if values.ndim == 0 or values.shape[0] != len(part):
+            what = f" {name!r}" if name else ""
+            raise InputError(
+                f"observable: the function returned{what} an array of shape {values.shape} for {len(part)} states; "
+                "return one entry for each state"
+            )
+    return arrays
+
+
+def _joined(parts: list[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
+    whole_array = np.concatenate(parts)
+    return whole_array.reshape(*shape, *whole_array.shape[1:])

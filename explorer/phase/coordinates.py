@@ -1,0 +1,167 @@
+"""States from other coordinates than the charts': what an experimenter measures, or constants of motion.
+
+The charts of `states` are (phi or theta, its rate, sigma3, sigma4). Here a tilt may be combined with precession
+and spin, with constants of motion in place of sigma3 and sigma4, or with the energy in place of the rate.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from explorer.errors import InputError, suggest
+from explorer.phase.disk import Disk, require_axial_inertia, require_disk
+from explorer.phase.lines import line_chart, line_slope, linear_constants
+from explorer.phase.states import Array, States, columns_of, phi_to_states, theta_to_states
+
+# What may stand for the spins, and for the rate of the tilt, beside the tilt phi itself.
+SPINS = (("sigma3", "sigma4"), ("sigma3_bar", "sigma4_bar"), ("sigma3_bar", "eta_hat"))
+SPEEDS = ("phidot", "energy")
+NAMES = ("phi", *SPEEDS, "sigma3", "sigma4", "sigma3_bar", "sigma4_bar", "eta_hat")
+
+
+def rates_to_states(
+    disk: Disk,
+    tilt: ArrayLike,
+    tilt_rate: ArrayLike,
+    precession: ArrayLike,
+    spin: ArrayLike,
+    face: ArrayLike = 1,
+    degrees: bool = False,
+) -> States:
+    """States from what an experimenter knows: the tilt, the rate at which the disk precesses, and its spin.
+
+    Parameters
+    ----------
+    disk : Disk
+        The disk; its m, r and g set the units. With kilograms, metres and seconds rates are in rad/s.
+    tilt : array_like
+        Angle between the disk's plane and the table (rad): 0 is flat, pi/2 is upright.
+    tilt_rate : array_like
+        Rate of the tilt (rad per unit of time), positive where the disk rises.
+    precession : array_like
+        Rate at which the contact point turns about the vertical (rad per unit of time).
+    spin : array_like
+        Angular velocity of the disk about its own axis (rad per unit of time), as a gyroscope fixed to the
+        disk reads it. A disk that does not turn relative to the precessing line of contact has the spin
+        face * precession * cos(tilt).
+    face : array_like of +1 or -1
+        Which face would come down: +1 for flat at phi = +pi/2, -1 for flat at phi = -pi/2.
+    degrees : bool
+        Whether `tilt` is in degrees and all rates are in degrees per unit of time.
+
+    Returns
+    -------
+    States
+        One for each entry of the broadcast arguments. What is not finite, or not a tilt between 0 and pi, has
+        the status BAD_INPUT.
+
+    Raises
+    ------
+    InputError
+        Where an argument is not a number, or the shapes do not fit together.
+
+    Examples
+    --------
+    A coin of 5.67 g that wobbles at 60 rad/s, tilted by one degree:
+
+    >>> import math, explorer as ex
+    >>> coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
+    >>> states = ex.rates_to_states(coin, math.radians(1.0), 0.0, 60.0, 0.5)
+    >>> print(f"{states.phi[0]:.6f} rad, sigma3 = {states.sigma3[0]:.6f} rad/s")
+    1.553343 rad, sigma3 = 0.018275 rad/s
+
+    Notes
+    -----
+    sigma3 = sin^2(tilt) * precession and sigma4 = spin: eqs (2.14), (2.31) of Cushman & Duistermaat (2006).
+    """
+    require_disk(disk)
+    angle, rate, turn, own, down = columns_of(
+        tilt=tilt, tilt_rate=tilt_rate, precession=precession, spin=spin, face=face
+    )
+    if degrees:
+        angle, rate, turn, own = (np.radians(column) for column in (angle, rate, turn, own))
+    with np.errstate(invalid="ignore"):
+        height = np.sin(angle)
+    return theta_to_states(disk, angle, rate, height * height * turn, own, down)
+
+
+def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
+    """States from any complete set of coordinates and constants of motion.
+
+    Parameters
+    ----------
+    disk : Disk
+        The disk.
+    **coordinates : array_like
+        Four of them, which broadcast: `phi` (rad, 0 where it is left out); `phidot` (rad per unit of time) or
+        `energy`, which stands for the speed phidot >= 0 that the state then has; and `sigma3` with `sigma4`, or
+        `sigma3_bar` with `sigma4_bar`, or `sigma3_bar` with `eta_hat` of face +1 (rad per unit of time).
+
+    Returns
+    -------
+    States
+        Where the energy is too small for the place, the status is BAD_INPUT. Constants of motion that are given
+        are kept as they are, so that eta_hat may be smaller than a state's rounding.
+
+    Raises
+    ------
+    InputError
+        Where the names are no complete set, or an argument is not a number.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> states = ex.coordinates_to_states(ex.Disk.uniform(), phi=0.5, energy=3.0, sigma3_bar=1.0, eta_hat=1e-9)
+    >>> print(f"{states.phidot[0]:.6f} {ex.constants(states).energy[0]:.6f}")
+    1.586410 3.000000
+
+    Notes
+    -----
+    Eqs (3.5), (6.2) and (2.19) of Cushman & Duistermaat (2006).
+    """
+    require_disk(disk)
+    spins, speed = _check(coordinates)
+    names = ("phi", speed, *spins)
+    given = {"phi": 0.0, **coordinates}
+    phi, rate, first, second = columns_of(**{name: given[name] for name in names})
+    inside = np.isfinite(phi) & (abs(phi) < 0.5 * np.pi)
+    exact = None
+    if spins != ("sigma3", "sigma4"):
+        require_axial_inertia(disk)
+        eta_hat = second if spins[1] == "eta_hat" else line_slope(disk) * first - second
+        angle = np.where(inside, phi, 0.0)
+        chart = line_chart(disk, np.cos(angle), np.sin(angle))
+        unit = disk.rate_unit
+        exact = linear_constants(disk, first / unit, eta_hat / unit, np.ones(phi.size, bool))
+        with np.errstate(invalid="ignore", over="ignore"):
+            first, second = chart.rates(first, eta_hat)
+    if speed == "energy":
+        rate = _speed(disk, np.where(inside, phi, 0.0), rate, first, second)
+    states = phi_to_states(disk, phi, rate, first, second)
+    return states if exact is None else replace(states, exact=exact)
+
+
+def _check(coordinates: dict[str, ArrayLike]) -> tuple[tuple[str, str], str]:
+    """The pair that gives the spins and the name that gives the speed. Raises InputError."""
+    for name in coordinates:
+        if name not in NAMES:
+            raise InputError(f"coordinate {name!r} is not known; {suggest(name, NAMES)}")
+    given = set(coordinates) - {"phi"}
+    for spins in SPINS:
+        for speed in SPEEDS:
+            if given == {speed, *spins}:
+                return spins, speed
+    pairs = ", or ".join(" with ".join(pair) for pair in SPINS)
+    raise InputError(
+        f"coordinates {', '.join(coordinates) or 'none'}: give phidot or energy, and {pairs}; phi is 0 if left out"
+    )
+
+
+def _speed(disk: Disk, phi: Array, energy: Array, sigma3: Array, sigma4: Array) -> Array:
+    """phidot >= 0 of the states with this energy; NaN where the energy is too small for the place."""
+    b, unit, q = disk.body, disk.rate_unit, np.cos(phi)
+    with np.errstate(invalid="ignore", over="ignore"):
+        turning = 0.5 * b.I1 * (sigma3 / (q * unit)) ** 2 + 0.5 * b.J * (sigma4 / unit) ** 2 + q
+        left = energy / disk.energy_unit - turning
+        return np.sqrt(np.where(left >= 0.0, left, np.nan) * 2.0 / b.M) * unit
