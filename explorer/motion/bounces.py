@@ -1,0 +1,226 @@
+"""Bounces: every approach to flat of any motion, by quadrature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from joblib import Parallel, delayed
+from numpy.typing import NDArray
+
+from explorer import compiled
+from explorer.errors import InputError, whole
+from explorer.motion.passages_by_integration import LENIENCE
+from explorer.motion.passages_by_quadrature import FLOOR, fall_from_vertical
+from explorer.motion.plan import plan
+from explorer.motion.starts import fallen, held_constants, orbit_starts
+from explorer.phase.constants import natural_constants
+from explorer.phase.disk import require_axial_inertia
+from explorer.phase.gauss import packed_rules
+from explorer.phase.lines import LinearConstants
+from explorer.phase.states import Array, States
+from explorer.results import Result
+
+MOST = 100_000  # bounces of one state in one call: some ten megabytes for each column
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Bounces(Result):
+    """Approaches to flat, arrays (..., count) in the units of the disk: what `bounces` returns.
+
+    All but `row`, `bounce` and `status` is NaN or 0 where the status is not OK.
+
+    Attributes
+    ----------
+    row, bounce : array of int
+        Which state, and which of its approaches to flat, both counted from 0.
+    time : array
+        Time from the state to the flattest moment.
+    face : array of int8
+        Which face came down, +1 or -1; 0 where that is not known.
+    side : array of int8
+        The side of F: the sign of eta on that face.
+    theta_min : array
+        Smallest tilt (rad).
+    delta_chi, delta_psi : array
+        Increase of the angles of contact over the stretch (rad).
+    fall_angle : array
+        Increase of chi along the limit motion with the same sigma3_bar and energy, over its own stretch (rad).
+        NaN where that motion does not exist: E <= V_0, so that the disk could not come flat.
+    race_angle : array
+        delta_chi - fall_angle (rad); NaN where fall_angle is.
+    duration : array
+        Time that the stretch takes.
+    error_estimate : array
+        Of the angles (rad) and of the duration (relative), whichever is larger.
+    status : array of int8
+        `Status` of each state.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> states = ex.constants_to_states(ex.Disk.uniform(), 1.0, [1e-3, -1e-3], 1.0)
+    >>> ex.bounces(states, 2).face
+    array([[ 1, -1],
+           [ 1, -1]], dtype=int8)
+    """
+
+    row: NDArray[np.int64]
+    bounce: NDArray[np.int64]
+    time: Array
+    face: NDArray[np.int8]
+    side: NDArray[np.int8]
+    theta_min: Array
+    delta_chi: Array
+    delta_psi: Array
+    fall_angle: Array
+    race_angle: Array
+    duration: Array
+    error_estimate: Array
+    status: NDArray[np.int8]
+
+
+def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 1) -> Bounces:
+    """Every approach to flat of the motions through `states`: the next `count` of each, by quadrature.
+
+    A bounce is one stretch of a motion with its flattest moment in the middle. Where the motion crosses the
+    vertical the stretch goes from vertical to vertical, and bounces are on both faces in turn. Where it does
+    not, the stretch goes from turning point to turning point. The first bounce may begin before the state.
+
+    Parameters
+    ----------
+    states : States
+        One state of each motion, anywhere on it; the disk needs I3 > 0. An eta that was given, as
+        `constants_to_states` is, is taken as it is, however small.
+    count : int
+        How many bounces of each, 1 to 100,000.
+    accuracy : float
+        Error of the angles (rad), relative error of times and tilts, 1e-13 to 0.1.
+    jobs : int
+        Threads.
+
+    Returns
+    -------
+    Bounces
+        Arrays with the shape of `states` and a last axis for the bounces. A state on F to rounding has the
+        status FALLS, or UNRESOLVED_SIDE where its side cannot be told.
+
+    Raises
+    ------
+    InputError
+        For a disk with I3 = 0, or arguments out of their range.
+
+    Notes
+    -----
+    With the sum over a period, two bounces or one, these are eqs (3.12), (3.13) of the paper. The race angle is
+
+        race_angle = delta_chi - fall_angle,
+
+    where fall_angle is the increase of chi along the limit motion with the same sigma3_bar and energy over its
+    own stretch: from the vertical to flat and back to the vertical where it crosses the vertical, else from
+    turning point to flat to turning point. So eq. (7.9) says race_angle -> side kappa pi as eta -> 0. Where the
+    energy does not exceed V_0 there is no limit motion, and both are NaN.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
+    >>> states = ex.constants_to_states(coin, 20.0, [1e-9, -1e-200], 30.0)
+    >>> ex.bounces(states).race_angle.round(4).ravel(), round(coin.race_limit, 4)
+    (array([ 7.0248, -7.0248]), 7.0248)
+    """
+    if not isinstance(states, States):
+        raise InputError("states: give States, for instance of phi_to_states")
+    require_axial_inertia(states.disk)
+    count, jobs = whole("count", count, 1, MOST), whole("jobs", jobs, 1)
+    how = plan(("race_angle",), accuracy, "quadrature")
+    status, linear = held_constants(states, natural_constants(states))
+    parts = np.array_split(np.arange(len(states)), max(1, min(jobs, len(states))))
+    done = Parallel(n_jobs=jobs, backend="threading")(
+        delayed(_pairs)(states.at(rows), LinearConstants(*(c[rows] for c in linear)), status[rows], how.accuracy)
+        for rows in parts
+    )
+    pairs = _Pairs(*(np.concatenate(columns, axis=-1) for columns in zip(*done, strict=True)))
+    return _in_turn(states, pairs, count)
+
+
+class _Pairs(NamedTuple):
+    """The bounces of one period, in natural units: (2, n) for the even and the odd ones, (n) for what both share.
+
+    first: time to bounce 0; between: time from each bounce to the next.
+    """
+
+    face: NDArray[np.int8]
+    side: NDArray[np.int8]
+    theta_min: Array
+    chi: Array
+    psi: Array
+    duration: Array
+    error: Array
+    first: Array
+    between: Array
+    fall_angle: Array
+    status: NDArray[np.int8]
+
+
+def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], accuracy: float) -> _Pairs:
+    disk, code = states.disk, compiled.status.Status
+    orbits = orbit_starts(states, linear)
+    status = fallen(orbits, status)
+    out = np.empty((len(compiled.bounces.BounceRow._fields), status.size))
+    compiled.bounces.bounce_batch(orbits, accuracy, packed_rules(), disk.natural, out, status)
+    found = compiled.bounces.BounceRow(*out)
+    crosses, first_here = np.isfinite(found.theta_there), found.first_here == 1.0
+    from_here = np.stack([first_here, np.where(crosses, ~first_here, True)])
+
+    def in_turn(here: Array, there: Array) -> Array:
+        return np.where(from_here, here, there)
+
+    own = np.where(states.natural[1] >= 0.0, 1.0, -1.0)
+    fall = fall_from_vertical(disk, linear.sigma3_bar, np.where(status == code.OK, found.energy, np.nan))
+    error = in_turn(found.error_here, found.error_there) + np.nan_to_num(2.0 * fall.error)
+    allowed = np.fmax(LENIENCE * accuracy, FLOOR * (1.0 + np.nan_to_num(fall.time)))
+    status[(status == code.OK) & ~(error <= allowed).all(axis=0)] = code.STEP_LIMIT
+    time = found.time_here + np.nan_to_num(found.time_there)
+    return _Pairs(
+        face=in_turn(own, -own).astype(np.int8),
+        side=np.sign(in_turn(orbits.near, orbits.far)).astype(np.int8),
+        theta_min=in_turn(found.theta_here, found.theta_there),
+        chi=in_turn(found.chi_here, found.chi_there),
+        psi=in_turn(own * found.psi_here, -own * found.psi_there),
+        duration=in_turn(found.time_here, found.time_there),
+        error=error,
+        first=found.first,
+        between=np.where(crosses, 0.5 * time, time),
+        fall_angle=2.0 * fall.chi,
+        status=status,
+    )
+
+
+def _in_turn(states: States, pairs: _Pairs, count: int) -> Bounces:
+    """The first `count` bounces of every state, even and odd ones in turn."""
+    number, unit = np.arange(count), states.disk.time_unit
+    ok = (pairs.status == compiled.status.Status.OK)[:, None]
+
+    def each(pair: NDArray[Any], otherwise: float = np.nan) -> NDArray[Any]:
+        return np.where(ok, pair[number % 2].T, np.asarray(otherwise, pair.dtype))
+
+    shape = (len(states), count)
+    chi, fall = each(pairs.chi), np.where(ok, np.broadcast_to(pairs.fall_angle[:, None], shape), np.nan)
+    flat = Bounces(
+        row=np.broadcast_to(np.arange(len(states))[:, None], shape).copy(),
+        bounce=np.broadcast_to(number, shape).copy(),
+        time=np.where(ok, (pairs.first[:, None] + number * pairs.between[:, None]) * unit, np.nan),
+        face=each(pairs.face, 0),
+        side=each(pairs.side, 0),
+        theta_min=each(pairs.theta_min),
+        delta_chi=chi,
+        delta_psi=each(pairs.psi),
+        fall_angle=fall,
+        race_angle=chi - fall,
+        duration=each(pairs.duration) * unit,
+        error_estimate=each(pairs.error),
+        status=np.broadcast_to(pairs.status[:, None], shape).copy(),
+    )
+    return flat.reshaped((*states.shape, count))

@@ -1,0 +1,111 @@
+"""Every approach to flat of a motion: the passages on both faces that make up its period, and when the first is."""
+
+import math
+from typing import Generic, NamedTuple
+
+import numpy as np
+
+from kernels._jit import kernel, subroutine
+from kernels.disk.body import Disk
+from kernels.disk.falling import potential_at_flat
+from kernels.integrals import nodes
+from kernels.integrals.orbits import Orbits, orbit
+from kernels.integrals.point import Motion, motion_through
+from kernels.integrals.quadrature import Passage, Rules, Start, passage
+from kernels.rows import Entry, put
+from kernels.status import Status
+from kernels.types import Codes, Matrix, Vector
+
+_OK = int(Status.OK)
+
+
+class BounceRow(NamedTuple, Generic[Entry]):
+    """The approaches to flat of one period, as seen from the hemisphere of the state.
+
+    first: time from the state to the first approach; first_here: 1 where that is on this side, else 0. Then the
+    passage on this side (from vertical to vertical, or from turning point to turning point where the motion
+    does not cross the vertical) and the one on the other side, NaN where there is none.
+    """
+
+    first: Entry
+    first_here: Entry
+    energy: Entry
+    theta_here: Entry
+    chi_here: Entry
+    psi_here: Entry
+    time_here: Entry
+    error_here: Entry
+    theta_there: Entry
+    chi_there: Entry
+    psi_there: Entry
+    time_there: Entry
+    error_there: Entry
+
+
+@subroutine
+def first_approach(rate: float, lead: float, here: float, there: float) -> tuple[float, float]:
+    """(time to the first approach, 1 where it is on this side), from the times of the passages.
+
+    rate: theta-dot of the state. lead: time from its tilt to flattest, on this side. there: NaN where the
+    motion does not cross the vertical; it then comes back to this side.
+    """
+    if rate <= 0.0:
+        return lead, 1.0
+    if math.isnan(there):
+        return here - lead, 1.0
+    return 0.5 * here - lead + 0.5 * there, 0.0
+
+
+@subroutine
+def time_to_flattest(
+    h: float, rate: float, motion: Motion, target: float, rules: Rules, disk: Disk, W: Vector
+) -> tuple[int, float]:
+    """Status, and the time between the tilt h and the turning point on the way to flat."""
+    status, lead = passage(Start(h, rate == 0.0), motion, target, rules, disk, W)
+    if rate == 0.0 and not lead.h_turn > 0.0:
+        # At rest, and flatter tilts are barred: the state is at its flattest.
+        return _OK, 0.0
+    return status, 0.5 * lead.time
+
+
+@kernel
+def bounce_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Matrix, status: Codes) -> None:
+    """The bounces of a period for every sample -> out (13, n), rows as BounceRow.
+
+    status (n): samples that come in as not OK are skipped.
+    """
+    b = disk.body
+    W = np.zeros(nodes.ROWS * nodes.ROOM)
+    for i in range(status.size):
+        out[:, i] = math.nan
+        if status[i] != _OK:
+            continue
+        h, rate, X = orbits.h[i], orbits.rate[i], orbits.sigma3_bar[i] / b.r0
+        motion = motion_through(h, rate, X, orbits.near[i] / b.I1, disk)
+        code, here, there = orbit(h, motion, orbits.far[i] / b.I1, target, rules, disk, W)
+        lead_code, lead = time_to_flattest(h, rate, motion, target, rules, disk, W)
+        status[i] = max(code, lead_code)
+        crosses = there.h_turn > 0.0
+        first, first_here = first_approach(rate, lead, here.time, there.time if crosses else math.nan)
+        bounces = BounceRow(
+            first=first,
+            first_here=first_here,
+            energy=motion.level + potential_at_flat(X, b),
+            theta_here=tilt_of(here),
+            chi_here=here.chi,
+            psi_here=here.psi,
+            time_here=here.time,
+            error_here=max(here.angle_error, here.time_error),
+            theta_there=tilt_of(there),
+            chi_there=there.chi if crosses else math.nan,
+            psi_there=there.psi if crosses else math.nan,
+            time_there=there.time if crosses else math.nan,
+            error_there=max(there.angle_error, there.time_error) if crosses else math.nan,
+        )
+        put(bounces, out, i)
+
+
+@subroutine
+def tilt_of(way: Passage) -> float:
+    """The smallest tilt of a passage (rad), NaN where there is none."""
+    return 2.0 * math.asin(0.5 * way.h_turn)
