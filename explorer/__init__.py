@@ -22,12 +22,16 @@ if TYPE_CHECKING:
     from explorer.measure.falling_constant import falling_constant as falling_constant
     from explorer.measure.invariance import flow_stretch as flow_stretch
     from explorer.measure.invariance import push_forward as push_forward
+    from explorer.motion.bounces import bounces as bounces
     from explorer.motion.forces import passage_forces as passage_forces
     from explorer.motion.limit_motions import limit_motion as limit_motion
     from explorer.motion.passages import passages as passages
     from explorer.motion.periods import periods as periods
+    from explorer.motion.scan import scan as scan
     from explorer.motion.trajectories import simulate as simulate
     from explorer.phase.constants import constants as constants
+    from explorer.phase.coordinates import coordinates_to_states as coordinates_to_states
+    from explorer.phase.coordinates import rates_to_states as rates_to_states
     from explorer.phase.disk import Disk as Disk
     from explorer.phase.membership import falls as falls
     from explorer.phase.states import States as States
@@ -47,8 +51,10 @@ _HOMES = {
     "RunError": "errors",
     "States": "phase.states",
     "Status": "compiled:status.Status",
+    "bounces": "motion.bounces",
     "constants": "phase.constants",
     "constants_to_states": "phase.states",
+    "coordinates_to_states": "phase.coordinates",
     "falling_constant": "measure.falling_constant",
     "falls": "phase.membership",
     "flow_stretch": "measure.invariance",
@@ -59,7 +65,9 @@ _HOMES = {
     "phi_to_states": "phase.states",
     "plot": "plot",
     "push_forward": "measure.invariance",
+    "rates_to_states": "phase.coordinates",
     "run": "commands.run",
+    "scan": "motion.scan",
     "simulate": "motion.trajectories",
     "theta_to_states": "phase.states",
 }

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from kernels.disk import constants as constants
     from kernels.disk import falling as falling
     from kernels.disk import field as field
+    from kernels.integrals import bounces as bounces
     from kernels.integrals import forces as forces
     from kernels.integrals import orbits as orbits
     from kernels.integrals import passages as passages

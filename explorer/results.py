@@ -83,8 +83,8 @@ class Result:
         lines = [("status", ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "no samples")]
         good = self.ok
         for name, values in self.columns.items():
-            if values.dtype.kind == "f" and len(lines) <= _SHOWN and good.any() and np.isfinite(values[good]).any():
-                known = values[good & np.isfinite(values)]
+            known = values[good & np.isfinite(values)] if values.dtype.kind == "f" else values[:0]
+            if known.size and len(lines) <= _SHOWN:
                 unit = COLUMNS[name].unit if name in COLUMNS else ""
                 low, middle, high = known.min(), np.median(known), known.max()
                 lines.append((name, f"median {middle:.6g}, {low:.6g} to {high:.6g} {unit}".rstrip()))
@@ -123,4 +123,4 @@ def _library(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError:
-        raise ImportError(f"this needs {name}, which is not installed; run: python -m pip install {name}") from None
+        raise ImportError(f"this needs {name}, which is not installed; try: pip install {name}") from None

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, whole
+from explorer.motion.passages import FLOOR
 from explorer.motion.passages_by_integration import LENIENCE
-from explorer.motion.passages_by_quadrature import FLOOR, fall_from_vertical
+from explorer.motion.passages_by_quadrature import fall_from_vertical
 from explorer.motion.plan import plan
 from explorer.motion.starts import fallen, held_constants, orbit_starts
 from explorer.phase.constants import natural_constants

@@ -21,7 +21,7 @@ from explorer.phase.states import Array
 
 OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
 # An accuracy below this, times one plus the time of the fall, is met as far as rounding allows.
-_FLOOR = 1e-9
+FLOOR = 1e-9
 
 
 @dataclass(frozen=True)
@@ -203,7 +203,7 @@ def _assemble(disk: Disk, starts: Starts, followed: Followed, how: Plan, edge: f
     # The fall angle is a part of the race angle, and all there is of a fall.
     both = np.fmax(followed.error, np.nan_to_num(2.0 * fall.error, nan=np.inf))
     error = np.where(followed.status == code.FALLS, fall.error, both)
-    allowed = np.fmax(LENIENCE * how.accuracy, _FLOOR * (1.0 + fall.time))
+    allowed = np.fmax(LENIENCE * how.accuracy, FLOOR * (1.0 + fall.time))
     missed = np.isin(followed.status, (code.OK, code.FALLS)) & ~(error <= allowed)
     status = np.where(missed, code.STEP_LIMIT, followed.status).astype(np.int8)
     ok, falls = status == code.OK, status == code.FALLS

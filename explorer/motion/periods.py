@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.motion.plan import plan
-from explorer.motion.starts import held_constants, orbit_starts
+from explorer.motion.starts import fallen, held_constants, orbit_starts
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.gauss import packed_rules
@@ -99,7 +99,7 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     status, linear = _known(states, eta_hat)
     starts = orbit_starts(states, linear)
     code = compiled.status.Status
-    status[(status == code.OK) & ((starts.near == 0.0) | (starts.far == 0.0))] = code.FALLS
+    status = fallen(starts, status)
     out = np.empty((8, status.size))
     compiled.orbits.orbit_batch(starts, how.accuracy, packed_rules(), disk.natural, out, status)
     out[:, status != code.OK] = np.nan

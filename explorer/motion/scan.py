@@ -1,5 +1,7 @@
 """An observable of the user's own, for every state: in batches, in parallel, with bounded memory."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -60,14 +62,15 @@ def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BAT
     >>> import numpy as np, explorer as ex
     >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, 0.5, np.linspace(-1.0, 1.0, 5))
     >>> ex.scan(states, "theta_min").round(4)
-    array([0.8257, 0.5191, 0.2263, 0.09  , 0.3891])
+    array([0.6272, 0.1223, 0.3639, 0.1223, 0.6272])
 
     Turns of the contact point within a time of 10, by a function of one's own:
 
     >>> def turns(batch):
-    ...     return ex.simulate(batch, t_eval=[10.0], observables=["chi"]).chi[:, 0] / (2.0 * np.pi)
+    ...     motion = ex.simulate(batch.disk, batch, t_eval=[10.0], observables=["chi"])
+    ...     return motion.chi[:, 0] / (2.0 * np.pi)
     >>> ex.scan(states, turns).round(3)
-    array([0., 0., 0., 0., 0.])
+    array([-0.362, -0.637,  3.327, -0.824, -0.436])
     """
     if not isinstance(states, States):
         raise InputError("states: give States, for instance of phi_to_states")
@@ -76,7 +79,7 @@ def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BAT
         if observable not in OBSERVABLES:
             raise InputError(f"observable {observable!r} is not known; {suggest(observable, OBSERVABLES)}")
         call, name = OBSERVABLES[observable], observable
-        return scan(states, lambda part: getattr(call(part), name), jobs, batch)
+        return scan(states, lambda part: np.reshape(getattr(call(part), name), len(part)), jobs, batch)
     if not callable(observable):
         raise InputError(f"observable = {observable!r} is neither a name nor a function of States")
     parts = [np.arange(first, min(first + batch, len(states))) for first in range(0, max(len(states), 1), batch)]
@@ -99,7 +102,7 @@ def _checked(observable: Callable[[States], Any], part: States) -> dict[str, NDA
         if values.ndim == 0 or values.shape[0] != len(part):
             what = f" {name!r}" if name else ""
             raise InputError(
-                f"observable: the function returned{what} an array of shape {values.shape} for {len(part)} states; "
+                f"observable: the function returned{what} shape {values.shape} for {len(part)} states; "
                 "return one entry for each state"
             )
     return arrays

@@ -48,4 +48,13 @@ def orbit_starts(states: States, linear: LinearConstants) -> "compiled.orbits.Or
     near = np.where(plus, linear.eta_plus, linear.eta_minus)
     far = np.where(plus, linear.eta_minus, linear.eta_plus)
     h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
-    return compiled.orbits.Orbits(*np.nan_to_num(np.stack([h, p, linear.sigma3_bar, near, far])))
+    return compiled.orbits.Orbits(
+        *np.nan_to_num(np.stack([h, np.where(plus, p, -p), linear.sigma3_bar, near, far]))
+    )
+
+
+def fallen(starts: "compiled.orbits.Orbits", status: NDArray[np.int8]) -> NDArray[np.int8]:
+    """`status`, with FALLS where an eta is exactly 0: such a motion has no period."""
+    code = compiled.status.Status
+    zero = (starts.near == 0.0) | (starts.far == 0.0)
+    return np.where((status == code.OK) & zero, code.FALLS, status).astype(np.int8)

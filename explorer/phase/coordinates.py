@@ -4,7 +4,10 @@ The charts of `states` are (phi or theta, its rate, sigma3, sigma4). Here a tilt
 and spin, with constants of motion in place of sigma3 and sigma4, or with the energy in place of the rate.
 """
 
+from __future__ import annotations
+
 from dataclasses import replace
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +20,19 @@ from explorer.phase.states import Array, States, columns_of, phi_to_states, thet
 # What may stand for the spins, and for the rate of the tilt, beside the tilt phi itself.
 SPINS = (("sigma3", "sigma4"), ("sigma3_bar", "sigma4_bar"), ("sigma3_bar", "eta_hat"))
 SPEEDS = ("phidot", "energy")
-NAMES = ("phi", *SPEEDS, "sigma3", "sigma4", "sigma3_bar", "sigma4_bar", "eta_hat")
+
+
+class Coordinates(TypedDict, total=False):
+    """Keywords of `coordinates_to_states`; see there which of them make a complete set."""
+
+    phi: ArrayLike
+    phidot: ArrayLike
+    energy: ArrayLike
+    sigma3: ArrayLike
+    sigma4: ArrayLike
+    sigma3_bar: ArrayLike
+    sigma4_bar: ArrayLike
+    eta_hat: ArrayLike
 
 
 def rates_to_states(
@@ -86,17 +101,18 @@ def rates_to_states(
     return theta_to_states(disk, angle, rate, height * height * turn, own, down)
 
 
-def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
+def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> States:
     """States from any complete set of coordinates and constants of motion.
 
     Parameters
     ----------
     disk : Disk
         The disk.
-    **coordinates : array_like
-        Four of them, which broadcast: `phi` (rad, 0 where it is left out); `phidot` (rad per unit of time) or
-        `energy`, which stands for the speed phidot >= 0 that the state then has; and `sigma3` with `sigma4`, or
-        `sigma3_bar` with `sigma4_bar`, or `sigma3_bar` with `eta_hat` of face +1 (rad per unit of time).
+    **coordinates
+        Three or four arrays, which broadcast. phi : angle to the vertical (rad), 0 where it is left out. One of
+        phidot : its rate (rad per unit of time), or energy : which then gives phidot >= 0. And two of the rates
+        (rad per unit of time) sigma3 : with sigma4 : of eq. (2.14), or the constants of motion sigma3_bar : with
+        sigma4_bar : or with eta_hat : of face +1.
 
     Returns
     -------
@@ -113,8 +129,8 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
     --------
     >>> import explorer as ex
     >>> states = ex.coordinates_to_states(ex.Disk.uniform(), phi=0.5, energy=3.0, sigma3_bar=1.0, eta_hat=1e-9)
-    >>> print(f"{states.phidot[0]:.6f} {ex.constants(states).energy[0]:.6f}")
-    1.586410 3.000000
+    >>> states.phidot.round(6)
+    array([1.58641])
 
     Notes
     -----
@@ -123,7 +139,7 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
     require_disk(disk)
     spins, speed = _check(coordinates)
     names = ("phi", speed, *spins)
-    given = {"phi": 0.0, **coordinates}
+    given: dict[str, Any] = {"phi": 0.0, **coordinates}
     phi, rate, first, second = columns_of(**{name: given[name] for name in names})
     inside = np.isfinite(phi) & (abs(phi) < 0.5 * np.pi)
     exact = None
@@ -142,11 +158,11 @@ def coordinates_to_states(disk: Disk, **coordinates: ArrayLike) -> States:
     return states if exact is None else replace(states, exact=exact)
 
 
-def _check(coordinates: dict[str, ArrayLike]) -> tuple[tuple[str, str], str]:
+def _check(coordinates: Coordinates) -> tuple[tuple[str, str], str]:
     """The pair that gives the spins and the name that gives the speed. Raises InputError."""
     for name in coordinates:
-        if name not in NAMES:
-            raise InputError(f"coordinate {name!r} is not known; {suggest(name, NAMES)}")
+        if name not in Coordinates.__annotations__:
+            raise InputError(f"coordinate {name!r} is not known; {suggest(name, Coordinates.__annotations__)}")
     given = set(coordinates) - {"phi"}
     for spins in SPINS:
         for speed in SPEEDS:

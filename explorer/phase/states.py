@@ -7,7 +7,7 @@ Users give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -54,8 +54,37 @@ class States:
     def __len__(self) -> int:
         return int(self.natural.shape[1])
 
+    def __getitem__(self, rows: int | slice | NDArray[Any]) -> States:
+        """Some of the states, chosen as entries of an array are: by a number, a slice, a mask or numbers."""
+        return self.at(np.atleast_1d(np.arange(len(self))[rows]))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(n,): results of the states have one entry for each."""
+        return self.status.shape
+
+    @property
+    def phi(self) -> Array:
+        """Angle of the disk's plane to the vertical (rad)."""
+        return np.arctan2(self.natural[1], self.natural[0])
+
+    @property
+    def phidot(self) -> Array:
+        """Rate of phi (rad per unit of time)."""
+        return -self.natural[2] * self.disk.rate_unit
+
+    @property
+    def sigma3(self) -> Array:
+        """sigma3 of eq. (2.14) (rad per unit of time)."""
+        return self.natural[0] * self.natural[3] * self.disk.rate_unit
+
+    @property
+    def sigma4(self) -> Array:
+        """Spin sigma4 of eq. (2.14) (rad per unit of time)."""
+        return self.natural[4] * self.disk.rate_unit
+
     def at(self, rows: NDArray[np.intp]) -> States:
-        """Some of the states."""
+        """Some of the states, by their numbers."""
         exact = None if self.exact is None else LinearConstants(*(column[rows] for column in self.exact))
         return States(self.disk, np.ascontiguousarray(self.natural[:, rows]), self.status[rows], exact)
 

@@ -1,4 +1,4 @@
-"""Every approach to flat of a motion: the passages on both faces that make up its period, and when the first is."""
+"""Every approach to flat of a motion: the passages that make up its period, and when the first one is."""
 
 import math
 from typing import Generic, NamedTuple
@@ -8,11 +8,11 @@ import numpy as np
 from kernels._jit import kernel, subroutine
 from kernels.disk.body import Disk
 from kernels.disk.falling import potential_at_flat
+from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
 from kernels.integrals.orbits import Orbits, orbit
 from kernels.integrals.point import Motion, motion_through
 from kernels.integrals.quadrature import Passage, Rules, Start, passage
-from kernels.rows import Entry, put
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
 

@@ -1,0 +1,131 @@
+"""Every approach to flat: against passages, periods, and a dense integration of the full equations."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import explorer as ex
+
+DISKS = {"uniform": ex.Disk.uniform(), "hoop": ex.Disk.hoop(), "coin": ex.Disk.uniform(5.67e-3, 12.1e-3, 9.81)}
+
+
+def anywhere(disk, count, seed):
+    """States all over the phase space, as many below the vertical as crossing it."""
+    random, unit = np.random.default_rng(seed), disk.rate_unit
+    rates = unit * random.uniform(-1.0, 1.0, (3, count))
+    return ex.phi_to_states(disk, random.uniform(-1.4, 1.4, count), *rates)
+
+
+@pytest.mark.parametrize("eta_hat", [1e-2, 1e-8, 1e-200])
+@pytest.mark.parametrize("name", DISKS)
+def test_bounces_from_the_vertical_are_the_passages(name, eta_hat):
+    disk, unit = DISKS[name], DISKS[name].rate_unit
+    eta = eta_hat * unit * np.tile([1.0, -1.0], 10)
+    bar, speed, face = (
+        np.linspace(-1.5, 1.5, 20) * unit,
+        np.linspace(0.6, 2.0, 20) * unit,
+        np.tile([1, 1, -1, -1], 5),
+    )
+    passages = ex.passages(disk, bar, eta, speed, face, accuracy=1e-10)
+    bounces = ex.bounces(ex.constants_to_states(disk, bar, eta, face * speed, face), accuracy=1e-10)
+    assert bounces.shape == (20, 1)
+    assert (bounces.face[:, 0] == face).all()
+    assert (bounces.side[:, 0] == np.sign(eta)).all()
+    for column in ("race_angle", "delta_chi", "delta_psi", "fall_angle"):
+        np.testing.assert_allclose(getattr(bounces, column)[:, 0], getattr(passages, column), atol=1e-9)
+    for column in ("theta_min", "duration"):
+        np.testing.assert_allclose(getattr(bounces, column)[:, 0], getattr(passages, column), rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", DISKS)
+def test_the_bounces_of_a_period_add_up_to_it(name):
+    states = anywhere(DISKS[name], 300, 1)
+    periods, bounces = ex.periods(states, 1e-9), ex.bounces(states, 3, 1e-9)
+    crosses, known = periods.crosses, (periods.status == 0) & (bounces.status[:, 0] == 0)
+    assert crosses[known].any()
+    assert (~crosses[known]).any()
+    last = np.where(crosses, 2, 1)
+    rows = np.arange(300)
+    np.testing.assert_allclose(
+        (bounces.time[rows, last] - bounces.time[:, 0])[known], periods.period[known], rtol=1e-9
+    )
+    for of_period, of_bounce in ((periods.chi, bounces.delta_chi), (periods.psi, bounces.delta_psi)):
+        total = np.where(crosses, of_bounce[:, 0] + of_bounce[:, 1], of_bounce[:, 0])
+        np.testing.assert_allclose(total[known], of_period[known], atol=1e-9)
+
+
+def test_the_disk_is_flattest_when_a_bounce_says_so():
+    disk = DISKS["hoop"]
+    states = anywhere(disk, 40, 2)
+    bounces = ex.bounces(states, 3, 1e-10)
+    for i in np.flatnonzero(bounces.status[:, 0] == 0):
+        motion = ex.simulate(
+            disk, states[i], t_eval=bounces.time[i], observables=("phi", "phidot"), accuracy=1e-11
+        )
+        np.testing.assert_allclose(0.5 * np.pi - abs(motion.phi[0]), bounces.theta_min[i], atol=1e-8)
+        np.testing.assert_allclose(motion.phidot[0], 0.0, atol=1e-6)
+        assert (np.sign(motion.phi[0]) == bounces.face[i]).all()
+
+
+def test_race_angles_of_a_wobbling_coin_tend_to_kappa_pi_by_decade():
+    """Tilt, precession and spin in SI, all within a degree of flat: not one of these motions is ever upright."""
+    coin, random, count = DISKS["coin"], np.random.default_rng(3), 20_000
+    tilt = np.radians(random.uniform(0.1, 1.0, count))
+    precession, spin = random.normal(0.0, 60.0, count), random.normal(0.0, 1.0, count)
+    states = ex.rates_to_states(coin, tilt, random.normal(0.0, 5.0, count), precession, spin)
+    bounces = ex.bounces(states)
+    assert bounces.ok.all()
+    assert not ex.periods(states[:2000]).crosses.any()
+    known = ex.constants(coin, states.phi, states.phidot, states.sigma3, states.sigma4)
+    eta = abs(np.where(bounces.face[:, 0] > 0, known.eta_hat_plus, known.eta_hat_minus)) / coin.rate_unit
+    away = abs(bounces.race_angle - bounces.side * coin.race_limit)[:, 0]
+    medians = [np.median(away[(eta >= low) & (eta < 10.0 * low)]) for low in (1e-4, 1e-5, 1e-6, 1e-7)]
+    assert all(nearer < 0.5 * further for further, nearer in pairwise(medians))
+    assert medians[-1] < 0.01
+
+
+def test_the_side_is_right_at_any_distance_from_f():
+    eta = np.array([1e-200, -1e-200, 1e-300, -1e-300])
+    bounces = ex.bounces(ex.constants_to_states(DISKS["uniform"], 0.8, eta, 1.0), 2)
+    assert (bounces.side[:, 0] == np.sign(eta)).all()
+    limit = np.sign(eta) * DISKS["uniform"].race_limit
+    np.testing.assert_allclose(bounces.race_angle[:, 0], limit, atol=1e-6)
+
+
+def test_jobs_do_not_change_the_numbers():
+    states = anywhere(DISKS["uniform"], 101, 4)
+    one, two = ex.bounces(states, 2), ex.bounces(states, 2, jobs=2)
+    for name, values in one.columns.items():
+        np.testing.assert_array_equal(values, getattr(two, name))
+
+
+def test_a_motion_without_a_limit_motion_has_no_race_angle():
+    """The energy is below V_0, so that no motion with these constants comes flat."""
+    states = ex.phi_to_states(DISKS["uniform"], -1.2543, -0.0647, 1.056, -2.2335)
+    bounces = ex.bounces(states)
+    assert bounces.ok.all()
+    assert np.isnan(bounces.race_angle).all()
+    assert np.isfinite(bounces.delta_chi).all()
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: ex.bounces([0.0, 1.0, 1.0, 0.7]), "give States"),
+        (lambda: ex.bounces(anywhere(DISKS["hoop"], 1, 0), 0), "count = 0"),
+        (lambda: ex.bounces(anywhere(DISKS["hoop"], 1, 0), 1, jobs=0), "jobs = 0"),
+        (lambda: ex.bounces(ex.phi_to_states(ex.Disk(I3=0.0), 0.0, 1.0, 1.0, 0.7)), "I3 = 0"),
+    ],
+)
+def test_what_cannot_be_followed_is_refused_in_words(call, message):
+    with pytest.raises(ex.InputError, match=message):
+        call()
+
+
+def test_a_bad_state_is_a_status_and_its_neighbours_are_as_without_it():
+    disk = DISKS["uniform"]
+    bounces = ex.bounces(ex.phi_to_states(disk, [0.3, np.nan, 0.3], 0.5, 0.4, 0.2), 2)
+    assert bounces.status_names[:, 0].tolist() == ["ok", "bad_input", "ok"]
+    assert np.isnan(bounces.delta_chi[1]).all()
+    np.testing.assert_array_equal(bounces.delta_chi[0], bounces.delta_chi[2])

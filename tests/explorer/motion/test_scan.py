@@ -1,0 +1,50 @@
+"""An observable of one's own for every state."""
+
+import numpy as np
+import pytest
+
+import explorer as ex
+from explorer.motion.scan import OBSERVABLES, scan
+
+DISK = ex.Disk.uniform()
+STATES = ex.phi_to_states(DISK, 0.2, 0.5, np.linspace(-1.0, 1.0, 23), 0.3)
+
+
+@pytest.mark.parametrize("name", OBSERVABLES)
+def test_every_named_observable_gives_one_value_for_each_state(name):
+    assert scan(STATES, name).shape == (23,)
+
+
+def test_a_name_is_the_column_of_its_call():
+    np.testing.assert_array_equal(scan(STATES, "theta_min"), ex.periods(STATES).theta_min)
+    np.testing.assert_array_equal(scan(STATES, "race_angle"), ex.bounces(STATES).race_angle[:, 0])
+
+
+def test_batches_and_jobs_do_not_change_what_a_function_returns():
+    def turns(batch):
+        motion = ex.simulate(batch.disk, batch, t_eval=[3.0], observables=("chi", "phi"))
+        return {"turns": motion.chi[:, 0] / (2.0 * np.pi), "phi": motion.phi}
+
+    whole, parts = scan(STATES, turns), scan(STATES, turns, jobs=2, batch=5)
+    assert whole["phi"].shape == (23, 1)
+    for name in whole:
+        np.testing.assert_array_equal(whole[name], parts[name])
+
+
+def test_a_function_sees_no_more_states_than_a_batch():
+    sizes = []
+    scan(STATES, lambda batch: sizes.append(len(batch)) or np.zeros(len(batch)), batch=10)
+    assert sizes == [10, 10, 3]
+
+
+@pytest.mark.parametrize(
+    ("observable", "message"),
+    [
+        ("theta_mim", "did you mean 'theta_min'"),
+        (3, "neither a name nor a function"),
+        (lambda batch: 1.0, "one entry"),
+    ],
+)
+def test_what_is_no_observable_is_refused_in_words(observable, message):
+    with pytest.raises(ex.InputError, match=message):
+        scan(STATES, observable)

@@ -1,0 +1,66 @@
+"""States from rates that an experimenter knows, and from constants of motion."""
+
+import numpy as np
+import pytest
+
+import explorer as ex
+
+COIN = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
+
+
+@pytest.mark.parametrize("face", [1, -1])
+def test_rates_give_back_the_precession_and_the_spin(face):
+    tilt, precession, spin = np.array([0.02, 0.5, 1.2]), 40.0, -7.0
+    states = ex.rates_to_states(COIN, tilt, 3.0, precession, spin, face)
+    np.testing.assert_allclose(states.phi, face * (0.5 * np.pi - tilt), rtol=1e-14)
+    np.testing.assert_allclose(states.phidot, -face * 3.0, rtol=1e-14)
+    np.testing.assert_allclose(states.sigma4, spin, rtol=1e-14)
+    short = 1e-7
+    motion = ex.simulate(COIN, states, t_eval=[short], observables=("chi",), accuracy=1e-10)
+    np.testing.assert_allclose(motion.chi[:, 0] / short, precession, rtol=1e-4)
+
+
+def test_degrees_are_radians_times_180_over_pi():
+    radians = ex.rates_to_states(COIN, 0.3, 1.0, 20.0, 5.0)
+    degrees = ex.rates_to_states(COIN, *np.degrees([0.3, 1.0, 20.0, 5.0]), degrees=True)
+    np.testing.assert_allclose(degrees.natural, radians.natural, rtol=1e-14)
+
+
+@pytest.mark.parametrize("phi", [0.0, 0.8, -1.1])
+def test_every_complete_set_names_the_same_state(phi):
+    disk = ex.Disk.hoop()
+    state = ex.phi_to_states(disk, phi, 0.7, 0.4, -0.3)
+    known = ex.constants(disk, phi, 0.7, 0.4, -0.3)
+    spins = (
+        {"sigma3": 0.4, "sigma4": -0.3},
+        {"sigma3_bar": known.sigma3_bar, "sigma4_bar": known.sigma4_bar},
+        {"sigma3_bar": known.sigma3_bar, "eta_hat": known.eta_hat_plus},
+    )
+    for pair in spins:
+        for speed in ({"phidot": 0.7}, {"energy": known.energy}):
+            made = ex.coordinates_to_states(disk, phi=phi, **speed, **pair)
+            np.testing.assert_allclose(made.natural, state.natural, rtol=1e-12, atol=1e-13)
+
+
+def test_an_eta_that_is_given_is_kept_as_it_is():
+    states = ex.coordinates_to_states(ex.Disk.uniform(), phi=0.4, phidot=1.0, sigma3_bar=0.7, eta_hat=-1e-200)
+    assert ex.bounces(states).side[0, 0] == -1
+
+
+def test_too_small_an_energy_is_bad_input_not_a_guess():
+    states = ex.coordinates_to_states(ex.Disk.uniform(), energy=[0.5, 3.0], sigma3=0.5, sigma4=0.5)
+    assert states.status.tolist() == [ex.Status.BAD_INPUT, ex.Status.OK]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"phidot": 1.0, "sigma3": 1.0}, "sigma3 with sigma4"),
+        ({"phidot": 1.0, "energy": 2.0, "sigma3": 1.0, "sigma4": 1.0}, "phidot or energy"),
+        ({"phidot": 1.0, "sigma3": 1.0, "sigma5": 1.0}, "did you mean"),
+        ({"phidot": "fast", "sigma3": 1.0, "sigma4": 1.0}, "phidot"),
+    ],
+)
+def test_what_is_no_complete_set_is_refused_in_words(given, message):
+    with pytest.raises(ex.InputError, match=message):
+        ex.coordinates_to_states(ex.Disk.uniform(), **given)

@@ -1,0 +1,18 @@
+"""What columns mean."""
+
+import pytest
+
+from explorer.columns import COLUMNS, column
+from explorer.errors import InputError
+
+
+def test_every_column_has_a_sentence_and_its_unit_is_one_of_the_units_of_the_disk():
+    units = {"", "rad", "rad/time", "time", "length", "energy", "mass length^2 rad/time"}
+    for name, known in COLUMNS.items():
+        assert known.meaning.endswith("."), name
+        assert known.unit in units, name
+
+
+def test_an_unknown_column_is_refused_with_the_nearest_one():
+    with pytest.raises(InputError, match="did you mean 'race_angle'"):
+        column("race_angel")
