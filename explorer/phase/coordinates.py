@@ -130,7 +130,7 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     >>> import explorer as ex
     >>> states = ex.coordinates_to_states(ex.Disk.uniform(), phi=0.5, energy=3.0, sigma3_bar=1.0, eta_hat=1e-9)
     >>> states.phidot.round(6)
-    array([1.58641])
+    array([1.749083])
 
     Notes
     -----
