@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer.errors import InputError, number
 from explorer.motion.pendulum import Pendulum
-from explorer.motion.rise import Rise
+from explorer.motion.rise import rise
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.membership import falls_of
@@ -137,7 +137,7 @@ class LimitMotion(Continuation):
         self, disk: Disk, energy: float, sigma3_bar: float, face: int, side: int, start: tuple[float, float]
     ) -> None:
         self.disk, self.face, self.side = disk, face, side
-        self._rise = Rise(disk, energy, sigma3_bar)
+        self._rise = rise(disk, energy, sigma3_bar)
         self._jump = side * disk.race_limit
         theta, thetadot = start
         rising = self._rise.time_at(theta)

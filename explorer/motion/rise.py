@@ -4,16 +4,14 @@ theta = theta_turn sin(alpha) takes the square root out of the turning point, an
 singular at flat, so time, chi, psi and the centre are smooth in alpha and kept as Chebyshev series.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.polynomial import Chebyshev
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion.chebyshev import HALF_PI, nodes, primitive, settled
+from explorer.motion.crossing import CrossingRise, Rising, least_chord
 from explorer.phase.disk import Disk
 from explorer.phase.membership import well
 from explorer.phase.states import Array
@@ -25,20 +23,10 @@ _NEWTON_STEPS = 4
 _FLAT = 1e-12  # a tilt that counts as flat: V on F is V_0 there, to within this tilt
 _OTHER_FLAT = np.pi - 1e-9  # a tilt beside the other flat state, where V on F grows without bound
 _SMALLEST = 1e-300  # a tilt that the kernel can take the logarithm of
+# Turning points flatter than this (rad) are as sharp as a race; for steeper ones one series does.
+_BESIDE_FLAT = 0.1
 _WELL_POINTS = 512  # tilts looked at, between the vertical and the well, for the barrier
 _XTOL = 1e-15  # of a turning point: rounding
-
-
-class Rising(NamedTuple):
-    """Points of a rise in natural units. centre: a1 + i a2; turn, sigma4: as in kernels.disk.falling.OnF."""
-
-    theta: Array
-    speed: Array
-    chi: Array
-    psi: Array
-    centre: NDArray[np.complex128]
-    turn: Array
-    sigma4: Array
 
 
 class Rise:
@@ -135,3 +123,19 @@ class Rise:
         theta, speed, here = self._along(alpha)
         centre = np.asarray(self._centre(alpha), np.complex128)
         return Rising(theta, speed, self._chi(alpha), self._psi(alpha), centre, here.turn, here.sigma4)
+
+
+def rise(disk: Disk, energy: float, sigma3_bar: float) -> Rise | CrossingRise:
+    """The rise with these constants, by the series that can follow it. Raises InputError where there is none."""
+    if crosses(disk, energy, sigma3_bar) and least_chord(disk, energy, sigma3_bar) < _BESIDE_FLAT:
+        return CrossingRise(disk, energy, sigma3_bar)
+    return Rise(disk, energy, sigma3_bar)
+
+
+def crosses(disk: Disk, energy: float, sigma3_bar: float) -> bool:
+    """Whether the rise passes the vertical and nothing bars its way to the other flat state."""
+    edge, largest = well(disk)
+    last = HALF_PI - edge if abs(sigma3_bar) < largest else HALF_PI
+    out, theta = np.empty((4, _WELL_POINTS)), np.linspace(HALF_PI, last, _WELL_POINTS)
+    compiled.falling.on_f_batch(theta, sigma3_bar / disk.body.r0, disk.natural, out)
+    return sigma3_bar != 0.0 and bool((energy > compiled.falling.OnF(*out).V).all())

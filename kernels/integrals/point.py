@@ -6,10 +6,12 @@ Everything near flat is written in h and ratios to it; S = h^2/2 may underflow.
 import math
 from typing import NamedTuple
 
-from kernels._jit import subroutine
+from kernels._jit import kernel, subroutine
 from kernels.disk import chaplygin
 from kernels.disk.body import Disk
 from kernels.disk.falling import potential_above_flat
+from kernels.disk.rows import put
+from kernels.types import Matrix, Vector
 
 _LN2 = math.log(2.0)
 VERTICAL = math.sqrt(2.0)  # h there
@@ -66,3 +68,10 @@ def motion_through(h: float, rate: float, X: float, Y: float, disk: Disk) -> Mot
 def kinetic(h: float, motion: Motion, disk: Disk) -> float:
     """P = theta-dot^2 = 2 (E - V) / M."""
     return 2.0 * disk.body.inv_M * (motion.level - point(h, motion.X, motion.Y, disk).V)
+
+
+@kernel
+def point_batch(h: Vector, X: float, Y: float, disk: Disk, out: Matrix) -> None:
+    """`point` at every h (n) -> out (7, n), rows as Point."""
+    for i in range(h.size):
+        put(point(h[i], X, Y, disk), out, i)

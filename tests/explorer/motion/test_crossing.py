@@ -1,0 +1,78 @@
+"""Rises that turn beside the other flat state: small sigma3_bar, down to where it vanishes."""
+
+import numpy as np
+import pytest
+
+import explorer as ex
+from explorer.motion.crossing import CrossingRise
+from explorer.motion.rise import Rise, crosses, rise
+from explorer.phase.constants import natural_constants
+
+BARS = [1e-2, -1e-3, 1e-4, -5.37e-5, 1e-5, 1e-9, -1e-30, 1e-200]
+
+
+def constants(disk, sigma3_bar, speed):
+    natural = natural_constants(ex.constants_to_states(disk, sigma3_bar, 0.0, speed))
+    return float(natural.energy[0]), float(natural.sigma3_bar[0])
+
+
+@pytest.mark.parametrize("speed", [1.0, 1.865])
+@pytest.mark.parametrize("sigma3_bar", BARS)
+def test_a_rise_is_half_a_period_of_the_motions_beside_it(paper_body, sigma3_bar, speed):
+    """Periods by quadrature, which know nothing of series, at an eta that makes no difference."""
+    made = rise(paper_body, *constants(paper_body, sigma3_bar, speed))
+    assert isinstance(made, CrossingRise)
+    states = ex.constants_to_states(paper_body, sigma3_bar, 1e-290, speed)
+    period = ex.periods(states, 1e-10)
+    assert 2.0 * made.half == pytest.approx(period.period[0], rel=1e-11)
+    race = paper_body.race_limit
+    assert 2.0 * made.chi_half == pytest.approx(period.chi[0] - race, abs=1e-10)
+    assert 2.0 * made.psi_half == pytest.approx(period.psi[0] - race, abs=1e-10)
+
+
+@pytest.mark.parametrize("sigma3_bar", [0.1, -0.05])
+def test_both_kinds_of_rise_agree_where_both_can_be_used(paper_body, sigma3_bar):
+    known = constants(paper_body, sigma3_bar, 1.5)
+    pieces, whole = CrossingRise(paper_body, *known), Rise(paper_body, *known)
+    assert pieces.half == pytest.approx(whole.half, rel=1e-12)
+    assert pieces.centre_half == pytest.approx(whole.centre_half, abs=1e-10)
+    time = np.linspace(0.0, 0.999 * whole.half, 100)
+    for name, mine, theirs in zip(whole.at(time)._fields, pieces.at(time), whole.at(time), strict=True):
+        np.testing.assert_allclose(mine, theirs, atol=1e-8, err_msg=name)
+    for theta in (0.3, 2.0, 0.999 * whole.theta_turn):
+        assert pieces.time_at(theta) == pytest.approx(whole.time_at(theta), rel=1e-11)
+
+
+@pytest.mark.parametrize("sigma3_bar", BARS)
+def test_a_rise_in_pieces_keeps_its_energy_and_its_place(sigma3_bar):
+    disk = ex.Disk.hoop()
+    energy, bar = constants(disk, sigma3_bar, 1.2)
+    made = CrossingRise(disk, energy, bar)
+    time = np.linspace(0.0, made.half, 400)
+    here = made.at(time)
+    b, q = disk.body, np.sin(here.theta)
+    gyration = np.where(q > 0.0, 0.5 * b.I1 * (here.turn * q) ** 2, 0.0)
+    total = 0.5 * b.M * here.speed**2 + gyration + 0.5 * b.J * here.sigma4**2 + q
+    np.testing.assert_allclose(total, energy, rtol=1e-9)
+    assert here.theta[-1] == pytest.approx(made.theta_turn, rel=1e-14)
+    assert made.time_at(2.5) == pytest.approx(np.interp(2.5, here.theta, time), abs=1e-4)
+
+
+def test_the_period_converges_as_sigma3_bar_vanishes(paper_body):
+    """Two swings of the pendulum, which is the limit; every start has a limit motion on both sides."""
+    swing = ex.limit_motion(paper_body, ex.constants_to_states(paper_body, 0.0, 0.0, 1.865)).period
+    away = []
+    for sigma3_bar in (1e-2, 1e-3, 1e-4, 1e-5, 5.37e-5, 1e-6, 1e-100):
+        base = ex.constants_to_states(paper_body, sigma3_bar, 0.0, 1.865)
+        plus, minus = (ex.limit_motion(paper_body, base, side) for side in (1, -1))
+        assert plus.period == minus.period
+        assert plus.chi_per_period - minus.chi_per_period == pytest.approx(2.0 * paper_body.race_limit)
+        away.append(abs(plus.period - 2.0 * swing))
+    assert away[0] < 1e-3
+    assert away[-1] < 1e-12
+
+
+def test_a_rise_that_is_barred_or_steep_needs_no_pieces():
+    disk = ex.Disk.uniform()
+    assert isinstance(rise(disk, *constants(disk, 1.0, 1.0)), Rise)
+    assert not crosses(disk, 0.8, 0.1)
