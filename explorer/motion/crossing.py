@@ -36,6 +36,7 @@ class Along(NamedTuple):
     """Points of the rise: rates of time, and what the angles and the centre are made of; natural units."""
 
     theta: Array
+    q: Array
     dt: Array
     speed: Array
     turn: Array
@@ -117,7 +118,7 @@ class CrossingRise:
         # eq. (2.33): d(a1 + i a2)/dt = (thetadot cos phi - i sigma4) e^(i chi). Behind the turning point, where
         # v > 0, the disk falls.
         thetadot = np.where(crossed & (nodes > 0.0), -at.speed, at.speed)
-        centre = primitive(at.dt * (thetadot * np.sin(at.theta) - 1j * at.sigma4) * np.exp(1j * chi(nodes)))
+        centre = primitive(at.dt * (thetadot * at.q - 1j * at.sigma4) * np.exp(1j * chi(nodes)))
         psi = primitive(at.dt * (np.cos(at.theta) * at.turn - at.sigma4))
         return Piece(crossed, low, high, 0.0, primitive(at.dt), chi, psi, centre)
 
@@ -131,7 +132,7 @@ class CrossingRise:
         tilt = 2.0 * np.arcsin(0.5 * h)
         with np.errstate(invalid="ignore", divide="ignore"):
             dt = (self._least * abs(np.sinh(v)) / shape if crossed else 1.0) / speed
-        return Along(np.pi - tilt if crossed else tilt, dt, speed, ratio / (h * shape), sign * sigma4)
+        return Along(np.pi - tilt if crossed else tilt, h * shape, dt, speed, ratio / (h * shape), sign * sigma4)
 
     def time_at(self, theta: float) -> float:
         """Time since flat at which the rise reaches theta."""
@@ -145,23 +146,25 @@ class CrossingRise:
 
     def at(self, time: Array) -> "Rising":
         """The rise at times since flat, 0 <= time <= half."""
-        rows = np.empty((6, time.size))
+        rows = np.empty((7, time.size))
         centre = np.empty(time.size, np.complex128)
         place = np.searchsorted([piece.start for piece in self._pieces], time, side="right") - 1
         for number, piece in enumerate(self._pieces):
             here = place == number
             v = _solve(piece, time[here] - piece.start)
             at = self._along(piece.crossed, v)
-            rows[:, here] = at.theta, at.speed, piece.chi(v), piece.psi(v), at.turn, at.sigma4
+            rows[:, here] = at.theta, at.q, at.speed, piece.chi(v), piece.psi(v), at.turn, at.sigma4
             centre[here] = piece.centre(v)
-        theta, speed, chi, psi, turn, sigma4 = rows
-        return Rising(theta, speed, chi, psi, centre, turn, sigma4)
+        theta, q, speed, chi, psi, turn, sigma4 = rows
+        return Rising(theta, q, speed, chi, psi, centre, turn, sigma4)
 
 
 class Rising(NamedTuple):
-    """Points of a rise in natural units. centre: a1 + i a2; turn: sigma3/q^2, the rate of chi."""
+    """Points of a rise in natural units. q: sin(theta), which theta near pi has no digits for; centre: a1 + i a2;
+    turn: sigma3/q^2, the rate of chi."""
 
     theta: Array
+    q: Array
     speed: Array
     chi: Array
     psi: Array

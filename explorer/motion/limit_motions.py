@@ -170,6 +170,7 @@ class LimitMotion(Continuation):
         psi_turn = 2.0 * rise.psi_half + self._jump
         return Moving(
             theta=here.theta,
+            q=here.q,
             thetadot=np.where(falling, -here.speed, here.speed),
             chi=chi + turn * bounces,
             psi=psi + psi_turn * bounces,
@@ -188,6 +189,7 @@ class Moving:
     """
 
     theta: Array
+    q: Array
     thetadot: Array
     chi: Array
     psi: Array
@@ -201,7 +203,7 @@ def in_space(disk: Disk, at: Moving, shape: tuple[int, ...]) -> LimitState:
     """A motion in the units of the disk, with contact point and velocities."""
     phi = at.face * (_HALF_PI - at.theta)
     phidot = -at.face * at.thetadot
-    q, z, away = np.sin(at.theta), at.face * np.cos(at.theta), np.exp(1j * at.chi)
+    q, z, away = at.q, at.face * np.cos(at.theta), np.exp(1j * at.chi)
     shadow = at.centre + z * away
     sliding = (-phidot * q - 1j * at.sigma4) * away  # eq. (2.33)
     turning = (q * (at.sigma4 - z * at.turn) - 1j * phidot) * away  # eq. (2.29)
@@ -278,6 +280,7 @@ class PendulumMotion(Continuation):
         centre = self._swing.centre(theta, swings, jump)
         return Moving(
             theta=theta,
+            q=np.sin(theta),
             thetadot=speed,
             chi=chi,
             psi=swings * jump,

@@ -122,7 +122,9 @@ class Rise:
             alpha = np.clip(alpha - (self._time(alpha) - time) / slope(alpha), 0.0, HALF_PI)
         theta, speed, here = self._along(alpha)
         centre = np.asarray(self._centre(alpha), np.complex128)
-        return Rising(theta, speed, self._chi(alpha), self._psi(alpha), centre, here.turn, here.sigma4)
+        return Rising(
+            theta, np.sin(theta), speed, self._chi(alpha), self._psi(alpha), centre, here.turn, here.sigma4
+        )
 
 
 def rise(disk: Disk, energy: float, sigma3_bar: float) -> Rise | CrossingRise:
