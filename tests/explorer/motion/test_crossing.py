@@ -52,9 +52,7 @@ def test_a_rise_in_pieces_keeps_its_energy_and_its_place(sigma3_bar):
     time = np.linspace(0.0, made.half, 400)
     here = made.at(time)
     b = disk.body
-    total = (
-        0.5 * b.M * here.speed**2 + 0.5 * b.I1 * (here.turn * here.q) ** 2 + 0.5 * b.J * here.sigma4**2 + here.q
-    )
+    kinetic = b.M * here.speed**2 + b.I1 * (here.turn * here.q) ** 2 + b.J * here.sigma4**2
     np.testing.assert_allclose(0.5 * kinetic + here.q, energy, rtol=1e-9)
     assert here.theta[-1] == pytest.approx(made.theta_turn, rel=1e-14)
     assert made.at(np.array([made.time_at(2.5)])).theta[0] == pytest.approx(2.5, rel=1e-12)
