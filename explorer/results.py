@@ -3,7 +3,6 @@
 import html
 from collections import Counter
 from dataclasses import fields, replace
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -67,10 +66,11 @@ class Result:
         ImportError
             Where pandas is not installed.
         """
-        frame = _library("pandas").DataFrame({name: values.ravel() for name, values in self.columns.items()})
-        frame["status"] = _library("pandas").Categorical(
-            self.status_names.ravel(), [code.name.lower() for code in compiled.status.Status]
-        )
+        import pandas as pd  # an extra: nothing else needs it
+
+        frame = pd.DataFrame({name: values.ravel() for name, values in self.columns.items()})
+        names = [code.name.lower() for code in compiled.status.Status]
+        frame["status"] = pd.Categorical(self.status_names.ravel(), names)
         return frame
 
     def to_arrow(self) -> "pa.Table":
@@ -108,7 +108,8 @@ class Result:
 
 def to_arrow(columns: dict[str, NDArray[Any]]) -> "pa.Table":
     """An Arrow table of columns, with meaning, unit and equation in the metadata of each known one."""
-    pa = _library("pyarrow")
+    import pyarrow as pa  # loaded only by those who ask for a table
+
     arrays, kinds = [], []
     for name, values in columns.items():
         array = pa.array(values.ravel())
@@ -117,10 +118,3 @@ def to_arrow(columns: dict[str, NDArray[Any]]) -> "pa.Table":
         arrays.append(array)
         kinds.append(pa.field(name, array.type, metadata=known.describe() if known else None))
     return pa.Table.from_arrays(arrays, schema=pa.schema(kinds))
-
-
-def _library(name: str) -> Any:
-    try:
-        return import_module(name)
-    except ImportError:
-        raise ImportError(f"this needs {name}, which is not installed; try: pip install {name}") from None

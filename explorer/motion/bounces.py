@@ -114,14 +114,11 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
 
     Notes
     -----
-    With the sum over a period, two bounces or one, these are eqs (3.12), (3.13) of the paper. The race angle is
-
-        race_angle = delta_chi - fall_angle,
-
-    where fall_angle is the increase of chi along the limit motion with the same sigma3_bar and energy over its
-    own stretch: from the vertical to flat and back to the vertical where it crosses the vertical, else from
-    turning point to flat to turning point. So eq. (7.9) says race_angle -> side kappa pi as eta -> 0. Where the
-    energy does not exceed V_0 there is no limit motion, and both are NaN.
+    race_angle = delta_chi - fall_angle, where fall_angle is the increase of chi along the limit motion with the
+    same sigma3_bar and energy over its own stretch: from the vertical to flat and back where it crosses the
+    vertical, else from turning point to flat to turning point. So race_angle -> side kappa pi as eta -> 0, eq.
+    (7.9). Where the energy does not exceed V_0 there is no limit motion, and both are NaN. The bounces of a
+    period add up to eqs (3.12), (3.13).
 
     Examples
     --------

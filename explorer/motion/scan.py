@@ -9,7 +9,7 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, suggest, whole
+from explorer.errors import InputError, one_of, whole
 from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
 from explorer.phase.constants import constants_of
@@ -43,7 +43,7 @@ def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BAT
         time of the next approach to flat. Or a function f(batch) of `States` that returns an array with one
         entry for each state, or a dict of such arrays; it may call `constants`, `bounces`, `simulate` and so on.
     jobs : int
-        Threads. A function must then not depend on the order of its calls.
+        Threads; the order of calls is then not defined.
     batch : int
         States in one call of the function, which bounds the memory.
 
@@ -64,7 +64,7 @@ def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BAT
     >>> ex.scan(states, "theta_min").round(4)
     array([0.6272, 0.1223, 0.3639, 0.1223, 0.6272])
 
-    Turns of the contact point within a time of 10, by a function of one's own:
+    Turns of the contact point within a time of 10:
 
     >>> def turns(batch):
     ...     motion = ex.simulate(batch.disk, batch, t_eval=[10.0], observables=["chi"])
@@ -76,9 +76,8 @@ def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BAT
         raise InputError("states: give States, for instance of phi_to_states")
     jobs, batch = whole("jobs", jobs, 1), whole("batch", batch, 1)
     if isinstance(observable, str):
-        if observable not in OBSERVABLES:
-            raise InputError(f"observable {observable!r} is not known; {suggest(observable, OBSERVABLES)}")
-        call, name = OBSERVABLES[observable], observable
+        name = one_of("observable", observable, OBSERVABLES)
+        call = OBSERVABLES[name]
         return scan(states, lambda part: np.reshape(getattr(call(part), name), len(part)), jobs, batch)
     if not callable(observable):
         raise InputError(f"observable = {observable!r} is neither a name nor a function of States")

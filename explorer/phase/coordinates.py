@@ -49,7 +49,7 @@ def rates_to_states(
     Parameters
     ----------
     disk : Disk
-        The disk; its m, r and g set the units. With kilograms, metres and seconds rates are in rad/s.
+        The disk; with m, r and g in kilograms, metres and seconds, rates are in rad/s.
     tilt : array_like
         Angle between the disk's plane and the table (rad): 0 is flat, pi/2 is upright.
     tilt_rate : array_like
@@ -57,9 +57,8 @@ def rates_to_states(
     precession : array_like
         Rate at which the contact point turns about the vertical (rad per unit of time).
     spin : array_like
-        Angular velocity of the disk about its own axis (rad per unit of time), as a gyroscope fixed to the
-        disk reads it. A disk that does not turn relative to the precessing line of contact has the spin
-        face * precession * cos(tilt).
+        Angular velocity about the disk's own axis (rad per unit of time), as a gyroscope on it reads. A disk
+        that does not turn relative to the line of contact has face * precession * cos(tilt).
     face : array_like of +1 or -1
         Which face would come down: +1 for flat at phi = +pi/2, -1 for flat at phi = -pi/2.
     degrees : bool
@@ -68,8 +67,7 @@ def rates_to_states(
     Returns
     -------
     States
-        One for each entry of the broadcast arguments. What is not finite, or not a tilt between 0 and pi, has
-        the status BAD_INPUT.
+        What is not finite, or no tilt between 0 and pi, has the status BAD_INPUT.
 
     Raises
     ------
@@ -78,8 +76,6 @@ def rates_to_states(
 
     Examples
     --------
-    A coin of 5.67 g that wobbles at 60 rad/s, tilted by one degree:
-
     >>> import math, explorer as ex
     >>> coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
     >>> states = ex.rates_to_states(coin, math.radians(1.0), 0.0, 60.0, 0.5)

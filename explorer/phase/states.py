@@ -66,22 +66,22 @@ class States:
     @property
     def phi(self) -> Array:
         """Angle of the disk's plane to the vertical (rad)."""
-        return np.arctan2(self.natural[1], self.natural[0])
+        return np.asarray(np.arctan2(self.natural[1], self.natural[0]))
 
     @property
     def phidot(self) -> Array:
         """Rate of phi (rad per unit of time)."""
-        return -self.natural[2] * self.disk.rate_unit
+        return np.asarray(-self.natural[2] * self.disk.rate_unit)
 
     @property
     def sigma3(self) -> Array:
         """sigma3 of eq. (2.14) (rad per unit of time)."""
-        return self.natural[0] * self.natural[3] * self.disk.rate_unit
+        return np.asarray(self.natural[0] * self.natural[3] * self.disk.rate_unit)
 
     @property
     def sigma4(self) -> Array:
         """Spin sigma4 of eq. (2.14) (rad per unit of time)."""
-        return self.natural[4] * self.disk.rate_unit
+        return np.asarray(self.natural[4] * self.disk.rate_unit)
 
     def at(self, rows: NDArray[np.intp]) -> States:
         """Some of the states, by their numbers."""

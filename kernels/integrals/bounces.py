@@ -7,12 +7,11 @@ import numpy as np
 
 from kernels._jit import kernel, subroutine
 from kernels.disk.body import Disk
-from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
 from kernels.integrals.orbits import Orbits, orbit
 from kernels.integrals.point import Motion, motion_through
-from kernels.integrals.quadrature import Passage, Rules, Start, passage
+from kernels.integrals.quadrature import Rules, Start, passage
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
 
@@ -62,7 +61,7 @@ def time_to_flattest(
 ) -> tuple[int, float]:
     """Status, and the time between the tilt h and the turning point on the way to flat."""
     status, lead = passage(Start(h, rate == 0.0), motion, target, rules, disk, W)
-    if rate == 0.0 and not lead.h_turn > 0.0:
+    if rate == 0.0 and not lead.theta_min > 0.0:
         # At rest, and flatter tilts are barred: the state is at its flattest.
         return _OK, 0.0
     return status, 0.5 * lead.time
@@ -85,27 +84,21 @@ def bounce_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: M
         code, here, there = orbit(h, motion, orbits.far[i] / b.I1, target, rules, disk, W)
         lead_code, lead = time_to_flattest(h, rate, motion, target, rules, disk, W)
         status[i] = max(code, lead_code)
-        crosses = there.h_turn > 0.0
+        crosses = there.theta_min > 0.0
         first, first_here = first_approach(rate, lead, here.time, there.time if crosses else math.nan)
         bounces = BounceRow(
             first=first,
             first_here=first_here,
-            energy=motion.level + potential_at_flat(X, b),
-            theta_here=tilt_of(here),
+            energy=here.energy,
+            theta_here=here.theta_min,
             chi_here=here.chi,
             psi_here=here.psi,
             time_here=here.time,
             error_here=max(here.angle_error, here.time_error),
-            theta_there=tilt_of(there),
+            theta_there=there.theta_min,
             chi_there=there.chi if crosses else math.nan,
             psi_there=there.psi if crosses else math.nan,
             time_there=there.time if crosses else math.nan,
             error_there=max(there.angle_error, there.time_error) if crosses else math.nan,
         )
         put(bounces, out, i)
-
-
-@subroutine
-def tilt_of(way: Passage) -> float:
-    """The smallest tilt of a passage (rad), NaN where there is none."""
-    return 2.0 * math.asin(0.5 * way.h_turn)
