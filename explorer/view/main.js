@@ -194,6 +194,8 @@ class Page {
 
 const lastClock = (path) => path.states[path.states.length - 1][CLOCK];
 
-const page = new Page(JSON.parse($("start").textContent));
+const data = JSON.parse($("start").textContent);
+$("note").textContent = data.note;
+const page = new Page(data);
 page.run();
 window.nearflat = page;

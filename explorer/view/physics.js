@@ -188,7 +188,7 @@ export function stateAt(path, place, value) {
     if (Math.abs(guess - w) < 1e-13) break;
     w = guess > low && guess < high ? guess : 0.5 * (low + high);
   }
-  return Float64Array.from(left, (_, i) => cubic(i, w));
+  return left.map((_, i) => cubic(i, w));
 }
 
 /** By how much the clock of the screen is slowed at a state: dclock/dt. */

@@ -12,7 +12,7 @@ export function showNumbers(store) {
   $("race").textContent = format(n.race_angle, 8, true);
   const side = n.limit > 0 ? "+" : "−";
   $("limit").textContent = `${side}κπ = ${format(n.limit, 8, true)}`;
-  $("theta-min").textContent = format(n.theta_min, 6);
+  $("theta-min").textContent = format(n.theta_min, 7);
   $("theta-size").textContent = thickness(n.theta_min);
   $("normal").textContent = format(n.min_normal_force, 4);
   const away = Number.isNaN(n.race_angle) && Number.isNaN(n.theta_min);

@@ -10,6 +10,7 @@ import os
 import select
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -25,6 +26,26 @@ def find() -> str | None:
     return given or next((path for name in NAMES if (path := shutil.which(name))), None)
 
 
+OPTIONS = (
+    "--headless",
+    "--no-sandbox",  # tests may run as root
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+    "--remote-debugging-pipe",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-extensions",
+    "--hide-scrollbars",
+)
+# The browser reads file 3 and writes file 4. Shells know only files below 10, and 3 and 4 may be taken here.
+_LAUNCH = """
+import os, sys
+for given, place in ((1, 100), (2, 101)): os.dup2(int(sys.argv[given]), place)
+for place, wanted in ((100, 3), (101, 4)): os.dup2(place, wanted)
+os.execv(sys.argv[3], sys.argv[3:])
+"""
+
+
 class Browser:
     """One browser with one page. Use as a context manager."""
 
@@ -32,14 +53,9 @@ class Browser:
         self._folder = tempfile.TemporaryDirectory(prefix="nearflat-chromium-", ignore_cleanup_errors=True)
         there, self._write = os.pipe()
         self._read, back = os.pipe()
-        # The browser reads file 3 and writes file 4.
-        command = (
-            f'exec "$0" --headless --no-sandbox --disable-gpu --remote-debugging-pipe --no-first-run '
-            f'--disable-background-networking --disable-extensions --hide-scrollbars --user-data-dir="$1" '
-            f"about:blank 3<&{there} 4>&{back}"
-        )
+        browser = [program, *OPTIONS, f"--user-data-dir={self._folder.name}", "about:blank"]
         self._process = subprocess.Popen(
-            ["sh", "-c", command, program, self._folder.name],
+            [sys.executable, "-c", _LAUNCH, str(there), str(back), *browser],
             pass_fds=(there, back),
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
@@ -50,13 +66,17 @@ class Browser:
         self._id = 0
         self.events: list[dict[str, Any]] = []
         self._session: str | None = None
-        targets = self.send("Target.getTargets")["targetInfos"]
-        page = next(target["targetId"] for target in targets if target["type"] == "page")
-        self._session = self.send("Target.attachToTarget", targetId=page, flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Network", "Log"):
-            self.send(f"{domain}.enable")
 
     def __enter__(self) -> "Browser":
+        try:
+            targets = self.send("Target.getTargets")["targetInfos"]
+            page = next(target["targetId"] for target in targets if target["type"] == "page")
+            self._session = self.send("Target.attachToTarget", targetId=page, flatten=True)["sessionId"]
+            for domain in ("Page", "Runtime", "Network", "Log"):
+                self.send(f"{domain}.enable")
+        except BaseException:
+            self.__exit__()
+            raise
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -107,10 +127,11 @@ class Browser:
 
     def open(self, path: Path, fragment: str = "") -> None:
         """Open a file and wait until it is loaded. What the page does from now on is in `events`."""
-        self.send("Page.navigate", url="about:blank")
-        self.events.clear()
-        self.send("Page.navigate", url=path.resolve().as_uri() + fragment)
-        self.until("Page.loadEventFired")
+        # By way of an empty page: an address that differs after # only would load nothing.
+        for address in ("about:blank", path.resolve().as_uri() + fragment):
+            self.events.clear()
+            self.send("Page.navigate", url=address)
+            self.until("Page.loadEventFired")
 
     def evaluate(self, expression: str) -> Any:
         """The value of a JavaScript expression in the page; promises are waited for."""
