@@ -27,7 +27,7 @@ function readLook(shown) {
     level: css("level"), table: css("table"), tableFar: css("table-far"), tableEdge: css("table-edge"), tableLine: css("table-line"),
     faceUp: rgb("face-up"), faceDown: rgb("face-down"), markUp: css("mark-up"), markDown: css("mark-down"),
     sides: order.map(rgb), sideColours: order.map(css), tints: { 1: tint("plus"), [-1]: tint("minus") },
-    shadow: dark ? 1.9 : 1,
+    shadow: dark ? 1.2 : 1,
   };
 }
 
@@ -195,7 +195,7 @@ class Page {
 const lastClock = (path) => path.states[path.states.length - 1][CLOCK];
 
 const data = JSON.parse($("start").textContent);
-$("note").textContent = data.note;
+$("note").textContent = data.note && ` · ${data.note}`;
 const page = new Page(data);
 page.run();
 window.nearflat = page;

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from explorer.errors import InputError
-from explorer.phase.disk import PRESETS, Disk
+from explorer.phase.disk import Disk
 from explorer.view.assembly import assemble
 from explorer.view.start import Start, start_at_vertical, start_in
 
@@ -163,7 +163,7 @@ def _bodies(disk: Disk) -> tuple[str, list[dict[str, Any]]]:
 
 @cache
 def _presets() -> list[dict[str, Any]]:
-    return [_body(getattr(Disk, name)(), name) for name in PRESETS]
+    return [_body(disk, disk.name) for disk in (Disk.uniform(), Disk.hoop(), Disk.matching())]
 
 
 def _body(disk: Disk, name: str) -> dict[str, Any]:

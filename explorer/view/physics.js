@@ -27,7 +27,7 @@ export const RACE_RATE = 4;
 // Of 1/speed. Steps of Dormand and Prince of this length leave errors of some 1e-7 rad per passage.
 const STEP = 0.08;
 const MOST_STEPS = 60000;
-const MOST_CLOCK = 240;
+const MOST_CLOCK = 120; // a disk that stands still would stand for ever
 // Share of the energy below which p is left alone when the energy is set right: it is close to a turning point.
 const MOVING = 0.01;
 

@@ -6,9 +6,10 @@ import { P, Q, Z, etaAt } from "./physics.js";
 import { LARGEST, SMALLEST, sigma4Bar } from "./state.js";
 
 const REACH = 2.5; // of the plane, in sqrt(g/r)
-// Around F the distance is drawn by decades: this half width of the plane stands for SMALLEST ... BAND.
-const BAND = 0.25;
-const EDGE = 0.03;
+// Around F the distance is drawn by decades: SMALLEST ... BAND lies between EDGE and BAND of the plane, so that
+// two points on the two sides never hide each other.
+const BAND = 0.3;
+const EDGE = 0.09;
 
 /** Distance to F as it is drawn: by decades up to BAND, true beyond. */
 export function stretched(etaHat) {

@@ -37,7 +37,8 @@ export function showNow(state, face, races) {
   $("slowing").textContent = factor >= SHOWN_SLOWED ? `${format(factor, factor < 100 ? 2 : 3)}× slowed` : "";
   $("tilt").textContent = `tilt ${format(tiltOf(state, face), 3)} rad`;
   ["race-now", "other-now"].forEach((id, n) => {
-    $(id).textContent = races[n] ? `${format(races[n].turned / Math.PI, 3, true)} π` : "";
+    const turned = races[n] && races[n].turned / Math.PI;
+    $(id).textContent = races[n] ? `${turned < 0 ? "−" : "+"}${Math.abs(turned).toFixed(2)} π` : "";
   });
 }
 

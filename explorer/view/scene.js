@@ -12,7 +12,7 @@ const TAIL_PIECES = 6;
 const FOLLOW = 0.045;
 const CATCH_UP = 0.2;
 // What the camera keeps in sight: both disks and this much around them.
-const AROUND = 1.6;
+const AROUND = 1.85;
 
 /** The path of the contact point as places on the table with the times of the clock. */
 export function trailOf(path) {
@@ -44,6 +44,7 @@ export function extentOf(paths) {
 /** The races of a motion: chi where each begins, the clock at its middle, and the tilt there. */
 function racesOf(path, numbers) {
   const { limit, theta_min } = numbers;
+  if (!Number.isFinite(theta_min)) return [];
   return path.turns.map((n) => ({
     clock: path.states[n][CLOCK], chi: path.states[n][CHI] - 0.5 * limit, limit, thetaMin: theta_min,
   }));

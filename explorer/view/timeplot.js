@@ -21,7 +21,7 @@ export class TimePlot {
     this.end = main.states[main.states.length - 1][CLOCK];
     this.curves = paths.map((path) => thin(path).map((x) => [x[CLOCK], tiltOf(x, path.motion.face), x[CHI]]));
     const all = this.curves.flat().filter(([clock]) => clock <= this.end);
-    this.lowest = Math.floor(Math.log10(Math.min(...all.map((point) => point[1]))) - 0.15);
+    this.lowest = Math.min(-1, Math.floor(Math.log10(Math.min(...all.map((point) => point[1]))) - 0.15));
     const chi = all.map((point) => point[2]);
     const room = 0.06 * (Math.max(...chi) - Math.min(...chi)) + 0.3;
     this.chi = [Math.min(...chi) - room, Math.max(...chi) + room];

@@ -321,3 +321,21 @@ def test_any_body_and_any_tilt_can_be_opened(page, page_file, tmp_path):
             assert r0 == motion.disk.body.r0
     finally:
         page.open(page_file)
+
+
+def test_no_setting_within_reach_breaks_the_page(page):
+    random = np.random.default_rng(5)
+    for _ in range(25):
+        values = {
+            "disk": str(random.choice(["uniform", "hoop", "matching", "annulus:0.8"])),
+            "face": int(random.choice([-1, 1])),
+            "sigma3_bar": float(random.choice([0.0, random.uniform(-2.5, 2.5)])),
+            "eta_hat": float(random.choice([-1, 1]) * 10.0 ** random.uniform(-12.0, 0.5)),
+            "phidot": float(random.choice([0.0, random.uniform(-3.0, 3.0)])),
+            "theta": float(random.choice([np.pi / 2, random.uniform(0.1, 3.0)])),
+        }
+        page.evaluate(f"(nearflat.store.set({json.dumps(values)}), nearflat.player.seek(1.0), nearflat.draw(), 0)")
+        finite = "nearflat.store.main.states.every(x => x.every(Number.isFinite))"
+        assert page.evaluate(finite), values
+    page.frames()
+    assert page.problems() == []
