@@ -23,7 +23,7 @@ EXPLORER = """
     measure
     portrait
     plot
-    scenes paper
+    scenes paper view
     runs
     commands
     __init__

@@ -7,12 +7,14 @@ progress and errors to stderr. Nothing heavy is imported before a command is kno
 import argparse
 import json
 import os
+import re
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from explorer.commands import pages as cli_paper
+from explorer.commands import view as cli_view
 from explorer.commands.runs import add_commands, add_json, add_workers, show
 from explorer.errors import InputError, Interrupted, RunError
 
@@ -58,7 +60,11 @@ _OPTIONS = (
 
 
 class _Parser(argparse.ArgumentParser):
-    """Errors in one or two lines, without the whole usage."""
+    """Errors in one or two lines, without the whole usage; -1e-3 is a number, not an option."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 
     def error(self, message: str) -> NoReturn:
         print(f"{self.prog}: {message}\nTry '{self.prog} --help'.", file=sys.stderr)
@@ -109,6 +115,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_plan(commands)
     _add_trade(commands)
     cli_paper.add_commands(commands, _add)
+    cli_view.add_commands(commands, _add)
     _add_warmup(commands)
     return parser
 
