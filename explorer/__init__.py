@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from explorer.phase.states import constants_to_states as constants_to_states
     from explorer.phase.states import phi_to_states as phi_to_states
     from explorer.phase.states import theta_to_states as theta_to_states
+    from explorer.view.page import view as view
 
     Status = _status.Status
     __version__: str
@@ -70,6 +71,7 @@ _HOMES = {
     "scan": "motion.scan",
     "simulate": "motion.trajectories",
     "theta_to_states": "phase.states",
+    "view": "view.page",
 }
 
 __all__ = [*_HOMES]

@@ -25,7 +25,7 @@ EXPLORER = """
     measure
     portrait
     plot
-    scenes paper
+    scenes paper view
     runs
     commands
     __init__

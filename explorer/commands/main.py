@@ -71,6 +71,11 @@ COMMANDS = {
         "Draw phase portraits, steady motions, slices, race numbers, bounces, paths and a film.",
         "--disk hoop --only paths",
     ),
+    "view": Command(
+        lambda: import_module("explorer.commands.view"),
+        "Write one self-contained page in which the disk rolls in 3-D, live, on both sides of F.",
+        "--disk hoop --eta-hat -1e-12 --out page.html --open",
+    ),
     "gallery": Command(
         lambda: import_module("explorer.commands.gallery"),
         "Write the page of a folder of results: every picture with the command that makes it.",

@@ -1,0 +1,42 @@
+"""`nearflat view`: the page with the rolling disk, written to a file."""
+
+import argparse
+import json
+import webbrowser
+from pathlib import Path
+
+from explorer.commands.common import add_json
+from explorer.errors import number
+from explorer.view.page import view
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """What the command takes."""
+    command.add_argument("--disk", default="uniform", metavar="DISK", help="as for run (default uniform)")
+    for flag, default, help_text in (
+        ("--sigma3-bar", 1.0, "sigma3 at the vertical, in the units of the disk"),
+        ("--eta-hat", 1e-3, "distance beside the falling set, not 0; its sign is the side"),
+        ("--phidot", 1.0, "speed at the vertical towards the flat state"),
+    ):
+        text = f"{help_text} (default {default:g})"
+        command.add_argument(flag, default=default, metavar="X", help=text)
+    command.add_argument("--face", type=int, choices=(1, -1), default=1, help="flat state (default 1)")
+    command.add_argument("--out", default="view.html", metavar="FILE", help="default view.html")
+    command.add_argument("--open", action="store_true", help="open the page in the browser")
+    add_json(command)
+
+
+def call(options: argparse.Namespace) -> int:
+    """Write the page."""
+    names = ("sigma3_bar", "eta_hat", "phidot")
+    sigma3_bar, eta_hat, phidot = (number(f"--{name.replace('_', '-')}", getattr(options, name)) for name in names)
+    page = view(options.disk, sigma3_bar, eta_hat, phidot, options.face)
+    where = page.save(Path(options.out))
+    size = where.stat().st_size
+    if options.json:
+        print(json.dumps({"page": str(where), "bytes": size, "disk": page.disk.name}))
+    else:
+        print(f"{where} ({size / 1000:.0f} kB): open it in any browser.")
+    if options.open:
+        webbrowser.open(where.resolve().as_uri())
+    return 0

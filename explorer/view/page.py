@@ -1,0 +1,178 @@
+"""`ex.view`: a motion as a page that runs in any browser."""
+
+import html
+import math
+from dataclasses import asdict, dataclass
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from explorer.errors import InputError
+from explorer.phase.disk import Disk
+from explorer.view.assembly import assemble
+from explorer.view.start import Start, start_at_vertical, start_in
+
+_HEIGHT = 820  # pixels of the frame in a notebook: all of the page on a laptop
+
+
+@dataclass(frozen=True)
+class View:
+    """A page with the disk rolling in three dimensions: what `view` returns.
+
+    In a notebook it shows itself. It is one file that needs neither a network nor a server.
+
+    Attributes
+    ----------
+    disk : Disk
+        The body that rolls.
+    start : Start
+        The motion with which the page begins, in natural units.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> page = ex.view("hoop", sigma3_bar=0.5)
+    >>> page.start.sigma3_bar, page.start.face
+    (0.5, 1)
+    """
+
+    disk: Disk
+    start: Start
+
+    @cached_property
+    def html(self) -> str:
+        """The page as text."""
+        name, bodies = _bodies(self.disk)
+        unit = self.disk.rate_unit
+        note = "" if unit == 1.0 else f"√(g/r) is {unit:.4g} rad per unit of time of this disk"
+        return assemble({"bodies": bodies, "start": {"disk": name, **asdict(self.start)}, "note": note})
+
+    def save(self, path: str | Path) -> Path:
+        """Write the page to a file.
+
+        Parameters
+        ----------
+        path : str or Path
+            A name that ends in .html, in a folder that exists.
+
+        Returns
+        -------
+        Path
+            The file, below 1 MB.
+
+        Raises
+        ------
+        InputError
+            Where the name ends otherwise, or the file cannot be written.
+        """
+        where = Path(path)
+        if where.suffix.lower() not in (".html", ".htm"):
+            raise InputError(f"path = {str(path)!r}: the page is HTML; give a name that ends in .html")
+        try:
+            where.write_text(self.html, encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"path = {str(path)!r}: cannot be written ({error.strerror})") from None
+        return where
+
+    def __repr__(self) -> str:
+        at = self.start
+        return (
+            f"View({self.disk.name}, face {at.face:+d}: sigma3_bar = {at.sigma3_bar:g}, "
+            f"eta_hat = {at.eta_hat:g}, phidot = {at.phidot:g} √(g/r))"
+        )
+
+    def _repr_html_(self) -> str:
+        """The page in a frame of its own, which notebooks show and keep."""
+        page = html.escape(self.html, quote=True)
+        return (
+            f'<iframe srcdoc="{page}" width="100%" height="{_HEIGHT}" title="nearflat view" '
+            'style="border:0" allow="clipboard-write"></iframe>'
+        )
+
+
+def view(
+    disk: Disk | str = "uniform",
+    sigma3_bar: float = 1.0,
+    eta_hat: float = 1e-3,
+    phidot: float = 1.0,
+    face: int = 1,
+    states: Any = None,
+    row: int = 0,
+) -> View:
+    """Make a page in which the disk rolls, live, on both sides of F.
+
+    The page computes the motion itself, with eta carried as a number of its own. Distance to F, constants of
+    motion, speed, tilt, body and time can be dragged in it.
+
+    Parameters
+    ----------
+    disk : Disk or str
+        The body, or its name as on the command line: uniform, hoop, matching, annulus:RATIO.
+    sigma3_bar : float
+        sigma3 at the vertical (rad per unit of time).
+    eta_hat : float
+        Distance beside F on `face` (rad per unit of time), not 0. Its sign is the side, on which the contact
+        point races by +kappa pi or -kappa pi; the motion at -eta_hat is shown beside it.
+    phidot : float
+        Speed at the vertical towards the flat state of `face` (rad per unit of time).
+    face : int
+        The flat state that is meant, +1 or -1.
+    states : States or result, optional
+        Where to start instead of the vertical: States, or a result with `states` or with `disk`, `sigma3_bar`,
+        `eta_hat`, `phidot` and `face`. The arguments before are then ignored.
+    row : int
+        Which of these states.
+
+    Returns
+    -------
+    View
+        Shows itself in a notebook; `.save("page.html")` writes a file for any browser.
+
+    Raises
+    ------
+    InputError
+        Where the disk falls flat (eta_hat = 0), or the side of a state is lost in its rounding.
+
+    Notes
+    -----
+    The motion is that of section 7 of Cushman and Duistermaat, Regul. Chaotic Dyn. 11 (2006) 31-60.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.view("hoop", eta_hat=-1e-12)
+    View(hoop, face +1: sigma3_bar = 1, eta_hat = -1e-12, phidot = 1 √(g/r))
+    """
+    if states is not None:
+        return View(*start_in(states, row))
+    body = Disk.parse(disk) if isinstance(disk, str) else disk
+    return View(body, start_at_vertical(body, sigma3_bar, eta_hat, phidot, face))
+
+
+def _bodies(disk: Disk) -> tuple[str, list[dict[str, Any]]]:
+    """The name of the body that is shown, and all bodies with a button."""
+    bodies = _presets()
+    given = _body(disk, "given") | {"label": disk.name}
+    for body in bodies:
+        if all(math.isclose(body[key], given[key], rel_tol=1e-12) for key in ("I1", "I3")):
+            return str(body["name"]), bodies
+    return "given", [*bodies, given]
+
+
+@cache
+def _presets() -> list[dict[str, Any]]:
+    return [_body(disk, disk.name) for disk in (Disk.uniform(), Disk.hoop(), Disk.matching())]
+
+
+def _body(disk: Disk, name: str) -> dict[str, Any]:
+    """What the page needs to know about a body, natural units, with the series that Python computed.
+
+    inner: inner over outer radius of the flat ring with these moments of inertia; null for other bodies.
+    """
+    b = disk.body
+    ring = math.isclose(b.I3, 2.0 * b.I1, rel_tol=1e-9) and 0.25 <= b.I1 <= 0.5
+    inner = math.sqrt(max(0.0, 4.0 * b.I1 - 1.0)) if ring else None
+    series = {"rows": np.asarray(disk.natural.series).tolist(), "r0": b.r0, "dr0": b.dr0}
+    return {"name": name, "label": name, "ring": ring, "inner": inner, "I1": b.I1, "I3": b.I3, "series": series}

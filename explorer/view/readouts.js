@@ -1,0 +1,80 @@
+// The numbers of the page and the gauge of the race.
+
+import { Chart, dot, format, line, text } from "./chart.js";
+import { slowing, tiltOf } from "./physics.js";
+
+const $ = (id) => document.getElementById(id);
+const SHOWN_SLOWED = 1.5;
+
+/** The numbers of the motion that is shown; they change only with it. */
+export function showNumbers(store) {
+  const n = store.numbers;
+  $("race").textContent = format(n.race_angle, 8, true);
+  const side = n.limit > 0 ? "+" : "−";
+  $("limit").textContent = `${side}κπ = ${format(n.limit, 8, true)}`;
+  $("theta-min").textContent = format(n.theta_min, 7);
+  $("theta-size").textContent = thickness(n.theta_min);
+  $("normal").textContent = format(n.min_normal_force, 4);
+  const away = Number.isNaN(n.race_angle) && Number.isNaN(n.theta_min);
+  $("lift").textContent = away ? "never comes near flat here" : n.min_normal_force <= 0 ? "a real disk would lift off" : "";
+  $("friction").textContent = format(n.max_friction, 4);
+  const most = n.max_friction;
+  $("friction-words").textContent = away ? "" : most === Infinity ? "none is enough" : most > 1 ? "more than rubber has" : "";
+}
+
+/** How small a tilt is: the gap under the far edge of a disk as wide as a hand. */
+function thickness(tilt) {
+  if (!(tilt < 0.5)) return "";
+  const gap = 0.1 * tilt; // m
+  const scales = [[1e-3, "mm"], [1e-6, "µm"], [1e-9, "nm"], [1e-12, "pm"]];
+  const [unit, name] = scales.find(([size]) => gap >= size) ?? [1e-12, "pm"];
+  return `${format(gap / unit, 2)} ${name} under a 10 cm disk`;
+}
+
+/** The words over the picture, which change from frame to frame. */
+export function showNow(state, face, races) {
+  const factor = slowing(state);
+  $("slowing").textContent = factor >= SHOWN_SLOWED ? `${format(factor, factor < 100 ? 2 : 3)}× slowed` : "";
+  $("tilt").textContent = `tilt ${format(tiltOf(state, face), 3)} rad`;
+  ["race-now", "other-now"].forEach((id, n) => {
+    const turned = races[n] && races[n].turned / Math.PI;
+    $(id).textContent = races[n] ? `${turned < 0 ? "−" : "+"}${Math.abs(turned).toFixed(2)} π` : "";
+  });
+}
+
+/** -kappa pi ... +kappa pi as a line, with both sides on it. */
+export class Gauge {
+  constructor(canvas) {
+    this.chart = new Chart(canvas, [4, 26, 14, 26]);
+  }
+
+  load(store) {
+    this.angles = [store.numbers.race_angle, store.otherNumbers.race_angle];
+    this.limit = Math.abs(store.numbers.limit);
+    this.ghost = store.shown.ghost;
+    this.chart.stale = true;
+  }
+
+  draw(look) {
+    this.chart.draw((context) => {
+      const { box } = this.chart;
+      const middle = box.top + 0.5 * box.height;
+      const widest = 1.25 * Math.max(this.limit, ...this.angles.map((a) => Math.abs(a) || 0));
+      const x = (angle) => box.left + 0.5 * box.width * (1 + angle / widest);
+      line(context, [[box.left, middle], [box.right, middle]], look.axis, 2);
+      line(context, [[x(0), middle - 4], [x(0), middle + 4]], look.soft, 1);
+      for (const side of [-1, 1]) {
+        const colour = side === Math.sign(this.angles[0]) ? look.sideColours[0] : look.sideColours[1];
+        line(context, [[x(side * this.limit), middle - 8], [x(side * this.limit), middle + 8]], colour, 2);
+        text(context, side > 0 ? "+κπ" : "−κπ", x(side * this.limit), box.bottom + 8, look.soft, "center");
+      }
+      [1, 0].forEach((n) => {
+        if (!Number.isFinite(this.angles[n]) || (n && !this.ghost)) return;
+        line(context, [[x(0), middle], [x(this.angles[n]), middle]], look.sideColours[n], n ? 2 : 4);
+        if (n) dot(context, x(this.angles[n]), middle, 5, look.paper, look.sideColours[n]);
+        else dot(context, x(this.angles[n]), middle, 6, look.sideColours[n], look.paper);
+      });
+      text(context, "0", x(0), box.bottom + 8, look.soft, "center");
+    }, () => {});
+  }
+}

@@ -1,0 +1,208 @@
+// The picture on the left: table, shadows, trails of the contact points, the disk and its ghost.
+
+import { Camera } from "./camera.js";
+import { drawDisk, drawGhost, drawHand, drawShadow, drawSpiral, lampOf, poseOf } from "./disk.js";
+import { A1, A2, CHI, CLOCK, P, Z, tiltOf } from "./physics.js";
+
+// A trail needs a point where the contact has moved or turned by this much.
+const TRAIL_STEP = 0.02;
+const TAIL = 0.9; // units of the clock that the bright end of a trail is long
+const TAIL_PIECES = 6;
+// Share of the way to a new aim per frame: soft where the camera follows, quick where a slider is dragged.
+const FOLLOW = 0.045;
+const CATCH_UP = 0.2;
+// What the camera keeps in sight: both disks and this much around them.
+const AROUND = 1.85;
+
+/** The path of the contact point as places on the table with the times of the clock. */
+export function trailOf(path) {
+  const trail = [];
+  let last = null;
+  for (const x of path.states) {
+    const at = [x[A1] + x[Z] * Math.cos(x[CHI]), x[A2] + x[Z] * Math.sin(x[CHI]), 0, x[CLOCK]];
+    if (last && Math.hypot(at[0] - last[0], at[1] - last[1]) < TRAIL_STEP) continue;
+    trail.push(at);
+    last = at;
+  }
+  return trail;
+}
+
+/** A circle on the table round everything that will be seen. */
+export function extentOf(paths) {
+  let [west, east, south, north] = [Infinity, -Infinity, Infinity, -Infinity];
+  for (const path of paths) {
+    for (const x of path.states) {
+      west = Math.min(west, x[A1]);
+      east = Math.max(east, x[A1]);
+      south = Math.min(south, x[A2]);
+      north = Math.max(north, x[A2]);
+    }
+  }
+  return { x: 0.5 * (west + east), y: 0.5 * (south + north), radius: 0.5 * Math.hypot(east - west, north - south) + 1.1 };
+}
+
+/** The races of a motion: chi where each begins, the clock at its middle, and the tilt there. */
+function racesOf(path, numbers) {
+  const { limit, theta_min } = numbers;
+  if (!Number.isFinite(theta_min)) return [];
+  return path.turns.map((n) => ({
+    clock: path.states[n][CLOCK], chi: path.states[n][CHI] - 0.5 * limit, limit, thetaMin: theta_min,
+  }));
+}
+
+/**
+ * How far the race that is nearest in time has come, from 0 to its limit (rad); null where there is none.
+ *
+ * Leading order near flat: theta^2 = theta_min^2 + A^2 t^2 and chi = chi_min + side kappa atan(A t/theta_min).
+ */
+export function raceAt(races, x, face) {
+  if (!races.length) return null;
+  const near = (race) => Math.abs(race.clock - x[CLOCK]);
+  const race = races.reduce((best, other) => (near(other) < near(best) ? other : best));
+  const half = Math.acos(Math.min(1, race.thetaMin / tiltOf(x, face))) / Math.PI;
+  return { ...race, turned: race.limit * (0.5 + Math.sign(face * x[P]) * half) };
+}
+
+export class Scene {
+  constructor(canvas, still) {
+    this.canvas = canvas;
+    this.still = still;
+    this.context = canvas.getContext("2d");
+    this.camera = new Camera();
+  }
+
+  /** New motions: `paths` is [shown, ghost]; numbers: their readouts. */
+  load(paths, inner, numbers) {
+    this.trails = paths.map(trailOf);
+    this.races = paths.map((path, n) => racesOf(path, numbers[n]));
+    this.faces = paths.map((path) => path.motion.face);
+    this.extent = extentOf(paths);
+    this.inner = inner;
+    this.table ??= { ...this.extent };
+  }
+
+  /** The camera follows both disks; where the page should not move it sees the whole table instead. */
+  follow(poses) {
+    for (const key of ["x", "y", "radius"]) this.table[key] += CATCH_UP * (this.extent[key] - this.table[key]);
+    if (this.still) {
+      this.camera.follow({ ...this.extent, z: 0.4 }, CATCH_UP);
+      return;
+    }
+    const [a, b] = [poses[0], poses[1] ?? poses[0]].map((pose) => pose.centre);
+    const apart = 0.5 * Math.hypot(a[0] - b[0], a[1] - b[1]);
+    // The disk is nearly flat for a while and upright for a while; the aim is between.
+    const z = 0.1 + 0.25 * (a[2] + b[2]);
+    this.camera.follow({ x: 0.5 * (a[0] + b[0]), y: 0.5 * (a[1] + b[1]), z, radius: AROUND + 0.75 * apart }, FOLLOW);
+  }
+
+  /** states: [shown, ghost]; ghost null where it is switched off. look: colours, `sides` as [r, g, b] pairs. */
+  draw(states, look) {
+    const { context, camera } = this;
+    const ratio = this.canvas.width / this.canvas.clientWidth;
+    const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
+    const poses = states.map((x) => x && poseOf(x, this.inner));
+    this.follow(poses);
+    camera.frame(width, height);
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, width, height);
+    const lamp = lampOf(camera);
+    this.drawTable(look);
+    this.clipToTable(() => {
+      poses.forEach((pose, n) => pose && drawShadow(context, camera, pose, lamp, n ? 0.45 : look.shadow));
+      [1, 0].forEach((n) => poses[n] && this.drawTrail(this.trails[n], states[n][CLOCK], look.sides[n], n));
+    });
+    const depths = poses.map((pose) => (pose ? camera.project(pose.centre)[2] : Infinity));
+    const order = depths[1] > depths[0] ? [1, 0] : [0, 1];
+    for (const n of order) {
+      if (!poses[n]) continue;
+      if (n) drawGhost(context, camera, poses[n], look.sides[n]);
+      else drawDisk(context, camera, poses[n], { ...look, side: look.sides[0] }, lamp);
+    }
+    [1, 0].forEach((n) => {
+      const race = states[n] && raceAt(this.races[n], states[n], this.faces[n]);
+      if (race) drawSpiral(context, camera, poses[n], race, tiltOf(states[n], this.faces[n]), look.sides[n]);
+    });
+    [1, 0].forEach((n) => poses[n] && drawHand(context, camera, poses[n], look.sides[n], n ? 4.5 : 6));
+  }
+
+  tableTop(lower = 0) {
+    const { x, y, radius } = this.table;
+    return Array.from({ length: 96 }, (_, n) => {
+      const turn = (2 * Math.PI * n) / 96;
+      const size = radius + 0.5;
+      return this.camera.project([x + size * Math.cos(turn), y + size * Math.sin(turn), -lower]);
+    });
+  }
+
+  outline(points) {
+    this.context.beginPath();
+    points.forEach(([x, y], n) => (n ? this.context.lineTo(x, y) : this.context.moveTo(x, y)));
+    this.context.closePath();
+  }
+
+  clipToTable(paint) {
+    this.context.save();
+    this.outline(this.tableTop());
+    this.context.clip();
+    paint();
+    this.context.restore();
+  }
+
+  drawTable(look) {
+    const { context, camera } = this;
+    this.outline(this.tableTop(0.16));
+    context.fillStyle = look.tableEdge;
+    context.fill();
+    const top = this.tableTop();
+    this.outline(top);
+    const heights = top.map((p) => p[1]);
+    const gradient = context.createLinearGradient(0, Math.min(...heights), 0, Math.max(...heights));
+    gradient.addColorStop(0, look.tableFar);
+    gradient.addColorStop(1, look.table);
+    context.fillStyle = gradient;
+    context.fill();
+    this.clipToTable(() => {
+      const { x, y, radius } = this.table;
+      const reach = Math.ceil(radius + 1);
+      context.strokeStyle = look.tableLine;
+      context.lineWidth = 1;
+      context.beginPath();
+      for (let n = -reach; n <= reach; n++) {
+        const cx = Math.round(x), cy = Math.round(y);
+        for (const [from, to] of [
+          [[cx + n, cy - reach, 0], [cx + n, cy + reach, 0]],
+          [[cx - reach, cy + n, 0], [cx + reach, cy + n, 0]],
+        ]) {
+          const a = camera.project(from), b = camera.project(to);
+          context.moveTo(a[0], a[1]);
+          context.lineTo(b[0], b[1]);
+        }
+      }
+      context.stroke();
+    });
+  }
+
+  /** The past of a contact point: a thin line, and a bright end that fades. */
+  drawTrail(trail, now, colour, ghost) {
+    const width = ghost ? 7 : 2.6;
+    const past = trail.filter((at) => at[3] <= now).map((at) => [...this.camera.project(at), at[3]]);
+    if (past.length < 2) return;
+    const { context } = this;
+    context.lineJoin = context.lineCap = "round";
+    context.strokeStyle = `rgba(${colour.join(",")}, ${ghost ? 0.3 : 0.8})`;
+    context.lineWidth = width;
+    context.beginPath();
+    past.forEach(([x, y], n) => (n ? context.lineTo(x, y) : context.moveTo(x, y)));
+    context.stroke();
+    for (let piece = 0; piece < TAIL_PIECES; piece++) {
+      const since = now - TAIL * (1 - piece / TAIL_PIECES);
+      const part = past.filter((at) => at[3] >= since);
+      if (part.length < 2) continue;
+      context.strokeStyle = `rgba(${colour.join(",")}, ${ghost ? 0.09 : 0.3})`;
+      context.lineWidth = width * (1.1 + (0.9 * piece) / TAIL_PIECES);
+      context.beginPath();
+      part.forEach(([x, y], n) => (n ? context.lineTo(x, y) : context.moveTo(x, y)));
+      context.stroke();
+    }
+  }
+}

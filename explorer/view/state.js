@@ -1,0 +1,109 @@
+// What is shown, in one place: the motion, how it is played, and the address that carries both.
+
+import { annulus, etaHatToEta, lineSlope, makeBody } from "./chaplygin.js";
+import { readouts } from "./passage.js";
+import { trajectory } from "./physics.js";
+
+/** Approaches to flat that are shown before the picture begins anew: enough for the two sides to part. */
+const BOUNCES = 3;
+const UPRIGHT = 0.5 * Math.PI;
+/** Smallest and largest |eta_hat| of the controls; an address or Python may go further. */
+export const SMALLEST = 1e-12;
+export const LARGEST = 1;
+
+const NUMBERS = { face: 1, sigma3_bar: 1, eta_hat: 0.01, theta: UPRIGHT, phidot: 1, pace: 1 };
+const FLAGS = { slow: true, ghost: true };
+
+/** The body of a name: one that Python sent with its series, or an annulus computed here. */
+export function bodyOf(name, bodies) {
+  const given = bodies.find((body) => body.name === name);
+  if (given) return { ...makeBody(given.I1, given.I3, given.series), name, label: given.label, inner: given.inner };
+  const inner = Number(name.replace("annulus:", ""));
+  if (!name.startsWith("annulus:") || !(inner >= 0 && inner <= 1)) return bodyOf(bodies[0].name, bodies);
+  return { ...annulus(inner), name, label: `annulus ${inner.toFixed(2)}`, inner };
+}
+
+/** The part of an address after #, read; what cannot be used is left out. */
+export function readHash(hash) {
+  const found = {};
+  for (const [key, text] of new URLSearchParams(hash.replace(/^#/, ""))) {
+    if (key === "disk" && text) found.disk = text;
+    else if (key in NUMBERS && text.trim() !== "" && Number.isFinite(Number(text))) found[key] = Number(text);
+    else if (key in FLAGS) found[key] = text !== "0";
+  }
+  if (found.eta_hat === 0) delete found.eta_hat;
+  if (found.face !== undefined && Math.abs(found.face) !== 1) delete found.face;
+  if (found.theta !== undefined && !(found.theta > 0 && found.theta < Math.PI)) delete found.theta;
+  if (found.pace !== undefined && !(found.pace > 0)) delete found.pace;
+  return found;
+}
+
+/** The same, written: only what differs from a fresh page, so that addresses stay short. */
+export function writeHash(shown) {
+  const parts = [`disk=${shown.disk}`];
+  for (const key of Object.keys(NUMBERS)) {
+    const always = key === "sigma3_bar" || key === "eta_hat" || key === "phidot";
+    if (always || shown[key] !== NUMBERS[key]) parts.push(`${key}=${shown[key]}`);
+  }
+  for (const key of Object.keys(FLAGS)) if (shown[key] !== FLAGS[key]) parts.push(`${key}=${shown[key] ? 1 : 0}`);
+  return `#${parts.join("&")}`;
+}
+
+/** Place on the signed logarithmic ruler, -1 ... 1: F lies in the middle, |eta_hat| grows by decades outwards. */
+export function etaHatToPlace(etaHat) {
+  const decades = Math.log10(LARGEST / SMALLEST);
+  const size = Math.min(LARGEST, Math.max(SMALLEST, Math.abs(etaHat)));
+  return Math.sign(etaHat) * (0.02 + (0.98 * Math.log10(size / SMALLEST)) / decades);
+}
+
+/** The inverse; the middle itself belongs to the side of `before`. */
+export function placeToEtaHat(place, before = 1) {
+  const decades = Math.log10(LARGEST / SMALLEST);
+  const share = Math.max(0, Math.abs(place) - 0.02) / 0.98;
+  return (Math.sign(place) || Math.sign(before)) * SMALLEST * 10 ** (decades * Math.min(1, share));
+}
+
+/** sigma4_bar of a motion, from its sigma3_bar and its distance to the line of its face. */
+export function sigma4Bar(shown, body) {
+  return shown.face * (lineSlope(body) * shown.sigma3_bar - shown.eta_hat);
+}
+
+/** Keeps the shown motion and everything that follows from it; tells its listeners when that has changed. */
+export class Store {
+  constructor(start, bodies) {
+    this.bodies = bodies;
+    this.start = { ...NUMBERS, ...FLAGS, disk: bodies[0].name, ...start };
+    this.listeners = [];
+    this.shown = { ...this.start };
+    this.compute();
+  }
+
+  listen(listener) {
+    this.listeners.push(listener);
+  }
+
+  /** Change some of what is shown. Physics is computed anew only where it must be. */
+  set(changes) {
+    const before = this.shown;
+    this.shown = { ...before, ...changes };
+    const moved = ["disk", "face", "sigma3_bar", "eta_hat", "theta", "phidot"].some((k) => before[k] !== this.shown[k]);
+    if (moved) this.compute();
+    for (const listener of this.listeners) listener(moved, before);
+  }
+
+  reset() {
+    this.set({ ...this.start });
+  }
+
+  /** Both motions: the one that is shown and, at -eta_hat, its ghost on the other side of F. */
+  compute() {
+    const { disk, face, sigma3_bar, eta_hat, theta, phidot } = this.shown;
+    if (this.body?.name !== disk) this.body = bodyOf(disk, this.bodies);
+    const motion = { body: this.body, face, sigma3_bar, theta, phidot, eta: etaHatToEta(eta_hat, this.body) };
+    this.main = trajectory(motion, BOUNCES);
+    this.other = trajectory({ ...motion, eta: -motion.eta }, BOUNCES);
+    this.numbers = readouts(motion);
+    this.otherNumbers = readouts({ ...motion, eta: -motion.eta });
+    this.version = (this.version ?? 0) + 1;
+  }
+}

@@ -1,0 +1,341 @@
+"""The page in a real browser: it loads alone, moves when dragged, and says Python's numbers."""
+
+import io
+import itertools
+import json
+import time
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import explorer as ex
+from explorer.view.page import view
+
+CANVASES = ("scene", "times", "plane", "portrait", "gauge")
+FLATTEST = "nearflat.store.main.states[nearflat.store.main.turns[0]][modules.physics.CLOCK]"
+DIGITS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻−", "0123456789--")
+
+
+@pytest.fixture(autouse=True)
+def fresh(page):
+    """Every test begins with the page as it was opened, standing still."""
+    page.size(1280, 800)
+    page.evaluate("(nearflat.store.reset(), nearflat.scene.camera.home(), nearflat.player.seek(0), 0)")
+    page.evaluate("(nearflat.player.running = false, 0)")
+    page.frames()
+
+
+def shown(page):
+    return page.evaluate("nearflat.store.shown")
+
+
+def box(page, name):
+    return page.evaluate(f"document.getElementById('{name}').getBoundingClientRect().toJSON()")
+
+
+def inside(page, name, across, down):
+    """A place on an element, as shares of its size."""
+    b = box(page, name)
+    return b["left"] + across * b["width"], b["top"] + down * b["height"]
+
+
+def slide(page, name, value):
+    """What a user does to a slider, as its page hears it."""
+    page.evaluate(
+        f"(e => {{ e.value = {value}; e.dispatchEvent(new Event('input', {{ bubbles: true }})); }})"
+        f"(document.getElementById('{name}'))"
+    )
+
+
+def click(page, name):
+    page.drag([inside(page, name, 0.5, 0.5)])
+
+
+def written(page, name):
+    return page.evaluate(f"document.getElementById('{name}').textContent")
+
+
+def number_in(text):
+    """The number that the page writes as 7.2·10⁻⁴ or −3.1."""
+    mantissa, _, exponent = text.translate(DIGITS).partition("·10")
+    return float(mantissa) * 10.0 ** int(exponent or 0)
+
+
+def test_the_page_asks_for_nothing_but_itself(page, page_file):
+    page.open(page_file)
+    page.frames(10)
+    assert [address for address in page.requests() if address.startswith(("http", "ws"))] == []
+    assert len(page.requests()) == 1
+    assert page.problems() == []
+
+
+def test_the_page_loads_in_less_than_a_second(page, page_file):
+    spent = []
+    for _ in range(3):
+        page.open(page_file)
+        page.frames()
+        spent.append(page.evaluate("performance.getEntriesByType('navigation')[0].loadEventEnd"))
+    assert 0.0 < min(spent) < 1000.0
+
+
+def test_a_frame_takes_less_than_a_sixtieth_of_a_second(page):
+    code = """(() => {
+        const begun = performance.now();
+        for (let n = 0; n < 20; n++) { nearflat.player.seek(0.1 * n); nearflat.draw(); }
+        return (performance.now() - begun) / 20;
+    })()"""
+    assert min(page.evaluate(code) for _ in range(4)) < 1000.0 / 60.0
+
+
+STATES = [
+    (disk, sigma3_bar, side * size, phidot)
+    for disk, sigma3_bar, phidot, sizes in (
+        ("uniform", 1.0, 1.0, (1e-2, 1e-12)),
+        ("hoop", -0.6, 0.4, (1e-4, 1e-12)),
+        ("matching", 1.7, 2.1, (1e-8, 1e-12)),
+    )
+    for size, side in itertools.product(sizes, (1, -1))
+]
+
+
+@pytest.mark.parametrize("state", STATES, ids=str)
+def test_readouts_are_the_numbers_of_python(page, state):
+    disk, sigma3_bar, eta_hat, phidot = state
+    passages = ex.passages(ex.Disk.parse(disk), sigma3_bar, eta_hat, phidot)
+    values = {"disk": disk, "sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot}
+    page.evaluate(f"(nearflat.store.set({json.dumps(values)}), 0)")
+    numbers = page.evaluate("nearflat.store.numbers")
+    assert numbers["race_angle"] == pytest.approx(passages.race_angle[0], abs=1e-6)
+    assert numbers["limit"] == pytest.approx(passages.limit[0], rel=1e-12)
+    assert numbers["theta_min"] == pytest.approx(passages.theta_min[0], rel=1e-6)
+    assert number_in(written(page, "race")) == pytest.approx(passages.race_angle[0], abs=1e-6)
+    assert number_in(written(page, "theta-min")) == pytest.approx(passages.theta_min[0], rel=1e-6)
+
+
+def test_both_sides_end_a_race_apart(page):
+    """What is drawn, not only what is written: chi at the end of the first race on both sides."""
+    page.evaluate("(nearflat.store.set({ eta_hat: -1e-12, disk: 'hoop' }), 0)")
+    code = """[nearflat.store.main, nearflat.store.other].map(path => {
+        const { CHI, T, stateAt } = modules.physics;
+        return stateAt(path, T, nearflat.store.numbers.duration)[CHI];
+    })"""
+    this, other = page.evaluate(code)
+    assert other - this == pytest.approx(2.0 * ex.Disk.hoop().race_limit, abs=1e-4)
+
+
+def test_the_slider_of_the_distance_goes_through_f_by_decades(page):
+    for place, side in ((-0.9, -1.0), (-0.01, -1.0), (0.01, 1.0), (0.9, 1.0)):
+        slide(page, "eta", place)
+        assert np.sign(shown(page)["eta_hat"]) == side
+        assert np.sign(page.evaluate("nearflat.store.numbers.race_angle")) == side
+    slide(page, "eta", 1)
+    assert shown(page)["eta_hat"] == pytest.approx(1.0)
+    slide(page, "eta", 0.02)
+    assert shown(page)["eta_hat"] == pytest.approx(1e-12)
+
+
+def test_sliders_and_buttons_change_what_they_name(page):
+    slide(page, "s3", -0.5)
+    slide(page, "phidot", 1.7)
+    assert shown(page)["sigma3_bar"] == -0.5
+    assert shown(page)["phidot"] == 1.7
+    slide(page, "inner", 0.3)
+    body = ex.Disk.annulus(0.3).body
+    assert page.evaluate("[nearflat.store.body.I1, nearflat.store.body.r0]") == pytest.approx([body.I1, body.r0])
+    slide(page, "inner", 1)
+    assert shown(page)["disk"] == "hoop"
+    page.evaluate("(document.querySelector('[data-disk=matching]').click(), 0)")
+    assert shown(page)["disk"] == "matching"
+    page.evaluate("(document.querySelector('[data-face=\"-1\"]').click(), 0)")
+    assert shown(page)["face"] == -1
+    click(page, "slow")
+    assert not shown(page)["slow"]
+    click(page, "flip")
+    assert shown(page)["eta_hat"] == -1e-3
+    click(page, "reset")
+    assert shown(page) == page.evaluate("nearflat.store.start")
+
+
+def test_the_state_is_dragged_through_the_plane(page):
+    page.drag([inside(page, "plane", 0.6, 0.4), inside(page, "plane", 0.8, 0.8)])
+    below = shown(page)
+    assert below["eta_hat"] > 0.2
+    page.drag([inside(page, "plane", 0.8, 0.8), inside(page, "plane", 0.5, 0.15)])
+    above = shown(page)
+    assert above["eta_hat"] < -0.2
+    assert below["sigma3_bar"] - above["sigma3_bar"] > 0.5
+
+
+def test_close_to_f_the_plane_is_stretched_by_decades(page):
+    """A point two pixels beside the line is on its side and far nearer than a pixel is wide."""
+    line = page.evaluate("nearflat.plane.toPixel(1, modules.chaplygin.lineSlope(nearflat.store.body))")
+    corner = box(page, "plane")
+    for off, side in ((2.0, 1), (-2.0, -1)):
+        page.drag([(corner["left"] + line[0], corner["top"] + line[1] + off)])
+        assert 0.0 < side * shown(page)["eta_hat"] < 1e-8
+
+
+def test_the_start_is_dragged_through_the_portrait(page):
+    page.drag([inside(page, "portrait", 0.55, 0.3), inside(page, "portrait", 0.75, 0.4)])
+    assert 0.2 < shown(page)["theta"] < 1.3
+    assert shown(page)["phidot"] > 0.1
+    assert page.evaluate("nearflat.store.main.states[0][1]") > 0.2
+
+
+def test_time_is_dragged_and_the_table_is_turned(page):
+    page.drag([inside(page, "times", 0.2, 0.5), inside(page, "times", 0.6, 0.5)])
+    assert page.evaluate("nearflat.player.clock / nearflat.player.end") == pytest.approx(0.6, abs=0.08)
+    before = page.evaluate("nearflat.scene.camera.azimuth")
+    page.drag([inside(page, "scene", 0.4, 0.5), inside(page, "scene", 0.6, 0.5)])
+    assert page.evaluate("nearflat.scene.camera.azimuth") < before - 0.3
+
+
+def test_a_finger_turns_the_table(page):
+    before = page.evaluate("nearflat.scene.camera.elevation")
+    x, y = inside(page, "scene", 0.5, 0.4)
+    page.send("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
+    for step in (20, 40):
+        page.send("Input.dispatchTouchEvent", type="touchMove", touchPoints=[{"x": x, "y": y + step}])
+    page.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    assert page.evaluate("nearflat.scene.camera.elevation") > before + 0.1
+
+
+def test_keys_do_what_the_footer_says(page):
+    expected = (("f", "eta_hat", -1e-3), ("g", "ghost", False), ("s", "slow", False), ("2", "disk", "hoop"))
+    for key, name, value in expected:
+        page.key(key)
+        assert shown(page)[name] == value
+    page.key(" ")
+    assert page.evaluate("nearflat.player.running")
+    page.key("r")
+    assert shown(page)["eta_hat"] == 1e-3
+    page.evaluate("(document.getElementById('plane').focus(), 0)")
+    page.key("ArrowRight")
+    assert shown(page)["sigma3_bar"] > 1.005
+
+
+def test_the_clock_is_slowed_near_flat_and_says_how_slow(page):
+    page.evaluate("(nearflat.store.set({ eta_hat: 1e-12 }), 0)")
+    page.evaluate(f"(nearflat.player.seek({FLATTEST}), 0)")
+    page.evaluate("(nearflat.draw(), 0)")
+    assert number_in(written(page, "slowing").removesuffix("× slowed")) == pytest.approx(1.4e12, rel=0.1)
+    code = """slow => {
+        nearflat.store.set({ slow });
+        nearflat.player.seek(1.5);
+        nearflat.player.running = true;
+        nearflat.player.advance(0.5);
+        return nearflat.player.clock;
+    }"""
+    assert page.evaluate(f"({code})(true)") == pytest.approx(2.0)
+    assert page.evaluate(f"({code})(false)") > 3.0
+
+
+def test_a_link_opens_the_same_view(page, page_file):
+    values = {"disk": "annulus:0.25", "sigma3_bar": -0.7, "eta_hat": -3e-7, "phidot": 0.4, "face": -1}
+    values |= {"pace": 0.5, "slow": False, "theta": 1.2}
+    page.evaluate(f"(nearflat.store.set({json.dumps(values)}), 0)")
+    time.sleep(0.5)
+    fragment = page.evaluate("location.hash")
+    page.open(page_file, fragment)
+    try:
+        assert {name: shown(page)[name] for name in values} == values
+        assert page.problems() == []
+    finally:
+        page.open(page_file)
+
+
+def test_an_address_that_makes_no_sense_does_no_harm(page, page_file):
+    page.open(page_file, "#disk=banana&eta_hat=0&face=7&theta=9&sigma3_bar=x&pace=-1")
+    try:
+        assert page.evaluate("nearflat.store.body.name") == "uniform"
+        assert shown(page)["eta_hat"] == 1e-3
+        page.frames(3)
+        assert page.problems() == []
+    finally:
+        page.open(page_file)
+
+
+def test_who_prefers_no_motion_sees_none(page, page_file):
+    page.prefer(color_scheme="light", reduced_motion="reduce")
+    try:
+        page.open(page_file)
+        before = page.evaluate("nearflat.player.clock")
+        page.frames(5)
+        assert page.evaluate("[nearflat.player.running, nearflat.player.clock]") == [False, before]
+        assert before > page.evaluate(FLATTEST)
+    finally:
+        page.prefer(color_scheme="light")
+        page.open(page_file)
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (600, 900), (360, 700)], ids=str)
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_every_picture_shows_something_at_every_size(page, size, scheme):
+    page.prefer(color_scheme=scheme)
+    page.size(*size)
+    try:
+        page.evaluate("(nearflat.player.seek(2.4), nearflat.touch(), 0)")
+        page.frames(6)
+        picture = np.asarray(Image.open(io.BytesIO(page.screenshot(whole=True))).convert("RGB"))
+        width = page.evaluate("document.documentElement.scrollWidth")
+        boxes = {name: box(page, name) for name in CANVASES}
+    finally:
+        page.prefer(color_scheme="light")
+        page.size(1280, 800)
+    assert width <= size[0]
+    assert (picture.mean() < 90) == (scheme == "dark")
+    for name, b in boxes.items():
+        part = picture[round(b["top"]) : round(b["bottom"]), round(b["left"]) : round(b["right"])]
+        assert part.shape[0] >= 20
+        assert part.shape[1] >= 100
+        assert len(np.unique(part @ np.array([1, 256, 65536]))) > 30, name
+
+
+def test_the_page_runs_in_the_frame_of_a_notebook(page, page_file, tmp_path):
+    file = tmp_path / "notebook.html"
+    file.write_text(f"<!doctype html><body>{view(eta_hat=-1e-6)._repr_html_()}</body>", encoding="utf-8")
+    page.open(file)
+    try:
+        page.frames(30)
+        frame = "document.querySelector('iframe').contentWindow.nearflat"
+        assert page.evaluate(f"{frame}.frame.count") > 3
+        assert page.evaluate(f"{frame}.store.shown.eta_hat") == -1e-6
+        assert page.problems() == []
+    finally:
+        page.open(page_file)
+
+
+def test_any_body_and_any_tilt_can_be_opened(page, page_file, tmp_path):
+    disk = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
+    heavy = ex.Disk(I1=0.02, I3=0.04, name="heavy </script> core")
+    starts = ex.theta_to_states(heavy, 1e-3, 0.1, 0.05, 0.2, face=-1)
+    try:
+        for motion in (view(disk, 20.0, 1e-9 * disk.rate_unit, 20.0), view(states=starts)):
+            page.open(motion.save(tmp_path / "other.html"))
+            page.frames(3)
+            assert page.problems() == []
+            for name in ("sigma3_bar", "eta_hat", "theta", "phidot", "face"):
+                assert shown(page)[name] == pytest.approx(getattr(motion.start, name), rel=1e-14)
+            r0 = page.evaluate("nearflat.store.body.r0")
+            assert r0 == motion.disk.body.r0
+    finally:
+        page.open(page_file)
+
+
+def test_no_setting_within_reach_breaks_the_page(page):
+    random = np.random.default_rng(5)
+    for _ in range(12):
+        values = {
+            "disk": str(random.choice(["uniform", "hoop", "matching", "annulus:0.8"])),
+            "face": int(random.choice([-1, 1])),
+            "sigma3_bar": float(random.choice([0.0, random.uniform(-2.5, 2.5)])),
+            "eta_hat": float(random.choice([-1, 1]) * 10.0 ** random.uniform(-12.0, 0.5)),
+            "phidot": float(random.choice([0.0, random.uniform(-3.0, 3.0)])),
+            "theta": float(random.choice([np.pi / 2, random.uniform(0.1, 3.0)])),
+        }
+        page.evaluate(f"(nearflat.store.set({json.dumps(values)}), nearflat.player.seek(1.0), nearflat.draw(), 0)")
+        finite = "nearflat.store.main.states.every(x => x.every(Number.isFinite))"
+        assert page.evaluate(finite), values
+    page.frames()
+    assert page.problems() == []

@@ -1,0 +1,32 @@
+"""`nearflat view`."""
+
+import json
+import webbrowser
+
+import pytest
+
+from explorer.commands.main import main
+
+
+def test_the_page_is_written_and_opened(tmp_path, capsys, monkeypatch):
+    opened = []
+    monkeypatch.setattr(webbrowser, "open", opened.append)
+    where = tmp_path / "page.html"
+    arguments = ["view", "--disk", "hoop", "--eta-hat", "-1e-12", "--face", "-1", "--out", str(where), "--open"]
+    assert main(arguments) == 0
+    assert '"eta_hat": -1e-12' in where.read_text("utf-8")
+    assert opened == [where.as_uri()]
+    assert str(where) in capsys.readouterr().out
+
+
+def test_json_is_all_that_is_printed(tmp_path, capsys):
+    where = tmp_path / "page.html"
+    assert main(["view", "--out", str(where), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said == {"page": str(where), "bytes": where.stat().st_size, "disk": "uniform"}
+
+
+@pytest.mark.parametrize("arguments", [["--eta-hat", "0"], ["--disk", "x"], ["--phidot", "a"], ["--out", "x.txt"]])
+def test_arguments_that_cannot_be_used_are_named(arguments, capsys):
+    assert main(["view", *arguments]) == 2
+    assert arguments[0].strip("-").replace("-", "_")[:3] in capsys.readouterr().err.replace("path", "out")
