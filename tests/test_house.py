@@ -18,8 +18,6 @@ from imports import PACKAGES, ROOT, arrows, circles, imports, sources, tree, unr
 # row's other rooms and never from above: also inside functions, also for types only.
 EXPLORER = """
     errors compiled
-    columns
-    results
     phase
     motion
     measure

@@ -20,8 +20,8 @@ from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.gauss import packed_rules
 from explorer.phase.lines import LinearConstants
+from explorer.phase.results import Result
 from explorer.phase.states import Array, States
-from explorer.results import Result
 
 MOST = 100_000  # bounces of one state in one call: some ten megabytes for each column
 

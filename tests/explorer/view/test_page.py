@@ -33,7 +33,7 @@ def test_the_page_begins_with_the_motion_and_the_series_of_python():
     }
     given = data["bodies"][-1]
     assert (given["label"], given["inner"]) == ("mine", None)
-    assert given["series"] == {"rows": disk.series.tolist(), "r0": disk.body.r0, "dr0": disk.body.dr0}
+    assert given["series"] == {"rows": disk.natural.series.tolist(), "r0": disk.body.r0, "dr0": disk.body.dr0}
 
 
 @pytest.mark.parametrize(("disk", "name"), [("hoop", "hoop"), ("annulus:0", "uniform"), ("annulus:0.3", "given")])

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.columns import COLUMNS
+from explorer.phase.columns import COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd

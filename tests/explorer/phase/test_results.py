@@ -4,8 +4,8 @@ import numpy as np
 import pyarrow as pa
 
 import explorer as ex
-from explorer.columns import COLUMNS
-from explorer.results import to_arrow
+from explorer.phase.columns import COLUMNS
+from explorer.phase.results import to_arrow
 
 BOUNCES = ex.bounces(ex.phi_to_states(ex.Disk.hoop(), [0.3, np.nan, -0.4], 0.5, 0.4, 0.2), 2)
 

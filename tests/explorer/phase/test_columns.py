@@ -2,8 +2,8 @@
 
 import pytest
 
-from explorer.columns import COLUMNS, column
 from explorer.errors import InputError
+from explorer.phase.columns import COLUMNS, column
 
 
 def test_every_column_has_a_sentence_and_its_unit_is_one_of_the_units_of_the_disk():
