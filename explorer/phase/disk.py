@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,15 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, number, positive, read_toml
+from explorer.errors import InputError, note, number, positive, read_toml
 from explorer.phase.gauss import packed_rules, table_rules
 
 Array = NDArray[np.float64]
 Number = TypeVar("Number", float, Array)
 
 PRESETS = ("uniform", "hoop", "matching")
-_SYNTAX = 'uniform, hoop, matching, annulus:INNER_OVER_OUTER, FILE.toml, or "m=..,r=..,g=..,I1=..,I3=.."'
-# I3 may exceed 2 I1 by rounding of doubles; a rounded decimal such as I1 = 0.3333, I3 = 0.6667 is refused.
+_SCALES = ("m", "r", "g")
+SYNTAX = (
+    f"{', '.join(PRESETS)} or annulus:INNER_OVER_OUTER, each also as uniform:m=..,r=..,g=..; "
+    'FILE.toml; or "m=..,r=..,g=..,I1=..,I3=.."'
+)
+# I3 may exceed 2 I1 by rounding of doubles; numbers that are not text have no last digit to be rounded at.
 _ROUNDING = 1e-12
 
 
@@ -102,28 +107,26 @@ class Disk:
     @classmethod
     def parse(cls, text: str) -> Disk:
         """A disk from what the command line accepts. Raises InputError."""
-        text = text.strip()
-        if text in PRESETS:
-            return {"uniform": cls.uniform, "hoop": cls.hoop, "matching": cls.matching}[text]()
-        if text.startswith("annulus:"):
-            return cls.annulus(number("disk: annulus", text.removeprefix("annulus:")))
-        if text.endswith(".toml"):
-            return cls._from_mapping(read_toml(Path(text), "--disk"), Path(text).stem)
+        head, _, rest = text.strip().partition(":")
+        if head in PRESETS:
+            made: Disk = getattr(cls, head)(**_scales(rest))
+            return _named(made, rest)
+        if head == "annulus":
+            inner, _, scales = rest.partition(",")
+            return _named(cls.annulus(number("disk: annulus", inner), **_scales(scales)), scales)
+        if text.strip().endswith(".toml"):
+            return cls._from_mapping(read_toml(Path(text.strip()), "--disk"), Path(text.strip()).stem)
         if "=" in text:
-            pairs = [item.partition("=") for item in text.split(",")]
-            return cls._from_mapping({key.strip(): value.strip() for key, _, value in pairs}, "custom")
-        raise InputError(f"--disk {text!r} is not known; choose {_SYNTAX}")
+            return cls._from_mapping(_quantities(text), "custom")
+        raise InputError(f"--disk {text!r} is not known; choose {SYNTAX}")
 
     @classmethod
     def _from_mapping(cls, values: dict[str, Any], name: str) -> Disk:
-        known = ("m", "r", "g", "I1", "I3")
-        for key in values:
-            if key not in (*known, "name"):
-                raise InputError(f"disk: unknown quantity {key!r}; the known ones are {', '.join(known)}")
+        _known(values, (*_SCALES, "I1", "I3", "name"))
         missing = [key for key in ("I1", "I3") if key not in values]
         if missing:
             raise InputError(f"disk: {' and '.join(missing)} missing; give I1 and I3 (m, r, g default to 1)")
-        return cls(**{"name": name, **values})
+        return cls(**{"name": name, **values, "I3": _axial(values["I1"], values["I3"])})
 
     @property
     def _inertia_unit(self) -> float:
@@ -203,6 +206,55 @@ class Disk:
     def describe(self) -> dict[str, float | str]:
         """The disk as run.json and summary.json show it."""
         return {"name": self.name, "m": self.m, "r": self.r, "g": self.g, "I1": self.I1, "I3": self.I3}
+
+
+def _quantities(text: str) -> dict[str, str]:
+    """{"m": "1", ...} from "m=1,...". Raises InputError."""
+    pairs = [item.partition("=") for item in text.split(",") if item.strip()]
+    for key, equals, _ in pairs:
+        if not equals:
+            raise InputError(f"disk: {key.strip()!r} says no quantity; write NAME=VALUE, as m=1,r=0.5")
+    return {key.strip(): value.strip() for key, _, value in pairs}
+
+
+def _known(values: dict[str, Any], known: tuple[str, ...]) -> None:
+    for key in values:
+        if key not in known:
+            raise InputError(f"disk: unknown quantity {key!r}; the known ones are {', '.join(known)}")
+
+
+def _scales(text: str) -> dict[str, float]:
+    """m, r and g of a preset. Raises InputError."""
+    values = _quantities(text)
+    _known(values, (*_SCALES, "name"))
+    return {key: number(f"disk: {key}", value) for key, value in values.items() if key != "name"}
+
+
+def _named(disk: Disk, text: str) -> Disk:
+    """The disk with the name that is given, if one is."""
+    return replace(disk, name=_quantities(text).get("name", disk.name))
+
+
+def _axial(transverse: Any, axial: Any) -> Any:
+    """I3 as it is meant: `flat` is 2 I1, and so is what exceeds it only by rounding of the last digit given."""
+    if axial == "flat":
+        return 2.0 * number("disk: I1", transverse)
+    if isinstance(transverse, str) and isinstance(axial, str):
+        I1, I3 = number("disk: I1", transverse), number("disk: I3", axial)
+        excess = I3 - 2.0 * I1
+        if 0.0 < excess <= _last_digit(transverse) + 0.5 * _last_digit(axial):
+            note(
+                f"disk: I3 = {axial} is taken as 2 I1 = {2.0 * I1:.17g}, a flat body's, from which it is rounded",
+                False,
+            )
+            return 2.0 * I1
+    return axial
+
+
+def _last_digit(text: str) -> float:
+    """One unit in the last digit of a number as it was written."""
+    exponent = Decimal(text).as_tuple().exponent
+    return float(Decimal(1).scaleb(exponent)) if isinstance(exponent, int) else 0.0
 
 
 def require_disk(disk: Disk) -> None:

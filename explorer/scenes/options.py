@@ -15,7 +15,7 @@ from explorer.errors import InputError, number, one_of, read_range, whole
 from explorer.measure.density import Function
 from explorer.measure.sampling import Range, parse_ranges
 from explorer.motion.plan import METHODS
-from explorer.phase.disk import Disk
+from explorer.phase.disk import SYNTAX, Disk
 from explorer.portrait.slices import Slice
 from explorer.scenes.state_file import StateFile
 
@@ -167,7 +167,7 @@ DISK = Option(
     "--disk",
     read_disk,
     "DISK",
-    'disk: uniform, hoop, matching, annulus:INNER_OVER_OUTER, FILE.toml or "m=..,r=..,g=..,I1=..,I3=.."',
+    f"disk: {SYNTAX}",
     field="disks",
     several=True,
 )

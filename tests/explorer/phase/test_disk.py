@@ -92,3 +92,45 @@ def test_units_of_an_si_disk():
     coin = ex.Disk.uniform(m=0.0057, r=0.0121, g=9.81)
     assert coin.rate_unit * coin.time_unit == pytest.approx(1.0)
     assert coin.body == pytest.approx(ex.Disk.uniform().body, rel=1e-15)
+
+
+@pytest.mark.parametrize("name", [*PRESETS, "annulus"])
+def test_every_preset_takes_mass_radius_and_gravity(name):
+    text = "annulus:0.4,m=5.67e-3,r=12.1e-3,g=9.81" if name == "annulus" else f"{name}:m=5.67e-3,r=12.1e-3,g=9.81"
+    scales = {"m": 5.67e-3, "r": 12.1e-3, "g": 9.81}
+    made = ex.Disk.annulus(0.4, **scales) if name == "annulus" else getattr(ex.Disk, name)(**scales)
+    assert ex.Disk.parse(text) == made
+
+
+def test_a_preset_can_have_a_name_of_its_own():
+    assert ex.Disk.parse("uniform:m=5.67e-3,r=12.1e-3,g=9.81,name=quarter").name == "quarter"
+
+
+def test_flat_stands_for_twice_the_transverse_moment():
+    assert ex.Disk.parse("I1=0.3,I3=flat").I3 == 0.6
+
+
+@pytest.mark.parametrize(("I1", "I3"), [("4.1506e-07", "8.3013e-07"), ("0.3333", "0.6667")])
+def test_a_moment_rounded_at_its_last_digit_is_that_of_a_flat_body(capsys, I1, I3):
+    disk = ex.Disk.parse(f"m=5.67e-3,r=12.1e-3,g=9.81,I1={I1},I3={I3}")
+    assert disk.I3 == 2.0 * disk.I1
+    assert "is taken as 2 I1" in capsys.readouterr().err
+
+
+def test_a_moment_beyond_rounding_is_refused():
+    with pytest.raises(ex.InputError, match="exceeds 2 I1"):
+        ex.Disk.parse("I1=0.3333,I3=0.6669")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("uniform:I1=0.3", "unknown quantity 'I1'"),
+        ("uniform:heavy", "'heavy' says no quantity"),
+        ("hoop:m=heavy", "disk: m"),
+        ("annulus:", "annulus"),
+    ],
+)
+def test_scales_of_presets_that_cannot_be_read_are_named(text, message):
+    with pytest.raises(ex.InputError, match=message):
+        ex.Disk.parse(text)
