@@ -92,6 +92,35 @@ def test_a_corrupted_cache_is_replaced_or_ignored(warm, tmp_path):
     assert run(ASK, copy, NUMBA_CACHE_DIR=str(cache)).stdout.split()[0] == "1.0"
 
 
+def test_moving_or_renaming_a_file_is_a_new_source(tmp_path):
+    """The digest that names the cache's folder sees sub-folders, names and contents."""
+    copy = copy_of_kernels(tmp_path) / "kernels"
+
+    def digest():
+        return run("from kernels._jit import source_digest; print(source_digest())", tmp_path).stdout
+
+    digests = [digest()]
+    (copy / "disk" / "field.py").rename(copy / "disk" / "fields.py")
+    digests.append(digest())
+    (copy / "disk" / "fields.py").rename(copy / "steps" / "field.py")
+    digests.append(digest())
+    with (copy / "steps" / "field.py").open("a") as file:
+        file.write("# more\n")
+    digests.append(digest())
+    assert len(set(digests)) == 4
+    (copy / "disk" / "__pycache__").mkdir(exist_ok=True)
+    assert digest() == digests[-1]
+
+
+def test_the_annotations_of_a_kernel_are_its_signature():
+    from kernels.disk import falling
+
+    names = [str(argument) for argument in falling.critical_X2_batch.signature.args]
+    assert names[0] == names[2] == "array(float64, 1d, C)"
+    assert names[1].startswith("Disk(")
+    assert str(falling.critical_X2_batch.signature.return_type) == "none"
+
+
 PLAIN = """
 import sys, numpy as np, numba
 from kernels.disk import field

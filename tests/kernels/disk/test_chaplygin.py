@@ -1,3 +1,5 @@
+"""Chaplygin's solutions against gamma and hypergeometric functions."""
+
 import math
 
 import mpmath

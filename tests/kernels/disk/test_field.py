@@ -1,3 +1,5 @@
+"""The regularised field against the paper's equations."""
+
 import numpy as np
 import pytest
 

@@ -1,47 +1,34 @@
 """Passages by tables against adaptive quadrature, sample by sample, ordinary and hostile."""
 
 import math
+import os
 import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
 
 import numba
 import numpy as np
 import pytest
 from conftest import BODIES
+from passing import batch, draw
 
 import explorer as ex
 from kernels._jit import numba_type
-from kernels.disk import chaplygin, elementary, polynomials
 from kernels.disk.body import Body
-from kernels.integrals import passages, tables, tabulated
+from kernels.integrals import passages, tabulated
 from kernels.integrals.point import VERTICAL
 from kernels.integrals.tables import Low
 from kernels.types import Matrix, Vector
 
+ROOT = Path(__file__).parents[3]
 EXTREME_BODIES = {
     "rim": ex.Disk(I1=1e-4, I3=2e-4),
     "massive-core": ex.Disk(I1=1e3, I3=2e3),
     "thin-axis": ex.Disk(I1=0.4, I3=4e-4),
 }
 ALL = {**BODIES, **EXTREME_BODIES}
-
-
-def batch(disk, sigma3_bar, eta_hat, speed, accuracy, by_tables):
-    """out and status; without tables by asking for a window one rounding below the vertical."""
-    n = sigma3_bar.size
-    out, status = np.empty((8, n)), np.zeros(n, np.int8)
-    eta = eta_hat * disk.body.I3 * disk.body.r0
-    h_end = VERTICAL if by_tables else math.nextafter(VERTICAL, 0.0)
-    crossings = passages.Crossings(sigma3_bar, eta, speed)
-    passages.passage_batch(crossings, h_end, accuracy, disk.quadrature, disk.natural, out, status)
-    return out, status
-
-
-def draw(rng, n, wild):
-    sign = rng.choice([-1.0, 1.0], n)
-    eta_hat = sign * 10.0 ** rng.uniform(-12 if wild else -8, 0, n)
-    if wild:
-        return 10.0 ** rng.uniform(-3, 3, n) * rng.choice([-1.0, 1.0], n), eta_hat, 10.0 ** rng.uniform(-2, 3, n)
-    return rng.uniform(-2, 2, n), eta_hat, rng.uniform(0.3, 3, n)
 
 
 @pytest.mark.parametrize("wild", [False, True], ids=["ordinary", "wild"])
@@ -75,31 +62,6 @@ def test_ordinary_passages_are_all_left_to_the_tables(name):
     assert (fast[5] <= 1e-11 * np.fmax(1.0, abs(fast[1]))).all()
 
 
-def test_a_sample_does_not_depend_on_its_neighbours_or_its_lane():
-    rng = np.random.default_rng(5)
-    samples = draw(rng, 999, True)
-    out, status = batch(BODIES["uniform"], *samples, 1e-9, True)
-    order = rng.permutation(999)
-    again, again_status = batch(BODIES["uniform"], *(column[order] for column in samples), 1e-9, True)
-    assert np.array_equal(again, out[:, order], equal_nan=True)
-    assert np.array_equal(again_status, status[order])
-    one = batch(BODIES["uniform"], *(column[17:18] for column in samples), 1e-9, True)[0]
-    assert np.array_equal(one[:, 0], out[:, 17], equal_nan=True)
-
-
-def test_bad_neighbours_change_nothing():
-    samples = [np.ascontiguousarray(column) for column in draw(np.random.default_rng(6), 64, False)]
-    disk = BODIES["hoop"]
-    good, _ = batch(disk, *samples, 1e-9, True)
-    for column, value in zip(samples, (1e200, 1e300, 1e160), strict=True):
-        spoiled = [c.copy() for c in samples]
-        spoiled[[c is column for c in samples].index(True)][::7] = value
-        out, status = batch(disk, *spoiled, 1e-9, True)
-        rest = np.arange(64) % 7 != 0
-        assert np.array_equal(out[:, rest], good[:, rest])
-        assert (status[~rest] != 0).all() or np.isfinite(out[:, ~rest]).all()
-
-
 @pytest.mark.parametrize("name", ["uniform", "hoop", "thick", "coin"])
 def test_falls_by_tables_and_by_one_rule_agree(name):
     disk, n = BODIES[name], 2000
@@ -118,31 +80,6 @@ def test_falls_by_tables_and_by_one_rule_agree(name):
     assert (found[0][3] <= 1e-9).all()
 
 
-def test_the_elementary_functions_are_at_rounding():
-    d = np.linspace(0.0, elementary.DEEPEST, 500)
-    got = [elementary.exp_fall(x) for x in d]
-    np.testing.assert_allclose(got, np.exp(-d), rtol=8e-15)
-    s = np.linspace(-1 / 3, 1 / 3, 501)
-    np.testing.assert_allclose(
-        [elementary.log_ratio(x) for x in s], np.log1p(s) - np.log1p(-s), rtol=1e-14, atol=0
-    )
-    x = np.linspace(0.0, 0.44, 200)
-    np.testing.assert_allclose([elementary.arctan(v) for v in x], np.arctan(x), rtol=4e-16, atol=0)
-
-
-@pytest.mark.parametrize("name", ["uniform", "thick", "rim"])
-def test_the_low_series_are_those_of_the_whole_range(name):
-    disk = ALL[name]
-    for S in np.linspace(1e-6, 0.5 * tables.HANDOVER**2, 20):
-        whole = chaplygin.solutions(S, math.log(S), disk.body.c, disk.natural.series)
-        t = 16.0 * S - 1.0
-        low = disk.quadrature.tables.low
-        got = [polynomials.horner(row, t) for row in (low.rho_over_S, low.drho)]
-        assert got == pytest.approx([whole.rho_over_S, whole.drho], rel=1e-15)
-        D = 0.5 * disk.body.c * S * got[0] * math.log(S) + polynomials.horner(low.v, t)
-        assert pytest.approx(whole.D, rel=3e-15) == D
-
-
 def test_the_lanes_are_really_vectorised():
     """Packed arithmetic outnumbers scalar many times; a change that stops the vectoriser shows here."""
     signature = numba.void(*map(numba_type, (Vector, Matrix, Body, Low)))
@@ -153,3 +90,43 @@ def test_the_lanes_are_really_vectorised():
     if "pd" not in found:
         pytest.skip("this machine has no packed double arithmetic")
     assert found.count("pd") > 10 * found.count("sd")
+
+
+# Rows of the work arrays are numbered by one range in each file; these put them into another order.
+_ORDERS = ("range(ROWS)", "reversed(range(ROWS))", "(7 * row % ROWS for row in range(ROWS))")
+_PASSAGES = """
+import numpy as np
+from kernels.disk.body import make_disk
+from kernels.integrals import passages
+from kernels.integrals.point import VERTICAL
+from kernels.integrals.quadrature import Rules
+from kernels.integrals.tables import make_tables
+gauss = lambda n: np.stack(np.polynomial.legendre.leggauss(n))
+disk = make_disk(0.25, 0.5)
+tables = make_tables(disk, (gauss(24), gauss(40), gauss(56)))
+packed = np.stack([gauss(2 * n)[:, n:] for n in (24,)] + [gauss(24)])
+quadrature = passages.Quadrature(Rules(packed, np.array([24])), tables)
+crossings = passages.Crossings(*np.array([[1.0, -0.3, 1e3], [1e-3, -1e-200, 0.2], [1.0, 0.7, 1e-3]]))
+out, status, falls = np.empty((8, 3)), np.zeros(3, np.int8), np.empty((4, 3))
+passages.passage_batch(crossings, VERTICAL, 1e-9, quadrature, disk, out, status)
+passages.fall_batch(np.array([1.0, -0.3, 0.5]), np.array([3.0, 2.0, 2.5]), VERTICAL, quadrature, disk, falls)
+print([x.hex() for x in (*out.ravel(), *falls.ravel())], status.tolist())
+"""
+
+
+@pytest.mark.parametrize("name", ["tabulated", "nodes"])
+def test_no_answer_depends_on_the_order_of_the_rows(tmp_path, name):
+    """Interpreted, so that the rows may be renumbered without compiling."""
+    shutil.copytree(ROOT / "kernels", tmp_path / "kernels", ignore=shutil.ignore_patterns("__pycache__"))
+    path = tmp_path / "kernels" / "integrals" / f"{name}.py"
+    text = path.read_text(encoding="utf-8")
+    assert text.count(") = range(ROWS)") == 1
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_DISABLE_JIT": "1"}
+    answers = set()
+    for order in _ORDERS:
+        path.write_text(text.replace(") = range(ROWS)", f") = {order}"), encoding="utf-8")
+        command = [sys.executable, "-c", _PASSAGES]
+        done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        answers.add(done.stdout)
+    assert len(answers) == 1

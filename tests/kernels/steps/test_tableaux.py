@@ -1,3 +1,5 @@
+"""Tableaux that refuse a misprint."""
+
 from dataclasses import replace
 from fractions import Fraction
 

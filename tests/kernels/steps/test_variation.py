@@ -1,3 +1,5 @@
+"""The variational equations against differences."""
+
 import numpy as np
 import pytest
 from conftest import BODIES

@@ -1,0 +1,33 @@
+"""Normal force and friction of a passage."""
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+from kernels.integrals.forces import ForceRow, forces, forces_batch
+from kernels.integrals.passages import Crossings
+from kernels.integrals.point import VERTICAL, kinetic, motion_through
+
+
+@pytest.mark.parametrize("name", ["uniform", "hoop", "thick"])
+def test_the_normal_force_is_the_weight_and_the_acceleration_of_the_height(name):
+    """With P = theta-dot^2 the height sin theta accelerates by cos theta P'/2 - sin theta P."""
+    natural = BODIES[name].natural
+    motion = motion_through(VERTICAL, 0.4, 0.6, 0.2, natural)
+    step = 1e-5
+    for theta in (0.5, 0.9, 1.3):
+        P = [kinetic(2.0 * np.sin(0.5 * t), motion, natural) for t in (theta - step, theta, theta + step)]
+        height = 0.5 * np.cos(theta) * (P[2] - P[0]) / (2.0 * step) - np.sin(theta) * P[1]
+        assert forces(2.0 * np.sin(0.5 * theta), motion, natural).normal == pytest.approx(1.0 + height, rel=1e-7)
+
+
+def test_a_batch_gives_the_extremes_and_nan_where_nothing_turns():
+    disk, n = BODIES["uniform"], 3
+    out = np.empty((2, n))
+    forces_batch(Crossings(np.full(n, 0.3), np.array([0.1, 1e-3, np.nan]), np.ones(n)), disk.natural, out)
+    found = ForceRow(*out)
+    motion = motion_through(VERTICAL, 1.0, 0.3 / disk.body.r0, 0.1 / disk.body.I1, disk.natural)
+    at_vertical = forces(VERTICAL, motion, disk.natural)
+    assert found.normal[0] <= at_vertical.normal
+    assert found.friction[0] >= at_vertical.friction
+    assert np.isnan(out).any(axis=0).tolist() == [False, False, True]

@@ -1,0 +1,79 @@
+"""Whole periods, and the smallest tilt of a motion."""
+
+import math
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+from kernels.integrals.orbits import OrbitRow, Orbits, orbit_batch, tilt_batch
+from kernels.integrals.passages import Crossings, passage_batch
+from kernels.integrals.point import VERTICAL
+from kernels.integrals.quadrature import PassageRow
+from kernels.status import Status
+
+
+def motions(disk, n, seed=2):
+    """At the vertical, with eta on both sides as one motion has them."""
+    rng = np.random.default_rng(seed)
+    bar, near, rate = rng.uniform(-2.0, 2.0, n), rng.uniform(-0.3, 0.3, n), rng.uniform(0.3, 2.0, n)
+    far = 2.0 * disk.body.I1 * disk.body.dr0 * bar - near
+    return Orbits(np.full(n, VERTICAL), rate, bar, near, far)
+
+
+def periods(disk, orbits, target=1e-10):
+    out, status = np.empty((8, orbits.h.size)), np.zeros(orbits.h.size, np.int8)
+    orbit_batch(orbits, target, disk.quadrature.rules, disk.natural, out, status)
+    return OrbitRow(*out), status
+
+
+@pytest.mark.parametrize("name", ["uniform", "hoop", "thick"])
+def test_a_period_across_the_vertical_is_a_passage_on_either_face(name):
+    disk = BODIES[name]
+    orbits = motions(disk, 50)
+    period, status = periods(disk, orbits)
+    sides = []
+    for eta in (orbits.near, orbits.far):
+        out, passed = np.empty((8, 50)), np.zeros(50, np.int8)
+        crossings = Crossings(orbits.sigma3_bar, eta, orbits.rate)
+        passage_batch(crossings, VERTICAL, 1e-10, disk.quadrature, disk.natural, out, passed)
+        assert (passed == Status.OK).sum() >= 49
+        sides.append(PassageRow(*out))
+    here, there = sides
+    ok = status == Status.OK
+    assert ok.sum() >= 49  # rounding may forbid the accuracy
+    np.testing.assert_allclose(period.time[ok], (here.time + there.time)[ok], rtol=1e-9)
+    np.testing.assert_allclose(period.chi[ok], (here.chi + there.chi)[ok], atol=1e-9)
+    np.testing.assert_allclose(period.psi[ok], (here.psi - there.psi)[ok], atol=1e-9)
+    np.testing.assert_allclose(period.theta_here, here.theta_min, rtol=1e-11)
+    np.testing.assert_allclose(period.theta_there, there.theta_min, rtol=1e-11)
+
+
+def test_the_smallest_tilt_needs_no_integral():
+    disk = BODIES["hoop"]
+    orbits = motions(disk, 50)
+    period, _ = periods(disk, orbits)
+    theta, status = np.empty(50), np.zeros(50, np.int8)
+    tilt_batch(orbits, 1e-10, disk.natural, theta, status)
+    assert (status == Status.OK).all()
+    np.testing.assert_allclose(theta, np.fmin(period.theta_here, period.theta_there), rtol=1e-14)
+
+
+def test_a_motion_that_stays_on_one_face_never_comes_near_the_other():
+    disk, one = BODIES["uniform"], np.ones(1)
+    period, status = periods(disk, Orbits(0.4 * one, 0.05 * one, 0.3 * one, -0.02 * one, 0.3 * one))
+    assert status[0] == Status.OK
+    assert math.isnan(period.theta_there[0])
+    assert 0.0 < period.theta_here[0] < 2.0 * math.asin(0.2)
+
+
+def test_samples_marked_beforehand_are_skipped():
+    disk = BODIES["uniform"]
+    orbits, marked = motions(disk, 4), np.array([2, 0, 1, 0], np.int8)
+    out, status = np.empty((8, 4)), marked.copy()
+    orbit_batch(orbits, 1e-9, disk.quadrature.rules, disk.natural, out, status)
+    theta, tilted = np.empty(4), marked.copy()
+    tilt_batch(orbits, 1e-9, disk.natural, theta, tilted)
+    for codes, numbers in ((status, out[2]), (tilted, theta)):
+        np.testing.assert_array_equal(codes, marked)
+        np.testing.assert_array_equal(np.isnan(numbers), marked != 0)

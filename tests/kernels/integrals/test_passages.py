@@ -1,0 +1,53 @@
+"""Batches of passages: each sample by itself, a status for every failure."""
+
+import numpy as np
+from conftest import BODIES
+from passing import batch, draw
+
+from kernels.integrals.passages import Crossings, passage_batch
+from kernels.integrals.point import VERTICAL
+from kernels.integrals.quadrature import PassageRow
+from kernels.status import Status
+
+
+def test_a_sample_does_not_depend_on_its_neighbours_or_its_lane():
+    rng = np.random.default_rng(5)
+    samples = draw(rng, 999, True)
+    out, status = batch(BODIES["uniform"], *samples, 1e-9, True)
+    order = rng.permutation(999)
+    again, again_status = batch(BODIES["uniform"], *(column[order] for column in samples), 1e-9, True)
+    assert np.array_equal(again, out[:, order], equal_nan=True)
+    assert np.array_equal(again_status, status[order])
+    one = batch(BODIES["uniform"], *(column[17:18] for column in samples), 1e-9, True)[0]
+    assert np.array_equal(one[:, 0], out[:, 17], equal_nan=True)
+
+
+def test_bad_neighbours_change_nothing():
+    samples = [np.ascontiguousarray(column) for column in draw(np.random.default_rng(6), 64, False)]
+    disk = BODIES["hoop"]
+    good, _ = batch(disk, *samples, 1e-9, True)
+    for column, value in zip(samples, (1e200, 1e300, 1e160), strict=True):
+        spoiled = [c.copy() for c in samples]
+        spoiled[[c is column for c in samples].index(True)][::7] = value
+        out, status = batch(disk, *spoiled, 1e-9, True)
+        rest = np.arange(64) % 7 != 0
+        assert np.array_equal(out[:, rest], good[:, rest])
+        assert (status[~rest] != 0).all() or np.isfinite(out[:, ~rest]).all()
+
+
+def test_samples_on_f_fall_and_marked_ones_are_skipped():
+    disk, n = BODIES["uniform"], 4
+    crossings = Crossings(np.ones(n), np.array([1e-3, 0.0, 1e-3, 0.0]), np.ones(n))
+    status = np.array([Status.OK, Status.OK, Status.BAD_INPUT, Status.BAD_INPUT], np.int8)
+    out = np.empty((8, n))
+    passage_batch(crossings, VERTICAL, 1e-9, disk.quadrature, disk.natural, out, status)
+    assert status.tolist() == [Status.OK, Status.FALLS, Status.BAD_INPUT, Status.BAD_INPUT]
+    assert np.isnan(out).all(axis=0).tolist() == [False, True, True, True]
+
+
+def test_a_window_that_the_motion_does_not_reach_is_bad_input():
+    disk, one = BODIES["uniform"], np.ones(1)
+    out, status = np.empty((8, 1)), np.zeros(1, np.int8)
+    passage_batch(Crossings(one, 0.3 * one, one), 1e-3, 1e-9, disk.quadrature, disk.natural, out, status)
+    assert status[0] == Status.BAD_INPUT
+    assert np.isnan(PassageRow(*out).chi[0])

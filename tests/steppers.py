@@ -1,0 +1,68 @@
+"""What tests of the integrators share: states drawn at random, plain marches, and batches to the turning point."""
+
+import numba
+import numpy as np
+from conftest import BODIES
+
+from kernels.disk.field import State
+from kernels.status import Status
+from kernels.steps import attempt, batch
+from kernels.steps.adaptive import dopri5_step
+from kernels.steps.attempt import Integration, Outcome
+from kernels.steps.eighth import eighth_order_step
+from kernels.steps.events import TURNING_POINT, Stop
+from kernels.steps.fixed import rk4_step
+
+UNIFORM = BODIES["uniform"]
+RK4, DOPRI5 = attempt.RK4, attempt.DOPRI5
+CASES = [(RK4, 0.05), (DOPRI5, 1e-7), (attempt.RK8, 0.3), (attempt.DOP853, 1e-9)]
+NAMES = ["rk4", "dopri5", "rk8", "dop853"]
+
+
+@numba.njit(error_model="numpy")
+def march(method, x, h, steps, b):
+    for _ in range(steps):
+        if method == RK4:
+            x = rk4_step(x, h, b)
+        elif method == DOPRI5:
+            x, _error = dopri5_step(x, h, b)
+        else:
+            x, _fifth, _third = eighth_order_step(x, h, b)
+    return x
+
+
+def start(sigma4=0.65, chi=0.3):
+    return State(1.0, 0.0, -1.0, 1.0, sigma4, 0.0, chi, 0.0, 0.0, 0.0)
+
+
+def random_states(n, seed=1):
+    rng = np.random.default_rng(seed)
+    phi = rng.uniform(-1.2, 1.2, n)
+    states = np.zeros((8, n))
+    states[0], states[1] = np.cos(phi), np.sin(phi)
+    states[2:5] = rng.uniform(-2, 2, (3, n))
+    return states
+
+
+def summed_errors(method, counts, length, starts, b):
+    """Errors (2, 10) with both numbers of steps, summed over starts: for a single one a leading
+    coefficient may happen to be small."""
+    errors = np.zeros((2, 10))
+    for column in random_states(starts, seed=8).T:
+        x = State(*column, 0.0, 0.0)
+        exact = np.array(march(DOPRI5, x, length / 4096, 4096, b))
+        errors += [abs(np.array(march(method, x, length / n, n, b)) - exact) for n in counts]
+    # every start brings a few 1e-15 of rounding
+    assert errors.min() > 7e-14 * starts, "errors must be above rounding for an order to mean anything"
+    return errors
+
+
+def run_batch(method, depth, states, control, max_steps=100_000, constants_bound=1e-2, before=Status.OK):
+    n = states.shape[1]
+    out, constants_error = np.empty((8, n)), np.empty((3, n))
+    # The steps are counted from 0, whatever is in the array.
+    status, steps = np.full(n, before, np.int8), np.ones(n, np.int32)
+    how = Integration(method, depth, np.full(n, control), max_steps, constants_bound)
+    stop, outcome = Stop(TURNING_POINT, 0.0), Outcome(status, steps, constants_error)
+    batch.first_event_batch(how, stop, states, UNIFORM.natural, out, outcome)
+    return out, status, steps, constants_error
