@@ -16,15 +16,42 @@ from typing import Any
 
 
 class InputError(ValueError):
-    """An argument cannot be used. The command line exits with status 2."""
+    """An argument cannot be used. The command line exits with status 2.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> try:
+    ...     ex.Disk.parse("unifrom")
+    ... except ex.InputError as error:
+    ...     print(str(error)[:28])
+    --disk 'unifrom' is not know
+    """
 
 
 class RunError(RuntimeError):
-    """A run failed or a check did not hold. The command line exits with status 1."""
+    """A run failed or a check did not hold. The command line exits with status 1.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> issubclass(ex.Interrupted, ex.RunError)
+    True
+    """
 
 
 class Interrupted(RunError):
-    """The user or the system stopped a run between two chunks. The command line exits with status 130."""
+    """The user or the system stopped a run between two chunks. The command line exits with status 130.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> try:
+    ...     raise ex.Interrupted("stopped between two chunks")
+    ... except ex.RunError as error:
+    ...     print(error)
+    stopped between two chunks
+    """
 
 
 def note(text: str, quiet: bool) -> None:

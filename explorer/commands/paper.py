@@ -6,6 +6,7 @@ from pathlib import Path
 
 from explorer.commands.common import add_json
 from explorer.commands.made_by import leave_made_by
+from explorer.errors import whole
 from explorer.paper.pages import headline, line_of, paper
 
 
@@ -13,12 +14,12 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the options of `nearflat paper`."""
     command.add_argument("--only", metavar="NAME", help="one statement, by name or number; nothing is written")
     command.add_argument("--out", default="results/paper", metavar="DIR", help="default results/paper")
-    command.add_argument("--jobs", type=int, default=2, metavar="N", help="threads (default 2)")
+    command.add_argument("--jobs", default="2", metavar="N", help="threads (default 2)")
     add_json(command)
 
 
 def call(options: argparse.Namespace) -> int:
-    rows = paper(options.out, only=options.only, jobs=options.jobs, quiet=options.quiet)
+    rows = paper(options.out, only=options.only, jobs=whole("--jobs", options.jobs, 1), quiet=options.quiet)
     if options.only is None:
         leave_made_by(Path(options.out), "nearflat paper")
     holding = sum(row.passed for row in rows)

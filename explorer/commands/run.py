@@ -136,7 +136,7 @@ def run(
     memory : str or float, optional
         Budget such as "1GB", or bytes. It sets `chunk_size`, which is stored with the run.
     resume : bool
-        Continue the run in `out`: compute what is missing or damaged. False by default.
+        Continue the run in `out`, or start it where there is none: compute what is missing or damaged.
     quiet : bool
         Print no progress and no notes. True by default.
 
@@ -204,7 +204,9 @@ def _add_settings(command: argparse.ArgumentParser) -> None:
         "--memory", metavar="SIZE", help="budget such as 1GB; sets the chunk size, which is stored with the run"
     )
     command.add_argument("--out", metavar="DIR", help="folder of the run (default results/SCENE-DISK-SEED)")
-    command.add_argument("--resume", action="store_true", help="continue the run in --out")
+    command.add_argument(
+        "--resume", action="store_true", help="continue the run in --out, or start it where there is none"
+    )
     add_json(command)
 
 

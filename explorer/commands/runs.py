@@ -33,10 +33,10 @@ def _status(options: argparse.Namespace) -> int:
     print(f"{far.scene}: {far.chunks_done} of {far.chunks} chunks, {far.samples_done:,} samples")
     for name, count in far.status.items():
         print(f"  {name}: {count:,}")
-    if far.finished:
-        print(f"finished {far.finished}")
-    elif far.chunks_done < far.chunks:
+    if far.chunks_done < far.chunks:
         print(f"continue with: nearflat resume {options.folder}")
+    elif far.finished:
+        print(f"finished {far.finished}")
     return 0
 
 

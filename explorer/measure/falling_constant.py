@@ -65,6 +65,13 @@ class FallingConstant:
         faces; `value` counts them once.
     mass : float
         Integral of the density over the box, natural units.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> C = ex.falling_constant(ex.Disk.uniform())
+    >>> round(C.value, 5), C.error < 1e-6
+    (1.46927, True)
     """
 
     value: float

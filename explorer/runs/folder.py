@@ -114,8 +114,6 @@ def open_folder(folder: Path, scene: Scene, resume: bool) -> None:
         if not resume:
             raise InputError(f"--out {folder}: holds a run already; add --resume or give another folder")
         _check_same(folder, scene)
-    elif resume:
-        raise InputError(f"--resume: {folder} holds no run; leave --resume out to start one")
     elif folder.is_dir() and any(folder.iterdir()):
         raise InputError(f"--out {folder}: is not empty and holds no run; give another folder")
     try:

@@ -50,8 +50,14 @@ def test_a_folder_with_a_run_or_with_something_else_is_left_alone(finished, tmp_
     with pytest.raises(ex.InputError, match="is not empty"):
         ex.run("race-angles", out=tmp_path / "thesis", **SMALL_RACES)
     assert [p.name for p in (tmp_path / "thesis").iterdir()] == ["chapter.tex"]
-    with pytest.raises(ex.InputError, match="holds no run"):
-        ex.run("race-angles", out=tmp_path / "nowhere", resume=True, **SMALL_RACES)
+    with pytest.raises(ex.InputError, match="is not empty"):
+        ex.run("race-angles", out=tmp_path / "thesis", resume=True, **SMALL_RACES)
+
+
+def test_to_resume_a_run_that_is_not_there_starts_it(finished, tmp_path):
+    """So that a job script needs one line, whichever time it runs."""
+    started = ex.run("race-angles", out=tmp_path / "nowhere", resume=True, **SMALL_RACES)
+    assert text(started) == text(finished)
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path):
