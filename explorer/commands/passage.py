@@ -15,10 +15,10 @@ from explorer.motion.passages import passages
 from explorer.phase.disk import Disk
 
 _UNITS = {
-    "duration": "units of time",
-    "fall_time": "units of time",
-    "energy": "units of energy",
-    "impact_speed": "rad per unit of time",
+    "duration": "units of the disk (time)",
+    "fall_time": "units of the disk (time)",
+    "energy": "units of the disk (energy)",
+    "impact_speed": "rad per time unit of the disk",
     "min_normal_force": "m g",
     "max_friction": "",
     "error_estimate": "",

@@ -73,7 +73,7 @@ class Options(TypedDict, total=False):
     ladder : str or pair
         For measure-zero: smallest and largest tilt delta (rad), by decades; 1e-15 to 1e-1 by default.
     tube : int
-        For measure-zero: draws per delta and side in the tubes beside the falling set, 262,144 by default.
+        For measure-zero: draws per delta and face in the tubes beside the falling set, 262,144 by default.
     sampling : str
         For measure-zero: draws in the tubes are "random" (default) or "sobol".
     sigma3_bar, sigma4_bar : float

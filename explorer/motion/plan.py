@@ -3,7 +3,7 @@
 A scene names observables and an accuracy; this module answers with the lowest rung that gives
 them, the method, and the integrator's setting for every sample. No scene names a kernel.
 
-    algebra     constants of motion: side of F, distance, could-fall
+    algebra     constants of motion: face, distance, could-fall
     quadrature  passages and periods as integrals, theta_min as a root: eta exact, cost flat in eta
     reduced     integration of (phi, phidot, sigma3, sigma4)
     angles      and of time, chi, psi

@@ -1,4 +1,4 @@
-"""Starts beside F: at the vertical, at a given distance eta_hat from the line of either side.
+"""Starts beside F: at the vertical, at a given distance eta_hat from the line of either face.
 
 Shared by the scenes that look along F. The flow preserves the measure, so near F a draw of
 (phidot, sigma3, eta_hat) at the vertical stands for draws anywhere along the motion.
@@ -71,7 +71,7 @@ def box_beside(disk: Disk, ranges: Mapping[str, Range]) -> Box:
     if box.phidot[0] < 0.0:
         raise InputError(
             f"--box phidot = {box.phidot[0]:g}:{box.phidot[1]:g}: this scene takes the speed towards flat, "
-            "used for both sides; give 0 <= LOW"
+            "used for both faces; give 0 <= LOW"
         )
     return box
 
@@ -92,7 +92,7 @@ def check_eta_hat(span: Range, disk: Disk) -> None:
 
 
 def draw_beside(box: Box, random: np.random.Generator, count: int) -> Beside:
-    """`count` starts, both sides equally likely."""
+    """`count` starts, both faces equally likely."""
     columns = box.draw(random, count)
     face = np.where(random.random(count) < 0.5, 1.0, -1.0)
     return Beside(columns["phidot"], columns["sigma3"], face)

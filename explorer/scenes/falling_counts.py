@@ -16,20 +16,20 @@ NO_CODE = 65535
 
 
 def nearer(table: Table) -> Array:
-    """|eta_hat| on the nearer side."""
+    """|eta_hat| to the line of the nearer face."""
     nearer: Array = np.fmin(abs(table["eta_hat_plus"]), abs(table["eta_hat_minus"]))
     return nearer
 
 
-def count_sides(on_plus: NDArray[np.bool_], eta: Array) -> dict[str, int]:
-    """States by nearer side and sign of eta; NaN is in none."""
+def count_faces(on_plus: NDArray[np.bool_], eta: Array) -> dict[str, int]:
+    """States by nearer face and sign of eta; NaN is in none."""
     above, zero = eta > 0.0, eta == 0.0
     below = eta < 0.0
     counts = {}
     for name, chosen in (("plus", on_plus), ("minus", ~on_plus)):
-        counts[f"side_{name}_eta_positive"] = int(np.count_nonzero(chosen & above))
-        counts[f"side_{name}_eta_negative"] = int(np.count_nonzero(chosen & below))
-        counts[f"side_{name}_eta_zero"] = int(np.count_nonzero(chosen & zero)) if zero.any() else 0
+        counts[f"face_{name}_eta_positive"] = int(np.count_nonzero(chosen & above))
+        counts[f"face_{name}_eta_negative"] = int(np.count_nonzero(chosen & below))
+        counts[f"face_{name}_eta_zero"] = int(np.count_nonzero(chosen & zero)) if zero.any() else 0
     return counts
 
 
@@ -47,7 +47,7 @@ def no_cells() -> NDArray[np.uint16]:
 class FallingCounts:
     """Counts of many states: what a chunk's tally holds."""
 
-    sides: dict[str, int] = field(default_factory=dict)
+    faces: dict[str, int] = field(default_factory=dict)
     status: dict[str, int] = field(default_factory=dict)
     could_fall: int = 0
     theta_min: LogCounts = field(default_factory=LogCounts)
@@ -57,7 +57,7 @@ class FallingCounts:
     @classmethod
     def of(cls, tally: Tally) -> "FallingCounts":
         return cls(
-            tally["sides"],
+            tally["faces"],
             tally["status"],
             tally["could_fall"],
             LogCounts(tally["theta_min"]),
@@ -66,7 +66,7 @@ class FallingCounts:
         )
 
     def add(self, other: "FallingCounts") -> None:
-        self.sides = statistics.add_counts([self.sides, other.sides])
+        self.faces = statistics.add_counts([self.faces, other.faces])
         self.status = statistics.add_counts([self.status, other.status])
         self.could_fall += other.could_fall
         self.theta_min.add(other.theta_min)
@@ -76,7 +76,7 @@ class FallingCounts:
     def tally(self) -> Tally:
         """Ready for JSON."""
         return {
-            "sides": self.sides,
+            "faces": self.faces,
             "status": self.status,
             "could_fall": self.could_fall,
             "theta_min": self.theta_min.state(),

@@ -28,7 +28,7 @@ from explorer.phase.membership import could_fall, falls_of
 from explorer.phase.states import Array, States, phi_to_states
 from explorer.portrait.slices import ConstantsPlane, Slice, map_slice
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
-from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_sides, joined, nearer, no_cells
+from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_faces, joined, nearer, no_cells
 from explorer.scenes.options import BOX, ENERGY, Option, read_slices, read_states
 from explorer.scenes.state_file import StateFile
 
@@ -51,7 +51,7 @@ _DEEPEST, _CODES_PER_DECADE = -20.0, 3000.0
 
 @dataclass(frozen=True, kw_only=True)
 class FallingSet(SampledScene):
-    """Where does the disk fall? theta_min, side of the falling set and could-fall of states drawn from a box."""
+    """Where does the disk fall? theta_min, face and could-fall of states drawn from a box."""
 
     box: Box | None
     energy: Range | None = None
@@ -171,7 +171,7 @@ class FallingSet(SampledScene):
         near = np.flatnonzero((distance <= self.tube * _WIDER) & could)
         block = self._block({name: values[near] for name, values in columns.items()})
         counts = FallingCounts(could_fall=int(could.sum()), distance=LogCounts.of(distance[could]))
-        counts.sides = count_sides(near_plus, eta)
+        counts.faces = count_faces(near_plus, eta)
         counts.status = statistics.count_status([states.status])
         # Which states are on F to rounding, or have a theta_min, is known of those near F only.
         counts.status = statistics.add_counts([counts.status, statistics.count_status([block["status"]])])
@@ -222,8 +222,8 @@ class FallingSet(SampledScene):
 
     def _count(self, table: Table) -> FallingCounts:
         counts = FallingCounts()
-        sided = table["face"] == 1
-        counts.sides = count_sides(sided, np.where(sided, table["eta_hat_plus"], table["eta_hat_minus"]))
+        on_plus = table["face"] == 1
+        counts.faces = count_faces(on_plus, np.where(on_plus, table["eta_hat_plus"], table["eta_hat_minus"]))
         counts.status = statistics.count_status([table["status"]])
         counts.could_fall = int(table["could_fall"].sum())
         counts.theta_min = LogCounts.of(table["theta_min"])
@@ -242,7 +242,7 @@ class FallingSet(SampledScene):
         near = f"samples with |eta_hat| <= {self.tube:g}"
         return {
             "samples": self.samples,
-            "side_counts": total.sides,
+            "face_counts": total.faces,
             "could_fall_fraction": fraction["value"],
             "could_fall_interval_95": fraction["interval_95"],
             "theta_min_of": "all samples" if self.theta_min == "all" else near,

@@ -36,7 +36,7 @@ _BATCH = 1 << 14  # independent draws per batch of a tube
 class MeasureZero(SampledScene):
     """How rarely does it nearly fall? P(theta_min < delta) down to 1e-15 against the law C delta.
 
-    samples: plain draws; tube: draws per rung and side of F; ladder: smallest and largest delta (rad).
+    samples: plain draws; tube: draws per rung and face; ladder: smallest and largest delta (rad).
     """
 
     box: Box
@@ -69,7 +69,7 @@ class MeasureZero(SampledScene):
             "a density, called as density(phi, phidot, sigma3, sigma4) with arrays in the units of the disk",
         ),
         Option("--ladder", read_range, "LOW:HIGH", "tilts delta in rad, from the largest down by decades"),
-        Option("--tube", partial(whole, low=2, high=10**9), "N", "draws per delta and side in tubes beside F"),
+        Option("--tube", partial(whole, low=2, high=10**9), "N", "draws per delta and face in tubes beside F"),
         Option("--sampling", partial(one_of, known=SAMPLING), "HOW", "draws in the tubes: random or sobol"),
     )
 

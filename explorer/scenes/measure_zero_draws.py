@@ -85,7 +85,7 @@ class Question:
         return np.quantile(together, inner) if together.size > 10 * ENERGY_BINS else np.zeros(0)
 
     def draw(self, face: int, delta: float, points: Array) -> Draws:
-        """Draws in the tube of tilt delta on one side of F, from points of the unit cube."""
+        """Draws in the tube of tilt delta beside the line of one face, from points of the unit cube."""
         return draw_tube(
             self.disk, self.source, self.constant.mass, face, float(delta), points, self.plan.accuracy
         )
@@ -128,9 +128,9 @@ class PlainDraws:
         return near
 
     def tally(self, table: Table) -> Tally:
-        """Hits of every rung by side and by sign of eta (0 counts as +), and the way their races go."""
+        """Hits of every rung by face and by sign of eta (0 counts as +), and the way their races go."""
         theta, plus, above = table["theta_min"], table["face"] == 1, table["eta_hat"] >= 0.0
-        kinds = [side & sign for side in (plus, ~plus) for sign in (above, ~above)]
+        kinds = [face & sign for face in (plus, ~plus) for sign in (above, ~above)]
         skipped = {"not followed": self.count - theta.size}
         return {
             "kind": "plain",
@@ -161,7 +161,7 @@ class PlainDraws:
 
 @dataclass(frozen=True)
 class TubeDraws:
-    """A batch of weighted draws in the tube of one rung on one side of F."""
+    """A batch of weighted draws in the tube of one rung at one face."""
 
     question: Question
     index: int  # of the chunk, and of its random stream

@@ -26,7 +26,7 @@ _FOLLOWED, _INVARIANCE, _LATER = 256, (1 << 40) + 1, 5.0
 
 @dataclass(frozen=True)
 class Tubes:
-    """Sums of the batches of every tube: arrays (rungs, 2 sides, batches, ...), face +1 first."""
+    """Sums of the batches of every tube: arrays (rungs, 2 faces, batches, ...), face +1 first."""
 
     by_batches: bool
     draws: Array
@@ -53,7 +53,7 @@ class Tubes:
         return Tubes(self.by_batches, **{name: getattr(self, name)[:, :, :batches] for name in _COLUMNS})
 
     def estimate(self, rung: int, face: int) -> Estimate:
-        """P(theta_min < delta) on one side of F."""
+        """P(theta_min < delta) at one face."""
         return self.mean(self.sum[rung, face], self.squares[rung, face], self.draws[rung, face])
 
     def mean(self, sums: Array, squares: Array, draws: Array) -> Estimate:
@@ -68,7 +68,7 @@ class Tubes:
         return Estimate(mean, math.sqrt(variance / max(count - 1.0, 1.0)), max(count - 1.0, 1.0))
 
     def rung(self, rung: int) -> Estimate:
-        """P(theta_min < delta), both sides."""
+        """P(theta_min < delta), both faces."""
         return laws.total([self.estimate(rung, face) for face in (0, 1)])
 
     def ladder(self, delta: Array) -> Ladder:
@@ -214,7 +214,7 @@ def _agreement(question: Question, ladder: Ladder, below: NDArray[np.int64]) -> 
 
 
 def _relative_variance(tubes: Tubes, rungs: NDArray[np.intp]) -> float:
-    """Relative variance of one draw of a tube with both sides taken in turn, mean over the rungs."""
+    """Relative variance of one draw of a tube with both faces taken in turn, mean over the rungs."""
     each = []
     for rung in rungs:
         estimate, draws = tubes.rung(int(rung)), tubes.draws[rung].sum()
@@ -242,18 +242,18 @@ def _power(question: Question, tubes: Tubes) -> dict[str, Any]:
 
 
 def _splits(question: Question, tubes: Tubes, ladder: Ladder) -> dict[str, Any]:
-    """By side, sign of eta, energy, and tilt; all shares of the rungs of the law but for the sign of eta."""
+    """By face, sign of eta, energy, and tilt; all shares of the rungs of the law but for the sign of eta."""
     rungs = np.flatnonzero(question.tested)
     unit = question.deltas[rungs]
-    sides = []
+    faces = []
     for face in (0, 1):
         parts = [tubes.estimate(int(rung), face) for rung in rungs]
-        sides.append(laws.total(parts, 1.0 / (unit * unit.size)))
-    both = laws.total(sides)
-    error = math.hypot(sides[1].value * sides[0].error, sides[0].value * sides[1].error) / both.value**2
-    plus = Estimate(sides[0].value / both.value, error, both.dof)
+        faces.append(laws.total(parts, 1.0 / (unit * unit.size)))
+    both = laws.total(faces)
+    error = math.hypot(faces[1].value * faces[0].error, faces[0].value * faces[1].error) / both.value**2
+    plus = Estimate(faces[0].value / both.value, error, both.dof)
     return {
-        "side_plus": {**_described(plus), "predicted": question.constant.plus / question.constant.value},
+        "face_plus": {**_described(plus), "predicted": question.constant.plus / question.constant.value},
         "eta_positive": _signs(question, tubes, ladder),
         "energy": _by_energy(question, tubes, rungs),
         "tilt": _by_tilt(tubes, question.deltas, rungs),

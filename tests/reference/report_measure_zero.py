@@ -60,7 +60,7 @@ def main():
         "# Falling has measure zero",
         "",
         "Made by `python tests/reference/report_measure_zero.py`: `nearflat run measure-zero` with its defaults,",
-        "4 10^6 plain draws, a ladder of delta from 1e-1 to 1e-15 and 2^18 draws per rung and side. None fell in",
+        "4 10^6 plain draws, a ladder of delta from 1e-1 to 1e-15 and 2^18 draws per rung and face. None fell in",
         "any run, which bounds the probability of falling by 7.5e-7 each time. C is fitted on delta <= 1e-4. *z*:",
         "difference from the prediction in standard errors; *+-*: half-widths of 95 % intervals, of C relative;",
         "*gain*: variance of independent draws over that of Sobol points.",
@@ -113,9 +113,9 @@ def power_lines(summary):
 
 def split_lines(summary):
     splits, invariance = summary["splits"], summary["invariance"]
-    side = splits["side_plus"]
+    face = splits["face_plus"]
     yield from ("", "## How the probability splits", "")
-    yield f"On face +1: {side['value']:.5f} +- {side['error']:.5f}, predicted {side['predicted']:.5f}. By energy:"
+    yield f"On face +1: {face['value']:.5f} +- {face['error']:.5f}, predicted {face['predicted']:.5f}. By energy:"
     yield from ("", "| energy from | to | share | error | predicted |", "|---|---|---|---|---|")
     for row in splits["energy"]:
         ends = ["" if row[key] is None else f"{row[key]:.3f}" for key in ("energy_from", "energy_to")]
@@ -141,7 +141,7 @@ def coverage_lines():
     yield from ("## Do the intervals cover?", "")
     depths = ", ".join(f"{delta:g}" for delta in DELTAS)
     yield f"400 small runs each, rungs at {depths}; share of 95 % intervals that contain the truth."
-    yield from ("", "| disk | box | draws per rung and side | C | slope | a rung |", "|---|---|---|---|---|---|")
+    yield from ("", "| disk | box | draws per rung and face | C | slope | a rung |", "|---|---|---|---|---|---|")
     for name, box, draws in COVERED:
         disk = ex.Disk.parse(name)
         shares = coverage(disk, Density.of(disk, box), 400, draws, seed=12)

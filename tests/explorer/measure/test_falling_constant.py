@@ -116,7 +116,7 @@ def test_units_do_not_matter():
     assert falling_constant(disk, scaled).value == pytest.approx(natural.value, rel=1e-6)
 
 
-def test_a_density_and_its_mirror_image_change_sides():
+def test_a_density_and_its_mirror_image_change_faces():
     """Eq. (3.2): (phi, sigma4) -> (-phi, -sigma4)."""
     one = falling_constant(ex.Disk.uniform(), "phi=-0.2:0.9,sigma4=-0.5:1.5,phidot=-1:2")
     other = falling_constant(ex.Disk.uniform(), "phi=-0.9:0.2,sigma4=-1.5:0.5,phidot=-2:1")

@@ -32,7 +32,7 @@ def test_the_plain_fall_from_the_vertical_takes_the_published_time(name):
     assert chi[0] == psi[0] == 0.0
 
 
-def test_every_state_at_the_vertical_on_a_line_could_fall_on_that_side(body):
+def test_every_state_at_the_vertical_on_a_line_could_fall_on_that_face(body):
     rng = np.random.default_rng(1)
     unit = body.rate_unit
     for face in (1, -1):

@@ -1,4 +1,4 @@
-"""Starts beside the falling set: at the vertical, on both sides alike."""
+"""Starts beside the falling set: at the vertical, on both faces alike."""
 
 import numpy as np
 import pytest

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 
-from explorer.scenes.falling_counts import NO_CODE, FallingCounts, count_sides, joined, nearer, no_cells
+from explorer.scenes.falling_counts import NO_CODE, FallingCounts, count_faces, joined, nearer, no_cells
 from explorer.scenes.registry import build_scene
 
 
@@ -22,12 +22,12 @@ def test_counts_of_two_blocks_are_those_of_both_together():
         np.testing.assert_array_equal(values, table[name])
 
 
-def test_nan_is_on_neither_side():
+def test_nan_is_on_neither_face():
     eta = np.array([1.0, -1.0, 0.0, np.nan])
-    counts = count_sides(np.array([True, False, True, True]), eta)
+    counts = count_faces(np.array([True, False, True, True]), eta)
     assert sum(counts.values()) == 3
     assert (
-        counts["side_plus_eta_positive"] == counts["side_minus_eta_negative"] == counts["side_plus_eta_zero"] == 1
+        counts["face_plus_eta_positive"] == counts["face_minus_eta_negative"] == counts["face_plus_eta_zero"] == 1
     )
 
 

@@ -19,7 +19,7 @@ def summary_of(**options):
 
 def test_the_falling_set_summary_adds_up():
     _, found = summary_of(samples=20_000, box="phi=-1:1")
-    assert sum(found["side_counts"].values()) == found["samples"] == 20_000
+    assert sum(found["face_counts"].values()) == found["samples"] == 20_000
     assert sum(found["status"].values()) == 20_000
     low, high = found["could_fall_interval_95"]
     assert 0 < low < found["could_fall_fraction"] < high < 1
@@ -54,7 +54,7 @@ def test_counts_are_complete_whatever_is_kept(keep, tmp_path):
     options = {"samples": 4000, "grid": 5, "chunk_size": 1500}
     every = ex.run("falling-set", out=tmp_path / "all", keep="all", **options)
     run = ex.run("falling-set", out=tmp_path / "run", keep=keep, **options)
-    for key in ("side_counts", "theta_min_quantiles", "distance_quantiles", "status"):
+    for key in ("face_counts", "theta_min_quantiles", "distance_quantiles", "status"):
         assert run.summary[key] == every.summary[key]
     rows = sum(len(table["status"]) for table in run.tables())
     near = sum(int(run.scene.near(0, table).sum()) for table in every.tables())
@@ -72,9 +72,9 @@ def test_beyond_ten_million_states_theta_min_is_computed_near_f_only(tmp_path, m
         np.testing.assert_array_equal(part["theta_min"][near], whole["theta_min"][near])
         assert np.isnan(part["theta_min"][~near]).all()
         assert near.any()
-    assert run.summary["side_counts"] == every.summary["side_counts"]
+    assert run.summary["face_counts"] == every.summary["face_counts"]
     sifted = ex.run("falling-set", out=tmp_path / "near", **{**options, "keep": "near"})
-    for key in ("side_counts", "could_fall_fraction", "distance_quantiles", "theta_min_quantiles", "status"):
+    for key in ("face_counts", "could_fall_fraction", "distance_quantiles", "theta_min_quantiles", "status"):
         assert sifted.summary[key] == run.summary[key]
     for part, table in zip(sifted.tables(), run.tables(), strict=True):
         near = run.scene.near(0, table)

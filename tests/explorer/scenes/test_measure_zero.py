@@ -75,7 +75,7 @@ def test_no_falls_are_bounded_exactly(uniform):
 
 def test_probability_splits_as_predicted(uniform):
     _, found = uniform
-    face = found["splits"]["side_plus"]
+    face = found["splits"]["face_plus"]
     assert abs(face["value"] - face["predicted"]) < 4.0 * face["error"]
     shares = found["splits"]["energy"]
     assert sum(row["share"] for row in shares) == pytest.approx(1.0)
