@@ -29,10 +29,14 @@ chi, psi        chi psi      angle of contact in space (2.30) and in the body (2
 a               a1 a2        horizontal position of the centre of mass
 sigma_3-bar     sigma3_bar   sigma_3 continued to the vertical, a constant of motion (3.5)
 eta_+-          eta          signed distance to the lines l_+-, eq. (6.2)
+--              eta_hat      eta / (I3 r(0)): how far sigma_4-bar is from its value on the line
+--              side         sign of eta: which side of the falling set
 r(z)            recessive    recessive solution of Chaplygin's equations, eqs (5.1)-(5.3)
 --              dominant     the solution that diverges logarithmically at flat, eq. (5.5)
 r(0), r'(0)     r0 dr0       their values at the vertical, eqs (5.11), (5.12)
 --              face         +1 or -1: the flat state at phi = +pi/2 or -pi/2
 --              s            regularised time, dt = q ds
+--              fall_angle   by how much chi turns on the falling set, eta = 0, over the same stretch
+--              race_angle   the turn of chi less fall_angle; tends to side kappa pi, (7.9)
 ==============  ===========  ================================================================
 """

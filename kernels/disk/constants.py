@@ -39,6 +39,12 @@ _ULPS = 6 * 2.2e-16
 
 
 @device
+def nearer_plus(eta_plus: float, eta_minus: float) -> bool:
+    """True where the face of the smaller |eta| is +1; ties and NaN count as +1."""
+    return not abs(eta_minus) < abs(eta_plus)
+
+
+@device
 def depth_below_vertical(q: float, z: float) -> tuple[float, float]:
     """(S, ln S) with S = 1 - |z|, from q and z without cancellation and beyond underflow."""
     larger = 1.0 + abs(z)

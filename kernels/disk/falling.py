@@ -71,7 +71,7 @@ def _potential_above_flat(
     """(V - V_0, the part of the spin in it), eq. (3.8): gyration + 1/2 J (sigma4^2 - flat^2) + q.
 
     gyration = 1/2 I1 (sigma3/q)^2; sigma4 = flat + rise. From the difference itself: near flat V - V_0
-    is all there is.
+    is all there is. With flat = 0 it is V.
     """
     spin = 0.5 * b.J * rise * (twice_flat + rise)
     return gyration + spin + q, spin
@@ -83,8 +83,8 @@ potential_above_flat, contracted_potential_above_flat = both_devices(_potential_
 @device
 def potential_at_flat(X: float, b: Body) -> float:
     """V_0 = V(pi/2), eq. (6.9)."""
-    spin = X / b.k
-    return 0.5 * b.J * spin * spin
+    V, _spin = potential_above_flat(0.0, X / b.k, 0.0, 0.0, b)
+    return V
 
 
 @subroutine
@@ -101,7 +101,7 @@ def on_f(q: float, z: float, X: float, disk: Disk) -> OnF[float]:
         sigma3, sigma4 = chaplygin.sigma_from_constants(-1.0, X, 2.0 * b.dr0 * b.r0 * X, f, b.k)
         turn = sigma3 / (q * q)
     gyration = b.I1 * turn * turn * q
-    V = 0.5 * gyration * q + 0.5 * b.J * sigma4 * sigma4 + q
+    V, _spin = potential_above_flat(0.5 * gyration * q, sigma4, 0.0, q, b)
     dV = gyration * z - b.J * turn * q * sigma4 - z
     return OnF(turn, sigma4, V, dV)
 
@@ -162,7 +162,7 @@ def reaches_flat(at: Tilt, energy: float, X: float, well_phi: float, disk: Disk)
 def falls_batch(
     states: Matrix, sigma3_bar: Vector, energy: Vector, well_phi: float, disk: Disk, out: Matrix
 ) -> None:
-    """Could these states fall, were eta on that side zero?
+    """Could these states fall, were eta of that face zero?
 
     states (5, n) as State; sigma3_bar, energy (n): their constants -> out (3, n), rows as Membership.
     """

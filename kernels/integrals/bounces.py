@@ -21,9 +21,9 @@ _OK = int(Status.OK)
 class BounceRow(NamedTuple, Generic[Entry]):
     """The approaches to flat of one period, as seen from the hemisphere of the state.
 
-    first: time from the state to the first approach; first_here: 1 where that is on this side, else 0. Then the
-    passage on this side (from vertical to vertical, or from turning point to turning point where the motion
-    does not cross the vertical) and the one on the other side, NaN where there is none.
+    first: time from the state to the first approach; first_here: 1 where that is to this face, else 0. Then the
+    passage of this face (from vertical to vertical, or from turning point to turning point where the motion
+    does not cross the vertical) and that of the other face, NaN where there is none.
     """
 
     first: Entry
@@ -43,10 +43,10 @@ class BounceRow(NamedTuple, Generic[Entry]):
 
 @subroutine
 def first_approach(rate: float, lead: float, here: float, there: float) -> tuple[float, float]:
-    """(time to the first approach, 1 where it is on this side), from the times of the passages.
+    """(time to the first approach, 1 where it is to this face), from the times of the passages.
 
-    rate: theta-dot of the state. lead: time from its tilt to flattest, on this side. there: NaN where the
-    motion does not cross the vertical; it then comes back to this side.
+    rate: theta-dot of the state. lead: time from its tilt to flattest, on this face. there: NaN where the
+    motion does not cross the vertical; it then comes back to this face.
     """
     if rate <= 0.0:
         return lead, 1.0

@@ -26,7 +26,7 @@ _NOT_THERE = PassageRow(math.nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 class Orbits(NamedTuple):
     """States (n) on motions, as seen from their hemisphere.
 
-    h and rate: 2 sin(theta/2) and theta-dot; near and far: eta on this and on the other side.
+    h and rate: 2 sin(theta/2) and theta-dot; near and far: eta of this and of the other face.
     """
 
     h: Vector
@@ -37,7 +37,7 @@ class Orbits(NamedTuple):
 
 
 class OrbitRow(NamedTuple, Generic[Entry]):
-    """One period: smallest tilt here and on the other side (NaN if never there), what a period adds to the
+    """One period: smallest tilt from this and from the other face (NaN if never there), what a period adds to the
     angles and the time, energy, error of angles, relative error of time."""
 
     theta_here: Entry
@@ -54,10 +54,10 @@ class OrbitRow(NamedTuple, Generic[Entry]):
 def orbit(
     h0: float, motion: Motion, far: float, target: float, rules: Rules, disk: Disk, W: Vector
 ) -> tuple[int, PassageRow[float], PassageRow[float]]:
-    """One whole period of a motion that passes h0 on face +1; far: its Y on the other side.
+    """One whole period of a motion that passes h0 on face +1; far: its Y of the other face.
 
-    Returns status, the passage on this side (or between both turning points) and the one on the other
-    side (chi = psi = time = 0 if the motion does not cross the vertical).
+    Returns status, the passage of this face (or between both turning points) and that of the other
+    face (chi = psi = time = 0 if the motion does not cross the vertical).
     """
     outer = turning_point_outward(h0, motion, disk)
     if outer > 0.0:

@@ -4,13 +4,13 @@ Everything near flat is written in h and ratios to it; S = h^2/2 may underflow.
 """
 
 import math
-from typing import NamedTuple
+from typing import Generic, NamedTuple
 
 from kernels._jit import kernel, subroutine
 from kernels.disk import chaplygin
 from kernels.disk.body import Disk
 from kernels.disk.falling import potential_above_flat
-from kernels.disk.rows import put
+from kernels.disk.rows import Entry, put
 from kernels.types import Matrix, Vector
 
 _LN2 = math.log(2.0)
@@ -25,24 +25,24 @@ class Motion(NamedTuple):
     level: float
 
 
-class Point(NamedTuple):
+class Point(NamedTuple, Generic[Entry]):
     """A tilt on a motion with constants (X, Y), face +1.
 
     shape: sqrt(1 - h^2/4) = cos(theta/2); D: dominant solution; ratio: sigma3/q; V: amended potential
     above V_0; slope: h dV/dh.
     """
 
-    S: float
-    shape: float
-    D: float
-    ratio: float
-    sigma4: float
-    V: float
-    slope: float
+    S: Entry
+    shape: Entry
+    D: Entry
+    ratio: Entry
+    sigma4: Entry
+    V: Entry
+    slope: Entry
 
 
 @subroutine
-def point(h: float, X: float, Y: float, disk: Disk) -> Point:
+def point(h: float, X: float, Y: float, disk: Disk) -> Point[float]:
     """The motion at 0 < h <= VERTICAL."""
     b = disk.body
     S = 0.5 * h * h

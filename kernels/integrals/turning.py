@@ -58,7 +58,7 @@ def crest(low: float, high: float, motion: Motion, disk: Disk) -> float:
 
 @subroutine
 def turning_point(h_end: float, rest: bool, motion: Motion, disk: Disk, W: Vector) -> float:
-    """h of the first turning point on the way from h_end to flat; NaN if it starts on the wrong side.
+    """h of the first turning point on the way from h_end to flat; NaN if it starts beyond it.
 
     Steps down in tilt, looking at every local minimum of P on the way (a barrier), then in ln h. W is room
     for `nodes`.

@@ -58,7 +58,7 @@ class Outcome(NamedTuple):
 
 
 class ConstantsError(NamedTuple, Generic[Entry]):
-    """How far the constants of motion moved: relative energy; sigma3_bar and eta on the near side."""
+    """How far the constants of motion moved: relative energy; sigma3_bar and eta of one face."""
 
     energy: Entry
     sigma3_bar: Entry
@@ -195,9 +195,9 @@ def settle(method: int, x: State, h: float, length: float, y: State, stop: Stop,
 
 
 @device
-def constants_error(before: Constants[float], after: Constants[float], near_plus: bool) -> ConstantsError[float]:
-    """Change of the constants of motion between two states of one motion."""
-    eta = after.eta_plus - before.eta_plus if near_plus else after.eta_minus - before.eta_minus
+def constants_error(before: Constants[float], after: Constants[float], plus: bool) -> ConstantsError[float]:
+    """Change of the constants of motion between two states of one motion; eta of face +1 if `plus`."""
+    eta = after.eta_plus - before.eta_plus if plus else after.eta_minus - before.eta_minus
     energy = (after.energy - before.energy) / before.energy
     return ConstantsError(energy, after.sigma3_bar - before.sigma3_bar, eta)
 

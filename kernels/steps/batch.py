@@ -164,9 +164,10 @@ def finish(
 ) -> None:
     """Store sample j, which reached its event at y, with the change of its constants and verdict."""
     end = constants_of(y, disk)
-    near_plus = y.z >= 0.0
-    moved = constants_error(begin, end, near_plus)
-    eta = begin.eta_plus if near_plus else begin.eta_minus
+    # The face that the sample comes to, whichever is nearer: its eta decides the race there.
+    plus = y.z >= 0.0
+    moved = constants_error(begin, end, plus)
+    eta = begin.eta_plus if plus else begin.eta_minus
     outcome.status[j] = verdict(moved, eta, math.sqrt(2.0 * begin.energy / disk.body.I1), bound)
     put(moved, outcome.errors, j)
     put(y, out, j)

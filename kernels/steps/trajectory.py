@@ -4,7 +4,7 @@ import math
 
 from kernels._jit import kernel, subroutine
 from kernels.disk.body import Body, Disk
-from kernels.disk.constants import Pinned, constants_of, onto_constants, onto_energy
+from kernels.disk.constants import Pinned, constants_of, nearer_plus, onto_constants, onto_energy
 from kernels.disk.field import ANGLES, PATH, State, column, energy, speed
 from kernels.disk.rows import put
 from kernels.status import Status
@@ -107,15 +107,15 @@ def trajectory_batch(
         begin = constants_of(x, disk)
         code, outcome.steps[i], last, removed = trajectory(how, stops, x, hold, how.control[i], disk, out[i])
         end = constants_of(last, disk)
-        # Whichever side is nearer decides whether the direction of its races is known.
-        near_plus = abs(begin.eta_plus) <= abs(begin.eta_minus)
-        moved = constants_error(begin, end, near_plus)
+        # It may come to both faces; whichever is nearer decides whether the direction of its races is known.
+        plus = nearer_plus(begin.eta_plus, begin.eta_minus)
+        moved = constants_error(begin, end, plus)
         energy_error = moved.energy + removed / begin.energy
         put(ConstantsError(energy_error, moved.sigma3_bar, moved.eta), outcome.errors, i)
         if code == _OK and not math.isnan(hold.sigma3_bar):
             # The accuracy is per passage, which takes about two units of time; errors add up.
             code = _OK if abs(energy_error) <= bound * max(1.0, 0.5 * last.t) else _DRIFT
         elif code == _OK:
-            eta = begin.eta_plus if near_plus else begin.eta_minus
+            eta = begin.eta_plus if plus else begin.eta_minus
             code = verdict(moved, eta, math.sqrt(2.0 * begin.energy / disk.body.I1), bound)
         status[i] = code

@@ -8,8 +8,10 @@ import pytest
 from conftest import BODIES
 from slow_chaplygin import hypergeometric
 
+from explorer.phase import lines
 from explorer.phase.constants import natural_constants
 from explorer.phase.states import theta_to_states
+from kernels.disk import constants
 from kernels.disk.chaplygin import sigma_from_constants, solutions
 
 mpmath.mp.dps = 40
@@ -50,3 +52,11 @@ def test_constants_of_a_state_agree_with_forty_digits(face):
         eta = b.I1 * (s3 * drho - face * b.k * s4 * rho)
         assert natural.sigma3_bar[0] == pytest.approx(float(sigma3_bar), rel=1e-13, abs=1e-15)
         assert abs(natural.eta(there)[0] - float(eta)) <= natural.rounding(there)[0]
+
+
+@pytest.mark.parametrize(
+    ("plus", "minus"),
+    [(1.0, 2.0), (2.0, -1.0), (-1.0, 1.0), (0.0, 0.0), (math.nan, 1.0), (1.0, math.nan)],
+)
+def test_kernels_and_explorer_agree_which_face_is_nearer_also_in_ties(plus, minus):
+    assert constants.nearer_plus.py_func(plus, minus) == lines.nearer_plus(np.array(plus), np.array(minus))
