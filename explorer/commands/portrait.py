@@ -133,10 +133,12 @@ def portrait(
 
 
 def _write(folder: Path, pictures: Pictures) -> list[Path]:
+    from explorer.plot import save
+
     paths = []
     for name, figure in pictures:
         for kind in ("svg", "png"):
-            figure.savefig(folder / f"{name}.{kind}", dpi=150)
+            save(figure, folder / f"{name}.{kind}")
         paths.append(folder / f"{name}.png")
     return paths
 

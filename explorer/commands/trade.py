@@ -204,7 +204,7 @@ def folder_for(out: Path) -> Path:
 
 def report(disk: Disk, rows: list[Row], out: Path, command: str, where: Path | None) -> None:
     """README.md and trade.png in the folder `out`."""
-    from explorer.plot import figure_of, work_precision
+    from explorer.plot import figure_of, save, work_precision
 
     lines = [
         f"# Speed against accuracy: {disk.name}",
@@ -224,7 +224,7 @@ def report(disk: Disk, rows: list[Row], out: Path, command: str, where: Path | N
     if where is not None:
         lines += ["", "Stored for this machine; `--accuracy` and `--method auto` read it."]
     (out / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    figure_of(work_precision, rows).savefig(out / "trade.png", dpi=150)
+    save(figure_of(work_precision, rows), out / "trade.png")
     leave_made_by(out, command)
 
 

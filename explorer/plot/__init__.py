@@ -1,6 +1,7 @@
 """Pictures. Each function takes ax=None and returns the Axes; none shows or touches global settings."""
 
 from explorer.plot.bodies import race_bodies, race_gap, race_number
+from explorer.plot.captions import caption_of, save
 from explorer.plot.film import animate
 from explorer.plot.maps import constants_plane, slice_map, theta_min_distribution
 from explorer.plot.measure_zero import constant_convergence, falling_ladder, ladder_ratio, tilt_density
@@ -17,6 +18,7 @@ from explorer.plot.wander import rosette_and_resonance, wander_distance, wander_
 __all__ = [
     "animate",
     "bifurcations",
+    "caption_of",
     "constant_convergence",
     "constants_plane",
     "contact_paths",
@@ -36,6 +38,7 @@ __all__ = [
     "race_slice_map",
     "rocking_turns",
     "rosette_and_resonance",
+    "save",
     "slice_map",
     "stacked",
     "steady_map",

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from explorer.phase.states import Array
+from explorer.plot.captions import Question, captioned
 from explorer.plot.style import DARK, MINUS, PLUS, SMALL, THIRD, axes_or_new, dress, legend, stacked
 from explorer.portrait.bodies import MeasuredGaps, RaceNumbers
 
@@ -14,6 +15,12 @@ NAMED = {2.0: "hoop", 4.0: "uniform"}
 _RATIO = r"$m r^2/I_1$"
 
 
+@captioned(
+    Question.HOW_FAR,
+    "The race number κ against mr²/I₁: beside F the contact point races round the rim by κ half turns. "
+    "Circles are measured on passages beside F and lie on the curve. At the diamonds κ is a whole number, and "
+    "both limit motions agree.",
+)
 def race_number(numbers: RaceNumbers, measured: MeasuredGaps | None = None, ax: Axes | None = None) -> Axes:
     r"""Draw kappa against m r^2/I1: beside F the contact point races by kappa pi.
 
@@ -55,6 +62,11 @@ def race_number(numbers: RaceNumbers, measured: MeasuredGaps | None = None, ax: 
     return dress(ax, _RATIO, r"race number $\kappa$ (half turns)", r"The contact point races by $\pm\kappa\pi$")
 
 
+@captioned(
+    Question.EACH_SIDE,
+    "How far apart the two limit motions leave a fall, as a distance on the circle, against mr²/I₁. At the "
+    "diamonds it is zero: for these bodies both sides of F have the same limit.",
+)
 def race_gap(numbers: RaceNumbers, measured: MeasuredGaps | None = None, ax: Axes | None = None) -> Axes:
     r"""Draw 2 kappa pi mod 2 pi against m r^2/I1; for the matching bodies it is zero, and jumps by a whole turn.
 

@@ -14,6 +14,7 @@ from PIL import Image
 from explorer.errors import InputError
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
+from explorer.plot.captions import Question, captioned
 from explorer.plot.style import DARK, SIGN_COLOURS, SMALL, TEXT
 from explorer.portrait.film import FRAMES, Film, film
 
@@ -116,6 +117,11 @@ class Stage:
         return Image.fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB")
 
 
+@captioned(
+    Question.HAPPENS,
+    "A disk rises from the vertical to nearly flat and back, on both sides of F. Near flat time is slowed: "
+    "the contact point races round the rim, one way on the left, the other way on the right.",
+)
 def animate(path: Path | str, disk: Disk, *, frames: int = FRAMES, **options: Any) -> Film:
     """Write a GIF of the disk from the vertical to nearly flat and back, eta_hat > 0 and < 0 side by side.
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from explorer.measure.log_counts import LogCounts
 from explorer.motion.plan import method_in_words
 from explorer.phase.states import Array
+from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
     DARK,
     MINUS,
@@ -43,6 +44,11 @@ def _colour_tilt(ax: Axes, x: Array, y: Array, theta: Array, method: str) -> Non
     bar.ax.tick_params(labelsize=SMALL)
 
 
+@captioned(
+    Question.FROM_WHERE,
+    "The flattest motion among the samples of each cell, over the two constants of motion. Only motions on "
+    "two lines through the origin come flat; short marks at the frame say where these lines are exactly.",
+)
 def constants_plane(plane: ConstantsPlane, ax: Axes | None = None) -> Axes:
     """Draw all samples of a run over the plane of constants: the flattest motion per cell, and both lines l_+-.
 
@@ -85,6 +91,11 @@ def constants_plane(plane: ConstantsPlane, ax: Axes | None = None) -> Axes:
     )
 
 
+@captioned(
+    Question.FROM_WHERE,
+    "How flat the disk comes, for every start in a plane of the phase space. The bright valleys are the "
+    "falling set F, and the broken lines are F as the algebra gives it.",
+)
 def slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
     """Draw theta_min on a slice of the phase space, and the exact falling set over it.
 
@@ -148,6 +159,11 @@ def _has_zero(values: Array) -> bool:
     return finite.size > 0 and finite.min() <= 0.0 <= finite.max()
 
 
+@captioned(
+    Question.HOW_RARELY,
+    "The share of samples that come flatter than δ. It falls in proportion to δ: F has codimension one, so "
+    "nearly falling flat is rare and falling flat has probability zero.",
+)
 def theta_min_distribution(theta: LogCounts, samples: int, ax: Axes | None = None) -> Axes:
     """Draw the share of samples that come flatter than delta, and a guide of slope one: codimension one.
 

@@ -7,11 +7,17 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 
 from explorer.measure.laws import OFF, PLATEAU, SHAPE_BINS, wrong_laws
+from explorer.plot.captions import Question, captioned
 from explorer.plot.style import DARK, FOURTH, MINUS, PLUS, SMALL, THIRD, axes_or_new, dress, legend
 
 _SHARE = r"$P(\theta_{\min} < \delta)$"
 
 
+@captioned(
+    Question.HOW_RARELY,
+    "The probability to come flatter than δ, over fifteen decades. Estimates with their intervals lie on the "
+    "line Cδ, whose C is computed without any sample; two other laws, drawn in, miss them.",
+)
 def falling_ladder(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Draw estimates of P(theta_min < delta) with intervals, the line C delta, and laws that it is not.
 
@@ -68,6 +74,10 @@ def falling_ladder(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     return dress(ax, r"$\delta$ (rad)", _SHARE, f"Falling has measure zero, {summary['disks'][0]['name']} disk")
 
 
+@captioned(
+    Question.HOW_RARELY,
+    "The estimates of the ladder divided by the law Cδ. All intervals hold 1 as soon as δ is small.",
+)
 def ladder_ratio(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Draw the estimates over their line C delta, where an error of some percent in C can be seen.
 
@@ -124,6 +134,11 @@ def _bars(ax: Axes, x: Any, y: Any, spread: Any, label: str) -> None:
     ax.errorbar(x, y, spread, fmt="o", color=PLUS, ms=5, lw=1.4, capsize=3, label=label)
 
 
+@captioned(
+    Question.HOW_RARELY,
+    "The constant C from the first N draws, relative to the one from quadrature. It settles on zero as fast "
+    "as counting allows.",
+)
 def constant_convergence(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Draw how the estimate of C settles with the number of draws, beside the prediction.
 
@@ -164,6 +179,11 @@ def constant_convergence(summary: dict[str, Any], ax: Axes | None = None) -> Axe
     return dress(ax, "draws in tubes", "estimate of $C$ / prediction $-\\,1$", title)
 
 
+@captioned(
+    Question.HOW_RARELY,
+    "The density of the smallest tilt among the hits, against the uniform density that the law Cδ says. It is "
+    "flat up to the noise of counting.",
+)
 def tilt_density(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Draw theta_min / delta of the hits beside the constant density that the law predicts.
 

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
     DARK,
     DISK_COLOURS,
@@ -21,6 +22,11 @@ from explorer.portrait.both_sides import BothSides
 _SIDES = {1: r"\eta > 0", -1: r"\eta < 0"}
 
 
+@captioned(
+    Question.EACH_SIDE,
+    "How far a motion beside F is from the limit motion of its own side, as η tends to 0. The distance falls "
+    "like η ln(1/η), on both sides: each side has its own limit.",
+)
 def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Draw the distance to the limit motion of the same side against |eta_hat|, for each disk.
 
@@ -74,6 +80,11 @@ def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     )
 
 
+@captioned(
+    Question.EACH_SIDE,
+    "The tilt φ against time just beside F, on both sides, with the limit. The three cannot be told apart: in "
+    "φ nothing tells the sides of F from each other.",
+)
 def one_sided_phi(both: BothSides, ax: Axes | None = None) -> Axes:
     """Draw the tilt phi(t) beside F and on the limits: it is the same on both sides.
 
@@ -107,6 +118,11 @@ def one_sided_phi(both: BothSides, ax: Axes | None = None) -> Axes:
     return dress(ax, f"t ({times_of(both.disk)})", r"$\varphi$ (rad)", f"Beside F: {both.disk.name}")
 
 
+@captioned(
+    Question.EACH_SIDE,
+    "The angle of the contact point against time on both sides of F, with both limits. At each near-fall it "
+    "jumps by the race, κπ forwards on one side and κπ backwards on the other.",
+)
 def one_sided_chi(both: BothSides, ax: Axes | None = None) -> Axes:
     """Draw the angle of contact chi(t) beside F and on both limits, with the size of the jump.
 
@@ -155,6 +171,12 @@ def one_sided_chi(both: BothSides, ax: Axes | None = None) -> Axes:
     return dress(ax, f"t ({times_of(both.disk)})", r"$\chi$ (rad)")
 
 
+@captioned(
+    Question.EACH_SIDE,
+    "The path of the contact point on the table, seen from above, on both sides of F; arrows show the motion. "
+    "Both disks start alike, race round in opposite senses where they nearly fall, and leave in different "
+    "directions.",
+)
 def contact_paths(both: BothSides, ax: Axes | None = None) -> Axes:
     """Draw the path of the contact point on the table seen from above, on both sides of F.
 

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
+from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
     BOUNCES,
     DARK,
@@ -31,6 +32,12 @@ _AT_FLAT: dict[str, Any] = {"color": DARK, "ms": 7, "ls": "", "clip_on": False, 
 _MARKS = {CENTRE: ("o", PLUS, "centre"), SADDLE: ("X", MINUS, "saddle")}
 
 
+@captioned(
+    Question.WHICH_MOTIONS,
+    "The motions of the tilt at given constants of motion, as levels of the energy. On the line l₊ a motion "
+    "runs into the flat state; just beside the line a wall throws it back, and a separatrix parts the well "
+    "from the rest.",
+)
 def phase_portrait(
     potential: Potential, energies: tuple[float, float] | None = None, ax: Axes | None = None
 ) -> Axes:
@@ -117,6 +124,11 @@ def _title(potential: Potential) -> str:
     return rf"{potential.disk.name}: $\bar\sigma_3$ = {potential.sigma3_bar:.4g}, {where}"
 
 
+@captioned(
+    Question.WHICH_MOTIONS,
+    "The amended potential on the line of the falling motions and beside it. On the line it ends at a finite "
+    "value at flat; beside the line a wall rises there, the steeper the nearer to the line.",
+)
 def potential_curves(potentials: Sequence[Potential], near_flat: bool = False, ax: Axes | None = None) -> Axes:
     """Draw the amended potential at several constants, with its equilibria: walls off the line, V_0 on it.
 

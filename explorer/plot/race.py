@@ -9,11 +9,18 @@ from matplotlib.colors import LogNorm
 
 from explorer.measure.log_counts import CELLS_PER_DECADE
 from explorer.phase.disk import Disk
+from explorer.plot.captions import Question, captioned
 from explorer.plot.style import DARK, MINUS, PLUS, axes_or_new, dress, legend, rates_of
 
 _JOINED = 5  # bins of the summary that make one of the picture
 
 
+@captioned(
+    Question.HOW_FAR,
+    "The race angles of all passages, one ridge for each decade of |η̂|, around −κπ and around +κπ. The "
+    "nearer to F, the narrower the ridge: the race angle collapses onto ±κπ. The strip on top shows both "
+    "sides on one axis.",
+)
 def race_histogram(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Draw the race angles on both sides of F, with +-kappa pi.
 
@@ -58,6 +65,11 @@ def race_histogram(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     )
 
 
+@captioned(
+    Question.HOW_FAR,
+    "How far race angles are from ±κπ, divided by Kη, against |η̂|. The median follows ln(1/|η̂|) less a "
+    "constant, drawn as a line; the band holds nine tenths of the passages.",
+)
 def race_deviation(
     disk: Disk, cells: Mapping[tuple[int, int], int], impact_speed: float, ax: Axes | None = None
 ) -> Axes:

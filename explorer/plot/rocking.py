@@ -6,10 +6,16 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from explorer.errors import InputError
+from explorer.plot.captions import Question, captioned
 from explorer.plot.style import DARK, DISK_COLOURS, axes_or_new, dress, legend
 from explorer.portrait.rocking import Rocking
 
 
+@captioned(
+    Question.HOW_FAR,
+    "The turn of the contact point per bounce against the energy of rocking, at small η. It goes over from "
+    "that of the Euler disk, which barely rocks, to the race κπ, where the disk nearly falls.",
+)
 def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None) -> Axes:
     r"""Draw the turn of the contact point per bounce against energy, for one body or several.
 

@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from explorer.phase.states import Array
+from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
     DARK,
     MINUS,
@@ -39,6 +40,12 @@ def signed_tilt(cut: SliceMap) -> Array:
     return np.where(cut.side == 0, np.nan, cut.side * height)
 
 
+@captioned(
+    Question.FROM_WHERE,
+    "Which way the contact point races, for every start in a plane of the phase space: blue on one side of F, "
+    "vermilion on the other, the stronger the flatter the disk comes. F is the edge where the strong colours "
+    "meet.",
+)
 def race_slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
     """Draw to which side the contact point races and how flat the disk comes; F is the edge of blue and vermilion.
 

@@ -11,6 +11,7 @@ from matplotlib.patches import Patch
 from explorer.phase.disk import Disk
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import well
+from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
     BOUNCES,
     DARK,
@@ -51,6 +52,11 @@ _PATH_NAMES = {
 }
 
 
+@captioned(
+    Question.WHICH_MOTIONS,
+    "The plane of the constants of motion: the lines of the falling motions, the curves of steady motions, "
+    "and the curve with four cusps inside which there is a saddle. The numbers count the equilibria.",
+)
 def steady_plane(disk: Disk, ax: Axes | None = None) -> Axes:
     """Draw the plane of constants: l_+-, steady motions at several tilts, and where wells beside F exist.
 
@@ -104,6 +110,11 @@ def steady_plane(disk: Disk, ax: Axes | None = None) -> Axes:
     return dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", rf"$\bar\sigma_4$ ({rates_of(disk)})", title)
 
 
+@captioned(
+    Question.WHICH_MOTIONS,
+    "Circular rolling by lean and precession: where it is stable, and where it is not. Lines are circles of "
+    "one radius; the unstable tongue is slow rolling that falls over.",
+)
 def steady_map(disk: Disk, ax: Axes | None = None) -> Axes:
     """Draw circular rolling over lean and precession: which motions are stable, and the radii of their circles.
 
@@ -151,6 +162,11 @@ def steady_map(disk: Disk, ax: Axes | None = None) -> Axes:
     return dress(ax, r"lean $|\varphi|$ (rad)", rf"precession $\dot\chi$ ({rates_of(disk)})")
 
 
+@captioned(
+    Question.WHICH_MOTIONS,
+    "The tilt of steady motions along a path in the plane of constants, solid where stable and broken where "
+    "unstable. At the threshold a branch appears, ends or changes its stability.",
+)
 def bifurcations(
     disk: Disk, path: str, branches: Sequence[Branch], marks: Sequence[float], ax: Axes | None = None
 ) -> Axes:

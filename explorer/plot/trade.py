@@ -6,9 +6,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from explorer.plot.captions import Question, captioned
 from explorer.plot.style import DARK, DISK_COLOURS, MARKERS, SMALL, axes_or_new, dress
 
 
+@captioned(
+    Question.HOW_GOOD,
+    "Time of one passage against its error, for all methods at many settings. Lower and further right is "
+    "better; quadrature is the star, and the band joins the integrators that no other beats.",
+)
 def work_precision(rows: Sequence[Any], ax: Axes | None = None) -> Axes:
     """Draw time per passage against the 99th percentile of the error, a line per method, the front in grey.
 

@@ -8,12 +8,18 @@ from matplotlib.figure import Figure
 
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
+from explorer.plot.captions import Question, captioned
 from explorer.plot.style import DARK, DISK_COLOURS, MINUS, PLUS, SIZE, axes_or_new, dress, legend, rates_of
 from explorer.portrait.wander import Wander, WanderPath
 
 _BOUNDED = 1e6  # radii; a larger circle is straight in any picture, so none is drawn
 
 
+@captioned(
+    Question.WHERE_TO,
+    "The paths of the contact point and of the centre of the disk over many periods, seen from above. Dots "
+    "are the centre after each period; they lie on a circle, unless a resonance carries the disk away.",
+)
 def wander_path(path: WanderPath, ax: Axes | None = None) -> Axes:
     """Draw the paths of the contact point and of the centre seen from above.
 
@@ -86,6 +92,11 @@ def rosette_and_resonance(generic: WanderPath, resonant: WanderPath) -> Figure:
     return figure
 
 
+@captioned(
+    Question.WHERE_TO,
+    "The distance of the centre from its start, against time in periods. A generic motion stays within a "
+    "bound; a resonance walks away for ever.",
+)
 def wander_distance(named: Mapping[str, WanderPath], ax: Axes | None = None) -> Axes:
     """Draw the distance of the centre from its start against time, with the bound that one period tells.
 
@@ -127,6 +138,11 @@ def wander_distance(named: Mapping[str, WanderPath], ax: Axes | None = None) -> 
     return dress(ax, "t (periods)", "distance from the start (radii)", "Only a resonance walks away")
 
 
+@captioned(
+    Question.WHERE_TO,
+    "The angle of one period, in turns, and the radius of the rosette against σ̄₃. Where the angle is a whole "
+    "number of turns the radius has no bound.",
+)
 def wander_radius(
     disk: Disk,
     sigma3_bar: Array,

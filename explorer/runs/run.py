@@ -107,9 +107,11 @@ def _fill(scene: Scene, folder: Path, workers: Workers, manner: Manner) -> Run:
     seconds = round(time.monotonic() - clock, 3)
     total, summary = summarise(folder, scene)
     if manner.figures:
+        from explorer.plot import save
+
         for name, picture in scene.figures(summary, total):
             for kind in ("png", "svg"):
-                picture.savefig(folder / "figures" / f"{name}.{kind}", dpi=150)
+                save(picture, folder / "figures" / f"{name}.{kind}")
     done = {"finished": folders.now(), "chunks_computed": computed, "seconds_for_chunks": seconds}
     folders.write_record(folder, scene, **how, **done)
     return Run(scene, folder, summary)

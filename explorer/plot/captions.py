@@ -1,0 +1,180 @@
+"""What each picture shows, said once: beside its function, and from there in every file, page and gallery.
+
+A function of pictures is marked with `captioned`: its caption goes onto each figure that it draws on, `save`
+writes it into the file, and `caption_in` reads it there. So a picture keeps its sentence wherever the file goes.
+"""
+
+from collections.abc import Callable
+from enum import StrEnum
+from functools import wraps
+from pathlib import Path
+from typing import Any, NamedTuple, ParamSpec, TypeVar
+from weakref import WeakKeyDictionary
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from PIL import Image, UnidentifiedImageError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+DPI = 150
+_EXIF_DESCRIPTION = 0x010E  # ImageDescription, where films other than GIF carry their caption
+_PARTS = "\n"  # between question and caption in a file
+
+
+class Question(StrEnum):
+    """What pictures answer, in the order of a gallery."""
+
+    HAPPENS = "What happens?"
+    FROM_WHERE = "From where does the disk fall?"
+    HOW_RARELY = "How rarely does it nearly fall?"
+    EACH_SIDE = "What is the limit from each side?"
+    HOW_FAR = "How far does the contact point race?"
+    WHICH_MOTIONS = "Which motions are there?"
+    WHERE_TO = "Where does the disk go in the long run?"
+    REAL = "Would a real disk do it?"
+    PAPER = "What do the figures of the paper show?"
+    HOW_GOOD = "How accurate is it, and how fast?"
+
+
+class Caption(NamedTuple):
+    """What a picture shows, and which question it answers.
+
+    Attributes
+    ----------
+    question : Question
+        Pictures stand in the gallery by their question.
+    text : str
+        What is seen and what to look at, in whole sentences.
+
+    Examples
+    --------
+    >>> from explorer.plot.captions import CAPTIONS
+    >>> CAPTIONS["race_number"].question.name
+    'HOW_FAR'
+    """
+
+    question: Question
+    text: str
+
+
+CAPTIONS: dict[str, Caption] = {}
+_on_figures: WeakKeyDictionary[Figure, list[Caption]] = WeakKeyDictionary()
+
+
+def captioned(question: Question, text: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Give a function of pictures its caption, which its name finds in CAPTIONS.
+
+    Where the function returns Axes or a Figure, that figure has the caption from then on.
+    """
+
+    def mark(draw: Callable[P, R]) -> Callable[P, R]:
+        caption = CAPTIONS[draw.__name__] = Caption(question, text)
+
+        @wraps(draw)
+        def drawn(*arguments: P.args, **keywords: P.kwargs) -> R:
+            made = draw(*arguments, **keywords)
+            figure = made.figure if isinstance(made, Axes) else made
+            if isinstance(figure, Figure):
+                add_caption(figure, caption)
+            return made
+
+        return drawn
+
+    return mark
+
+
+def add_caption(figure: Figure, caption: Caption) -> None:
+    """Add a caption to those that a figure has, once."""
+    there = _on_figures.setdefault(figure, [])
+    if caption not in there:
+        there.append(caption)
+
+
+def replace_caption(figure: Figure, caption: Caption) -> None:
+    """Say of a figure as a whole what its parts do not say."""
+    _on_figures[figure] = [caption]
+
+
+def caption_of(figure: Figure) -> Caption | None:
+    """What a figure shows: the captions of all that was drawn on it, in order.
+
+    Parameters
+    ----------
+    figure : Figure
+        That functions of `explorer.plot` have drawn on.
+
+    Returns
+    -------
+    Caption or None
+        Its question and its text, which serves as alt text; None where nothing captioned was drawn.
+
+    Examples
+    --------
+    >>> from explorer import plot
+    >>> from explorer.portrait.bodies import race_numbers
+    >>> figure = plot.figure_of(plot.race_number, race_numbers())
+    >>> str(plot.caption_of(figure).question)
+    'How far does the contact point race?'
+    """
+    there = _on_figures.get(figure, [])
+    return Caption(there[0].question, " ".join(each.text for each in there)) if there else None
+
+
+def save(figure: Figure, path: Path | str, dpi: int = DPI) -> None:
+    """Write a figure with its caption inside the file.
+
+    Parameters
+    ----------
+    figure : Figure
+        From a function of `explorer.plot`.
+    path : Path or str
+        Its ending says the format: .png, .svg or .pdf.
+    dpi : int
+        Pixels per inch.
+
+    Returns
+    -------
+    None
+
+    Examples
+    --------
+    >>> from explorer import plot
+    >>> from explorer.portrait.bodies import race_numbers
+    >>> plot.save(plot.figure_of(plot.race_number, race_numbers()), "bodies.png")  # doctest: +SKIP
+    """
+    caption, kind = caption_of(figure), Path(path).suffix.lower()
+    metadata: dict[str, Any] = {}
+    if kind == ".svg":
+        metadata["Date"] = None  # the same picture is the same file
+    if caption is not None:
+        key = "Subject" if kind == ".pdf" else "Description"
+        metadata[key] = packed(caption)
+    figure.savefig(path, dpi=dpi, metadata=metadata)
+
+
+def packed(caption: Caption) -> str:
+    """A caption as one string, for a file."""
+    return _PARTS.join(caption)
+
+
+def exif_of(caption: Caption) -> Image.Exif:
+    """The caption for films other than GIF: `exif=` of Pillow's `Image.save`."""
+    exif = Image.Exif()
+    exif[_EXIF_DESCRIPTION] = packed(caption).encode("utf-8")
+    return exif
+
+
+def caption_in(path: Path) -> Caption | None:
+    """The caption that a picture or a film carries; None where it has none or is no picture."""
+    try:
+        with Image.open(path) as picture:
+            found = picture.info.get("Description") or picture.info.get("comment")
+            # Pillow reads these bytes, UTF-8, as Latin-1.
+            found = found or picture.getexif().get(_EXIF_DESCRIPTION, "").encode("latin-1")
+    except (OSError, UnidentifiedImageError, UnicodeError):
+        return None
+    text = found.decode("utf-8", "replace") if isinstance(found, bytes) else str(found)
+    question, _, said = text.partition(_PARTS)
+    return Caption(Question(question), said) if question in set(Question) and said else None
