@@ -2,7 +2,8 @@
 
     import explorer as ex
     disk = ex.Disk.uniform()
-    ex.constants(disk, phi=0.0, phidot=1.0, sigma3=1.0, sigma4=0.7)
+    states = ex.phi_to_states(disk, phi=0.0, phidot=1.0, sigma3=1.0, sigma4=0.7)
+    ex.constants(states)
     ex.run("race-angles", disk=disk, samples=100_000)
 
 Names are loaded on first use, so that importing this package is cheap.

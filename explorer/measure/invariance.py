@@ -167,7 +167,7 @@ def push_forward(
     density = energy_density(disk, _HIGHEST * disk.energy_unit if energy is None else energy)
     still, start = (density.draw(disk, chunk_stream(seed, index), samples) for index in (0, 1))
     states = phi_to_states(disk, **start)
-    motions = simulate(disk, states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY)
+    motions = simulate(states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY)
     good = motions.status == compiled.status.Status.OK
     pushed = np.stack([getattr(motions, name)[good, 0] for name in COORDINATES])
     first = np.stack([still[name] for name in COORDINATES])

@@ -10,7 +10,7 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, whole
+from explorer.errors import whole
 from explorer.motion.passages import FLOOR
 from explorer.motion.passages_by_integration import LENIENCE
 from explorer.motion.passages_by_quadrature import fall_from_vertical
@@ -21,7 +21,7 @@ from explorer.phase.disk import require_axial_inertia
 from explorer.phase.gauss import packed_rules
 from explorer.phase.lines import LinearConstants
 from explorer.phase.results import Result
-from explorer.phase.states import Array, States
+from explorer.phase.states import Array, States, require_states
 
 MOST = 100_000  # bounces of one state in one call: some ten megabytes for each column
 
@@ -128,8 +128,7 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
     >>> ex.bounces(states).race_angle.round(4).ravel(), round(coin.race_limit, 4)
     (array([ 7.0248, -7.0248]), 7.0248)
     """
-    if not isinstance(states, States):
-        raise InputError("states: give States, for instance of phi_to_states")
+    require_states(states)
     require_axial_inertia(states.disk)
     count, jobs = whole("count", count, 1, MOST), whole("jobs", jobs, 1)
     how = plan(("race_angle",), accuracy, "quadrature")

@@ -39,7 +39,7 @@ def dense_times(states: States, until: float | ArrayLike, step: float = STEP) ->
     if t.ndim == 0:
         t = np.linspace(0.0, float(t), _FIRST_TIMES)
     for _ in range(_FINEST):
-        chi = simulate(states.disk, states, t_eval=t, observables=("chi",)).chi
+        chi = simulate(states, t_eval=t, observables=("chi",)).chi
         assert chi is not None
         wide = (abs(np.diff(chi)) > step).any(axis=0)
         if not wide.any():

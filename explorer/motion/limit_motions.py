@@ -20,7 +20,7 @@ from explorer.motion.rise import rise
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.membership import falls_of
-from explorer.phase.states import Array, States, columns_of, rows_to_states
+from explorer.phase.states import Array, States, columns_of, require_states
 
 _HALF_PI = 0.5 * np.pi
 _MOST_IMPACTS = 1e8  # their times take 0.8 GB
@@ -50,7 +50,7 @@ class LimitState:
     Examples
     --------
     >>> import explorer as ex
-    >>> limit = ex.limit_motion(ex.Disk.hoop(), (0.0, 1.0, 0.0, 0.0))
+    >>> limit = ex.limit_motion(ex.phi_to_states(ex.Disk.hoop(), 0.0, 1.0, 0.0, 0.0))
     >>> limit([0.0, 0.5]).velocity.shape
     (2, 3)
     """
@@ -128,7 +128,7 @@ class LimitMotion(Continuation):
     Examples
     --------
     >>> import explorer as ex
-    >>> limit = ex.limit_motion(ex.Disk.uniform(), (0.0, 1.0, 1.0, 0.7285923160189477))
+    >>> limit = ex.limit_motion(ex.constants_to_states(ex.Disk.uniform(), 1.0, 0.0, 1.0))
     >>> limit.impacts(6.0).round(4)
     array([1.123 , 4.6417])
     """
@@ -249,7 +249,7 @@ class PendulumMotion(Continuation):
     Examples
     --------
     >>> import explorer as ex
-    >>> limit = ex.limit_motion(ex.Disk.uniform(), (0.0, 1.0, 0.0, 0.0))
+    >>> limit = ex.limit_motion(ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, 0.0, 0.0))
     >>> limit(limit.impacts(9.0) + 0.1).phi.round(2)
     array([ 1.41, -1.41,  1.41])
     """
@@ -294,16 +294,14 @@ class PendulumMotion(Continuation):
 AnyLimit = LimitMotion | PendulumMotion
 
 
-def limit_motion(disk: Disk, state_on_f: ArrayLike | States, side: int = 1) -> AnyLimit:
+def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     """The limit of the motions that approach a state on F from one side of F.
 
     Parameters
     ----------
-    disk : Disk
-        The body, with I3 > 0.
-    state_on_f : (4,) array, or States with one entry
-        phi (rad), phidot, sigma3, sigma4 (rad per unit of time). By how much it misses F is ignored: its energy
-        and sigma3_bar are taken, and eta on the nearer face is set to 0.
+    state_on_f : States
+        One state, of a disk with I3 > 0. By how much it misses F is ignored: its energy and sigma3_bar are taken,
+        and eta on the nearer face is set to 0.
     side : int
         Sign of eta from which F is approached, +1 or -1.
 
@@ -327,14 +325,15 @@ def limit_motion(disk: Disk, state_on_f: ArrayLike | States, side: int = 1) -> A
     >>> import explorer as ex
     >>> disk = ex.Disk.uniform()
     >>> start = ex.constants_to_states(disk, sigma3_bar=1.0, eta_hat=0.0, phidot=1.0)
-    >>> up, down = (ex.limit_motion(disk, start, side) for side in (1, -1))
+    >>> up, down = (ex.limit_motion(start, side) for side in (1, -1))
     >>> print(f"{up(2.0).chi - down(2.0).chi:.4f} = 2 kappa pi = {2.0 * disk.race_limit:.4f}")
     14.0496 = 2 kappa pi = 14.0496
     """
+    states = require_states(state_on_f)
+    disk = states.disk
     require_axial_inertia(disk)
     if side not in (1, -1):
         raise InputError(f"limit motion: side = {side!r} must be +1 or -1")
-    states = rows_to_states(disk, state_on_f)
     if len(states) != 1:
         raise InputError(f"limit motion: needs one state, {len(states)} were given")
     natural = natural_constants(states)

@@ -14,7 +14,7 @@ from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.gauss import packed_rules
 from explorer.phase.lines import LinearConstants, linear_constants
-from explorer.phase.states import Array, States, columns_of
+from explorer.phase.states import Array, States, columns_of, require_states
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     >>> ex.periods(states, 1e-9).period.round(6)
     array([3.530913])
     """
-    disk = states.disk
+    disk = require_states(states).disk
     require_axial_inertia(disk)
     how = plan(("period",), accuracy, "quadrature")
     status, linear = _known(states, eta_hat)

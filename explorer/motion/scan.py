@@ -14,7 +14,7 @@ from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
 from explorer.phase.constants import constants_of
 from explorer.phase.membership import falls_of
-from explorer.phase.states import States
+from explorer.phase.states import States, require_states
 
 BATCH = 4096  # states; a trajectory of a few hundred times for each still takes some ten megabytes
 Values = NDArray[Any] | dict[str, NDArray[Any]]
@@ -67,13 +67,12 @@ def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BAT
     Turns of the contact point within a time of 10:
 
     >>> def turns(batch):
-    ...     motion = ex.simulate(batch.disk, batch, t_eval=[10.0], observables=["chi"])
+    ...     motion = ex.simulate(batch, t_eval=[10.0], observables=["chi"])
     ...     return motion.chi[:, 0] / (2.0 * np.pi)
     >>> ex.scan(states, turns).round(3)
     array([-0.362, -0.637,  3.327, -0.824, -0.436])
     """
-    if not isinstance(states, States):
-        raise InputError("states: give States, for instance of phi_to_states")
+    require_states(states)
     jobs, batch = whole("jobs", jobs, 1), whole("batch", batch, 1)
     if isinstance(observable, str):
         name = one_of("observable", observable, OBSERVABLES)

@@ -16,7 +16,7 @@ from explorer.motion.starts import held_constants
 from explorer.motion.turning_points import MAX_STEPS
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, States, columns_of, rows_to_states
+from explorer.phase.states import Array, States, columns_of, require_states
 
 _DEFAULT_TIMES = 201  # a curve without corners over some periods, where nothing races
 
@@ -50,7 +50,8 @@ class Trajectories:
     --------
     >>> import explorer as ex
     >>> disk = ex.Disk.uniform()
-    >>> motion = ex.simulate(disk, (0.0, 1.0, 1.0, 0.7), t_eval=[0.0, 1.0], observables=["phi"])
+    >>> states = ex.phi_to_states(disk, 0.0, 1.0, 1.0, 0.7)
+    >>> motion = ex.simulate(states, t_eval=[0.0, 1.0], observables=["phi"])
     >>> motion.phi.shape, motion.chi is None
     ((1, 2), True)
     """
@@ -86,8 +87,7 @@ class _Integration(NamedTuple):
 
 
 def simulate(
-    disk: Disk,
-    states: ArrayLike | States,
+    states: States,
     t_end: float | None = None,
     *,
     t_eval: ArrayLike | None = None,
@@ -102,10 +102,8 @@ def simulate(
 
     Parameters
     ----------
-    disk : Disk
-        The body.
-    states : (n, 4) or (4,) array, or States
-        Rows of phi (rad), phidot, sigma3, sigma4 (rad per unit of time), or states as the charts make them.
+    states : States
+        Where the motions start.
     t_end : float, optional
         End of the motion; it is sampled at 201 equal steps of time from 0.
     t_eval : (nt,) array, optional
@@ -135,12 +133,14 @@ def simulate(
     --------
     >>> import explorer as ex
     >>> disk = ex.Disk.uniform()
-    >>> motion = ex.simulate(disk, (0.0, 1.0, 1.0, 0.7), t_end=4.0, accuracy=1e-9)
+    >>> states = ex.phi_to_states(disk, 0.0, 1.0, 1.0, 0.7)
+    >>> motion = ex.simulate(states, t_end=4.0, accuracy=1e-9)
     >>> motion.phi[0, [0, 100, 200]].round(4)
     array([0.    , 0.2749, 0.5152])
     """
     how = _Integration(**integration)
-    initial = rows_to_states(disk, states)
+    initial = require_states(states)
+    disk = initial.disk
     times = _times(t_end, t_eval)
     recorded = _integrate(initial, observables, times * disk.rate_unit, how)
     return _trajectories(disk, times, recorded, observables)

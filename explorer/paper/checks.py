@@ -9,7 +9,7 @@ import numpy as np
 from explorer.motion.trajectories import simulate
 from explorer.paper.statement import Finding
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, States, constants_to_states, rows_to_states
+from explorer.phase.states import Array, States, constants_to_states, phi_to_states
 
 UNIFORM, HOOP, MATCHING = Disk.uniform(), Disk.hoop(), Disk.matching()
 THICK = Disk(I1=0.5, I3=0.3, name="thick")  # I3 < 2 I1: not planar
@@ -104,10 +104,10 @@ def observed(
 ) -> list[Any]:
     """Observables of motions integrated by the explorer, each (n, times, ...).
 
-    start: States, or rows (phi, phidot, sigma3, sigma4).
+    start: States, or one (phi, phidot, sigma3, sigma4).
     """
-    states = rows_to_states(disk, start)
-    run = simulate(disk, states, t_eval=times, observables=names, method="dop853", accuracy=accuracy, chi0=chi0)
+    states = start if isinstance(start, States) else phi_to_states(disk, *start)
+    run = simulate(states, t_eval=times, observables=names, method="dop853", accuracy=accuracy, chi0=chi0)
     return [getattr(run, name) for name in names]
 
 

@@ -16,7 +16,7 @@ from explorer.paper.four_dimensions import sigma_at, sigma_energy
 from explorer.paper.statement import Finding, statement
 from explorer.phase.constants import constants
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array
+from explorer.phase.states import Array, phi_to_states
 
 _ACCURACY = 1e-10
 
@@ -107,7 +107,9 @@ def numbers_of_figures() -> Iterator[Finding]:
             why = "in units of the table's last digit: half is rounding, the rest what quadrature is asked for"
             units = abs(a - float(text)) * 10.0**decimals
             yield Finding(f"{what} against the table", f"{a:.{decimals}f}", text, units, 0.55, why)
-    starts = [constants(disk, 0.0, PHIDOT, SIGMA3, line_ratio(disk) + ETA_HAT) for disk in BODIES.values()]
+    starts = [
+        constants(phi_to_states(disk, 0.0, PHIDOT, SIGMA3, line_ratio(disk) + ETA_HAT)) for disk in BODIES.values()
+    ]
     text, off = "η̂₊ of the second start in the text; as printed 0.01", {"captions of Figs. 8 and 9": ETA_HAT}
     eta_hats = [given.eta_hat_plus[0] for given in starts]
     yield near(text, eta_hats, -ETA_HAT, 1e-12, "rounding", off)

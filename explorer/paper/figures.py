@@ -93,7 +93,7 @@ def motion(disk: Disk, eta_hat: float, turns: float) -> Curve:
 def limit(disk: Disk, sign: int, t_end: float) -> Curve:
     """The limit of `motion` as eta_hat -> 0 with this sign, up to t_end; the race takes no time in it."""
     state = start(disk, 0.0)
-    going = limit_motion(disk, state, sign)
+    going = limit_motion(state, sign)
     flat = going.impacts(t_end)
     t = np.setdiff1d(np.linspace(0.0, t_end, 1201), flat)
     # At the impact itself rounding decides whether the jump has been made: look just after it.

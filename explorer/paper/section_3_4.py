@@ -72,7 +72,10 @@ def chaplygin_equations() -> Iterator[Finding]:
         apart = distance(_along(UNIFORM, signs[0] * z, image * y), image[:, None] * solution)
         yield near(f"image of a solution under {signs} less a solution", apart, 0.0, 0.0, "exact")
     phi, s2, s3, s4 = np.random.default_rng(9).uniform(-1.4, 1.4, (4, 200))
-    one, other = constants(UNIFORM, phi, s2, s3, s4), constants(UNIFORM, -phi, s2, s3, -s4)
+    one, other = (
+        constants(phi_to_states(UNIFORM, phi, s2, s3, s4)),
+        constants(phi_to_states(UNIFORM, -phi, s2, s3, -s4)),
+    )
     here = [one.sigma3_bar, one.sigma4_bar, one.eta_plus, one.energy]
     there = [other.sigma3_bar, -other.sigma4_bar, other.eta_minus, other.energy]
     text = "the explorer's constants of 200 mirrored states"
@@ -87,7 +90,7 @@ def constants_of_motion() -> Iterator[Finding]:
         full = plain.integrate(disk, sample(disk), np.linspace(0.0, 3.0 * disk.time_unit, 31))
         z, s2, s3, s4 = full.sigma.T
         phi = np.arcsin(z)
-        given = constants(disk, phi, s2 / np.cos(phi), s3, s4)
+        given = constants(phi_to_states(disk, phi, s2 / np.cos(phi), s3, s4))
         columns = np.array([given.sigma3_bar, given.sigma4_bar]) / disk.rate_unit
         start = _along(disk, np.array([z[0], 0.0]), full.sigma[0, 2:])[:, -1] / disk.rate_unit
         return distance(columns, columns[:, :1]), distance(columns[:, 0], start)
@@ -108,7 +111,7 @@ def amended_potential() -> Iterator[Finding]:
         disk = random_body(rng)
         state = random_state(rng, disk, 1.1)
         M = disk.I1 + disk.m * disk.r**2
-        given = constants(disk, *state)
+        given = constants(phi_to_states(disk, *state))
         bar3, bar4, z = given.sigma3_bar[0], given.sigma4_bar[0], np.sin(state[0])
         A, omega = plain.start(*state)
         E = plain.full_energy(disk, A[2], omega)
@@ -327,7 +330,7 @@ def _random_scaled(rng: np.random.Generator) -> tuple[Disk, Array, tuple[float, 
     disk = random_body(rng)
     state = random_state(rng, disk, 1.1)
     c, d, b = parameters(disk)
-    given = constants(disk, *state)
+    given = constants(phi_to_states(disk, *state))
     X, Y = -disk.I1 * given.sigma3_bar[0] / (disk.I3 * b), given.sigma4_bar[0] / b
     return disk, state, (c, d, X, Y, float(np.sin(state[0])))
 

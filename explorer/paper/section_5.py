@@ -21,7 +21,7 @@ from explorer.paper.statement import Finding, statement
 from explorer.phase.constants import constants
 from explorer.phase.disk import Disk
 from explorer.phase.lines import line_chart
-from explorer.phase.states import Array
+from explorer.phase.states import Array, phi_to_states
 
 OF_PAPER = {"uniform": Fraction(4, 3), "hoop": Fraction(1), "mr²/I₁ = 3": Fraction(6, 5)}
 
@@ -181,7 +181,7 @@ def wronskian() -> Iterator[Finding]:
         z, _, s3, s4 = full.sigma.T
         r, dr = recessive(c, z, 2000)
         w = s4 / b * r + disk.I1 / (disk.I3 * b) * s3 * dr
-        given = constants(disk, *sample(disk))
+        given = constants(phi_to_states(disk, *sample(disk)))
         X, Y = -disk.I1 * given.sigma3_bar[0] / (disk.I3 * b), given.sigma4_bar[0] / b
         r0, dr0 = (value.real for value in at_vertical(c))
         start, unit = Y * r0 - X * dr0, given.eta_minus[0] / (disk.I3 * b)

@@ -33,7 +33,7 @@ def all_fall() -> Iterator[Finding]:
         # Face -1 is the mirror image, eq. (3.2).
         sigma3, sigma4 = line_chart(disk, np.cos(phi), -np.sin(phi)).rates(bar, 0.0)
         rows = np.stack([phi, phidot, sigma3, -sigma4])
-        count = int(falls(disk, *rows).could_fall_minus.sum())
+        count = int(falls(phi_to_states(disk, *rows)).could_fall_minus.sum())
         yield near(f"{disk.name}: of 3000 states on l₋ with |σ̄₃| > σ̄₃*, could fall", count, 3000, 0.0, "a count")
         fallen = 0
         stop: Callable[..., float] = lambda _t, y: y[0] - 1e-3  # noqa: E731

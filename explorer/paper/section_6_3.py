@@ -14,7 +14,7 @@ from explorer.paper.closed_forms import flat_spin, impact_speed, recessive_at_ve
 from explorer.paper.four_dimensions import sigma_at, sigma_energy, upright
 from explorer.paper.statement import Finding, statement
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array
+from explorer.phase.states import Array, phi_to_states
 
 
 @lru_cache
@@ -96,7 +96,7 @@ def vectors_at_flat() -> Iterator[Finding]:
         yield near(f"{where} u̇", at_impact(tau, motion.u, 1), -face * speed * hinge, 1e-6, _LIMIT)
         want = np.array([-speed * hinge[1], speed * hinge[0], spin])
         yield near(f"{where} ω", at_impact(tau, motion.omega), want, 1e-7, _LIMIT)
-        limit = limit_motion(disk, upright(disk, 0.0, face))
+        limit = limit_motion(phi_to_states(disk, *upright(disk, 0.0, face)))
         point = limit(limit.impacts(5.0)[0] * (1.0 - 1e-14)).contact
         yield near(f"{where} point of contact", at_impact(tau, motion.contact), point, 1e-7, _LIMIT)
         rates = [approach(tau, v) for v in (udot, motion.omega, motion.contact)]

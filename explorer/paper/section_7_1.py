@@ -162,7 +162,7 @@ def short_periods() -> Iterator[Finding]:
         yield near(text, polyfit(excess, ratio, 4)[0], want, 1e-7, why, {"after Lemma 5, period": printed})
         order = exponent(excess[2:], ratio[2:] - want)
         yield near(f"{disk.name}: exponent of the next term in E−V₀", order, 1.0, 0.05, "the term after that")
-        limit = np.array([limit_motion(disk, start).period for start in starts[:2]])
+        limit = np.array([limit_motion(start).period for start in starts[:2]])
         why = "η ln(1/η) = 1e-12; rounding of the limit motion's Chebyshev series"
         yield near(f"{disk.name}: period of the limit motion, over it", limit / tau[:2], 1.0, 1e-7, why)
         start = 0.5 * np.pi - 1e-5, 0.0, *rates_down(disk, 1.0, slope, 1, [1e-5])[:, -1]
@@ -176,7 +176,7 @@ def elastic_reflection() -> Iterator[Finding]:
     """7.1: as η → 0 φ(t) converges to the motion on F with elastic reflections at flat."""
     etas = np.array([1e-3, 1e-4, 1e-5, 1e-6])
     for disk, face, sign in ((UNIFORM, 1, 1), (HOOP, -1, 1), (THICK, 1, -1)):
-        limit = limit_motion(disk, beside_the_line(disk, 0.0, face), sign)
+        limit = limit_motion(beside_the_line(disk, 0.0, face), sign)
         times = np.linspace(0.0, 2.5 * limit.period, 300)
         away = abs(times[:, None] - limit.impacts(3.0 * limit.period)).min(axis=1) > 0.05 * limit.period
         want, sup = limit(times[away]).phi, []

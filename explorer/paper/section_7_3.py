@@ -32,7 +32,7 @@ from explorer.paper.closed_forms import eta_unit, flat_spin
 from explorer.paper.four_dimensions import upright
 from explorer.paper.statement import Finding, statement
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array
+from explorer.phase.states import Array, phi_to_states
 
 _LOG = "of order η ln(1/η), 2e-7 at 1e-8"
 
@@ -167,7 +167,7 @@ class Risen:
 @lru_cache
 def risen(disk: Disk, sign: int, eta_hat: float = 1e-8) -> Risen:
     """From the vertical with speed and sigma3_bar of 1 towards face +1, approached from sgn(eta) = sign."""
-    time = 5.0 / 3.0 * limit_motion(disk, beside_the_line(disk, 0.0)).impacts(9.0)[:1]
+    time = 5.0 / 3.0 * limit_motion(beside_the_line(disk, 0.0)).impacts(9.0)[:1]
     start = beside_the_line(disk, sign * eta_hat)
     phi, chi, psi, path = (row[0, 0] for row in observed(disk, start, time, "phi", "chi", "psi", "path"))
     return Risen(float(chi), plain.rotation(phi, chi, psi), path)
@@ -330,7 +330,7 @@ def spin() -> Iterator[Finding]:
             what = f"{disk.name}, σ̄₃ = {bar:g}: ν₃ before and after"
             yield near(what, run.nu[:, 2], want, 1e-6, "of order tilt² and η ln(1/η)")
         unit = disk.kappa * np.pi
-        limit = limit_motion(disk, (0.0, 1.0, 0.0, 0.0), 1)
+        limit = limit_motion(phi_to_states(disk, 0.0, 1.0, 0.0, 0.0), 1)
         hits = limit.impacts(2.2 * limit.period)
         times = 0.5 * (hits[0] + hits[1]) + np.array([0.0, limit.period])
         start = beside_the_line(disk, 1e-8, sigma3_bar=0.0)

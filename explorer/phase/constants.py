@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.phase.disk import Disk
 from explorer.phase.lines import LinearConstants, nearer_plus
-from explorer.phase.states import Array, States, phi_to_states
+from explorer.phase.states import Array, States, require_states
 
 
 class NaturalConstants(NamedTuple):
@@ -74,7 +73,7 @@ class Constants:
     Examples
     --------
     >>> import explorer as ex
-    >>> ex.constants(ex.Disk.uniform(), 0.0, 1.0, [1.0, 2.0], 0.7).sigma3_bar
+    >>> ex.constants(ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, [1.0, 2.0], 0.7)).sigma3_bar
     array([1., 2.])
     """
 
@@ -114,17 +113,13 @@ def constants_of(states: States, natural: NaturalConstants | None = None) -> Con
     )
 
 
-def constants(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> Constants:
+def constants(states: States) -> Constants:
     """Constants of motion of states, by algebra and without integration.
 
     Parameters
     ----------
-    disk : Disk
-        The body.
-    phi : array_like
-        Tilt (rad), -pi/2 < phi < pi/2, 0 at the vertical.
-    phidot, sigma3, sigma4 : array_like
-        Rates of eq. (2.14), rad per unit of time. The arrays broadcast; the result is 1-D.
+    states : States
+        States of one disk.
 
     Returns
     -------
@@ -134,7 +129,7 @@ def constants(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, 
     Raises
     ------
     InputError
-        For arguments that are no numbers or do not broadcast.
+        For anything but States.
 
     Notes
     -----
@@ -144,8 +139,8 @@ def constants(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, 
     Examples
     --------
     >>> import explorer as ex
-    >>> found = ex.constants(ex.Disk.uniform(), phi=0.0, phidot=1.0, sigma3=1.0, sigma4=0.7)
+    >>> found = ex.constants(ex.phi_to_states(ex.Disk.uniform(), phi=0.0, phidot=1.0, sigma3=1.0, sigma4=0.7))
     >>> found.eta_hat_plus.round(4), found.energy
     (array([0.0286]), array([2.1175]))
     """
-    return constants_of(phi_to_states(disk, phi, phidot, sigma3, sigma4))
+    return constants_of(require_states(states))

@@ -7,13 +7,13 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from explorer import compiled
 from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.states import Array, States, phi_to_states
+from explorer.phase.states import Array, States, require_states
 
 _BARRIER_DEGREE = 24  # at which the coefficients of both series are at rounding
 # phi from the other flat state to the vertical, short of both, where critical_X2 is 0/0; and to what it is found:
@@ -49,7 +49,7 @@ class Falls:
     Examples
     --------
     >>> import explorer as ex
-    >>> found = ex.falls(ex.Disk.uniform(), 0.0, 1.0, 1.0, [0.7, 0.75])
+    >>> found = ex.falls(ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, 1.0, [0.7, 0.75]))
     >>> found.face, found.distance.round(4)
     (array([1, 1], dtype=int8), array([ 0.0231, -0.0173]))
     """
@@ -153,17 +153,13 @@ def falls_of(states: States, natural: NaturalConstants | None = None) -> Falls:
     )
 
 
-def falls(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> Falls:
+def falls(states: States) -> Falls:
     """Signed distance of states from the falling set F, and whether the disk could fall; no integration.
 
     Parameters
     ----------
-    disk : Disk
-        The body, with I3 > 0.
-    phi : array_like
-        Tilt (rad), -pi/2 < phi < pi/2, 0 at the vertical.
-    phidot, sigma3, sigma4 : array_like
-        Rates of eq. (2.14), rad per unit of time. The arrays broadcast; the result is 1-D.
+    states : States
+        States of one disk, with I3 > 0.
 
     Returns
     -------
@@ -173,7 +169,7 @@ def falls(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigm
     Raises
     ------
     InputError
-        For arguments that are no numbers or do not broadcast, and for a disk with I3 = 0.
+        For anything but States, and for a disk with I3 = 0.
 
     Notes
     -----
@@ -182,8 +178,8 @@ def falls(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigm
     Examples
     --------
     >>> import explorer as ex
-    >>> found = ex.falls(ex.Disk.uniform(), phi=0.0, phidot=1.0, sigma3=[1.0, 3.0], sigma4=0.7)
+    >>> found = ex.falls(ex.phi_to_states(ex.Disk.uniform(), phi=0.0, phidot=1.0, sigma3=[1.0, 3.0], sigma4=0.7))
     >>> found.could_fall
     array([ True, False])
     """
-    return falls_of(phi_to_states(disk, phi, phidot, sigma3, sigma4))
+    return falls_of(require_states(states))

@@ -271,16 +271,11 @@ def columns_of(**named: ArrayLike) -> list[Array]:
     return [np.ravel(column).astype(np.float64) for column in together]
 
 
-def rows_to_states(disk: Disk, states: ArrayLike | States) -> States:
-    """States from rows of phi, phidot, sigma3, sigma4; `States` pass through."""
-    if isinstance(states, States):
-        if states.disk != disk:
-            raise InputError(f"states: made for the disk {states.disk.name!r}, used with {disk.name!r}")
-        return states
-    try:
-        rows = np.atleast_2d(np.asarray(states, dtype=np.float64))
-    except (TypeError, ValueError):
-        raise InputError("states: give numbers, rows of phi, phidot, sigma3, sigma4") from None
-    if rows.ndim != 2 or rows.shape[1] != 4:
-        raise InputError(f"states: shape {rows.shape} is not (n, 4); give rows of phi, phidot, sigma3, sigma4")
-    return phi_to_states(disk, *rows.T)
+def require_states(states: Any) -> States:
+    """`states` as they are. Raises InputError where they are anything else, rows of numbers for instance."""
+    if not isinstance(states, States):
+        raise InputError(
+            f"states: give States, which know their disk, not {type(states).__name__}; "
+            "phi_to_states(disk, phi, phidot, sigma3, sigma4) and its like make them"
+        )
+    return states

@@ -22,7 +22,7 @@ def limits_at(disk: Disk, start: tuple[float, float, int]) -> dict[int, AnyLimit
     """Both limit motions from a point of F: (sigma3_bar, phidot, face) at the vertical."""
     sigma3_bar, phidot, face = start
     base = constants_to_states(disk, sigma3_bar, 0.0, phidot, face)
-    return {sign: limit_motion(disk, base, sign) for sign in (1, -1)}
+    return {sign: limit_motion(base, sign) for sign in (1, -1)}
 
 
 def sample_times(limit: AnyLimit) -> tuple[Array, int]:
@@ -45,7 +45,7 @@ def follow(
     """Motions that start beside a point of F at the distances eta_hat."""
     sigma3_bar, phidot, face = start
     states = constants_to_states(disk, sigma3_bar, eta_hat, phidot, face)
-    return simulate(disk, states, t_eval=times, observables=QUANTITIES, method=method, accuracy=accuracy)
+    return simulate(states, t_eval=times, observables=QUANTITIES, method=method, accuracy=accuracy)
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,6 @@ def both_sides(disk: Disk, start: tuple[float, float, int], eta_hat: float = 0.0
     sigma3_bar, phidot, face = start
     beside = constants_to_states(disk, sigma3_bar, [size, -size], phidot, face)
     t = dense_times(beside, np.linspace(0.0, impacts[-1] + 0.6 * limits[1].period, _FIRST_TIMES))
-    motion = simulate(disk, beside, t_eval=t, observables=QUANTITIES)
+    motion = simulate(beside, t_eval=t, observables=QUANTITIES)
     rows = {sign: {name: getattr(motion, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
     return BothSides(disk, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})

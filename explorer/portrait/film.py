@@ -86,7 +86,7 @@ def film(
     t = _times(starts, halves, BETWEEN * (frames - 1) + 1)
     columns: dict[str, dict[int, Array]] = {name: {} for name in _OBSERVABLES}
     for sign, start in starts.items():
-        motion = simulate(disk, start, t_eval=t + halves[sign], observables=_OBSERVABLES, accuracy=_ACCURACY)
+        motion = simulate(start, t_eval=t + halves[sign], observables=_OBSERVABLES, accuracy=_ACCURACY)
         for name in _OBSERVABLES:
             columns[name][sign] = getattr(motion, name)[0]
     columns["centre"] = columns.pop("path")
@@ -107,7 +107,7 @@ def _times(starts: dict[int, States], halves: dict[int, float], count: int) -> A
     t = t[np.concatenate([[True], np.diff(t) > 1e-12 * end])]
     tilts = []
     for sign, start in starts.items():
-        phi = simulate(start.disk, start, t_eval=t + halves[sign], observables=("phi",)).phi
+        phi = simulate(start, t_eval=t + halves[sign], observables=("phi",)).phi
         assert phi is not None
         tilts.append(np.cos(phi[0]))
     rate = 1.0 / np.minimum(*tilts)

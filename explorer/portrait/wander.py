@@ -55,7 +55,7 @@ def wander(states: States) -> Wander:
     step = np.full(len(states), np.nan, np.complex128)
     for row in np.flatnonzero(each.status == compiled.status.Status.OK):
         start, end = states.at(np.array([row])), float(each.period[row])
-        moved = simulate(states.disk, start, t_eval=[end], observables=("path",), accuracy=_ACCURACY)
+        moved = simulate(start, t_eval=[end], observables=("path",), accuracy=_ACCURACY)
         assert moved.path is not None
         step[row] = complex(moved.path[0, 0, 0], moved.path[0, 0, 1])
     with np.errstate(divide="ignore"):
@@ -130,7 +130,7 @@ def wander_path(states: States, count: int) -> WanderPath:
     period = float(each.period[0])
     within = dense_times(states, period)[:-1]
     t = np.append((period * np.arange(count)[:, None] + within).ravel(), count * period)
-    motion = simulate(states.disk, states, t_eval=t, observables=("path", "contact"), accuracy=_ACCURACY)
+    motion = simulate(states, t_eval=t, observables=("path", "contact"), accuracy=_ACCURACY)
     assert motion.path is not None
     assert motion.contact is not None
     return WanderPath(states.disk, t, motion.contact[0, :, :2], motion.path[0, :, :2], each, count)

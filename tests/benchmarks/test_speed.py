@@ -82,7 +82,7 @@ def test_motion_in_time(benchmark, method):
     times = np.linspace(0.0, 30.0, 301)
 
     def follow():
-        return ex.simulate(disk, states, t_eval=times, observables=("phi", "chi"), method=method, accuracy=1e-6)
+        return ex.simulate(states, t_eval=times, observables=("phi", "chi"), method=method, accuracy=1e-6)
 
     first = follow()
     got = benchmark(follow)

@@ -192,13 +192,13 @@ numbers = [
     ex.passages(disk, 1.0, 1e-3, 1.0, method="dopri5", accuracy=1e-3).race_angle,
     ex.passage_forces(disk, 1.0, 1e-3, 1.0).min_normal_force,
     ex.periods(constants_to_states(disk, 1.0, 1e-3, 1.0)).period,
-    ex.falls(disk, **state).theta_min_estimate,
+    ex.falls(states).theta_min_estimate,
     ex.flow_stretch(states).determinant,
-    ex.limit_motion(disk, (0.0, 1.0, 1.0, 0.7285923160189477), side=1)(1.0).chi,
+    ex.limit_motion(ex.phi_to_states(disk, 0.0, 1.0, 1.0, 0.7285923160189477), side=1)(1.0).chi,
     smallest_tilt(states, plan(("theta_min",), 1e-6))[0],
     barrier(disk)[1](np.array([0.5])),
     line_chart(disk, np.ones(1), np.zeros(1)).bar_to_sigma4,
-    ex.simulate(disk, states, t_end=2.0, accuracy=1e-6).phi[..., -1],
+    ex.simulate(states, t_end=2.0, accuracy=1e-6).phi[..., -1],
 ]
 print(json.dumps([float(x) for row in numbers for x in np.ravel(row)]))
 print(sorted(set(compiled._load("kernels._jit").KERNELS) - called))

@@ -18,7 +18,7 @@ def test_the_flow_has_determinant_one(name, steps):
     disk = BODIES[name]
     draw = np.random.default_rng(steps).uniform
     given = draw(-1.3, 1.3, 300), *(disk.rate_unit * draw(-2.0, 2.0, (3, 300)))
-    known = ex.constants(disk, *given)
+    known = ex.constants(ex.phi_to_states(disk, *given))
     away = np.fmin(abs(known.eta_hat_plus), abs(known.eta_hat_minus)) > 0.05 * disk.rate_unit
     found = ex.flow_stretch(ex.phi_to_states(disk, *(column[away] for column in given)), steps=steps)
     assert away.sum() > 150

@@ -44,7 +44,8 @@ def test_draws_of_a_tube_are_states_with_the_eta_they_claim(box, face):
     place = Place.at(disk, face * found.phi[rows], face * found.phidot[rows] / unit_rate)
     s3, s4 = place.chart.rates(found.sigma3_bar[rows] / unit_rate, found.eta_hat[rows] / unit_rate)
     given = found.phi[rows], found.phidot[rows], s3 * unit_rate, face * s4 * unit_rate
-    states, known = phi_to_states(disk, *given), ex.constants(disk, *given)
+    states = phi_to_states(disk, *given)
+    known = ex.constants(states)
     here = known.eta_hat_plus if face > 0 else known.eta_hat_minus
     np.testing.assert_allclose(here, found.eta_hat[rows], atol=1e-13 * disk.rate_unit)
     np.testing.assert_allclose(known.sigma3_bar, found.sigma3_bar[rows], atol=1e-12 * disk.rate_unit)

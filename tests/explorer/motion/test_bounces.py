@@ -60,9 +60,7 @@ def test_the_disk_is_flattest_when_a_bounce_says_so():
     states = anywhere(disk, 40, 2)
     bounces = ex.bounces(states, 3, 1e-10)
     for i in np.flatnonzero(bounces.status[:, 0] == 0):
-        motion = ex.simulate(
-            disk, states[i], t_eval=bounces.time[i], observables=("phi", "phidot"), accuracy=1e-11
-        )
+        motion = ex.simulate(states[i], t_eval=bounces.time[i], observables=("phi", "phidot"), accuracy=1e-11)
         np.testing.assert_allclose(0.5 * np.pi - abs(motion.phi[0]), bounces.theta_min[i], atol=1e-8)
         np.testing.assert_allclose(motion.phidot[0], 0.0, atol=1e-6)
         assert (np.sign(motion.phi[0]) == bounces.face[i]).all()
@@ -77,7 +75,7 @@ def test_race_angles_of_a_wobbling_coin_tend_to_kappa_pi_by_decade():
     bounces = ex.bounces(states)
     assert bounces.ok.all()
     assert not ex.periods(states[:2000]).crosses.any()
-    known = ex.constants(coin, states.phi, states.phidot, states.sigma3, states.sigma4)
+    known = ex.constants(states)
     eta = abs(np.where(bounces.face[:, 0] > 0, known.eta_hat_plus, known.eta_hat_minus)) / coin.rate_unit
     away = abs(bounces.race_angle - bounces.side * coin.race_limit)[:, 0]
     medians = [np.median(away[(eta >= low) & (eta < 10.0 * low)]) for low in (1e-4, 1e-5, 1e-6, 1e-7)]

@@ -124,7 +124,6 @@ def test_motions_in_time_meet_the_accuracy_too(private, method, exponent):
         for i in np.flatnonzero(exact.status == 0):
             state = constants_to_states(disk, *(column[i : i + 1] for column in start))
             got = ex.simulate(
-                disk,
                 state,
                 t_eval=exact.duration[i : i + 1],
                 observables=("chi", "psi"),

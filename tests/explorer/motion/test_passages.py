@@ -81,7 +81,7 @@ def test_falls_carry_an_error_estimate():
     got = ex.passages(disk, 1.0, 0.0, [1.0, 1e-3])
     assert (got.status == ex.Status.FALLS).all()
     assert (got.error_estimate < 1e-9).all()
-    quick = ex.limit_motion(disk, constants_to_states(disk, 1.0, 0.0, 1.0))
+    quick = ex.limit_motion(constants_to_states(disk, 1.0, 0.0, 1.0))
     assert got.fall_time[0] == pytest.approx(quick.impacts(quick.period)[0], abs=1e-10)
 
 
@@ -108,9 +108,9 @@ def test_a_passage_that_turns_before_flat_is_refused_by_all_methods():
         (lambda disk: ex.passages(disk, [1.0, 2.0], [1e-3] * 3, 1.0), "shapes"),
         (lambda disk: ex.passages(disk, 1.0, 1e-3, 1.0, jobs="two"), "jobs = two"),
         (lambda disk: ex.passages(disk, 1.0, 1e-3, 1.0, window="x"), "window = x"),
-        (lambda disk: ex.simulate(disk, (0, 1, 1, 0.7), t_end="x"), "t_end = x"),
-        (lambda disk: ex.limit_motion(disk, constants_to_states(disk, 1, 0, 1))("x"), "t = 'x'"),
-        (lambda disk: ex.limit_motion(disk, constants_to_states(disk, 1, 0, 1)).impacts(np.inf), "t_end = inf"),
+        (lambda disk: ex.simulate(ex.phi_to_states(disk, 0, 1, 1, 0.7), t_end="x"), "t_end = x"),
+        (lambda disk: ex.limit_motion(constants_to_states(disk, 1, 0, 1))("x"), "t = 'x'"),
+        (lambda disk: ex.limit_motion(constants_to_states(disk, 1, 0, 1)).impacts(np.inf), "t_end = inf"),
     ],
 )
 def test_wrong_arguments_are_named(call, named):

@@ -35,7 +35,10 @@ def test_periods_without_crossing_the_vertical_bring_the_motion_back():
     assert inside.sum() > 20
     for i in np.flatnonzero(inside)[:12]:
         after = ex.simulate(
-            disk, states[i], t_eval=[got.period[i]], observables=("phi", "phidot", "chi", "psi"), accuracy=1e-10
+            ex.phi_to_states(disk, *states[i]),
+            t_eval=[got.period[i]],
+            observables=("phi", "phidot", "chi", "psi"),
+            accuracy=1e-10,
         )
         assert after.phi[0, 0] == pytest.approx(states[i, 0], abs=1e-8)
         assert after.phidot[0, 0] == pytest.approx(states[i, 1], abs=1e-7)

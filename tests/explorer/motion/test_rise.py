@@ -16,7 +16,7 @@ def test_the_fall_from_the_vertical_agrees_with_the_limit_motion(paper_body):
     states = base(paper_body, 1, 0.7, 0.4)
     natural = natural_constants(states)
     time, chi, psi, _error = fall_from_vertical(paper_body, natural.sigma3_bar, natural.energy)
-    limit = limit_motion(paper_body, states, 1)
+    limit = limit_motion(states, 1)
     hit = limit.impacts(10.0)[0]
     assert time[0] == pytest.approx(hit, rel=1e-10)
     before = limit(hit * (1 - 1e-12))

@@ -22,7 +22,7 @@ def test_a_name_is_the_column_of_its_call():
 
 def test_batches_and_jobs_do_not_change_what_a_function_returns():
     def turns(batch):
-        motion = ex.simulate(batch.disk, batch, t_eval=[3.0], observables=("chi", "phi"))
+        motion = ex.simulate(batch, t_eval=[3.0], observables=("chi", "phi"))
         return {"turns": motion.chi[:, 0] / (2.0 * np.pi), "phi": motion.phi}
 
     whole, parts = scan(STATES, turns), scan(STATES, turns, jobs=2, batch=5)

@@ -38,7 +38,7 @@ def test_every_depth_agrees_with_the_full_eight_dimensional_equations(seed):
     state = np.array([rng.uniform(-0.9, 0.9), *(rng.uniform(-1.2, 1.2, 3) * disk.rate_unit)])
     times = np.linspace(0.0, 2.5 * disk.time_unit, 26)
     full = plain_disk.integrate(disk, state, times)
-    got = ex.simulate(disk, state, t_eval=times, observables=ALL, accuracy=1e-11)
+    got = ex.simulate(ex.phi_to_states(disk, *state), t_eval=times, observables=ALL, accuracy=1e-11)
     assert got.status[0] == ex.Status.OK
     cos, sin = np.cos, np.sin
     phi, chi, psi = got.phi[0], got.chi[0], got.psi[0]
@@ -102,7 +102,9 @@ def test_mirror_images_move_as_mirror_images(state):
     """Eq. (3.2) for whole motions: (phi, sigma3, sigma4) -> (-phi, sigma3, -sigma4)."""
     phi, phidot, s3, s4 = state
     disk = BODIES["uniform"]
-    one, two = (ex.simulate(disk, s, **QUICK) for s in ((phi, phidot, s3, s4), (-phi, -phidot, s3, -s4)))
+    one, two = (
+        ex.simulate(ex.phi_to_states(disk, *s), **QUICK) for s in ((phi, phidot, s3, s4), (-phi, -phidot, s3, -s4))
+    )
     if usable(one, two):
         # At the vertical itself the two hemispheres' series differ by rounding.
         close = {"rtol": 0.0, "atol": 1e-12 / np.cos(one.phi).min() ** 2}
@@ -115,11 +117,11 @@ def test_mirror_images_move_as_mirror_images(state):
 @given(STATES)
 def test_time_runs_backwards_along_the_same_motion(state):
     disk = BODIES["hoop"]
-    there = ex.simulate(disk, state, t_eval=[1.5], observables=ALL, accuracy=1e-10)
+    there = ex.simulate(ex.phi_to_states(disk, *state), t_eval=[1.5], observables=ALL, accuracy=1e-10)
     if not usable(there):
         return
     turned = (there.phi[0, 0], -there.phidot[0, 0], there.sigma3[0, 0], there.sigma4[0, 0])
-    back = ex.simulate(disk, turned, t_eval=[1.5], observables=ALL, accuracy=1e-10)
+    back = ex.simulate(ex.phi_to_states(disk, *turned), t_eval=[1.5], observables=ALL, accuracy=1e-10)
     if not usable(back):
         return
     got = (back.phi[0, 0], -back.phidot[0, 0], back.sigma3[0, 0], back.sigma4[0, 0])
@@ -133,8 +135,10 @@ def test_changing_units_changes_nothing_else(state, m, r, g):
     plain, other = ex.Disk.uniform(), ex.Disk.uniform(m, r, g)
     times = QUICK["t_eval"]
     rates = np.array([1.0, *([other.rate_unit] * 3)])
-    one = ex.simulate(plain, state, **QUICK)
-    two = ex.simulate(other, np.array(state) * rates, **{**QUICK, "t_eval": times * other.time_unit})
+    one = ex.simulate(ex.phi_to_states(plain, *state), **QUICK)
+    two = ex.simulate(
+        ex.phi_to_states(other, *np.array(state) * rates), **{**QUICK, "t_eval": times * other.time_unit}
+    )
     if usable(one, two):
         tight = 1e-5 / np.cos(one.phi).min()
         np.testing.assert_allclose(two.phi, one.phi, atol=tight)
@@ -145,7 +149,7 @@ def test_changing_units_changes_nothing_else(state, m, r, g):
 def test_energy_sigma3_bar_and_eta_drift_are_reported_and_small():
     rng = np.random.default_rng(2)
     states = np.column_stack([rng.uniform(-1, 1, 60), rng.uniform(-1.5, 1.5, (60, 3))])
-    got = ex.simulate(ex.Disk.uniform(), states, 10.0, observables=("phi",), accuracy=1e-8)
+    got = ex.simulate(ex.phi_to_states(ex.Disk.uniform(), *states.T), 10.0, observables=("phi",), accuracy=1e-8)
     ok = got.status == ex.Status.OK
     assert ok.mean() > 0.9
     assert abs(got.constants_error[:, ok]).max() < 1e-8
@@ -155,7 +159,7 @@ def test_failed_samples_are_nan_and_say_why():
     disk = BODIES["uniform"]
     on_line = line_slope(disk)
     rows = [[0, 1, 1, 0.5], [0, 1, 1, on_line], [np.nan, 1, 1, 1], [2.0, 0, 0, 0]]
-    got = ex.simulate(disk, rows, 3.0)
+    got = ex.simulate(ex.phi_to_states(disk, *np.transpose(rows)), 3.0)
     assert [ex.Status(s).name for s in got.status] == ["OK", "FALLS", "BAD_INPUT", "BAD_INPUT"]
     assert np.isfinite(got.chi[0]).all()
     assert np.isnan(got.chi[1:]).all()
@@ -163,7 +167,9 @@ def test_failed_samples_are_nan_and_say_why():
 
 
 def test_only_what_was_asked_for_is_returned_and_time_zero_is_the_start():
-    got = ex.simulate(BODIES["uniform"], (0.1, 0.2, 0.3, 0.4), 1.0, observables=("phi", "chi"), chi0=0.5)
+    got = ex.simulate(
+        ex.phi_to_states(BODIES["uniform"], 0.1, 0.2, 0.3, 0.4), 1.0, observables=("phi", "chi"), chi0=0.5
+    )
     assert got.path is None
     assert got.psi is None
     assert got.phi.shape == (1, 201)
@@ -185,18 +191,18 @@ def test_only_what_was_asked_for_is_returned_and_time_zero_is_the_start():
 )
 def test_wrong_arguments_are_named(options, message):
     with pytest.raises(ex.InputError, match=message):
-        ex.simulate(BODIES["uniform"], (0, 1, 1, 0.5), **options)
+        ex.simulate(ex.phi_to_states(BODIES["uniform"], 0, 1, 1, 0.5), **options)
 
 
 def test_empty_input_gives_empty_output():
     disk = BODIES["uniform"]
-    assert ex.simulate(disk, np.empty((0, 4)), 1.0).phi.shape == (0, 201)
-    assert ex.constants(disk, [], [], [], []).energy.size == 0
+    assert ex.simulate(ex.phi_to_states(disk, [], [], [], []), 1.0).phi.shape == (0, 201)
+    assert ex.constants(ex.phi_to_states(disk, [], [], [], [])).energy.size == 0
     assert len(ex.passages(disk, [], [], [])) == 0
 
 
 def test_a_long_run_is_judged_by_its_number_of_passages():
-    got = ex.simulate(BODIES["uniform"], (0.2, 1.0, 1.0, 0.3), 2e3, observables=("phi",))
+    got = ex.simulate(ex.phi_to_states(BODIES["uniform"], 0.2, 1.0, 1.0, 0.3), 2e3, observables=("phi",))
     assert got.status[0] == ex.Status.OK
     assert 0 < abs(got.constants_error[0, 0]) < 1e-3
 
@@ -204,9 +210,9 @@ def test_a_long_run_is_judged_by_its_number_of_passages():
 def test_trajectories_go_the_right_way_round_bounce_after_bounce_at_any_eta():
     disk = BODIES["uniform"]
     states = constants_to_states(disk, 1.0, [1e-12, -1e-12, 1e-30, -1e-60, 1e-120], 1.0)
-    limits = {s: ex.limit_motion(disk, constants_to_states(disk, 1.0, 0.0, 1.0), s) for s in (1, -1)}
+    limits = {s: ex.limit_motion(constants_to_states(disk, 1.0, 0.0, 1.0), s) for s in (1, -1)}
     times = np.arange(1, 9) * limits[1].period + 0.2
-    got = ex.simulate(disk, states, t_eval=times, observables=("phi", "chi", "psi", "path"), accuracy=1e-8)
+    got = ex.simulate(states, t_eval=times, observables=("phi", "chi", "psi", "path"), accuracy=1e-8)
     assert (got.status == 0).all()
     for row, sign in enumerate((1, -1, 1, -1, 1)):
         want = limits[sign](times)
@@ -225,7 +231,6 @@ def test_errors_grow_like_the_number_of_passages_not_its_square(method, accuracy
     errors = []
     for periods in (10, 1000):
         got = ex.simulate(
-            disk,
             states,
             t_eval=periods * one.period,
             observables=("chi",),
@@ -245,7 +250,7 @@ def test_ten_thousand_passages_in_a_row_keep_their_constants():
     times = np.array([100.0, 10_000.0]) * one.period.mean()
     constants_error = []
     for t in times:
-        got = ex.simulate(disk, states, t_eval=[t], observables=("phi", "chi"), accuracy=1e-7, max_steps=10**7)
+        got = ex.simulate(states, t_eval=[t], observables=("phi", "chi"), accuracy=1e-7, max_steps=10**7)
         constants_error.append(abs(got.constants_error))
         assert got.status[0] in (ex.Status.OK, ex.Status.INVARIANT_DRIFT)
     short, long = constants_error

@@ -16,7 +16,7 @@ def test_rates_give_back_the_precession_and_the_spin(face):
     np.testing.assert_allclose(states.phidot, -face * 3.0, rtol=1e-14)
     np.testing.assert_allclose(states.sigma4, spin, rtol=1e-14)
     short = 1e-7
-    motion = ex.simulate(COIN, states, t_eval=[short], observables=("chi",), accuracy=1e-10)
+    motion = ex.simulate(states, t_eval=[short], observables=("chi",), accuracy=1e-10)
     np.testing.assert_allclose(motion.chi[:, 0] / short, precession, rtol=1e-4)
 
 
@@ -30,7 +30,7 @@ def test_degrees_are_radians_times_180_over_pi():
 def test_every_complete_set_names_the_same_state(phi):
     disk = ex.Disk.hoop()
     state = ex.phi_to_states(disk, phi, 0.7, 0.4, -0.3)
-    known = ex.constants(disk, phi, 0.7, 0.4, -0.3)
+    known = ex.constants(ex.phi_to_states(disk, phi, 0.7, 0.4, -0.3))
     spins = (
         {"sigma3": 0.4, "sigma4": -0.3},
         {"sigma3_bar": known.sigma3_bar, "sigma4_bar": known.sigma4_bar},

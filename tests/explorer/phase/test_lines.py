@@ -23,7 +23,7 @@ def test_eta_hat_and_eta_are_the_same_in_two_units(body):
     eta_hat = np.array([1e-300, -1e-3, 0.7])
     eta = body.eta_hat_to_eta(eta_hat)
     np.testing.assert_allclose(body.eta_to_eta_hat(eta), eta_hat, rtol=4e-16)
-    found = ex.constants(body, 0.3, *(np.array([[0.4, 0.9, -0.2]]).T * body.rate_unit))
+    found = ex.constants(ex.phi_to_states(body, 0.3, *(np.array([[0.4, 0.9, -0.2]]).T * body.rate_unit)))
     np.testing.assert_allclose(
         body.eta_hat_to_eta(found.eta_hat_plus / body.rate_unit) * body.eta_unit, found.eta_plus, rtol=1e-15
     )
@@ -37,7 +37,7 @@ def test_the_chart_gives_the_constants_that_states_have(body):
     np.testing.assert_allclose(determinant, -1.0, rtol=1e-11)
     bar, eta_hat = chart.constants(s3, s4)
     unit = body.rate_unit
-    found = ex.constants(body, phi, 0.0, s3 * unit, s4 * unit)
+    found = ex.constants(ex.phi_to_states(body, phi, 0.0, s3 * unit, s4 * unit))
     np.testing.assert_allclose(bar * unit, found.sigma3_bar, atol=1e-11 * unit)
     np.testing.assert_allclose(eta_hat * unit, found.eta_hat_plus, atol=1e-11 * unit)
     np.testing.assert_allclose(chart.rates(bar, eta_hat), [s3, s4], atol=1e-11)

@@ -99,7 +99,7 @@ def test_theta_min_approaches_its_leading_order(paper_body):
 def test_the_nearer_side_and_the_sign_of_eta_are_reported():
     disk = BODIES["uniform"]
     slope = line_slope(disk)
-    found = ex.falls(disk, 0.0, 1.0, [1.0, 1.0, 1.0], [slope - 0.1, slope + 0.1, -slope + 0.1])
+    found = ex.falls(ex.phi_to_states(disk, 0.0, 1.0, [1.0, 1.0, 1.0], [slope - 0.1, slope + 0.1, -slope + 0.1]))
     assert found.face.tolist() == [1, 1, -1]
     assert np.sign(found.distance).tolist() == [1, -1, 1]
     norm = np.hypot(slope, 1.0)
@@ -107,7 +107,7 @@ def test_the_nearer_side_and_the_sign_of_eta_are_reported():
 
 
 def test_the_pendulum_lies_on_both_lines():
-    found = ex.falls(BODIES["hoop"], 0.2, 0.1, 0.0, 0.0)
+    found = ex.falls(ex.phi_to_states(BODIES["hoop"], 0.2, 0.1, 0.0, 0.0))
     assert found.distance_plus[0] == found.distance_minus[0] == 0.0
     assert found.status[0] == ex.Status.FALLS
 
@@ -115,7 +115,7 @@ def test_the_pendulum_lies_on_both_lines():
 def test_too_little_energy_to_reach_flat_is_not_a_fall():
     """A disk that spins upright fast enough has E < V0 on neither line near it, and stays up."""
     disk = BODIES["uniform"]
-    found = ex.falls(disk, 0.0, 0.0, 3.0, 0.0)
+    found = ex.falls(ex.phi_to_states(disk, 0.0, 0.0, 3.0, 0.0))
     assert not found.could_fall[0]
     assert np.isnan(found.theta_min_estimate[0])
 
@@ -133,10 +133,10 @@ def test_nothing_falls_off_the_lines(body):
 
 def test_a_start_from_rest_falls_where_the_potential_falls_and_an_equilibrium_stays():
     disk = BODIES["uniform"]
-    assert ex.falls(disk, 0.1, 0.0, 0.0, 0.0).status[0] == ex.Status.FALLS
-    assert ex.falls(disk, 0.0, 0.0, 0.0, 0.0).status[0] == ex.Status.OK
-    assert ex.simulate(disk, (0.1, 0.0, 0.0, 0.0), 3.0).status[0] == ex.Status.FALLS
-    still = ex.simulate(disk, (0.0, 0.0, 0.0, 0.0), 3.0, observables=("phi",))
+    assert ex.falls(ex.phi_to_states(disk, 0.1, 0.0, 0.0, 0.0)).status[0] == ex.Status.FALLS
+    assert ex.falls(ex.phi_to_states(disk, 0.0, 0.0, 0.0, 0.0)).status[0] == ex.Status.OK
+    assert ex.simulate(ex.phi_to_states(disk, 0.1, 0.0, 0.0, 0.0), 3.0).status[0] == ex.Status.FALLS
+    still = ex.simulate(ex.phi_to_states(disk, 0.0, 0.0, 0.0, 0.0), 3.0, observables=("phi",))
     assert still.status[0] == ex.Status.OK
     assert (still.phi == 0.0).all()
 

@@ -5,7 +5,7 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.phase.states import constants_to_states, phi_to_states, rows_to_states, theta_to_states
+from explorer.phase.states import constants_to_states, phi_to_states, theta_to_states
 
 
 def test_arguments_that_do_not_broadcast_are_refused():
@@ -13,15 +13,11 @@ def test_arguments_that_do_not_broadcast_are_refused():
         phi_to_states(BODIES["uniform"], [0, 1], [1, 2, 3], 0, 0)
 
 
-def test_states_of_the_wrong_shape_are_refused():
-    with pytest.raises(ex.InputError, match="shape"):
-        ex.simulate(BODIES["uniform"], [1.0, 2.0, 3.0], 1.0)
-
-
-def test_states_of_another_disk_are_refused():
-    states = constants_to_states(BODIES["hoop"], 1.0, 0.1, 1.0)
-    with pytest.raises(ex.InputError, match="made for the disk 'hoop'"):
-        ex.simulate(BODIES["uniform"], states, 1.0)
+@pytest.mark.parametrize("call", [ex.simulate, ex.constants, ex.falls, ex.limit_motion, ex.periods], ids=str)
+def test_anything_but_states_is_refused_with_the_way_to_make_them(call):
+    for given in (BODIES["uniform"], [0.0, 1.0, 1.0, 0.7], "flat", None):
+        with pytest.raises(ex.InputError, match="phi_to_states"):
+            call(given)
 
 
 def test_both_charts_of_the_tilt_name_the_same_states(body):
@@ -54,5 +50,3 @@ def test_states_from_constants_keep_the_eta_that_doubles_of_a_state_lose():
 def test_what_is_no_number_is_named():
     with pytest.raises(ex.InputError, match="sigma3 = 'x'"):
         phi_to_states(BODIES["uniform"], 0.0, 1.0, "x", 0.7)
-    with pytest.raises(ex.InputError, match="rows of phi"):
-        rows_to_states(BODIES["uniform"], "flat")

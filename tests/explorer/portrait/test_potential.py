@@ -42,7 +42,7 @@ def made(disk, row):
 def state_at(potential, phi, phidot):
     """A state with these constants, found by the chart of the states and not by the potential."""
     disk = potential.disk
-    grid = [ex.constants(disk, phi, 0.0, s3, s4) for s3, s4 in ((1.0, 0.0), (0.0, 1.0))]
+    grid = [ex.constants(ex.phi_to_states(disk, phi, 0.0, s3, s4)) for s3, s4 in ((1.0, 0.0), (0.0, 1.0))]
     map_ = np.array([[g.sigma3_bar[0] for g in grid], [g.sigma4_bar[0] for g in grid]])
     s3, s4 = np.linalg.solve(map_, [potential.sigma3_bar, potential.sigma4_bar])
     return phi, phidot, s3, s4
@@ -53,7 +53,7 @@ def test_v_is_the_energy_of_a_state_at_rest_with_the_same_constants(body, row):
     unit = body.rate_unit
     potential = Potential(body, row[0], row[1], row[2])
     for phi in (-1.2, -0.4, 0.0, 0.7, 1.3):
-        found = ex.constants(body, *state_at(potential, phi, 0.7 * unit))
+        found = ex.constants(ex.phi_to_states(body, *state_at(potential, phi, 0.7 * unit)))
         energy = found.energy[0] - 0.5 * body.body.M * 0.49 * body.energy_unit
         assert energy == pytest.approx(float(potential.V(phi)), rel=1e-11)
 
@@ -112,7 +112,9 @@ def test_constants_on_a_line_to_rounding_are_on_it(body):
 def test_a_motion_started_at_a_centre_stays_and_one_at_a_saddle_leaves():
     potential = on_line(UNIFORM, 0.25, 0.01)
     for at in potential.equilibria[:2]:
-        run = ex.simulate(UNIFORM, state_at(potential, at.phi, 0.0), 20.0, observables=("phi",), accuracy=1e-9)
+        run = ex.simulate(
+            ex.phi_to_states(UNIFORM, *state_at(potential, at.phi, 0.0)), 20.0, observables=("phi",), accuracy=1e-9
+        )
         away = abs(run.phi[0] - at.phi)
         if at.kind == CENTRE:
             assert away.max() < 1e-9
@@ -122,7 +124,7 @@ def test_a_motion_started_at_a_centre_stays_and_one_at_a_saddle_leaves():
             assert away[0] < 1e-15
             assert away.max() < 1e-8 * math.exp(20.0 * rate)
         nudged = state_at(potential, at.phi, 1e-4)
-        run = ex.simulate(UNIFORM, nudged, 20.0, observables=("phi",))
+        run = ex.simulate(ex.phi_to_states(UNIFORM, *nudged), 20.0, observables=("phi",))
         assert (abs(run.phi[0] - at.phi).max() < 1e-3) == (at.kind == CENTRE)
 
 
@@ -136,7 +138,7 @@ def test_levels_conserve_energy_against_the_constants_of_states(body, row):
             phi, phidot = potential.curve(piece)
             inner = np.flatnonzero(abs(phi) < 1.4)[::23]
             for i in inner:
-                found = ex.constants(body, *state_at(potential, phi[i], phidot[i])).energy[0]
+                found = ex.constants(ex.phi_to_states(body, *state_at(potential, phi[i], phidot[i]))).energy[0]
                 assert found == pytest.approx(energy, rel=1e-10)
             ends = zip(piece.ends, (piece.low, piece.high), phidot[[0, -1]], strict=True)
             for end, edge, speed in ends:
@@ -156,7 +158,9 @@ def test_motions_run_along_their_level_between_its_ends(eta):
     (piece,) = potential.components(energy)
     start = state_at(potential, 0.0, math.sqrt(2.0 * (energy - potential.V(0.0)) / UNIFORM.body.M))
     times = np.linspace(0.0, 12.0, 3001)
-    run = ex.simulate(UNIFORM, start, t_eval=times, observables=("phi", "phidot"), accuracy=1e-10)
+    run = ex.simulate(
+        ex.phi_to_states(UNIFORM, *start), t_eval=times, observables=("phi", "phidot"), accuracy=1e-10
+    )
     assert run.phi.min() == pytest.approx(piece.low, abs=1e-4)
     assert run.phi.max() == pytest.approx(piece.high, abs=1e-4)
     phi = np.clip(run.phi[0], piece.low, piece.high)
@@ -224,7 +228,7 @@ def test_the_shading_agrees_with_who_could_fall(name, face):
         speed = random.uniform(0.0, 1.5, 60)
         edge = potential.falling_edge(y)
         s3, s4 = np.transpose([state_at(potential, float(at), 0.0)[2:] for at in phi])
-        falls = ex.falls(disk, phi, speed, s3, s4)
+        falls = ex.falls(ex.phi_to_states(disk, phi, speed, s3, s4))
         could = falls.could_fall_plus if face > 0 else falls.could_fall_minus
         assert (could == (speed > edge)).all()
         assert could.any()

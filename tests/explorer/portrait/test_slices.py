@@ -28,7 +28,7 @@ def test_the_side_is_the_direction_of_the_contact_point_at_the_flattest_moment(s
     """Against passages from the vertical, where chi is integrated: its sign near F."""
     at = slice_of_uniform
     x, y = np.meshgrid(at.x, at.y)
-    known = ex.constants(UNIFORM, 0.0, 1.0, x, y)
+    known = ex.constants(ex.phi_to_states(UNIFORM, 0.0, 1.0, x, y))
     face = np.ravel(slice_of_uniform.face)
     eta = np.where(face > 0, known.eta_hat_plus, known.eta_hat_minus)
     near = (abs(eta) < 0.1) & (abs(eta) > 1e-3) & (np.ravel(slice_of_uniform.side) != 0)

@@ -52,7 +52,9 @@ def test_steady_motions_solve_the_potential_and_simulate_as_circles(paper_body):
         assert float(potential.d2V(phi)) == pytest.approx(float(motion.curvature), rel=1e-11)
         assert min(abs(at.phi - phi) for at in potential.equilibria) < 1e-12
         start = [phi, 0.0, float(motion.sigma3), float(motion.sigma4)]
-        run = ex.simulate(disk, start, 3.0, observables=("phi", "chi", "contact"), accuracy=1e-10)
+        run = ex.simulate(
+            ex.phi_to_states(disk, *start), 3.0, observables=("phi", "chi", "contact"), accuracy=1e-10
+        )
         assert abs(run.phi[0] - phi).max() < 1e-9
         assert run.chi[0, -1] == pytest.approx(3.0 * precession, rel=1e-9)
         # The contact point keeps its distance from the centre of its circle

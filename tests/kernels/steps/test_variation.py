@@ -51,7 +51,13 @@ def test_the_matrix_is_the_derivative_of_trajectories(name):
     for j in range(4):
         either = [start + sign * h * scale * (np.arange(4) == j) for sign in (1, -1)]
         names = ("phi", "phidot", "sigma3", "sigma4")
-        found = ex.simulate(disk, either, t_eval=[time], observables=names, accuracy=1e-10, method="dop853")
+        found = ex.simulate(
+            ex.phi_to_states(disk, *np.transpose(either)),
+            t_eval=[time],
+            observables=names,
+            accuracy=1e-10,
+            method="dop853",
+        )
         ends_of_both = np.stack([getattr(found, name)[:, 0] for name in names]) / scale[:, None]
         np.testing.assert_allclose(
             out[0, :, j], (ends_of_both[:, 0] - ends_of_both[:, 1]) / (2 * h), rtol=1e-5, atol=1e-5
