@@ -1,21 +1,62 @@
 """What users are told, and the readers of what users write.
 
-Every message names the argument, the value and the remedy. A reader takes a value as it comes from the command
-line, a TOML file or Python, and returns it with its proper type; what cannot be used raises InputError. Text is
-read as a number, a number of numpy like one of Python, and a bool never counts as a number.
+Every message names the argument, the value and the remedy. It is written in the words of the command line and says
+the same in the words of Python, unless the command line is at work. A reader takes a value as it comes from the
+command line, a TOML file or Python, and returns it with its proper type; what cannot be used raises InputError. Text
+is read as a number, a number of numpy like one of Python, and a bool never counts as a number.
 """
 
+import contextlib
 import math
+import re
 import sys
 import tomllib
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from difflib import get_close_matches
 from numbers import Integral
 from pathlib import Path
 from typing import Any
 
 
-class InputError(ValueError):
+# How a remedy of the command line is written in Python, the longest first.
+_PYTHON = (
+    (r"nearflat (resume|verify) ([^\s;,)`]+)", r'ex.open("\2").\1()'),
+    (r"nearflat summary ([^\s;,)`]+)", r'ex.open("\1").summary'),
+    (r"--resume\b", 'exist="resume"'),
+    (r"--replace\b", 'exist="replace"'),
+    (r"--no-figures\b", "figures=False"),
+    (r"(?<![\w/-])--([a-z][a-z0-9]*(?:-[a-z0-9]+)*)", lambda found: found[1].replace("-", "_")),
+)
+_speaks_python = True
+
+
+@contextlib.contextmanager
+def words_of_the_command() -> Iterator[None]:
+    """Within this, messages name flags and commands, as those who type them know them."""
+    global _speaks_python
+    before, _speaks_python = _speaks_python, False
+    try:
+        yield
+    finally:
+        _speaks_python = before
+
+
+def in_words(message: str) -> str:
+    """A message as its reader would write it: "--eta-hat" of the command line is eta_hat in Python."""
+    if _speaks_python:
+        for written, python in _PYTHON:
+            message = re.sub(written, python, message)
+    return message
+
+
+class _Told:
+    """An exception whose message speaks the words of its reader; where it was raised does not matter."""
+
+    def __str__(self) -> str:
+        return in_words(super().__str__())
+
+
+class InputError(_Told, ValueError):
     """An argument cannot be used. The command line exits with status 2.
 
     Examples
@@ -24,12 +65,12 @@ class InputError(ValueError):
     >>> try:
     ...     ex.Disk.parse("unifrom")
     ... except ex.InputError as error:
-    ...     print(str(error)[:28])
-    --disk 'unifrom' is not know
+    ...     print(str(error)[:26])
+    disk 'unifrom' is not know
     """
 
 
-class RunError(RuntimeError):
+class RunError(_Told, RuntimeError):
     """A run failed or a check did not hold. The command line exits with status 1.
 
     Examples
@@ -57,11 +98,12 @@ class Interrupted(RunError):
 def note(text: str, quiet: bool) -> None:
     """Print a line on stderr, unless the user asked for quiet."""
     if not quiet:
-        print(text, file=sys.stderr, flush=True)
+        print(in_words(text), file=sys.stderr, flush=True)
 
 
 def said(name: str, value: Any) -> str:
     """An argument with its value as the user wrote it: "--samples 0" or "samples = 0"."""
+    name = in_words(name)
     if name.startswith("--"):
         return f"{name} {value}"
     return f"{name} = {value if isinstance(value, str) else repr(value)}"

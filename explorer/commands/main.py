@@ -1,11 +1,12 @@
 """The command `nearflat`: parse, call one function, print.
 
-Exit status: 0 done, 1 the run failed, 2 bad arguments, 130 interrupted. Results go to stdout,
-progress and errors to stderr. Nothing heavy is imported before a command is known: each command is a module of
+Exit status: 0 done, 1 the run failed, 2 bad arguments, 130 interrupted, 141 where the reader of a pipe has gone.
+Results go to stdout, progress and errors to stderr. Nothing heavy is imported before a command is known: each command is a module of
 this folder with `add_arguments(parser)` and `call(options)`, which returns the exit status.
 """
 
 import argparse
+import contextlib
 import os
 import re
 import shlex
@@ -15,7 +16,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any, NamedTuple, NoReturn
 
-from explorer.errors import InputError, Interrupted, RunError
+from explorer.errors import InputError, Interrupted, RunError, words_of_the_command
 
 
 class Command(NamedTuple):
@@ -30,6 +31,7 @@ def _runs() -> ModuleType:
     return import_module("explorer.commands.runs")
 
 
+_PIPE_CLOSED = 141  # as a shell reports a program that SIGPIPE ended
 _STORED = "results/race-angles-uniform-0"
 COMMANDS = {
     "demo": Command(
@@ -117,7 +119,29 @@ class _CommandParser(_Parser):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit status."""
-    words = sys.argv[1:] if arguments is None else list(arguments)
+    try:
+        try:
+            with words_of_the_command():
+                return _run(sys.argv[1:] if arguments is None else list(arguments))
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()  # here, where a closed pipe can be caught, not at the end of the interpreter
+    except BrokenPipeError:
+        _close_quietly()
+        return _PIPE_CLOSED
+
+
+def _close_quietly() -> None:
+    """Send what the streams still hold nowhere: the interpreter would complain about it when it ends."""
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        try:
+            stream.flush()
+        except BrokenPipeError:
+            with contextlib.suppress(OSError):  # a stream that is no file has nothing to close
+                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _run(words: list[str]) -> int:
     options = _parser().parse_args(words)
     options.command_line = shlex.join(["nearflat", *words])
     if options.arithmetic is not None:

@@ -1,12 +1,24 @@
 """Readers of what users write: what they accept, what they refuse, and that a message says all three things."""
 
 import math
+import pickle
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
-from explorer.errors import InputError, flag, number, one_of, positive, read_range, suggest, whole
+from explorer.errors import (
+    InputError,
+    RunError,
+    flag,
+    number,
+    one_of,
+    positive,
+    read_range,
+    suggest,
+    whole,
+    words_of_the_command,
+)
 
 
 @pytest.mark.parametrize(
@@ -27,7 +39,7 @@ def test_a_whole_number_as_text_keeps_all_its_digits():
 def test_what_is_no_whole_number_in_its_bounds_is_refused_by_name_value_and_remedy(value):
     with pytest.raises(InputError) as refused:
         whole("--samples", value, 1, 10)
-    assert str(refused.value).startswith(f"--samples {value}")
+    assert str(refused.value).startswith("samples = ")
     assert "number" in str(refused.value)
     assert len(str(refused.value).splitlines()) == 1
 
@@ -67,15 +79,15 @@ def test_a_positive_number_is_above_zero():
 
 def test_a_flag_is_true_or_false_and_no_number():
     assert flag("--well", True) is True
-    with pytest.raises(InputError, match="--well 1 must be true or false"):
+    with pytest.raises(InputError, match="well = 1 must be true or false"):
         flag("--well", 1)
 
 
 def test_an_unknown_word_is_answered_with_the_nearest_one():
     assert one_of("--keep", "near", ("near", "all")) == "near"
-    with pytest.raises(InputError, match=r"--keep 'naer' is not known; did you mean 'near'\? known: near, all"):
+    with pytest.raises(InputError, match=r"keep 'naer' is not known; did you mean 'near'\? known: near, all"):
         one_of("--keep", "naer", ("near", "all"))
-    with pytest.raises(InputError, match="--keep 3"):
+    with pytest.raises(InputError, match="keep 3"):
         one_of("--keep", 3, ("near", "all"))
     assert suggest("zzz", ("near", "all")) == "known: near, all"
 
@@ -111,10 +123,28 @@ def test_an_infinite_end_is_on_its_own_side():
 
 @pytest.mark.parametrize("value", ["1:2:3", "a:b", "nan:1", (1.0,), 3.0, None, (True, 2), "inf:inf", "", ":"])
 def test_what_is_no_range_is_refused(value):
-    with pytest.raises(InputError, match=r"--ladder .* is not a range; give LOW:HIGH"):
+    with pytest.raises(InputError, match=r"ladder .* is not a range; give LOW:HIGH"):
         read_range("--ladder", value)
 
 
 def test_an_empty_range_is_refused():
-    with pytest.raises(InputError, match="--ladder 2:1 is empty; give LOW:HIGH, the smaller number first"):
+    with pytest.raises(InputError, match="ladder 2:1 is empty; give LOW:HIGH, the smaller number first"):
         read_range("--ladder", "2:1")
+
+
+@pytest.mark.parametrize(
+    ("command", "python"),
+    [
+        ("--eta-hat 1:2 is empty; raise --eta-hat", "eta_hat 1:2 is empty; raise eta_hat"),
+        ("--out a: holds a run; add --resume", 'out a: holds a run; add exist="resume"'),
+        ("stopped; continue with: nearflat resume results/a", 'stopped; continue with: ex.open("results/a").resume()'),
+        ("see: nearflat verify results/a; or not", 'see: ex.open("results/a").verify(); or not'),
+        ("-- this is no flag, nor is /tmp/--this", "-- this is no flag, nor is /tmp/--this"),
+    ],
+)
+def test_messages_speak_the_words_of_their_reader(command, python):
+    for kind in (InputError, RunError):
+        error = pickle.loads(pickle.dumps(kind(command)))  # as from another process
+        assert str(error) == python
+        with words_of_the_command():
+            assert str(error) == command

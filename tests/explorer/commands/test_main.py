@@ -216,3 +216,14 @@ def test_a_path_that_is_too_long_is_refused(capsys, tmp_path):
     status, _, err = run(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / ("x" * 300))
     assert status == 2
     assert "no usable path" in err
+
+
+@pytest.mark.parametrize("words", [["plan", "race-angles", "--json"], ["run", "--help"]])
+def test_a_closed_pipe_ends_the_command_silently(words):
+    """Also at the end of the interpreter, which flushes what is left."""
+    with subprocess.Popen(
+        [sys.executable, "-m", "explorer.commands.main", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as command:
+        command.stdout.close()
+        assert command.stderr.read() == b""
+        assert command.wait() in (0, 141)  # the parser itself swallows the error of its --help

@@ -36,8 +36,8 @@ def test_options_reach_the_phase_portrait(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"only": "nothing"}, "--only 'nothing' is not known"),
-        ({"energy": "2:1"}, "--energy 2:1 is empty"),
+        ({"only": "nothing"}, "only 'nothing' is not known"),
+        ({"energy": "2:1"}, "energy 2:1 is empty"),
         ({"sigma3_bar": "a lot"}, "sigma3"),
         ({"sigma3_bar": 2.0, "well": True}, "well"),
     ],
@@ -50,7 +50,7 @@ def test_bad_input_is_named_before_anything_is_written(options, message, tmp_pat
 
 def test_a_folder_that_cannot_be_written_is_named(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(ex.InputError, match="--out"):
+    with pytest.raises(ex.InputError, match="out"):
         portrait(tmp_path / "file", HOOP, only="race")
 
 

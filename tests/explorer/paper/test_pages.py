@@ -141,9 +141,9 @@ def test_one_statement_is_checked_without_writing_anything(tmp_path):
 
 
 def test_bad_arguments_are_named(tmp_path):
-    with pytest.raises(ex.InputError, match="--jobs 0"):
+    with pytest.raises(ex.InputError, match="jobs = 0"):
         pages.paper(tmp_path, jobs=0)
-    with pytest.raises(ex.InputError, match="--only 'LEMMA-99' is no statement"):
+    with pytest.raises(ex.InputError, match="only 'LEMMA-99' is no statement"):
         pages.paper(tmp_path, only="LEMMA-99")
     (tmp_path / "file").write_text("")
     with pytest.raises(ex.InputError, match="is a file; give a folder"):

@@ -65,7 +65,7 @@ def test_statements_can_be_asked_for_by_number_or_name():
     assert [row.number for row in chosen(None)] == list(range(1, 59))
     assert chosen("58")[0] is STATEMENTS[58]
     assert chosen(" lemma-5 ")[0] is STATEMENTS[40]
-    with pytest.raises(ex.InputError, match=r"--only 'LEMMA-99' is no statement; did you mean 'LEMMA-\d'\?"):
+    with pytest.raises(ex.InputError, match=r"only 'LEMMA-99' is no statement; did you mean 'LEMMA-\d'\?"):
         chosen("LEMMA-99")
 
 

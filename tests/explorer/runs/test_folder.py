@@ -42,7 +42,7 @@ def test_resume_refuses_other_options_and_other_kernels(finished):
 
 def test_a_folder_with_a_run_or_with_something_else_is_left_alone(finished, tmp_path):
     before = text(finished)
-    with pytest.raises(ex.InputError, match="holds a run already; add --resume or give another folder"):
+    with pytest.raises(ex.InputError, match='holds a run already; add exist="resume" or give another folder'):
         ex.run("race-angles", out=finished.folder, **SMALL_RACES)
     assert text(finished) == before
     (tmp_path / "thesis").mkdir()
@@ -94,7 +94,7 @@ def test_an_early_record_with_options_of_its_own_is_refused_in_words(finished):
         content.pop("format")
         content["identity"]["options"]["max_energy"] = 3.0
 
-    with pytest.raises(ex.InputError, match=r"an earlier version of nearflat wrote it.*--max-energy"):
+    with pytest.raises(ex.InputError, match=r"an earlier version of nearflat wrote it.*max_energy"):
         folders.scene_of(rewritten(finished, early))
 
 

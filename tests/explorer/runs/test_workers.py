@@ -172,7 +172,7 @@ def test_chunks_are_read_by_pandas_and_duckdb(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "message"), [({"jobs": 0}, "--jobs 0"), ({"backend": "gpu"}, "--backend 'gpu'")]
+    ("options", "message"), [({"jobs": 0}, "jobs = 0"), ({"backend": "gpu"}, "backend 'gpu'")]
 )
 def test_workers_that_cannot_be_are_refused_before_anything_is_written(options, message, tmp_path):
     with pytest.raises(ex.InputError, match=message):

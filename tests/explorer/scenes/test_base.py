@@ -52,7 +52,7 @@ def test_memory_is_refused_for_scenes_without_such_chunks_by_the_names_of_those_
 
 
 def test_an_option_of_another_scene_is_refused_by_name():
-    with pytest.raises(ex.InputError, match="--ladder: race-angles takes no such option"):
+    with pytest.raises(ex.InputError, match="ladder: race-angles takes no such option"):
         build_scene("race-angles", ladder="1e-3:1e-1")
 
 

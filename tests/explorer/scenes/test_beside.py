@@ -31,7 +31,7 @@ def test_only_what_is_given_differs_from_the_default_box():
 @pytest.mark.parametrize(
     ("ranges", "message"),
     [
-        ({"sigma4": (0.0, 0.0)}, "sets sigma4 by --eta-hat"),
+        ({"sigma4": (0.0, 0.0)}, "sets sigma4 by eta_hat"),
         ({"phi": (0.0, 1.0)}, "starts at the vertical"),
         ({"phidot": (-1.0, 1.0)}, "speed towards flat"),
     ],
@@ -43,5 +43,5 @@ def test_a_box_that_describes_no_start_beside_f_is_refused(ranges, message):
 
 @pytest.mark.parametrize("span", [(0.0, 1.0), (1e-2, 1e-3), (1e-3, 11.0), (1e-310, 1e-3)])
 def test_distances_that_are_no_longer_beside_f_are_refused(span):
-    with pytest.raises(InputError, match="--eta-hat"):
+    with pytest.raises(InputError, match="eta_hat"):
         check_eta_hat(span, BODIES["hoop"])
