@@ -2,8 +2,8 @@
 
 Every message names the argument, the value and the remedy. It is written in the words of the command line and says
 the same in the words of Python, unless the command line is at work. A reader takes a value as it comes from the
-command line, a TOML file or Python, and returns it with its proper type; what cannot be used raises InputError. Text
-is read as a number, a number of numpy like one of Python, and a bool never counts as a number.
+command line, a TOML file or Python, and returns it with its proper type; what cannot be used raises InputError.
+Text is read as a number, a number of numpy like one of Python, and a bool never counts as a number.
 """
 
 import contextlib
@@ -16,7 +16,6 @@ from difflib import get_close_matches
 from numbers import Integral
 from pathlib import Path
 from typing import Any
-
 
 # How a remedy of the command line is written in Python, the longest first.
 _PYTHON = (

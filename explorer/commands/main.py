@@ -1,8 +1,9 @@
 """The command `nearflat`: parse, call one function, print.
 
 Exit status: 0 done, 1 the run failed, 2 bad arguments, 130 interrupted, 141 where the reader of a pipe has gone.
-Results go to stdout, progress and errors to stderr. Nothing heavy is imported before a command is known: each command is a module of
-this folder with `add_arguments(parser)` and `call(options)`, which returns the exit status.
+Results go to stdout, progress and errors to stderr. Nothing heavy is imported before a command
+is known: each command is a module of this folder with `add_arguments(parser)` and `call(options)`, which returns
+the exit status.
 """
 
 import argparse

@@ -137,7 +137,10 @@ def test_an_empty_range_is_refused():
     [
         ("--eta-hat 1:2 is empty; raise --eta-hat", "eta_hat 1:2 is empty; raise eta_hat"),
         ("--out a: holds a run; add --resume", 'out a: holds a run; add exist="resume"'),
-        ("stopped; continue with: nearflat resume results/a", 'stopped; continue with: ex.open("results/a").resume()'),
+        (
+            "stopped; continue with: nearflat resume results/a",
+            'stopped; continue with: ex.open("results/a").resume()',
+        ),
         ("see: nearflat verify results/a; or not", 'see: ex.open("results/a").verify(); or not'),
         ("-- this is no flag, nor is /tmp/--this", "-- this is no flag, nor is /tmp/--this"),
     ],
