@@ -16,13 +16,15 @@ from explorer.portrait.bodies import flat_body, measured_gaps, race_numbers
 from explorer.portrait.rocking import rocking
 from explorer.portrait.slices import Slice, map_slice
 from explorer.portrait.wander import resonance, wander, wander_path
-from explorer.scenes.portrait import CONSTANTS, Portrait
+from explorer.scenes.base import Scene
+from explorer.scenes.portrait import Portrait
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Pictures = Iterator[tuple[str, "Figure"]]
 
+_CONSTANTS = [option for option in Portrait.OPTIONS if option not in Scene.OPTIONS]
 POINTS = 401  # a side of a slice
 _BODIES = (0.5, 2.0, 3.0, 4.0, 8.0, 12.0)  # m r^2/I1 at which race numbers are measured
 # Paths: beside F, natural units; speeds and sigma3_bar at which a resonance is sought; periods shown.
@@ -167,7 +169,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("--disk", default="uniform", metavar="DISK", help="as for run (default uniform)")
     groups = ", ".join([*GROUPS, FILM])
     command.add_argument("--only", metavar="GROUP", help=f"one group of pictures: {groups} (default all)")
-    for option in CONSTANTS:
+    for option in _CONSTANTS:
         text = f"phase: {option.help_for(Portrait)}"
         if option.metavar:
             command.add_argument(option.flag, metavar=option.metavar, help=text)
@@ -177,7 +179,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def call(options: argparse.Namespace) -> int:
-    given = {option.word: getattr(options, option.word) for option in CONSTANTS}
+    given = {option.word: getattr(options, option.word) for option in _CONSTANTS}
     given = {name: value for name, value in given.items() if value is not None}
     disk = Disk.parse(options.disk)
     written = portrait(options.out, disk, only=options.only, quiet=options.quiet, **given)

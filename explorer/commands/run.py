@@ -1,112 +1,28 @@
 """`nearflat run`, and `ex.run` for Python: a scene on many initial states, stored."""
 
 import argparse
-from collections.abc import Iterable, Mapping, Sequence
-from inspect import cleandoc
+import inspect
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, TypedDict, Unpack
+from textwrap import fill, indent
+from typing import Any, Unpack
 
 from explorer.commands.common import add_json, add_workers, show
 from explorer.errors import InputError, note
-from explorer.measure.density import Function
-from explorer.measure.sampling import Box, Range
-from explorer.phase.disk import Disk
-from explorer.portrait.slices import Slice
 from explorer.runs.run import Run, execute
 from explorer.runs.workers import Workers
 from explorer.scenes.base import SampledScene, Scene, chunk_size_for
-from explorer.scenes.options import Option
-from explorer.scenes.registry import SCENES, build_scene, read_scene_file, scene_class
+from explorer.scenes.options import Option, described, in_python, type_words
+from explorer.scenes.registry import SCENES, Options, build_scene, read_scene_file, scene_class
 
-Ranges = str | Mapping[str, Range]
+_WORKERS = ("backend", "scheduler")
 
 
-class Options(TypedDict, total=False):
-    """Options of scenes and of workers, as keywords of `run`.
+class Keywords(Options, total=False):
+    """Keywords of `run` beside its parameters: the options of scenes, and who computes."""
 
-    Other Parameters
-    ----------------
-    backend : str
-        Who computes: "threads" (default), "processes" or "dask".
-    scheduler : str
-        Address of a dask scheduler; by default dask starts one of its own.
-    disk : Disk or str, or several for one-sided
-        The body: uniform by default; uniform, hoop and matching for one-sided.
-    seed : int
-        Seed of the random streams, 0 by default. A sample depends on it and on its place in the run only.
-    accuracy : float
-        Largest error: absolute of angles (rad), relative of times and tilts; 1e-6 by default.
-    method : str
-        "auto" (default), "quadrature", "rk4", "rk8", "dopri5" or "dop853".
-    samples : int
-        Number of samples: 100,000 by default, 4,000,000 for measure-zero, 32 points per disk for one-sided, and
-        the rows of the file where `states` are given.
-    chunk_size : int
-        Samples per chunk: 65,536 by default, and 1,048,576 for falling-set with more than 10^7 samples.
-    keep : str
-        Which samples are stored: those "near" the falling set (default), "all" or "none". Counts are of all.
-    box : str or mapping
-        Ranges of phi (rad) and of phidot, sigma3, sigma4 (units of the disk) that states are drawn from. By
-        default phi = 0 and the others within two natural units. For race-angles and one-sided: the speed towards
-        flat (phidot), 0.5 to 2 natural units by default, and sigma3.
-    energy : str or pair
-        For falling-set and measure-zero only states with an energy in this range, for portrait the energies of
-        the levels; units of the disk. All energies by default.
-    states : path
-        For falling-set: Parquet file with the columns phi, phidot, sigma3 and sigma4, instead of `box`.
-    theta_min : str
-        For falling-set: whether "all" states get a theta_min, or those "near" the falling set only. By default
-        all up to 10^7 samples.
-    slice : str, or several
-        For falling-set: slices that are drawn, each two ranges and two numbers; two slices by default.
-    grid : int
-        For falling-set: points per axis of a slice, 401 by default.
-    eta_hat : str, pair or float
-        For race-angles and one-sided the range of the distance |eta_hat| from the falling set, on both sides of
-        it; by default 1e-6 to 1e-2, and 1e-6 to 1e-1, natural units. For portrait one number, in the units of
-        the disk: the distance from the line of face +1.
-    gaussian : str or mapping
-        For measure-zero: (mean, standard deviation) of coordinates that are not uniform in the box.
-    density : callable
-        For measure-zero: called with arrays phi, phidot, sigma3, sigma4; returns one number, 0 or more, for each
-        state.
-    ladder : str or pair
-        For measure-zero: smallest and largest tilt delta (rad), by decades; 1e-15 to 1e-1 by default.
-    tube : int
-        For measure-zero: draws per delta and face in the tubes beside the falling set, 262,144 by default.
-    sampling : str
-        For measure-zero: draws in the tubes are "random" (default) or "sobol".
-    sigma3_bar, sigma4_bar : float
-        For portrait: constants of motion (units of the disk). sigma3_bar is 0.25 natural units by default;
-        sigma4_bar may be given instead of `eta_hat`.
-    well : bool
-        For portrait: insist on a well beside the falling motions. False by default.
-    """
-
-    accuracy: float
     backend: str
-    box: Box | Ranges
-    chunk_size: int
-    density: Function
-    disk: Disk | str | Sequence[Disk | str]
-    energy: str | tuple[float | None, float | None]
-    eta_hat: str | Range | float
-    gaussian: Ranges
-    grid: int
-    keep: str
-    ladder: str | Range
-    method: str
-    samples: int | float
-    sampling: str
     scheduler: str | None
-    seed: int
-    sigma3_bar: float
-    sigma4_bar: float
-    slice: str | Slice | Sequence[str | Slice]
-    states: Path | str
-    theta_min: str
-    tube: int | float
-    well: bool
 
 
 def run(
@@ -117,7 +33,7 @@ def run(
     memory: str | float | None = None,
     resume: bool = False,
     quiet: bool = True,
-    **options: Unpack[Options],
+    **options: Unpack[Keywords],
 ) -> Run:
     """Run a scene and store it.
 
@@ -139,6 +55,10 @@ def run(
         Continue the run in `out`, or start it where there is none: compute what is missing or damaged.
     quiet : bool
         Print no progress and no notes. True by default.
+    backend : str
+        Who computes: "threads" (default), "processes" or "dask".
+    scheduler : str, optional
+        Address of a dask scheduler; by default dask starts one of its own.
 
     Returns
     -------
@@ -166,9 +86,26 @@ def run(
     return execute(made, out, workers=workers, resume=resume, quiet=quiet)
 
 
-# help(run) shows what the scenes take beside what every run takes. Without docstrings (python -OO) both are empty.
-_of_options = cleandoc(Options.__doc__ or "").partition("\n\n")[2]
-run.__doc__ = cleandoc(run.__doc__ or "").replace("\nReturns\n", f"\n{_of_options}\n\nReturns\n", 1)
+def _entry(option: Option, text: str) -> str:
+    """What help(run) says of an option."""
+    text = in_python(text if text.partition(":")[0].partition(",")[0] in SCENES else text[0].upper() + text[1:])
+    text = f"For {text}" if text[0].islower() else text
+    return f"{option.word} : {type_words(option.kind)}\n{indent(fill(f'{text}.', 110), '    ')}"
+
+
+def _document() -> None:
+    """Let help(run) and inspect.signature(run) name the options of all scenes, from the scenes' tables."""
+    options = {option.word: _entry(option, text) for option, text in described(SCENES.values())}
+    plain = inspect.signature(run)
+    keywords = [
+        inspect.Parameter(word, inspect.Parameter.KEYWORD_ONLY, default=None) for word in (*_WORKERS, *options)
+    ]
+    vars(run)["__signature__"] = plain.replace(parameters=[*list(plain.parameters.values())[:-1], *keywords])
+    text = inspect.cleandoc(run.__doc__ or "")  # empty where docstrings are left out (python -OO)
+    run.__doc__ = text.replace("\n\nReturns\n", "\n" + "\n".join(options.values()) + "\n\nReturns\n", 1)
+
+
+_document()
 
 
 def _scene(name: str, options: Mapping[str, Any], memory: Any, jobs: int, quiet: bool) -> Scene:
@@ -212,25 +149,15 @@ def _add_settings(command: argparse.ArgumentParser) -> None:
 
 def _add_options(command: argparse.ArgumentParser, kinds: Iterable[type[Scene]]) -> None:
     """Add the options of some scenes, each flag once; its help says for which scenes it is, unless for all."""
-    several = list(kinds)
-    takers: dict[str, list[tuple[type[Scene], Option]]] = {}
-    for kind in several:
-        for option in kind.OPTIONS:
-            if option.flag.startswith("--"):
-                takers.setdefault(option.flag, []).append((kind, option))
-    for flag, pairs in takers.items():
-        option = pairs[0][1]
-        texts: dict[str, list[str]] = {}
-        for kind, each in pairs:
-            texts.setdefault(each.help_for(kind), []).append(kind.name)
-        alone = len(texts) == 1 and len(pairs) == len(several)
-        sentences = [text if alone else f"{', '.join(names)}: {text}" for text, names in texts.items()]
-        how: dict[str, Any] = {"dest": option.word, "help": "; ".join(sentences).replace("%", "%%")}
+    for option, text in described(kinds):
+        if not option.flag.startswith("--"):
+            continue
+        how: dict[str, Any] = {"dest": option.word, "help": text.replace("%", "%%")}
         if not option.metavar:
             how |= {"action": "store_const", "const": True}
         else:
             how |= {"metavar": option.metavar, "action": "append" if option.several else "store"}
-        command.add_argument(flag, **how)
+        command.add_argument(option.flag, **how)
 
 
 class _Help(argparse.Action):

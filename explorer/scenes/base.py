@@ -1,8 +1,8 @@
 """What every scene offers, and how samples are cut into chunks.
 
-To add a scene: one file with one frozen dataclass that implements Scene and declares its OPTIONS, and one line in
-`registry.SCENES`. A scene draws or receives initial states, asks `motion.plan` for observables, and reduces what
-comes back. It knows nothing of files, workers or where pictures are kept.
+To add a scene: one file with one frozen dataclass that implements Scene and declares its options as Keywords, and
+one line in `registry.SCENES`. A scene draws or receives initial states, asks `motion.plan` for observables, and
+reduces what comes back. It knows nothing of files, workers or where pictures are kept.
 """
 
 import re
@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,19 @@ from explorer.errors import InputError, suggest
 from explorer.measure import statistics
 from explorer.motion.plan import Plan, plan
 from explorer.phase.disk import Disk
-from explorer.scenes.options import CHUNK_SIZE, COMMON, KEEP, SAMPLES, Option, as_json
+from explorer.scenes.options import (
+    ACCURACY,
+    CHUNK_SIZE,
+    DISK,
+    KEEP,
+    METHOD,
+    SAMPLES,
+    SEED,
+    Disks,
+    Option,
+    as_json,
+    options_of,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,7 +69,21 @@ class Scene(ABC):
 
     name: ClassVar[str]
     observables: ClassVar[tuple[str, ...]]
-    OPTIONS: ClassVar[tuple[Option, ...]] = COMMON
+
+    class Keywords(TypedDict, total=False):
+        """What users may give, by name: its type, and how it is read."""
+
+        disk: Annotated[Disks, DISK]
+        seed: Annotated[int, SEED]
+        accuracy: Annotated[float, ACCURACY]
+        method: Annotated[str, METHOD]
+
+    OPTIONS: ClassVar[tuple[Option, ...]] = options_of(Keywords)
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if "Keywords" in vars(cls):
+            cls.OPTIONS = options_of(cls.Keywords)
 
     def __post_init__(self) -> None:
         """Raise InputError where options do not go together; scenes add what they must refuse."""
@@ -157,7 +183,11 @@ class SampledScene(Scene):
 
     # Memory of one sample while its chunk is computed (bytes), for a budget.
     bytes_per_sample: ClassVar[int]
-    OPTIONS: ClassVar[tuple[Option, ...]] = (*COMMON, SAMPLES, CHUNK_SIZE, KEEP)
+
+    class Keywords(Scene.Keywords, total=False):
+        samples: Annotated[int | float, SAMPLES]
+        chunk_size: Annotated[int, CHUNK_SIZE]
+        keep: Annotated[str, KEEP]
 
     def chunks(self) -> int:
         return -(-self.samples // self.chunk_size)

@@ -6,10 +6,11 @@ motion alone. The two never meet before the picture, so the valley of the one ly
 the other is a test that users can see.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ from explorer.phase.states import Array, States, phi_to_states
 from explorer.portrait.slices import ConstantsPlane, Slice, map_slice
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_faces, joined, nearer, no_cells
-from explorer.scenes.options import BOX, ENERGY, Option, read_slices, read_states
+from explorer.scenes.options import BOX, ENERGY, OpenRange, Option, Ranges, read_slices, read_states
 from explorer.scenes.state_file import StateFile
 
 if TYPE_CHECKING:
@@ -63,34 +64,42 @@ class FallingSet(SampledScene):
     bytes_per_sample: ClassVar[int] = 300
     name: ClassVar[str] = "falling-set"
     observables: ClassVar[tuple[str, ...]] = ("theta_min", "face", "could_fall")
-    OPTIONS: ClassVar[tuple[Option, ...]] = (
-        *SampledScene.OPTIONS,
-        BOX,
-        ENERGY,
-        Option(
-            "--states",
-            read_states,
-            "FILE",
-            "Parquet file with the states, in columns phi, phidot, sigma3 and sigma4, instead of --box",
-        ),
-        Option(
-            "--theta-min",
-            partial(one_of, known=tuple(NEAR)),
-            "WHICH",
-            "states whose theta_min is computed: all, or those near the falling set (near)",
-            default=f"all up to {MOST_THETA_MIN:.0e} samples",
-        ),
-        Option(
-            "--slice",
-            read_slices,
-            "SLICE",
-            'a slice to draw, two ranges and two numbers: "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
-            default="two slices",
-            field="slices",
-            several=True,
-        ),
-        Option("--grid", partial(whole, low=2, high=4000), "N", "points per axis of a slice"),
-    )
+
+    class Keywords(SampledScene.Keywords, total=False):
+        box: Annotated[Ranges, BOX]
+        energy: Annotated[OpenRange, ENERGY]
+        states: Annotated[
+            Path | str,
+            Option(
+                "--states",
+                read_states,
+                "FILE",
+                "Parquet file with the states, in columns phi, phidot, sigma3 and sigma4, instead of --box",
+            ),
+        ]
+        theta_min: Annotated[
+            str,
+            Option(
+                "--theta-min",
+                partial(one_of, known=tuple(NEAR)),
+                "WHICH",
+                "states whose theta_min is computed: all, or those near the falling set (near)",
+                default=f"all up to {MOST_THETA_MIN:.0e} samples",
+            ),
+        ]
+        slice: Annotated[
+            str | Slice | Sequence[str | Slice],
+            Option(
+                "--slice",
+                read_slices,
+                "SLICE",
+                'a slice to draw, two ranges and two numbers: "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
+                default="two slices",
+                field="slices",
+                several=True,
+            ),
+        ]
+        grid: Annotated[int, Option("--grid", partial(whole, low=2, high=4000), "N", "points per axis of a slice")]
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -8,7 +8,7 @@ P = C delta, C by quadrature over F; it is fitted, tested, and compared with law
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ from explorer.phase.states import Array
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.measure_zero_draws import PlainDraws, Question, TubeDraws
 from explorer.scenes.measure_zero_summary import FEWEST_HITS, Counted, summarise
-from explorer.scenes.options import BOX, ENERGY, Option, read_density, read_ranges
+from explorer.scenes.options import BOX, ENERGY, OpenRange, Option, Ranges, read_density, read_ranges
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,27 +51,41 @@ class MeasureZero(SampledScene):
     name: ClassVar[str] = "measure-zero"
     observables: ClassVar[tuple[str, ...]] = ("theta_min", "face", "could_fall")
     bytes_per_sample: ClassVar[int] = 1000
-    OPTIONS: ClassVar[tuple[Option, ...]] = (
-        *SampledScene.OPTIONS,
-        BOX,
-        ENERGY,
-        Option(
-            "--gaussian",
-            read_ranges,
-            "BELLS",
-            'coordinates drawn from a Gaussian that the box cuts off: "phidot=MEAN:DEVIATION,..", in the units of '
-            "the disk",
-        ),
-        Option(
-            "density",
-            read_density,
-            "FUNCTION",
-            "a density, called as density(phi, phidot, sigma3, sigma4) with arrays in the units of the disk",
-        ),
-        Option("--ladder", read_range, "LOW:HIGH", "tilts delta in rad, from the largest down by decades"),
-        Option("--tube", partial(whole, low=2, high=10**9), "N", "draws per delta and face in tubes beside F"),
-        Option("--sampling", partial(one_of, known=SAMPLING), "HOW", "draws in the tubes: random or sobol"),
-    )
+
+    class Keywords(SampledScene.Keywords, total=False):
+        box: Annotated[Ranges, BOX]
+        energy: Annotated[OpenRange, ENERGY]
+        gaussian: Annotated[
+            Ranges,
+            Option(
+                "--gaussian",
+                read_ranges,
+                "BELLS",
+                'coordinates drawn from a Gaussian that the box cuts off: "phidot=MEAN:DEVIATION,..", in the '
+                "units of the disk",
+            ),
+        ]
+        density: Annotated[
+            Function,
+            Option(
+                "density",
+                read_density,
+                "FUNCTION",
+                "a density, called as density(phi, phidot, sigma3, sigma4) with arrays in the units of the disk",
+            ),
+        ]
+        ladder: Annotated[
+            str | Range,
+            Option("--ladder", read_range, "LOW:HIGH", "tilts delta in rad, from the largest down by decades"),
+        ]
+        tube: Annotated[
+            int | float,
+            Option("--tube", partial(whole, low=2, high=10**9), "N", "draws per delta and face in tubes beside F"),
+        ]
+        sampling: Annotated[
+            str,
+            Option("--sampling", partial(one_of, known=SAMPLING), "HOW", "draws in the tubes: random or sobol"),
+        ]
 
     def __post_init__(self) -> None:
         super().__post_init__()

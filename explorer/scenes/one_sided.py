@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypedDict
 
 import numpy as np
 
@@ -31,7 +31,17 @@ from explorer.scenes.beside import (
     draw_beside,
     eta_hat_option,
 )
-from explorer.scenes.options import ACCURACY, METHOD, MOST_SAMPLES, SEED, Option, read_disks
+from explorer.scenes.options import (
+    ACCURACY,
+    METHOD,
+    MOST_SAMPLES,
+    SEED,
+    Disks,
+    Distances,
+    Option,
+    Ranges,
+    read_disks,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,15 +70,25 @@ class OneSided(Scene):
 
     name: ClassVar[str] = "one-sided"
     observables: ClassVar[tuple[str, ...]] = QUANTITIES
-    OPTIONS: ClassVar[tuple[Option, ...]] = (
-        Option("--disk", read_disks, "DISK", "disk, as for other scenes; several may be given", "", "disks", True),
-        SEED,
-        ACCURACY,
-        METHOD,
-        Option("--samples", partial(whole, low=1, high=MOST_SAMPLES), "N", "points of the falling set per disk"),
-        BOX,
-        eta_hat_option("1e-6:1e-1, by decades,"),
-    )
+
+    class Keywords(TypedDict, total=False):
+        disk: Annotated[
+            Disks,
+            Option(
+                "--disk", read_disks, "DISK", "disk, as for other scenes; several may be given", "", "disks", True
+            ),
+        ]
+        seed: Annotated[int, SEED]
+        accuracy: Annotated[float, ACCURACY]
+        method: Annotated[str, METHOD]
+        samples: Annotated[
+            int | float,
+            Option(
+                "--samples", partial(whole, low=1, high=MOST_SAMPLES), "N", "points of the falling set per disk"
+            ),
+        ]
+        box: Annotated[Ranges, BOX]
+        eta_hat: Annotated[Distances, eta_hat_option("1e-6:1e-1, by decades,")]
 
     def __post_init__(self) -> None:
         super().__post_init__()

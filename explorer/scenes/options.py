@@ -1,23 +1,32 @@
 """The options of scenes: how a scene declares one, and the readers of what only scenes are given.
 
-The table `OPTIONS` of a scene is the only place that knows its options. The command line, TOML files, `ex.run`
-and run.json all go through it, in both directions: what `as_json` writes, the readers take back.
+The table `Keywords` of a scene is the only place that knows its options. The command line, TOML files, `ex.run`
+with its signature and its documentation, and run.json all go through it, in both directions: what `as_json`
+writes, the readers take back.
 """
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from types import NoneType, UnionType
+from typing import Any, get_args, get_origin, get_type_hints
 
 from explorer.errors import InputError, number, one_of, read_range, whole
 from explorer.measure.density import Function
-from explorer.measure.sampling import Range, parse_ranges
+from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion.plan import METHODS
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.portrait.slices import Slice
 from explorer.scenes.state_file import StateFile
+
+# What users may give: one disk or several, ranges of coordinates, a range that may be open, distances from F.
+Disks = Disk | str | Sequence[Disk | str]
+Ranges = Box | str | Mapping[str, Range]
+OpenRange = str | tuple[float | None, float | None]
+Distances = str | float | Range
 
 MOST_SAMPLES = 10**12
 _KEEP = ("none", "near", "all")
@@ -33,6 +42,7 @@ class Option:
     default: for --help, in words, where the default of the field does not say it.
     field: the name of the scene's field, where it is not the word of the flag.
     several: whether the flag may be given several times.
+    kind: the types that Python accepts; `options_of` takes them from the annotation.
     """
 
     flag: str
@@ -42,6 +52,7 @@ class Option:
     default: str = ""
     field: str = ""
     several: bool = False
+    kind: Any = Any
 
     @property
     def word(self) -> str:
@@ -58,6 +69,46 @@ class Option:
         plain = getattr(kind, self.name, None)
         default = self.default or ("" if plain is None or plain is False else _written(plain))
         return f"{self.text} (default {default})" if default else self.text
+
+
+def options_of(keywords: type) -> tuple[Option, ...]:
+    """The options that a typed dictionary of keywords declares: `seed: Annotated[int, Option("--seed", ...)]`."""
+    hints = get_type_hints(keywords, include_extras=True).values()
+    return tuple(replace(hint.__metadata__[0], kind=hint.__origin__) for hint in hints)
+
+
+def described(kinds: Iterable[Any]) -> Iterator[tuple[Option, str]]:
+    """Each option of some scenes, once, and its sentence, which says for which scenes it is, unless for all."""
+    several = list(kinds)
+    takers: dict[str, list[tuple[Any, Option]]] = {}
+    for kind in several:
+        for option in kind.OPTIONS:
+            takers.setdefault(option.word, []).append((kind, option))
+    for pairs in takers.values():
+        texts: dict[str, list[str]] = {}
+        for kind, option in pairs:
+            texts.setdefault(option.help_for(kind), []).append(kind.name)
+        alone = len(texts) == 1 and len(pairs) == len(several)
+        sentences = [text if alone else f"{', '.join(names)}: {text}" for text, names in texts.items()]
+        accepted = [option.kind for _, option in pairs]
+        yield replace(pairs[0][1], kind=accepted), "; ".join(sentences)
+
+
+_WORDS = {tuple: "pair", Sequence: "list", Mapping: "mapping", Callable: "function", Path: "path"}
+
+
+def type_words(hint: Any) -> str:
+    """A type, or several, as a docstring says it: "Disk or str or list"."""
+    if isinstance(hint, list | UnionType):
+        parts = [type_words(part) for part in (hint if isinstance(hint, list) else get_args(hint))]
+        return " or ".join(dict.fromkeys(word for part in parts for word in part.split(" or ") if word))
+    origin = get_origin(hint) or hint
+    return "" if hint is NoneType else _WORDS.get(origin, origin.__name__)
+
+
+def in_python(text: str) -> str:
+    """A sentence of --help as Python says it: --theta-min is `theta_min`."""
+    return re.sub(r"--([a-z][a-z0-9-]*)", lambda found: f"`{found[1].replace('-', '_')}`", text)
 
 
 def as_json(value: Any) -> Any:
@@ -176,7 +227,6 @@ ACCURACY = Option(
     "--accuracy", number, "TOL", "largest error: absolute of angles (rad), relative of times and tilts"
 )
 METHOD = Option("--method", partial(one_of, known=METHODS), "NAME", ", ".join(METHODS))
-COMMON = (DISK, SEED, ACCURACY, METHOD)
 SAMPLES = Option(
     "--samples", partial(whole, low=1, high=MOST_SAMPLES), "N", "number of samples; 1e6 is a whole number too"
 )

@@ -6,7 +6,7 @@ No samples are drawn. Each chunk is one portrait: the levels of the energy at on
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from explorer.portrait.potential import (
 )
 from explorer.portrait.steady import PATHS, bifurcation, path_values, thresholds
 from explorer.scenes.base import Chunks, Scene, Table, Tally
-from explorer.scenes.options import COMMON, Option
+from explorer.scenes.options import Distances, OpenRange, Option
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,21 +35,6 @@ LEVELS = 9
 SIGMA3_BAR, BESIDE = 0.25, 0.01
 # |eta_hat| of the curves of the potential, natural units
 _CURVES = (0.001, 0.01, 0.1)
-
-
-CONSTANTS = (
-    Option("--sigma3-bar", number, "X", "constant of motion, in the units of the disk", "0.25 natural units"),
-    Option("--sigma4-bar", number, "X", "the other constant, in the units of the disk, instead of --eta-hat"),
-    Option(
-        "--eta-hat",
-        number,
-        "X",
-        "distance beside the line of face +1, in the units of the disk; 0 is on it",
-        "on the line, and on both sides",
-    ),
-    Option("--energy", read_range, "LOW:HIGH", "energies of the levels, in the units of the disk"),
-    Option("--well", flag, "", "insist on a well beside the falling motions"),
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +53,35 @@ class Portrait(Scene):
 
     name: ClassVar[str] = "portrait"
     observables: ClassVar[tuple[str, ...]] = ("constants",)
-    OPTIONS: ClassVar[tuple[Option, ...]] = (*COMMON, *CONSTANTS)
+
+    class Keywords(Scene.Keywords, total=False):
+        sigma3_bar: Annotated[
+            float,
+            Option(
+                "--sigma3-bar", number, "X", "constant of motion, in the units of the disk", "0.25 natural units"
+            ),
+        ]
+        sigma4_bar: Annotated[
+            float,
+            Option(
+                "--sigma4-bar", number, "X", "the other constant, in the units of the disk, instead of --eta-hat"
+            ),
+        ]
+        eta_hat: Annotated[
+            Distances,
+            Option(
+                "--eta-hat",
+                number,
+                "X",
+                "distance beside the line of face +1, in the units of the disk; 0 is on it",
+                "on the line, and on both sides",
+            ),
+        ]
+        energy: Annotated[
+            OpenRange,
+            Option("--energy", read_range, "LOW:HIGH", "energies of the levels, in the units of the disk"),
+        ]
+        well: Annotated[bool, Option("--well", flag, "", "insist on a well beside the falling motions")]
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -9,7 +9,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import Array
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.beside import BOX, box_beside, check_eta_hat, describe_beside, draw_beside, eta_hat_option
-from explorer.scenes.options import Option
+from explorer.scenes.options import Distances, Ranges
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -99,7 +99,10 @@ class RaceAngles(SampledScene):
     name: ClassVar[str] = "race-angles"
     observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "duration")
     bytes_per_sample: ClassVar[int] = 1000
-    OPTIONS: ClassVar[tuple[Option, ...]] = (*SampledScene.OPTIONS, BOX, eta_hat_option("1e-6:1e-2"))
+
+    class Keywords(SampledScene.Keywords, total=False):
+        box: Annotated[Ranges, BOX]
+        eta_hat: Annotated[Distances, eta_hat_option("1e-6:1e-2")]
 
     def __post_init__(self) -> None:
         super().__post_init__()

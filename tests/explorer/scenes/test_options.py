@@ -2,6 +2,7 @@
 
 import argparse
 import dataclasses
+import inspect
 import json
 import tomllib
 
@@ -95,12 +96,11 @@ def test_every_field_of_a_scene_is_an_option_and_every_option_a_field(name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_every_option_is_a_typed_keyword_of_run_and_described_there(name):
-    described = {
-        word for line in ex.run.__doc__.splitlines() if " : " in line for word in line.split(" : ")[0].split(", ")
-    }
+    described = {line.split(" : ")[0] for line in ex.run.__doc__.splitlines() if " : " in line}
     for option in SCENES[name].OPTIONS:
-        assert option.word in command.Options.__annotations__
-        assert option.word.strip() in {word.strip() for word in described}
+        assert option.word in command.Keywords.__annotations__
+        assert option.word in inspect.signature(ex.run).parameters
+        assert option.word in described
 
 
 def test_every_option_has_a_text_and_its_default_in_the_help():

@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import sys
 
 import pytest
 
@@ -15,7 +16,7 @@ TOY = """
 
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
@@ -34,10 +35,11 @@ class Toy(SampledScene):
     name: ClassVar[str] = "toy"
     observables: ClassVar[tuple[str, ...]] = ("constants",)
     bytes_per_sample: ClassVar[int] = 8
-    OPTIONS: ClassVar = (
-        *SampledScene.OPTIONS,
-        Option("--speed", partial(number, low=0.0), "X", "largest speed in units of the disk"),
-    )
+
+    class Keywords(SampledScene.Keywords, total=False):
+        speed: Annotated[
+            float, Option("--speed", partial(number, low=0.0), "X", "largest speed in units of the disk")
+        ]
 
     def compute(self, index):
         speed = self.speed * chunk_stream(self.seed, index).random(self.length(index))
@@ -67,6 +69,7 @@ def toy(tmp_path, monkeypatch):
     path.write_text(TOY)
     spec = importlib.util.spec_from_file_location("toy", path)
     module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, "toy", module)  # as an import does
     spec.loader.exec_module(module)
     monkeypatch.setitem(SCENES, "toy", module.Toy)
     return module.Toy
