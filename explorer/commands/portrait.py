@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from explorer.commands import pictures
 from explorer.commands.made_by import leave_made_by
 from explorer.errors import InputError, note, one_of
 from explorer.phase.disk import Disk
@@ -90,6 +91,7 @@ def _paths(disk: Disk, _options: dict[str, Any]) -> Pictures:
 
 
 GROUPS = {
+    "hero": Group("what happens, on both sides of F", pictures.hero),
     "phase": Group("motions in (phi, phidot), potentials, steady motions", _phase),
     "slices": Group("slices of the phase space by tilt and by side of F", _slices),
     "race": Group("race number and gap of all bodies", _race),

@@ -3,6 +3,7 @@
 from explorer.plot.bodies import race_bodies, race_gap, race_number
 from explorer.plot.captions import caption_of, save
 from explorer.plot.film import animate
+from explorer.plot.hero import hero
 from explorer.plot.maps import constants_plane, slice_map, theta_min_distribution
 from explorer.plot.measure_zero import constant_convergence, falling_ladder, ladder_ratio, tilt_density
 from explorer.plot.one_sided import contact_paths, one_sided_chi, one_sided_distance, one_sided_phi
@@ -24,6 +25,7 @@ __all__ = [
     "contact_paths",
     "falling_ladder",
     "figure_of",
+    "hero",
     "ladder_ratio",
     "one_sided_chi",
     "one_sided_distance",

@@ -65,8 +65,8 @@ class _Panel:
 
     def show(self, row: int) -> None:
         r, shown = self.shown.disk.r, self.shown
-        rim = seen(shown.rim(self.sign, row, _ROUND) / r)
-        mark, centre = (seen(p / r) for p in (shown.mark(self.sign, row), shown.centre[self.sign][row]))
+        rim = seen(shown.pose(self.sign, row).rim(_ROUND) / r)
+        mark, centre = (seen(p / r) for p in (shown.pose(self.sign, row).mark, shown.centre[self.sign][row]))
         self.past.set_data(*self.trail[: row + 1].T)
         self.face.set_xy(rim)
         self.rim.set_data(*rim.T)
@@ -95,7 +95,7 @@ class Stage:
     def _limits(self) -> tuple[Array, Array]:
         shown = self.shown
         points = [
-            seen(shown.rim(sign, row, _ROUND) / shown.disk.r) for sign in (1, -1) for row in shown.frames[::3]
+            seen(shown.pose(sign, row).rim(_ROUND) / shown.disk.r) for sign in (1, -1) for row in shown.frames[::3]
         ]
         every = np.concatenate([*points, *(seen(shown.contact[sign] / shown.disk.r) for sign in (1, -1))])
         return every.min(axis=0) - 0.15, every.max(axis=0) + 0.15

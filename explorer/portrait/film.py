@@ -1,25 +1,28 @@
-"""A motion from the vertical to nearly flat and back, on both sides of F, on a clock that slows near flat."""
+"""Motions from the vertical through approaches to flat, on both sides of F, on a clock that slows near flat."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
 
 from explorer.errors import InputError, number, positive, whole
 from explorer.motion.dense_times import dense_times
 from explorer.motion.passages import passages
+from explorer.motion.periods import periods
 from explorer.motion.trajectories import simulate
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, constants_to_states
+from explorer.portrait.pose import Pose
 
 FRAMES = 100
 BETWEEN = 6  # points of a trail per frame, so that a race of some turns is drawn round
-_MOST_FRAMES = 2000
+_MOST_FRAMES, _MOST_BOUNCES = 2000, 20
 _ACCURACY = 1e-8  # of angles (rad): the rim touches the table to far less than a pixel
-_FIRST_TIMES = 400  # that the clock is integrated over; between them the race adds its own
+_FIRST_TIMES = 400  # per bounce that the clock is integrated over; between them the race adds its own
 _SMALLEST = 1e-6  # natural units of eta_hat; below, no picture would differ
+_NEAR = 0.25  # the share by which the other side's speed may differ to have the same period
 _OBSERVABLES = ("phi", "chi", "psi", "path", "contact")
 
 
@@ -27,16 +30,18 @@ _OBSERVABLES = ("phi", "chi", "psi", "path", "contact")
 class Film:
     """Two motions, +eta_hat and -eta_hat on face +1, at the same times; units of the disk.
 
-    t (nt): time from the flattest moment, which both pass at t = 0. slowed (nt): by how much time runs
-    slower than at the vertical, 1/cos(phi) of whichever disk is flatter. Dictionaries by sign of eta:
-    phi, chi, psi (nt) rad; centre, contact (nt, 3). frames: rows of these that are frames; the rows
-    between belong to the trails.
+    t (nt): time from the first flattest moment, which both pass at t = 0. slowed (nt): by how much time runs
+    slower than at the vertical, 1/cos(phi) of whichever disk is flatter. flat (bounces): times of the flattest
+    moments. Dictionaries by sign of eta: phidot: at the start; phi, chi, psi (nt) rad; centre, contact (nt, 3).
+    frames: rows of these that are frames; the rows between belong to the trails.
     """
 
     disk: Disk
     eta_hat: float
     t: Array
     slowed: Array
+    flat: Array
+    phidot: dict[int, float]
     phi: dict[int, Array]
     chi: dict[int, Array]
     psi: dict[int, Array]
@@ -44,46 +49,69 @@ class Film:
     contact: dict[int, Array]
     frames: NDArray[np.intp]
 
-    def rim(self, sign: int, row: int, angles: Array) -> Array:
-        """Points of the rim (n, 3) at angles (rad) from the contact point, eqs (2.34), (2.35)."""
-        z, q = math.sin(self.phi[sign][row]), math.cos(self.phi[sign][row])
-        c, s = math.cos(self.chi[sign][row]), math.sin(self.chi[sign][row])
-        down, along = np.array([z * c, z * s, -q]), np.array([-s, c, 0.0])
-        turned = np.cos(angles)[:, None] * down + np.sin(angles)[:, None] * along
-        return np.asarray(self.centre[sign][row] + self.disk.r * turned)
-
-    def mark(self, sign: int, row: int, place: float = math.pi) -> Array:
-        """A point of the rim that belongs to the body, (3): the one that touches the table when psi = place.
-
-        By default it is on top at the start.
-        """
-        return np.asarray(self.rim(sign, row, np.array([place - self.psi[sign][row]]))[0])
+    def pose(self, sign: int, row: int) -> Pose:
+        """The disk on one side of F at one row."""
+        angles = (float(angle[sign][row]) for angle in (self.phi, self.chi, self.psi))
+        return Pose(*angles, self.centre[sign][row], self.disk.r)
 
 
 def film(
-    disk: Disk, eta_hat: float = 0.05, sigma3_bar: float = 1.0, phidot: float = 1.0, frames: int = FRAMES
+    disk: Disk,
+    eta_hat: float = 0.05,
+    sigma3_bar: float = 1.0,
+    phidot: float = 1.0,
+    frames: int = FRAMES,
+    bounces: int = 1,
 ) -> Film:
-    """Both motions from the vertical to nearly flat and back, in equal steps of s with dt = cos(phi) ds.
+    """Both motions through their approaches to flat, in equal steps of s with dt = cos(phi) ds.
 
-    eta_hat > 0, sigma3_bar, phidot > 0: rad per unit of time; both start in the same place with chi = 0.
+    Parameters
+    ----------
+    disk : Disk
+    eta_hat : float
+        Distance from F of both motions, without its sign, rad per unit of time.
+    sigma3_bar, phidot : float
+        At the vertical, where both start in the same place with chi = 0; rad per unit of time. With more than
+        one bounce the motion with eta < 0 has another phidot, for which both have the same period: they lie
+        down together every time.
+    frames : int
+        How many rows are frames.
+    bounces : int
+        How often they come to lie nearly flat on face +1.
+
+    Returns
+    -------
+    Film
+        From the vertical before the first bounce to the one after the last.
+
+    Raises
+    ------
+    InputError
+        Where there is no passage, or an argument cannot be used.
+
+    References
+    ----------
+    Section 7 of the paper.
     """
     require_axial_inertia(disk)
-    frames = whole("frames", frames, 2, _MOST_FRAMES)
+    frames, bounces = whole("frames", frames, 2, _MOST_FRAMES), whole("bounces", bounces, 1, _MOST_BOUNCES)
     size = positive("eta_hat", eta_hat)
     if size < _SMALLEST * disk.rate_unit:
         raise InputError(f"eta_hat = {eta_hat!r}: give a number from {_SMALLEST:g} sqrt(g/r) up, without its sign")
     bar, speed = number("sigma3_bar", sigma3_bar), number("phidot", phidot)
-    signed = np.array([size, -size])
-    ways = passages(disk, bar, signed, speed)
+    speeds, period = {1: speed, -1: speed}, 0.0
+    if bounces > 1:
+        speeds[-1], period = _in_step(disk, bar, size, speed)
+    ways = passages(disk, bar, [size, -size], [speeds[1], speeds[-1]])
     if ways.status.any():
         raise InputError(
             f"sigma3_bar = {sigma3_bar!r}, phidot = {phidot!r}: no passage from the vertical to flat and back; "
             "give phidot above 0, for instance 1"
         )
-    both = constants_to_states(disk, bar, signed, speed)
-    starts = {sign: both.at(np.array([row])) for row, sign in enumerate((1, -1))}
+    starts = {sign: constants_to_states(disk, bar, sign * size, speeds[sign]) for sign in (1, -1)}
     halves = {sign: 0.5 * float(ways.duration[row]) for row, sign in enumerate((1, -1))}
-    t = _times(starts, halves, BETWEEN * (frames - 1) + 1)
+    flat = period * np.arange(bounces)
+    t = _times(starts, halves, flat, BETWEEN * (frames - 1) + 1)
     columns: dict[str, dict[int, Array]] = {name: {} for name in _OBSERVABLES}
     for sign, start in starts.items():
         motion = simulate(start, t_eval=t + halves[sign], observables=_OBSERVABLES, accuracy=_ACCURACY)
@@ -91,20 +119,38 @@ def film(
             columns[name][sign] = getattr(motion, name)[0]
     columns["centre"] = columns.pop("path")
     q = np.minimum(*(np.cos(phi) for phi in columns["phi"].values()))
-    return Film(disk, size, t, 1.0 / q, **columns, frames=np.arange(0, t.size, BETWEEN))
+    return Film(disk, size, t, 1.0 / q, flat, speeds, **columns, frames=np.arange(0, t.size, BETWEEN))
 
 
-def _times(starts: dict[int, States], halves: dict[int, float], count: int) -> Array:
-    """Times from the flattest moment, equally spaced in s with dt = q ds, q the smaller of both cos(phi).
+def _in_step(disk: Disk, sigma3_bar: float, size: float, phidot: float) -> tuple[float, float]:
+    """phidot of the motion with eta < 0 that has the period of the one with eta > 0, and this period."""
 
-    starts: the motions at the vertical. halves: how long each takes to its flattest moment.
+    def period(signed: float, speed: float) -> float:
+        return float(periods(constants_to_states(disk, sigma3_bar, signed, speed), eta_hat=signed).period[0])
+
+    wanted = period(size, phidot)
+    ends = (phidot * (1.0 - _NEAR), phidot * (1.0 + _NEAR))
+    apart = [period(-size, end) - wanted for end in ends]
+    if not apart[0] * apart[1] < 0.0:
+        raise InputError(
+            f"sigma3_bar = {sigma3_bar!r}, eta_hat = {size!r}, phidot = {phidot!r}: both sides of F have no "
+            "common period nearby; give a smaller eta_hat, or bounces=1"
+        )
+    return float(brentq(lambda speed: period(-size, speed) - wanted, *ends, xtol=1e-12)), wanted
+
+
+def _times(starts: dict[int, States], halves: dict[int, float], flat: Array, count: int) -> Array:
+    """Times from the first flattest moment, equally spaced in s with dt = q ds, q the smaller of both cos(phi).
+
+    starts: the motions at the vertical. halves: how long each takes to its flattest moment. flat: those moments.
     """
     # A hair inside: rounding must not ask for a time before the start.
-    end = min(halves.values()) * (1.0 - 1e-12)
-    first = np.linspace(-end, end, _FIRST_TIMES)
+    half = min(halves.values()) * (1.0 - 1e-12)
+    low, high = -half, flat[-1] + half
+    first = np.linspace(low, high, _FIRST_TIMES * flat.size)
     fine = [dense_times(start, first + halves[sign]) - halves[sign] for sign, start in starts.items()]
-    t = np.clip(np.union1d(*fine), -end, end)
-    t = t[np.concatenate([[True], np.diff(t) > 1e-12 * end])]
+    t = np.clip(np.union1d(*fine), low, high)
+    t = t[np.concatenate([[True], np.diff(t) > 1e-12 * half])]
     tilts = []
     for sign, start in starts.items():
         phi = simulate(start, t_eval=t + halves[sign], observables=("phi",)).phi
@@ -112,5 +158,5 @@ def _times(starts: dict[int, States], halves: dict[int, float], count: int) -> A
         tilts.append(np.cos(phi[0]))
     rate = 1.0 / np.minimum(*tilts)
     s = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t))])
-    times: Array = np.clip(CubicSpline(s, t)(np.linspace(0.0, s[-1], count)), -end, end)
+    times: Array = np.clip(CubicSpline(s, t)(np.linspace(0.0, s[-1], count)), low, high)
     return times

@@ -42,7 +42,7 @@ def test_the_clock_of_the_film_slows_in_proportion_to_the_tilt(shown):
 def test_the_rim_touches_the_table_without_sliding(shown):
     for sign in (1, -1):
         for row in (0, 100, 177, 300):
-            rim = shown.rim(sign, row, np.linspace(0.0, 2.0 * math.pi, 181))
+            rim = shown.pose(sign, row).rim(np.linspace(0.0, 2.0 * math.pi, 181))
             np.testing.assert_allclose(rim[0], shown.contact[sign][row], atol=1e-12)
             assert rim[:, 2].min() > -1e-12
             np.testing.assert_allclose(np.linalg.norm(rim - shown.centre[sign][row], axis=1), 1.0, rtol=1e-12)
@@ -54,7 +54,8 @@ def test_the_point_of_the_body_at_the_contact_is_at_rest(shown):
         for row in (60, 150, 250):
             moves = []
             for near in (row + 1, row - 1):
-                moves.append(shown.mark(sign, near, shown.psi[sign][row]) - shown.contact[sign][row])
+                point = shown.pose(sign, near).place(shown.psi[sign][row] - shown.psi[sign][near])
+                moves.append(point - shown.contact[sign][row])
             speed = np.linalg.norm(moves[0] - moves[1]) / (shown.t[row + 1] - shown.t[row - 1])
             raced = np.linalg.norm(shown.contact[sign][row + 1] - shown.contact[sign][row - 1]) / (
                 shown.t[row + 1] - shown.t[row - 1]
@@ -62,11 +63,26 @@ def test_the_point_of_the_body_at_the_contact_is_at_rest(shown):
             assert speed < 0.02 * max(raced, 1.0)
 
 
+def test_over_several_bounces_both_sides_lie_down_together():
+    both = film(UNIFORM, eta_hat=0.02, frames=60, bounces=3)
+    assert both.phidot[1] == 1.0
+    assert 0.9 < both.phidot[-1] < 1.0
+    for sign in (1, -1):
+        for at in both.flat:
+            near = abs(both.t - at) < 0.5
+            assert both.phi[sign][near].argmax() == pytest.approx(abs(both.t[near] - at).argmin(), abs=2)
+        assert both.phi[sign].max() > 1.55
+    assert both.chi[1][-1] > 3.0 * UNIFORM.race_limit
+    assert both.chi[-1][-1] < -1.5 * UNIFORM.race_limit
+
+
 @pytest.mark.parametrize(
     ("call", "says"),
     [
         (lambda: film(UNIFORM, eta_hat=-0.05), "eta_hat = -0.05"),
         (lambda: film(UNIFORM, frames=1), "frames = 1"),
+        (lambda: film(UNIFORM, bounces=0), "bounces = 0"),
+        (lambda: film(UNIFORM, phidot=0.5, bounces=2), "no common period"),
         (lambda: film(UNIFORM, sigma3_bar=[1.0, 2.0]), "sigma3_bar = [1.0, 2.0]"),
         (lambda: film(UNIFORM, sigma3_bar=math.nan), "sigma3_bar = nan"),
         (lambda: film(UNIFORM, phidot=-1.0), "phidot = -1.0"),
