@@ -145,8 +145,12 @@ def _turns(ax: Axes, shown: Film) -> None:
     for sign, way in ((1, "one way"), (-1, "the other way")):
         top = fallen + sign * full
         ax.plot([0.02, 0.22], [top, top], color=SIGN_COLOURS[sign], lw=0.9, ls=(0, (4, 3)))
-        place = {"xy": (0.11, top), "xytext": (0.11, fallen)}
-        ax.annotate("", **place, arrowprops={"arrowstyle": "<|-|>", "color": SIGN_COLOURS[sign], "lw": 1.1})
+        ax.annotate(
+            "",
+            (0.11, top),
+            (0.11, fallen),
+            arrowprops={"arrowstyle": "<|-|>", "color": SIGN_COLOURS[sign], "lw": 1.1},
+        )
         word = rf"{full:.2f} turns {way}: ${'+' if sign > 0 else '-'}\kappa\pi$"
         ax.text(0.15, fallen + 0.5 * sign * full, word, color=SIGN_COLOURS[sign], fontsize=_TEXT, va="center")
     ax.text(-0.62, fallen + 0.16, "falls", color=_GREY, fontsize=_TEXT, ha="center")

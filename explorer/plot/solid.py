@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -101,7 +101,7 @@ def disk(ax: Axes, camera: Camera, pose: Pose, looks: Looks | None = None, zorde
     top, bottom = (pose.rim(_ROUND) + lift + s * half * normal for s in (1.0, -1.0))
     both = np.concatenate([camera.see(top), camera.see(bottom)])
     outline = both[ConvexHull(both).vertices]
-    style = {"alpha": looks.alpha, "zorder": zorder}
+    style: dict[str, Any] = {"alpha": looks.alpha, "zorder": zorder}
     ax.add_patch(Polygon(outline, fc=EDGE, ec=looks.outline, lw=2.0 * looks.width, joinstyle="round", **style))
     ax.add_collection(_wall(camera, pose, lift, looks.alpha, zorder))
     face = 1 if toward > 0.0 else -1

@@ -51,8 +51,8 @@ class Film:
 
     def pose(self, sign: int, row: int) -> Pose:
         """The disk on one side of F at one row."""
-        angles = (float(angle[sign][row]) for angle in (self.phi, self.chi, self.psi))
-        return Pose(*angles, self.centre[sign][row], self.disk.r)
+        phi, chi, psi = (float(angle[sign][row]) for angle in (self.phi, self.chi, self.psi))
+        return Pose(phi, chi, psi, self.centre[sign][row], self.disk.r)
 
 
 def film(
@@ -108,18 +108,24 @@ def film(
             f"sigma3_bar = {sigma3_bar!r}, phidot = {phidot!r}: no passage from the vertical to flat and back; "
             "give phidot above 0, for instance 1"
         )
-    starts = {sign: constants_to_states(disk, bar, sign * size, speeds[sign]) for sign in (1, -1)}
     halves = {sign: 0.5 * float(ways.duration[row]) for row, sign in enumerate((1, -1))}
-    flat = period * np.arange(bounces)
+    starts = {sign: constants_to_states(disk, bar, sign * size, speeds[sign]) for sign in (1, -1)}
+    flat: Array = np.array([period * k for k in range(bounces)])
     t = _times(starts, halves, flat, BETWEEN * (frames - 1) + 1)
+    columns = _columns(starts, halves, t)
+    q = np.minimum(*(np.cos(phi) for phi in columns["phi"].values()))
+    return Film(disk, size, t, 1.0 / q, flat, speeds, **columns, frames=np.arange(0, t.size, BETWEEN))
+
+
+def _columns(starts: dict[int, States], halves: dict[int, float], t: Array) -> dict[str, dict[int, Array]]:
+    """What a film shows of both motions at times from the first flattest moment, by its names."""
     columns: dict[str, dict[int, Array]] = {name: {} for name in _OBSERVABLES}
     for sign, start in starts.items():
         motion = simulate(start, t_eval=t + halves[sign], observables=_OBSERVABLES, accuracy=_ACCURACY)
         for name in _OBSERVABLES:
             columns[name][sign] = getattr(motion, name)[0]
     columns["centre"] = columns.pop("path")
-    q = np.minimum(*(np.cos(phi) for phi in columns["phi"].values()))
-    return Film(disk, size, t, 1.0 / q, flat, speeds, **columns, frames=np.arange(0, t.size, BETWEEN))
+    return columns
 
 
 def _in_step(disk: Disk, sigma3_bar: float, size: float, phidot: float) -> tuple[float, float]:
