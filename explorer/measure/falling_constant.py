@@ -189,7 +189,7 @@ class LineIntegral:
         if not (natural.free("sigma3") or natural.free("sigma4")):
             points = [(x, x) for x in self._crossings()]
             return over_tilts(lambda phi: self._at(phi, panels), points, 1, natural.tolerance)
-        middle = [well(natural.disk)[0], *(-math.acos(1.0 - spent) for spent in self._kinetic() if spent < 2.0)]
+        middle = [well(natural.disk).phi, *(-math.acos(1.0 - spent) for spent in self._kinetic() if spent < 2.0)]
         if self.energy < 1.0:
             middle += [math.acos(self.energy), -math.acos(self.energy)]
         # Between these tilts the line enters and leaves the box: a narrow box is met nowhere else.
@@ -302,7 +302,7 @@ class LineIntegral:
     def _barrier(self, phi: Array, bar: Array) -> Array:
         """Height of the barrier between a start beyond the vertical and flat, -inf if none; shapes as given."""
         disk = self.natural.disk
-        largest, (angle, height) = well(disk)[1], barrier(disk)
+        largest, (angle, height) = well(disk).sigma3_bar, barrier(disk)
         depth = np.sqrt(np.maximum(1.0 - abs(bar) / largest, 0.0))
         blocked = (abs(bar) < largest) & (phi < angle(depth))
         return np.where(blocked, height(depth), -np.inf)

@@ -174,7 +174,7 @@ def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], ac
     def in_turn(here: Array, there: Array) -> Array:
         return np.where(from_here, here, there)
 
-    own = np.where(states.natural[1] >= 0.0, 1.0, -1.0)
+    own = np.where(states.rows.z >= 0.0, 1.0, -1.0)
     fall = fall_from_vertical(disk, linear.sigma3_bar, np.where(status == code.OK, found.energy, np.nan))
     error = in_turn(found.error_here, found.error_there) + np.nan_to_num(2.0 * fall.error)
     allowed = np.fmax(LENIENCE * accuracy, FLOOR * (1.0 + np.nan_to_num(fall.time)))

@@ -127,12 +127,14 @@ class CrossingRise:
         h = self._least * np.cosh(v) if crossed else 2.0 * np.sin(0.5 * np.maximum(v, _SMALLEST))
         out = np.empty((7, h.size))
         compiled.point.point_batch(h, self._X, self._Y if crossed else 0.0, self._disk.natural, out)
-        _S, shape, _D, ratio, sigma4, V, _slope = out
-        speed = np.sqrt(2.0 / b.M * np.maximum(self._excess - V, 0.0))
+        at = compiled.point.Point(*out)
+        speed = np.sqrt(2.0 / b.M * np.maximum(self._excess - at.V, 0.0))
         tilt = 2.0 * np.arcsin(0.5 * h)
         with np.errstate(invalid="ignore", divide="ignore"):
-            dt = (self._least * abs(np.sinh(v)) / shape if crossed else 1.0) / speed
-        return Along(np.pi - tilt if crossed else tilt, h * shape, dt, speed, ratio / (h * shape), sign * sigma4)
+            dt = (self._least * abs(np.sinh(v)) / at.shape if crossed else 1.0) / speed
+        return Along(
+            np.pi - tilt if crossed else tilt, h * at.shape, dt, speed, at.ratio / (h * at.shape), sign * at.sigma4
+        )
 
     def time_at(self, theta: float) -> float:
         """Time since flat at which the rise reaches theta."""
@@ -183,7 +185,7 @@ def least_chord(disk: Disk, energy: float, sigma3_bar: float) -> float:
     def kinetic(log_h: float) -> float:
         out = np.empty((7, 1))
         compiled.point.point_batch(np.array([math.exp(log_h)]), X, Y, disk.natural, out)
-        return excess - float(out[5, 0])
+        return excess - float(compiled.point.Point(*out).V[0])
 
     return math.exp(brentq(kinetic, guess - _MARGIN, 0.5 * math.log(2.0), xtol=1e-15, rtol=1e-15))
 

@@ -341,7 +341,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     if not bool(where.could_fall[0]):
         raise InputError("limit motion: the disk could not fall from this state; see explorer.falls")
     face = int(where.face[0])
-    q, z, p = states.natural[:3, 0]
+    q, z, p, _, _ = (row[0] for row in states.rows)
     start = (float(np.arctan2(q, face * z)), face * float(p))
     energy, sigma3_bar = float(natural.energy[0]), float(natural.sigma3_bar[0])
     if sigma3_bar == 0.0 and energy > 1.0:

@@ -107,7 +107,7 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     return Periods(
         period=found.time * disk.time_unit,
         chi=found.chi,
-        psi=found.psi * np.where(states.natural[1] >= 0.0, 1.0, -1.0),
+        psi=found.psi * np.where(states.rows.z >= 0.0, 1.0, -1.0),
         theta_min=np.fmin(found.theta_here, found.theta_there),
         crosses=np.isfinite(found.theta_there),
         energy=found.energy * disk.energy_unit,
@@ -122,5 +122,5 @@ def _known(states: States, eta_hat: ArrayLike | None) -> tuple[NDArray[np.int8],
     if eta_hat is None:
         return held_constants(states, natural)
     given = columns_of(eta_hat=eta_hat, states=natural.sigma3_bar)[0] / states.disk.rate_unit
-    linear = linear_constants(states.disk, natural.sigma3_bar, given, states.natural[1] >= 0.0)
+    linear = linear_constants(states.disk, natural.sigma3_bar, given, states.rows.z >= 0.0)
     return states.status.copy(), linear

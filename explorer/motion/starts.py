@@ -43,7 +43,7 @@ def held_constants(states: States, natural: NaturalConstants) -> tuple[NDArray[n
 
 def orbit_starts(states: States, linear: LinearConstants) -> "compiled.orbits.Orbits":
     """Motions in the chart of the quadrature kernels, as seen from the hemisphere they start in."""
-    q, z, p = states.natural[:3]
+    q, z, p, _, _ = states.rows
     plus = z >= 0.0
     near = np.where(plus, linear.eta_plus, linear.eta_minus)
     far = np.where(plus, linear.eta_minus, linear.eta_plus)

@@ -50,7 +50,7 @@ def by_quadrature(disk: Disk, eta_hat: float) -> Row:
     whole = periods(state, _ACCURACY)
     falling = passages(disk, SIGMA3, eta_hat, PHIDOT, accuracy=_ACCURACY)
     tau = float(whole.period[0])
-    sigma4 = float(state.natural[4, 0])
+    sigma4 = float(state.rows.sigma4[0])
     plain = integrate(disk, (0.0, PHIDOT, SIGMA3, sigma4), np.array([0.0, tau]))
     return Row(
         energy=float(whole.energy[0]),

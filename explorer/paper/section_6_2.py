@@ -29,7 +29,7 @@ def all_fall() -> Iterator[Finding]:
     random = np.random.Generator(np.random.Philox(33))
     for disk in BODIES:
         phi, phidot = random.uniform(-1.4, 1.0, 3000), random.uniform(-1.5, 1.5, 3000)
-        bar = random.choice([-1.0, 1.0], 3000) * random.uniform(1.05 * well(disk)[1], 2.0, 3000)
+        bar = random.choice([-1.0, 1.0], 3000) * random.uniform(1.05 * well(disk).sigma3_bar, 2.0, 3000)
         # Face -1 is the mirror image, eq. (3.2).
         sigma3, sigma4 = line_chart(disk, np.cos(phi), -np.sin(phi)).rates(bar, 0.0)
         rows = np.stack([phi, phidot, sigma3, -sigma4])
@@ -47,7 +47,7 @@ def all_fall() -> Iterator[Finding]:
 def _beside_the_well(disk: Disk, random: np.random.Generator) -> Iterator[Finding]:
     """Where a well that never falls exists too: membership against motions 1e-7 beside l₋ that are integrated."""
     n = 1500
-    bar = random.choice([-1.0, 1.0], n) * random.uniform(0.2, 0.98, n) * well(disk)[1]
+    bar = random.choice([-1.0, 1.0], n) * random.uniform(0.2, 0.98, n) * well(disk).sigma3_bar
     # Beyond the vertical and slow, where the barrier decides; not so slow that the energy of eta does.
     phi = random.uniform(0.0, 1.4, n)
     phidot = random.choice([-1.0, 1.0], n) * random.uniform(0.01, 0.5, n)
@@ -76,10 +76,10 @@ def non_falling_well() -> Iterator[Finding]:
         critical = -np.cos(tilts) / np.gradient(U, tilts, edge_order=2)
         largest = float(np.sqrt(critical[critical < np.inf].max()))
         why = "quadratic error of the difference quotient, steps of 1e-3"
-        yield near(f"{disk.name}: σ̄₃* from V on l₊", largest, well(disk)[1], 1e-5, why)
+        yield near(f"{disk.name}: σ̄₃* from V on l₊", largest, well(disk).sigma3_bar, 1e-5, why)
         agree = 0
         for share in (0.2, 0.5, 0.8, 0.95, 0.99, 1.01, 1.05, 1.2, 1.5, 2.0):
-            scale = share * well(disk)[1]
+            scale = share * well(disk).sigma3_bar
             V = scale**2 * U + np.sin(tilts)
             minima = ((V[1:-1] < V[:-2]) & (V[1:-1] < V[2:])).nonzero()[0] + 1
             agree += bool(minima.size) == bool(share < 1.0)

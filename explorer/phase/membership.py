@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import Chebyshev
@@ -72,9 +73,16 @@ def impact_speed(disk: Disk, sigma3_bar: Array, energy: Array) -> Array:
         return np.sqrt(2.0 * (energy - disk.energy_at_flat(sigma3_bar)) / disk.body.M)
 
 
+class Well(NamedTuple):
+    """Where the non-falling well on l_+ ends: phi (rad) and |sigma3_bar|, which is sigma3_bar* (natural units)."""
+
+    phi: float
+    sigma3_bar: float
+
+
 @lru_cache(maxsize=64)
-def well(disk: Disk) -> tuple[float, float]:
-    """(phi, sigma3_bar*) where the non-falling well on l_+ disappears; rad, natural units.
+def well(disk: Disk) -> Well:
+    """Where the non-falling well on l_+ disappears.
 
     For |sigma3_bar| below sigma3_bar* the line also carries a well whose motions never fall.
     """
@@ -85,7 +93,7 @@ def well(disk: Disk) -> tuple[float, float]:
         return -float(out[0])
 
     peak = minimize_scalar(minus_critical, bounds=_BEYOND_VERTICAL, method="bounded", options={"xatol": _XATOL})
-    return float(peak.x), float(np.sqrt(-peak.fun)) * disk.body.r0
+    return Well(float(peak.x), float(np.sqrt(-peak.fun)) * disk.body.r0)
 
 
 @lru_cache(maxsize=64)
@@ -117,7 +125,7 @@ def could_fall(states: States, natural: NaturalConstants) -> tuple[NDArray[np.bo
 
 def _membership(states: States, natural: NaturalConstants) -> compiled.falling.Membership[Array]:
     disk, out = states.disk, np.empty((3, len(states)))
-    well_phi, energy = well(disk)[0], natural.energy
+    well_phi, energy = well(disk).phi, natural.energy
     compiled.falling.falls_batch(states.natural, natural.sigma3_bar, energy, well_phi, disk.natural, out)
     return compiled.falling.Membership(*out)
 

@@ -22,6 +22,16 @@ COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 _LARGEST = 1e150  # natural units: squares of rates overflow beyond
 
 
+class Rows(NamedTuple):
+    """What the kernels know of a state, natural units: cos phi, sin phi, -phidot, sigma3/q and sigma4."""
+
+    q: Array
+    z: Array
+    p: Array
+    rho: Array
+    sigma4: Array
+
+
 @dataclass(frozen=True)
 class States:
     """States of one disk in the chart of the kernels: what `phi_to_states` and its like return.
@@ -64,24 +74,29 @@ class States:
         return self.status.shape
 
     @property
+    def rows(self) -> Rows:
+        """The rows of `natural` by name."""
+        return Rows(*self.natural)
+
+    @property
     def phi(self) -> Array:
         """Angle of the disk's plane to the vertical (rad)."""
-        return np.asarray(np.arctan2(self.natural[1], self.natural[0]))
+        return np.asarray(np.arctan2(self.rows.z, self.rows.q))
 
     @property
     def phidot(self) -> Array:
         """Rate of phi (rad per unit of time)."""
-        return np.asarray(-self.natural[2] * self.disk.rate_unit)
+        return np.asarray(-self.rows.p * self.disk.rate_unit)
 
     @property
     def sigma3(self) -> Array:
         """sigma3 of eq. (2.14) (rad per unit of time)."""
-        return np.asarray(self.natural[0] * self.natural[3] * self.disk.rate_unit)
+        return np.asarray(self.rows.q * self.rows.rho * self.disk.rate_unit)
 
     @property
     def sigma4(self) -> Array:
         """Spin sigma4 of eq. (2.14) (rad per unit of time)."""
-        return np.asarray(self.natural[4] * self.disk.rate_unit)
+        return np.asarray(self.rows.sigma4 * self.disk.rate_unit)
 
     def at(self, rows: NDArray[np.intp]) -> States:
         """Some of the states, by their numbers."""
@@ -91,7 +106,7 @@ class States:
     def reversed(self) -> States:
         """The same states with time running backwards: phidot changes sign (rho, sigma4 stay)."""
         natural = self.natural.copy()
-        natural[2] *= -1.0
+        Rows(*natural).p[:] *= -1.0
         return States(self.disk, natural, self.status.copy(), self.exact)
 
 
@@ -120,7 +135,7 @@ def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLi
     Examples
     --------
     >>> import explorer as ex
-    >>> ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, [1.0, 2.0, 3.0], 0.7).natural[3]
+    >>> ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, [1.0, 2.0, 3.0], 0.7).rows.rho
     array([1., 2., 3.])
     """
     require_disk(disk)
@@ -239,18 +254,20 @@ def _states(disk: Disk, x: _Chart, good: NDArray[np.bool_]) -> States:
     good = good & (x.q > 0.0)
     # In place: large runs make states in blocks that stay in the processor's cache.
     natural = np.empty((5, x.q.size))
-    natural[0], natural[1] = x.q, x.z
+    row = Rows(*natural)
+    row.q[:], row.z[:] = x.q, x.z
     with np.errstate(all="ignore"):
-        np.divide(x.p, unit, out=natural[2])
-        np.divide(x.sigma3, x.q * unit, out=natural[3])
-        np.divide(x.sigma4, unit, out=natural[4])
+        np.divide(x.p, unit, out=row.p)
+        np.divide(x.sigma3, x.q * unit, out=row.rho)
+        np.divide(x.sigma4, unit, out=row.sigma4)
     # Squares beyond overflow; NaN fails the comparison as well. rho may be large near flat.
-    rates = natural[2], natural[3] * x.q, natural[4]
+    rates = row.p, row.rho * x.q, row.sigma4
     if not all(rate.min(initial=0.0) > -_LARGEST and rate.max(initial=0.0) < _LARGEST for rate in rates):
         good &= np.all([abs(rate) < _LARGEST for rate in rates], axis=0)
-    good &= np.isfinite(natural[3])
+    good &= np.isfinite(row.rho)
     # A placeholder keeps the kernels away from values that mean nothing; the status says so.
-    natural[:, ~good] = np.array([[1.0], [0.0], [0.0], [0.0], [0.0]])
+    natural[:, ~good] = 0.0
+    row.q[~good] = 1.0
     status = np.where(good, compiled.status.Status.OK, compiled.status.Status.BAD_INPUT)
     return States(disk, natural, status.astype(np.int8))
 

@@ -190,7 +190,7 @@ def _curve(ax: Axes, potential: Potential, near_flat: bool, top: float, style: d
     """Draw V up to `top`: over phi, or over the tilt from the flat state of its face."""
     y = np.linspace(0.0, 14.5, 1451) if near_flat else np.linspace(-9.0, 9.0, 1801)
     face = potential.face if near_flat else 1
-    V = potential.at_y(face * y)[0] * potential.disk.energy_unit
+    V = potential.at_y(face * y).V * potential.disk.energy_unit
     x = 2.0 * np.arctan(np.exp(-y)) if near_flat else np.arctan(np.sinh(y))
     eta_hat = f"= {potential.eta_hat:.4g}" if potential.eta else "= 0"
     label = rf"{'' if potential.eta else 'on the line, '}$\hat\eta$ {eta_hat}"

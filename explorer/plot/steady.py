@@ -95,7 +95,7 @@ def steady_plane(disk: Disk, ax: Axes | None = None) -> Axes:
                     bar3, bar4 = (np.where(where, v, np.nan) for v in (motions.sigma3_bar, motions.sigma4_bar))
                     if where.any():
                         ax.plot(bar3, bar4, color=colour, ls=style, lw=1.2, label=label if stable else None)
-    slope, most = line_slope(disk), well(disk)[1] * unit
+    slope, most = line_slope(disk), well(disk).sigma3_bar * unit
     ends, inner = np.array([-3.0, 3.0]) * width, np.array([-most, most])
     for face, names in ((1, (r"$l_+$, $l_-$: falling", "a well besides")), (-1, (None, None))):
         ax.plot(ends, face * slope * ends, color=DARK, lw=1.2, label=names[0])

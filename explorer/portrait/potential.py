@@ -9,7 +9,7 @@ the logarithm of the tilt near flat, so that a wall at eta_hat = 1e-100 is as fa
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -93,6 +93,15 @@ def curvature_of(q: Array, z: Array, sigma3: Array, sigma4: Array, b: Any) -> Ar
     return curvature
 
 
+class Terms(NamedTuple):
+    """V, dV/dphi, d2V/dphi2, and the size of the terms that dV/dphi is a sum of; natural units."""
+
+    V: Array
+    slope: Array
+    curvature: Array
+    size: Array
+
+
 @dataclass(frozen=True)
 class Potential:
     """V(phi; sigma3_bar, eta); make one with `on_line` or `at_constants`. Methods speak the units of the disk.
@@ -125,11 +134,8 @@ class Potential:
         """eta_hat on each face, natural units."""
         return {self.face: self.eta, -self.face: other_eta_hat(self.disk, self.bar, self.eta)}
 
-    def terms(self, q: Array, z: Array) -> tuple[Array, Array, Array, Array]:
-        """V, dV/dphi, d2V/dphi2 and the size of the terms of dV/dphi where cos phi = q, sin phi = z.
-
-        Natural units.
-        """
+    def terms(self, q: Array, z: Array) -> Terms:
+        """V and its derivatives where cos phi = q, sin phi = z."""
         b = self.disk.body
         with np.errstate(over="ignore", invalid="ignore"):
             chart = line_chart(self.disk, q, self.face * z)
@@ -140,31 +146,33 @@ class Potential:
             slope = b.I1 * rho * (rho / q) * z - b.J * rho * s4 - z
             curvature = curvature_of(q, z, s3, s4, b)
             # What rounds: sigma3 and sigma4 are sums, and at the vertical D is a difference of terms of order 1
-            most3 = abs(chart[0] * self.bar) + np.maximum(abs(chart[1]), b.k * b.r0) * abs(self.eta)
-            most4 = abs(chart[2] * self.bar) + abs(chart[3] * self.eta)
+            most3 = abs(chart.bar_to_sigma3 * self.bar)
+            most3 += np.maximum(abs(chart.eta_hat_to_sigma3), b.k * b.r0) * abs(self.eta)
+            most4 = abs(chart.bar_to_sigma4 * self.bar) + abs(chart.eta_hat_to_sigma4 * self.eta)
             size = most3 / q * (b.I1 * most3 / q * abs(z) / q + b.J * most4) + abs(z)
-        return V, slope, curvature, size
+        return Terms(V, slope, curvature, size)
 
-    def _of_phi(self, phi: ArrayLike, row: int) -> Array:
+    def _of_phi(self, phi: ArrayLike, term: str) -> Array:
         angle = np.asarray(phi, dtype=np.float64)
         if not np.all(abs(angle) < 0.5 * np.pi):
             raise InputError("phi: V is defined between the flat states; give -pi/2 < phi < pi/2 (rad)")
         flat = np.ravel(angle)
-        return (self.terms(np.cos(flat), np.sin(flat))[row] * self.disk.energy_unit).reshape(angle.shape)
+        values: Array = getattr(self.terms(np.cos(flat), np.sin(flat)), term)
+        return (values * self.disk.energy_unit).reshape(angle.shape)
 
     def V(self, phi: ArrayLike) -> Array:
         """The amended potential, eq. (3.8), at phi (rad)."""
-        return self._of_phi(phi, 0)
+        return self._of_phi(phi, "V")
 
     def dV(self, phi: ArrayLike) -> Array:
         """dV/dphi."""
-        return self._of_phi(phi, 1)
+        return self._of_phi(phi, "slope")
 
     def d2V(self, phi: ArrayLike) -> Array:
         """d2V/dphi2; its sign at an equilibrium decides stability."""
-        return self._of_phi(phi, 2)
+        return self._of_phi(phi, "curvature")
 
-    def at_y(self, y: ArrayLike) -> tuple[Array, Array, Array, Array]:
+    def at_y(self, y: ArrayLike) -> Terms:
         """As `terms`, where sin phi = tanh y."""
         values = np.atleast_1d(np.asarray(y, dtype=np.float64))
         return self.terms(1.0 / np.cosh(values), np.tanh(values))
@@ -186,12 +194,11 @@ class Potential:
         """All steady motions at these constants, from phi = -pi/2 to pi/2: every root of V'."""
         left, right = (math.ceil(self.reach(face) / _STEP) for face in (-1, 1))
         y = _STEP * np.arange(-left, right + 1)
-        _, _, curved, _ = self.at_y(y)
-        bends = [self._root(2, y[i], y[i + 1]) for i in _changes(curved)]
+        bends = [self._root("curvature", y[i], y[i + 1]) for i in _changes(self.at_y(y).curvature)]
         # Between zeros of V'' the slope is monotonic: a pair of close roots cannot hide between points.
         y = np.union1d(y, bends)
         _, slope, _, size = self.at_y(y)
-        roots = [self._root(1, y[i], y[i + 1]) for i in _changes(slope)]
+        roots = [self._root("slope", y[i], y[i + 1]) for i in _changes(slope)]
         touches = np.isin(y, bends) & (abs(slope) <= 2.0 * _EPS * size)
         roots += list(y[(slope == 0.0) | touches])
         apart: list[Equilibrium] = []
@@ -200,11 +207,12 @@ class Potential:
                 apart.append(equilibrium)
         return tuple(apart)
 
-    def _root(self, row: int, low: float, high: float, value: float = 0.0) -> float:
+    def _root(self, term: str, low: float, high: float, value: float = 0.0) -> float:
         # A root at the vertical has rounding only, no digits of its own: hence an absolute tolerance
-        return float(
-            brentq(lambda y: self.at_y(y)[row][0] - value, low, high, xtol=1e-18, rtol=4.0 * _EPS, maxiter=400)
-        )
+        def excess(y: float) -> float:
+            return float(getattr(self.at_y(y), term)[0] - value)
+
+        return float(brentq(excess, low, high, xtol=1e-18, rtol=4.0 * _EPS, maxiter=400))
 
     def _equilibrium(self, y: float) -> Equilibrium:
         V, slope, curved, size = (float(values[0]) for values in self.at_y(y))
@@ -226,7 +234,7 @@ class Potential:
         """Ends and equilibria in y, and V there: between two of them V is monotonic."""
         inner = [at.y for at in self.equilibria]
         y = np.array([-self.reach(-1), *inner, self.reach(1)])
-        V = self.at_y(y)[0]
+        V = self.at_y(y).V
         V[[0, -1]] = self.flat_value(-1), self.flat_value(1)
         return y, V
 
@@ -275,11 +283,11 @@ class Potential:
         y, V = self._stops
         low, high = float(y[i]), float(y[i + 1])
         # Stops at a wall stand where V is finite: further out for large energies
-        while i == 0 and V[0] == math.inf and self.at_y(low)[0][0] < E:
+        while i == 0 and V[0] == math.inf and self.at_y(low).V[0] < E:
             low -= 1.0
-        while i == y.size - 2 and V[-1] == math.inf and self.at_y(high)[0][0] < E:
+        while i == y.size - 2 and V[-1] == math.inf and self.at_y(high).V[0] < E:
             high += 1.0
-        return self._root(0, low, high, E)
+        return self._root("V", low, high, E)
 
     def _component(self, energy: float, low: tuple[float, str], high: tuple[float, str]) -> Component:
         y, ends = (low[0], high[0]), (low[1], high[1])
@@ -293,7 +301,7 @@ class Potential:
         y = low + (high - low) * 0.5 * (1.0 - np.cos(angle))
         y[-1] = high
         phi, E = np.arctan(np.sinh(y)), component.energy / self.disk.energy_unit
-        excess = E - self.at_y(y)[0]
+        excess = E - self.at_y(y).V
         for at, end, edge in zip((0, -1), component.ends, (component.low, component.high), strict=True):
             phi[at] = edge
             excess[at] = E - self.flat_value(1 if at else -1) if end == FLAT else 0.0
@@ -305,7 +313,7 @@ class Potential:
         A motion goes both ways sooner or later, so one flat state within reach is enough. y increases.
         """
         stops, heights = self._stops
-        V = self.at_y(y)[0]
+        V = self.at_y(y).V
         highest = np.full(y.size, np.inf)
         for face in (-1, 1):
             top = self.flat_value(face)
@@ -342,7 +350,7 @@ def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
 def require_well(disk: Disk, sigma3_bar: float) -> None:
     """Raise InputError where the lines carry no well at sigma3_bar (rad per unit of time)."""
     require_axial_inertia(disk)
-    most = well(disk)[1] * disk.rate_unit
+    most = well(disk).sigma3_bar * disk.rate_unit
     if not 0.0 < abs(_constant("sigma3_bar", sigma3_bar)) < most:
         raise InputError(
             f"sigma3_bar = {sigma3_bar:g}: no well beside the falling motions there; "

@@ -241,7 +241,7 @@ def _regular(potential: Potential) -> list[Equilibrium]:
 def path_values(disk: Disk, path: str) -> tuple[Array, tuple[float, ...]]:
     """Values of a path's parameter, dense where branches meet or reach flat, and the thresholds on it."""
     if path == "line":
-        edge = well(disk)[1] * disk.rate_unit
+        edge = well(disk).sigma3_bar * disk.rate_unit
     else:
         edge = spinning_threshold(disk) if path == "spinning" else rolling_threshold(disk)
     near = np.geomspace(1e-7, 1.0, 100)  # branches meet like a square root: up to tilts of 3e-4 rad

@@ -68,7 +68,7 @@ def _periods(states: States) -> Periods:
     if states.exact is None:
         return periods(states)
     disk = states.disk
-    eta = np.where(states.natural[1] >= 0.0, states.exact.eta_plus, states.exact.eta_minus)
+    eta = np.where(states.rows.z >= 0.0, states.exact.eta_plus, states.exact.eta_minus)
     return periods(states, _ACCURACY, eta_hat=disk.eta_to_eta_hat(eta) * disk.rate_unit)
 
 

@@ -102,7 +102,7 @@ class Portrait(Scene):
         """sigma3_bar; unless given, 0.25 natural units, or less where there is no well then."""
         if self.sigma3_bar is not None:
             return self.sigma3_bar
-        return min(SIGMA3_BAR, 0.9 * well(self.disk)[1]) * self.disk.rate_unit
+        return min(SIGMA3_BAR, 0.9 * well(self.disk).sigma3_bar) * self.disk.rate_unit
 
     def places(self) -> dict[str, Potential]:
         """The potentials whose portraits are drawn, by name."""
@@ -165,7 +165,7 @@ class Portrait(Scene):
 
     def _well(self) -> dict[str, Any] | None:
         """The well on l_+ at this sigma3_bar, within the left branch of its separatrix."""
-        if not 0.0 < abs(self.bar) < well(self.disk)[1] * self.disk.rate_unit:
+        if not 0.0 < abs(self.bar) < well(self.disk).sigma3_bar * self.disk.rate_unit:
             return None
         rim = well_separatrix(self.disk, self.bar)
         bottom = min(on_line(self.disk, self.bar).equilibria, key=lambda at: at.phi)

@@ -98,6 +98,6 @@ def _start_of_state(states: States, row: int) -> Start:
     eta = held.eta_plus if plus else held.eta_minus
     eta_hat = float(disk.eta_to_eta_hat(eta)[0])
     _require_side(0.0 if status[0] == code.FALLS else eta_hat, f"states, row {row}")
-    q, z, p = (float(value) for value in one.natural[:3, 0])
+    q, z, p, _, _ = (float(row[0]) for row in one.rows)
     theta = _UPRIGHT if z == 0.0 else math.atan2(q, face * z)
     return Start(float(held.sigma3_bar[0]), eta_hat, -face * p, face, theta)

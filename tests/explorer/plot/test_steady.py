@@ -30,7 +30,7 @@ def test_the_plane_of_constants_has_the_lines_the_wells_and_the_thresholds():
     assert max(marks.get_ydata()) == pytest.approx(measured["straight_rolling"], rel=1e-9)
     (with_well,) = lines(ax, "a well besides")
     x, y = with_well.get_data()
-    assert max(x) == pytest.approx(well(COIN)[1] * COIN.rate_unit)
+    assert max(x) == pytest.approx(well(COIN).sigma3_bar * COIN.rate_unit)
     for bar, spin in zip(x, y, strict=True):
         assert abs(at_constants(COIN, bar, spin).eta) < 1e-15
     for tilt in TILTS:

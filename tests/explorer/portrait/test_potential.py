@@ -14,6 +14,7 @@ from explorer.portrait.potential import (
     SADDLE,
     TURNING,
     Potential,
+    Terms,
     at_constants,
     level_energies,
     on_line,
@@ -209,7 +210,7 @@ def test_symmetric_saddles_are_joined_to_each_other():
             V = V * np.where(phi > 0.0, 1.0 + 4e-16, 1.0)
             dV = 4.0 * np.sin(4.0 * phi) + 600.0 * np.sign(phi) * wall**2
             d2V = 16.0 * np.cos(4.0 * phi) + 1200.0 * wall
-            return V, dV, d2V, abs(4.0 * np.sin(4.0 * phi)) + 600.0 * wall**2 + 1e-3
+            return Terms(V, dV, d2V, abs(4.0 * np.sin(4.0 * phi)) + 600.0 * wall**2 + 1e-3)
 
     low, high = Two(UNIFORM, 0.0, 0.3).separatrices()
     assert low.branches[1].ends == (SADDLE, SADDLE) == high.branches[0].ends
@@ -251,7 +252,7 @@ def test_on_the_line_v_ends_at_v0_and_the_wall_appears_beside_it():
 
 
 def test_the_well_has_a_separatrix_only_below_its_threshold():
-    most = well(COIN)[1] * COIN.rate_unit
+    most = well(COIN).sigma3_bar * COIN.rate_unit
     found = well_separatrix(COIN, 0.8 * most)
     assert found.branches[0].ends == (TURNING, SADDLE)
     assert found.branches[1].ends == (SADDLE, FLAT)
