@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from explorer import compiled
+from explorer.errors import InputError, number
 from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, require_states
@@ -94,6 +95,17 @@ def well(disk: Disk) -> Well:
 
     peak = minimize_scalar(minus_critical, bounds=_BEYOND_VERTICAL, method="bounded", options={"xatol": _XATOL})
     return Well(float(peak.x), float(np.sqrt(-peak.fun)) * disk.body.r0)
+
+
+def require_well(disk: Disk, sigma3_bar: float) -> None:
+    """Raise InputError where the lines carry no well at sigma3_bar (units of the disk)."""
+    require_axial_inertia(disk)
+    most = well(disk).sigma3_bar * disk.rate_unit
+    if not 0.0 < abs(number("sigma3_bar", sigma3_bar)) < most:
+        raise InputError(
+            f"sigma3_bar = {sigma3_bar:g}: no well beside the falling motions there; "
+            f"give 0 < |sigma3_bar| < {most:.6g} for {disk.name}"
+        )
 
 
 @lru_cache(maxsize=64)

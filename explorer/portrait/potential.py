@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from explorer.errors import InputError, number
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
-from explorer.phase.membership import well
+from explorer.phase.membership import require_well
 from explorer.phase.states import Array
 
 _STEP = 0.02  # of y, in which V is smooth on the scale 1: no two zeros of V'' share a step
@@ -345,17 +345,6 @@ def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
     face = 1 if nearer_plus(np.array(slope * bar - spin), np.array(slope * bar + spin)) else -1
     eta = slope * bar - face * spin
     return Potential(disk, bar, 0.0 if abs(eta) <= 4.0 * _EPS * abs(spin) else eta, face)
-
-
-def require_well(disk: Disk, sigma3_bar: float) -> None:
-    """Raise InputError where the lines carry no well at sigma3_bar (rad per unit of time)."""
-    require_axial_inertia(disk)
-    most = well(disk).sigma3_bar * disk.rate_unit
-    if not 0.0 < abs(_constant("sigma3_bar", sigma3_bar)) < most:
-        raise InputError(
-            f"sigma3_bar = {sigma3_bar:g}: no well beside the falling motions there; "
-            f"give 0 < |sigma3_bar| < {most:.6g} for {disk.name}"
-        )
 
 
 def well_separatrix(disk: Disk, sigma3_bar: float, face: int = 1) -> Separatrix:

@@ -13,14 +13,13 @@ import numpy as np
 from explorer.errors import InputError, flag, number, read_range
 from explorer.measure.sampling import Range
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.membership import well
+from explorer.phase.membership import require_well, well
 from explorer.portrait.potential import (
     Component,
     Potential,
     at_constants,
     level_energies,
     on_line,
-    require_well,
     well_separatrix,
 )
 from explorer.portrait.steady import PATHS, bifurcation, path_values, thresholds
