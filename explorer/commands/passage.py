@@ -9,7 +9,7 @@ import numpy as np
 
 from explorer import compiled
 from explorer.commands.common import add_json
-from explorer.errors import number
+from explorer.errors import number, sign
 from explorer.motion.forces import passage_forces
 from explorer.motion.passages import passages
 from explorer.phase.disk import Disk
@@ -18,7 +18,7 @@ _UNITS = {
     "duration": "units of the disk (time)",
     "fall_time": "units of the disk (time)",
     "energy": "units of the disk (energy)",
-    "impact_speed": "rad per time unit of the disk",
+    "impact_speed": "units of the disk (rate)",
     "min_normal_force": "m g",
     "max_friction": "",
     "error_estimate": "",
@@ -121,7 +121,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         ("--phidot", "speed at the vertical towards the flat state, 0 or more, in the units of the disk"),
     ):
         command.add_argument(flag, required=True, metavar="X", help=text)
-    command.add_argument("--face", type=int, choices=(1, -1), default=1, help="flat state (default 1)")
+    command.add_argument("--face", default=1, metavar="X", help="flat state, 1 or -1 (default 1)")
     command.add_argument("--accuracy", default="1e-6", metavar="TOL", help="as for run (default 1e-6)")
     command.add_argument("--method", default="auto", metavar="NAME", help="as for run (default auto)")
     command.add_argument("--window", metavar="Q", help="cos phi at which to start and to stop, 0 to 1")
@@ -133,7 +133,7 @@ def call(options: argparse.Namespace) -> int:
         number("--sigma3-bar", options.sigma3_bar),
         number("--eta-hat", options.eta_hat),
         number("--phidot", options.phidot, 0.0),
-        options.face,
+        sign("--face", options.face),
     )
     report = passage_report(
         Disk.parse(options.disk),

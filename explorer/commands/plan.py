@@ -3,11 +3,13 @@
 import argparse
 import json
 from pathlib import Path
+from typing import Any
 
 from explorer.commands.common import add_json
-from explorer.motion.plan import plan
-from explorer.scenes.options import ACCURACY
-from explorer.scenes.registry import SCENES, read_scene_file, scene_class
+from explorer.scenes.registry import SCENES, read_scene_file, scene_from_options
+
+# What a file may say besides the options of its scene: where the run is stored, and who computes.
+_OF_RUN = ("out", "memory", "resume", "jobs", "backend", "scheduler")
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -19,17 +21,18 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def call(options: argparse.Namespace) -> int:
-    name, given = options.scene, {}
-    if name.endswith(".toml"):
-        given = read_scene_file(Path(name))
-        name = given["scene"]
-    kind = scene_class(name)
-    accuracy = ACCURACY.read(ACCURACY.flag, options.accuracy or given.get("accuracy", kind.accuracy))
-    chosen = plan(kind.observables, accuracy, options.method or given.get("method", kind.method))
+    given: dict[str, Any] = {"scene": options.scene}
+    if options.scene.endswith(".toml"):
+        given = {key: value for key, value in read_scene_file(Path(options.scene)).items() if key not in _OF_RUN}
+    given |= {
+        name: getattr(options, name) for name in ("accuracy", "method") if getattr(options, name) is not None
+    }
+    scene = scene_from_options(given)
+    chosen = scene.plan
     answer = {
-        "scene": name,
-        "observables": list(kind.observables),
-        "accuracy": accuracy,
+        "scene": scene.name,
+        "observables": list(scene.observables),
+        "accuracy": chosen.accuracy,
         "model": chosen.rung,
         "method": chosen.method,
         "reason": chosen.reason,

@@ -8,11 +8,11 @@ from textwrap import fill, indent
 from typing import Any, Unpack
 
 from explorer.commands.common import add_json, add_workers, show
-from explorer.errors import InputError, note
+from explorer.errors import InputError, in_words, note
 from explorer.runs.run import Run, execute
 from explorer.runs.workers import Workers
 from explorer.scenes.base import SampledScene, Scene, chunk_size_for
-from explorer.scenes.options import Option, described, in_python, type_words
+from explorer.scenes.options import Option, described, type_words
 from explorer.scenes.registry import SCENES, Options, build_scene, read_scene_file, scene_class
 
 _WORKERS = ("backend", "scheduler")
@@ -88,7 +88,7 @@ def run(
 
 def _entry(option: Option, text: str) -> str:
     """What help(run) says of an option."""
-    text = in_python(text if text.partition(":")[0].partition(",")[0] in SCENES else text[0].upper() + text[1:])
+    text = in_words(text if text.partition(":")[0].partition(",")[0] in SCENES else text[0].upper() + text[1:])
     text = f"For {text}" if text[0].islower() else text
     return f"{option.word} : {type_words(option.kind)}\n{indent(fill(f'{text}.', 110), '    ')}"
 

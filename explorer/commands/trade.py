@@ -4,9 +4,10 @@ import argparse
 import json
 import platform
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from explorer.commands.made_by import leave_made_by
 from explorer.errors import InputError, note, whole
 from explorer.motion import calibration
 from explorer.motion.passages import passages
+from explorer.motion.turning_points import followed
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, constants_to_states
 
@@ -28,8 +30,11 @@ SETTINGS = {
 }
 FEWEST, MOST = 1024, 1_000_000  # samples; with fewer, overheads are measured
 STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
+_MOST_STEPS, _ANY_ERROR = 200_000, 1.0  # errors are what is measured, so no sample is refused for its own
 # Errors are calibrated on all of these, so that they hold for bodies nobody measured.
 BODIES = (Disk.uniform(), Disk.hoop(), Disk(I1=0.02, I3=0.04), Disk(I1=0.5, I3=0.3))
+
+Answer = TypeVar("Answer")
 
 
 @dataclass(frozen=True)
@@ -108,14 +113,12 @@ class Work:
         eta_hat = rng.choice([-1.0, 1.0], samples) * 10.0 ** rng.uniform(-3, -1, samples)
         self.disk = disk
         self.start = (rng.uniform(-2, 2, samples) * unit, eta_hat * unit, rng.uniform(0.5, 2, samples) * unit)
-        states = constants_to_states(disk, *self.start, 1.0)
-        self.initial = np.zeros((8, samples))
-        self.initial[:5] = states.natural
+        self.states = constants_to_states(disk, *self.start, 1.0)
         self.exact = passages(disk, *self.start, accuracy=1e-11)
 
     def quadrature(self) -> Row:
         """Quadrature; its error is what it says of itself."""
-        best = _fastest(lambda: passages(self.disk, *self.start, accuracy=1e-11), 5)
+        best, _ = _fastest(lambda: passages(self.disk, *self.start, accuracy=1e-11), 5)
         errors = self.exact.error_estimate
         median, p99 = np.nanpercentile(errors, (50, 99))
         count = len(self.exact)
@@ -124,13 +127,27 @@ class Work:
 
     def measure(self, method: str, setting: float, repeats: int = 3) -> Row:
         """An integrator at one setting, to the turning point and doubled."""
-        solved = Solved(self, method, setting)
-        best = _fastest(solved.solve, repeats)
-        n = len(self.exact)
-        median, p99 = np.nanpercentile(self.errors(solved.out), (50, 99))
-        evaluations = STAGES[method] * float(solved.steps.mean())
-        unresolved = float(np.mean(solved.status != compiled.status.Status.OK))
-        return Row(method, float(setting), float(median), float(p99), evaluations, best / n * 1e9, unresolved)
+        best, (out, outcome) = _fastest(lambda: self.solve(method, setting), repeats)
+        median, p99 = np.nanpercentile(self.errors(out), (50, 99))
+        evaluations = STAGES[method] * float(outcome.steps.mean())
+        unresolved = float(np.mean(outcome.status != compiled.status.Status.OK))
+        return Row(
+            method,
+            float(setting),
+            float(median),
+            float(p99),
+            evaluations,
+            best / len(self.exact) * 1e9,
+            unresolved,
+        )
+
+    def solve(self, method: str, setting: float) -> "tuple[Array, compiled.attempt.Outcome]":
+        """Every sample at its turning point, by one method at one setting."""
+        n, number = len(self.exact), int(getattr(compiled.attempt, method.upper()))
+        how = compiled.attempt.Integration(
+            number, compiled.field.ANGLES, np.full(n, setting), _MOST_STEPS, _ANY_ERROR
+        )
+        return followed(self.states, how, np.zeros(n, np.int8))
 
     def errors(self, out: Array) -> Array:
         """Largest error of delta chi, delta psi (rad) and duration (relative) of every sample."""
@@ -144,38 +161,15 @@ class Work:
         return largest
 
 
-class Solved:
-    """One method at one setting on the passages of `work`; solve() fills out, status and steps."""
-
-    def __init__(self, work: Work, method: str, setting: float) -> None:
-        n = len(work.exact)
-        self._work, self._method = work, int(getattr(compiled.attempt, method.upper()))
-        self._control = np.full(n, setting)
-        self.out, self._drift = np.empty((8, n)), np.empty((3, n))
-        self.steps, self.status = np.empty(n, np.int32), np.zeros(n, np.int8)
-
-    def solve(self) -> None:
-        """Follow every sample to its turning point."""
-        self.status[:] = 0
-        compiled.batch.first_event_batch(
-            compiled.attempt.Integration(self._method, compiled.field.ANGLES, self._control, 200_000, 1.0),
-            compiled.events.Stop(compiled.events.TURNING_POINT, 0.0),
-            self._work.initial,
-            self._work.disk.natural,
-            self.out,
-            compiled.attempt.Outcome(self.status, self.steps, self._drift),
-        )
-
-
-def _fastest(call: Any, repeats: int) -> float:
-    """Shortest of several runs in seconds, after one that compiles and warms."""
-    call()
+def _fastest(call: Callable[[], Answer], repeats: int) -> tuple[float, Answer]:
+    """Shortest of several runs in seconds, after one that compiles and warms, and what that one returned."""
+    answer = call()
     best = np.inf
     for _ in range(repeats):
         begin = time.perf_counter()
         call()
         best = min(best, time.perf_counter() - begin)
-    return best
+    return best, answer
 
 
 def table(rows: list[Row]) -> list[str]:

@@ -6,7 +6,7 @@ import webbrowser
 from pathlib import Path
 
 from explorer.commands.common import add_json
-from explorer.errors import number
+from explorer.errors import number, sign
 from explorer.view.page import view
 
 
@@ -20,7 +20,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     ):
         text = f"{help_text} (default {default:g})"
         command.add_argument(flag, default=default, metavar="X", help=text)
-    command.add_argument("--face", type=int, choices=(1, -1), default=1, help="flat state (default 1)")
+    command.add_argument("--face", default=1, metavar="X", help="flat state, 1 or -1 (default 1)")
     command.add_argument("--out", default="view.html", metavar="FILE", help="default view.html")
     command.add_argument("--open", action="store_true", help="open the page in the browser")
     add_json(command)
@@ -30,7 +30,7 @@ def call(options: argparse.Namespace) -> int:
     """Write the page."""
     names = ("sigma3_bar", "eta_hat", "phidot")
     sigma3_bar, eta_hat, phidot = (number(f"--{name.replace('_', '-')}", getattr(options, name)) for name in names)
-    page = view(options.disk, sigma3_bar, eta_hat, phidot, options.face)
+    page = view(options.disk, sigma3_bar, eta_hat, phidot, sign("--face", options.face))
     where = page.save(Path(options.out))
     size = where.stat().st_size
     if options.json:

@@ -96,7 +96,7 @@ def falling_constant(
     disk : Disk
         Needs I3 > 0.
     box : Box or str, optional
-        Ranges of phi (rad), phidot, sigma3 and sigma4 (rad per unit of time), as for `run`: "phi=-1:1,sigma4=0.3".
+        Ranges of phi (rad), phidot, sigma3 and sigma4 (units of the disk), as for `run`: "phi=-1:1,sigma4=0.3".
         By default phi = 0 and rates within two natural units.
     energy : (float, float) or str, optional
         Only states with an energy in this range (units of the disk); None is no bound.

@@ -107,7 +107,7 @@ class Pushed:
     Attributes
     ----------
     still, pushed : (4, n) arrays
-        phi (rad), phidot, sigma3, sigma4 (rad per unit of time) of states that have not moved, and of others
+        phi (rad), phidot, sigma3, sigma4 (units of the disk) of states that have not moved, and of others
         after the time that was given.
     p_values : dict of str to float
         By coordinate (Kolmogorov-Smirnov), and of all four together under "cells" (chi-square of cells).

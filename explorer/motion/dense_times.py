@@ -25,7 +25,7 @@ def dense_times(states: States, until: float | ArrayLike, step: float = STEP) ->
     states : States
         Where the motions start. One that fails, or falls, asks for no times.
     until : float or (nt,) array
-        The end of the time, in the unit of time of the disk, or increasing times to begin with. All of them
+        The end of the time, in the units of the disk, or increasing times to begin with. All of them
         are kept.
     step : float
         The largest change of chi (rad) between two times.

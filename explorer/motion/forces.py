@@ -45,7 +45,7 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     disk : Disk
         The body, with I3 > 0.
     sigma3_bar, eta_hat, phidot : array_like
-        As for `passages`, rad per unit of time; they broadcast.
+        As for `passages`, units of the disk; they broadcast.
 
     Returns
     -------

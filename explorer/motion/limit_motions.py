@@ -37,7 +37,7 @@ class LimitState:
     Attributes
     ----------
     phi, phidot : array
-        Tilt (rad) and its rate (rad per unit of time).
+        Tilt (rad) and its rate (units of the disk).
     chi, psi : array
         Angles of contact (rad), from 0 at t = 0, with the jumps of all impacts so far.
     path, contact : (..., 3) array
@@ -45,7 +45,7 @@ class LimitState:
     velocity : (..., 3) array
         Velocity of the centre, eq. (2.33).
     nu : (..., 3) array
-        Angular velocity in space, eqs (2.27), (2.29), rad per unit of time.
+        Angular velocity in space, eqs (2.27), (2.29), units of the disk.
 
     Examples
     --------
@@ -121,7 +121,7 @@ class LimitMotion(Continuation):
     period : float
         Time between impacts.
     impact_speed : float
-        |phidot| at an impact, A of eq. (7.1), rad per unit of time.
+        |phidot| at an impact, A of eq. (7.1), units of the disk.
     chi_per_period : float
         Increase of chi from impact to impact (rad), one jump of side times kappa pi included.
 
@@ -242,7 +242,7 @@ class PendulumMotion(Continuation):
     period : float
         Time between impacts, which are on both flat states in turn.
     impact_speed : float
-        |phidot| at an impact, A of eq. (7.1), rad per unit of time.
+        |phidot| at an impact, A of eq. (7.1), units of the disk.
     chi_per_period : float
         The jump of chi (rad) at an impact on face +1, side times kappa pi.
 

@@ -47,7 +47,7 @@ class Passages:
     duration, fall_time : (n,) array
         Time of the passage, and of a fall from the vertical to flat.
     energy, impact_speed : (n,) array
-        Energy, and the speed A of eq. (7.1) with which the limit motion arrives (rad per unit of time).
+        Energy, and the speed A of eq. (7.1) with which the limit motion arrives (units of the disk).
     limit : (n,) array
         sgn(eta) kappa pi (rad), to which race_angle tends as eta goes to 0, eq. (7.16).
     error_estimate : (n,) array
@@ -118,12 +118,12 @@ def passages(
     disk : Disk
         The body, with I3 > 0.
     sigma3_bar : array_like
-        Constant of motion of eq. (3.5), rad per unit of time. The arrays broadcast; the result is 1-D.
+        Constant of motion of eq. (3.5), units of the disk. The arrays broadcast; the result is 1-D.
     eta_hat : array_like
-        Distance from the line of `face`, eq. (6.2), rad per unit of time, signed; 0 is a fall. Quadrature
+        Distance from the line of `face`, eq. (6.2), units of the disk, signed; 0 is a fall. Quadrature
         takes it as it is, down to 1e-300.
     phidot : array_like
-        Speed at the vertical towards flat, rad per unit of time, not negative.
+        Speed at the vertical towards flat, units of the disk, not negative.
     face : array_like
         Flat state that the motion starts towards, +1 or -1.
     window : float, optional

@@ -68,7 +68,7 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     accuracy : float
         Error of the angles (rad), relative error of the period, 1e-13 to 0.1.
     eta_hat : array_like, optional
-        Rad per unit of time, on the face whose hemisphere the state is in (+1 at the vertical). It replaces the
+        Units of the disk, on the face whose hemisphere the state is in (+1 at the vertical). It replaces the
         state's own, which is only known to rounding: a state on F to rounding FALLS or is UNRESOLVED_SIDE
         without it. States made by `constants_to_states` keep the one they were made from.
 

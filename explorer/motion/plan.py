@@ -146,7 +146,7 @@ def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto
     one_of("--method", method, METHODS)
     accuracy = number("--accuracy", accuracy)
     rung, chosen, why = _choose(asked, method, accuracy)
-    if not TIGHTEST[chosen] <= accuracy <= LOOSEST:
+    if chosen != ALGEBRA and not TIGHTEST[chosen] <= accuracy <= LOOSEST:
         raise InputError(
             f"--accuracy {accuracy} must lie between {TIGHTEST[chosen]:g} and {LOOSEST:g} for {chosen}"
         )
@@ -155,14 +155,16 @@ def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto
 
 def method_in_words(method: str) -> str:
     """The way a result was computed, as pictures and pages say it; `method` as in Plan.method."""
-    return "by quadrature" if method == "quadrature" else f"integrated with {method}"
+    return f"by {method}" if method in (ALGEBRA, QUADRATURE) else f"integrated with {method}"
 
 
 def _choose(asked: tuple[str, ...], method: str, accuracy: float) -> tuple[str, str, str]:
     """(rung, method, reason)."""
     rung = max((OBSERVABLES[name] for name in asked), key=RUNGS.index, default=ALGEBRA)
     deepest = ", ".join(name for name in asked if OBSERVABLES[name] == rung) or "nothing else"
-    integrals_only = RUNGS.index(rung) <= RUNGS.index(QUADRATURE)
+    if rung == ALGEBRA:
+        return rung, ALGEBRA, f"{rung} because of {deepest}; no motion is followed"
+    integrals_only = rung == QUADRATURE
     if method == "quadrature" and not integrals_only:
         raise InputError(
             f"--method quadrature gives passages and periods, not {deepest}; use auto or an integrator"

@@ -34,7 +34,7 @@ class Trajectories:
     phi : (n, nt) array or None
         Tilt (rad), -pi/2 to pi/2, 0 at the vertical.
     phidot, sigma3, sigma4 : (n, nt) array or None
-        Rates of eq. (2.14), rad per unit of time.
+        Rates of eq. (2.14), units of the disk.
     chi, psi : (n, nt) array or None
         Contact angle and angle of the body, rad; chi starts at `chi0` and psi at 0.
     path, contact : (n, nt, 3) array or None

@@ -41,20 +41,9 @@ def turning_points(states: States, how: Plan, natural: NaturalConstants | None =
     disk = states.disk
     if natural is None:
         natural = natural_constants(states)
-    status = status_at_start(states, natural)
-    n = len(states)
-    initial = np.zeros((8, n))
-    initial[:5] = states.natural
-    out, constants_error, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
-    compiled.batch.first_event_batch(
-        how.integration(np.nan_to_num(how.control(disk, natural), nan=1.0), MAX_STEPS),
-        compiled.events.Stop(compiled.events.TURNING_POINT, 0.0),
-        initial,
-        disk.natural,
-        out,
-        compiled.attempt.Outcome(status, steps, constants_error),
-    )
-    out[:, status != compiled.status.Status.OK] = np.nan
+    integration = how.integration(np.nan_to_num(how.control(disk, natural), nan=1.0), MAX_STEPS)
+    out, outcome = followed(states, integration, status_at_start(states, natural))
+    out[:, outcome.status != compiled.status.Status.OK] = np.nan
     row = compiled.field.ROW
     return TurningPoints(
         theta=np.arctan2(out[row.q], abs(out[row.z])),
@@ -63,10 +52,26 @@ def turning_points(states: States, how: Plan, natural: NaturalConstants | None =
         time=out[row.t],
         chi=out[row.chi],
         psi=out[row.psi],
-        status=status,
-        steps=steps,
-        constants_error=constants_error,
+        status=outcome.status,
+        steps=outcome.steps,
+        constants_error=outcome.errors,
     )
+
+
+def followed(
+    states: States, how: "compiled.attempt.Integration", status: NDArray[np.int8]
+) -> tuple[Array, "compiled.attempt.Outcome"]:
+    """States (8, n) at the next turning points, rows as `compiled.field.ROW`, and what became of each.
+
+    status: samples that come in as not OK are skipped; it becomes the outcome's.
+    """
+    n = len(states)
+    initial, out = np.zeros((8, n)), np.empty((8, n))
+    initial[:5] = states.natural
+    outcome = compiled.attempt.Outcome(status, np.empty(n, np.int32), np.empty((3, n)))
+    stop = compiled.events.Stop(compiled.events.TURNING_POINT, 0.0)
+    compiled.batch.first_event_batch(how, stop, initial, states.disk.natural, out, outcome)
+    return out, outcome
 
 
 def smallest_tilt(

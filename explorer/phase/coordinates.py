@@ -53,16 +53,16 @@ def rates_to_states(
     tilt : array_like
         Angle between the disk's plane and the table (rad): 0 is flat, pi/2 is upright.
     tilt_rate : array_like
-        Rate of the tilt (rad per unit of time), positive where the disk rises.
+        Rate of the tilt (units of the disk), positive where the disk rises.
     precession : array_like
-        Rate at which the contact point turns about the vertical (rad per unit of time).
+        Rate at which the contact point turns about the vertical (units of the disk).
     spin : array_like
-        Angular velocity about the disk's own axis (rad per unit of time), as a gyroscope on it reads. A disk
+        Angular velocity about the disk's own axis (units of the disk), as a gyroscope on it reads. A disk
         that does not turn relative to the line of contact has face * precession * cos(tilt).
     face : array_like of +1 or -1
         Which face would come down: +1 for flat at phi = +pi/2, -1 for flat at phi = -pi/2.
     degrees : bool
-        Whether `tilt` is in degrees and all rates are in degrees per unit of time.
+        Whether `tilt` is in degrees and all rates are in degrees instead of rad.
 
     Returns
     -------
@@ -106,8 +106,8 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
         The disk.
     **coordinates
         Three or four arrays, which broadcast. phi : angle to the vertical (rad), 0 where it is left out. One of
-        phidot : its rate (rad per unit of time), or energy : which then gives phidot >= 0. And two of the rates
-        (rad per unit of time) sigma3 : with sigma4 : of eq. (2.14), or the constants of motion sigma3_bar : with
+        phidot : its rate (units of the disk), or energy : which then gives phidot >= 0. And two of the rates
+        (units of the disk) sigma3 : with sigma4 : of eq. (2.14), or the constants of motion sigma3_bar : with
         sigma4_bar : or with eta_hat : of face +1.
 
     Returns

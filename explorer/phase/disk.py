@@ -70,21 +70,21 @@ class Disk:
 
     def __post_init__(self) -> None:
         for key in ("m", "r", "g", "I1"):
-            object.__setattr__(self, key, positive(f"disk: {key}", getattr(self, key)))
-        object.__setattr__(self, "I3", number("disk: I3", self.I3, 0.0))
+            object.__setattr__(self, key, positive(f"--disk: {key}", getattr(self, key)))
+        object.__setattr__(self, "I3", number("--disk: I3", self.I3, 0.0))
         if self.I3 > 2.0 * self.I1 * (1.0 + _ROUNDING):
             raise InputError(
-                f"disk: I3 = {self.I3} exceeds 2 I1 = {2.0 * self.I1}, which no body has; "
+                f"--disk: I3 = {self.I3} exceeds 2 I1 = {2.0 * self.I1}, which no body has; "
                 "a flat one has I3 = 2 I1 exactly"
             )
         if not all(map(math.isfinite, (self.I1 / self._inertia_unit, self.rate_unit, self.energy_unit))):
-            raise InputError("disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
+            raise InputError("--disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
 
     @classmethod
     def annulus(cls, inner: float, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop)."""
         if not 0.0 <= inner <= 1.0:
-            raise InputError(f"disk: annulus inner over outer radius {inner} must lie between 0 and 1")
+            raise InputError(f"--disk: annulus inner over outer radius {inner} must lie between 0 and 1")
         axial = 0.5 * m * r * r * (1.0 + inner * inner)
         return cls(m, r, g, 0.5 * axial, axial, f"annulus-{inner:g}")
 
@@ -113,7 +113,7 @@ class Disk:
             return _named(made, rest)
         if head == "annulus":
             inner, _, scales = rest.partition(",")
-            return _named(cls.annulus(number("disk: annulus", inner), **_scales(scales)), scales)
+            return _named(cls.annulus(number("--disk: annulus", inner), **_scales(scales)), scales)
         if text.strip().endswith(".toml"):
             return cls._from_mapping(read_toml(Path(text.strip()), "--disk"), Path(text.strip()).stem)
         if "=" in text:
@@ -125,7 +125,7 @@ class Disk:
         _known(values, (*_SCALES, "I1", "I3", "name"))
         missing = [key for key in ("I1", "I3") if key not in values]
         if missing:
-            raise InputError(f"disk: {' and '.join(missing)} missing; give I1 and I3 (m, r, g default to 1)")
+            raise InputError(f"--disk: {' and '.join(missing)} missing; give I1 and I3 (m, r, g default to 1)")
         return cls(**{"name": name, **values, "I3": _axial(values["I1"], values["I3"])})
 
     @property
@@ -213,21 +213,21 @@ def _quantities(text: str) -> dict[str, str]:
     pairs = [item.partition("=") for item in text.split(",") if item.strip()]
     for key, equals, _ in pairs:
         if not equals:
-            raise InputError(f"disk: {key.strip()!r} says no quantity; write NAME=VALUE, as m=1,r=0.5")
+            raise InputError(f"--disk: {key.strip()!r} says no quantity; write NAME=VALUE, as m=1,r=0.5")
     return {key.strip(): value.strip() for key, _, value in pairs}
 
 
 def _known(values: dict[str, Any], known: tuple[str, ...]) -> None:
     for key in values:
         if key not in known:
-            raise InputError(f"disk: unknown quantity {key!r}; the known ones are {', '.join(known)}")
+            raise InputError(f"--disk: unknown quantity {key!r}; the known ones are {', '.join(known)}")
 
 
 def _scales(text: str) -> dict[str, float]:
     """m, r and g of a preset. Raises InputError."""
     values = _quantities(text)
     _known(values, (*_SCALES, "name"))
-    return {key: number(f"disk: {key}", value) for key, value in values.items() if key != "name"}
+    return {key: number(f"--disk: {key}", value) for key, value in values.items() if key != "name"}
 
 
 def _named(disk: Disk, text: str) -> Disk:
@@ -238,13 +238,13 @@ def _named(disk: Disk, text: str) -> Disk:
 def _axial(transverse: Any, axial: Any) -> Any:
     """I3 as it is meant: `flat` is 2 I1, and so is what exceeds it only by rounding of the last digit given."""
     if axial == "flat":
-        return 2.0 * number("disk: I1", transverse)
+        return 2.0 * number("--disk: I1", transverse)
     if isinstance(transverse, str) and isinstance(axial, str):
-        I1, I3 = number("disk: I1", transverse), number("disk: I3", axial)
+        I1, I3 = number("--disk: I1", transverse), number("--disk: I3", axial)
         excess = I3 - 2.0 * I1
         if 0.0 < excess <= _last_digit(transverse) + 0.5 * _last_digit(axial):
             note(
-                f"disk: I3 = {axial} is taken as 2 I1 = {2.0 * I1:.17g}, a flat body's, from which it is rounded",
+                f"--disk: I3 = {axial} is taken as 2 I1 = {2.0 * I1:.17g}, a flat body's, which it rounds",
                 False,
             )
             return 2.0 * I1
@@ -267,4 +267,4 @@ def require_axial_inertia(disk: Disk) -> None:
     """Raise InputError where I3 = 0: eta_hat = eta/(I3 r(0)) and the lines' slope need I3 > 0."""
     require_disk(disk)
     if not disk.body.I3 > 0.0:
-        raise InputError("disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")
+        raise InputError("--disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")

@@ -32,7 +32,7 @@ class Falls:
     face : (n,) array of int8
         Flat state whose line l_+- is nearer, +1 or -1; +1 where both are equally near.
     distance : (n,) array
-        Signed distance of (sigma3_bar, sigma4_bar) from that line, rad per unit of time. Its sign is that of
+        Signed distance of (sigma3_bar, sigma4_bar) from that line, units of the disk. Its sign is that of
         eta, the direction in which the contact point races.
     distance_plus, distance_minus : (n,) array
         The same for each line.

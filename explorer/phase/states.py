@@ -85,17 +85,17 @@ class States:
 
     @property
     def phidot(self) -> Array:
-        """Rate of phi (rad per unit of time)."""
+        """Rate of phi (units of the disk)."""
         return np.asarray(-self.rows.p * self.disk.rate_unit)
 
     @property
     def sigma3(self) -> Array:
-        """sigma3 of eq. (2.14) (rad per unit of time)."""
+        """sigma3 of eq. (2.14) (units of the disk)."""
         return np.asarray(self.rows.q * self.rows.rho * self.disk.rate_unit)
 
     @property
     def sigma4(self) -> Array:
-        """Spin sigma4 of eq. (2.14) (rad per unit of time)."""
+        """Spin sigma4 of eq. (2.14) (units of the disk)."""
         return np.asarray(self.rows.sigma4 * self.disk.rate_unit)
 
     def at(self, rows: NDArray[np.intp]) -> States:
@@ -120,7 +120,7 @@ def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLi
     phi : array_like
         Tilt (rad), -pi/2 < phi < pi/2, 0 at the vertical.
     phidot, sigma3, sigma4 : array_like
-        Rates of eq. (2.14), rad per unit of time. The arrays broadcast; the result is 1-D.
+        Rates of eq. (2.14), units of the disk. The arrays broadcast; the result is 1-D.
 
     Returns
     -------
@@ -165,7 +165,7 @@ def theta_to_states(
     theta : array_like
         Tilt (rad) from the flat state of `face`, 0 < theta < pi.
     thetadot, sigma3, sigma4 : array_like
-        Rates, rad per unit of time. The arrays broadcast; the result is 1-D.
+        Rates, units of the disk. The arrays broadcast; the result is 1-D.
     face : array_like
         Flat state that theta is measured from, +1 or -1.
 
@@ -205,11 +205,11 @@ def constants_to_states(
     disk : Disk
         The body, with I3 > 0.
     sigma3_bar : array_like
-        Constant of motion of eq. (3.5), which at the vertical is sigma3; rad per unit of time.
+        Constant of motion of eq. (3.5), which at the vertical is sigma3; units of the disk.
     eta_hat : array_like
-        Signed distance from the line of `face`, eq. (6.2), rad per unit of time.
+        Signed distance from the line of `face`, eq. (6.2), units of the disk.
     phidot : array_like
-        Speed at the vertical, rad per unit of time. The arrays broadcast; the result is 1-D.
+        Speed at the vertical, units of the disk. The arrays broadcast; the result is 1-D.
     face : array_like
         Flat state whose line is meant, +1 or -1.
 

@@ -81,7 +81,7 @@ def race_deviation(
     cells : mapping of (int, int) to int
         How many samples lie in each cell (i, j) of `explorer.measure.log_counts.count_cells`.
     impact_speed : float
-        For which the law is drawn, rad per unit of time; best the samples' median.
+        For which the law is drawn, units of the disk; best the samples' median.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 

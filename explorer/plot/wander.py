@@ -156,7 +156,7 @@ def wander_radius(
     ----------
     disk : Disk
     sigma3_bar : array (n)
-        Of the motions, rad per unit of time.
+        Of the motions, units of the disk.
     wander : Wander
         From `explorer.portrait.wander.wander`, of the same motions.
     resonances : mapping of int to float, optional

@@ -69,9 +69,9 @@ def film(
     ----------
     disk : Disk
     eta_hat : float
-        Distance from F of both motions, without its sign, rad per unit of time.
+        Distance from F of both motions, without its sign, units of the disk.
     sigma3_bar, phidot : float
-        At the vertical, where both start in the same place with chi = 0; rad per unit of time. With more than
+        At the vertical, where both start in the same place with chi = 0; units of the disk. With more than
         one bounce the motion with eta < 0 has another phidot, for which both have the same period: they lie
         down together every time.
     frames : int

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from explorer.errors import InputError, number
+from explorer.errors import InputError, number, sign
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
 from explorer.phase.membership import require_well
@@ -294,7 +294,7 @@ class Potential:
         return Component(energy, _phi(y[0], ends[0]), _phi(y[1], ends[1]), ends, y)
 
     def curve(self, component: Component, points: int = _POINTS) -> tuple[Array, Array]:
-        """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, rad per unit of time."""
+        """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, units of the disk."""
         low, high = component.y
         # Dense towards both ends, where phidot vanishes like a square root
         angle = np.linspace(0.0, np.pi, points + int(2.0 * (high - low)))
@@ -327,15 +327,13 @@ class Potential:
 
 
 def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) -> Potential:
-    """V at eta_hat beside the line l_+ (face -1: l_-), on it where eta_hat = 0. In rad per unit of time."""
-    if face not in (1, -1):
-        raise InputError(f"face = {face!r} must be 1 (l_+) or -1 (l_-)")
+    """V at eta_hat beside the line l_+ (face -1: l_-), on it where eta_hat = 0. In units of the disk."""
     bar, eta = _constant("sigma3_bar", sigma3_bar), _constant("eta_hat", eta_hat)
-    return Potential(disk, bar / disk.rate_unit, eta / disk.rate_unit, face)
+    return Potential(disk, bar / disk.rate_unit, eta / disk.rate_unit, sign("face", face))
 
 
 def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
-    """V at given sigma3_bar, sigma4_bar (rad per unit of time), seen from the nearer line.
+    """V at given sigma3_bar, sigma4_bar (units of the disk), seen from the nearer line.
 
     Constants on that line to rounding count as on it; `on_line` takes any distance.
     """

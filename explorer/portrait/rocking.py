@@ -50,7 +50,7 @@ class Rocking:
 def rocking(disk: Disk, excess: ArrayLike = EXCESS, eta_hat: float = ETA_HAT) -> Rocking:
     """Turn of chi per bounce at energies V_0 + excess 3/2 m g r theta_0, by quadrature (eqs 3.12, 3.13).
 
-    excess above 1; eta_hat: rad per unit of time, not 0, so small that the motions stay within 0.1 rad.
+    excess above 1; eta_hat: units of the disk, not 0, so small that the motions stay within 0.1 rad.
     sigma3_bar is of the size of eta_hat ln(eta_hat): the limit curve does not depend on it.
     """
     require_axial_inertia(disk)

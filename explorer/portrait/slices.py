@@ -135,7 +135,7 @@ def map_slice(disk: Disk, where: Slice, points: int, method: str = "auto") -> Sl
 class ConstantsPlane:
     """The flattest of a run's samples over the plane of constants of motion.
 
-    sigma3_edges, sigma4_edges: edges of the cells (rad per unit of time). smallest: least theta_min in each cell
+    sigma3_edges, sigma4_edges: edges of the cells (units of the disk). smallest: least theta_min in each cell
     (rad), NaN where there is none. slope: sigma4_bar / sigma3_bar on l_+. method: as in `SliceMap`.
     """
 

@@ -2,7 +2,7 @@
 
 At a tilt phi a steady motion is fixed by its precession dchi/dt = sigma3/cos^2 phi, since V' = 0 is linear in
 sigma4 then. So all of them are a surface over (phi, precession), but for straight rolling (both zero, any sigma4).
-They are stable iff V'' > 0. Rates in rad per unit of time, angles in rad, lengths in the units of the disk.
+They are stable iff V'' > 0. Rates in units of the disk, angles in rad, lengths in the units of the disk.
 """
 
 import math
@@ -183,7 +183,7 @@ def _sign_change(f: Callable[[float], float], high: float) -> float:
 
 
 def thresholds(disk: Disk) -> dict[str, dict[str, float]]:
-    """Thresholds from V and from the closed forms, and sigma3_bar* of the well; rad per unit of time."""
+    """Thresholds from V and from the closed forms, and sigma3_bar* of the well; units of the disk."""
     angle, most = well(disk)
     lean, radius = _CIRCLE[0], _CIRCLE[1] * disk.r
     measured = measured_thresholds(disk, lean, radius)

@@ -77,7 +77,7 @@ def resonance(
 ) -> tuple[float, States]:
     """sigma3_bar in `between` for which chi(tau) is `turns` whole turns, and the state at the vertical.
 
-    eta_hat (on face +1), phidot at the vertical, sigma3_bar: rad per unit of time. Root-finding (Brent) on
+    eta_hat (on face +1), phidot at the vertical, sigma3_bar: units of the disk. Root-finding (Brent) on
     chi(tau) by quadrature; the two ends must lie on different sides of the resonance.
     """
 

@@ -6,7 +6,6 @@ writes, the readers take back.
 """
 
 import math
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -104,11 +103,6 @@ def type_words(hint: Any) -> str:
         return " or ".join(dict.fromkeys(word for part in parts for word in part.split(" or ") if word))
     origin = get_origin(hint) or hint
     return "" if hint is NoneType else _WORDS.get(origin, origin.__name__)
-
-
-def in_python(text: str) -> str:
-    """A sentence of --help as Python says it: --theta-min is `theta_min`."""
-    return re.sub(r"--([a-z][a-z0-9-]*)", lambda found: f"`{found[1].replace('-', '_')}`", text)
 
 
 def as_json(value: Any) -> Any:

@@ -46,7 +46,7 @@ class View:
         """The page as text."""
         name, bodies = _bodies(self.disk)
         unit = self.disk.rate_unit
-        note = "" if unit == 1.0 else f"√(g/r) is {unit:.4g} rad per unit of time of this disk"
+        note = "" if unit == 1.0 else f"√(g/r) is {unit:.4g} in the units of this disk"
         return assemble({"bodies": bodies, "start": {"disk": name, **asdict(self.start)}, "note": note})
 
     def save(self, path: str | Path) -> Path:
@@ -111,12 +111,12 @@ def view(
     disk : Disk or str
         The body, or its name as on the command line: uniform, hoop, matching, annulus:RATIO.
     sigma3_bar : float
-        sigma3 at the vertical (rad per unit of time).
+        sigma3 at the vertical (units of the disk).
     eta_hat : float
-        Distance beside F on `face` (rad per unit of time), not 0. Its sign is the side, on which the contact
+        Distance beside F on `face` (units of the disk), not 0. Its sign is the side, on which the contact
         point races by +kappa pi or -kappa pi; the motion at -eta_hat is shown beside it.
     phidot : float
-        Speed at the vertical towards the flat state of `face` (rad per unit of time).
+        Speed at the vertical towards the flat state of `face` (units of the disk).
     face : int
         The flat state that is meant, +1 or -1.
     states : States or result, optional

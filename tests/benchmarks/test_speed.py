@@ -13,7 +13,7 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer import compiled
-from explorer.commands.trade import STAGES, Solved, Work
+from explorer.commands.trade import STAGES, Work
 from explorer.phase.states import constants_to_states
 from kernels.disk.constants import constants_of
 from kernels.disk.field import column
@@ -35,12 +35,10 @@ def work():
 
 @pytest.mark.parametrize(("method", "setting", "steps", "error"), INTEGRATORS)
 def test_integration_of_passages(benchmark, work, method, setting, steps, error):
-    results = Solved(work, method, setting)
-    results.solve()
-    benchmark(results.solve)
-    assert (results.status == 0).all()
-    assert int(results.steps.sum()) == steps
-    p99 = float(np.percentile(work.errors(results.out), 99))
+    out, outcome = benchmark(work.solve, method, setting)
+    assert (outcome.status == 0).all()
+    assert int(outcome.steps.sum()) == steps
+    p99 = float(np.percentile(work.errors(out), 99))
     assert p99 <= error
     benchmark.extra_info |= {"p99 error": p99, "evaluations per passage": STAGES[method] * steps / SAMPLES}
 

@@ -15,6 +15,7 @@ from explorer.errors import (
     one_of,
     positive,
     read_range,
+    sign,
     suggest,
     whole,
     words_of_the_command,
@@ -151,3 +152,10 @@ def test_messages_speak_the_words_of_their_reader(command, python):
         assert str(error) == python
         with words_of_the_command():
             assert str(error) == command
+
+
+def test_a_face_is_read_as_any_number_is():
+    assert [sign("--face", value) for value in ("1", "-1e0", 1.0, np.int64(-1))] == [1, -1, 1, -1]
+    for wrong in ("0", 2, "plus", float("nan"), None, True):
+        with pytest.raises(InputError, match="face"):
+            sign("--face", wrong)

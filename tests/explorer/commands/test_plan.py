@@ -26,6 +26,23 @@ def test_a_scene_file_is_planned_as_it_would_run(tmp_path, capsys):
     assert "accuracy     0.0001" in out
 
 
+def test_a_scene_that_follows_no_motion_has_no_method_of_integration(capsys):
+    assert main(["plan", "portrait", "--method", "dop853"]) == 0
+    out = capsys.readouterr().out
+    assert "method       algebra" in out
+    assert "quadrature" not in out
+    assert "dop853" not in out
+
+
+@pytest.mark.parametrize("line", ['eta_hat = "1e-2:1e-6"', "colour = 1", "samples = 0"])
+def test_a_scene_file_that_would_not_run_is_refused(line, tmp_path, capsys):
+    file = tmp_path / "scene.toml"
+    file.write_text(f'scene = "race-angles"\njobs = 1\nout = "there"\n{line}\n')
+    assert main(["plan", str(file)]) == main(["run", str(file)]) == 2
+    planned, ran = capsys.readouterr().err.splitlines()
+    assert planned.replace("plan", "run") == ran
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
