@@ -138,7 +138,7 @@ def test_scales_of_presets_that_cannot_be_read_are_named(text, message):
 
 
 @pytest.mark.parametrize(
-    "text", ["coin", "uniform:m=x", "uniform:q=1", "annulus:2", "I1=1", "I1=1,I3=3", "m=-1,I1=1,I3=1"]
+    "text", ["coin", "uniform:m=x", "uniform:q=1", "annulus:2", "I1=1", "I1=1,I3=5", "m=-1,I1=1,I3=1"]
 )
 def test_a_disk_that_cannot_be_read_is_named_as_the_command_line_knows_it(text, capsys):
     assert main(["passage", "--disk", text, "--sigma3-bar=1", "--eta-hat=1e-3", "--phidot=1"]) == 2
