@@ -1,22 +1,35 @@
 """What users are told, and the readers of what users write.
 
-Every message names the argument, the value and the remedy. It is written in the words of the command line and says
-the same in the words of Python, unless the command line is at work. A reader takes a value as it comes from the
-command line, a TOML file or Python, and returns it with its proper type; what cannot be used raises InputError.
-Text is read as a number, a number of numpy like one of Python, and a bool never counts as a number.
+Every message names the argument, the value and the remedy, in at most 300 characters. It is written in the words
+of the command line and says the same in the words of Python, unless the command line is at work. Public functions,
+the command line and files from users have their arguments read here: a reader returns the value with its proper
+type, raises InputError for what it cannot use, and never changes what it was given.
+
+Numbers are those of Python and numpy, and text in plain digits; never a bool, bytes, a date or a complex number.
+Readers of arrays, states and disks, which need numpy, are in `phase.arguments`, `phase.states` and `phase.disk`.
 """
 
 import contextlib
 import math
+import os
 import re
+import stat
 import sys
 import tomllib
+import warnings
 from collections.abc import Collection, Iterator
+from decimal import Decimal
 from difflib import get_close_matches
-from numbers import Integral
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
+MOST_JOBS = 1024  # threads or processes: more only take memory
+_LONGEST = 300  # characters of a message
+_SHOWN = 60  # characters of a value in it
+_LARGEST_TOML = 1 << 20  # bytes
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(inf|infinity|nan)", re.ASCII | re.IGNORECASE)
+_WHOLE = re.compile(r"[+-]?\d{1,400}", re.ASCII)
 # How a remedy of the command line is written in Python, the longest first.
 _PYTHON = (
     (r"nearflat (resume|verify) ([^\s;,)`]+)", r'ex.open("\2").\1()'),
@@ -58,6 +71,8 @@ class _Told:
 class InputError(_Told, ValueError):
     """An argument cannot be used. The command line exits with status 2.
 
+    Its message has at most 300 characters; of a longer one the middle is left out.
+
     Examples
     --------
     >>> import explorer as ex
@@ -67,6 +82,9 @@ class InputError(_Told, ValueError):
     ...     print(str(error)[:26])
     disk 'unifrom' is not know
     """
+
+    def __str__(self) -> str:
+        return shorten(super().__str__(), _LONGEST)
 
 
 class RunError(_Told, RuntimeError):
@@ -100,12 +118,35 @@ def note(text: str, quiet: bool) -> None:
         print(in_words(text), file=sys.stderr, flush=True)
 
 
+def shorten(text: str, most: int) -> str:
+    """The text, without its middle where it is longer than `most` characters; nothing in it ends a line."""
+    plain = "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text[: 20 * most])
+    if len(text) <= 20 * most and len(plain) <= most:
+        return plain
+    end = text[-most // 2 :] if len(text) > 20 * most else plain[-most // 2 :]
+    end = "".join(c if c.isprintable() else " " for c in end)
+    return f"{plain[: most - 3 - len(end)]}...{end}"
+
+
+def shown(value: Any) -> str:
+    """A value as an error shows it: what it is where it is long, never more than a line."""
+    if getattr(value, "ndim", 0) and getattr(value, "shape", None):
+        return f"{type(value).__name__} of shape {value.shape} {getattr(value, 'dtype', '')}".rstrip()
+    if isinstance(value, list | tuple | dict | set | bytes | bytearray) and len(value) > _SHOWN:
+        return f"{type(value).__name__} of {len(value)}"
+    if isinstance(value, int) and abs(value) >= 10**_SHOWN:
+        return f"an integer of some {int(value.bit_length() * math.log10(2.0)) + 1} digits"
+    try:
+        return shorten(repr(value), _SHOWN)
+    except Exception:  # whatever a foreign object does when it is asked for its text
+        return f"an object of type {type(value).__name__}"
+
+
 def said(name: str, value: Any) -> str:
     """An argument with its value as the user wrote it: "--samples 0" or "samples = 0"."""
     name = in_words(name)
-    if name.startswith("--"):
-        return f"{name} {value}"
-    return f"{name} = {value if isinstance(value, str) else repr(value)}"
+    text = shorten(value, _SHOWN) if isinstance(value, str) else shown(value)
+    return f"{name} {text}" if name.startswith("--") else f"{name} = {text}"
 
 
 def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:
@@ -125,14 +166,38 @@ def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf
     InputError
         Where `value` is no finite number from `low` to `high`. The message names all three.
     """
-    try:
-        plain = value.item() if hasattr(value, "item") else value  # a scalar of numpy, or an array of one element
-        read = math.nan if isinstance(plain, bool) else float(plain)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{said(name, value)} is not a number; give {_numbers(low, high)}") from None
+    read = double_of(plain_number(value))
+    if read is None:
+        raise InputError(f"{said(name, value)} is not a number; give {_numbers(low, high)}")
     if not (math.isfinite(read) and low <= read <= high):
         raise InputError(f"{said(name, value)} must be {_numbers(low, high)}")
     return read
+
+
+def plain_number(value: Any) -> Any:
+    """A scalar of numpy, or an array of one element, as a number of Python; a date as it is."""
+    if getattr(getattr(value, "dtype", None), "kind", "f") in "mM" or getattr(value, "mask", False) is True:
+        return None
+    try:
+        return value.item() if hasattr(value, "item") and not isinstance(value, type) else value
+    except Exception:  # more than one element, or a foreign object's own way to fail
+        return None
+
+
+def double_of(value: Any) -> float | None:
+    """A number of Python as a double; None where it is no real number, or a long double that is no double."""
+    if isinstance(value, str):
+        return float(value) if len(value) < 1000 and _NUMBER.fullmatch(value.strip()) else None
+    if isinstance(value, bool) or not isinstance(value, Real | Decimal):
+        return None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # numpy's, where a long double exceeds doubles
+            read = float(value)
+    except (ValueError, ArithmeticError):
+        return math.inf  # an integer or a fraction beyond doubles
+    cut = type(value).__name__ == "longdouble" and read == read and read != value
+    return None if cut else read
 
 
 def positive(name: str, value: Any) -> float:
@@ -151,10 +216,11 @@ def whole(name: str, value: Any, low: int = 0, high: int | None = None) -> int:
     InputError
         Where `value` is not such a number. The message names `value`, `low` and `high`.
     """
-    if not isinstance(value, bool) and isinstance(value, Integral):
-        read = int(value)
-    elif isinstance(value, str) and value.strip().lstrip("+-").isdigit():
-        read = int(value)  # exact, also beyond the whole numbers that doubles hold
+    plain = plain_number(value)
+    if not isinstance(plain, bool) and isinstance(plain, Integral):
+        read = int(plain)
+    elif isinstance(plain, str) and _WHOLE.fullmatch(plain.strip()):
+        read = int(plain)  # exact, also beyond the whole numbers that doubles hold
     else:
         given = number(name, value)
         read = int(given)
@@ -173,24 +239,68 @@ def sign(name: str, value: Any) -> int:
     return int(read)
 
 
+def jobs_of(name: str, value: Any) -> int:
+    """Read a number of workers. Raises InputError."""
+    return whole(name, value, 1, MOST_JOBS)
+
+
 def flag(name: str, value: Any) -> bool:
     """Read True or False. Raises InputError."""
-    if not isinstance(value, bool):
+    if not isinstance(value, bool) and type(value).__name__ != "bool":  # numpy has one of its own
         raise InputError(f"{said(name, value)} must be true or false")
-    return value
+    return bool(value)
 
 
 def one_of(name: str, value: Any, known: Collection[str]) -> str:
     """Read one of the words `known`. Raises InputError with the nearest of them."""
     if not isinstance(value, str) or value not in known:
-        raise InputError(f"{name} {value!r} is not known; {suggest(value, known)}")
+        raise InputError(f"{name} {shown(value)} is not known; {suggest(value, known)}")
     return value
+
+
+def word(name: str, value: Any) -> str:
+    """Read a name that may stand in the name of a file: up to 80 printable characters. Raises InputError."""
+    if not isinstance(value, str) or not 0 < len(value) <= 80 or value.startswith(".") or value != value.strip():
+        raise InputError(f"{said(name, value)} is no name; give up to 80 letters, digits or signs")
+    if not value.isprintable() or set(value) & set('/\\:*?"<>|'):
+        raise InputError(
+            f"{said(name, value)} is no name: it stands in names of files; leave out its special signs"
+        )
+    return value
+
+
+def path_of(name: str, value: Any) -> Path:
+    """Read a path: text or a Path that a file system could hold. Raises InputError."""
+    if not isinstance(value, str | os.PathLike):
+        raise InputError(f"{said(name, value)} is no path; give text or a Path")
+    text = os.fspath(value)
+    if not isinstance(text, str) or not text or "\0" in text:
+        raise InputError(f"{said(name, value)} is no path; give text that is not empty and has no NUL")
+    parts = Path(text).parts
+    if len(text) > 4000 or any(len(part.encode(errors="replace")) > 255 for part in parts):
+        raise InputError(f"{name} {shorten(text, _SHOWN)} is too long for a path; give a shorter one")
+    return Path(text)
+
+
+def regular_file(name: str, path: Path, largest: float = math.inf) -> Path:
+    """Check that a path is a plain file of so many bytes at most, before it is opened. Raises InputError."""
+    try:
+        found = path.stat()
+    except (OSError, ValueError) as error:
+        fault = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{name} {shorten(str(path), 120)}: cannot be read ({fault})") from None
+    if not stat.S_ISREG(found.st_mode):
+        raise InputError(f"{name} {shorten(str(path), 120)}: cannot be read (is no file of its own)")
+    if found.st_size > largest:
+        most = f"{largest:,.0f} is the most that is read"
+        raise InputError(f"{name} {shorten(str(path), 120)}: has {found.st_size:,} bytes; {most}")
+    return path
 
 
 def suggest(value: Any, known: Collection[str]) -> str:
     """The end of a message about an unknown word: the word that was probably meant, and all that are known."""
-    near = get_close_matches(str(value), known, n=1)
-    return (f"did you mean {near[0]!r}? " if near else "") + f"known: {', '.join(known)}"
+    near = get_close_matches(value[:100], known, n=1) if isinstance(value, str) else []
+    return (f"did you mean {near[0]!r}? " if near else "") + f"known: {shorten(', '.join(known), 160)}"
 
 
 def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, float]:
@@ -215,26 +325,27 @@ def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, f
     if isinstance(value, str) and len(ends) == 1:
         ends *= 2
     if not isinstance(ends, list | tuple) or len(ends) != 2:
-        raise InputError(f"{name} {value!r} is not a range; give {form}")
+        raise InputError(f"{name} {shown(value)} is not a range; give {form}")
     try:
         low, high = (
             bound if unbounded and (end is None or end in ("", bound)) else number(name, end)
             for end, bound in zip(ends, (-math.inf, math.inf), strict=True)
         )
     except InputError:
-        raise InputError(f"{name} {value!r} is not a range; give {form} with finite numbers") from None
+        raise InputError(f"{name} {shown(value)} is not a range; give {form} with finite numbers") from None
     if low > high:
         raise InputError(f"{name} {low:g}:{high:g} is empty; give {form}, the smaller number first")
     return low, high
 
 
 def read_toml(path: Path, option: str) -> dict[str, Any]:
-    """The content of a TOML file. Raises InputError naming the option and the file."""
+    """The content of a TOML file of at most 1 MB. Raises InputError naming the option and the file."""
+    regular_file(option, path_of(option, path), _LARGEST_TOML)
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f"{option} {path}: cannot be read ({error.strerror})") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{option} {path}: not valid TOML ({error})") from None
 
 

@@ -11,6 +11,7 @@ file of this package and of the compiler's version: new code, new folder.
 
 import hashlib
 import os
+import stat
 import sys
 import tempfile
 import threading
@@ -165,17 +166,34 @@ def cache_folder() -> Path | None:
     base = Path(chosen) if chosen else _user_cache()
     folder = base / f"nearflat-{source_digest()[:16]}"
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
-    except OSError as error:
-        warnings.warn(
-            f"no cache for compiled code: {folder} cannot be written ({error.strerror}); "
-            "set NUMBA_CACHE_DIR to a folder that can",
-            RuntimeWarning,
-            stacklevel=2,
-        )
-        return None
+        base.mkdir(mode=0o700, parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, exist_ok=True)
+        fault = _unsafe(folder)
+        if fault is None:
+            with tempfile.TemporaryFile(dir=folder):
+                return folder
+        remedy = f"remove {folder}, or set NUMBA_CACHE_DIR to a folder of your own"
+    except (OSError, ValueError) as error:
+        fault = f"{folder} cannot be written ({getattr(error, 'strerror', None) or error})"
+        remedy = "set NUMBA_CACHE_DIR to a folder that can"
+    warnings.warn(f"no cache for compiled code: {fault}; {remedy}", RuntimeWarning, stacklevel=2)
+    return None
+
+
+def _unsafe(folder: Path) -> str | None:
+    """Why nothing is loaded from this folder, or None: compiled code is a pickle, and runs as whoever loads it."""
+    if os.name != "posix":
+        return None  # its folders are private by the rights of the profile, which a mode does not show
+    user, others = os.geteuid(), stat.S_IWGRP | stat.S_IWOTH
+    for found in (folder.lstat(), folder.stat()):
+        if found.st_uid != user:
+            return f"{folder} belongs to another user"
+    if folder.stat().st_mode & others:
+        return f"{folder} can be written by other users"
+    above = folder.parent.stat()
+    if above.st_mode & others and not above.st_mode & stat.S_ISVTX:
+        return f"{folder.parent} can be written by other users, who may replace what is in it"
+    return None
 
 
 def _user_cache() -> Path:

@@ -4,7 +4,23 @@ from enum import IntEnum
 
 
 class Status(IntEnum):
-    """Outcome of one sample. Kernels never raise; they return one of these."""
+    """Outcome of one sample. Kernels never raise; they return one of these.
+
+    Attributes
+    ----------
+    sentence : str
+        What happened.
+    remedy : str
+        What the caller can do about it.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.Status(7).name
+    'UNRESOLVED_SIDE'
+    >>> ex.Status.STEP_LIMIT.remedy
+    "Ask for less accuracy by `accuracy`, or leave `method` at 'auto'."
+    """
 
     OK = 0
     FALLS = 1
@@ -26,31 +42,35 @@ class Status(IntEnum):
         return _TEXTS[self][1]
 
 
+# A remedy is something that every call which returns the status lets its caller do.
 _TEXTS = {
     Status.OK: ("The sample was computed to the accuracy asked.", "Nothing to do."),
     Status.FALLS: (
         "The state lies on the falling set to rounding: the disk falls flat in finite time.",
-        "Use the one-sided limit motions to continue it.",
+        "Go on from there by `limit_motion`, once for each side.",
     ),
     Status.BAD_INPUT: (
-        "The initial state is not a number, is infinite, or is already flat.",
-        "Give finite values with -pi/2 < phi < pi/2.",
+        "The numbers given are no state: not finite, too large, already flat, or a face other than +1 and -1.",
+        "Give finite numbers below 1e100 natural units, -pi/2 < phi < pi/2 and a speed towards flat of 0 or more.",
     ),
     Status.STEP_LIMIT: (
         "The work allowed ended before the event or the accuracy asked: a slow start, or an equilibrium near.",
-        "Raise the step cap, or ask for less accuracy.",
+        "Ask for less accuracy by `accuracy`, or leave `method` at 'auto'.",
     ),
-    Status.STEP_TOO_SMALL: ("The step size fell below what rounding allows.", "Ask for less accuracy."),
+    Status.STEP_TOO_SMALL: (
+        "The step size fell below what rounding allows.",
+        "Ask for less accuracy by `accuracy`, or leave `method` at 'auto'.",
+    ),
     Status.NOT_FINITE: (
         "The integration overflowed or became undefined.",
-        "Use a smaller step or the adaptive method.",
+        "Start from slower rates, or leave `method` at 'auto'.",
     ),
     Status.INVARIANT_DRIFT: (
         "A constant of motion drifted further than the accuracy asked allows.",
-        "Use a smaller step, a tighter accuracy, or the adaptive method.",
+        "Leave `method` at 'auto'; with a fixed step ask for more accuracy by `accuracy`.",
     ),
     Status.UNRESOLVED_SIDE: (
         "The error in eta is not small against eta, so the direction of the race is unknown.",
-        "Ask for more accuracy, or stay further from the falling set.",
+        "Give eta_hat as a number of its own, by `constants_to_states` or `passages`, or stay further from F.",
     ),
 }

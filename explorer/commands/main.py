@@ -59,6 +59,11 @@ COMMANDS = {
         "Say which model and method `run` would choose for a scene, and why; compute nothing.",
         "race-angles --accuracy 1e-9",
     ),
+    "columns": Command(
+        lambda: import_module("explorer.commands.columns"),
+        "Say what every column of results and stored runs means, and every status.",
+        "race-angles",
+    ),
     "trade": Command(
         lambda: import_module("explorer.commands.trade"),
         "Measure error and cost of every method on this machine; `--accuracy` and `--method auto` use it.",

@@ -16,8 +16,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from explorer import compiled
@@ -38,6 +40,7 @@ from explorer.measure.sampling import Box, Range
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart
 from explorer.phase.membership import barrier, well
+from explorer.phase.results import Table
 from explorer.phase.states import Array
 
 _ROUNDING = 1e-13  # relative, of a sum of some 10^5 positive terms and of the solutions in it
@@ -49,8 +52,8 @@ _STEP = 1e-5  # rad; of a central difference, whose error is 1e-10 and whose rou
 _AT_ONCE = 32  # tilts, where the integral over phidot is closed; else its nodes take their place in memory
 
 
-@dataclass(frozen=True)
-class FallingConstant:
+@dataclass(frozen=True, repr=False)
+class FallingConstant(Table):
     """The constant C of P(theta_min < delta) = C delta, per radian of tilt.
 
     Attributes
@@ -79,6 +82,10 @@ class FallingConstant:
     plus: float
     minus: float
     mass: float
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        """The numbers as columns of one row."""
+        return {name: np.array([value]) for name, value in vars(self).items()}
 
 
 def falling_constant(

@@ -9,38 +9,46 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError
+from explorer.errors import InputError, number, whole
 from explorer.measure.density import Density
 from explorer.measure.sampling import Box, chunk_stream
 from explorer.measure.statistics import either_p
 from explorer.motion.trajectories import simulate
-from explorer.phase.disk import Disk
-from explorer.phase.states import COORDINATES, Array, States, phi_to_states
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.results import Result
+from explorer.phase.states import COORDINATES, Array, States, phi_to_states, require_states
 
 _ACCURACY = 1e-6  # of the motions (rad), far below what a test of some thousand states can see
 _PARTS = 3  # of each coordinate, in the test of all four together: 81 cells
 _FEWEST = 20  # states in a cell of both samples; with fewer its share of chi-square is not distributed so
+_MOST_STEPS, _MOST_WORK = 10**7, 10**9  # the latter take some minutes
+_MOST_SAMPLES = 10**7  # of a test; their coordinates take a gigabyte
 _HIGHEST = 3.0  # energy over m g r, up to which states are drawn unless the user says otherwise
 
 
-@dataclass(frozen=True)
-class Stretch:
-    """The flow's derivative along motions.
+@dataclass(frozen=True, repr=False, eq=False)
+class Stretch(Result):
+    """The flow's derivative along motions, arrays of the states' shape: what `flow_stretch` returns.
 
     Attributes
     ----------
-    time : (n,) array
+    time : array
         For which each motion was followed, in the units of the disk.
-    matrix : (n, 4, 4) array
+    matrix : (..., 4, 4) array
         Derivative of (phi, phidot, sigma3, sigma4) at that time by the same at the start, natural units. NaN for
         states that are bad input.
-    determinant : (n,) array
+    determinant : array
         1 for a measure that is invariant.
-    rounding : (n,) array
+    rounding : array
         Order of magnitude of the determinant's rounding error. It grows near flat, where the flow stretches one
         direction and shrinks another.
+    status : array of int8
+        `Status` of each state; NOT_FINITE where the numbers overflow on the way.
+    states : States
+        The states; tables have their phi, phidot, sigma3 and sigma4 as columns.
 
     Examples
     --------
@@ -54,6 +62,8 @@ class Stretch:
     matrix: Array
     determinant: Array
     rounding: Array
+    status: NDArray[np.int8]
+    states: States
 
 
 def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretch:
@@ -88,19 +98,26 @@ def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretc
     >>> round(float(stretch.determinant[0]), 9)
     1.0
     """
-    if not (steps >= 1 and 0.0 < step <= 1.0):
-        raise InputError(f"steps = {steps}, step = {step}: give at least one step, 0 < step <= 1")
-    n, disk = len(states), states.disk
+    require_states(states)
+    steps, step = whole("steps", steps, 1, _MOST_STEPS), number("step", step, high=1.0)
+    if not step > 0.0:
+        raise InputError(f"step = {step:g}: give a number above 0, 1 at most")
+    if steps * len(states) > _MOST_WORK:
+        raise InputError(f"steps = {steps} for {len(states):,} states; give up to {_MOST_WORK:,} steps in all")
+    n, disk, code = len(states), states.disk, compiled.status.Status
     matrix, ends = np.empty((n, 4, 4)), np.empty((6, n))
     compiled.variation.variation_batch(states.natural, step, steps, disk.body, matrix, ends)
-    matrix[states.status != compiled.status.Status.OK] = np.nan
-    size = abs(matrix).max(axis=(1, 2))
-    return Stretch(
-        ends[compiled.field.ROW.t] * disk.time_unit, matrix, np.linalg.det(matrix), 2.2e-16 * steps * size
-    )
+    time = ends[compiled.field.ROW.t] * disk.time_unit
+    with np.errstate(all="ignore"):
+        determinant, size = np.linalg.det(matrix), abs(matrix).max(axis=(1, 2), initial=0.0)
+    finite = np.isfinite(time) & np.isfinite(determinant) & np.isfinite(size)
+    status = np.where((states.status == code.OK) & ~finite, code.NOT_FINITE, states.status).astype(np.int8)
+    for found in (time, matrix, determinant, size):
+        found[status != code.OK] = np.nan
+    return Stretch(time, matrix, determinant, 2.2e-16 * steps * size, status, states).reshaped(states.shape)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False, eq=False)
 class Pushed:
     """Two samples of one measure, one of them pushed forward by the flow, and the test that they agree.
 
@@ -129,6 +146,13 @@ class Pushed:
     p_values: dict[str, float]
     p_value: float
     failed: int
+
+    def __repr__(self) -> str:
+        each = ", ".join(f"{name} {p:.3g}" for name, p in self.p_values.items())
+        return (
+            f"Pushed: {self.still.shape[1]:,} states still, {self.pushed.shape[1]:,} moved, {self.failed} failed"
+            f"\n  p_value: {self.p_value:.3g} ({each})"
+        )
 
 
 def push_forward(
@@ -164,7 +188,12 @@ def push_forward(
     >>> pushed.p_value > 0.01, pushed.failed
     (True, 0)
     """
-    density = energy_density(disk, _HIGHEST * disk.energy_unit if energy is None else energy)
+    require_axial_inertia(disk)
+    time, seed = number("time", time, 0.0), whole("seed", seed)
+    if not time > 0.0:
+        raise InputError("time = 0: give a time above 0")
+    samples = whole("samples", samples, _FEWEST, _MOST_SAMPLES)
+    density = energy_density(disk, _HIGHEST * disk.energy_unit if energy is None else number("energy", energy))
     still, start = (density.draw(disk, chunk_stream(seed, index), samples) for index in (0, 1))
     states = phi_to_states(disk, **start)
     motions = simulate(states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY)

@@ -10,7 +10,7 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import whole
+from explorer.errors import InputError, jobs_of, whole
 from explorer.motion.passages import FLOOR
 from explorer.motion.passages_by_integration import LENIENCE
 from explorer.motion.passages_by_quadrature import fall_from_vertical
@@ -24,6 +24,7 @@ from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 
 MOST = 100_000  # bounces of one state in one call: some ten megabytes for each column
+_MOST_ROWS = 10**8  # of all states: a gigabyte for each column
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -57,6 +58,8 @@ class Bounces(Result):
         Of the angles (rad) and of the duration (relative), whichever is larger.
     status : array of int8
         `Status` of each state.
+    states : States
+        The states; tables have their phi, phidot, sigma3 and sigma4 as columns.
 
     Examples
     --------
@@ -80,6 +83,7 @@ class Bounces(Result):
     duration: Array
     error_estimate: Array
     status: NDArray[np.int8]
+    states: States
 
 
 def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 1) -> Bounces:
@@ -130,7 +134,9 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
     """
     require_states(states)
     require_axial_inertia(states.disk)
-    count, jobs = whole("count", count, 1, MOST), whole("jobs", jobs, 1)
+    count, jobs = whole("count", count, 1, MOST), jobs_of("jobs", jobs)
+    if count * len(states) > _MOST_ROWS:
+        raise InputError(f"count = {count} for {len(states):,} states; give up to {_MOST_ROWS:,} bounces at once")
     how = plan(("race_angle",), accuracy, "quadrature")
     status, linear = held_constants(states, natural_constants(states))
     parts = np.array_split(np.arange(len(states)), max(1, min(jobs, len(states))))
@@ -219,5 +225,6 @@ def _in_turn(states: States, pairs: _Pairs, count: int) -> Bounces:
         duration=each(pairs.duration) * unit,
         error_estimate=each(pairs.error),
         status=np.broadcast_to(pairs.status[:, None], shape).copy(),
+        states=states,
     )
     return flat.reshaped((*states.shape, count))

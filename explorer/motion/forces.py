@@ -5,24 +5,32 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.motion.vertical import starts_at_vertical
+from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
+from explorer.phase.results import Result
 from explorer.phase.states import Array
 
 
-@dataclass(frozen=True)
-class Forces:
-    """Extremes of the forces during passages, one entry per sample: what `passage_forces` returns.
+@dataclass(frozen=True, repr=False, eq=False)
+class Forces(Result):
+    """Extremes of the forces during passages, arrays of the arguments' shape: what `passage_forces` returns.
 
     Attributes
     ----------
-    min_normal_force : (n,) array
+    disk : Disk
+        The body.
+    sigma3_bar, eta_hat, phidot : array
+        As given.
+    min_normal_force : array
         Least normal force, in m g. Where it is not positive a real disk would lift off.
-    max_friction : (n,) array
+    max_friction : array
         Largest coefficient of friction that rolling needs; infinite where the normal force is not positive.
+    status : array of int8
+        `Status` of each sample, as `passages` would give it before it computes anything.
 
     Examples
     --------
@@ -31,8 +39,15 @@ class Forces:
     array([inf])
     """
 
+    disk: Disk
+    sigma3_bar: Array
+    eta_hat: Array
+    phidot: Array
     min_normal_force: Array
     max_friction: Array
+    status: NDArray[np.int8]
+
+    _GIVEN = ("sigma3_bar", "eta_hat", "phidot")
 
 
 def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot: ArrayLike) -> Forces:
@@ -50,7 +65,7 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     Returns
     -------
     Forces
-        Least normal force and largest friction, 1-D arrays; NaN where `passages` would not take the input.
+        Least normal force and largest friction; NaN where `passages` would not take the input.
 
     Raises
     ------
@@ -68,9 +83,13 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     >>> ex.passage_forces(ex.Disk.uniform(), 1.0, 0.01, 1.0).min_normal_force.round(2)
     array([-0.97])
     """
-    starts = starts_at_vertical(disk, sigma3_bar, eta_hat, phidot)
+    given = {"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot}
+    columns, shape = read_columns(given)
+    starts = starts_at_vertical(disk, *columns)
     out = np.empty((2, starts.status.size))
     compiled.forces.forces_batch(starts.natural(disk), disk.natural, out)
     out[:, starts.status != compiled.status.Status.OK] = np.nan
     found = compiled.forces.ForceRow(*out)
-    return Forces(min_normal_force=found.normal, max_friction=found.friction)
+    bar, eta, speed = columns
+    flat = Forces(disk, bar, eta, speed, found.normal, found.friction, starts.status)
+    return flat.reshaped(shape)

@@ -14,13 +14,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, number
+from explorer.errors import InputError, number, shown, whole
 from explorer.motion.pendulum import Pendulum
 from explorer.motion.rise import rise
+from explorer.phase.arguments import column
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.membership import falls_of
-from explorer.phase.states import Array, States, columns_of, require_states
+from explorer.phase.results import Table
+from explorer.phase.states import Array, States, require_states
 
 _HALF_PI = 0.5 * np.pi
 _MOST_IMPACTS = 1e8  # their times take 0.8 GB
@@ -28,14 +30,16 @@ _MOST_IMPACTS = 1e8  # their times take 0.8 GB
 _WHOLE_TURN = 1e-12
 
 
-@dataclass(frozen=True)
-class LimitState:
+@dataclass(frozen=True, repr=False, eq=False)
+class LimitState(Table):
     """A limit motion at given times, in the units of the disk; arrays of the shape of the times.
 
     At the instant of an impact the values are those after it.
 
     Attributes
     ----------
+    t : array
+        The times.
     phi, phidot : array
         Tilt (rad) and its rate (units of the disk).
     chi, psi : array
@@ -55,6 +59,7 @@ class LimitState:
     (2, 3)
     """
 
+    t: Array
     phi: Array
     phidot: Array
     chi: Array
@@ -74,11 +79,18 @@ class Continuation:
 
     disk: Disk
     face: int
+    side: int
     period: float
     impact_speed: float
     chi_per_period: float
     _offset: float  # natural time from an impact to the start
     _origin: Moving
+
+    def __repr__(self) -> str:
+        return (
+            f"{type(self).__name__} of the disk {self.disk.name}, face {self.face:+d}, side {self.side:+d}: "
+            f"period {self.period:.6g}, impact_speed {self.impact_speed:.6g}"
+        )
 
     def _unfold(self, since_impact: Array) -> Moving:
         """The motion at natural times counted from an impact, as on face +1."""
@@ -94,9 +106,9 @@ class Continuation:
 
     def __call__(self, t: ArrayLike) -> LimitState:
         """The motion at times >= 0."""
-        times = columns_of(t=t)[0].reshape(np.shape(t))
+        times = column("t", t)
         if not (np.isfinite(times).all() and (times >= 0.0).all()):
-            raise InputError("limit motion: times must be finite and >= 0")
+            raise InputError(f"t = {shown(t)}: give finite times >= 0")
         at, start = self._unfold(np.ravel(times) * self.disk.rate_unit + self._offset), self._origin
         moving = replace(
             at,
@@ -106,7 +118,7 @@ class Continuation:
             sigma4=self.face * at.sigma4,
             face=self.face * at.face,
         )
-        return in_space(self.disk, moving, times.shape)
+        return in_space(self.disk, moving, times)
 
 
 class LimitMotion(Continuation):
@@ -199,8 +211,9 @@ class Moving:
     face: Array
 
 
-def in_space(disk: Disk, at: Moving, shape: tuple[int, ...]) -> LimitState:
+def in_space(disk: Disk, at: Moving, times: Array) -> LimitState:
     """A motion in the units of the disk, with contact point and velocities."""
+    shape = times.shape
     phi = at.face * (_HALF_PI - at.theta)
     phidot = -at.face * at.thetadot
     q, z, away = at.q, at.face * np.cos(at.theta), np.exp(1j * at.chi)
@@ -214,6 +227,7 @@ def in_space(disk: Disk, at: Moving, shape: tuple[int, ...]) -> LimitState:
         return (scale * np.stack([plane.real, plane.imag, height], axis=-1)).reshape(*shape, 3)
 
     return LimitState(
+        t=times.copy(),
         phi=phi.reshape(shape),
         phidot=(phidot * unit).reshape(shape),
         chi=at.chi.reshape(shape),
@@ -332,8 +346,9 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     states = require_states(state_on_f)
     disk = states.disk
     require_axial_inertia(disk)
-    if side not in (1, -1):
-        raise InputError(f"limit motion: side = {side!r} must be +1 or -1")
+    side = whole("side", side, -1, 1)
+    if side == 0:
+        raise InputError("side = 0: give +1 or -1, the sign of eta from which F is approached")
     if len(states) != 1:
         raise InputError(f"limit motion: needs one state, {len(states)} were given")
     natural = natural_constants(states)

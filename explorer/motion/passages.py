@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import NamedTuple, TypedDict, Unpack
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, number, whole
+from explorer.errors import InputError, jobs_of, number, shown
 from explorer.motion.passages_by_integration import LENIENCE, by_integration
 from explorer.motion.passages_by_quadrature import Followed, by_quadrature, fall_from_vertical
 from explorer.motion.plan import Plan, plan
 from explorer.motion.vertical import Starts, starts_at_vertical
+from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
 from explorer.phase.membership import impact_speed
+from explorer.phase.results import Result
 from explorer.phase.states import Array
 
 OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
@@ -24,35 +26,39 @@ OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
 FLOOR = 1e-9
 
 
-@dataclass(frozen=True)
-class Passages:
-    """Passages near flat, one entry per sample, in the units of the disk: what `passages` returns.
+@dataclass(frozen=True, repr=False, eq=False)
+class Passages(Result):
+    """Passages near flat, arrays of the arguments' shape, in the units of the disk: what `passages` returns.
 
-    A sample whose status is not OK is NaN. One with eta_hat = 0 falls: its status is FALLS, and its fall_time,
-    fall_angle, energy and impact_speed are given.
+    What is computed of a sample whose status is not OK is NaN. One with eta_hat = 0 falls: its status is FALLS,
+    and its fall_time, fall_angle, energy and impact_speed are given.
 
     Attributes
     ----------
-    race_angle : (n,) array
+    disk : Disk
+        The body.
+    sigma3_bar, eta_hat, phidot, face : array
+        As given.
+    race_angle : array
         delta_chi less fall_angle (rad): how far the contact point races round the rim.
-    wrong_way : (n,) array of bool
+    wrong_way : array of bool
         Whether the contact point moves against sgn(eta) at the flattest moment.
-    delta_chi, delta_psi : (n,) array
+    delta_chi, delta_psi : array
         Increase of the angles of contact in space and in the body (rad).
-    fall_angle : (n,) array
+    fall_angle : array
         Increase of chi along the limit motion with the same sigma3_bar and energy (rad); where that starts
         later than the vertical, all of it.
-    theta_min : (n,) array
+    theta_min : array
         Smallest tilt from flat (rad).
-    duration, fall_time : (n,) array
+    duration, fall_time : array
         Time of the passage, and of a fall from the vertical to flat.
-    energy, impact_speed : (n,) array
+    energy, impact_speed : array
         Energy, and the speed A of eq. (7.1) with which the limit motion arrives (units of the disk).
-    limit : (n,) array
+    limit : array
         sgn(eta) kappa pi (rad), to which race_angle tends as eta goes to 0, eq. (7.16).
-    error_estimate : (n,) array
+    error_estimate : array
         Of the angles (rad) and of duration and theta_min (relative), whichever is larger.
-    status : (n,) array of int8
+    status : array of int8
         `Status` of each sample.
     method, model : str
         The method that answered, and the rung of the ladder of models it stands on.
@@ -67,6 +73,11 @@ class Passages:
     array([ 7.0248, -7.0248])
     """
 
+    disk: Disk
+    sigma3_bar: Array
+    eta_hat: Array
+    phidot: Array
+    face: Array
     race_angle: Array
     wrong_way: NDArray[np.bool_]
     delta_chi: Array
@@ -83,8 +94,7 @@ class Passages:
     method: str
     model: str
 
-    def __len__(self) -> int:
-        return self.status.size
+    _GIVEN = ("sigma3_bar", "eta_hat", "phidot", "face")
 
 
 class Computation(TypedDict, total=False):
@@ -111,14 +121,14 @@ def passages(
     window: float | None = None,
     **computation: Unpack[Computation],
 ) -> Passages:
-    """Passages that start at the vertical, come near flat and return to the vertical.
+    """Passages from the vertical to nearly flat and back to the vertical.
 
     Parameters
     ----------
     disk : Disk
         The body, with I3 > 0.
     sigma3_bar : array_like
-        Constant of motion of eq. (3.5), units of the disk. The arrays broadcast; the result is 1-D.
+        Constant of motion of eq. (3.5), units of the disk. The arrays broadcast; the result has their shape.
     eta_hat : array_like
         Distance from the line of `face`, eq. (6.2), units of the disk, signed; 0 is a fall. Quadrature
         takes it as it is, down to 1e-300.
@@ -151,16 +161,21 @@ def passages(
     Examples
     --------
     >>> import explorer as ex
-    >>> disk = ex.Disk.uniform()
-    >>> found = ex.passages(disk, sigma3_bar=1.0, eta_hat=[1e-6, -1e-6, 1e-200], phidot=1.0)
+    >>> found = ex.passages(ex.Disk.uniform(), sigma3_bar=1.0, eta_hat=[1e-6, -1e-6, 1e-200], phidot=1.0)
     >>> found.race_angle.round(4)
     array([ 7.0248, -7.0248,  7.0248])
     """
     given = _Computation(**computation)
     how = plan(OBSERVABLES, given.accuracy, given.method)
-    edge = _edge_of(window, how.method)
-    starts = starts_at_vertical(disk, sigma3_bar, eta_hat, phidot, face)
-    return _in_parts(disk, starts, how, edge, whole("jobs", given.jobs, 1))
+    columns, shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face})
+    starts, edge = starts_at_vertical(disk, *columns), _edge_of(window, how.method)
+    found = _in_parts(disk, starts, how, edge, jobs_of("jobs", given.jobs))
+    return _with_arguments(found, *columns).reshaped(shape)
+
+
+def _with_arguments(found: Passages, sigma3_bar: Array, eta_hat: Array, phidot: Array, face: Array) -> Passages:
+    """Passages with the numbers as they were given, also where a placeholder stood for them."""
+    return replace(found, sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
 
 
 def _in_parts(disk: Disk, starts: Starts, how: Plan, edge: float, jobs: int) -> Passages:
@@ -170,9 +185,11 @@ def _in_parts(disk: Disk, starts: Starts, how: Plan, edge: float, jobs: int) -> 
     if len(parts) == 1:
         return _passages(disk, starts, how, edge)
     done = Parallel(n_jobs=jobs, backend="threading")(delayed(_passages)(disk, part, how, edge) for part in parts)
-    columns = [f.name for f in fields(Passages) if f.name not in ("method", "model")]
-    merged = {name: np.concatenate([getattr(part, name) for part in done]) for name in columns}
-    return Passages(**merged, method=how.method, model=how.rung)
+    first: Passages = done[0]
+    merged: dict[str, Any] = {
+        name: np.concatenate([part.columns[name] for part in done]) for name in first.columns
+    }
+    return replace(first, **merged)
 
 
 def _edge_of(window: float | None, method: str) -> float:
@@ -183,7 +200,7 @@ def _edge_of(window: float | None, method: str) -> float:
         raise InputError(f"window: {method} goes from vertical to vertical; use method='quadrature'")
     cosine = number("window", window, 0.0, 1.0)
     if cosine == 0.0:
-        raise InputError(f"window = {window!r}: is flat itself; give cos phi, a number above 0, 1 at most")
+        raise InputError(f"window = {shown(window)}: is flat itself; give cos phi, a number above 0, 1 at most")
     return float(np.arccos(cosine))
 
 
@@ -210,6 +227,11 @@ def _assemble(disk: Disk, starts: Starts, followed: Followed, how: Plan, edge: f
     fall_angle = np.where(ok | falls, 2.0 * fall.chi, np.nan)
     speed = impact_speed(disk, sigma3_bar, followed.energy)
     return Passages(
+        disk=disk,
+        sigma3_bar=starts.sigma3_bar,
+        eta_hat=starts.eta_hat,
+        phidot=starts.speed,
+        face=starts.face,
         race_angle=np.where(ok, followed.chi - fall_angle, np.nan),
         wrong_way=ok & (np.sign(followed.way) != np.sign(eta)),
         delta_chi=np.where(ok, followed.chi, np.nan),

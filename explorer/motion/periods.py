@@ -8,37 +8,41 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
+from explorer.errors import InputError
 from explorer.motion.plan import plan
 from explorer.motion.starts import fallen, held_constants, orbit_starts
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.gauss import packed_rules
 from explorer.phase.lines import LinearConstants, linear_constants
+from explorer.phase.results import Result
 from explorer.phase.states import Array, States, columns_of, require_states
 
 
-@dataclass(frozen=True)
-class Periods:
-    """Whole periods, one entry per state, in the units of the disk: what `periods` returns.
+@dataclass(frozen=True, repr=False, eq=False)
+class Periods(Result):
+    """Whole periods, arrays of the states' shape, in the units of the disk: what `periods` returns.
 
     All is NaN where status is not OK.
 
     Attributes
     ----------
-    period : (n,) array
+    period : array
         Time after which phi, phidot, sigma3, sigma4 return.
-    chi, psi : (n,) array
+    chi, psi : array
         Increase of the angles of contact per period (rad), eq. (3.13).
-    theta_min : (n,) array
+    theta_min : array
         Smallest tilt from either flat state (rad).
-    crosses : (n,) array of bool
+    crosses : array of bool
         Whether the motion passes the vertical.
-    energy : (n,) array
+    energy : array
         Energy.
-    error_estimate : (n,) array
+    error_estimate : array
         Of the angles (rad) and of the period (relative), whichever is larger.
-    status : (n,) array of int8
+    status : array of int8
         `Status` of each state.
+    states : States
+        The states; tables have their phi, phidot, sigma3 and sigma4 as columns.
 
     Examples
     --------
@@ -56,6 +60,7 @@ class Periods:
     energy: Array
     error_estimate: Array
     status: NDArray[np.int8]
+    states: States
 
 
 def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = None) -> Periods:
@@ -104,7 +109,7 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     compiled.orbits.orbit_batch(starts, how.accuracy, packed_rules(), disk.natural, out, status)
     out[:, status != code.OK] = np.nan
     found = compiled.orbits.OrbitRow(*out)
-    return Periods(
+    flat = Periods(
         period=found.time * disk.time_unit,
         chi=found.chi,
         psi=found.psi * np.where(states.rows.z >= 0.0, 1.0, -1.0),
@@ -113,7 +118,9 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
         energy=found.energy * disk.energy_unit,
         error_estimate=np.fmax(found.angle_error, found.time_error),
         status=status,
+        states=states,
     )
+    return flat.reshaped(states.shape)
 
 
 def _known(states: States, eta_hat: ArrayLike | None) -> tuple[NDArray[np.int8], LinearConstants]:
@@ -121,6 +128,10 @@ def _known(states: States, eta_hat: ArrayLike | None) -> tuple[NDArray[np.int8],
     natural = natural_constants(states)
     if eta_hat is None:
         return held_constants(states, natural)
-    given = columns_of(eta_hat=eta_hat, states=natural.sigma3_bar)[0] / states.disk.rate_unit
+    given = columns_of(eta_hat=eta_hat, states=natural.sigma3_bar.reshape(states.shape))[0] / states.disk.rate_unit
+    if given.size != len(states):
+        raise InputError(f"eta_hat broadcasts to {given.size} entries for {len(states)} states; give one for each")
     linear = linear_constants(states.disk, natural.sigma3_bar, given, states.rows.z >= 0.0)
-    return states.status.copy(), linear
+    good = (states.status == compiled.status.Status.OK) & np.isfinite(given)
+    status = np.where(good, compiled.status.Status.OK, compiled.status.Status.BAD_INPUT).astype(np.int8)
+    return status, linear

@@ -9,7 +9,7 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, one_of, whole
+from explorer.errors import InputError, jobs_of, one_of, shown, whole
 from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
 from explorer.phase.constants import constants_of
@@ -73,13 +73,13 @@ def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BAT
     array([-0.362, -0.637,  3.327, -0.824, -0.436])
     """
     require_states(states)
-    jobs, batch = whole("jobs", jobs, 1), whole("batch", batch, 1)
+    jobs, batch = jobs_of("jobs", jobs), whole("batch", batch, 1)
     if isinstance(observable, str):
         name = one_of("observable", observable, OBSERVABLES)
         call = OBSERVABLES[name]
         return scan(states, lambda part: np.reshape(getattr(call(part), name), len(part)), jobs, batch)
     if not callable(observable):
-        raise InputError(f"observable = {observable!r} is neither a name nor a function of States")
+        raise InputError(f"observable = {shown(observable)} is neither a name nor a function of States")
     parts = [np.arange(first, min(first + batch, len(states))) for first in range(0, max(len(states), 1), batch)]
     found = Parallel(n_jobs=jobs, backend="threading")(
         delayed(_checked)(observable, states.at(rows)) for rows in parts

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.phase.lines import LinearConstants, nearer_plus
+from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 
 
@@ -49,26 +50,28 @@ class NaturalConstants(NamedTuple):
         return NaturalConstants(*(column[chosen] for column in self))
 
 
-@dataclass(frozen=True)
-class Constants:
-    """Constants of motion in the units of the disk, one entry per state: what `constants` returns.
+@dataclass(frozen=True, repr=False, eq=False)
+class Constants(Result):
+    """Constants of motion in the units of the disk, arrays of the states' shape: what `constants` returns.
 
     All is NaN for a state that is none, and status says so.
 
     Attributes
     ----------
-    sigma3_bar, sigma4_bar : (n,) array
+    sigma3_bar, sigma4_bar : array
         Values at the vertical of the motion's sigma3 and sigma4, units of the disk, eq. (3.5).
         sigma4_bar is NaN where I3 = 0.
-    eta_hat_plus, eta_hat_minus : (n,) array
+    eta_hat_plus, eta_hat_minus : array
         Signed distance of (sigma3_bar, sigma4_bar) from the lines l_+ and l_-, measured along sigma4_bar,
         units of the disk, eq. (6.2); NaN where I3 = 0.
-    eta_plus, eta_minus : (n,) array
+    eta_plus, eta_minus : array
         The same times I3 r(0).
-    energy : (n,) array
+    energy : array
         Energy, eq. (2.19).
-    status : (n,) array of int8
+    status : array of int8
         `Status` of each state, OK or BAD_INPUT.
+    states : States
+        The states; tables have their phi, phidot, sigma3 and sigma4 as columns.
 
     Examples
     --------
@@ -85,6 +88,7 @@ class Constants:
     eta_minus: Array
     energy: Array
     status: NDArray[np.int8]
+    states: States
 
 
 def natural_constants(states: States) -> NaturalConstants:
@@ -96,7 +100,7 @@ def natural_constants(states: States) -> NaturalConstants:
 
 
 def constants_of(states: States, natural: NaturalConstants | None = None) -> Constants:
-    """Constants of motion of states; algebra, no integration. `natural`: they, where known already."""
+    """Constants of motion of states, in a row; algebra, no integration. `natural`: they, where known already."""
     disk, unit = states.disk, states.disk.rate_unit
     if natural is None:
         natural = natural_constants(states)
@@ -110,6 +114,7 @@ def constants_of(states: States, natural: NaturalConstants | None = None) -> Con
         eta_minus=natural.eta_minus * disk.eta_unit,
         energy=natural.energy * disk.energy_unit,
         status=states.status,
+        states=states,
     )
 
 
@@ -143,4 +148,4 @@ def constants(states: States) -> Constants:
     >>> found.eta_hat_plus.round(4), found.energy
     (array([0.0286]), array([2.1175]))
     """
-    return constants_of(require_states(states))
+    return constants_of(require_states(states)).reshaped(states.shape)

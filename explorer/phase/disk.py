@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cached_property
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, note, number, positive, read_toml
+from explorer.errors import InputError, note, number, positive, read_toml, shown, word
 from explorer.phase.gauss import packed_rules, table_rules
 
 Array = NDArray[np.float64]
@@ -72,19 +73,20 @@ class Disk:
         for key in ("m", "r", "g", "I1"):
             object.__setattr__(self, key, positive(f"--disk: {key}", getattr(self, key)))
         object.__setattr__(self, "I3", number("--disk: I3", self.I3, 0.0))
+        word("--disk: name", self.name)
         if self.I3 > 2.0 * self.I1 * (1.0 + _ROUNDING):
             raise InputError(
                 f"--disk: I3 = {self.I3} exceeds 2 I1 = {2.0 * self.I1}, which no body has; "
                 "a flat one has I3 = 2 I1 exactly"
             )
-        if not all(map(math.isfinite, (self.I1 / self._inertia_unit, self.rate_unit, self.energy_unit))):
+        if not _can_be_scaled(self):
             raise InputError("--disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
 
     @classmethod
     def annulus(cls, inner: float, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop)."""
-        if not 0.0 <= inner <= 1.0:
-            raise InputError(f"--disk: annulus inner over outer radius {inner} must lie between 0 and 1")
+        inner = number("--disk: annulus (inner over outer radius, between 0 and 1)", inner, 0.0, 1.0)
+        m, r, g = _units(m, r, g)
         axial = 0.5 * m * r * r * (1.0 + inner * inner)
         return cls(m, r, g, 0.5 * axial, axial, f"annulus-{inner:g}")
 
@@ -101,12 +103,15 @@ class Disk:
     @classmethod
     def matching(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The flat body with m r^2 / I1 = 3, for which both one-sided limit motions agree."""
+        m, r, g = _units(m, r, g)
         third = m * r * r / 3.0
         return cls(m, r, g, third, 2.0 * third, "matching")
 
     @classmethod
     def parse(cls, text: str) -> Disk:
         """A disk from what the command line accepts. Raises InputError."""
+        if not isinstance(text, str):
+            raise InputError(f"disk = {shown(text)} is no text; choose {SYNTAX}")
         head, _, rest = text.strip().partition(":")
         if head in PRESETS:
             made: Disk = getattr(cls, head)(**_scales(rest))
@@ -118,7 +123,7 @@ class Disk:
             return cls._from_mapping(read_toml(Path(text.strip()), "--disk"), Path(text.strip()).stem)
         if "=" in text:
             return cls._from_mapping(_quantities(text), "custom")
-        raise InputError(f"--disk {text!r} is not known; choose {SYNTAX}")
+        raise InputError(f"--disk {shown(text)} is not known; choose {SYNTAX}")
 
     @classmethod
     def _from_mapping(cls, values: dict[str, Any], name: str) -> Disk:
@@ -208,6 +213,23 @@ class Disk:
         return {"name": self.name, "m": self.m, "r": self.r, "g": self.g, "I1": self.I1, "I3": self.I3}
 
 
+def _units(m: Any, r: Any, g: Any) -> tuple[float, float, float]:
+    """Mass, radius and gravity, read. Raises InputError."""
+    given = {"m": m, "r": r, "g": g}
+    mass, radius, gravity = (positive(f"--disk: {name}", value) for name, value in given.items())
+    return mass, radius, gravity
+
+
+def _can_be_scaled(disk: Disk) -> bool:
+    """Whether natural units and their inverses are normal numbers, and I1/(m r^2) is one whose square is."""
+    try:
+        units = disk.m * disk.r * disk.r, disk.rate_unit, disk.energy_unit, disk.eta_unit
+        sizes = [*units, *(1.0 / unit for unit in units), (disk.I1 / units[0]) ** 2, (units[0] / disk.I1) ** 2]
+    except (ZeroDivisionError, OverflowError):
+        return False
+    return all(sys.float_info.min <= size < math.inf for size in sizes)
+
+
 def _quantities(text: str) -> dict[str, str]:
     """{"m": "1", ...} from "m=1,...". Raises InputError."""
     pairs = [item.partition("=") for item in text.split(",") if item.strip()]
@@ -260,7 +282,7 @@ def _last_digit(text: str) -> float:
 def require_disk(disk: Disk) -> None:
     """Raise InputError where something else was given, a name for instance."""
     if not isinstance(disk, Disk):
-        raise InputError(f"disk = {disk!r} is not a Disk; make one, for instance Disk.parse('uniform')")
+        raise InputError(f"disk = {shown(disk)} is not a Disk; make one, for instance Disk.parse('uniform')")
 
 
 def require_axial_inertia(disk: Disk) -> None:

@@ -15,6 +15,7 @@ from explorer import compiled
 from explorer.errors import InputError, number
 from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 
 _BARRIER_DEGREE = 24  # at which the coefficients of both series are at rounding
@@ -23,30 +24,32 @@ _BARRIER_DEGREE = 24  # at which the coefficients of both series are at rounding
 _BEYOND_VERTICAL, _XATOL = (-0.5 * np.pi + 1e-6, -1e-6), 1e-10
 
 
-@dataclass(frozen=True)
-class Falls:
-    """Positions of states relative to the falling set F, one entry per state: what `falls` returns.
+@dataclass(frozen=True, repr=False, eq=False)
+class Falls(Result):
+    """Positions of states relative to the falling set F, arrays of the states' shape: what `falls` returns.
 
     Attributes
     ----------
-    face : (n,) array of int8
+    face : array of int8
         Flat state whose line l_+- is nearer, +1 or -1; +1 where both are equally near.
-    distance : (n,) array
+    distance : array
         Signed distance of (sigma3_bar, sigma4_bar) from that line, units of the disk. Its sign is that of
         eta, the direction in which the contact point races.
-    distance_plus, distance_minus : (n,) array
+    distance_plus, distance_minus : array
         The same for each line.
-    could_fall : (n,) array of bool
+    could_fall : array of bool
         Whether it would fall on that face if eta were exactly 0: E > V_0, and the component of {V < E} that
         contains the state reaches flat.
-    could_fall_plus, could_fall_minus : (n,) array of bool
+    could_fall_plus, could_fall_minus : array of bool
         The same for each face.
-    on_f : (n,) array of bool
+    on_f : array of bool
         Whether the distance is zero to rounding. A state with on_f and could_fall falls.
-    theta_min_estimate : (n,) array
+    theta_min_estimate : array
         Leading order of the smallest tilt, |eta| / sqrt(2 I1 (E - V_0)) (rad); NaN where not could_fall.
-    status : (n,) array of int8
+    status : array of int8
         `Status` of each state: OK, FALLS or BAD_INPUT.
+    states : States
+        The states; tables have their phi, phidot, sigma3 and sigma4 as columns.
 
     Examples
     --------
@@ -66,6 +69,7 @@ class Falls:
     on_f: NDArray[np.bool_]
     theta_min_estimate: Array
     status: NDArray[np.int8]
+    states: States
 
 
 def impact_speed(disk: Disk, sigma3_bar: Array, energy: Array) -> Array:
@@ -143,7 +147,7 @@ def _membership(states: States, natural: NaturalConstants) -> compiled.falling.M
 
 
 def falls_of(states: States, natural: NaturalConstants | None = None) -> Falls:
-    """The position of states relative to F. `natural`: their constants, where known already."""
+    """The position of states relative to F, in a row. `natural`: their constants, where known already."""
     disk, code = states.disk, compiled.status.Status
     require_axial_inertia(disk)
     b = disk.body
@@ -170,6 +174,7 @@ def falls_of(states: States, natural: NaturalConstants | None = None) -> Falls:
         on_f=on_f,
         theta_min_estimate=estimate,
         status=np.where(falling, code.FALLS, states.status).astype(np.int8),
+        states=states,
     )
 
 
@@ -202,4 +207,4 @@ def falls(states: States) -> Falls:
     >>> found.could_fall
     array([ True, False])
     """
-    return falls_of(require_states(states))
+    return falls_of(require_states(states)).reshaped(states.shape)

@@ -3,7 +3,7 @@
 import html
 from collections import Counter
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,47 +16,44 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 _SHOWN = 6  # columns whose medians the description gives: what fits on a screen beside code
+_COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
+_AXES = {3: "xyz"}  # what the entries of a vector are called; others are counted
 
 
-class Result:
-    """Base class of results: a dataclass with one array for each column, all of one shape, `status` among them.
+class Table:
+    """Base class of what has columns and no statuses: a dataclass of arrays, or of numbers."""
 
-    The arrays have the shape to which the arguments broadcast, and the arguments are columns too. What else a
-    result knows, the method for instance, are plain fields.
-    """
-
-    status: NDArray[np.int8]
-
-    def __len__(self) -> int:
-        """Number of samples, whatever the shape."""
-        return int(self.status.size)
+    _GIVEN: ClassVar[tuple[str, ...]] = ()  # arguments among the columns, which the description leaves out
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The shape to which the arguments broadcast."""
-        return self.status.shape
+        """The shape of the arrays; what an array has beyond it are the entries of vectors."""
+        shapes = [np.shape(value) for value in self._arrays().values()]
+        return min(shapes, key=len, default=())
 
-    @property
-    def ok(self) -> NDArray[np.bool_]:
-        """Where the sample was computed to the accuracy asked."""
-        return np.asarray(self.status == compiled.status.Status.OK)
+    def __len__(self) -> int:
+        """Number of samples, whatever the shape."""
+        return int(np.prod(self.shape))
 
-    @property
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """All arrays by name."""
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        """All arrays of this object by name."""
         named = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
         return {name: values for name, values in named.items() if isinstance(values, np.ndarray)}
 
     @property
-    def status_names(self) -> NDArray[np.str_]:
-        """The status of each sample as a word, such as 'ok' or 'falls'."""
-        names = np.array([code.name.lower() for code in compiled.status.Status])
-        return np.asarray(names[self.status])
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """All arrays by name, the arguments first."""
+        return self._arrays()
 
-    def reshaped(self, shape: tuple[int, ...]) -> Self:
-        """The same result with arrays of another shape."""
-        arrays = {name: values.reshape(shape) for name, values in self.columns.items()}
-        return replace(self, **arrays)  # type: ignore[type-var]
+    def _flat(self) -> dict[str, NDArray[Any]]:
+        """Columns with one entry for each sample; a vector becomes several, `path` path_x, path_y and path_z."""
+        flat: dict[str, NDArray[Any]] = {}
+        for name, values in self.columns.items():
+            entries = values.shape[len(self.shape) :]
+            for place in np.ndindex(entries):
+                letters = [_AXES[n][i] if n in _AXES else str(i) for i, n in zip(place, entries, strict=True)]
+                flat["_".join([name, *letters])] = values[(..., *place)].ravel()
+        return flat
 
     def to_pandas(self) -> "pd.DataFrame":
         """A DataFrame with one row for each sample, in the order of flattened arrays; status by name.
@@ -68,26 +65,38 @@ class Result:
         """
         import pandas as pd  # an extra: nothing else needs it
 
-        frame = pd.DataFrame({name: values.ravel() for name, values in self.columns.items()})
-        names = [code.name.lower() for code in compiled.status.Status]
-        frame["status"] = pd.Categorical(self.status_names.ravel(), names)
+        columns = self._flat()
+        frame = pd.DataFrame(columns)
+        if "status" in columns:
+            frame["status"] = pd.Categorical(status_names(columns["status"]), _names())
         return frame
 
     def to_arrow(self) -> "pa.Table":
         """An Arrow table as `to_pandas`; each field says its meaning, unit and equation in its metadata."""
-        return to_arrow({**self.columns, "status": self.status_names})
+        return to_arrow(self._flat())
+
+    def _good(self) -> NDArray[np.bool_]:
+        """Samples whose numbers the description speaks of."""
+        return np.ones(self.shape, dtype=bool)
 
     def _lines(self) -> list[tuple[str, str]]:
         """What the description says: name and text."""
-        counts = Counter(self.status_names.ravel().tolist())
-        lines = [("status", ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "no samples")]
-        good = self.ok
-        for name, values in self.columns.items():
-            known = values[good & np.isfinite(values)] if values.dtype.kind == "f" else values[:0]
-            if known.size and len(lines) <= _SHOWN:
+        lines: list[tuple[str, str]] = []
+        good = self._good()
+        for name, values in self._arrays().items():
+            if (
+                name in self._GIVEN
+                or values.dtype.kind != "f"
+                or values.shape != good.shape
+                or len(lines) == _SHOWN
+            ):
+                continue
+            known = values[good & np.isfinite(values)]
+            if known.size:
                 unit = COLUMNS[name].unit if name in COLUMNS else ""
                 low, middle, high = known.min(), np.median(known), known.max()
-                lines.append((name, f"median {middle:.6g}, {low:.6g} to {high:.6g} {unit}".rstrip()))
+                text = f"{middle:.6g}" if known.size == 1 else f"median {middle:.6g}, {low:.6g} to {high:.6g}"
+                lines.append((name, f"{text} {unit}".rstrip()))
         return lines
 
     def _title(self) -> str:
@@ -106,15 +115,87 @@ class Result:
         return f"<table><caption>{html.escape(self._title())}</caption>{rows}</table>"
 
 
+class Result(Table):
+    """Base class of results: a dataclass with one array for each column, all of one shape, `status` among them.
+
+    The arrays have the shape to which the arguments broadcast, where plain numbers count as an array of one
+    entry, and the arguments are columns too: own ones, or those of `states` where the result has that. What else
+    a result knows, the method for instance, are plain fields.
+    """
+
+    status: NDArray[np.int8]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape to which the arguments broadcast."""
+        return self.status.shape
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """Where the sample was computed to the accuracy asked."""
+        return np.asarray(self.status == compiled.status.Status.OK)
+
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """All arrays by name, the arguments first."""
+        states = getattr(self, "states", None)
+        if states is None:
+            return self._arrays()
+        # What follows a state has its axes first and may have more, for its bounces for instance.
+        of_states = {name: np.asarray(getattr(states, name)).reshape(states.shape) for name in _COORDINATES}
+        more = (1,) * (len(self.shape) - len(states.shape))
+        given = {n: np.broadcast_to(v.reshape(*states.shape, *more), self.shape) for n, v in of_states.items()}
+        return {**given, **self._arrays()}
+
+    @property
+    def status_names(self) -> NDArray[np.str_]:
+        """The status of each sample as a word, such as 'ok' or 'falls'."""
+        return status_names(self.status)
+
+    def reshaped(self, shape: tuple[int, ...]) -> Self:
+        """The same result with arrays of another shape."""
+        arrays = {name: v.reshape(*shape, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
+        return replace(self, **arrays)  # type: ignore[type-var]
+
+    def _good(self) -> NDArray[np.bool_]:
+        return self.ok
+
+    def _lines(self) -> list[tuple[str, str]]:
+        """What the description says: counts of statuses, then medians of the samples that are ok."""
+        counts = Counter(self.status_names.ravel().tolist())
+        numbers = super()._lines()
+        of = f" (numbers below: of the {counts['ok']:,} ok)" if numbers and len(counts) > 1 else ""
+        said = ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "no samples"
+        return [("status", said + of), *numbers]
+
+
+def _names() -> list[str]:
+    return [code.name.lower() for code in compiled.status.Status]
+
+
+def status_names(codes: NDArray[Any]) -> NDArray[np.str_]:
+    """Statuses as words."""
+    return np.asarray(np.array(_names())[codes])
+
+
+def status_codes(names: NDArray[Any]) -> NDArray[np.int8]:
+    """Statuses as numbers, from words. Raises ValueError for a word that is none."""
+    known, place = np.unique(np.asarray(names, dtype=str), return_inverse=True)
+    return np.array([_names().index(str(name)) for name in known], dtype=np.int8)[place]
+
+
 def to_arrow(columns: dict[str, NDArray[Any]]) -> "pa.Table":
-    """An Arrow table of columns, with meaning, unit and equation in the metadata of each known one."""
+    """An Arrow table of columns, status by name, with meaning, unit and equation in the metadata of known ones."""
     import pyarrow as pa  # loaded only by those who ask for a table
 
     arrays, kinds = [], []
     for name, values in columns.items():
-        array = pa.array(values.ravel())
-        array = array.dictionary_encode() if name == "status" else array
-        known = COLUMNS.get(name)
+        if name == "status" and values.dtype.kind in "iu":
+            codes = pa.array(values.ravel().astype(np.int8))
+            array = pa.DictionaryArray.from_arrays(codes, pa.array(_names()))
+        else:
+            array = pa.array(values.ravel())
+        known = COLUMNS.get(name) or COLUMNS.get(name.rpartition("_")[0])
         arrays.append(array)
         kinds.append(pa.field(name, array.type, metadata=known.describe() if known else None))
     return pa.Table.from_arrays(arrays, schema=pa.schema(kinds))

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import InputError
+from explorer.errors import InputError, shown
+from explorer.phase.arguments import columns_of as columns_of
+from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Array as Array
 from explorer.phase.disk import Disk, require_disk
 from explorer.phase.lines import LinearConstants, line_slope, linear_constants
@@ -32,7 +34,7 @@ class Rows(NamedTuple):
     sigma4: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class States:
     """States of one disk in the chart of the kernels: what `phi_to_states` and its like return.
 
@@ -47,6 +49,8 @@ class States:
     exact : LinearConstants or None
         sigma3_bar, eta_plus and eta_minus (natural units) where they were given rather than computed from the
         state, so that eta may be smaller than the state's rounding.
+    shape : tuple of int
+        To which the arguments broadcast, (n,) unless said otherwise; results of the states have it too.
 
     Examples
     --------
@@ -54,24 +58,41 @@ class States:
     >>> states = ex.phi_to_states(ex.Disk.uniform(), [0.0, 2.0], 1.0, 1.0, 0.7)
     >>> len(states), states.status
     (2, array([0, 2], dtype=int8))
+    >>> states
+    States of 2 of the disk uniform: ok 1, bad_input 1
     """
 
     disk: Disk
     natural: Array
     status: NDArray[np.int8]
     exact: LinearConstants | None = None
+    shape: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Without a shape the states stand in a row."""
+        object.__setattr__(self, "shape", self.shape or (int(self.natural.shape[1]),))
+
+    def __repr__(self) -> str:
+        shape = f" ({' x '.join(map(str, self.shape))})" if len(self.shape) > 1 else ""
+        codes, counts = np.unique(self.status, return_counts=True)
+        names = (compiled.status.Status(code).name.lower() for code in codes.tolist())
+        found = ", ".join(f"{name} {count:,}" for name, count in zip(names, counts.tolist(), strict=True))
+        return f"States of {len(self):,}{shape} of the disk {self.disk.name}: {found or 'none'}"
 
     def __len__(self) -> int:
         return int(self.natural.shape[1])
 
     def __getitem__(self, rows: int | slice | NDArray[Any]) -> States:
-        """Some of the states, chosen as entries of an array are: by a number, a slice, a mask or numbers."""
-        return self.at(np.atleast_1d(np.arange(len(self))[rows]))
+        """Some of the states, chosen as entries of a flat array are: by a number, a slice, a mask or numbers."""
+        try:
+            return self.at(np.atleast_1d(np.arange(len(self))[rows]))
+        except IndexError as error:
+            raise IndexError(f"states[{shown(rows)}]: {error}") from None
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """(n,): results of the states have one entry for each."""
-        return self.status.shape
+    def _known(self, values: Array) -> Array:
+        """Values of all states in their shape; NaN for bad input, for which a placeholder stands."""
+        bad = self.status == compiled.status.Status.BAD_INPUT
+        return np.asarray(np.where(bad, np.nan, values).reshape(self.shape))
 
     @property
     def rows(self) -> Rows:
@@ -81,22 +102,22 @@ class States:
     @property
     def phi(self) -> Array:
         """Angle of the disk's plane to the vertical (rad)."""
-        return np.asarray(np.arctan2(self.rows.z, self.rows.q))
+        return self._known(np.arctan2(self.rows.z, self.rows.q))
 
     @property
     def phidot(self) -> Array:
         """Rate of phi (units of the disk)."""
-        return np.asarray(-self.rows.p * self.disk.rate_unit)
+        return self._known(-self.rows.p * self.disk.rate_unit)
 
     @property
     def sigma3(self) -> Array:
         """sigma3 of eq. (2.14) (units of the disk)."""
-        return np.asarray(self.rows.q * self.rows.rho * self.disk.rate_unit)
+        return self._known(self.rows.q * self.rows.rho * self.disk.rate_unit)
 
     @property
     def sigma4(self) -> Array:
         """Spin sigma4 of eq. (2.14) (units of the disk)."""
-        return np.asarray(self.rows.sigma4 * self.disk.rate_unit)
+        return self._known(self.rows.sigma4 * self.disk.rate_unit)
 
     def at(self, rows: NDArray[np.intp]) -> States:
         """Some of the states, by their numbers."""
@@ -107,7 +128,7 @@ class States:
         """The same states with time running backwards: phidot changes sign (rho, sigma4 stay)."""
         natural = self.natural.copy()
         Rows(*natural).p[:] *= -1.0
-        return States(self.disk, natural, self.status.copy(), self.exact)
+        return States(self.disk, natural, self.status.copy(), self.exact, self.shape)
 
 
 def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> States:
@@ -120,7 +141,7 @@ def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLi
     phi : array_like
         Tilt (rad), -pi/2 < phi < pi/2, 0 at the vertical.
     phidot, sigma3, sigma4 : array_like
-        Rates of eq. (2.14), units of the disk. The arrays broadcast; the result is 1-D.
+        Rates of eq. (2.14), units of the disk. The arrays broadcast; the result has their shape.
 
     Returns
     -------
@@ -139,13 +160,14 @@ def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLi
     array([1., 2., 3.])
     """
     require_disk(disk)
-    tilt, rate, s3, s4 = columns_of(phi=phi, phidot=phidot, sigma3=sigma3, sigma4=sigma4)
+    given = {"phi": phi, "phidot": phidot, "sigma3": sigma3, "sigma4": sigma4}
+    (tilt, rate, s3, s4), shape = read_columns(given)
     angle = np.where(np.isfinite(tilt), tilt, np.pi)
     if angle.size and (angle == angle[0]).all():
         q, z = (np.full(angle.size, f(angle[0])) for f in (np.cos, np.sin))
     else:
         q, z = np.cos(angle), np.sin(angle)
-    return _states(disk, _Chart(q, z, -rate, s3, s4), abs(angle) < 0.5 * np.pi)
+    return _states(disk, _Chart(q, z, -rate, s3, s4), abs(angle) < 0.5 * np.pi, shape)
 
 
 def theta_to_states(
@@ -165,7 +187,7 @@ def theta_to_states(
     theta : array_like
         Tilt (rad) from the flat state of `face`, 0 < theta < pi.
     thetadot, sigma3, sigma4 : array_like
-        Rates, units of the disk. The arrays broadcast; the result is 1-D.
+        Rates, units of the disk. The arrays broadcast; the result has their shape.
     face : array_like
         Flat state that theta is measured from, +1 or -1.
 
@@ -186,11 +208,11 @@ def theta_to_states(
     array([1.e-200, 1.e+000, 5.e-001])
     """
     require_disk(disk)
-    columns = columns_of(theta=theta, thetadot=thetadot, sigma3=sigma3, sigma4=sigma4, face=face)
-    tilt, rate, s3, s4, s = columns
+    given = {"theta": theta, "thetadot": thetadot, "sigma3": sigma3, "sigma4": sigma4, "face": face}
+    (tilt, rate, s3, s4, s), shape = read_columns(given)
     good = (tilt > 0.0) & (tilt < np.pi) & (abs(s) == 1.0)
     tilt = np.where(good, tilt, 1.0)
-    return _states(disk, _Chart(np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4), good)
+    return _states(disk, _Chart(np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4), good, shape)
 
 
 def constants_to_states(
@@ -209,7 +231,7 @@ def constants_to_states(
     eta_hat : array_like
         Signed distance from the line of `face`, eq. (6.2), units of the disk.
     phidot : array_like
-        Speed at the vertical, units of the disk. The arrays broadcast; the result is 1-D.
+        Speed at the vertical, units of the disk. The arrays broadcast; the result has their shape.
     face : array_like
         Flat state whose line is meant, +1 or -1.
 
@@ -231,9 +253,12 @@ def constants_to_states(
     array([1.e+000, 1.e-297])
     """
     slope = line_slope(disk)
-    s3, distance, rate, s = columns_of(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
-    s4 = s * (slope * s3 - distance)
-    made = _states(disk, _Chart(np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4), abs(s) == 1.0)
+    given = {"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face}
+    (s3, distance, rate, s), shape = read_columns(given)
+    with np.errstate(all="ignore"):
+        s4 = s * (slope * s3 - distance)
+    good = (abs(s) == 1.0) & np.isfinite(distance)
+    made = _states(disk, _Chart(np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4), good, shape)
     unit = disk.rate_unit
     return replace(made, exact=linear_constants(disk, s3 / unit, distance / unit, s > 0.0))
 
@@ -248,7 +273,7 @@ class _Chart(NamedTuple):
     sigma4: Array
 
 
-def _states(disk: Disk, x: _Chart, good: NDArray[np.bool_]) -> States:
+def _states(disk: Disk, x: _Chart, good: NDArray[np.bool_], shape: tuple[int, ...]) -> States:
     """States in natural units. good: where the tilt is one."""
     unit = disk.rate_unit
     good = good & (x.q > 0.0)
@@ -269,30 +294,14 @@ def _states(disk: Disk, x: _Chart, good: NDArray[np.bool_]) -> States:
     natural[:, ~good] = 0.0
     row.q[~good] = 1.0
     status = np.where(good, compiled.status.Status.OK, compiled.status.Status.BAD_INPUT)
-    return States(disk, natural, status.astype(np.int8))
-
-
-def columns_of(**named: ArrayLike) -> list[Array]:
-    """The arguments as flat columns of one length. InputError names what is not a number or does not fit."""
-    arrays = []
-    for name, value in named.items():
-        try:
-            arrays.append(np.asarray(value, dtype=np.float64))
-        except (TypeError, ValueError):
-            raise InputError(f"{name} = {value!r} is not a number or an array of real numbers") from None
-    try:
-        together = np.broadcast_arrays(*arrays)
-    except ValueError:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(named, arrays, strict=True))
-        raise InputError(f"shapes do not fit together: {shapes}") from None
-    return [np.ravel(column).astype(np.float64) for column in together]
+    return States(disk, natural, status.astype(np.int8), shape=shape)
 
 
 def require_states(states: Any) -> States:
     """`states` as they are. Raises InputError where they are anything else, rows of numbers for instance."""
     if not isinstance(states, States):
         raise InputError(
-            f"states: give States, which know their disk, not {type(states).__name__}; "
+            f"states = {shown(states)}: give States, which know their disk; "
             "phi_to_states(disk, phi, phidot, sigma3, sigma4) and its like make them"
         )
     return states

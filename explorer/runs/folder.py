@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from explorer import compiled
-from explorer.errors import InputError, RunError
+from explorer.errors import InputError, RunError, shorten
 from explorer.runs import store
 from explorer.scenes.base import Scene
 from explorer.scenes.registry import scene_from_options
@@ -99,7 +99,7 @@ def scene_of(folder: Path) -> Scene:
             raise
         raise InputError(
             f"{record}: an earlier version of nearflat wrote it, and this one does not know all of its options "
-            f"({error}); start the run anew in another folder"
+            f"({shorten(str(error), 90)}); start the run anew in another folder"
         ) from None
 
 

@@ -18,8 +18,10 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 
 from explorer.errors import RunError
+from explorer.phase.results import status_codes, to_arrow
 from explorer.scenes.base import Table
 
 _NAME = re.compile(r"chunk-(\d{6,})-([0-9a-f]{16})\.parquet")
@@ -64,7 +66,7 @@ def write_chunk(folder: Path, note: Note, table: Table) -> Path:
     try:
         text = json.dumps(vars(note), allow_nan=False)
         content = json.dumps({"note": text, "check": _sha(text.encode())})
-        arrow = pa.table({name: pa.array(values) for name, values in table.items()})
+        arrow = to_arrow(table)  # with units and meanings; status by name
         arrow = arrow.replace_schema_metadata({_KEY: content.encode()})
         with temporary.open("wb") as stream:
             pq.write_table(arrow, stream, compression="zstd", write_page_checksum=True)
@@ -118,7 +120,16 @@ def read_chunk(path: Path) -> Table:
         arrow = pq.read_table(path, page_checksum_verification=True)
     except _DAMAGE as error:
         raise _damaged(path, error) from error
-    return {name: np.asarray(arrow.column(name)) for name in arrow.column_names}
+    return {name: _values(arrow.column(name)) for name in arrow.column_names}
+
+
+def _values(column: pa.ChunkedArray) -> NDArray[Any]:
+    """A column as it was before it was written: statuses are numbers here."""
+    if not pa.types.is_dictionary(column.type):
+        return np.asarray(column)
+    names = column.unify_dictionaries().combine_chunks()
+    codes = status_codes(np.array(names.dictionary.to_pylist(), dtype=str))
+    return np.asarray(codes[np.asarray(names.indices)])
 
 
 def _damaged(path: Path, error: Exception) -> RunError:

@@ -69,6 +69,8 @@ class Scene(ABC):
 
     name: ClassVar[str]
     observables: ClassVar[tuple[str, ...]]
+    # What it stores of a sample, by the names of `phase.columns`.
+    columns: ClassVar[tuple[str, ...]] = ("status",)
 
     class Keywords(TypedDict, total=False):
         """What users may give, by name: its type, and how it is read."""

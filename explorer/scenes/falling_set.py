@@ -26,7 +26,7 @@ from explorer.phase.constants import NaturalConstants, constants_of, natural_con
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import could_fall, falls_of
-from explorer.phase.states import Array, States, phi_to_states
+from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.portrait.slices import ConstantsPlane, Slice, map_slice
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_faces, joined, nearer, no_cells
@@ -64,6 +64,18 @@ class FallingSet(SampledScene):
     bytes_per_sample: ClassVar[int] = 300
     name: ClassVar[str] = "falling-set"
     observables: ClassVar[tuple[str, ...]] = ("theta_min", "face", "could_fall")
+    columns: ClassVar[tuple[str, ...]] = (
+        *COORDINATES,
+        "sigma3_bar",
+        "eta_hat_plus",
+        "eta_hat_minus",
+        "energy",
+        "face",
+        "could_fall",
+        "theta_min",
+        "status",
+        "steps",
+    )
 
     class Keywords(SampledScene.Keywords, total=False):
         box: Annotated[Ranges, BOX]

@@ -18,7 +18,7 @@ from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density, Function
 from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.states import Array
+from explorer.phase.states import COORDINATES, Array
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.measure_zero_draws import PlainDraws, Question, TubeDraws
 from explorer.scenes.measure_zero_summary import FEWEST_HITS, Counted, summarise
@@ -50,6 +50,17 @@ class MeasureZero(SampledScene):
 
     name: ClassVar[str] = "measure-zero"
     observables: ClassVar[tuple[str, ...]] = ("theta_min", "face", "could_fall")
+    columns: ClassVar[tuple[str, ...]] = (
+        *COORDINATES,
+        "sigma3_bar",
+        "eta_hat",
+        "energy",
+        "face",
+        "delta",
+        "weight",
+        "theta_min",
+        "status",
+    )
     bytes_per_sample: ClassVar[int] = 1000
 
     class Keywords(SampledScene.Keywords, total=False):

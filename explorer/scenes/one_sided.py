@@ -70,6 +70,16 @@ class OneSided(Scene):
 
     name: ClassVar[str] = "one-sided"
     observables: ClassVar[tuple[str, ...]] = QUANTITIES
+    columns: ClassVar[tuple[str, ...]] = (
+        "base",
+        "sigma3_bar",
+        "phidot",
+        "eta_hat",
+        "status",
+        *(f"distance_{name}" for name in QUANTITIES),
+        "distance",
+        "chi_between",
+    )
 
     class Keywords(TypedDict, total=False):
         disk: Annotated[

@@ -52,6 +52,7 @@ class Portrait(Scene):
 
     name: ClassVar[str] = "portrait"
     observables: ClassVar[tuple[str, ...]] = ("constants",)
+    columns: ClassVar[tuple[str, ...]] = ("energy", "piece", "falls", "phi", "phidot", "status")
 
     class Keywords(Scene.Keywords, total=False):
         sigma3_bar: Annotated[

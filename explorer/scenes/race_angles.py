@@ -98,6 +98,7 @@ class RaceAngles(SampledScene):
 
     name: ClassVar[str] = "race-angles"
     observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "duration")
+    columns: ClassVar[tuple[str, ...]] = ("phidot", "sigma3_bar", "eta_hat", "face", *_FOUND)
     bytes_per_sample: ClassVar[int] = 1000
 
     class Keywords(SampledScene.Keywords, total=False):

@@ -84,6 +84,33 @@ def test_without_a_writable_cache_folder_it_works_with_one_warning(warm, tmp_pat
     assert done.stderr.count("no cache for compiled code") == 1
 
 
+ONLY_THE_FOLDER = "from kernels._jit import cache_folder; print(cache_folder())"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes are those of POSIX")
+def test_the_cache_folder_is_for_its_owner_only(tmp_path):
+    """Compiled code is a pickle: whoever can write it runs as the one who loads it."""
+    made = Path(run(ONLY_THE_FOLDER, ROOT, NUMBA_CACHE_DIR=str(tmp_path / "new")).stdout.strip())
+    assert (made.stat().st_mode & 0o777, made.parent.stat().st_mode & 0o777) == (0o700, 0o700)
+    made.chmod(0o770)
+    refused = run(ONLY_THE_FOLDER, ROOT, NUMBA_CACHE_DIR=str(made.parent))
+    assert refused.stdout.strip() == "None"
+    assert "can be written by other users; remove" in refused.stderr
+    made.chmod(0o700)
+    made.parent.chmod(0o777)
+    assert "may replace what is in it" in run(ONLY_THE_FOLDER, ROOT, NUMBA_CACHE_DIR=str(made.parent)).stderr
+    made.parent.chmod(0o1777)  # as /tmp: nobody removes what another owns
+    assert run(ONLY_THE_FOLDER, ROOT, NUMBA_CACHE_DIR=str(made.parent)).stdout.strip() == str(made)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="owners are those of POSIX")
+def test_a_cache_folder_of_another_user_is_refused(tmp_path):
+    another = "import os; mine = os.geteuid(); os.geteuid = lambda: mine + 1\n"
+    refused = run(another + ONLY_THE_FOLDER, ROOT, NUMBA_CACHE_DIR=str(tmp_path))
+    assert refused.stdout.strip() == "None"
+    assert "belongs to another user" in refused.stderr
+
+
 def test_a_corrupted_cache_is_replaced_or_ignored(warm, tmp_path):
     copy, cache = warm[0], tmp_path / "cache"
     shutil.copytree(warm[1], cache)

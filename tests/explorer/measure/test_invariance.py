@@ -61,5 +61,5 @@ def test_bad_input_is_named():
     disk = ex.Disk.uniform()
     with pytest.raises(ex.InputError, match="an upright disk"):
         ex.push_forward(disk, 1.0, energy=0.5)
-    with pytest.raises(ex.InputError, match="at least one step"):
+    with pytest.raises(ex.InputError, match="steps = 0 must be a whole number from 1"):
         ex.flow_stretch(ex.phi_to_states(disk, 0.0, 1.0, 1.0, 1.0), steps=0)

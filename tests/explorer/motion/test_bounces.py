@@ -95,7 +95,7 @@ def test_jobs_do_not_change_the_numbers():
     states = anywhere(DISKS["uniform"], 101, 4)
     one, two = ex.bounces(states, 2), ex.bounces(states, 2, jobs=2)
     for name, values in one.columns.items():
-        np.testing.assert_array_equal(values, getattr(two, name))
+        np.testing.assert_array_equal(values, two.columns[name])
 
 
 def test_a_motion_without_a_limit_motion_has_no_race_angle():

@@ -1,0 +1,100 @@
+"""Readers of arrays: what users give as coordinates, constants of motion or times.
+
+Arrays of real numbers are read, also those of pandas. Integers are rounded to the nearest double; a long double
+must be one. What is masked, None or NA becomes NaN, which is a sample with the status bad_input. Text, bool, dates
+and complex numbers are refused. What was given is never changed.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from explorer.errors import InputError, double_of, plain_number, shown
+
+Array = NDArray[np.float64]
+_LARGEST_TABLE = 10**9  # entries to which arguments may broadcast: 8 GB for each column
+
+
+def columns_of(**named: ArrayLike) -> list[Array]:
+    """The arguments as new flat columns of one length. InputError names what is not a number or does not fit."""
+    return read_columns(named)[0]
+
+
+def read_columns(named: dict[str, ArrayLike]) -> tuple[list[Array], tuple[int, ...]]:
+    """Read arrays of numbers that belong together.
+
+    Parameters
+    ----------
+    named : dict of str to array_like
+        Arguments by name, as this module describes them.
+
+    Returns
+    -------
+    list of (n,) arrays, and tuple of int
+        New flat columns of one length, and the shape to which the arguments broadcast; plain numbers count as
+        arrays of one entry.
+
+    Raises
+    ------
+    InputError
+        Where one is no array of real numbers, or they do not broadcast.
+    """
+    arrays = [column(name, value) for name, value in named.items()]
+    try:
+        shape = np.broadcast_shapes(*(array.shape for array in arrays)) or (1,)
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(named, arrays, strict=True))
+        raise InputError(f"shapes do not fit together: {shapes}; give arrays that broadcast") from None
+    if math.prod(shape) > _LARGEST_TABLE:
+        raise InputError(f"{', '.join(named)} broadcast to {shape}; give up to {_LARGEST_TABLE:,} entries at once")
+    return [np.ravel(np.broadcast_to(array, shape)).astype(np.float64) for array in arrays], shape
+
+
+def column(name: str, value: Any) -> Array:
+    """Read one array of real numbers, as this module describes it. Raises InputError."""
+    if isinstance(value, np.ndarray) and value.dtype == np.float64 and type(value) is np.ndarray:
+        return value
+    try:
+        given = np.ma.asanyarray(value) if isinstance(value, np.ma.MaskedArray) else np.asarray(value)
+    except Exception:  # ragged lists, and objects with an own way to fail
+        raise InputError(
+            f"{name} = {shown(value)} is not an array of real numbers; give one of one shape"
+        ) from None
+    masked, given = np.ma.getmaskarray(given) if isinstance(given, np.ma.MaskedArray) else None, np.asarray(given)
+    read = _real(given)
+    if read is None:
+        kind = "" if given.dtype.kind == "O" and given.ndim == 0 else f" of {given.dtype}"
+        raise InputError(f"{name} = {shown(value)} is not an array of real numbers{kind}; give numbers in doubles")
+    return read if masked is None else np.where(masked, np.nan, read)
+
+
+def _real(given: NDArray[Any]) -> Array | None:
+    """An array as doubles; None where its entries are no real numbers, or would be cut."""
+    if given.dtype.kind == "O":
+        entries = [math.nan if _missing(entry) else _entry(entry) for entry in given.ravel().tolist()]
+        if None in entries:
+            return None
+        return np.array(entries, dtype=np.float64).reshape(given.shape)
+    if given.dtype.kind not in "iuf":
+        return None
+    with np.errstate(all="ignore"):
+        read = given.astype(np.float64)
+        cut = given.dtype.itemsize > 8 and not np.all((read == given) | np.isnan(given))
+    return None if cut else read
+
+
+def _entry(value: Any) -> float | None:
+    """An entry of an array of objects; text is none, and nor is an integer beyond doubles."""
+    plain = None if isinstance(value, str) else plain_number(value)
+    read = double_of(plain)
+    beyond = read is not None and math.isinf(read) and not isinstance(plain, float)
+    return None if beyond else read
+
+
+def _missing(value: Any) -> bool:
+    """Whether an entry says that there is no value: None, or NA of pandas."""
+    return value is None or type(value).__name__ in ("NAType", "NaTType", "MaskedConstant")

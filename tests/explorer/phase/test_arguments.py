@@ -1,0 +1,100 @@
+"""Arrays as users give them: read exactly, or refused in a sentence; never cut, never changed."""
+
+from decimal import Decimal
+from fractions import Fraction
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from explorer.errors import InputError
+from explorer.phase.arguments import column, columns_of, read_columns
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        [0.5, 2.0],
+        (Fraction(1, 2), Decimal(2)),
+        np.array([0.5, 2.0], ">f8"),
+        np.array([0.5, 2.0], np.float16),
+        np.array([0.5, 2.0], np.longdouble),
+        pd.Series([0.5, 2.0]),
+        pd.array([0.5, 2.0], dtype="Float64"),
+        np.ma.array([0.5, 2.0]),
+        np.array([0.5, 2.0], object),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_whatever_holds_doubles_is_read_as_they_are(given):
+    read = column("phi", given)
+    assert read.dtype == np.float64
+    np.testing.assert_array_equal(read, [0.5, 2.0])
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        np.ma.array([1.0, 2.0], mask=[False, True]),
+        pd.array([1.0, None], dtype="Float64"),
+        pd.Series([1, None], dtype="Int64"),
+        [1.0, None],
+        np.array([1.0, pd.NA], object),
+    ],
+    ids=["masked", "NA", "integers with NA", "None", "objects with NA"],
+)
+def test_what_is_missing_is_no_number_and_the_rest_is(given):
+    np.testing.assert_array_equal(column("phi", given), [1.0, np.nan])
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        1j,
+        [1.0, 0j],
+        True,
+        [True, False],
+        "1",
+        ["1.0"],
+        b"1",
+        np.datetime64("2026-01-01", "ns"),
+        np.array([1], "m8[s]"),
+        pd.Series(["a"]),
+        10**400,
+        [1, 10**400],
+        np.longdouble(1) + np.finfo(np.longdouble).eps,
+        [[1.0], [1.0, 2.0]],
+        {"phi": 1.0},
+        {1.0},
+        np.zeros(2, [("phi", float)]),
+        object(),
+        print,
+    ],
+    ids=str,
+)
+def test_what_is_no_real_number_or_would_be_cut_is_refused_in_a_sentence(given):
+    if getattr(given, "dtype", None) == np.longdouble and given == float(given):
+        pytest.skip("long doubles are doubles here")
+    with pytest.raises(InputError, match=r"^phi = .* is not an array of real numbers") as refused:
+        column("phi", given)
+    assert len(str(refused.value)) <= 300
+
+
+def test_columns_have_the_shape_to_which_arguments_broadcast():
+    (phi, rate), shape = read_columns({"phi": np.zeros((3, 1)), "phidot": [1.0, 2.0]})
+    assert shape == (3, 2)
+    np.testing.assert_array_equal(rate, [1.0, 2.0] * 3)
+    assert phi.shape == (6,)
+    assert read_columns({"phi": 1.0})[1] == (1,)
+
+
+def test_what_was_given_is_not_what_is_returned():
+    given = np.array([1.0, 2.0])
+    (read,) = columns_of(phi=given)
+    read[0] = 7.0
+    np.testing.assert_array_equal(given, [1.0, 2.0])
+
+
+def test_a_table_that_no_memory_holds_is_refused_at_once():
+    with pytest.raises(InputError, match=r"broadcast to \(100000, 100000\); give up to"):
+        columns_of(phi=np.zeros((100_000, 1)), phidot=np.zeros(100_000))
