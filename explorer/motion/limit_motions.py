@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, number, shown, whole
+from explorer.errors import InputError, number, shown, sign
 from explorer.motion.pendulum import Pendulum
 from explorer.motion.rise import rise
 from explorer.phase.arguments import column
@@ -346,9 +346,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     states = require_states(state_on_f)
     disk = states.disk
     require_axial_inertia(disk)
-    side = whole("side", side, -1, 1)
-    if side == 0:
-        raise InputError("side = 0: give +1 or -1, the sign of eta from which F is approached")
+    side = sign("side", side)
     if len(states) != 1:
         raise InputError(f"limit motion: needs one state, {len(states)} were given")
     natural = natural_constants(states)
