@@ -1,0 +1,43 @@
+"""Every block of the pages runs and prints what stands there."""
+
+import re
+
+import pytest
+from docs.pages import IMAGES, PAGES, ROOT, parse, pictures, run, stored_digest
+
+NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
+def test_the_blocks_of_a_page_run_and_print_what_stands_there(page, tmp_path):
+    run(page, tmp_path)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
+def test_pictures_of_a_page_were_made_by_the_code_that_stands_there(page):
+    for name, digest in pictures(page).items():
+        assert stored_digest(name) == digest, f"{name}.png is older than its code: python tests/docs/pages.py {page}"
+        assert f"images/{name}.png" in page.read_text("utf-8")
+
+
+def test_there_is_no_picture_without_a_page():
+    saved = {f"{name}.png" for page in PAGES for name in pictures(page)}
+    shown = {target.rsplit("/")[-1] for page in PAGES for target in LINK.findall(page.read_text("utf-8"))}
+    assert {path.name for path in IMAGES.iterdir()} <= saved | shown
+
+
+@pytest.mark.parametrize(("block", "complaint"), [
+    ("```python\n>>> 1 + 1\n3\n```\n", "Expected:\n    3"),
+    ("```python\nraise ValueError('no')\n```\n", "ValueError: no"),
+    ("```sh\nnearflat passage --eta-hat nought\n```\n", ""),
+    ("```sh\nrm -r results\n```\n", "runs `nearflat` only"),
+    ("```sh\nnearflat plan measure-zero\n```\n\n```text\nsomething else\n```\n", "something else"),
+])  # fmt: skip
+def test_a_wrong_block_fails_and_names_its_line(block, complaint, tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text(f"# A page\n\n{block}", encoding="utf-8")
+    assert list(parse(page).examples())
+    with pytest.raises((Exception, SystemExit)) as failed:
+        run(page, tmp_path)
+    assert complaint in str(failed.value)
