@@ -5,6 +5,7 @@ In a page,
 - a `python` block runs; lines after `>>>` must print what stands below them;
 - an `sh` block runs each of its lines, which are `nearflat` commands; a `text` block right after it is what the
   last command prints, where `...` stands for anything;
+- a block after a `skip` comment runs where what it needs is installed;
 - a `bash` block is for reading only: installing, or starting other programs;
 - a picture that a block saves as `NAME.png` is `docs/images/NAME.png`, where it carries a digest of that block.
 
@@ -19,12 +20,14 @@ import re
 import shlex
 import sys
 from doctest import ELLIPSIS, NORMALIZE_WHITESPACE, OutputChecker
+from importlib.util import find_spec
 from pathlib import Path
+from unittest import SkipTest
 
 from matplotlib.figure import Figure
 from PIL import Image
 from sybil.document import Document
-from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser
+from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser, SkipParser
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -63,6 +66,7 @@ def compare_output(example):
 
 
 PARSERS = [
+    SkipParser(),
     PythonCodeBlockParser(doctest_optionflags=LOOSE),
     CodeBlockParser("sh", run_commands),
     CodeBlockParser("text", compare_output),
@@ -76,9 +80,12 @@ def parse(page):
 
 def run(page, folder):
     """Run all blocks of a page in a folder; what goes wrong says its file and line."""
+    document = parse(page)
+    document.namespace |= {"installed": lambda name: find_spec(name) is not None, "examples": ROOT / "docs" / "examples"}
     with contextlib.chdir(folder):
-        for example in parse(page).examples():
-            example.evaluate()
+        for example in document.examples():
+            with contextlib.suppress(SkipTest):
+                example.evaluate()
 
 
 def pictures(page):
