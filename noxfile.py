@@ -30,9 +30,17 @@ def lint(session):
 
 @nox.session(default=False)
 def docs(session):
-    """Run the examples in docstrings."""
-    session.install("--editable", ".[test]")
-    session.run("python", "-m", "pytest", "-n", "0", "--doctest-modules", "explorer", *session.posargs)
+    """Build the site into build/site; a warning is an error. It opens from files."""
+    session.install("--editable", ".[docs]")
+    session.run("python", "-m", "sphinx", "-W", "--keep-going", "docs", "build/site", *session.posargs)
+
+
+@nox.session(default=False)
+def pictures(session):
+    """Run all pages of the guide and write their pictures and made parts anew."""
+    session.install("--editable", ".[test,peers]")
+    session.run("python", "tests/docs/reference_pages.py")
+    session.run("python", "tests/docs/pages.py", *session.posargs)
 
 
 @nox.session(default=False)

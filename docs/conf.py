@@ -1,5 +1,6 @@
 """How the pages of this folder become a site: plain Markdown in, files that need no network out."""
 
+import re
 from importlib.metadata import version as installed
 
 from docutils import nodes
@@ -47,7 +48,13 @@ def displayed_math(translator, node):
     raise nodes.SkipNode
 
 
+def plain_bars(app, what, name, obj, options, lines):
+    """|eta_hat| in a docstring is an absolute value, and nothing to be replaced."""
+    lines[:] = [re.sub(r"\|([\w-]+)\|", r"\\|\1\\|", line) for line in lines]
+
+
 def setup(app):
-    """Register the renderer of formulas."""
+    """Register the renderer of formulas, and the reader of docstrings."""
+    app.connect("autodoc-process-docstring", plain_bars)
     app.add_html_math_renderer("mathml", (inline_math, None), (displayed_math, None))
     return {"parallel_read_safe": True}

@@ -5,9 +5,11 @@ all anew, and a test compares.
 """
 
 import argparse
+import inspect
 import re
 from pathlib import Path
 
+import explorer as ex
 from explorer.commands.main import COMMANDS, _parser
 from explorer.compiled import status
 from explorer.phase.columns import COLUMNS
@@ -40,6 +42,7 @@ def arguments(parser):
         if action.help is argparse.SUPPRESS or "--help" in action.option_strings:
             continue
         words = parser._get_formatter()._expand_help(action) if action.help else ""
+        words = re.sub(r"default \d+", "default: all cores", words) if "--jobs" in action.option_strings else words
         typed = action.metavar or ("|".join(map(str, action.choices)) if action.choices else "")
         if not action.option_strings:
             yield f"`{typed or action.dest}`", words
@@ -92,7 +95,24 @@ def misprints():
     return "\n".join(f"| {' | '.join(row)} |" for row in [kept[0], ["---"] * len(kept[0]), *kept[1:]])
 
 
+def described(home, names):
+    """A table of names with their first sentences, and the full text of each for the site."""
+    objects = {name: getattr(home, name) for name in sorted(names) if name != "plot"}
+    firsts = [(f"`{name}`", (inspect.getdoc(value) or "").partition("\n\n")[0]) for name, value in objects.items()]
+    kinds = {name: "autoclass" if inspect.isclass(value) else "autofunction" for name, value in objects.items()}
+    # `ex.view` is the function of a room of the same name, which can be called as well.
+    homes = {name: "explorer.view.page" if name == "view" else home.__name__ for name in objects}
+    texts = [f".. {kinds[name]}:: {homes[name]}.{name}\n" for name in objects]
+    return table(["name", "what it does"], firsts) + "\n\n```{eval-rst}\n" + "\n".join(texts) + "```\n"
+
+
+def python():
+    """All public names."""
+    return f"## Functions and classes\n\n{described(ex, ex.__all__)}\n## Pictures\n\n{described(ex.plot, ex.plot.__all__)}"
+
+
 MAKERS = {
+    "python": python,
     "command-line": command_line,
     "options": options,
     "columns": columns,

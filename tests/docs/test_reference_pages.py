@@ -1,0 +1,46 @@
+"""What pages say of options, columns, statuses and names is what the code has."""
+
+import re
+
+import pytest
+from docs.pages import PAGES, ROOT
+from docs.reference_pages import DOCS, pages_with_parts, parsers, renewed
+
+import explorer as ex
+from explorer.compiled import status
+from explorer.phase.columns import COLUMNS
+from explorer.scenes.registry import SCENES
+
+GLOSSARY = (DOCS / "reference" / "glossary.md").read_text("utf-8")
+TEXT = {page: page.read_text("utf-8") for page in PAGES}
+LINK = re.compile(r"\]\(([^)#\s]+)(?:#[\w-]*)?\)")
+
+
+@pytest.mark.parametrize("page", pages_with_parts(), ids=lambda page: page.stem)
+def test_made_parts_are_as_the_code_makes_them(page):
+    text = page.read_text("utf-8")
+    assert renewed(text) == text, "make them again: python tests/docs/reference_pages.py"
+
+
+def test_every_option_column_status_and_scene_is_in_the_glossary():
+    flags = {flag for parser in parsers().values() for action in parser._actions for flag in action.option_strings}
+    codes = {each.name.lower() for each in status.Status}
+    words = flags - {"-h", "--help"} | COLUMNS.keys() | codes | SCENES.keys()
+    assert {word for word in words if f"`{word}`" not in GLOSSARY} == set()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_links_of_a_page_lead_to_files(page):
+    targets = [target for target in LINK.findall(TEXT[page]) if "://" not in target]
+    assert [target for target in targets if not (page.parent / target).exists()] == []
+
+
+def test_cited_identifiers_have_the_form_of_a_doi():
+    cited = re.findall(r"doi:(\S+?)[\s),;]", "\n".join(TEXT.values()), flags=re.IGNORECASE)
+    assert cited
+    assert [doi for doi in cited if not re.fullmatch(r"10\.\d{4,9}/[-.;()/:\w]+", doi)] == []
+
+
+def test_the_python_page_names_every_public_name():
+    page = (ROOT / "docs" / "reference" / "python.md").read_text("utf-8")
+    assert [name for name in ex.__all__ if name != "plot" and f".{name}\n" not in page] == []
