@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from explorer import plot as plot
+    from explorer.commands.cite import cite as cite
     from explorer.commands.run import run as run
     from explorer.compiled import status as _status
     from explorer.errors import InputError as InputError
@@ -54,6 +55,7 @@ _HOMES = {
     "States": "phase.states",
     "Status": "compiled:status.Status",
     "bounces": "motion.bounces",
+    "cite": "commands.cite",
     "constants": "phase.constants",
     "constants_to_states": "phase.states",
     "coordinates_to_states": "phase.coordinates",

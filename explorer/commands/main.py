@@ -89,6 +89,9 @@ COMMANDS = {
         "Write the page of a folder of results: every picture with the command that makes it.",
         "results",
     ),
+    "cite": Command(
+        lambda: import_module("explorer.commands.cite"), "Print BibTeX of this software and of the paper.", ""
+    ),
     "warmup": Command(
         lambda: import_module("explorer.commands.warmup"), "Compile all kernels into the cache.", ""
     ),

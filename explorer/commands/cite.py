@@ -1,0 +1,61 @@
+"""`nearflat cite` and `ex.cite`: what to cite, as BibTeX."""
+
+import argparse
+import json
+
+PAPER = {
+    "author": "Cushman, R. and Duistermaat, J. J.",
+    "title": "Nearly flat falling motions of the rolling disk",
+    "journal": "Regular and Chaotic Dynamics",
+    "volume": "11",
+    "number": "1",
+    "pages": "31--60",
+    "year": "2006",
+}
+
+
+def cite() -> str:
+    """BibTeX entries of this software, with its version, and of the paper whose motions it computes.
+
+    Returns
+    -------
+    str
+        Two entries, `nearflat` and `CushmanDuistermaat2006`.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> print(ex.cite().partition("\\n")[0])
+    @software{nearflat,
+    """
+    return "\n\n".join(_entry(*each) for each in _entries())
+
+
+def _entries() -> tuple[tuple[str, str, dict[str, str]], ...]:
+    from explorer import __version__
+
+    software = {
+        "author": "{The nearflat authors}",
+        "title": "nearflat: Monte Carlo phase-space explorer of the rolling disk that nearly falls flat",
+        "version": __version__,
+    }
+    return ("software", "nearflat", software), ("article", "CushmanDuistermaat2006", PAPER)
+
+
+def _entry(kind: str, key: str, fields: dict[str, str]) -> str:
+    lines = "".join(f"  {name} = {{{value}}},\n" for name, value in fields.items())
+    return f"@{kind}{{{key},\n{lines}}}"
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """What the command takes."""
+    command.add_argument("--json", action="store_true", help="print one JSON object on stdout and nothing else")
+
+
+def call(options: argparse.Namespace) -> int:
+    """Print the entries."""
+    if options.json:
+        print(json.dumps({key: fields for _, key, fields in _entries()}))
+    else:
+        print(cite())
+    return 0
