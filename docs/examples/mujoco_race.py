@@ -24,7 +24,9 @@ WORLD = """
 
 def follow(state, step, t_end):
     """Times, tilt and turned angle of the contact point, in MuJoCo, from a state with m = r = g = 1."""
-    phi, phidot, sigma3, sigma4 = (np.ravel(each).item() for each in (state.phi, state.phidot, state.sigma3, state.sigma4))
+    phi, phidot, sigma3, sigma4 = (
+        np.ravel(each).item() for each in (state.phi, state.phidot, state.sigma3, state.sigma4)
+    )
     c, s = np.cos(phi), np.sin(phi)
     heading, axis, up = np.array([1.0, 0, 0]), np.array([0, c, s]), np.array([0, -s, c])
     turning = phidot * heading + sigma4 * axis + sigma3 / c * up

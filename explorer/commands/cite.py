@@ -2,6 +2,7 @@
 
 import argparse
 import json
+from importlib import metadata
 
 PAPER = {
     "author": "Cushman, R. and Duistermaat, J. J.",
@@ -32,14 +33,19 @@ def cite() -> str:
 
 
 def _entries() -> tuple[tuple[str, str, dict[str, str]], ...]:
-    from explorer import __version__
-
     software = {
         "author": "{The nearflat authors}",
         "title": "nearflat: Monte Carlo phase-space explorer of the rolling disk that nearly falls flat",
-        "version": __version__,
+        "version": _version(),
     }
     return ("software", "nearflat", software), ("article", "CushmanDuistermaat2006", PAPER)
+
+
+def _version() -> str:
+    try:
+        return metadata.version("nearflat")
+    except metadata.PackageNotFoundError:  # a folder on the path, not an installed package
+        return "not installed"
 
 
 def _entry(kind: str, key: str, fields: dict[str, str]) -> str:

@@ -1,4 +1,4 @@
-"""Run the code of pages: Python blocks with what they print, commands with what they say, pictures with their code.
+"""Run the code of pages: Python with what it prints, commands with what they say, pictures with their code.
 
 In a page,
 
@@ -81,7 +81,10 @@ def parse(page):
 def run(page, folder):
     """Run all blocks of a page in a folder; what goes wrong says its file and line."""
     document = parse(page)
-    document.namespace |= {"installed": lambda name: find_spec(name) is not None, "examples": ROOT / "docs" / "examples"}
+    document.namespace |= {
+        "installed": lambda name: find_spec(name) is not None,
+        "examples": ROOT / "docs" / "examples",
+    }
     with contextlib.chdir(folder):
         for example in document.examples():
             with contextlib.suppress(SkipTest):

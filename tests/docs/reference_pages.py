@@ -1,7 +1,7 @@
 """Write the parts of pages that the code knows better: options, columns, statuses, misprints.
 
-Such a part stands between `<!-- made: NAME -->` and `<!-- end -->`. `python tests/docs/reference_pages.py` makes them
-all anew, and a test compares.
+Such a part stands between `<!-- made: NAME -->` and `<!-- end -->`. `python tests/docs/reference_pages.py` makes
+them all anew, and a test compares.
 """
 
 import argparse
@@ -10,8 +10,8 @@ import re
 from pathlib import Path
 
 import explorer as ex
+from explorer import compiled
 from explorer.commands.main import COMMANDS, _parser
-from explorer.compiled import status
 from explorer.phase.columns import COLUMNS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -71,7 +71,9 @@ def options():
         for action in parser._actions:
             for flag in action.option_strings:
                 known.setdefault(flag, []).append(name)
-    rows = [(f"`{flag}`", ", ".join(names)) for flag, names in sorted(known.items()) if flag not in ("-h", "--help")]
+    rows = [
+        (f"`{flag}`", ", ".join(names)) for flag, names in sorted(known.items()) if flag not in ("-h", "--help")
+    ]
     return table(["option", "of the commands"], rows)
 
 
@@ -83,7 +85,8 @@ def columns():
 
 def statuses():
     """Every status of a sample with its remedy."""
-    rows = [(f"`{each.name.lower()}`", str(int(each)), each.sentence, each.remedy) for each in status.Status]
+    codes = compiled.status.Status
+    rows = [(f"`{each.name.lower()}`", str(int(each)), each.sentence, each.remedy) for each in codes]
     return table(["status", "code", "what happened", "what to do"], rows)
 
 
@@ -108,7 +111,8 @@ def described(home, names):
 
 def python():
     """All public names."""
-    return f"## Functions and classes\n\n{described(ex, ex.__all__)}\n## Pictures\n\n{described(ex.plot, ex.plot.__all__)}"
+    functions, pictures = described(ex, ex.__all__), described(ex.plot, ex.plot.__all__)
+    return f"## Functions and classes\n\n{functions}\n## Pictures\n\n{pictures}"
 
 
 MAKERS = {

@@ -17,7 +17,9 @@ def test_the_blocks_of_a_page_run_and_print_what_stands_there(page, tmp_path):
 @pytest.mark.parametrize("page", PAGES, ids=NAMES)
 def test_pictures_of_a_page_were_made_by_the_code_that_stands_there(page):
     for name, digest in pictures(page).items():
-        assert stored_digest(name) == digest, f"{name}.png is older than its code: python tests/docs/pages.py {page}"
+        assert stored_digest(name) == digest, (
+            f"{name}.png is older than its code; make it again: tests/docs/pages.py"
+        )
         assert f"images/{name}.png" in page.read_text("utf-8")
 
 

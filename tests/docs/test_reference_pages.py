@@ -7,7 +7,7 @@ from docs.pages import PAGES, ROOT
 from docs.reference_pages import DOCS, pages_with_parts, parsers, renewed
 
 import explorer as ex
-from explorer.compiled import status
+from explorer import compiled
 from explorer.phase.columns import COLUMNS
 from explorer.scenes.registry import SCENES
 
@@ -24,7 +24,7 @@ def test_made_parts_are_as_the_code_makes_them(page):
 
 def test_every_option_column_status_and_scene_is_in_the_glossary():
     flags = {flag for parser in parsers().values() for action in parser._actions for flag in action.option_strings}
-    codes = {each.name.lower() for each in status.Status}
+    codes = {each.name.lower() for each in compiled.status.Status}
     words = flags - {"-h", "--help"} | COLUMNS.keys() | codes | SCENES.keys()
     assert {word for word in words if f"`{word}`" not in GLOSSARY} == set()
 

@@ -7,7 +7,6 @@ import pytest
 from browser import chromium
 from docs.pages import ROOT
 
-
 # A promise that is kept when the search shows a page; the browser gives up after 20 s.
 FOUND = """new Promise(done => {
     const look = () => document.querySelector('ul.search li') ? done() : setTimeout(look, 50);
