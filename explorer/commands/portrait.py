@@ -150,10 +150,11 @@ def _write(folder: Path, pictures: Pictures) -> list[Path]:
 def _film(folder: Path, disk: Disk) -> list[Path]:
     from explorer import plot
 
-    unit = disk.rate_unit
-    path = folder / f"{FILM}.gif"
-    plot.animate(path, disk, eta_hat=0.05 * unit, sigma3_bar=unit, phidot=unit)
-    return [path]
+    # The small one for pages, the large one for talks.
+    small, large = (folder / f"{FILM}.{kind}" for kind in ("gif", "webp"))
+    for path in (small, large):
+        plot.animate(path, disk)
+    return [small]
 
 
 def _page(written: dict[str, list[Path]], disk: Disk, command: str) -> str:

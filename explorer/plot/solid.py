@@ -88,7 +88,7 @@ def shadow(ax: Axes, camera: Camera, pose: Pose, strength: float = 1.0) -> None:
         angle, size = 2.0 * math.pi * k / _LAMP_POINTS, _LAMP_RADIUS * (k < _LAMP_POINTS)
         lamp = _LAMP + size * np.array([math.cos(angle), math.sin(angle), 0.0])
         on_table = rim - rim[:, 2:] * (lamp / lamp[2])
-        ax.add_patch(Polygon(camera.see(on_table), fc="#2A2418", ec="none", alpha=_SHADE * strength, zorder=1))
+        ax.add_artist(Polygon(camera.see(on_table), fc="#2A2418", ec="none", alpha=_SHADE * strength, zorder=1))
 
 
 def disk(ax: Axes, camera: Camera, pose: Pose, looks: Looks | None = None, zorder: float = 3.0) -> None:
@@ -102,13 +102,13 @@ def disk(ax: Axes, camera: Camera, pose: Pose, looks: Looks | None = None, zorde
     both = np.concatenate([camera.see(top), camera.see(bottom)])
     outline = both[ConvexHull(both).vertices]
     style: dict[str, Any] = {"alpha": looks.alpha, "zorder": zorder}
-    ax.add_patch(Polygon(outline, fc=EDGE, ec=looks.outline, lw=2.0 * looks.width, joinstyle="round", **style))
-    ax.add_collection(_wall(camera, pose, lift, looks.alpha, zorder))
+    ax.add_artist(Polygon(outline, fc=EDGE, ec=looks.outline, lw=2.0 * looks.width, joinstyle="round", **style))
+    ax.add_artist(_wall(camera, pose, lift, looks.alpha, zorder))
     face = 1 if toward > 0.0 else -1
     seen = top if face > 0 else bottom
     light = 0.80 + 0.20 * max(0.0, face * float(normal @ _LIGHT))
     colour = tuple(light * np.array(to_rgb(looks.upper if face > 0 else looks.lower)))
-    ax.add_patch(Polygon(camera.see(seen), fc=colour, ec=looks.outline, lw=0.6 * looks.width, **style))
+    ax.add_artist(Polygon(camera.see(seen), fc=colour, ec=looks.outline, lw=0.6 * looks.width, **style))
     if looks.marked:
         _pattern(ax, camera, pose, lift + face * half * normal, face, looks, zorder)
 
@@ -135,7 +135,7 @@ def _pattern(ax: Axes, camera: Camera, pose: Pose, shift: Array, face: int, look
     ax.plot(*camera.see(ring).T, color=ink, lw=0.9 * looks.width, alpha=looks.alpha, zorder=zorder)
     at = pose.mark_angle
     mark = pose.place(at, 0.58) + pose.r * 0.17 * pose.directions(_ROUND) + shift
-    ax.add_patch(
+    ax.add_artist(
         Polygon(camera.see(mark), fc=DARK if face > 0 else "white", ec="none", alpha=looks.alpha, zorder=zorder)
     )
     spoke = np.stack([pose.place(at, 0.0), pose.place(at, 0.42)]) + shift

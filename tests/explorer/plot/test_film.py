@@ -1,6 +1,4 @@
-"""The film as a GIF and its artists."""
-
-from itertools import pairwise
+"""The film as a GIF for pages and as a WebP for talks."""
 
 import matplotlib
 import numpy as np
@@ -10,58 +8,60 @@ from PIL import Image
 
 import explorer as ex
 from explorer import plot
-from explorer.plot.film import Stage, seen
-from explorer.portrait.film import film
+from explorer.plot.captions import CAPTIONS, caption_in
+from explorer.plot.film import _Frames
 
-UNIFORM, HOOP = BODIES["uniform"], BODIES["hoop"]
-
-
-@pytest.fixture(scope="module")
-def shown():
-    return film(UNIFORM, frames=60)
+HOOP = BODIES["hoop"]
+FRAMES = 9
 
 
-def test_the_film_is_a_small_gif_whose_panels_differ(tmp_path):
+class Steps:
+    """A stage whose picture of a row is grey of that number."""
+
+    def image(self, row):
+        return Image.new("RGB", (8, 4), (row, row, row))
+
+
+def test_the_frames_come_in_their_order_and_the_last_fade_into_the_first():
+    frames = _Frames(Steps(), list(range(30, 230, 5)))
+    greys = []
+    for number in range(frames.n_frames):
+        frames.seek(number)
+        assert frames.tell() == number
+        assert (frames.mode, frames.size) == ("RGB", (8, 4))
+        greys.append(np.asarray(frames)[0, 0, 0])
+    assert (np.diff(greys[:28]) == 5).all()
+    assert (np.diff(np.asarray(greys[28:], int)) < 0).all()
+    assert abs(int(greys[-1]) - 30) < 30
+    with pytest.raises(EOFError):
+        frames.seek(frames.n_frames)
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "count"), [("gif", (640, 360), FRAMES // 2), ("webp", (1280, 720), FRAMES)]
+)
+def test_the_film_loops_in_the_size_of_its_kind_and_carries_its_caption(kind, size, count, tmp_path):
     before = dict(matplotlib.rcParams)
-    target = tmp_path / "fall.gif"
-    plot.animate(target, HOOP)
+    target = tmp_path / f"fall.{kind}"
+    shown = plot.animate(target, HOOP, frames=FRAMES, bounces=1, eta_hat=0.05)
     assert dict(matplotlib.rcParams) == before
-    assert target.stat().st_size < 3_000_000
-    with Image.open(target) as gif:
-        assert gif.n_frames == 100
-        assert gif.info["loop"] == 0
-        durations, frames = [], []
-        for number in range(gif.n_frames):
-            gif.seek(number)
-            durations.append(gif.info["duration"])
-            frames.append(np.asarray(gif.convert("RGB"), dtype=int))
-    assert durations == [60] * 99 + [1500]
-    height, width = frames[0].shape[:2]
-    inside = slice(int(0.2 * height), int(0.85 * height))
-    last_left, last_right = frames[-1][inside, : width // 2], frames[-1][inside, width // 2 :]
-    assert (abs(last_left - last_right).sum(axis=2) > 60).mean() > 0.05
-    for one, next_one in pairwise(frames):
-        assert (abs(one - next_one).sum(axis=2) > 60).any()
-
-
-def test_the_artists_of_the_film_follow_the_rows(shown):
-    stage = Stage(shown)
-    row = int(shown.frames[30])
-    stage.show(row)
-    for panel, sign in zip(stage.panels, (1, -1), strict=True):
-        contact = seen(shown.contact[sign][row])
-        np.testing.assert_allclose(np.ravel(panel.contact.get_data()), contact)
-        assert len(panel.past.get_xdata()) == row + 1
-        rim = np.array(panel.rim.get_data()).T
-        assert np.linalg.norm(rim - contact, axis=1).min() < 1e-12
-    assert f"{shown.slowed[row]:.1f} times" in stage.clock.get_text()
+    assert (shown.eta_hat, shown.flat.size) == (0.05, 1)
+    assert caption_in(target) == CAPTIONS["animate"]
+    with Image.open(target) as film_there:
+        assert film_there.size == size
+        assert film_there.n_frames == count
+        assert film_there.info["loop"] == 0
+        film_there.seek(count // 2)
+        pixels = np.asarray(film_there.convert("RGB"), dtype=int)
+    half = size[0] // 2
+    assert (abs(pixels[:, :half] - pixels[:, half:]).sum(axis=2) > 60).mean() > 0.02
 
 
 @pytest.mark.parametrize(
     ("call", "says"),
     [
-        (lambda: plot.animate("fall.png", UNIFORM), ".gif"),
-        (lambda: plot.animate("no/such/folder/fall.gif", UNIFORM), "make it first"),
+        (lambda: plot.animate("fall.png", HOOP), ".webp or .gif"),
+        (lambda: plot.animate("no/such/folder/fall.gif", HOOP), "make it first"),
     ],
 )
 def test_bad_input_gets_a_sentence(call, says):
