@@ -12,7 +12,7 @@ from explorer.plot.captions import CAPTIONS, caption_in
 from explorer.plot.film import _Frames
 
 HOOP = BODIES["hoop"]
-FRAMES = 9
+FRAMES = 10
 
 
 class Steps:
