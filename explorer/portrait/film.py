@@ -30,10 +30,34 @@ _OBSERVABLES = ("phi", "chi", "psi", "path", "contact")
 class Film:
     """Two motions, +eta_hat and -eta_hat on face +1, at the same times; units of the disk.
 
-    t (nt): time from the first flattest moment, which both pass at t = 0. slowed (nt): by how much time runs
-    slower than at the vertical, 1/cos(phi) of whichever disk is flatter. flat (bounces): times of the flattest
-    moments. Dictionaries by sign of eta: phidot: at the start; phi, chi, psi (nt) rad; centre, contact (nt, 3).
-    frames: rows of these that are frames; the rows between belong to the trails.
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    eta_hat : float
+        Distance of both motions from F, without its sign.
+    t : (nt,) array
+        Time from the first flattest moment, which both pass at t = 0.
+    slowed : (nt,) array
+        By how much time runs slower than at the vertical, 1/cos(phi) of whichever disk is flatter.
+    flat : (bounces,) array
+        Times of the flattest moments.
+    phidot : dict of float
+        Speed at the start, by sign of eta.
+    phi, chi, psi : dict of (nt,) arrays
+        Angles (rad), by sign of eta.
+    centre, contact : dict of (nt, 3) arrays
+        Where the centre and the point of contact are, by sign of eta.
+    frames : (frames,) array of int
+        Rows of these that are frames; the rows between belong to the trails.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> from explorer.portrait.film import film
+    >>> made = film(ex.Disk.uniform(), eta_hat=0.05, frames=3)
+    >>> made.t[made.frames[[0, 2]]].round(3), float(made.phi[1].max().round(3))
+    (array([-1.122,  1.122]), 1.535)
     """
 
     disk: Disk
