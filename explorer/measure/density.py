@@ -74,6 +74,11 @@ class Density:
         if self.function is not None and not callable(self.function):
             raise InputError(f"density = {self.function!r} cannot be called; give a function of four arrays")
 
+    @property
+    def plain(self) -> bool:
+        """Whether it is uniform in its box."""
+        return self.energy == ANY_ENERGY and not self.gaussian and self.function is None
+
     @classmethod
     def of(
         cls,

@@ -122,7 +122,7 @@ def gather(
         have, tried = have + int(good.sum()), tried + good.size
         if tried >= _TRIED * BLOCK and have < _SMALLEST_SHARE * tried:
             raise InputError(f"{remedy.format(f'{have} of {tried}')} or shrink the box")
-    return {name: np.concatenate([part[name] for part in kept])[:count] for name in COORDINATES}
+    return {name: np.concatenate([part[name] for part in kept])[:count] for name in kept[0]}
 
 
 def log_uniform(unit: Array, low: float, high: float) -> Array:

@@ -99,6 +99,17 @@ def natural_constants(states: States) -> NaturalConstants:
     return NaturalConstants(**compiled.constants.Constants(*rows)._asdict())
 
 
+def best_constants(states: States) -> NaturalConstants:
+    """As `natural_constants`, with the linear ones as they were given, without rounding, where they were."""
+    natural = natural_constants(states)
+    if states.exact is None:
+        return natural
+    bad = states.status == compiled.status.Status.BAD_INPUT
+    given = LinearConstants(*(np.where(bad, np.nan, column) for column in states.exact))
+    none = np.zeros(len(states))
+    return natural._replace(**given._asdict(), rounding_plus=none, rounding_minus=none)
+
+
 def constants_of(states: States, natural: NaturalConstants | None = None) -> Constants:
     """Constants of motion of states, in a row; algebra, no integration. `natural`: they, where known already."""
     disk, unit = states.disk, states.disk.rate_unit

@@ -33,6 +33,7 @@ class Coordinates(TypedDict, total=False):
     sigma3_bar: ArrayLike
     sigma4_bar: ArrayLike
     eta_hat: ArrayLike
+    face: ArrayLike
 
 
 def rates_to_states(
@@ -108,7 +109,7 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
         Three or four arrays, which broadcast. phi : angle to the vertical (rad), 0 where it is left out. One of
         phidot : its rate (units of the disk), or energy : which then gives phidot >= 0. And two of the rates
         (units of the disk) sigma3 : with sigma4 : of eq. (2.14), or the constants of motion sigma3_bar : with
-        sigma4_bar : or with eta_hat : of face +1.
+        sigma4_bar : or with eta_hat : of the face +1 or -1 that face : says, +1 where it is left out.
 
     Returns
     -------
@@ -134,23 +135,25 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     """
     require_disk(disk)
     spins, speed = _check(coordinates)
-    names = ("phi", speed, *spins)
-    given: dict[str, Any] = {"phi": 0.0, **coordinates}
-    phi, rate, first, second = columns_of(**{name: given[name] for name in names})
-    inside = np.isfinite(phi) & (abs(phi) < 0.5 * np.pi)
+    names = ("phi", speed, *spins, "face")
+    given: dict[str, Any] = {"phi": 0.0, "face": 1, **coordinates}
+    phi, rate, first, second, face = columns_of(**{name: given[name] for name in names})
+    inside = np.isfinite(phi) & (abs(phi) < 0.5 * np.pi) & (abs(face) == 1.0)
     exact = None
     if spins != ("sigma3", "sigma4"):
         require_axial_inertia(disk)
         eta_hat = second if spins[1] == "eta_hat" else line_slope(disk) * first - second
-        angle = np.where(inside, phi, 0.0)
-        chart = line_chart(disk, np.cos(angle), np.sin(angle))
+        angle, side = np.where(inside, phi, 0.0), np.where(inside, face, 1.0)
+        # The mirror image of a motion on the other face: phi and sigma4 change their signs.
+        chart = line_chart(disk, np.cos(angle), side * np.sin(angle))
         unit = disk.rate_unit
-        exact = linear_constants(disk, first / unit, eta_hat / unit, np.ones(phi.size, bool))
         with np.errstate(invalid="ignore", over="ignore"):
+            exact = linear_constants(disk, first / unit, eta_hat / unit, side > 0.0)
             first, second = chart.rates(first, eta_hat)
+        second = side * second
     if speed == "energy":
         rate = _speed(disk, np.where(inside, phi, 0.0), rate, first, second)
-    states = phi_to_states(disk, phi, rate, first, second)
+    states = phi_to_states(disk, np.where(inside, phi, np.nan), rate, first, second)
     return states if exact is None else replace(states, exact=exact)
 
 
@@ -162,11 +165,13 @@ def _check(coordinates: Coordinates) -> tuple[tuple[str, str], str]:
     given = set(coordinates) - {"phi"}
     for spins in SPINS:
         for speed in SPEEDS:
-            if given == {speed, *spins}:
+            may = {"face"} if "eta_hat" in spins else set()
+            if given - may == {speed, *spins}:
                 return spins, speed
     pairs = ", or ".join(" with ".join(pair) for pair in SPINS)
     raise InputError(
-        f"coordinates {', '.join(coordinates) or 'none'}: give phidot or energy, and {pairs}; phi is 0 if left out"
+        f"coordinates {', '.join(coordinates) or 'none'}: give phidot or energy, and {pairs}; phi is 0 if left "
+        "out, and face belongs to eta_hat"
     )
 
 

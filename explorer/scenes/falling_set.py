@@ -7,31 +7,28 @@ the other is a test that users can see.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, one_of, whole
+from explorer.errors import one_of, whole
 from explorer.measure import statistics
-from explorer.measure.density import ANY_ENERGY, Density
 from explorer.measure.log_counts import LogCounts
-from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.constants import NaturalConstants, constants_of, natural_constants
+from explorer.phase.constants import NaturalConstants, best_constants, constants_of
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import could_fall, falls_of
-from explorer.phase.states import COORDINATES, Array, States, phi_to_states
+from explorer.phase.states import COORDINATES, Array, States
 from explorer.portrait.slices import ConstantsPlane, Slice, map_slice
-from explorer.scenes.base import Chunks, SampledScene, Table, Tally
+from explorer.scenes.base import Chunks, Table, Tally
 from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_faces, joined, nearer, no_cells
-from explorer.scenes.options import BOX, ENERGY, OpenRange, Option, Ranges, read_slices, read_states
-from explorer.scenes.state_file import StateFile
+from explorer.scenes.of_states import Block, SceneOfStates
+from explorer.scenes.options import BOX, Option, Ranges, read_slices
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,7 +40,6 @@ NEAR = {"all": 0.01, "near": 0.001}
 # such runs keep few rows of each.
 MOST_THETA_MIN = 10_000_000
 LARGE_CHUNK = 1 << 20
-BLOCK = 1 << 14  # states: intermediate arrays stay in the processor's cache
 _FIRST = 16_384  # states that say how far the map of all samples must reach
 _WIDER = 1.0 + 1e-9  # rounding of a distance must not decide what is looked at
 # The map's theta_min as integers: 3000 to the decade above 1e-20.
@@ -51,15 +47,12 @@ _DEEPEST, _CODES_PER_DECADE = -20.0, 3000.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class FallingSet(SampledScene):
-    """Where does the disk fall? theta_min, face and could-fall of states drawn from a box."""
+class FallingSet(SceneOfStates):
+    """Where does the disk fall? theta_min, face and could-fall of states, drawn or given."""
 
-    box: Box | None
-    energy: Range | None = None
     slices: tuple[Slice, ...]
     grid: int = 401
     theta_min: str
-    states: StateFile | None = None
 
     bytes_per_sample: ClassVar[int] = 300
     name: ClassVar[str] = "falling-set"
@@ -77,18 +70,8 @@ class FallingSet(SampledScene):
         "steps",
     )
 
-    class Keywords(SampledScene.Keywords, total=False):
+    class Keywords(SceneOfStates.Keywords, total=False):
         box: Annotated[Ranges, BOX]
-        energy: Annotated[OpenRange, ENERGY]
-        states: Annotated[
-            Path | str,
-            Option(
-                "--states",
-                read_states,
-                "FILE",
-                "Parquet file with the states, in columns phi, phidot, sigma3 and sigma4, instead of --box",
-            ),
-        ]
         theta_min: Annotated[
             str,
             Option(
@@ -116,18 +99,11 @@ class FallingSet(SampledScene):
     def __post_init__(self) -> None:
         super().__post_init__()
         require_axial_inertia(self.disk)
-        if self.energy is not None:
-            # An energy that the box does not reach is refused before anything is written.
-            self._drawn(chunk_stream(self.seed, 0), 1)
 
     @classmethod
     def completed(cls, given: dict[str, Any]) -> dict[str, Any]:
-        disk, states = given.get("disks", cls.disks)[0], given.get("states")
-        if states is not None:
-            _check_states(given, states)
-            given = {"samples": states.rows, "box": None, **given}
-        else:
-            given = {**given, "box": replace(Box.default(disk), **given.get("box", {}))}
+        given = cls.completed_by_source(given)
+        disk = given.get("disks", cls.disks)[0]
         many = given.get("samples", cls.samples) > MOST_THETA_MIN
         return {
             "chunk_size": LARGE_CHUNK if many else cls.chunk_size,
@@ -136,80 +112,56 @@ class FallingSet(SampledScene):
             **given,
         }
 
-    @cached_property
-    def density(self) -> Density:
-        """What states are drawn from."""
-        assert self.box is not None
-        return Density(self.box, ANY_ENERGY if self.energy is None else self.energy)
-
     @property
     def tube(self) -> float:
         """|eta_hat| below which a sample is near F, in the units of the disk."""
         return NEAR[self.theta_min] * self.disk.rate_unit
 
-    def draw(self, index: int) -> Iterator[Table]:
-        """Coordinates of the states of a chunk, block by block."""
-        count, random = self.length(index), chunk_stream(self.seed, index)
-        for first in range(0, count, BLOCK):
-            size = min(BLOCK, count - first)
-            if self.states is not None:
-                yield self.states.read(index * self.chunk_size + first, size)
-            else:
-                yield self._drawn(random, size)
-
-    def _drawn(self, random: np.random.Generator, count: int) -> Table:
-        # Where nothing is rejected no draw is wasted: the box is drawn from directly.
-        if self.energy is None:
-            return self.density.box.draw(random, count)
-        return self.density.draw(self.disk, random, count)
-
     def compute(self, index: int) -> Table:
-        return joined([self._block(columns) for columns in self.draw(index)])
+        return joined([self._table(block) for block in self.blocks(index)])
 
     def process(self, index: int) -> tuple[Table, Tally]:
         # Block by block: what is not kept never leaves the processor's cache.
         counts, kept = FallingCounts(), []
-        for columns in self.draw(index):
+        for block in self.blocks(index):
             if self.theta_min == "all" or self.keep == "all":
-                block = self._block(columns)
-                of_block = self._count(block)
+                table = self._table(block)
+                of_block = self._count(table)
             else:
-                of_block, block = self._sift(columns)
+                of_block, table = self._sift(block)
             counts.add(of_block)
-            kept.append(self.kept(index, block))
+            kept.append(self.kept(index, table))
         return joined(kept), counts.tally()
 
-    def _sift(self, columns: Table) -> tuple[FallingCounts, Table]:
+    def _sift(self, block: Block) -> tuple[FallingCounts, Table]:
         """Counts of all states of a block, and all about those near F, the only ones with a theta_min."""
-        disk = self.disk
-        states = phi_to_states(disk, **columns)
-        natural = natural_constants(states)
+        disk, states = self.disk, block.states
+        natural = best_constants(states)
         could_plus, could_minus = could_fall(states, natural)
         near_plus = natural.nearer_plus
         eta = natural.eta(near_plus)
         could = np.where(near_plus, could_plus, could_minus)
         distance = disk.eta_to_eta_hat(abs(eta)) * disk.rate_unit
         near = np.flatnonzero((distance <= self.tube * _WIDER) & could)
-        block = self._block({name: values[near] for name, values in columns.items()})
+        table = self._table(block.at(near))
         counts = FallingCounts(could_fall=int(could.sum()), distance=LogCounts.of(distance[could]))
         counts.faces = count_faces(near_plus, eta)
         counts.status = statistics.count_status([states.status])
         # Which states are on F to rounding, or have a theta_min, is known of those near F only.
-        counts.status = statistics.add_counts([counts.status, statistics.count_status([block["status"]])])
+        counts.status = statistics.add_counts([counts.status, statistics.count_status([table["status"]])])
         for name, count in statistics.count_status([states.status[near]]).items():
             counts.status[name] -= count
         counts.status = {name: count for name, count in counts.status.items() if count}
-        counts.theta_min, counts.plane = LogCounts.of(block["theta_min"]), self._cells(block)
-        return counts, block
+        counts.theta_min, counts.plane = LogCounts.of(table["theta_min"]), self._cells(table)
+        return counts, table
 
-    def _block(self, columns: Table) -> Table:
+    def _table(self, block: Block) -> Table:
         """Everything about a few states, so few that intermediate arrays stay in the processor's cache."""
-        states = phi_to_states(self.disk, **columns)
-        natural = natural_constants(states)
+        states = block.states
+        natural = best_constants(states)
         exact = falls_of(states, natural)
         constants = constants_of(states, natural)
         table: Table = {
-            **columns,
             "sigma3_bar": constants.sigma3_bar,
             "eta_hat_plus": constants.eta_hat_plus,
             "eta_hat_minus": constants.eta_hat_minus,
@@ -217,7 +169,7 @@ class FallingSet(SampledScene):
             "face": exact.face,
             "could_fall": exact.could_fall,
         }
-        return table | self._flattest(table, states, natural, exact.status)
+        return block.with_results(table | self._flattest(table, states, natural, exact.status))
 
     def _flattest(
         self, table: Table, states: States, natural: NaturalConstants, status: NDArray[np.int8]
@@ -285,18 +237,12 @@ class FallingSet(SampledScene):
     @cached_property
     def _plane_edges(self) -> tuple[Array, Array]:
         """Edges of the map of all samples: what holds 99.5 % of the first ones in each direction."""
-        table = constants_of(self._first())
+        table = constants_of(self.first_states(_FIRST))
         sigma3, sigma4 = table.sigma3_bar, table.sigma4_bar
         good = np.isfinite(sigma3) & np.isfinite(sigma4)
         reach = [np.percentile(abs(c[good]), 99.5) if good.any() else 1.0 for c in (sigma3, sigma4)]
         sigma3_edges, sigma4_edges = (np.linspace(-r, r, MAP_CELLS + 1) for r in np.maximum(reach, 1e-300))
         return sigma3_edges, sigma4_edges
-
-    def _first(self) -> States:
-        """A few states like those of the run."""
-        if self.states is not None:
-            return phi_to_states(self.disk, **self.states.read(0, min(_FIRST, self.samples)))
-        return phi_to_states(self.disk, **self._drawn(chunk_stream(self.seed, 0), _FIRST))
 
     def _cells(self, table: Table) -> NDArray[np.uint16]:
         """The smallest theta_min in each cell of the plane of constants, as a code; none is the largest."""
@@ -340,12 +286,3 @@ class FallingSet(SampledScene):
                 f"tilt at the flattest moment: median {quantile['0.5']:.3g} rad, smallest {quantile['0']:.3g} rad"
             )
         return lines
-
-
-def _check_states(given: dict[str, Any], states: StateFile) -> None:
-    """Raise InputError for options that say what the file of states says already."""
-    for name in ("box", "energy"):
-        if name in given:
-            raise InputError(f"--{name}: the states come from --states; leave it out")
-    if given.get("samples", 1) > states.rows:
-        raise InputError(f"--samples {given['samples']}: --states holds {states.rows}; leave --samples out")

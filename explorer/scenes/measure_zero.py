@@ -22,7 +22,7 @@ from explorer.phase.states import COORDINATES, Array
 from explorer.scenes.base import Chunks, SampledScene, Table, Tally
 from explorer.scenes.measure_zero_draws import PlainDraws, Question, TubeDraws
 from explorer.scenes.measure_zero_summary import FEWEST_HITS, Counted, summarise
-from explorer.scenes.options import BOX, ENERGY, OpenRange, Option, Ranges, read_density, read_ranges
+from explorer.scenes.options import BOX, DENSITY, ENERGY, GAUSSIAN, OpenRange, Option, Ranges
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,25 +66,8 @@ class MeasureZero(SampledScene):
     class Keywords(SampledScene.Keywords, total=False):
         box: Annotated[Ranges, BOX]
         energy: Annotated[OpenRange, ENERGY]
-        gaussian: Annotated[
-            Ranges,
-            Option(
-                "--gaussian",
-                read_ranges,
-                "BELLS",
-                'coordinates drawn from a Gaussian that the box cuts off: "phidot=MEAN:DEVIATION,..", in the '
-                "units of the disk",
-            ),
-        ]
-        density: Annotated[
-            Function,
-            Option(
-                "density",
-                read_density,
-                "FUNCTION",
-                "a density, called as density(phi, phidot, sigma3, sigma4) with arrays in the units of the disk",
-            ),
-        ]
+        gaussian: Annotated[Ranges, GAUSSIAN]
+        density: Annotated[Function, DENSITY]
         ladder: Annotated[
             str | Range,
             Option("--ladder", read_range, "LOW:HIGH", "tilts delta in rad, from the largest down by decades"),

@@ -13,13 +13,13 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
-from explorer.errors import InputError, number, one_of, read_range, whole
+from explorer.errors import InputError, flag, number, one_of, read_range, whole
 from explorer.measure.density import Function
 from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion.plan import METHODS
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.portrait.slices import Slice
-from explorer.scenes.state_file import StateFile
+from explorer.scenes.given_states import GivenStates
 
 # What users may give: one disk or several, ranges of coordinates, a range that may be open, distances from F.
 Disks = Disk | str | Sequence[Disk | str]
@@ -182,18 +182,6 @@ def _as_text(flag: str, value: Any) -> str:
     return ",".join(texts)
 
 
-def read_states(flag: str, value: Any) -> StateFile:
-    """Read the file of states: its path, or what run.json says about it. Raises InputError."""
-    if isinstance(value, StateFile):
-        return value
-    if not isinstance(value, Mapping):
-        return StateFile.open(Path(str(value)))
-    opened = StateFile.open(Path(str(value.get("file"))))
-    if opened.sha256 != value.get("sha256"):
-        raise InputError(f"{flag} {opened.path}: is not the file of states that the run began with")
-    return opened
-
-
 def read_density(flag: str, value: Any) -> Function:
     """Read a density. A stored run says only which function it had. Raises InputError."""
     if isinstance(value, Mapping):
@@ -244,3 +232,24 @@ ENERGY = Option(
     "LOW:HIGH",
     "only states with an energy in this range, in the units of the disk; :HIGH and LOW: leave one end open",
 )
+GAUSSIAN = Option(
+    "--gaussian",
+    read_ranges,
+    "BELLS",
+    'coordinates drawn from a Gaussian that the box cuts off: "phidot=MEAN:DEVIATION,..", in the units of the '
+    "disk",
+)
+DENSITY = Option(
+    "density",
+    read_density,
+    "FUNCTION",
+    "a density, called as density(phi, phidot, sigma3, sigma4) with arrays in the units of the disk",
+)
+STATES = Option(
+    "--states",
+    GivenStates.of,
+    "FILE",
+    "Parquet or CSV file with states, instead of --box: columns tilt, tilt_rate, precession, spin; or phi, "
+    "phidot, sigma3, sigma4; or phidot, sigma3_bar, eta_hat; all other columns go on into the results",
+)
+DEGREES = Option("--degrees", flag, "", "angles and rates in --states are in degrees")

@@ -3,36 +3,41 @@
 The race angle of a passage is the increase of chi from vertical to vertical less the increase
 along the limit motion on F with the same sigma3_bar and energy (its fall angle). Its limit is
 sgn(eta) kappa pi, whatever the initial state (Prop. 2).
+
+Passages start at the vertical beside F; or states anywhere in the phase space, drawn or given, are followed
+to their next approaches to flat.
 """
 
 import math
-from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import RunError
+from explorer import compiled
+from explorer.errors import InputError, RunError, whole
 from explorer.measure import statistics
-from explorer.measure.log_counts import LogCounts, SignedLogCounts, count_cells
-from explorer.measure.sampling import Box, Range, chunk_stream, log_uniform
+from explorer.measure.sampling import BLOCK, Range, chunk_stream, gather, log_uniform
+from explorer.motion.bounces import MOST, Bounces, bounces
 from explorer.motion.passages import passages
-from explorer.phase.disk import require_axial_inertia
-from explorer.phase.states import Array
-from explorer.scenes.base import Chunks, SampledScene, Table, Tally
-from explorer.scenes.beside import BOX, box_beside, check_eta_hat, describe_beside, draw_beside, eta_hat_option
-from explorer.scenes.options import Distances, Ranges
+from explorer.phase.constants import best_constants, natural_constants
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.lines import line_chart
+from explorer.phase.membership import impact_speed
+from explorer.phase.states import Array, States, constants_to_states
+from explorer.scenes import beside
+from explorer.scenes.base import Chunks, Table, Tally
+from explorer.scenes.beside import box_beside, check_eta_hat, describe_beside, draw_beside, eta_hat_option
+from explorer.scenes.of_states import Block, SceneOfStates
+from explorer.scenes.options import Distances, Option, Ranges
+from explorer.scenes.race_counts import SIGNS, RaceCounts, count_bounces, count_races, histogram_edges
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Bins of the histogram between -1.5 and 1.5 kappa pi: 0 and +-kappa pi are middles of bins, also
-# where a picture joins five of them.
-BINS = 585
-REACH = 1.5
-_SIGNS = {"plus": 1.0, "minus": -1.0}
 # What is stored of a passage, as fields of `Passages`.
 _FOUND = (
     "energy",
@@ -48,126 +53,141 @@ _FOUND = (
 )
 
 
-@dataclass
-class OneSign:
-    """Race angles of one sign of eta, counted: a histogram, and deviations from the limit."""
-
-    bins: NDArray[np.int64] = field(default_factory=lambda: np.zeros(BINS, np.int64))
-    outside: int = 0
-    deviation: SignedLogCounts = field(default_factory=SignedLogCounts)
-    sums: list[float] = field(default_factory=list)  # of the deviations, one a chunk
-
-    def add(self, tally: Tally) -> None:
-        self.bins[np.array(tally["bins"], np.int64)] += np.array(tally["counts"], np.int64)
-        self.outside += tally["outside"]
-        self.deviation.add(SignedLogCounts(tally["deviation"]))
-        self.sums.append(tally["sum"])
-
-
-@dataclass
-class RaceCounts:
-    """The tallies of all chunks, added up."""
-
-    status: dict[str, int] = field(default_factory=dict)
-    wrong_way: int = 0
-    signs: dict[str, OneSign] = field(default_factory=lambda: {name: OneSign() for name in _SIGNS})
-    decades: dict[int, LogCounts] = field(default_factory=dict)
-    cells: Counter[tuple[int, int]] = field(default_factory=Counter)
-    impact_speed: LogCounts = field(default_factory=LogCounts)
-    energy: LogCounts = field(default_factory=LogCounts)
-    error_estimate: LogCounts = field(default_factory=LogCounts)
-
-    def add(self, tally: Tally) -> None:
-        self.status = statistics.add_counts([self.status, tally["status"]])
-        self.wrong_way += tally["wrong_way"]
-        for name, sign in self.signs.items():
-            sign.add(tally[name])
-        for exponent, state in tally["decades"].items():
-            self.decades.setdefault(int(exponent), LogCounts()).add(LogCounts(state))
-        self.cells.update({(i, j): count for i, j, count in tally["cells"]})
-        for name in ("impact_speed", "energy", "error_estimate"):
-            getattr(self, name).add(LogCounts(tally[name]))
+# What is stored of a bounce, as fields of `Bounces`.
+_OF_BOUNCE = (
+    "bounce",
+    "face",
+    "side",
+    "time",
+    "race_angle",
+    "delta_chi",
+    "fall_angle",
+    "theta_min",
+    "duration",
+    "error_estimate",
+)
+# Options that mean states anywhere in the phase space, and so do ranges of phi and sigma4 in the box.
+_OF_STATES = ("states", "gaussian", "density", "bounces")
+BOX = Option(
+    "--box",
+    beside.BOX.read,
+    "BOX",
+    beside.BOX.text + "; with phi and sigma4 too, states in all of the phase space, as in falling-set",
+    default=beside.BOX.default,
+)
+BOUNCES = Option(
+    "--bounces",
+    partial(whole, low=1, high=MOST),
+    "N",
+    "how many approaches to flat of each state, where states are given or drawn in all of the phase space",
+    default="1",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
-class RaceAngles(SampledScene):
+class RaceAngles(SceneOfStates):
     """How far does the contact point race? Angles of passages beside the falling set, on both sides."""
 
-    box: Box
-    eta_hat: Range
+    eta_hat: Range | None = None
+    bounces: int | None = None
 
     name: ClassVar[str] = "race-angles"
     observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "duration")
     columns: ClassVar[tuple[str, ...]] = ("phidot", "sigma3_bar", "eta_hat", "face", *_FOUND)
     bytes_per_sample: ClassVar[int] = 1000
 
-    class Keywords(SampledScene.Keywords, total=False):
+    class Keywords(SceneOfStates.Keywords, total=False):
         box: Annotated[Ranges, BOX]
         eta_hat: Annotated[Distances, eta_hat_option("1e-6:1e-2")]
+        bounces: Annotated[int, BOUNCES]
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         require_axial_inertia(self.disk)
-        check_eta_hat(self.eta_hat, self.disk)
+        if self.eta_hat is not None:
+            check_eta_hat(self.eta_hat, self.disk)
+        elif self.method not in ("auto", "quadrature"):
+            raise InputError(f"--method {self.method}: bounces of states are by quadrature; leave it out")
+        super().__post_init__()
 
     @classmethod
     def completed(cls, given: dict[str, Any]) -> dict[str, Any]:
-        disk = given.get("disks", cls.disks)[0]
-        box = box_beside(disk, given.get("box", {}))
-        return {"eta_hat": (1e-6 * disk.rate_unit, 1e-2 * disk.rate_unit), **given, "box": box}
+        disk, box = given.get("disks", cls.disks)[0], given.get("box", {})
+        why = [name for name in _OF_STATES if name in given]
+        if not why and not {"phi", "sigma4"} & set(box):
+            default = (1e-6 * disk.rate_unit, 1e-2 * disk.rate_unit)
+            return {"eta_hat": default, **given, "box": box_beside(disk, box)}
+        if "eta_hat" in given:
+            raise InputError(
+                f"--eta-hat: is for passages that start at the vertical beside the falling set, and "
+                f"{f'--{why[0]}' if why else '--box with phi or sigma4'} gives states elsewhere; leave one out"
+            )
+        return {"bounces": 1, **cls.completed_by_source(given)}
 
     def options(self) -> dict[str, Any]:
-        return {**super().options(), "box": describe_beside(self.box)}
+        options = super().options()
+        if self.eta_hat is None or self.box is None:
+            return options
+        return {**options, "box": describe_beside(self.box)}
 
     def compute(self, index: int) -> Table:
-        count, random = self.length(index), chunk_stream(self.seed, index)
-        start = draw_beside(self.box, random, count)
-        eta_hat = log_uniform(random.random(count), *self.eta_hat)
-        eta_hat *= np.where(random.random(count) < 0.5, 1.0, -1.0)
+        if self.eta_hat is None:
+            tables = [self._bounces(block) for block in self.blocks(index)]
+            return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+        drawn = self._drawn_beside(chunk_stream(self.seed, index), self.length(index))
+        speed = drawn["face"] * drawn["phidot"]
         made = passages(
             self.disk,
-            start.sigma3_bar,
-            eta_hat,
-            start.speed,
-            start.face,
+            drawn["sigma3_bar"],
+            drawn["eta_hat"],
+            speed,
+            drawn["face"],
             method=self.method,
             accuracy=self.accuracy,
         )
-        drawn = {"phidot": start.phidot, "sigma3_bar": start.sigma3_bar, "eta_hat": eta_hat}
-        return {**drawn, "face": start.face.astype(np.int8), **{name: getattr(made, name) for name in _FOUND}}
+        face = drawn["face"].astype(np.int8)
+        return {**drawn, "face": face, **{name: getattr(made, name) for name in _FOUND}}
+
+    def _drawn(self, random: np.random.Generator, count: int) -> Table:
+        return super()._drawn(random, count) if self.eta_hat is None else self._drawn_beside(random, count)
+
+    def _drawn_beside(self, random: np.random.Generator, count: int) -> Table:
+        """Starts at the vertical: phidot, sigma3_bar, eta_hat and face."""
+        if self.energy is None:
+            return self._any_energy(random, count)
+        low, high = self.energy
+
+        def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
+            drawn = self._any_energy(random, BLOCK)
+            states = constants_to_states(self.disk, **drawn)
+            energy = natural_constants(states).energy * self.disk.energy_unit
+            return drawn, (energy >= low) & (energy <= high)
+
+        return gather(block, count, "--energy: only {} draws beside the falling set were kept; widen it")
+
+    def _any_energy(self, random: np.random.Generator, count: int) -> Table:
+        assert self.box is not None
+        assert self.eta_hat is not None
+        start = draw_beside(self.box, random, count)
+        eta_hat = log_uniform(random.random(count), *self.eta_hat)
+        eta_hat *= np.where(random.random(count) < 0.5, 1.0, -1.0)
+        return {"phidot": start.phidot, "sigma3_bar": start.sigma3_bar, "eta_hat": eta_hat, "face": start.face}
+
+    def _bounces(self, block: Block) -> Table:
+        """A row for each approach to flat of each state."""
+        assert self.bounces is not None
+        found = bounces(block.states, self.bounces, self.accuracy)
+        constants = motion_constants(block.states, found)
+        results = {name: getattr(found, name).ravel() for name in _OF_BOUNCE}
+        rows = np.repeat(np.arange(len(block.states)), self.bounces)
+        return block.at(rows).with_results(constants | results | {"status": found.status.ravel()})
 
     def tally(self, index: int, table: Table) -> Tally:
-        race, eta_hat = table["race_angle"], table["eta_hat"]
-        deviation = race - np.sign(eta_hat) * self.disk.race_limit
-        decade = np.floor(np.log10(abs(eta_hat)) + 1e-12).astype(int)
-        return {
-            **super().tally(index, table),
-            "wrong_way": int(table["wrong_way"].sum()),
-            **{name: self._one_sign(race, deviation, sign * eta_hat > 0.0) for name, sign in _SIGNS.items()},
-            "decades": {
-                str(exponent): LogCounts.of(abs(deviation[decade == exponent])).state()
-                for exponent in sorted(set(decade.tolist()))
-            },
-            "cells": count_cells(abs(eta_hat), abs(deviation)),
-            **{name: LogCounts.of(table[name]).state() for name in ("impact_speed", "energy", "error_estimate")},
-        }
-
-    def _edges(self) -> Array:
-        limit = self.disk.race_limit
-        return np.linspace(-REACH * limit, REACH * limit, BINS + 1)
-
-    def _one_sign(self, race: Array, deviation: Array, chosen: NDArray[np.bool_]) -> Tally:
-        good = chosen & np.isfinite(race)
-        values, edges = race[good], self._edges()
-        counts = np.histogram(values, edges)[0]
-        filled = np.flatnonzero(counts)
-        return {
-            "bins": filled.tolist(),
-            "counts": counts[filled].tolist(),
-            "outside": int((abs(values) > edges[-1]).sum()),
-            "deviation": SignedLogCounts.of(deviation[good]).state(),
-            "sum": math.fsum(deviation[good].tolist()),
-        }
+        counted = count_races(table, self.disk.race_limit)
+        if self.eta_hat is not None:
+            return {**super().tally(index, table), **counted}
+        # Every bounce of a state has the state's status.
+        status = statistics.count_status([table["status"][:: self.bounces]])
+        return {"status": status, **counted, **count_bounces(table)}
 
     def add_up(self, chunks: Chunks) -> RaceCounts:
         total = RaceCounts()
@@ -177,11 +197,8 @@ class RaceAngles(SampledScene):
 
     def summarise(self, total: RaceCounts) -> dict[str, Any]:
         limit = self.disk.race_limit
-        if not any(sign.deviation.total for sign in total.signs.values()):
-            raise RunError(
-                f"race-angles: none of {self.samples} passages was resolved ({total.status}); "
-                "raise --eta-hat or change --accuracy"
-            )
+        if not any(total.races(name) for name in SIGNS):
+            raise RunError(self._without_races(total))
         summary: dict[str, Any] = {
             "samples": self.samples,
             "limit": limit,
@@ -189,21 +206,36 @@ class RaceAngles(SampledScene):
             "failures": {name: count for name, count in total.status.items() if name != "ok"},
             "status": total.status,
         }
-        histogram: dict[str, Any] = {"edges": self._edges().tolist()}
+        if self.eta_hat is None:
+            summary |= {"approaches": total.bounces, "without_race": total.without_race}
+        histogram: dict[str, Any] = {"edges": histogram_edges(limit).tolist()}
         for name, sign in total.signs.items():
             histogram[f"counts_{name}"], histogram[f"outside_{name}"] = sign.bins.tolist(), sign.outside
-            if sign.deviation.total:
-                mean = math.fsum(sign.sums) / sign.deviation.total
-                summary[f"median_{name}"] = _SIGNS[name] * limit + sign.deviation.quantile(0.5)
-                summary[f"mean_{name}"] = _SIGNS[name] * limit + mean
+            summary[f"races_{name}"] = total.races(name)
+            if total.races(name):
+                mean = math.fsum(sign.sums) / total.races(name)
+                summary[f"median_{name}"] = SIGNS[name] * limit + sign.deviation.quantile(0.5)
+                summary[f"mean_{name}"] = SIGNS[name] * limit + mean
                 summary[f"width_{name}"] = sign.deviation.half_width()
         return {
             **summary,
             "histogram": histogram,
-            "by_decade": _by_decade(total.decades),
+            "by_decade": total.by_decade(),
             "energy_range": [total.energy.smallest, total.energy.largest],
             "largest_error_estimate": total.error_estimate.largest,
         }
+
+    def _without_races(self, total: RaceCounts) -> str:
+        """Why there is nothing to sum up."""
+        if self.eta_hat is None:
+            return (
+                f"race-angles: none of {self.samples} states has a race angle ({total.status}; of "
+                f"{total.without_race} bounces the energy is too small to come flat); give other states"
+            )
+        return (
+            f"race-angles: none of {self.samples} passages was resolved ({total.status}); "
+            "raise --eta-hat or change --accuracy"
+        )
 
     def figures(self, summary: dict[str, Any], total: RaceCounts) -> "Iterator[tuple[str, Figure]]":
         from explorer import plot
@@ -213,29 +245,63 @@ class RaceAngles(SampledScene):
         yield "deviation", plot.figure_of(plot.race_deviation, self.disk, total.cells, speed)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
-        means = "; ".join(
-            f"{label}: mean {summary[f'mean_{name}']:+.4f}, median {summary[f'median_{name}']:+.6f}"
+        means = [
+            f"race angle (rad) of the {summary[f'races_{name}']:,} {what} with {label}: "
+            f"mean {summary[f'mean_{name}']:+.4f}, median {summary[f'median_{name}']:+.6f}"
+            for what in ("passages" if self.eta_hat is not None else "bounces",)
             for name, label in (("plus", "eta > 0"), ("minus", "eta < 0"))
             if f"mean_{name}" in summary
-        )
-        failed = ", ".join(f"{count:,} {name}" for name, count in summary["failures"].items()) or "none"
-        return [
-            f"{summary['samples']:,} passages of the {self.disk.name} disk; "
-            f"the limit +-kappa pi is {summary['limit']:.6f} rad",
-            f"race angle (rad), {means}",
-            f"wrong way: {summary['wrong_way']}; failures: {failed}",
         ]
+        failed = ", ".join(f"{count:,} {name}" for name, count in summary["failures"].items()) or "none"
+        limit = f"the limit +-kappa pi is {summary['limit']:.6f} rad"
+        if self.eta_hat is not None:
+            first = [f"{summary['samples']:,} passages of the {self.disk.name} disk; {limit}"]
+        else:
+            states = f"{summary['samples']:,} states of the {self.disk.name} disk"
+            first = [f"{states}, {summary['approaches']:,} bounces; {limit}", *self._nearest(summary)]
+        return [*first, *means, f"wrong way: {summary['wrong_way']}; failures: {failed}"]
+
+    def _nearest(self, summary: dict[str, Any]) -> list[str]:
+        """The bounces without a race, and the medians nearest to F."""
+        lines = []
+        if summary["without_race"]:
+            lines.append(
+                f"{summary['without_race']:,} bounces have no race angle: their energy is too small to come flat"
+            )
+        for row in summary["by_decade"][:1]:
+            lines.append(
+                f"nearest to the falling set, |eta_hat| {row['eta_hat_from']:.0e} to "
+                f"{10.0 * row['eta_hat_from']:.0e}: {row['passages']:,} bounces, median distance from the limit "
+                f"{row['median_deviation']:.2g} rad"
+            )
+        return lines
 
 
-def _by_decade(decades: dict[int, LogCounts]) -> list[dict[str, Any]]:
-    """How the deviation from the limit shrinks with |eta_hat|."""
-    return [
-        {
-            "eta_hat_from": 10.0**exponent,
-            "passages": deviation.total,
-            "median_deviation": deviation.quantile(0.5),
-            "largest_deviation": deviation.largest,
-        }
-        for exponent, deviation in sorted(decades.items())
-        if deviation.total
-    ]
+def motion_constants(states: States, found: Bounces) -> Table:
+    """Columns that belong to a motion and a face, for each of its bounces; NaN where nothing was found."""
+    disk, shape = states.disk, found.shape
+    natural = best_constants(states)
+    ok = (found.status == compiled.status.Status.OK) & (found.face != 0)
+    plus = found.face > 0
+
+    def each(values: Array) -> Array:
+        return np.broadcast_to(values[:, None], shape)
+
+    eta = np.where(plus, each(natural.eta_plus), each(natural.eta_minus))
+    speed = impact_speed(disk, natural.sigma3_bar, natural.energy)
+    columns = {
+        "sigma3_bar": each(natural.sigma3_bar) * disk.rate_unit,
+        "eta_hat": disk.eta_to_eta_hat(eta) * disk.rate_unit,
+        "energy": each(natural.energy) * disk.energy_unit,
+        "impact_speed": each(speed) * disk.rate_unit,
+    }
+    table: Table = {name: np.where(ok, values, np.nan).ravel() for name, values in columns.items()}
+    return table | {"wrong_way": (ok & _against(disk, found, each(natural.sigma3_bar), eta)).ravel()}
+
+
+def _against(disk: Disk, found: Bounces, sigma3_bar: Array, eta: Array) -> NDArray[np.bool_]:
+    """Whether sigma3 at the flattest moment, which has the sign of chi's rate, has not the sign of eta."""
+    tilt = np.where(np.isfinite(found.theta_min), found.theta_min, 1.0).ravel()
+    chart = line_chart(disk, np.sin(tilt), np.cos(tilt))
+    sigma3 = chart.rates(sigma3_bar.ravel(), disk.eta_to_eta_hat(eta).ravel())[0].reshape(found.shape)
+    return np.asarray(np.sign(sigma3) != found.side)

@@ -5,6 +5,7 @@ import pytest
 from conftest import BODIES, computed
 
 import explorer as ex
+from explorer.measure.sampling import chunk_stream
 from explorer.phase.constants import constants_of
 from explorer.phase.states import phi_to_states
 from explorer.portrait.slices import Slice, map_slice
@@ -87,7 +88,7 @@ def test_an_energy_cut_changes_which_states_are_drawn_and_nothing_else():
     scene = build_scene("falling-set", samples=3000, box="phi=-1:1", energy=":2", keep="all", seed=3)
     table = scene.compute(0)
     assert (table["energy"] <= 2.0).all()
-    drawn = scene.box.draw(falling_set.chunk_stream(3, 0), 8192)
+    drawn = scene.box.draw(chunk_stream(3, 0), 8192)
     energy = constants_of(phi_to_states(scene.disk, **drawn)).energy
     np.testing.assert_array_equal(table["phi"][:100], drawn["phi"][energy <= 2.0][:100])
     assert (energy > 2.0).any()

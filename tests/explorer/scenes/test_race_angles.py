@@ -90,3 +90,71 @@ def test_every_chunk_footer_is_read_once_for_summary_and_pictures(tmp_path, monk
     assert sorted(read) == sorted(store.found_chunks(run.folder).values())
     assert digest == run.summary["digest"]
     assert summary["histogram"] == run.summary["histogram"]
+
+
+@pytest.fixture(scope="module")
+def wobbling():
+    """Tilt, precession and spin of a coin in SI, all within a degree of flat, and a column of the user's."""
+    random, count = np.random.default_rng(3), 4000
+    return {
+        "tilt": random.uniform(0.1, 1.0, count),
+        "tilt_rate": np.degrees(random.normal(0.0, 5.0, count)),
+        "precession": np.degrees(random.normal(0.0, 60.0, count)),
+        "spin": np.degrees(random.normal(0.0, 1.0, count)),
+        "coin": np.arange(count) % 7,
+    }
+
+
+def test_the_races_of_a_wobbling_coin_tend_to_kappa_pi_by_decade(wobbling, tmp_path):
+    """From a table to the histogram; the mean tends to +-kappa pi, and the same for any number of jobs."""
+    path = tmp_path / "coin.csv"
+    np.savetxt(
+        path, np.column_stack(list(wobbling.values())), "%.17g", ",", header=",".join(wobbling), comments=""
+    )
+    options = {"disk": BODIES["coin"], "degrees": True, "chunk_size": 700}
+    run = ex.run("race-angles", states=wobbling, out=tmp_path / "one", jobs=1, **options)
+    other = ex.run("race-angles", states=path, out=tmp_path / "two", jobs=2, **options)
+    assert run.summary["digest"] == other.summary["digest"]
+    assert run.summary["status"] == {"ok": 4000}
+    limit = BODIES["coin"].race_limit
+    away = [
+        max(abs(row["mean_plus"] - limit), abs(row["mean_minus"] + limit))
+        for row in run.summary["by_decade"]
+        if row["passages"] > 100
+    ]
+    assert all(a < 0.6 * b for a, b in itertools.pairwise(away))
+    assert away[0] < 0.05
+    lines = run.scene.headline(run.summary)
+    assert f"of the {run.summary['races_plus']:,} bounces with eta > 0" in " ".join(lines)
+    rows = np.concatenate([table["row"] for table in run.tables()])
+    coins = np.concatenate([table["coin"] for table in run.tables()])
+    np.testing.assert_array_equal(coins, wobbling["coin"][rows])
+
+
+def test_several_bounces_have_a_row_each_and_one_bad_row_ends_nothing(wobbling):
+    some = {name: values[:50].copy() for name, values in wobbling.items()}
+    some["tilt"][7] = np.nan
+    scene, found = summary_of("race-angles", states=some, degrees=True, bounces=3, disk=BODIES["coin"])
+    table = scene.compute(0)
+    np.testing.assert_array_equal(table["row"], np.repeat(np.arange(50), 3))
+    np.testing.assert_array_equal(table["bounce"], np.tile(np.arange(3), 50))
+    assert (table["row"][table["status"] == ex.Status.BAD_INPUT] == 7).all()
+    assert found["status"] == {"ok": 49, "bad_input": 1}
+    assert found["approaches"] == 150
+
+
+def test_an_energy_cuts_the_starts_beside_f():
+    scene = build_scene("race-angles", samples=1000, energy="1.5:2")
+    energy = scene.compute(0)["energy"]
+    assert (energy >= 1.5).all()
+    assert (energy <= 2.0).all()
+    assert np.ptp(energy) > 0.4
+
+
+def test_states_and_starts_beside_f_exclude_each_other():
+    with pytest.raises(ex.InputError, match="leave one out"):
+        build_scene("race-angles", bounces=2, eta_hat="1e-3:1e-2")
+    with pytest.raises(ex.InputError, match="bounces of states are by quadrature"):
+        build_scene("race-angles", bounces=2, method="rk4")
+    with pytest.raises(ex.RunError, match="too small to come flat"):
+        summary_of("race-angles", states={"phi": [-1.2543], "phidot": -0.0647, "sigma3": 1.056, "sigma4": -2.2335})

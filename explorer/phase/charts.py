@@ -1,0 +1,84 @@
+"""States from the named columns of a table: which chart the names belong to, and the states in it."""
+
+from collections.abc import Callable, Collection, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from explorer.errors import InputError, suggest
+from explorer.phase.columns import ANGLE, COLUMNS, RATE
+from explorer.phase.coordinates import coordinates_to_states, rates_to_states
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, States, phi_to_states, theta_to_states
+
+
+class Chart(NamedTuple):
+    """Columns that say where a state is.
+
+    needed: those that all must be there. optional: those that may be, and mean what `make` takes otherwise.
+    make: called with the disk and the columns by name.
+    """
+
+    needed: tuple[str, ...]
+    optional: tuple[str, ...]
+    make: Callable[..., States]
+
+    def present(self, names: Collection[str]) -> tuple[str, ...]:
+        """The columns of this chart among `names`."""
+        return tuple(name for name in (*self.needed, *self.optional) if name in names)
+
+    def states(self, disk: Disk, columns: Mapping[str, Array], degrees: bool = False) -> States:
+        """The states of a table. degrees: whether angles and rates are in degrees; energies never are."""
+        used = {name: columns[name] for name in self.present(columns)}
+        if degrees:
+            used = {name: values * _radians(name) for name, values in used.items()}
+        return self.make(disk, **used)
+
+
+def _radians(name: str) -> float:
+    return float(np.pi / 180.0) if COLUMNS[name].unit in (ANGLE, RATE) else 1.0
+
+
+def _from_rates(disk: Disk, tilt: Array, precession: Array, spin: Array, **more: Array) -> States:
+    """A disk whose tilt_rate is not said is at the highest or the lowest point of its motion."""
+    return rates_to_states(disk, tilt, more.get("tilt_rate", 0.0), precession, spin, more.get("face", 1))
+
+
+# In the order in which they are tried: what says most directly where the disk is comes first. The angle phi may be
+# left out only beside constants of motion, which are values at the vertical; then it is 0.
+CHARTS = (
+    Chart(("phi", "phidot", "sigma3", "sigma4"), (), phi_to_states),
+    Chart(("theta", "thetadot", "sigma3", "sigma4"), ("face",), theta_to_states),
+    Chart(("tilt", "precession", "spin"), ("tilt_rate", "face"), _from_rates),
+    Chart(("phi", "energy", "sigma3", "sigma4"), (), coordinates_to_states),
+    Chart(("phidot", "sigma3_bar", "eta_hat"), ("phi", "face"), coordinates_to_states),
+    Chart(("energy", "sigma3_bar", "eta_hat"), ("phi", "face"), coordinates_to_states),
+    Chart(("phidot", "sigma3_bar", "sigma4_bar"), ("phi",), coordinates_to_states),
+    Chart(("energy", "sigma3_bar", "sigma4_bar"), ("phi",), coordinates_to_states),
+)
+
+
+def recognise(names: Collection[str], what: str = "states") -> Chart:
+    """The chart that a table with columns of these names is in; other columns are the user's own.
+
+    what: how the message calls the table. Raises InputError, with the charts, where no chart is complete.
+    """
+    for chart in CHARTS:
+        if set(chart.needed) <= set(names):
+            return chart
+    known = {name for chart in CHARTS for name in (*chart.needed, *chart.optional)}
+    there = [name for name in names if name in known]
+    if there:
+        nearest = max(CHARTS, key=lambda chart: len(set(chart.needed) & set(there)) / len(chart.needed))
+        missing = [name for name in nearest.needed if name not in there]
+        others = [name for name in names if name not in known]
+        hint = next((f" (is it {other!r}?)" for other in others for name in missing if _alike(other, name)), "")
+        raise InputError(f"{what}: {', '.join(there)} say no state; add {' and '.join(missing)}{hint}")
+    shown = ", ".join(list(names)[:6]) or "no columns"
+    sets = "; ".join(", ".join(chart.needed) for chart in CHARTS[:5])
+    raise InputError(f"{what}: has {shown}, which say no state; name columns as in one of: {sets}")
+
+
+def _alike(given: str, name: str) -> bool:
+    """Whether a column is probably one that was meant."""
+    return suggest(given.strip().lower().replace(" ", "_"), [name]).startswith("did you mean")

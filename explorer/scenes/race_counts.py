@@ -1,0 +1,152 @@
+"""Race angles of a chunk, counted, and the counts of all chunks added up."""
+
+import math
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer.measure import statistics
+from explorer.measure.log_counts import LogCounts, SignedLogCounts, count_cells
+from explorer.phase.states import Array
+from explorer.scenes.base import Table, Tally
+
+# Bins of the histogram between -1.5 and 1.5 kappa pi: 0 and +-kappa pi are middles of bins, also
+# where a picture joins five of them.
+BINS = 585
+REACH = 1.5
+SIGNS = {"plus": 1.0, "minus": -1.0}
+
+
+def histogram_edges(limit: float) -> Array:
+    """Edges of the bins. limit: kappa pi."""
+    return np.linspace(-REACH * limit, REACH * limit, BINS + 1)
+
+
+def count_races(table: Table, limit: float) -> Tally:
+    """Counts of race angles by the sign of eta_hat, by its decade, and by the distance from the limit."""
+    placed = np.isfinite(table["eta_hat"]) & (table["eta_hat"] != 0.0)  # a motion on F has no side
+    race, eta_hat = table["race_angle"], table["eta_hat"]
+    deviation = race - np.sign(eta_hat) * limit
+    decade = _decade(eta_hat)
+    return {
+        "wrong_way": int(table["wrong_way"].sum()),
+        **{name: _one_sign(race, deviation, sign * eta_hat > 0.0, limit) for name, sign in SIGNS.items()},
+        "decades": {
+            str(exponent): LogCounts.of(abs(deviation[decade == exponent])).state()
+            for exponent in sorted(set(decade[placed].tolist()))
+        },
+        "cells": count_cells(abs(eta_hat), abs(deviation)),
+        **{name: LogCounts.of(table[name]).state() for name in ("impact_speed", "energy", "error_estimate")},
+    }
+
+
+def count_bounces(table: Table) -> Tally:
+    """What is counted besides where any state may be: bounces, those without a race, sums by decade."""
+    race, eta_hat = table["race_angle"], table["eta_hat"]
+    known, decade = np.isfinite(race), _decade(eta_hat)
+    sums: dict[str, dict[str, list[float]]] = {}
+    for exponent in sorted(set(decade[known].tolist())):
+        sums[str(exponent)] = {}
+        for name, sign in SIGNS.items():
+            values = race[known & (decade == exponent) & (sign * eta_hat > 0.0)]
+            sums[str(exponent)][name] = [values.size, math.fsum(values.tolist())]
+    without = np.isnan(race) & np.isfinite(table["delta_chi"])
+    return {"bounces": int(race.size), "without_race": int(without.sum()), "sums": sums}
+
+
+def _decade(eta_hat: Array) -> NDArray[np.int64]:
+    """n where 10^n <= |eta_hat| < 10^(n + 1)."""
+    with np.errstate(divide="ignore"):
+        return np.floor(np.nan_to_num(np.log10(abs(eta_hat)), neginf=-400.0) + 1e-12).astype(np.int64)
+
+
+def _one_sign(race: Array, deviation: Array, chosen: NDArray[np.bool_], limit: float) -> Tally:
+    good = chosen & np.isfinite(race)
+    values, edges = race[good], histogram_edges(limit)
+    counts = np.histogram(values, edges)[0]
+    filled = np.flatnonzero(counts)
+    return {
+        "bins": filled.tolist(),
+        "counts": counts[filled].tolist(),
+        "outside": int((abs(values) > edges[-1]).sum()),
+        "deviation": SignedLogCounts.of(deviation[good]).state(),
+        "sum": math.fsum(deviation[good].tolist()),
+    }
+
+
+@dataclass
+class OneSign:
+    """Race angles of one sign of eta, counted: a histogram, and deviations from the limit."""
+
+    bins: NDArray[np.int64] = field(default_factory=lambda: np.zeros(BINS, np.int64))
+    outside: int = 0
+    deviation: SignedLogCounts = field(default_factory=SignedLogCounts)
+    sums: list[float] = field(default_factory=list)  # of the deviations, one a chunk
+
+    def add(self, tally: Tally) -> None:
+        self.bins[np.array(tally["bins"], np.int64)] += np.array(tally["counts"], np.int64)
+        self.outside += tally["outside"]
+        self.deviation.add(SignedLogCounts(tally["deviation"]))
+        self.sums.append(tally["sum"])
+
+
+@dataclass
+class RaceCounts:
+    """The tallies of all chunks, added up. sums: by decade and sign, how many races and their sums by chunk."""
+
+    status: dict[str, int] = field(default_factory=dict)
+    wrong_way: int = 0
+    signs: dict[str, OneSign] = field(default_factory=lambda: {name: OneSign() for name in SIGNS})
+    decades: dict[int, LogCounts] = field(default_factory=dict)
+    cells: Counter[tuple[int, int]] = field(default_factory=Counter)
+    impact_speed: LogCounts = field(default_factory=LogCounts)
+    energy: LogCounts = field(default_factory=LogCounts)
+    error_estimate: LogCounts = field(default_factory=LogCounts)
+    bounces: int = 0
+    without_race: int = 0
+    sums: dict[tuple[int, str], list[list[float]]] = field(default_factory=dict)
+
+    def add(self, tally: Tally) -> None:
+        self.status = statistics.add_counts([self.status, tally["status"]])
+        self.wrong_way += tally["wrong_way"]
+        for name, sign in self.signs.items():
+            sign.add(tally[name])
+        for exponent, state in tally["decades"].items():
+            self.decades.setdefault(int(exponent), LogCounts()).add(LogCounts(state))
+        self.cells.update({(i, j): count for i, j, count in tally["cells"]})
+        for name in ("impact_speed", "energy", "error_estimate"):
+            getattr(self, name).add(LogCounts(tally[name]))
+        self.bounces += tally.get("bounces", 0)
+        self.without_race += tally.get("without_race", 0)
+        for exponent, of_signs in tally.get("sums", {}).items():
+            for name, pair in of_signs.items():
+                self.sums.setdefault((int(exponent), name), []).append(pair)
+
+    def races(self, name: str) -> int:
+        """How many race angles of one sign of eta there are."""
+        return self.signs[name].deviation.total
+
+    def by_decade(self) -> list[dict[str, Any]]:
+        """How the deviation from the limit shrinks with |eta_hat|, and where any state may be the means."""
+        return [
+            {
+                "eta_hat_from": 10.0**exponent,
+                "passages": deviation.total,
+                "median_deviation": deviation.quantile(0.5),
+                "largest_deviation": deviation.largest,
+                **self._means(exponent),
+            }
+            for exponent, deviation in sorted(self.decades.items())
+            if deviation.total
+        ]
+
+    def _means(self, exponent: int) -> dict[str, float]:
+        means = {}
+        for name in SIGNS:
+            counts, sums = zip(*self.sums.get((exponent, name), [[0, 0.0]]), strict=True)
+            if sum(counts):
+                means[f"mean_{name}"] = math.fsum(sums) / sum(counts)
+        return means

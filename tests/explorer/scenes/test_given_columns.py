@@ -1,0 +1,57 @@
+"""Columns that a user gives, as arrays: cells that are no number, missing ones, text."""
+
+import numpy as np
+import pandas as pd
+import pyarrow
+import pytest
+
+from explorer.scenes.given_columns import as_columns, as_numbers, as_own, read_csv
+
+TEXT = """tilt,precession,name,id
+0.1,60,a,1
+
+0.2,abc,b,2
+0.3,1
+ 0.4 ,-1e-3,"x,y",4
+1,2,3,4,5
+,5,,6
+"""
+
+
+def test_a_line_of_a_csv_file_that_is_no_state_keeps_its_place(tmp_path):
+    path = tmp_path / "some.csv"
+    path.write_text(TEXT)
+    found = read_csv(path, {"tilt": 0, "precession": 0}, "--states some.csv")
+    nan = np.nan
+    np.testing.assert_array_equal(found["tilt"], [0.1, 0.2, nan, 0.4, nan, nan])
+    np.testing.assert_array_equal(found["precession"], [60, nan, nan, -1e-3, nan, 5])
+    assert found["name"].tolist() == ["a", "b", "", "x,y", "", ""]
+    np.testing.assert_array_equal(found["id"], [1, 2, nan, 4, nan, 6])
+
+
+@pytest.mark.parametrize("library", ["pandas", "arrow"])
+def test_missing_cells_of_any_kind_are_nan_or_empty(library):
+    frame = pd.DataFrame(
+        {
+            "real": [0.1, None, 0.3],
+            "whole": pd.array([1, None, 3], dtype="Int64"),
+            "kind": pd.Categorical(["a", None, "b"]),
+            "time": pd.to_datetime(["2020", None, "2022"]),
+        }
+    )
+    table = as_columns(frame if library == "pandas" else pyarrow.Table.from_pandas(frame), "states")
+    np.testing.assert_array_equal(as_numbers("whole", table["whole"], "states"), [1, np.nan, 3])
+    np.testing.assert_array_equal(as_own("whole", table["whole"], "states"), [1, np.nan, 3])
+    assert as_own("kind", table["kind"], "states").tolist() == ["a", "", "b"]
+    assert np.isnat(as_own("time", table["time"], "states")).tolist() == [False, True, False]
+
+
+def test_a_masked_cell_is_no_number():
+    masked = np.ma.array([1, 2, 3], mask=[False, True, False])
+    np.testing.assert_array_equal(as_numbers("x", masked, "states"), [1, np.nan, 3])
+    np.testing.assert_array_equal(as_own("x", masked, "states"), [1, np.nan, 3])
+
+
+def test_a_number_stands_for_a_column():
+    table = as_columns({"tilt": [0.1, 0.2], "spin": 3.0}, "states")
+    np.testing.assert_array_equal(table["spin"], [3.0, 3.0])

@@ -1,0 +1,53 @@
+"""Counts of race angles: what adds up, and means by decade."""
+
+import json
+
+import numpy as np
+import pytest
+
+from explorer.scenes.race_counts import RaceCounts, count_bounces, count_races
+
+LIMIT = 7.0
+
+
+def bounces_of(seed, count=500):
+    random = np.random.default_rng(seed)
+    eta_hat = 10.0 ** random.uniform(-4, -1, count) * random.choice([1.0, -1.0], count)
+    race = np.sign(eta_hat) * LIMIT + eta_hat
+    race[::50], eta_hat[::100] = np.nan, np.nan
+    ones = np.ones(count)
+    return {
+        "race_angle": race,
+        "eta_hat": eta_hat,
+        "delta_chi": ones,
+        "wrong_way": np.zeros(count, bool),
+        "impact_speed": ones,
+        "energy": ones,
+        "error_estimate": ones,
+    }
+
+
+def counted(tables):
+    total = RaceCounts()
+    for table in tables:
+        tally = {"status": {"ok": 500}, **count_races(table, LIMIT), **count_bounces(table)}
+        total.add(json.loads(json.dumps(tally, allow_nan=False)))
+    return total
+
+
+def test_chunks_add_up_to_the_whole():
+    one, two = bounces_of(1), bounces_of(2)
+    whole = {name: np.concatenate([one[name], two[name]]) for name in one}
+    parts, together = counted([one, two]), counted([whole])
+    assert parts.bounces == together.bounces == 1000
+    assert parts.without_race == together.without_race == 20
+    for a, b in zip(parts.by_decade(), together.by_decade(), strict=True):
+        assert a == pytest.approx(b, rel=1e-14)
+
+
+def test_means_by_decade_are_those_of_the_races():
+    table = bounces_of(3)
+    for row in counted([table]).by_decade():
+        low = row["eta_hat_from"]
+        chosen = (table["eta_hat"] >= low) & (table["eta_hat"] < 10 * low) & np.isfinite(table["race_angle"])
+        assert row["mean_plus"] == pytest.approx(table["race_angle"][chosen].mean(), rel=1e-12)
