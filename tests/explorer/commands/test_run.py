@@ -33,7 +33,7 @@ def test_help_without_a_scene_says_which_scene_takes_what(capsys):
     assert status == 0
     assert "measure-zero: tilts delta in rad" in text
     assert "portrait: distance beside the line of face +1" in text
-    assert "falling-set, measure-zero: only states with an energy in this range" in text
+    assert "falling-set, measure-zero, race-angles: only states with an energy in this range" in text
     assert "--seed S seed of the random streams (default 0)" in text
 
 
