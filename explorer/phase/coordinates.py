@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from explorer.errors import InputError, suggest
+from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
 from explorer.phase.lines import line_chart, line_slope, linear_constants
-from explorer.phase.states import Array, States, columns_of, phi_to_states, theta_to_states
+from explorer.phase.states import Array, States, phi_to_states, theta_to_states
 
 # What may stand for the spins, and for the rate of the tilt, beside the tilt phi itself.
 SPINS = (("sigma3", "sigma4"), ("sigma3_bar", "sigma4_bar"), ("sigma3_bar", "eta_hat"))
@@ -88,14 +89,13 @@ def rates_to_states(
     sigma3 = sin^2(tilt) * precession and sigma4 = spin: eqs (2.14), (2.31) of Cushman & Duistermaat (2006).
     """
     require_disk(disk)
-    angle, rate, turn, own, down = columns_of(
-        tilt=tilt, tilt_rate=tilt_rate, precession=precession, spin=spin, face=face
-    )
+    named = {"tilt": tilt, "tilt_rate": tilt_rate, "precession": precession, "spin": spin, "face": face}
+    (angle, rate, turn, own, down), shape = read_columns(named)
     if degrees:
         angle, rate, turn, own = (np.radians(column) for column in (angle, rate, turn, own))
     with np.errstate(invalid="ignore"):
         height = np.sin(angle)
-    return theta_to_states(disk, angle, rate, height * height * turn, own, down)
+    return replace(theta_to_states(disk, angle, rate, height * height * turn, own, down), shape=shape)
 
 
 def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> States:
@@ -137,7 +137,7 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     spins, speed = _check(coordinates)
     names = ("phi", speed, *spins, "face")
     given: dict[str, Any] = {"phi": 0.0, "face": 1, **coordinates}
-    phi, rate, first, second, face = columns_of(**{name: given[name] for name in names})
+    (phi, rate, first, second, face), shape = read_columns({name: given[name] for name in names})
     inside = np.isfinite(phi) & (abs(phi) < 0.5 * np.pi) & (abs(face) == 1.0)
     exact = None
     if spins != ("sigma3", "sigma4"):
@@ -154,7 +154,7 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     if speed == "energy":
         rate = _speed(disk, np.where(inside, phi, 0.0), rate, first, second)
     states = phi_to_states(disk, np.where(inside, phi, np.nan), rate, first, second)
-    return states if exact is None else replace(states, exact=exact)
+    return replace(states, exact=exact, shape=shape)
 
 
 def _check(coordinates: Coordinates) -> tuple[tuple[str, str], str]:

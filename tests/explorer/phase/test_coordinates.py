@@ -64,3 +64,23 @@ def test_too_small_an_energy_is_bad_input_not_a_guess():
 def test_what_is_no_complete_set_is_refused_in_words(given, message):
     with pytest.raises(ex.InputError, match=message):
         ex.coordinates_to_states(ex.Disk.uniform(), **given)
+
+
+def test_states_keep_the_shape_to_which_the_coordinates_broadcast():
+    disk = ex.Disk.uniform()
+    assert ex.rates_to_states(disk, [[0.1], [0.2]], 0.0, [1.0, 2.0, 3.0], 1.0).shape == (2, 3)
+    assert ex.coordinates_to_states(disk, phidot=[[1.0], [2.0]], sigma3_bar=[1.0, 2.0], eta_hat=0.1).shape == (
+        2,
+        2,
+    )
+
+
+def test_an_eta_hat_belongs_to_the_face_that_is_said():
+    """The state as it stands, without what was given, has this distance from the line of that face."""
+    disk, face, eta = ex.Disk.hoop(), np.array([1, -1, -1]), np.array([1e-3, -2e-3, 0.5])
+    states = ex.coordinates_to_states(
+        disk, phi=[0.5, -0.7, 0.9], phidot=0.3, sigma3_bar=0.6, eta_hat=eta, face=face
+    )
+    known = ex.constants(ex.phi_to_states(disk, states.phi, states.phidot, states.sigma3, states.sigma4))
+    np.testing.assert_allclose(np.where(face > 0, known.eta_hat_plus, known.eta_hat_minus), eta, rtol=1e-10)
+    np.testing.assert_allclose(known.sigma3_bar, 0.6, rtol=1e-13)
