@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from explorer.commands.cite import cite as cite
     from explorer.commands.run import run as run
     from explorer.compiled import status as _status
+    from explorer.errors import CoarseTimesWarning as CoarseTimesWarning
     from explorer.errors import InputError as InputError
     from explorer.errors import Interrupted as Interrupted
     from explorer.errors import RunError as RunError
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
 # Every public name, with the module it comes from; after a colon, what it is called there if not the same. `plot`
 # is a module itself.
 _HOMES = {
+    "CoarseTimesWarning": "errors",
     "Disk": "phase.disk",
     "InputError": "errors",
     "Interrupted": "errors",

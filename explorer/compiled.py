@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from kernels.steps import attempt as attempt
     from kernels.steps import batch as batch
     from kernels.steps import events as events
+    from kernels.steps import recording as recording
     from kernels.steps import trajectory as trajectory
     from kernels.steps import variation as variation
 else:

@@ -98,6 +98,21 @@ class RunError(_Told, RuntimeError):
     """
 
 
+class CoarseTimesWarning(UserWarning):
+    """The times asked for are too far apart for a curve: the contact point turns a long way between two of them.
+
+    Examples
+    --------
+    >>> import warnings, explorer as ex
+    >>> states = ex.constants_to_states(ex.Disk.uniform(), 1.0, 1e-6, 1.0)
+    >>> with warnings.catch_warnings(record=True) as caught:
+    ...     warnings.simplefilter("always")
+    ...     motion = ex.simulate(states, t_eval=[1.0, 2.0])
+    >>> [warning.category.__name__ for warning in caught]
+    ['CoarseTimesWarning']
+    """
+
+
 class Interrupted(RunError):
     """The user or the system stopped a run between two chunks. The command line exits with status 130.
 

@@ -16,7 +16,7 @@ from explorer.errors import InputError, number, whole
 from explorer.measure.density import Density
 from explorer.measure.sampling import Box, chunk_stream
 from explorer.measure.statistics import either_p
-from explorer.motion.trajectories import simulate
+from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states, require_states
@@ -196,7 +196,7 @@ def push_forward(
     density = energy_density(disk, _HIGHEST * disk.energy_unit if energy is None else number("energy", energy))
     still, start = (density.draw(disk, chunk_stream(seed, index), samples) for index in (0, 1))
     states = phi_to_states(disk, **start)
-    motions = simulate(states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY)
+    motions = trajectories(states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY)
     good = motions.status == compiled.status.Status.OK
     pushed = np.stack([getattr(motions, name)[good, 0] for name in COORDINATES])
     first = np.stack([still[name] for name in COORDINATES])

@@ -7,7 +7,7 @@ Equal steps in time miss it, and a curve drawn through them cuts across the rim.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from explorer.motion.trajectories import simulate
+from explorer.motion.trajectories import trajectories
 from explorer.phase.states import Array, States
 
 STEP = 0.2  # rad: chords of such arcs of the rim stay within half a per cent of the radius
@@ -39,7 +39,7 @@ def dense_times(states: States, until: float | ArrayLike, step: float = STEP) ->
     if t.ndim == 0:
         t = np.linspace(0.0, float(t), _FIRST_TIMES)
     for _ in range(_FINEST):
-        chi = simulate(states, t_eval=t, observables=("chi",)).chi
+        chi = trajectories(states, t_eval=t, observables=("chi",)).chi
         assert chi is not None
         wide = (abs(np.diff(chi)) > step).any(axis=0)
         if not wide.any():

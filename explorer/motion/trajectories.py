@@ -1,36 +1,40 @@
-"""Motions in time: trajectories by integration, sampled at given times."""
+"""Motions in time: trajectories by integration, as dense as each motion needs, or at given times."""
 
 from __future__ import annotations
 
+import warnings
+from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple, TypedDict, Unpack
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, number, positive, whole
+from explorer.errors import CoarseTimesWarning, InputError, number, positive, whole
+from explorer.motion import recording
 from explorer.motion.plan import ALGEBRA, QUADRATURE, plan
-from explorer.motion.starts import held_constants
 from explorer.motion.turning_points import MAX_STEPS
-from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States, columns_of, require_states
 
-_DEFAULT_TIMES = 201  # a curve without corners over some periods, where nothing races
+ALL = ("phi", "chi", "psi", "path", "contact")  # what simulate gives where nothing else is asked for
+_TURNING = ("chi", "psi", "path", "contact")  # observables of which a curve is wrong where it misses a race
+_COARSE = 0.5 * np.pi  # rad of chi between two times, beyond which a curve is no longer the motion's
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False, eq=False)
 class Trajectories:
-    """Motions sampled at given times, in the units of the disk: what `simulate` returns.
+    """Motions in time, in the units of the disk: what `simulate` returns. Call it with times.
 
     An observable that was not asked for is None. A motion that failed, or falls, is NaN with its status.
 
     Attributes
     ----------
-    t : (nt,) array
-        Times.
+    t : (n, nt) or (nt,) array
+        Times. Without t_eval each motion has its own, `lengths` of them; the rest of its row repeats the end, in
+        all arrays, so that it can be drawn as it is. With t_eval: those.
     phi : (n, nt) array or None
         Tilt (rad), -pi/2 to pi/2, 0 at the vertical.
     phidot, sigma3, sigma4 : (n, nt) array or None
@@ -45,15 +49,20 @@ class Trajectories:
         Attempted steps of the integrator.
     constants_error : (3, n) array
         How far the constants moved: energy (relative), sigma3_bar and eta (natural units).
+    lengths : (n,) array of int
+        How many times of its row each motion has; 0 where the status is not OK.
+    t_end : float
+        The last time at which it can be called.
 
     Examples
     --------
     >>> import explorer as ex
-    >>> disk = ex.Disk.uniform()
-    >>> states = ex.phi_to_states(disk, 0.0, 1.0, 1.0, 0.7)
-    >>> motion = ex.simulate(states, t_eval=[0.0, 1.0], observables=["phi"])
-    >>> motion.phi.shape, motion.chi is None
-    ((1, 2), True)
+    >>> motion = ex.simulate(ex.constants_to_states(ex.Disk.uniform(), 1.0, [0.1, 1e-12], 1.0), t_end=3.0)
+    >>> motion.chi.shape == motion.t.shape == (2, motion.lengths.max())
+    True
+    >>> motion([0.0, 1.0]).phi.round(4)
+    array([[0.    , 1.3215],
+           [0.    , 1.3535]])
     """
 
     t: Array
@@ -68,6 +77,56 @@ class Trajectories:
     status: NDArray[np.int8]
     steps: NDArray[np.int32]
     constants_error: Array
+    lengths: NDArray[np.int64]
+    t_end: float
+    _followed: _Followed
+
+    def __len__(self) -> int:
+        """Number of motions."""
+        return int(self.status.size)
+
+    def __call__(self, t: ArrayLike) -> Trajectories:
+        """The motions at any times from 0 to `t_end`, also inside a race.
+
+        A state between two records is found by the method of the integration itself, from the record before by a
+        part of the step that was taken there: it has the accuracy of the records, and no error of interpolation.
+        Where t_eval was given the motion is integrated again from its start. In a race chidot is some 4/eta_hat
+        (natural units), and errors of the time count so many times in chi: the accuracy, which shifts the whole
+        race, and the rounding of t, some 1e-15, so that below 1e-14 single times no longer tell where the race is.
+        Its course is in the records at any eta_hat: chi against phidot, phi or the path.
+
+        Parameters
+        ----------
+        t : array_like
+            Times in any order, of any shape.
+
+        Returns
+        -------
+        Trajectories
+            The same observables, arrays (n, ...) with the shape of t.
+
+        Raises
+        ------
+        InputError
+            For times before 0 or after `t_end`.
+        """
+        times = columns_of(t=t)[0]
+        if not (np.isfinite(times).all() and np.all((times >= 0.0) & (times <= self.t_end))):
+            raise InputError(f"t: times must lie between 0 and {self.t_end:g}, to which the motion was followed")
+        return self._followed.trajectories(times.reshape(np.shape(t)), self)
+
+    def __repr__(self) -> str:
+        names = [code.name.lower() for code in compiled.status.Status]
+        counts = Counter(names[code] for code in self.status)
+        known = [name for name in (*_RATES, *ALL) if getattr(self, name) is not None]
+        return (
+            f"Trajectories of {len(self):,} motion(s) to t = {self.t_end:g}, {self.t.shape[-1]:,} times\n"
+            f"  status: {', '.join(f'{name} {count:,}' for name, count in counts.items()) or 'no motions'}\n"
+            f"  observables: {', '.join(known)}"
+        )
+
+
+_RATES = ("phidot", "sigma3", "sigma4")
 
 
 class Integration(TypedDict, total=False):
@@ -77,6 +136,7 @@ class Integration(TypedDict, total=False):
     accuracy: float
     chi0: float
     max_steps: int
+    jobs: int
 
 
 class _Integration(NamedTuple):
@@ -84,6 +144,7 @@ class _Integration(NamedTuple):
     accuracy: float = 1e-6
     chi0: float = 0.0
     max_steps: int = MAX_STEPS
+    jobs: int = 1
 
 
 def simulate(
@@ -91,10 +152,10 @@ def simulate(
     t_end: float | None = None,
     *,
     t_eval: ArrayLike | None = None,
-    observables: Sequence[str] = ("phi", "chi", "psi", "path", "contact"),
+    observables: Sequence[str] = ALL,
     **integration: Unpack[Integration],
 ) -> Trajectories:
-    """Follow motions in time from their initial states.
+    """Follow motions in time from their initial states, at times as dense as each motion needs.
 
     sigma3_bar, eta and the energy are held after every step; what was taken out of the energy on the way is
     reported as its error. States made by `constants_to_states` keep the eta_hat they were given, down to 1e-300.
@@ -105,25 +166,33 @@ def simulate(
     states : States
         Where the motions start.
     t_end : float, optional
-        End of the motion; it is sampled at 201 equal steps of time from 0.
+        End of the motion. It is recorded at the integration's own steps, from 0 to t_end: chi changes by 0.2 rad
+        at most between two of them, however near to F the motion is.
     t_eval : (nt,) array, optional
-        Increasing times >= 0 at which to sample instead; dense near flat, where the contact point races.
+        Increasing times >= 0 at which to sample instead, the same for all motions.
     observables : sequence of str
         Any of phi, phidot, sigma3, sigma4, chi, psi, path, contact. What is not asked for is not integrated.
     **integration
         method : 'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'. accuracy : error of
         angles (rad) per passage, 1e-11 to 0.1, by default 1e-6; over k passages it grows like k. chi0 : contact
         angle at the start (rad), by default 0. max_steps : attempted steps at most, by default 2 million.
+        jobs : threads, by default 1.
 
     Returns
     -------
     Trajectories
-        The observables at these times, for each motion.
+        The observables at these times, for each motion; call it for any other time.
 
     Raises
     ------
     InputError
-        For states, times, observables, a method or an accuracy that cannot be used.
+        For states, times, observables, a method or an accuracy that cannot be used, and where the motions need
+        more than 4 million times.
+
+    Warns
+    -----
+    CoarseTimesWarning
+        Where chi, psi, path or contact is asked for and chi turns by more than pi/2 between two times of t_eval.
 
     Notes
     -----
@@ -131,76 +200,101 @@ def simulate(
 
     Examples
     --------
-    >>> import explorer as ex
-    >>> disk = ex.Disk.uniform()
-    >>> states = ex.phi_to_states(disk, 0.0, 1.0, 1.0, 0.7)
+    >>> import numpy as np, explorer as ex
+    >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, 1.0, 0.7)
     >>> motion = ex.simulate(states, t_end=4.0, accuracy=1e-9)
-    >>> motion.phi[0, [0, 100, 200]].round(4)
-    array([0.    , 0.2749, 0.5152])
+    >>> bool(abs(np.diff(motion.chi)).max() < 0.2), motion([2.0, 4.0]).phi.round(4)
+    (True, array([[0.2749, 0.5152]]))
     """
-    how = _Integration(**integration)
-    initial = require_states(states)
-    disk = initial.disk
-    times = _times(t_end, t_eval)
-    recorded = _integrate(initial, observables, times * disk.rate_unit, how)
-    return _trajectories(disk, times, recorded, observables)
+    motion, chi = _follow(states, _times(t_end, t_eval), observables, _Integration(**integration))
+    if t_eval is not None and any(name in _TURNING for name in observables):
+        _warn_of_races(chi)
+    return motion
 
 
-def _times(t_end: float | None, t_eval: ArrayLike | None) -> Array:
+def trajectories(
+    states: States,
+    t_end: float | None = None,
+    t_eval: ArrayLike | None = None,
+    observables: Sequence[str] = ALL,
+    **integration: Unpack[Integration],
+) -> Trajectories:
+    """As `simulate`, for those who know what lies between their times: without a warning."""
+    return _follow(states, _times(t_end, t_eval), observables, _Integration(**integration))[0]
+
+
+def _follow(
+    states: States, until: tuple[float, Array | None], observables: Sequence[str], given: _Integration
+) -> tuple[Trajectories, Array]:
+    """The motions, and their chi. until: the end, and the times that were given."""
+    disk = require_states(states).disk
+    how = plan(observables, given.accuracy, given.method)
+    if how.rung in (ALGEBRA, QUADRATURE):
+        raise InputError("observables: simulate needs one of the motion, such as 'phi' or 'chi'")
+    start = recording.motions(states, how, number("chi0", given.chi0), whole("max_steps", given.max_steps, 1))
+    jobs, names, (end, times) = whole("jobs", given.jobs, 1), tuple(observables), until
+    rows, records = compiled.field.ROW, None
+    if times is None:
+        records = recording.record(start, end * disk.rate_unit, jobs)
+        found, lengths, outcome = records.padded(), records.lengths, records.outcome
+        times = found[..., rows.t] * disk.time_unit
+    else:
+        found, outcome = recording.sample(start, times * disk.rate_unit, jobs)
+        lengths = np.where(outcome.status == compiled.status.Status.OK, times.size, 0)
+    motion = Trajectories(
+        times,
+        **_observables(disk, found, names),
+        **outcome._asdict(),
+        lengths=lengths,
+        t_end=end,
+        _followed=_Followed(start, records, names, jobs),
+    )
+    return motion, found[..., rows.chi]
+
+
+def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array | None]:
+    """The end of the motion, and the times that were given."""
     if t_eval is None:
         if t_end is None:
-            raise InputError("t_end or t_eval: give the end of the time, or the times themselves")
-        return np.linspace(0.0, positive("t_end", t_end), _DEFAULT_TIMES)
+            raise InputError("t_end: give the end of the time, or the times themselves as t_eval")
+        return positive("t_end", t_end), None
     times = columns_of(t_eval=t_eval)[0]
     if not (times.size > 0 and np.all(np.diff(times) > 0.0) and np.isfinite(times).all() and times[0] >= 0.0):
         raise InputError("t_eval must be a non-empty list of finite, increasing times >= 0")
-    if t_end is not None and times[-1] > number("t_end", t_end):
-        raise InputError(f"t_eval goes to {times[-1]:g}, past t_end = {t_end:g}; leave out one of them")
-    return times
+    last = float(times[-1])
+    if t_end is None:
+        return last, times
+    end = number("t_end", t_end)
+    if last > end:
+        raise InputError(f"t_eval goes to {last:g}, past t_end = {end:g}; leave out one of them")
+    return end, times
 
 
-class _Recorded(NamedTuple):
-    """states: (n, nt, 10) in the order of kernels.disk.field.State, NaN where a motion is not OK."""
+class _Followed(NamedTuple):
+    """What it takes to find motions at other times; records: None where they were sampled at times given."""
 
-    states: Array
-    status: NDArray[np.int8]
-    steps: NDArray[np.int32]
-    constants_error: Array
+    start: recording.Motions
+    records: recording.Records | None
+    names: tuple[str, ...]
+    jobs: int
 
-
-def _integrate(states: States, observables: Sequence[str], times: Array, given: _Integration) -> _Recorded:
-    how = plan(observables, given.accuracy, given.method)
-    if how.rung in (ALGEBRA, QUADRATURE):
-        raise InputError("simulate needs an observable of the motion, such as 'phi' or 'chi'")
-    disk, n = states.disk, len(states)
-    # The kernel takes times above 0; the state at 0 is known.
-    later = times[times > 0.0]
-    initial = np.zeros((10, n))
-    initial[:5] = states.natural
-    initial[compiled.field.ROW.chi] = number("chi0", given.chi0)
-    status, held = held_constants(states, natural_constants(states))
-    out = np.empty((n, later.size, 10))
-    steps, constants_error = np.empty(n, np.int32), np.empty((3, n))
-    compiled.trajectory.trajectory_batch(
-        # Time itself is carried from this depth on.
-        how.integration(
-            np.full(n, how.held_control), whole("max_steps", given.max_steps, 1), compiled.field.ANGLES
-        ),
-        compiled.events.Stops(compiled.events.TIME, later),
-        initial,
-        np.stack(held),
-        disk.natural,
-        out,
-        compiled.attempt.Outcome(status, steps, constants_error),
-    )
-    if later.size < times.size:
-        out = np.concatenate([initial.T[:, None], out], axis=1)
-    out[status != compiled.status.Status.OK] = np.nan
-    return _Recorded(out, status, steps, constants_error)
+    def trajectories(self, t: Array, like: Trajectories) -> Trajectories:
+        """The motions at times of any shape."""
+        disk, n = self.start.disk, self.start.number
+        # The kernels take increasing times.
+        order, places = np.unique(t, return_inverse=True)
+        if self.records is None:
+            found = recording.sample(self.start, order * disk.rate_unit, self.jobs)[0]
+        else:
+            found = recording.between(self.start, self.records, order * disk.rate_unit)
+        at = found[:, places.ravel()].reshape(n, *t.shape, 10)
+        lengths = np.where(like.lengths > 0, t.size, 0)
+        return replace(like, t=t, **_observables(disk, at, self.names), lengths=lengths)
 
 
-def _trajectories(disk: Disk, times: Array, recorded: _Recorded, observables: Sequence[str]) -> Trajectories:
-    q, z, p, rho, sigma4, _t, chi, psi, a1, a2 = np.moveaxis(recorded.states, 2, 0)
+def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, Any]:
+    """The observables `names` of states (..., 10) in the units of the disk, and None for all others."""
+    q, z, p, rho, sigma4, _t, chi, psi, a1, a2 = np.moveaxis(states, -1, 0)
     r, unit = disk.r, disk.rate_unit
     values: dict[str, Callable[[], Array]] = {
         "phi": lambda: np.arctan2(z, q),
@@ -209,11 +303,22 @@ def _trajectories(disk: Disk, times: Array, recorded: _Recorded, observables: Se
         "sigma4": lambda: sigma4 * unit,
         "chi": lambda: chi,
         "psi": lambda: psi,
-        "path": lambda: r * np.stack([a1, a2, q], axis=2),
+        "path": lambda: r * np.stack([a1, a2, q], axis=-1),
         # eq. (2.35): the contact point lies r z (cos chi, sin chi) from the centre's shadow
-        "contact": lambda: r * np.stack([a1 + z * np.cos(chi), a2 + z * np.sin(chi), 0.0 * q], axis=2),
+        "contact": lambda: r * np.stack([a1 + z * np.cos(chi), a2 + z * np.sin(chi), 0.0 * q], axis=-1),
     }
-    chosen = {name: make() if name in observables else None for name, make in values.items()}
-    return Trajectories(
-        times, **chosen, status=recorded.status, steps=recorded.steps, constants_error=recorded.constants_error
-    )
+    return {name: make() if name in names else None for name, make in values.items()}
+
+
+def _warn_of_races(chi: Array) -> None:
+    """Warn where a curve through the times would miss turns of the contact point; chi (n, nt)."""
+    turned = abs(np.diff(chi)).max(axis=1, initial=0.0)
+    missed = int(np.sum(turned > _COARSE))
+    if missed:
+        warnings.warn(
+            f"t_eval: in {missed:,} of {len(chi):,} motion(s) chi turns by more than pi/2 between two times, by "
+            f"up to {np.nanmax(turned):.3g} rad, and a curve through them would miss races; leave t_eval out for "
+            "times as dense as the motion needs, and call the result with your own",
+            CoarseTimesWarning,
+            stacklevel=3,
+        )

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from explorer.motion.trajectories import simulate
+from explorer.motion.trajectories import trajectories
 from explorer.paper.statement import Finding
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States, constants_to_states, phi_to_states
@@ -107,7 +107,7 @@ def observed(
     start: States, or one (phi, phidot, sigma3, sigma4).
     """
     states = start if isinstance(start, States) else phi_to_states(disk, *start)
-    run = simulate(states, t_eval=times, observables=names, method="dop853", accuracy=accuracy, chi0=chi0)
+    run = trajectories(states, t_eval=times, observables=names, method="dop853", accuracy=accuracy, chi0=chi0)
     return [getattr(run, name) for name in names]
 
 

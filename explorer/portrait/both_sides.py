@@ -6,7 +6,7 @@ import numpy as np
 
 from explorer.motion.dense_times import dense_times
 from explorer.motion.limit_motions import AnyLimit, LimitState, limit_motion
-from explorer.motion.trajectories import Trajectories, simulate
+from explorer.motion.trajectories import Trajectories, trajectories
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, constants_to_states
 
@@ -45,7 +45,7 @@ def follow(
     """Motions that start beside a point of F at the distances eta_hat."""
     sigma3_bar, phidot, face = start
     states = constants_to_states(disk, sigma3_bar, eta_hat, phidot, face)
-    return simulate(states, t_eval=times, observables=QUANTITIES, method=method, accuracy=accuracy)
+    return trajectories(states, t_eval=times, observables=QUANTITIES, method=method, accuracy=accuracy)
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,6 @@ def both_sides(disk: Disk, start: tuple[float, float, int], eta_hat: float = 0.0
     sigma3_bar, phidot, face = start
     beside = constants_to_states(disk, sigma3_bar, [size, -size], phidot, face)
     t = dense_times(beside, np.linspace(0.0, impacts[-1] + 0.6 * limits[1].period, _FIRST_TIMES))
-    motion = simulate(beside, t_eval=t, observables=QUANTITIES)
+    motion = trajectories(beside, t_eval=t, observables=QUANTITIES)
     rows = {sign: {name: getattr(motion, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
     return BothSides(disk, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})

@@ -11,7 +11,7 @@ from explorer.errors import InputError, number, positive, whole
 from explorer.motion.dense_times import dense_times
 from explorer.motion.passages import passages
 from explorer.motion.periods import periods
-from explorer.motion.trajectories import simulate
+from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, constants_to_states
 from explorer.portrait.pose import Pose
@@ -145,7 +145,7 @@ def _columns(starts: dict[int, States], halves: dict[int, float], t: Array) -> d
     """What a film shows of both motions at times from the first flattest moment, by its names."""
     columns: dict[str, dict[int, Array]] = {name: {} for name in _OBSERVABLES}
     for sign, start in starts.items():
-        motion = simulate(start, t_eval=t + halves[sign], observables=_OBSERVABLES, accuracy=_ACCURACY)
+        motion = trajectories(start, t_eval=t + halves[sign], observables=_OBSERVABLES, accuracy=_ACCURACY)
         for name in _OBSERVABLES:
             columns[name][sign] = getattr(motion, name)[0]
     columns["centre"] = columns.pop("path")
@@ -183,7 +183,7 @@ def _times(starts: dict[int, States], halves: dict[int, float], flat: Array, cou
     t = t[np.concatenate([[True], np.diff(t) > 1e-12 * half])]
     tilts = []
     for sign, start in starts.items():
-        phi = simulate(start, t_eval=t + halves[sign], observables=("phi",)).phi
+        phi = trajectories(start, t_eval=t + halves[sign], observables=("phi",)).phi
         assert phi is not None
         tilts.append(np.cos(phi[0]))
     rate = 1.0 / np.minimum(*tilts)

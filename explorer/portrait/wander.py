@@ -15,7 +15,7 @@ from explorer import compiled
 from explorer.errors import InputError, whole
 from explorer.motion.dense_times import dense_times
 from explorer.motion.periods import Periods, periods
-from explorer.motion.trajectories import simulate
+from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, columns_of, constants_to_states
 
@@ -55,7 +55,7 @@ def wander(states: States) -> Wander:
     step = np.full(len(states), np.nan, np.complex128)
     for row in np.flatnonzero(each.status == compiled.status.Status.OK):
         start, end = states.at(np.array([row])), float(each.period[row])
-        moved = simulate(start, t_eval=[end], observables=("path",), accuracy=_ACCURACY)
+        moved = trajectories(start, t_eval=[end], observables=("path",), accuracy=_ACCURACY)
         assert moved.path is not None
         step[row] = complex(moved.path[0, 0, 0], moved.path[0, 0, 1])
     with np.errstate(divide="ignore"):
@@ -130,7 +130,7 @@ def wander_path(states: States, count: int) -> WanderPath:
     period = float(each.period[0])
     within = dense_times(states, period)[:-1]
     t = np.append((period * np.arange(count)[:, None] + within).ravel(), count * period)
-    motion = simulate(states, t_eval=t, observables=("path", "contact"), accuracy=_ACCURACY)
+    motion = trajectories(states, t_eval=t, observables=("path", "contact"), accuracy=_ACCURACY)
     assert motion.path is not None
     assert motion.contact is not None
     return WanderPath(states.disk, t, motion.contact[0, :, :2], motion.path[0, :, :2], each, count)

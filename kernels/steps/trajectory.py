@@ -4,7 +4,7 @@ import math
 
 from kernels._jit import kernel, subroutine
 from kernels.disk.body import Body, Disk
-from kernels.disk.constants import Pinned, constants_of, nearer_plus, onto_constants, onto_energy
+from kernels.disk.constants import Constants, Pinned, constants_of, nearer_plus, onto_constants, onto_energy
 from kernels.disk.field import ANGLES, PATH, State, column, energy, speed
 from kernels.disk.rows import put
 from kernels.status import Status
@@ -42,6 +42,47 @@ def attempt_any(
 
 
 @subroutine
+def begin(x: State, pinned: Pinned[float], disk: Disk) -> State:
+    """The state at the start, on the constants that the motion is held to."""
+    return x if math.isnan(pinned.sigma3_bar) else onto_constants(x, pinned, disk)
+
+
+@subroutine
+def rate(x: State, depth: int, b: Body) -> float:
+    """The rate by which steps are measured; sin chi turns at up to kappa times the speed."""
+    return speed(x, b) * b.kappa if depth == PATH else speed(x, b)
+
+
+@subroutine
+def hold(y: State, pinned: Pinned[float], total: float, disk: Disk) -> tuple[State, float]:
+    """The state after a step, put back onto its constants and its energy, and what was taken out of that."""
+    if math.isnan(pinned.sigma3_bar):
+        return y, 0.0
+    return onto_energy(onto_constants(y, pinned, disk), total, disk.body)
+
+
+@subroutine
+def judge(
+    code: int, start: Constants[float], last: State, removed: float, held: bool, bound: float, disk: Disk
+) -> tuple[int, ConstantsError[float]]:
+    """The status of a motion that came to `last` with the status `code`, and the errors of its constants.
+
+    start: its constants at the beginning; removed: the energy taken out on the way.
+    """
+    # It may come to both faces; whichever is nearer decides whether the direction of its races is known.
+    plus = nearer_plus(start.eta_plus, start.eta_minus)
+    moved = constants_error(start, constants_of(last, disk), plus)
+    energy_error = moved.energy + removed / start.energy
+    if code == _OK and held:
+        # The accuracy is per passage, which takes about two units of time; errors add up.
+        code = _OK if abs(energy_error) <= bound * max(1.0, 0.5 * last.t) else _DRIFT
+    elif code == _OK:
+        eta = start.eta_plus if plus else start.eta_minus
+        code = verdict(moved, eta, math.sqrt(2.0 * start.energy / disk.body.I1), bound)
+    return code, ConstantsError(energy_error, moved.sigma3_bar, moved.eta)
+
+
+@subroutine
 def trajectory(
     how: Integration, stops: Stops, x: State, pinned: Pinned[float], control: float, disk: Disk, out: Matrix
 ) -> tuple[int, int, State, float]:
@@ -51,14 +92,10 @@ def trajectory(
     number of attempted steps, the last state reached and the energy taken out on the way.
     """
     b, values = disk.body, stops.values
-    held = not math.isnan(pinned.sigma3_bar)
     removed = 0.0
-    if held:
-        x = onto_constants(x, pinned, disk)
+    x = begin(x, pinned, disk)
     total = energy(x, b)
-    unit = speed(x, b)
-    if how.depth == PATH:
-        unit *= b.kappa  # sin chi turns at up to kappa times the speed
+    unit = rate(x, how.depth, b)
     h = first_step(how.method, control, unit)
     done = 0
     for step in range(how.max_steps):
@@ -76,10 +113,8 @@ def trajectory(
                 done += 1
                 if again:
                     break
-            if held:
-                y, excess = onto_energy(onto_constants(y, pinned, disk), total, b)
-                removed += excess
-            x = y
+            x, excess = hold(y, pinned, total, disk)
+            removed += excess
             if done == values.size:
                 return _OK, step + 1, x, removed
         elif not following * unit > SHORTEST_STEP:
@@ -103,19 +138,8 @@ def trajectory_batch(
         outcome.errors[:, i] = math.nan
         if status[i] != _OK:
             continue
-        x, hold = column(states, i), Pinned(pinned[0, i], pinned[1, i], pinned[2, i])
-        begin = constants_of(x, disk)
-        code, outcome.steps[i], last, removed = trajectory(how, stops, x, hold, how.control[i], disk, out[i])
-        end = constants_of(last, disk)
-        # It may come to both faces; whichever is nearer decides whether the direction of its races is known.
-        plus = nearer_plus(begin.eta_plus, begin.eta_minus)
-        moved = constants_error(begin, end, plus)
-        energy_error = moved.energy + removed / begin.energy
-        put(ConstantsError(energy_error, moved.sigma3_bar, moved.eta), outcome.errors, i)
-        if code == _OK and not math.isnan(hold.sigma3_bar):
-            # The accuracy is per passage, which takes about two units of time; errors add up.
-            code = _OK if abs(energy_error) <= bound * max(1.0, 0.5 * last.t) else _DRIFT
-        elif code == _OK:
-            eta = begin.eta_plus if plus else begin.eta_minus
-            code = verdict(moved, eta, math.sqrt(2.0 * begin.energy / disk.body.I1), bound)
-        status[i] = code
+        x, to = column(states, i), Pinned(pinned[0, i], pinned[1, i], pinned[2, i])
+        start, held = constants_of(x, disk), not math.isnan(to.sigma3_bar)
+        code, outcome.steps[i], last, removed = trajectory(how, stops, x, to, how.control[i], disk, out[i])
+        status[i], errors = judge(code, start, last, removed, held, bound, disk)
+        put(errors, outcome.errors, i)

@@ -14,6 +14,7 @@ from conftest import BODIES
 import explorer as ex
 from explorer import compiled
 from explorer.commands.trade import STAGES, Work
+from explorer.motion.trajectories import trajectories
 from explorer.phase.states import constants_to_states
 from kernels.disk.constants import constants_of
 from kernels.disk.field import column
@@ -80,7 +81,7 @@ def test_motion_in_time(benchmark, method):
     times = np.linspace(0.0, 30.0, 301)
 
     def follow():
-        return ex.simulate(states, t_eval=times, observables=("phi", "chi"), method=method, accuracy=1e-6)
+        return trajectories(states, t_eval=times, observables=("phi", "chi"), method=method, accuracy=1e-6)
 
     first = follow()
     got = benchmark(follow)

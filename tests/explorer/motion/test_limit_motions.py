@@ -7,7 +7,7 @@ from conftest import BODIES
 import explorer as ex
 from explorer.motion.limit_motions import limit_motion
 from explorer.motion.passages_by_quadrature import fall_from_vertical
-from explorer.motion.trajectories import simulate
+from explorer.motion.trajectories import trajectories
 from explorer.phase.constants import natural_constants
 from explorer.phase.states import constants_to_states
 
@@ -33,7 +33,7 @@ def test_motions_beside_f_converge_to_the_limit_of_their_side(body, face, sign):
     distances = []
     for eta_hat in (1e-4, 1e-6):
         states = constants_to_states(body, unit, sign * eta_hat * unit, face * unit, face)
-        got = simulate(states, t_eval=times, observables=ALL, accuracy=1e-9)
+        got = trajectories(states, t_eval=times, observables=ALL, accuracy=1e-9)
         assert got.status[0] == ex.Status.OK
         distances.append(
             [abs(getattr(got, name)[0] - getattr(want, name)).max() / sizes.get(name, 1.0) for name in ALL]

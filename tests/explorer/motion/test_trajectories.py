@@ -13,6 +13,8 @@ from explorer.paper import eight_dimensions as plain_disk
 from explorer.phase.lines import line_slope
 from explorer.phase.states import constants_to_states
 
+pytestmark = pytest.mark.filterwarnings("ignore::explorer.errors.CoarseTimesWarning")
+
 ALL = ("phi", "phidot", "sigma3", "sigma4", "chi", "psi", "path", "contact")
 # mathematics, section 10: sigma1 = 0, sigma2 = sigma3 = 1
 ROWS = {  # tau, chi(tau) - chi(0), psi(tau) - psi(0), theta_min, |a(tau) - a(0)|
@@ -172,7 +174,8 @@ def test_only_what_was_asked_for_is_returned_and_time_zero_is_the_start():
     )
     assert got.path is None
     assert got.psi is None
-    assert got.phi.shape == (1, 201)
+    assert got.phi.shape == got.t.shape == (1, got.lengths[0])
+    assert (got.t[0, 0], got.t[0, -1]) == (0.0, 1.0)
     assert got.phi[0, 0] == pytest.approx(0.1, abs=1e-15)
     assert got.chi[0, 0] == 0.5
 
@@ -184,7 +187,7 @@ def test_only_what_was_asked_for_is_returned_and_time_zero_is_the_start():
         ({"t_eval": [1.0, 0.5]}, "increasing"),
         ({"t_eval": [np.nan]}, "finite"),
         ({"t_end": 1.0, "observables": ("ph",)}, "did you mean 'phi'"),
-        ({"t_end": 1.0, "observables": ("face",)}, "observable of the motion"),
+        ({"t_end": 1.0, "observables": ("face",)}, "one of the motion"),
         ({"t_end": 1.0, "method": "rk6"}, "did you mean 'rk"),
         ({"t_end": 1.0, "accuracy": 1e-20}, "accuracy"),
     ],
@@ -196,7 +199,7 @@ def test_wrong_arguments_are_named(options, message):
 
 def test_empty_input_gives_empty_output():
     disk = BODIES["uniform"]
-    assert ex.simulate(ex.phi_to_states(disk, [], [], [], []), 1.0).phi.shape == (0, 201)
+    assert ex.simulate(ex.phi_to_states(disk, [], [], [], []), 1.0).phi.shape == (0, 1)
     assert ex.constants(ex.phi_to_states(disk, [], [], [], [])).energy.size == 0
     assert len(ex.passages(disk, [], [], [])) == 0
 
@@ -257,3 +260,29 @@ def test_ten_thousand_passages_in_a_row_keep_their_constants():
     assert (short[0] < 1e-6).all()
     assert (long[0] < 200 * short[0]).all()
     assert (long[2] < 1e-12).all()
+
+
+def test_times_that_step_over_a_race_are_warned_about():
+    states = constants_to_states(BODIES["uniform"], 1.0, [1e-3, -1e-6, 1e-9], [1.0, 1.0, -0.1])
+    with pytest.warns(ex.CoarseTimesWarning, match="in 2 of 3 .* leave t_eval out"):
+        ex.simulate(states, t_eval=[0.5, 1.0, 2.0])
+
+
+@pytest.mark.filterwarnings("error")
+def test_times_that_miss_nothing_are_not():
+    states = constants_to_states(BODIES["uniform"], 1.0, [1e-3, -1e-6], 1.0)
+    ex.simulate(states, t_eval=np.linspace(0.0, 1.0, 30))
+    ex.simulate(states, t_eval=[2.0])  # no curve
+    ex.simulate(states, t_eval=[0.5, 2.0], observables=["phi"])
+
+
+@pytest.mark.parametrize("t_eval", [None, [0.5, 1.0]])
+def test_a_motion_ends_where_it_was_followed_to(t_eval):
+    motion = ex.simulate(ex.phi_to_states(BODIES["uniform"], 0.1, 0.2, 0.3, 0.4), 1.0, t_eval=t_eval)
+    for t in (-0.1, 1.1, np.nan):
+        with pytest.raises(ex.InputError, match="between 0 and 1"):
+            motion(t)
+    with pytest.raises(ex.InputError, match="t = 'x'"):
+        motion("x")
+    assert motion(0.0).phi == pytest.approx(0.1, abs=1e-15)
+    assert repr(motion).startswith("Trajectories of 1 motion")

@@ -1,0 +1,134 @@
+"""Motions at their own steps: dense enough for curves, right at any time between, also inside a race."""
+
+import numpy as np
+import pytest
+from conftest import BODIES
+from scipy.optimize import brentq
+
+import explorer as ex
+from explorer.motion import recording
+from explorer.paper import eight_dimensions as plain_disk
+
+ETAS = np.array([1e-1, -1e-2, 1e-3, -1e-4, 1e-6, -1e-8, 1e-10, -1e-12, 1e-100, -1e-300])
+
+
+@pytest.fixture(scope="module")
+def raced():
+    """Motions at all distances from F, through three falls, and the same much more accurately."""
+    states = ex.constants_to_states(BODIES["uniform"], 1.0, ETAS, 1.0)
+    return ex.simulate(states, 10.0), ex.simulate(
+        states, 10.0, accuracy=1e-11, observables=["phi", "phidot", "chi"]
+    )
+
+
+def test_chi_never_turns_by_more_than_a_fifth_between_two_times_at_any_distance_from_f(raced):
+    for motion in raced:
+        assert (motion.status == 0).all()
+        assert (abs(np.diff(motion.chi)) <= recording.LONGEST_ANGLE).all()
+    # Three races, three falls
+    assert (np.sign(ETAS) * (motion.chi[:, -1] - motion.chi[:, 0]) > 3.0 * np.pi).all()
+
+
+@pytest.mark.parametrize("name", ["hoop", "heavy-core", "thick", "coin"])
+@pytest.mark.parametrize("method", ["auto", "rk4"])
+def test_so_it_is_for_other_bodies_and_for_fixed_steps(name, method):
+    disk = BODIES[name]
+    unit = disk.rate_unit
+    states = ex.constants_to_states(disk, 0.7 * unit, [1e-2 * unit, -1e-9 * unit], unit)
+    motion = ex.simulate(states, 8.0 / unit, accuracy=1e-4, method=method)
+    assert (motion.status == 0).all()
+    assert abs(np.diff(motion.chi)).max() <= recording.LONGEST_ANGLE
+    assert (np.diff(motion.t) >= 0.0).all()
+    np.testing.assert_allclose(motion.t[:, [0, -1]], [[0.0, 8.0 / unit]] * 2, rtol=1e-15)
+
+
+def test_rows_of_shorter_motions_repeat_their_end(raced):
+    motion = raced[0]
+    assert motion.lengths.max() == motion.t.shape[1] > motion.lengths.min()
+    for row, length in enumerate(motion.lengths):
+        for name in ("t", "phi", "chi", "psi", "path", "contact"):
+            values = getattr(motion, name)[row]
+            assert (values[length:] == values[length - 1]).all()
+        assert motion.t[row, length - 1] == motion.t_end > motion.t[row, length - 2]
+
+
+def test_called_at_its_own_times_a_motion_gives_its_own_points(raced):
+    motion = raced[0]
+    row = 4
+    own = motion.t[row, : motion.lengths[row]]
+    np.testing.assert_array_equal(motion(own).chi[row], motion.chi[row, : own.size])
+    np.testing.assert_array_equal(motion(own).path[row], motion.path[row, : own.size])
+
+
+def test_between_the_records_the_full_equations_are_met_in_and_out_of_a_race():
+    """Eq. (2.13) in eight dimensions by another integrator, at times that nothing recorded."""
+    disk = BODIES["hoop"]
+    states = ex.constants_to_states(disk, 1.0, 0.01, 1.0)
+    middle = ex.bounces(states).time[0, 0]
+    times = np.sort(np.concatenate([np.linspace(0.05, 3.0, 60), middle + np.linspace(-0.02, 0.02, 60)]))
+    full = plain_disk.integrate(disk, np.array([0.0, 1.0, states.sigma3[0], states.sigma4[0]]), times)
+    motion = ex.simulate(states, 3.1, accuracy=1e-10)
+    got = motion(times)
+    assert np.ptp(got.chi[0, abs(times - middle) < 0.02]) > 0.5 * disk.race_limit
+    np.testing.assert_allclose(got.path[0], full.a, atol=1e-9)
+    np.testing.assert_allclose(got.contact[0], full.contact, atol=1e-9)
+    np.testing.assert_allclose(np.sin(got.phi[0]), full.sigma[:, 0], atol=1e-9)
+
+
+def test_between_the_records_a_motion_is_as_accurate_as_they_are(raced):
+    motion, tight = raced
+    times = np.linspace(0.0, 10.0, 173)
+    flattest = ex.bounces(ex.constants_to_states(BODIES["uniform"], 1.0, 1e-6, 1.0), 4).time
+    away = (abs(times[:, None] - flattest) > 0.2).all(axis=1)
+    for name in ("phi", "chi"):
+        error = abs(getattr(motion(times), name) - getattr(tight(times), name))
+        assert error[:, away].max() < 3e-6
+
+
+@pytest.mark.parametrize("eta_hat", [1e-6, -1e-8, 1e-10])
+def test_inside_a_race_chi_is_right_where_the_speed_is(eta_hat):
+    """Two integrations differ in time by more than the race lasts; so they are compared at the same phidot."""
+    states = ex.constants_to_states(BODIES["uniform"], 1.0, eta_hat, 1.0)
+    names = ("phi", "phidot", "chi")
+    motion, tight = (ex.simulate(states, 3.0, observables=names, accuracy=accuracy) for accuracy in (1e-6, 1e-11))
+    own = motion.t[0, (abs(motion.phidot[0]) < 1.6) & (np.cos(motion.phi[0]) < 1e-3)]
+    between = motion(0.5 * (own[1:] + own[:-1]))
+    assert between.phi.size > 20
+    ends = tight.t[0, np.cos(tight.phi[0]) < 1e-3][[0, -1]]
+    for speed, chi in zip(between.phidot[0], between.chi[0], strict=True):
+        time = brentq(lambda t, speed=speed: tight(t).phidot[0] - speed, *ends, xtol=1e-18, rtol=1e-15)
+        # A time of order one is rounded at some 1e-15, and chidot is some 4/eta_hat
+        assert tight(time).chi[0] == pytest.approx(chi, abs=1e-5 + 1e-13 / abs(eta_hat))
+
+
+@pytest.mark.parametrize("t_eval", [None, [0.5, 2.0]])
+def test_any_number_of_threads_gives_the_same_numbers(t_eval):
+    disk = BODIES["uniform"]
+    etas = [1e-3, -1e-9, 0.0, 0.1, np.nan, 1e-30, 1e-2]
+    states = ex.constants_to_states(disk, np.linspace(0.5, 1.5, 7), etas, 1.0)
+    names = ("phi", "chi", "path") if t_eval is None else ("phi",)
+    one, three = (ex.simulate(states, 2.0, t_eval=t_eval, observables=names, jobs=jobs) for jobs in (1, 3))
+    assert one.status.tolist() == three.status.tolist() == [0, 0, 1, 0, 2, 0, 0]
+    for name in ("t", "phi", "chi", "path", "steps", "constants_error", "lengths"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(three, name))
+    times = [1.9, 0.0, 0.3]
+    np.testing.assert_array_equal(one(times).phi, three(times).phi)
+    assert one(times).phi.shape == (7, 3)
+    assert one(0.3).phi.shape == (7,)
+    assert np.isnan(one(0.3).phi[[2, 4]]).all()
+
+
+def test_curves_that_would_fill_the_memory_are_refused(monkeypatch):
+    monkeypatch.setattr(recording, "MOST_POINTS", 5000)
+    states = ex.phi_to_states(BODIES["uniform"], 0.2, 1.0, 1.0, [0.3] * 4)
+    assert ex.simulate(states, 5.0).t.size < 5000
+    with pytest.raises(ex.InputError, match="give t_eval, fewer states or a smaller t_end"):
+        ex.simulate(states, 1e4)
+
+
+def test_pieces_of_a_record_join_without_a_seam(monkeypatch):
+    states = ex.constants_to_states(BODIES["hoop"], 1.0, -1e-5, 1.0)
+    whole = ex.simulate(states, 9.0)
+    monkeypatch.setattr(recording, "_PIECE", 7)
+    np.testing.assert_array_equal(ex.simulate(states, 9.0).contact, whole.contact)
+    assert whole.constants_error[0, 0] == ex.simulate(states, 9.0).constants_error[0, 0]
