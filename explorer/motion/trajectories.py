@@ -157,17 +157,15 @@ def simulate(
 ) -> Trajectories:
     """Follow motions in time from their initial states, at times as dense as each motion needs.
 
-    sigma3_bar, eta and the energy are held after every step; what was taken out of the energy on the way is
-    reported as its error. States made by `constants_to_states` keep the eta_hat they were given, down to 1e-300.
-    A state on the falling set has no motion past the fall: its status is FALLS.
+    sigma3_bar, eta and the energy are held; what was taken out of the energy is reported as its error. An eta_hat
+    that was given is kept, down to 1e-300. A state on the falling set FALLS.
 
     Parameters
     ----------
     states : States
         Where the motions start.
     t_end : float, optional
-        End of the motion. It is recorded at the integration's own steps, from 0 to t_end: chi changes by 0.2 rad
-        at most between two of them, however near to F the motion is.
+        End of the motion. It is recorded at its own steps, in which chi changes by 0.2 rad at most, near F too.
     t_eval : (nt,) array, optional
         Increasing times >= 0 at which to sample instead, the same for all motions.
     observables : sequence of str
@@ -181,13 +179,12 @@ def simulate(
     Returns
     -------
     Trajectories
-        The observables at these times, for each motion; call it for any other time.
+        The observables at these times; call it for any other time.
 
     Raises
     ------
     InputError
-        For states, times, observables, a method or an accuracy that cannot be used, and where the motions need
-        more than 4 million times.
+        For arguments that cannot be used, and where the motions need more than 4 million times.
 
     Warns
     -----
@@ -196,7 +193,7 @@ def simulate(
 
     Notes
     -----
-    Eqs (2.15) to (2.18) of the paper, regularised at flat; the path is that of (2.33), (2.35).
+    Eqs (2.15) to (2.18) of the paper, regularised at flat, with the path by (2.33) and (2.35).
 
     Examples
     --------
@@ -207,8 +204,8 @@ def simulate(
     (True, array([[0.2749, 0.5152]]))
     """
     motion, chi = _follow(states, _times(t_end, t_eval), observables, _Integration(**integration))
-    if t_eval is not None and any(name in _TURNING for name in observables):
-        _warn_of_races(chi)
+    if t_eval is not None:
+        _warn_of_races(motion, chi)
     return motion
 
 
@@ -310,8 +307,10 @@ def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, A
     return {name: make() if name in names else None for name, make in values.items()}
 
 
-def _warn_of_races(chi: Array) -> None:
-    """Warn where a curve through the times would miss turns of the contact point; chi (n, nt)."""
+def _warn_of_races(motion: Trajectories, chi: Array) -> None:
+    """Warn where a curve of the observables would miss turns of the contact point; chi (n, nt)."""
+    if all(getattr(motion, name) is None for name in _TURNING):
+        return
     turned = abs(np.diff(chi)).max(axis=1, initial=0.0)
     missed = int(np.sum(turned > _COARSE))
     if missed:
