@@ -41,6 +41,9 @@ if TYPE_CHECKING:
     from explorer.phase.states import constants_to_states as constants_to_states
     from explorer.phase.states import phi_to_states as phi_to_states
     from explorer.phase.states import theta_to_states as theta_to_states
+    from explorer.runs.merge import merge as merge
+    from explorer.runs.run import Run as Run
+    from explorer.runs.run import open as open
     from explorer.view.page import view as view
 
     Status = _status.Status
@@ -53,6 +56,7 @@ _HOMES = {
     "Disk": "phase.disk",
     "InputError": "errors",
     "Interrupted": "errors",
+    "Run": "runs.run",
     "RunError": "errors",
     "States": "phase.states",
     "Status": "compiled:status.Status",
@@ -65,6 +69,8 @@ _HOMES = {
     "falls": "phase.membership",
     "flow_stretch": "measure.invariance",
     "limit_motion": "motion.limit_motions",
+    "merge": "runs.merge",
+    "open": "runs.run",
     "passage_forces": "motion.forces",
     "passages": "motion.passages",
     "periods": "motion.periods",

@@ -11,15 +11,6 @@ def add_json(command: argparse.ArgumentParser) -> None:
     command.add_argument("--json", action="store_true", help="print one JSON object on stdout and nothing else")
 
 
-def add_workers(command: argparse.ArgumentParser) -> None:
-    """Add the options that say who computes."""
-    command.add_argument("--jobs", metavar="N", help="workers (default 2)")
-    command.add_argument("--backend", metavar="NAME", help="threads, processes or dask (default threads)")
-    command.add_argument(
-        "--scheduler", metavar="ADDRESS", help="address of a dask scheduler (default: one of its own)"
-    )
-
-
 def show(run: Run, as_json: bool) -> int:
     """Print a finished run; returns the exit status."""
     if as_json:

@@ -10,7 +10,7 @@ from explorer.commands.common import add_json
 from explorer.commands.made_by import FILE, command_of, leave_made_by
 from explorer.errors import InputError, note
 from explorer.motion.plan import method_in_words
-from explorer.runs.run import Run, execute
+from explorer.runs.run import Manner, Run, execute
 from explorer.runs.workers import Workers
 from explorer.scenes.base import Scene
 from explorer.scenes.registry import build_scene
@@ -36,13 +36,13 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
     runs = []
     for scene, title in scenes:
         note(f"\n{title}", quiet)
-        run = execute(scene, folder / scene.name, workers=workers, quiet=quiet)
+        run = execute(scene, folder / scene.name, Manner(workers, "error", quiet))
         for line in scene.headline(run.summary):
             note(f"  {line}", quiet)
         if not (folder / FILE).exists():
             leave_made_by(folder, _COMMAND)
         runs.append(run)
-    (folder / "README.md").write_text(_page(runs, [title for _, title in scenes]), encoding="utf-8")
+    (folder / "README.md").write_text(_page(folder, runs, [title for _, title in scenes]), encoding="utf-8")
     return runs
 
 
@@ -65,7 +65,7 @@ def _clear(folder: Path) -> None:
         raise InputError(f"--out {folder}: cannot be cleared ({error.strerror})") from None
 
 
-def _page(runs: list[Run], titles: list[str]) -> str:
+def _page(folder: Path, runs: list[Run], titles: list[str]) -> str:
     lines = [
         "# What `nearflat demo` found",
         "",
@@ -77,7 +77,7 @@ def _page(runs: list[Run], titles: list[str]) -> str:
         lines.append("")
         lines += [
             f"![{path.stem}]({run.scene.name}/figures/{path.name})"
-            for path in sorted((run.folder / "figures").glob("*.png"))
+            for path in sorted((folder / run.scene.name / "figures").glob("*.png"))
         ]
     return "\n".join(lines) + "\n"
 

@@ -43,7 +43,10 @@ class Group:
 
 def _phase(disk: Disk, options: dict[str, Any]) -> Pictures:
     """(phi, phidot) portraits, potentials and steady motions: the pictures of scene portrait."""
-    yield from Portrait.of({**options, "disk": disk}).pictures()
+    from explorer import plot
+
+    for name, picture in Portrait.of({**options, "disk": disk}).pictures():
+        yield name, plot.figure_of(picture)
 
 
 def _slices(disk: Disk, _options: dict[str, Any]) -> Pictures:

@@ -1,41 +1,60 @@
-"""`nearflat run`, and `ex.run` for Python: a scene on many initial states, stored."""
+"""`nearflat run`, and `ex.run` for Python: a scene on many initial states, stored or in memory."""
 
 import argparse
 import inspect
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from textwrap import fill, indent
-from typing import Any, Unpack
+from typing import Any, Literal, Unpack, overload
 
-from explorer.commands.common import add_json, add_workers, show
-from explorer.errors import InputError, in_words, note
+from explorer.commands.common import add_json, show
+from explorer.errors import in_words
 from explorer.runs.run import Run, execute
-from explorer.runs.workers import Workers
-from explorer.scenes.base import SampledScene, Scene, chunk_size_for
+from explorer.runs.settings import SETTINGS, Settings, asked
+from explorer.scenes.base import Scene
+from explorer.scenes.falling_set import FallingSet
+from explorer.scenes.measure_zero import MeasureZero
+from explorer.scenes.one_sided import OneSided
 from explorer.scenes.options import Option, described, type_words
-from explorer.scenes.registry import SCENES, Options, build_scene, read_scene_file, scene_class
-
-_WORKERS = ("backend", "scheduler")
-
-
-class Keywords(Options, total=False):
-    """Keywords of `run` beside its parameters: the options of scenes, and who computes."""
-
-    backend: str
-    scheduler: str | None
+from explorer.scenes.portrait import Portrait
+from explorer.scenes.race_angles import RaceAngles
+from explorer.scenes.registry import SCENES, read_scene_file
 
 
-def run(
-    scene: str,
-    *,
-    out: Path | str | None = None,
-    jobs: int = 2,
-    memory: str | float | None = None,
-    resume: bool = False,
-    quiet: bool = True,
-    **options: Unpack[Keywords],
-) -> Run:
-    """Run a scene and store it.
+class OfFallingSet(FallingSet.Keywords, Settings, total=False):
+    """Keywords of `run("falling-set")`."""
+
+
+class OfMeasureZero(MeasureZero.Keywords, Settings, total=False):
+    """Keywords of `run("measure-zero")`."""
+
+
+class OfOneSided(OneSided.Keywords, Settings, total=False):
+    """Keywords of `run("one-sided")`."""
+
+
+class OfPortrait(Portrait.Keywords, Settings, total=False):
+    """Keywords of `run("portrait")`."""
+
+
+class OfRaceAngles(RaceAngles.Keywords, Settings, total=False):
+    """Keywords of `run("race-angles")`."""
+
+
+@overload
+def run(scene: Literal["falling-set"], **options: Unpack[OfFallingSet]) -> Run: ...
+@overload
+def run(scene: Literal["measure-zero"], **options: Unpack[OfMeasureZero]) -> Run: ...
+@overload
+def run(scene: Literal["one-sided"], **options: Unpack[OfOneSided]) -> Run: ...
+@overload
+def run(scene: Literal["portrait"], **options: Unpack[OfPortrait]) -> Run: ...
+@overload
+def run(scene: Literal["race-angles"], **options: Unpack[OfRaceAngles]) -> Run: ...
+@overload
+def run(scene: type[Scene], **options: Any) -> Run: ...
+def run(scene: str | type[Scene], **options: Any) -> Run:
+    """Ask a question about many initial states.
 
     The options of a scene mean the same here, on the command line, in a TOML file and in run.json. Text is read as
     the command line reads it. "Units of the disk" are those of its m, r and g; a natural unit of a rate is
@@ -43,27 +62,14 @@ def run(
 
     Parameters
     ----------
-    scene : str
-        "falling-set", "measure-zero", "one-sided", "portrait" or "race-angles".
-    out : path, optional
-        Folder that holds no run yet; results/SCENE-DISK-SEED by default.
-    jobs : int
-        Number of workers, 2 by default. It changes no number.
-    memory : str or float, optional
-        Budget such as "1GB", or bytes. It sets `chunk_size`, which is stored with the run.
-    resume : bool
-        Continue the run in `out`, or start it where there is none: compute what is missing or damaged.
-    quiet : bool
-        Print no progress and no notes. True by default.
-    backend : str
-        Who computes: "threads" (default), "processes" or "dask".
-    scheduler : str, optional
-        Address of a dask scheduler; by default dask starts one of its own.
+    scene : str or type
+        "falling-set", "measure-zero", "one-sided", "portrait" or "race-angles"; or a scene of your own, by its
+        class or, once it is registered, by its name.
 
     Returns
     -------
     Run
-        The finished run with its `scene`, `folder` and `summary`; `tables()` reads the stored samples.
+        With the numbers (`summary`), the samples (`frame`, `arrow`, `tables`) and the pictures (`figure`).
 
     Raises
     ------
@@ -74,16 +80,13 @@ def run(
 
     Examples
     --------
-    >>> import tempfile
     >>> import explorer as ex
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     done = ex.run("race-angles", disk="hoop", samples=1000, out=f"{folder}/races")
-    >>> done.summary["wrong_way"], round(done.summary["median_plus"], 3)
+    >>> races = ex.run("race-angles", disk="hoop", samples=1000)
+    >>> races.summary["wrong_way"], round(races.summary["median_plus"], 3)
     (0, 5.441)
     """
-    workers = Workers(jobs, options.pop("backend", "threads"), options.pop("scheduler", None))
-    made = _scene(scene, options, memory, workers.jobs, quiet)
-    return execute(made, out, workers=workers, resume=resume, quiet=quiet)
+    made = asked(scene, options)
+    return execute(made.scene, made.out, made.manner)
 
 
 def _entry(option: Option, text: str) -> str:
@@ -94,57 +97,64 @@ def _entry(option: Option, text: str) -> str:
 
 
 def _document() -> None:
-    """Let help(run) and inspect.signature(run) name the options of all scenes, from the scenes' tables."""
-    options = {option.word: _entry(option, text) for option, text in described(SCENES.values())}
-    plain = inspect.signature(run)
-    keywords = [
-        inspect.Parameter(word, inspect.Parameter.KEYWORD_ONLY, default=None) for word in (*_WORKERS, *options)
-    ]
-    vars(run)["__signature__"] = plain.replace(parameters=[*list(plain.parameters.values())[:-1], *keywords])
+    """Let help(run) and inspect.signature(run) name settings and the options of all scenes, from their tables."""
+    entries = {option.word: _entry(option, option.help_for(Settings)) for option in SETTINGS}
+    entries |= {option.word: _entry(option, text) for option, text in described(SCENES.values())}
+    scene, _ = inspect.signature(run).parameters.values()
+    words = [inspect.Parameter(word, inspect.Parameter.KEYWORD_ONLY, default=None) for word in entries]
+    vars(run)["__signature__"] = inspect.Signature([scene, *words], return_annotation=Run)
     text = inspect.cleandoc(run.__doc__ or "")  # empty where docstrings are left out (python -OO)
-    run.__doc__ = text.replace("\n\nReturns\n", "\n" + "\n".join(options.values()) + "\n\nReturns\n", 1)
+    run.__doc__ = text.replace("\n\nReturns\n", "\n" + "\n".join(entries.values()) + "\n\nReturns\n", 1)
 
 
 _document()
 
 
-def _scene(name: str, options: Mapping[str, Any], memory: Any, jobs: int, quiet: bool) -> Scene:
-    """The scene of a run, with chunks that fit into a budget where one is given."""
-    if memory is None:
-        return build_scene(name, **options)
-    kind = scene_class(name)
-    if not issubclass(kind, SampledScene):
-        names = ", ".join(each for each, other in SCENES.items() if issubclass(other, SampledScene))
-        raise InputError(f"--memory {memory}: sets the chunks of {names}, {name} has none; leave it out")
-    if options.get("chunk_size") is not None:
-        raise InputError(f"--memory {memory}: sets chunk_size, which is given too; leave one of them out")
-    size = chunk_size_for(kind, memory, jobs)
-    note(f"--memory {memory}: chunks of {size:,} samples", quiet)
-    return build_scene(name, **{**options, "chunk_size": size})
-
-
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the options of all scenes; --help after the name of a scene shows those of this scene."""
-    _add_settings(command)
-    _add_options(command, SCENES.values())
+    add_question(command)
+    add_existing(command)
     command.add_argument(
         "-h", "--help", action=_Help, nargs=0, help="show this, or the options of SCENE, and exit"
     )
+
+
+def add_question(command: argparse.ArgumentParser) -> None:
+    """Add the scene, the settings of its run, and the options of all scenes."""
+    _add_settings(command)
+    _add_options(command, SCENES.values())
+
+
+def add_existing(command: argparse.ArgumentParser) -> None:
+    """Add what becomes of a run that is there, and whether pictures are drawn."""
+    which = command.add_mutually_exclusive_group()
+    resume = "continue the run in --out, or start it where there is none"
+    which.add_argument("--resume", dest="exist", action="store_const", const="resume", help=resume)
+    replace = "compute the run in --out anew; the one that is there is lost"
+    which.add_argument("--replace", dest="exist", action="store_const", const="replace", help=replace)
+    add_figures(command)
+
+
+def add_figures(command: argparse.ArgumentParser) -> None:
+    """Add the option that leaves pictures out."""
+    text = "draw no pictures into the folder"
+    command.add_argument("--no-figures", dest="figures", action="store_const", const=False, help=text)
 
 
 def _add_settings(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "scene", metavar="SCENE", help=f"{', '.join(SCENES)}, or a TOML file that names a scene and sets options"
     )
-    add_workers(command)
-    command.add_argument(
-        "--memory", metavar="SIZE", help="budget such as 1GB; sets the chunk size, which is stored with the run"
-    )
-    command.add_argument("--out", metavar="DIR", help="folder of the run (default results/SCENE-DISK-SEED)")
-    command.add_argument(
-        "--resume", action="store_true", help="continue the run in --out, or start it where there is none"
-    )
+    add_settings(command)
     add_json(command)
+
+
+def add_settings(command: argparse.ArgumentParser, words: Iterable[str] | None = None) -> None:
+    """Add settings of a run that have a flag, by default all."""
+    for option in SETTINGS:
+        if option.flag.startswith("--") and (words is None or option.word in words):
+            text = option.help_for(Settings)
+            command.add_argument(option.flag, metavar=option.metavar, help=text)
 
 
 def _add_options(command: argparse.ArgumentParser, kinds: Iterable[type[Scene]]) -> None:
@@ -170,27 +180,28 @@ class _Help(argparse.Action):
             example = f"example: nearflat run {kind.name} --disk hoop --out results/mine"
             parser = argparse.ArgumentParser(parser.prog, None, text, example, add_help=False)
             _add_settings(parser)
+            add_existing(parser)
             _add_options(parser.add_argument_group(f"options of {kind.name}"), [kind])
         parser.print_help()
         parser.exit()
 
 
-def call(options: argparse.Namespace) -> int:
-    """Run the scene, with options from a TOML file where one is named; those of the command line win."""
+def given_by(options: argparse.Namespace) -> tuple[str, dict[str, Any]]:
+    """Scene and keywords from a command line, and from a TOML file where one is named; the command line wins."""
     given: dict[str, Any] = {"scene": options.scene}
     if options.scene.endswith(".toml"):
         given = read_scene_file(Path(options.scene))
-    apart = ("scene", "command", "command_line", "call", "arithmetic", "json", "quiet", "resume")
+        if given.pop("resume", None):
+            given.setdefault("exist", "resume")
+    apart = ("scene", "command", "command_line", "call", "arithmetic", "json", "quiet")
     given |= {key: value for key, value in vars(options).items() if key not in apart and value is not None}
-    resume, out, memory = (given.pop(key, None) for key in ("resume", "out", "memory"))
-    workers = Workers(**{key: given.pop(key) for key in ("jobs", "backend", "scheduler") if key in given})
-    scene = _scene(given.pop("scene"), given, memory, workers.jobs, options.quiet)
-    done = execute(
-        scene,
-        out,
-        workers=workers,
-        resume=options.resume or bool(resume),
-        quiet=options.quiet,
-        command=options.command_line,
-    )
-    return show(done, options.json)
+    if options.quiet:
+        given["progress"] = False
+    return given.pop("scene"), given
+
+
+def call(options: argparse.Namespace) -> int:
+    """Run the scene."""
+    name, given = given_by(options)
+    made = asked(name, given, options.command_line, exist="error")
+    return show(execute(made.scene, made.out, made.manner), options.json)

@@ -33,13 +33,13 @@ def axes_or_new(ax: Axes | None) -> Axes:
     return ax if ax is not None else Figure(figsize=SIZE, layout="constrained").subplots()
 
 
-def figure_of(draw: Callable[..., Axes], *arguments: Any) -> Figure:
+def figure_of(draw: Callable[..., Axes | Figure] | Figure, *arguments: Any) -> Figure:
     """The figure that one picture makes for itself.
 
     Parameters
     ----------
-    draw : callable
-        A function of `explorer.plot` that returns Axes.
+    draw : callable or Figure
+        A function of `explorer.plot`; a figure is returned as it is.
     *arguments
         What it is called with.
 
@@ -56,7 +56,8 @@ def figure_of(draw: Callable[..., Axes], *arguments: Any) -> Figure:
     >>> figure.axes[0].get_xlabel()
     '$m r^2/I_1$'
     """
-    figure = draw(*arguments).figure
+    drawn = draw if isinstance(draw, Figure) else draw(*arguments)
+    figure = drawn if isinstance(drawn, Figure) else drawn.figure
     assert isinstance(figure, Figure)
     return figure
 

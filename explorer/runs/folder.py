@@ -103,7 +103,19 @@ def scene_of(folder: Path) -> Scene:
         ) from None
 
 
-def open_folder(folder: Path, scene: Scene, resume: bool) -> None:
+def clear(folder: Path) -> None:
+    """Remove the run in a folder, and nothing else. Raises RunError."""
+    try:
+        for place in ("chunks", "bad", "figures"):
+            for path in (folder / place).glob("*"):
+                path.unlink()
+        for name in ("summary.json", "run.json"):
+            (folder / name).unlink(missing_ok=True)
+    except OSError as error:
+        raise RunError(f"--out {folder}: cannot be cleared ({error.strerror})") from None
+
+
+def open_folder(folder: Path, scene: Scene, exist: str) -> None:
     """Check that the run may be written here and make the folder. Raises InputError; then nothing is written."""
     record = folder / "run.json"
     try:
@@ -111,9 +123,12 @@ def open_folder(folder: Path, scene: Scene, resume: bool) -> None:
     except (OSError, ValueError) as error:
         raise InputError(f"--out {str(folder)[:80]}: is no usable path ({error}); give another folder") from None
     if exists:
-        if not resume:
-            raise InputError(f"--out {folder}: holds a run already; add --resume or give another folder")
-        _check_same(folder, scene)
+        if exist == "error":
+            raise InputError(
+                f"--out {folder}: holds a run already; add --resume or --replace, or give another folder"
+            )
+        if exist == "resume":
+            _check_same(folder, scene)
     elif folder.is_dir() and any(folder.iterdir()):
         raise InputError(f"--out {folder}: is not empty and holds no run; give another folder")
     try:
@@ -130,17 +145,21 @@ def _check_same(folder: Path, scene: Scene) -> None:
     """Raise InputError where the folder holds another run, or one of more samples."""
     before, now = read_record(folder)["identity"], identity(scene)
     if before["kernels"] != now["kernels"]:
-        raise InputError(f"--resume: {folder} was computed by another version of the kernels; give another folder")
+        raise InputError(
+            f"--resume: {folder} was computed by another version of the kernels; give another folder or --replace"
+        )
     old, new = before["options"], now["options"]
-    if new.get("samples", 0) < old.get("samples", 0):
-        raise InputError(f"--samples {new['samples']}: {folder} has {old['samples']}; give as many, or more")
     # More samples may be added to a run: its chunks are those of the longer one.
     differing = [key for key in {**old, **new} if key != "samples" and old.get(key) != new.get(key)]
     if differing:
         key = differing[0]
         raise InputError(
             f"--resume: {folder} was run with {key} = {old.get(key)}, now {key} = {new.get(key)}; "
-            "give the same options or another folder"
+            "give the same options, another folder, or --replace"
+        )
+    if new.get("samples", 0) < old.get("samples", 0):
+        raise InputError(
+            f"--samples {new['samples']}: {folder} has {old['samples']}; give as many or more, or --replace"
         )
 
 
@@ -148,7 +167,8 @@ def begun(folder: Path, command: str | None) -> dict[str, Any]:
     """When the run in `folder` was first started, and by which command line, if by any."""
     try:
         before = store.read_json(folder / "run.json")
-        return {"started": str(before["started"]), "command": command or before.get("command")}
+        how = {"started": str(before["started"]), "command": command or before.get("command")}
+        return {**how, "figures": before.get("figures"), "formats": before.get("formats")}
     except (RunError, KeyError, TypeError):
         return {"started": now(), "command": command}
 

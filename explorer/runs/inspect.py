@@ -1,5 +1,7 @@
 """What a stored run says of itself: how far, intact, its numbers."""
 
+import json
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,12 +11,17 @@ from explorer.errors import RunError
 from explorer.measure import statistics
 from explorer.runs import folder as folders
 from explorer.runs import store
-from explorer.runs.run import summarise
+from explorer.runs.chunks import Part, summary_of
+from explorer.runs.pictures import there
+from explorer.scenes.base import Scene
 
 
 @dataclass(frozen=True)
 class Progressed:
-    """How far a run is: chunks and samples done, of all; counts of each status."""
+    """How far a run is: chunks and samples done, of all; counts of each status; what of it is missing.
+
+    missing: some of "chunks", "summary" and "figures"; figures are missed only where they were asked for.
+    """
 
     scene: str
     chunks: int
@@ -23,27 +30,69 @@ class Progressed:
     status: dict[str, int]
     finished: str | None
     seconds_for_chunks: float | None
+    missing: tuple[str, ...] = ()
 
 
 def status(folder: Path) -> Progressed:
     """How far the run in `folder` is, from the footers of its chunks. Raises InputError."""
-    scene, record = folders.scene_of(folder), folders.read_record(folder)
-    notes = []
-    for path in store.found_chunks(folder).values():
-        try:
-            notes.append(store.read_note(path))
-        except RunError:
-            continue  # counts as not done; `verify` says what is wrong with it
-    counts = statistics.add_counts(note.tally["status"] for note in notes)
+    scene = folders.scene_of(folder)
+    return progressed([Part(scene, folder)], scene)
+
+
+def progressed(parts: Sequence[Part], whole: Scene) -> Progressed:
+    """How far all of these runs are together."""
+    notes, missing, record = [], list[str](), dict[str, Any]()
+    for part in parts:
+        for chunk in part.found().values():
+            try:
+                notes.append(chunk.note())
+            except RunError:
+                continue  # counts as not done; `verify` says what is wrong with it
+        if part.folder is not None:
+            record = folders.read_record(part.folder)
+            missing += _missing(part.folder, record)
+    chunks = sum(part.scene.chunks() for part in parts)
     return Progressed(
-        scene.name,
-        scene.chunks(),
+        whole.name,
+        chunks,
         len(notes),
         sum(note.samples for note in notes),
-        counts,
-        record.get("finished"),
-        record.get("seconds_for_chunks"),
+        statistics.add_counts(note.tally["status"] for note in notes),
+        record.get("finished") if len(parts) == 1 else None,
+        record.get("seconds_for_chunks") if len(parts) == 1 else None,
+        (*(["chunks"] if len(notes) < chunks else []), *dict.fromkeys(missing)),
     )
+
+
+def _missing(folder: Path, record: dict[str, Any]) -> Iterator[str]:
+    """What a stored run should have beside its chunks and has not."""
+    if not (folder / "summary.json").is_file():
+        yield "summary"
+    # Before `formats` were written, a run was finished only when its figures were drawn.
+    formats, figures = record.get("formats", ()), record.get("figures")
+    if formats and not there(folder, figures, formats) and figures != []:
+        yield "figures"
+
+
+def stored_summary(folder: Path, scene: Scene) -> dict[str, Any] | None:
+    """The content of summary.json where it is there and of these options, else None."""
+    try:
+        content = dict(store.read_json(folder / "summary.json"))
+    except (RunError, TypeError, ValueError):
+        return None
+    options = json.loads(json.dumps(scene.options()))
+    return content if all(content.get(key) == value for key, value in options.items()) else None
+
+
+def faults(part: Part) -> list[str]:
+    """Everything that is wrong with a run, stored or in memory, a line each."""
+    if part.folder is not None:
+        return verify(part.folder)
+    return [
+        f"chunk {index}: was changed in memory"
+        for index, chunk in part.held.items()
+        if store.digest_of(chunk.rows, chunk.said.tally) != chunk.said.digest
+    ]
 
 
 def verify(folder: Path) -> list[str]:
@@ -93,4 +142,6 @@ def summary(folder: Path) -> dict[str, Any]:
             raise RunError(
                 f"{folder}: its chunks are not those that run.json describes; see: nearflat verify {folder}"
             )
-    return summarise(folder, scene)[1]
+    numbers = summary_of([Part(scene, folder)])[1]
+    store.write_json(folder / "summary.json", numbers)
+    return numbers

@@ -9,11 +9,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 
-from explorer.errors import note
+from explorer.errors import in_words, note
 
 
 @contextlib.contextmanager
-def graceful(folder: Path, quiet: bool) -> Iterator[threading.Event]:
+def graceful(folder: Path | None, quiet: bool) -> Iterator[threading.Event]:
     """An event that the first signal sets. Elsewhere than in the main thread signals are left alone."""
     stop = threading.Event()
     if threading.current_thread() is not threading.main_thread():
@@ -23,7 +23,8 @@ def graceful(folder: Path, quiet: bool) -> Iterator[threading.Event]:
     def handle(number: int, frame: FrameType | None) -> None:
         if stop.is_set():
             # Threads may be deep in compiled code: leave without asking them. Chunks are whole or not there.
-            print(f"stopped; continue with: nearflat resume {folder}", file=sys.stderr, flush=True)
+            how = f"; continue with: nearflat resume {folder}" if folder else ""
+            print(in_words(f"stopped{how}"), file=sys.stderr, flush=True)
             os._exit(130)
         stop.set()
         note("stopping when the running chunks are done; once more stops now", quiet)

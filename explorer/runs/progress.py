@@ -1,16 +1,16 @@
-"""Progress as users see it: a bar on a terminal, plain lines elsewhere, nothing when quiet."""
+"""Progress as users see it: a bar on a terminal and in a notebook, plain lines elsewhere, nothing when quiet."""
 
 import sys
 import time
 from typing import Any
 
-from tqdm import tqdm
+from tqdm.auto import tqdm
 
 _SECONDS_BETWEEN_LINES = 5.0
 
 
 class Progress:
-    """Finished chunks of a run on stderr, with samples per second, time left and failures by status."""
+    """Steps of a run, its chunks and then its pictures, with samples per second, time left and failures."""
 
     def __init__(self, total: int, label: str, quiet: bool) -> None:
         self._total, self._label, self._quiet = total, label, quiet
@@ -18,8 +18,8 @@ class Progress:
         self._counts: dict[str, int] = {}
         self._started = self._spoke = time.monotonic()
         self._bar: Any = None
-        if not quiet and sys.stderr.isatty():
-            self._bar = tqdm(total=total, desc=label, unit="chunk", file=sys.stderr, leave=False)
+        if not quiet and (in_notebook() or sys.stderr.isatty()):
+            self._bar = tqdm(total=total, desc=label, unit="step", file=sys.stderr, leave=False)
 
     def already(self, chunks: int) -> None:
         """So many chunks were there before."""
@@ -33,12 +33,42 @@ class Progress:
         self._fresh += 1
         for name, count in status.items():
             self._counts[name] = self._counts.get(name, 0) + count
+        self._show(self._failures(), self._line)
+
+    def expect(self, pictures: int) -> None:
+        """So many pictures will be drawn."""
+        self._total += pictures
         if self._bar is not None:
-            self._bar.set_postfix_str(self._failures())
+            self._bar.total = self._total
+            self._bar.refresh()
+
+    def drawing(self, name: str) -> None:
+        """The next picture is begun."""
+        if self._bar is not None:
+            self._bar.set_postfix_str(f"drawing {name}")
+        elif not self._quiet and self._late():
+            line = f"{self._label}: drawing {name}, {self._done} of {self._total} steps done"
+            print(line, file=sys.stderr, flush=True)
+
+    def drawn(self) -> None:
+        """It is done."""
+        self._done += 1
+        if self._bar is not None:
             self._bar.update()
-        elif not self._quiet and time.monotonic() - self._spoke > _SECONDS_BETWEEN_LINES:
+
+    def _show(self, beside: str, line: Any) -> None:
+        if self._bar is not None:
+            self._bar.set_postfix_str(beside)
+            self._bar.update()
+        elif not self._quiet and self._late():
+            print(line(), file=sys.stderr, flush=True)
+
+    def _late(self) -> bool:
+        """Whether the last line was written long enough ago."""
+        late = time.monotonic() - self._spoke > _SECONDS_BETWEEN_LINES
+        if late:
             self._spoke = time.monotonic()
-            print(self._line(), file=sys.stderr, flush=True)
+        return late
 
     def _line(self) -> str:
         seconds = max(time.monotonic() - self._started, 1e-9)
@@ -54,3 +84,10 @@ class Progress:
     def close(self) -> None:
         if self._bar is not None:
             self._bar.close()
+
+
+def in_notebook() -> bool:
+    """Whether a notebook shows what is printed; its stderr is no terminal, yet a bar can be drawn."""
+    shell = sys.modules.get("IPython")
+    running = shell.get_ipython() if shell is not None else None
+    return running is not None and "IPKernelApp" in running.config

@@ -1,149 +1,296 @@
-"""One run from start to end: folder, chunks, summary, figures."""
+"""Runs: what a user holds, and how a scene becomes one, from its folder to its pictures."""
 
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError, Interrupted, RunError, note
+from explorer.errors import InputError, Interrupted, RunError, in_words, note, one_of
+from explorer.phase.results import to_arrow
 from explorer.runs import folder as folders
-from explorer.runs import store
+from explorer.runs import inspect, pictures, store
+from explorer.runs.chunks import Columns, Part, summary_of, tables, whole_scene
 from explorer.runs.interrupt import graceful
 from explorer.runs.lock import only_one
 from explorer.runs.progress import Progress
 from explorer.runs.workers import Task, Workers
-from explorer.scenes.base import Chunks, Scene, Table, Tally
+from explorer.scenes.base import Scene, Table
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import pyarrow as pa
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
 class Run:
-    """A finished run: its scene, folder and summary; `tables()` reads the kept samples, chunk by chunk."""
+    """A run of a scene: its numbers, its samples and its pictures.
+
+    `run`, `open` and `merge` give one. It is stored in a folder, or held in memory where it is small.
+
+    Attributes
+    ----------
+    scene : Scene
+        The question, with all its options.
+    folder : Path or None
+        Where the run is stored; None for one in memory and for several that are merged.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> races = ex.run("race-angles", disk="hoop", samples=1000)
+    >>> races.summary["wrong_way"]
+    0
+    >>> float(races.arrow(["theta_min"])["theta_min"].to_numpy().max().round(4))
+    0.0184
+    >>> races.figure("histogram").axes[0].get_yscale()
+    'log'
+    """
 
     scene: Scene
-    folder: Path
-    summary: dict[str, Any]
+    folder: Path | None
 
-    def tables(self) -> Iterator[Table]:
-        """The kept samples, chunk by chunk, in order. Raises RunError where a chunk is missing or damaged."""
-        return (store.read_chunk(path) for path in _chunks_of(self.folder, self.scene))
+    def __init__(self, parts: Sequence[Part]) -> None:
+        self._parts = tuple(parts)
+        self.scene = whole_scene(self._parts)
+        self.folder = self._parts[0].folder if len(self._parts) == 1 else None
+        self._known: tuple[Any, dict[str, Any]] | None = None
+        self._summary: dict[str, Any] | None = None
 
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The runs that were merged; one, unless `merge` made it."""
+        return self._parts
 
-def _chunks_of(folder: Path, scene: Scene) -> list[Path]:
-    """The chunks of a finished run, in order. Raises RunError where one is missing."""
-    paths = store.found_chunks(folder)
-    missing = [index for index in range(scene.chunks()) if index not in paths]
-    if missing:
-        raise RunError(
-            f"{folder}: {len(missing)} of {scene.chunks()} chunks are missing; continue with: "
-            f"nearflat resume {folder}"
-        )
-    return [paths[index] for index in range(scene.chunks())]
+    @property
+    def options(self) -> dict[str, Any]:
+        """Scene and options: `run(**options)` asks the same question again."""
+        return self.scene.options()
 
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The numbers of the run. Raises RunError where chunks are missing or damaged."""
+        if self._summary is None and self.folder is not None:
+            self._summary = inspect.stored_summary(self.folder, self.scene)
+        if self._summary is None:
+            self._summary = self._total()[1]
+        return self._summary
 
-def add_up(folder: Path, scene: Scene) -> tuple[Any, str]:
-    """What the scene makes of all chunks, and the digest of the run. Every footer is read once.
+    @property
+    def status(self) -> inspect.Progressed:
+        """How far the run is: chunks and samples done, counts of each status, what is missing."""
+        return inspect.progressed(self._parts, self.scene)
 
-    Raises RunError where a chunk is missing or damaged.
-    """
-    paths, digests = _chunks_of(folder, scene), []
+    @property
+    def pictures(self) -> list[str]:
+        """The names of the pictures that `figure` draws."""
+        total, summary = self._total()
+        return [name for name, _ in self.scene.figures(summary, total)]
 
-    def tallies() -> Iterator[Tally]:
-        for path in paths:
-            note = store.read_note(path)
-            digests.append(note.digest)
-            yield note.tally
+    def tables(self, columns: Columns = None) -> Iterator[Table]:
+        """The kept samples chunk by chunk, in order, as arrays by name. Raises RunError where one is missing."""
+        return tables(self._parts, columns)
 
-    chunks = Chunks(tallies(), (store.read_chunk(path) for path in paths))
-    total = scene.add_up(chunks)
-    for _ in chunks.tallies:
-        pass  # a scene that asks for rows only leaves the footers, and with them the digests, to be read
-    return total, store.digest_of_all(digests)
+    def arrow(self, columns: Columns = None) -> "pa.Table":
+        """The kept samples as an Arrow table; each field says its meaning, unit and equation in its metadata.
+
+        columns: names, all by default. Raises InputError for a column that the run does not have.
+        """
+        import pyarrow as pa  # loaded only by those who ask for a table
+
+        made = []
+        for table in self._checked(columns):
+            if "status" in table:
+                words = np.array([code.name.lower() for code in compiled.status.Status])
+                table = {**table, "status": words[table["status"]]}
+            made.append(to_arrow(table))
+        return pa.concat_tables(made).unify_dictionaries()
+
+    def frame(self, columns: Columns = None) -> "pd.DataFrame":
+        """The kept samples as a pandas DataFrame, status by name; needs pandas.
+
+        columns: names, all by default. Raises InputError for a column that the run does not have.
+        """
+        return self.arrow(columns).to_pandas()
+
+    def _checked(self, columns: Columns) -> Iterator[Table]:
+        """The tables of those columns, in the order asked."""
+        known = [*next(self.tables())]
+        for name in columns or ():
+            one_of("column", name, known)
+        return ({name: table[name] for name in columns or known} for table in self.tables(columns))
+
+    def figure(self, name: str, ax: "Axes | None" = None, **options: Any) -> "Figure":
+        """One picture of the run.
+
+        name: one of `pictures`. ax: where to draw; by default on a new figure. options: keywords of the function
+        of `plot` that draws it, such as bins for "histogram". Raises InputError for an unknown name.
+        """
+        total, summary = self._total()
+        return pictures.draw(self.scene.figures(summary, total), name, ax, options)
+
+    def verify(self) -> list[str]:
+        """Everything that is wrong with the run, a line each; an empty list where all is well."""
+        return [in_words(fault) for part in self._parts for fault in inspect.faults(part)]
+
+    def resume(self, jobs: int = 2, progress: bool | None = None) -> "Run":
+        """Compute what is missing or damaged, and draw the pictures that are missing; returns the run itself."""
+        if len(self._parts) > 1:
+            raise InputError("resume: several runs were merged here; resume each of them")
+        if self.folder is not None:
+            execute(self.scene, self.folder, Manner(Workers(jobs), quiet=progress is False))
+            self._known = self._summary = None
+        return self
+
+    def _total(self) -> tuple[Any, dict[str, Any]]:
+        if self._known is None:
+            self._known = summary_of(self._parts)
+        return self._known
+
+    def _lines(self) -> list[str]:
+        """What the description says, a line each."""
+        where = f"stored in {self.folder}" if self.folder else "in memory"
+        far = self.status
+        lines = [f"Run of {self.scene.name}, {len(self._parts)} merged" if len(self._parts) > 1 else ""]
+        lines = [lines[0] or f"Run of {self.scene.name}, {where}"]
+        if far.chunks_done < far.chunks:
+            return [*lines, f"{far.chunks_done} of {far.chunks} chunks; resume() computes the others"]
+        return [*lines, *map(in_words, self.scene.headline(self.summary))]
+
+    def __repr__(self) -> str:
+        return "\n  ".join(self._lines())
+
+    def _repr_html_(self) -> str:
+        import html
+
+        first, *others = map(html.escape, self._lines())
+        return f"<b>{first}</b><ul>{''.join(f'<li>{line}</li>' for line in others)}</ul>"
 
 
 class Manner(NamedTuple):
-    """What a run says and leaves besides its numbers."""
+    """How a run is made, and what it says and leaves beside its numbers.
 
-    quiet: bool
-    figures: bool
-    command: str | None
-
-
-def execute(
-    scene: Scene,
-    out: Path | str | None = None,
-    *,
-    workers: Workers | None = None,
-    resume: bool = False,
-    quiet: bool = True,
-    figures: bool = True,
-    command: str | None = None,
-) -> Run:
-    """Compute a scene into a folder. Raises InputError before anything is written, RunError after.
-
-    The numbers depend on the scene alone, never on workers or an interruption. The first Ctrl-C or SIGTERM
-    lets running chunks finish; then Interrupted is raised, which says how to continue. command: the command line
-    that asked for the run, for run.json.
+    exist: what becomes of a run that is in the folder: "resume", "replace" or "error". formats: of the pictures,
+    by default those that the run had; none are drawn where it is empty. command: the command line that asked for
+    the run, for run.json.
     """
-    workers = workers or Workers()
-    folder = Path(out) if out is not None else folders.default_folder(scene)
-    folders.open_folder(folder, scene, resume)
+
+    workers: Workers
+    exist: str = "resume"
+    quiet: bool = True
+    formats: tuple[str, ...] | None = None
+    command: str | None = None
+
+
+def execute(scene: Scene, out: Path | str | None, manner: Manner) -> Run:
+    """Compute a scene into a folder, or into memory where `out` is None.
+
+    Raises InputError before anything is written, RunError after. The numbers depend on the scene alone, never on
+    workers or an interruption. The first Ctrl-C or SIGTERM lets running chunks finish; then Interrupted is raised,
+    which says how to continue.
+    """
+    if out is None:
+        part = Part(scene)
+        compiled.warmup(lambda text: note(text, manner.quiet))
+        progress = Progress(scene.chunks(), scene.name, manner.quiet)
+        _compute(part, list(range(scene.chunks())), manner, progress)
+        progress.close()
+        run = Run([part])
+        run._total()
+        return run
+    folder = Path(out)
+    folders.open_folder(folder, scene, manner.exist)
     with only_one(folder):
         try:
-            return _fill(scene, folder, workers, Manner(quiet, figures, command))
+            if manner.exist == "replace":
+                folders.clear(folder)
+            return _fill(Part(scene, folder), folder, manner)
         except InputError as error:
             # Only a run can tell that some input leads nowhere; by then the folder holds it.
             raise RunError(f"{error} ({folder} holds what was computed)") from error
 
 
-def _fill(scene: Scene, folder: Path, workers: Workers, manner: Manner) -> Run:
-    """Compute, store, summarise and draw."""
+def _fill(part: Part, folder: Path, manner: Manner) -> Run:
+    """Compute, store, summarise and draw what is not there."""
     compiled.warmup(lambda text: note(text, manner.quiet))
-    clock = time.monotonic()
-    how = {**folders.begun(folder, manner.command), "jobs": workers.jobs, "backend": workers.backend}
-    folders.write_record(folder, scene, finished=None, **how)
-    computed = _compute(scene, folder, workers, manner.quiet)
-    seconds = round(time.monotonic() - clock, 3)
-    total, summary = summarise(folder, scene)
-    if manner.figures:
-        from explorer.plot import save
+    clock, scene = time.monotonic(), part.scene
+    missing = folders.missing_chunks(
+        folder, scene, folders.digest_of_identity(scene), lambda text: note(text, manner.quiet)
+    )
+    before = folders.begun(folder, manner.command)
+    names, formats = before.pop("figures", None), before.pop("formats", None) or pictures.FORMATS
+    formats = formats if manner.formats is None else manner.formats
+    drawn = [] if missing else pictures.there(folder, names, formats)
+    how = {**before, "jobs": manner.workers.jobs, "backend": manner.workers.backend, "formats": formats}
+    folders.write_record(folder, scene, finished=None, figures=drawn or None, **how)
+    progress = Progress(scene.chunks(), scene.name, manner.quiet)
+    try:
+        _compute(part, missing, manner, progress)
+        seconds = round(time.monotonic() - clock, 3)
+        run = Run([part])
+        store.write_json(folder / "summary.json", run._total()[1])
+        if formats and not drawn:
+            total, summary = run._total()
+            drawn = pictures.save_all(scene.figures(summary, total), folder / "figures", formats, progress)
+    finally:
+        progress.close()
+    done = {"finished": folders.now(), "chunks_computed": len(missing), "seconds_for_chunks": seconds}
+    folders.write_record(folder, scene, figures=drawn, **how, **done)
+    return run
 
-        for name, picture in scene.figures(summary, total):
-            for kind in ("png", "svg"):
-                save(picture, folder / "figures" / f"{name}.{kind}")
-    done = {"finished": folders.now(), "chunks_computed": computed, "seconds_for_chunks": seconds}
-    folders.write_record(folder, scene, **how, **done)
-    return Run(scene, folder, summary)
 
-
-def _compute(scene: Scene, folder: Path, workers: Workers, quiet: bool) -> int:
-    """Compute what is missing or bad; returns how many chunks that was."""
-    identity = folders.digest_of_identity(scene)
-    missing = folders.missing_chunks(folder, scene, identity, lambda text: note(text, quiet))
-    progress = Progress(scene.chunks(), scene.name, quiet)
+def _compute(part: Part, missing: list[int], manner: Manner, progress: Progress) -> None:
+    """Compute the chunks that are missing."""
+    scene, folder, done = part.scene, part.folder, 0
     progress.already(scene.chunks() - len(missing))
-    done = 0
-    with graceful(folder, quiet) as stop:
+    with graceful(folder, manner.quiet) as stop:
         try:
-            for status in workers.compute(Task(scene, identity, folder), missing, stop):
+            task = Task(scene, folders.digest_of_identity(scene), folder)
+            for chunk in manner.workers.compute(task, missing, stop):
                 done += 1
-                progress.advance(status)
+                if chunk.held is not None:
+                    part.held[chunk.number] = chunk.held
+                progress.advance(chunk.status)
         except KeyboardInterrupt:
             stop.set()
-        finally:
-            progress.close()
         if stop.is_set() and done < len(missing):
             there = scene.chunks() - len(missing) + done
-            raise Interrupted(
-                f"stopped with {there} of {scene.chunks()} chunks done; continue with: nearflat resume {folder}"
-            )
-    return done
+            how = f"continue with: nearflat resume {folder}" if folder else "nothing is kept without --out"
+            raise Interrupted(f"stopped with {there} of {scene.chunks()} chunks done; {how}")
 
 
-def summarise(folder: Path, scene: Scene) -> tuple[Any, dict[str, Any]]:
-    """The stored chunks added up, for pictures, and the scene's numbers, which are written to summary.json."""
-    total, digest = add_up(folder, scene)
-    summary = {**scene.options(), **scene.summarise(total), "digest": digest}
-    store.write_json(folder / "summary.json", summary)
-    return total, summary
+def open(folder: Path | str) -> Run:
+    """Open a stored run, finished or not.
+
+    Parameters
+    ----------
+    folder : path
+        Of a run: the one that holds run.json.
+
+    Returns
+    -------
+    Run
+
+    Raises
+    ------
+    InputError
+        Where there is no run, or one of a later version or of a scene that is not known here.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import explorer as ex
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     made = ex.run("race-angles", samples=1000, out=folder, figures=False)
+    ...     again = ex.open(folder)
+    ...     print(again.verify(), again.summary == made.summary)
+    [] True
+    """
+    try:
+        place = Path(folder)
+    except TypeError:
+        raise InputError(f"folder = {folder!r} is no path; give the folder of a run") from None
+    return Run([Part(folders.scene_of(place), place)])

@@ -10,7 +10,7 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -114,10 +114,10 @@ def read_note(path: Path) -> Note:
         raise _damaged(path, error) from error
 
 
-def read_chunk(path: Path) -> Table:
-    """The kept rows of a chunk, checksums verified. Raises RunError naming the file."""
+def read_chunk(path: Path, columns: Sequence[str] | None = None) -> Table:
+    """The kept rows of a chunk, checksums verified; some columns, or all. Raises RunError naming the file."""
     try:
-        arrow = pq.read_table(path, page_checksum_verification=True)
+        arrow = pq.read_table(path, columns=columns, page_checksum_verification=True)
     except _DAMAGE as error:
         raise _damaged(path, error) from error
     return {name: _values(arrow.column(name)) for name in arrow.column_names}

@@ -3,19 +3,24 @@
 A chunk that a worker took with it when it was killed is computed again by another.
 """
 
+import json
 import os
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import cloudpickle
 from joblib import Parallel, delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from explorer.errors import InputError, RunError, one_of, whole
 from explorer.runs import store
+from explorer.runs.chunks import HeldChunk
 from explorer.scenes.base import Scene
 
 BACKENDS = ("threads", "processes", "dask")
@@ -23,12 +28,49 @@ BACKENDS = ("threads", "processes", "dask")
 _PATIENCE = 3
 
 
-class Task(NamedTuple):
-    """What is computed, and where it goes. identity: of the run, for the chunks."""
+@dataclass(frozen=True)
+class Packed:
+    """A scene whose code travels with it: workers elsewhere cannot import the file that a user wrote."""
 
-    scene: Scene
+    content: bytes
+
+    @classmethod
+    def of(cls, scene: Scene) -> "Packed":
+        module = sys.modules.get(type(scene).__module__)
+        if module is None or module.__name__ == "__main__":  # such classes always travel whole
+            return cls(cloudpickle.dumps(scene))
+        cloudpickle.register_pickle_by_value(module)
+        try:
+            return cls(cloudpickle.dumps(scene))
+        finally:
+            cloudpickle.unregister_pickle_by_value(module)
+
+    @lru_cache(maxsize=8)  # noqa: B019 - a worker unpacks a scene once, not for each chunk
+    def unpacked(self) -> Scene:
+        scene: Scene = cloudpickle.loads(self.content)
+        return scene
+
+
+class Task(NamedTuple):
+    """What is computed, and where it goes: a folder, or back to who asked. identity: of the run."""
+
+    scene: Scene | Packed
     identity: str
-    folder: Path
+    folder: Path | None
+
+    def packed(self) -> "Task":
+        """The task for workers in other processes."""
+        if isinstance(self.scene, Packed) or type(self.scene).__module__.startswith("explorer."):
+            return self
+        return self._replace(scene=Packed.of(self.scene))
+
+
+class Done(NamedTuple):
+    """A computed chunk: how many samples ended in each status, and the chunk where it is not in a folder."""
+
+    number: int
+    status: dict[str, int]
+    held: HeldChunk | None
 
 
 @dataclass(frozen=True)
@@ -47,36 +89,38 @@ class Workers:
         if self.backend == "dask":
             _distributed()
 
-    def compute(self, task: Task, indices: list[int], stop: threading.Event) -> Iterator[dict[str, int]]:
-        """Compute and store chunks, in any order; yields the count of each status as they are done.
+    def compute(self, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
+        """Compute and store chunks, in any order, and yield each as it is done.
 
         Starts no further chunk once `stop` is set.
         """
         if self.backend == "dask":
-            yield from _by_dask(self, task, indices, stop)
+            yield from _by_dask(self, task.packed(), indices, stop)
         elif self.backend == "threads":
             yield from _by_joblib("threading", self.jobs, task, indices, stop)
         else:
-            yield from _by_processes(self.jobs, task, indices, stop)
+            yield from _by_processes(self.jobs, task.packed(), indices, stop)
 
 
-def compute_chunk(task: Task, index: int) -> dict[str, int]:
-    """Compute and store one chunk; returns how many samples ended in each status."""
-    scene = task.scene
+def compute_chunk(task: Task, index: int) -> Done:
+    """Compute one chunk, and store it where the task has a folder."""
+    scene = task.scene.unpacked() if isinstance(task.scene, Packed) else task.scene
     try:
         kept, tally = scene.process(index)
+        tally = json.loads(json.dumps(tally, allow_nan=False))  # as a footer gives it back
         note = store.Note(index, task.identity, scene.length(index), store.digest_of(kept, tally), tally)
+        if task.folder is None:
+            return Done(index, tally["status"], HeldChunk(note, kept))
         store.write_chunk(task.folder, note, kept)
     except MemoryError:
         raise RunError(
             f"chunk {index}: {scene.length(index):,} samples do not fit into memory; start the run anew with "
             "a smaller --memory"
         ) from None
-    status: dict[str, int] = tally["status"]
-    return status
+    return Done(index, tally["status"], None)
 
 
-def _in_a_process(task: Task, index: int, parent: int) -> dict[str, int]:
+def _in_a_process(task: Task, index: int, parent: int) -> Done:
     if os.getpid() != parent and threading.current_thread() is threading.main_thread():
         # Ctrl-C reaches the whole group; the parent decides what becomes of running chunks.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -90,9 +134,7 @@ def _until(indices: list[int], stop: threading.Event) -> Iterator[int]:
         yield index
 
 
-def _by_joblib(
-    kind: str, jobs: int, task: Task, indices: list[int], stop: threading.Event
-) -> Iterator[dict[str, int]]:
+def _by_joblib(kind: str, jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
     pool = Parallel(
         n_jobs=min(jobs, max(1, len(indices))),
         backend=kind,
@@ -104,15 +146,17 @@ def _by_joblib(
     yield from pool(delayed(_in_a_process)(task, index, parent) for index in _until(indices, stop))
 
 
-def _by_processes(jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[dict[str, int]]:
-    missing, idle = indices, 0
+def _by_processes(jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
+    missing, idle, there = indices, 0, set[int]()
     while missing and not stop.is_set():
         try:
-            yield from _by_joblib("loky", jobs, task, missing, stop)
+            for done in _by_joblib("loky", jobs, task, missing, stop):
+                there.add(done.number)
+                yield done
             return
         except TerminatedWorkerError as error:
             # joblib gives up the whole call; what is on disk counts.
-            there = store.found_chunks(task.folder)
+            there |= set(store.found_chunks(task.folder) if task.folder else ())
             left = [index for index in missing if index not in there]
             idle = idle + 1 if len(left) == len(missing) else 0
             if idle >= _PATIENCE:
@@ -131,9 +175,9 @@ def _distributed() -> Any:
     return distributed
 
 
-def _by_dask(workers: Workers, task: Task, indices: list[int], stop: threading.Event) -> Iterator[dict[str, int]]:
+def _by_dask(workers: Workers, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
     distributed = _distributed()
-    shared = task._replace(folder=task.folder.resolve())  # workers see the same file system
+    shared = task._replace(folder=task.folder and task.folder.resolve())  # workers see the same file system
     cluster = None
     try:
         if workers.scheduler is None:

@@ -7,10 +7,11 @@ reduces what comes back. It knows nothing of files, workers or where pictures ar
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypedDict
+from itertools import chain
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeAlias, TypedDict, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +35,13 @@ from explorer.scenes.options import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+# A picture that is drawn when it is called, with ax= and keywords of its function where it takes them; or one that
+# is there.
+Picture: TypeAlias = "Figure | Callable[..., Axes | Figure]"
+S = TypeVar("S", bound="Scene")
 Table = dict[str, NDArray[Any]]
 Tally = dict[str, Any]
 
@@ -68,7 +74,7 @@ class Scene(ABC):
     method: str = "auto"
 
     name: ClassVar[str]
-    observables: ClassVar[tuple[str, ...]]
+    observables: ClassVar[tuple[str, ...]] = ()
     # What it stores of a sample, by the names of `phase.columns`.
     columns: ClassVar[tuple[str, ...]] = ("status",)
 
@@ -147,13 +153,27 @@ class Scene(ABC):
     def add_up(self, chunks: Chunks) -> Any:
         """All chunks together: what `summarise` and `figures` need, in one pass."""
 
+    def together(self, others: Sequence["Scene"]) -> "Scene":
+        """The scene of which runs of this one and of others with other seeds are parts. Raises InputError."""
+        if others:
+            raise InputError(
+                f"{self.name}: draws no samples, so another run of it says the same; nothing to merge"
+            )
+        return self
+
+    def add_up_several(self, parts: Sequence[tuple["Scene", Chunks]]) -> Any:
+        """As `add_up`, of the chunks of several runs."""
+        tallies = chain.from_iterable(chunks.tallies for _, chunks in parts)
+        tables = chain.from_iterable(chunks.tables for _, chunks in parts)
+        return self.add_up(Chunks(tallies, tables))
+
     @abstractmethod
     def summarise(self, total: Any) -> dict[str, Any]:
         """The scene's numbers, from what `add_up` returns."""
 
-    @abstractmethod
-    def figures(self, summary: dict[str, Any], total: Any) -> "Iterable[tuple[str, Figure]]":
-        """Named pictures, drawn one at a time."""
+    def figures(self, summary: dict[str, Any], total: Any) -> "Iterable[tuple[str, Picture]]":
+        """Named pictures; each is drawn when it is called."""
+        return ()
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         """The summary in a few lines of text."""
@@ -184,7 +204,7 @@ class SampledScene(Scene):
     keep: str = "near"
 
     # Memory of one sample while its chunk is computed (bytes), for a budget.
-    bytes_per_sample: ClassVar[int]
+    bytes_per_sample: ClassVar[int] = 1000
 
     class Keywords(Scene.Keywords, total=False):
         samples: Annotated[int | float, SAMPLES]
@@ -198,6 +218,9 @@ class SampledScene(Scene):
         """How many samples chunk `index` stands for; only the last is shorter."""
         return min(self.chunk_size, self.samples - index * self.chunk_size)
 
+    def together(self, others: Sequence[Scene]) -> Scene:
+        return together(self, others)
+
     def near(self, index: int, table: Table) -> NDArray[np.bool_]:
         """Rows of chunk `index` that lie near F."""
         return np.ones(table["status"].size, dtype=bool)
@@ -207,6 +230,12 @@ class SampledScene(Scene):
             return table
         rows = self.near(index, table) if self.keep == "near" else np.zeros(table["status"].size, dtype=bool)
         return {name: values[rows] for name, values in table.items()}
+
+
+def together(first: S, others: Sequence[Scene]) -> S:
+    """A scene with the `samples` of all, which must differ in nothing but samples, seeds and chunks."""
+    more: Any = {"samples": sum(getattr(scene, "samples", 0) for scene in (first, *others))}
+    return replace(first, **more)
 
 
 def chunk_size_for(kind: type[SampledScene], memory: Any, jobs: int) -> int:

@@ -25,13 +25,13 @@ from explorer.phase.lines import line_slope
 from explorer.phase.membership import could_fall, falls_of
 from explorer.phase.states import COORDINATES, Array, States
 from explorer.portrait.slices import ConstantsPlane, Slice, map_slice
-from explorer.scenes.base import Chunks, Table, Tally
+from explorer.scenes.base import Chunks, Picture, Table, Tally
 from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_faces, joined, nearer, no_cells
 from explorer.scenes.of_states import Block, SceneOfStates
 from explorer.scenes.options import BOX, Option, Ranges, read_slices
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
 
 # Near F, natural units of eta_hat: where all samples have a theta_min, and where only those near F do. Rows beyond
 # are counted, not stored, unless all are asked for.
@@ -225,14 +225,18 @@ class FallingSet(SceneOfStates):
             "status": total.status,
         }
 
-    def figures(self, summary: dict[str, Any], total: FallingCounts) -> "Iterator[tuple[str, Figure]]":
+    def figures(self, summary: dict[str, Any], total: FallingCounts) -> Iterator[tuple[str, Picture]]:
         from explorer import plot
 
-        yield "constants-plane", plot.figure_of(plot.constants_plane, self.plane(total.plane))
+        yield "constants-plane", partial(plot.constants_plane, self.plane(total.plane))
         for number, where in enumerate(self.slices, 1):
-            mapped = map_slice(self.disk, where, self.grid, "dopri5")
-            yield f"slice-{number}", plot.figure_of(plot.slice_map, mapped)
-        yield "theta-min", plot.figure_of(plot.theta_min_distribution, total.theta_min, self.samples)
+            yield f"slice-{number}", partial(self._draw_slice, where)
+        yield "theta-min", partial(plot.theta_min_distribution, total.theta_min, self.samples)
+
+    def _draw_slice(self, where: Slice, **options: Any) -> "Axes":
+        from explorer import plot
+
+        return plot.slice_map(map_slice(self.disk, where, self.grid, "dopri5"), **options)
 
     @cached_property
     def _plane_edges(self) -> tuple[Array, Array]:

@@ -8,7 +8,7 @@ P = C delta, C by quadrature over F; it is fitted, tested, and compared with law
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +19,10 @@ from explorer.measure.density import Density, Function
 from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import COORDINATES, Array
-from explorer.scenes.base import Chunks, SampledScene, Table, Tally
+from explorer.scenes.base import Chunks, Picture, SampledScene, Table, Tally
 from explorer.scenes.measure_zero_draws import PlainDraws, Question, TubeDraws
 from explorer.scenes.measure_zero_summary import FEWEST_HITS, Counted, summarise
 from explorer.scenes.options import BOX, DENSITY, ENERGY, GAUSSIAN, OpenRange, Option, Ranges
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SAMPLING = ("random", "sobol")
 SCRAMBLES = 16  # batches of Sobol points: enough for an error from their spread
@@ -168,20 +165,23 @@ class MeasureZero(SampledScene):
     def summarise(self, total: Counted) -> dict[str, Any]:
         return summarise(self.question, total)
 
-    def figures(self, summary: dict[str, Any], total: Counted) -> "Iterator[tuple[str, Figure]]":
+    def figures(self, summary: dict[str, Any], total: Counted) -> Iterator[tuple[str, Picture]]:
         from explorer import plot
 
         if not summary["constant"]:
-            yield "ladder", plot.figure_of(plot.falling_ladder, summary)
+            yield "ladder", partial(plot.falling_ladder, summary)
             return
         yield (
             "ladder",
-            plot.stacked(
-                lambda ax: plot.falling_ladder(summary, ax), lambda ax: plot.ladder_ratio(summary, ax), height=8.4
+            partial(
+                plot.stacked,
+                lambda ax: plot.falling_ladder(summary, ax),
+                lambda ax: plot.ladder_ratio(summary, ax),
+                height=8.4,
             ),
         )
-        yield "convergence", plot.figure_of(plot.constant_convergence, summary)
-        yield "tilt", plot.figure_of(plot.tilt_density, summary)
+        yield "convergence", partial(plot.constant_convergence, summary)
+        yield "tilt", partial(plot.tilt_density, summary)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         lines = [

@@ -74,8 +74,11 @@ class Question:
 
     @cached_property
     def energy_edges(self) -> Array:
-        """Inner edges of the bins of energy: quantiles of a few states near F; empty where there are none."""
-        random = chunk_stream(self.seed, _EDGE_STREAM)
+        """Inner edges of the bins of energy: quantiles of a few states near F; empty where there are none.
+
+        They are the same for all seeds, so that runs can be merged.
+        """
+        random = chunk_stream(0, _EDGE_STREAM)
         energies = []
         for face in (1, -1):
             draws = self.draw(face, _EDGE_TILT, random.random((_EDGE_DRAWS, dimensions(self.source))))

@@ -112,10 +112,10 @@ class SceneOfStates(SampledScene):
                 yield Block(phi_to_states(self.disk, **columns), columns, {})
 
     def first_states(self, count: int) -> States:
-        """A few states like those of the run."""
+        """A few states like those of the run; the same for all seeds, so that runs can be merged."""
         if self.states is not None:
             return self.states.read(self.disk, 0, min(count, self.samples), self.degrees).states
-        return phi_to_states(self.disk, **self._drawn(chunk_stream(self.seed, 0), count))
+        return phi_to_states(self.disk, **self._drawn(chunk_stream(0, 0), count))
 
     def _drawn(self, random: np.random.Generator, count: int) -> Table:
         # Where nothing is rejected no draw is wasted: the box is drawn from directly.

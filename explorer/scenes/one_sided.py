@@ -6,9 +6,9 @@ shrinks like eta ln(1/eta); the two limits themselves stay 2 kappa pi mod 2 pi a
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypedDict
 
@@ -19,8 +19,8 @@ from explorer.measure import statistics
 from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
-from explorer.portrait.both_sides import QUANTITIES, both_sides, follow, limits_at, sample_times
-from explorer.scenes.base import Chunks, Scene, Table
+from explorer.portrait.both_sides import QUANTITIES, BothSides, both_sides, follow, limits_at, sample_times
+from explorer.scenes.base import Chunks, Picture, Scene, Table, together
 from explorer.scenes.beside import (
     BOX,
     Beside,
@@ -44,6 +44,7 @@ from explorer.scenes.options import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 BLOCK = 8  # starts per chunk
@@ -190,6 +191,18 @@ class OneSided(Scene):
             tables[disk.name] = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
         return Approach(tables, statistics.add_counts(tally["status"] for tally in chunks.tallies))
 
+    def together(self, others: Sequence[Scene]) -> Scene:
+        return together(self, others)
+
+    def add_up_several(self, parts: Sequence[tuple[Scene, Chunks]]) -> Approach:
+        """Every run has its chunks disk by disk, so each is added up alone first."""
+        totals = [scene.add_up(chunks) for scene, chunks in parts]
+        tables = {
+            name: {key: np.concatenate([total.tables[name][key] for total in totals]) for key in table}
+            for name, table in totals[0].tables.items()
+        }
+        return Approach(tables, statistics.add_counts(total.status for total in totals))
+
     def summarise(self, total: Approach) -> dict[str, Any]:
         per_disk = {disk.name: self._summarise_disk(disk, total.tables[disk.name]) for disk in self.disks}
         return {"samples": self.samples, "disks": per_disk, "status": total.status}
@@ -233,17 +246,14 @@ class OneSided(Scene):
             "at_eta_hat": float(smallest),
         }
 
-    def figures(self, summary: dict[str, Any], total: Approach) -> "Iterator[tuple[str, Figure]]":
+    def figures(self, summary: dict[str, Any], total: Approach) -> Iterator[tuple[str, Picture]]:
         from explorer import plot
 
-        yield "distance", plot.figure_of(plot.one_sided_distance, summary)
+        yield "distance", partial(plot.one_sided_distance, summary)
         for index, disk in enumerate(self.disks):
-            pictures = both_sides(disk, self.starts(index * self.blocks).at(0))
-            yield (
-                f"motion-{disk.name}",
-                plot.stacked(partial(plot.one_sided_phi, pictures), partial(plot.one_sided_chi, pictures)),
-            )
-            yield f"contact-{disk.name}", plot.figure_of(plot.contact_paths, pictures)
+            computed = cache(partial(both_sides, disk, self.starts(index * self.blocks).at(0)))
+            yield f"motion-{disk.name}", partial(_draw_motion, computed)
+            yield f"contact-{disk.name}", partial(_draw_contact, computed)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         lines = []
@@ -256,6 +266,18 @@ class OneSided(Scene):
                 f"{verdict[limits['coincide']]}"
             )
         return lines
+
+
+def _draw_motion(computed: Callable[[], BothSides]) -> "Figure":
+    from explorer import plot
+
+    return plot.stacked(partial(plot.one_sided_phi, computed()), partial(plot.one_sided_chi, computed()))
+
+
+def _draw_contact(computed: Callable[[], BothSides], **options: Any) -> "Axes":
+    from explorer import plot
+
+    return plot.contact_paths(computed(), **options)
 
 
 def _unit(disk: Disk, name: str) -> float:

@@ -6,7 +6,8 @@ No samples are drawn. Each chunk is one portrait: the levels of the energy at on
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from functools import partial
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -23,11 +24,8 @@ from explorer.portrait.potential import (
     well_separatrix,
 )
 from explorer.portrait.steady import PATHS, bifurcation, path_values, thresholds
-from explorer.scenes.base import Chunks, Scene, Table, Tally
+from explorer.scenes.base import Chunks, Picture, Scene, Table, Tally
 from explorer.scenes.options import Distances, OpenRange, Option
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 LEVELS = 9
 # Natural units; on l_+ there is a well, a separatrix and, beside it, the wall at once.
@@ -177,30 +175,30 @@ class Portrait(Scene):
             "left_end": rim.branches[0].low,
         }
 
-    def figures(self, summary: dict[str, Any], total: list[Table]) -> "Iterator[tuple[str, Figure]]":
+    def figures(self, summary: dict[str, Any], total: list[Table]) -> Iterator[tuple[str, Picture]]:
         return self.pictures()
 
-    def pictures(self) -> "Iterator[tuple[str, Figure]]":
+    def pictures(self) -> Iterator[tuple[str, Picture]]:
         """All pictures, which need no run."""
         from explorer.plot import potential as potentials
-        from explorer.plot import steady, style
+        from explorer.plot import steady
 
         places, disk = self.places(), self.disk
         for name, potential in places.items():
-            yield f"portrait-{name}", style.figure_of(potentials.phase_portrait, potential, self.energy)
+            yield f"portrait-{name}", partial(potentials.phase_portrait, potential, self.energy)
         line = [*places.values()]
         if self.sigma4_bar is None:
             sizes = [sign * size * disk.rate_unit for size in _CURVES for sign in (1.0, -1.0)]
             line = [on_line(disk, self.bar, eta) for eta in [0.0, *(sizes if self.eta_hat is None else ())]]
             line += [places["beside"]] if "beside" in places else []
-        yield "potential", style.figure_of(potentials.potential_curves, line)
-        yield "potential-near-flat", style.figure_of(potentials.potential_curves, line, True)
-        yield "steady-plane", style.figure_of(steady.steady_plane, disk)
-        yield "steady-map", style.figure_of(steady.steady_map, disk)
+        yield "potential", partial(potentials.potential_curves, line)
+        yield "potential-near-flat", partial(potentials.potential_curves, line, True)
+        yield "steady-plane", partial(steady.steady_plane, disk)
+        yield "steady-map", partial(steady.steady_map, disk)
         for path in PATHS:
             values, marks = path_values(disk, path)
             branches = bifurcation(disk, path, values)
-            yield f"steady-{path}", style.figure_of(steady.bifurcations, disk, path, branches, marks)
+            yield f"steady-{path}", partial(steady.bifurcations, disk, path, branches, marks)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         lines = []

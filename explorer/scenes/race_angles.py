@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,14 +29,11 @@ from explorer.phase.lines import line_chart
 from explorer.phase.membership import impact_speed
 from explorer.phase.states import Array, States, constants_to_states
 from explorer.scenes import beside
-from explorer.scenes.base import Chunks, Table, Tally
+from explorer.scenes.base import Chunks, Picture, Table, Tally
 from explorer.scenes.beside import box_beside, check_eta_hat, describe_beside, draw_beside, eta_hat_option
 from explorer.scenes.of_states import Block, SceneOfStates
 from explorer.scenes.options import Distances, Option, Ranges
 from explorer.scenes.race_counts import SIGNS, RaceCounts, count_bounces, count_races, histogram_edges
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # What is stored of a passage, as fields of `Passages`.
 _FOUND = (
@@ -237,12 +234,12 @@ class RaceAngles(SceneOfStates):
             "raise --eta-hat or change --accuracy"
         )
 
-    def figures(self, summary: dict[str, Any], total: RaceCounts) -> "Iterator[tuple[str, Figure]]":
+    def figures(self, summary: dict[str, Any], total: RaceCounts) -> Iterator[tuple[str, Picture]]:
         from explorer import plot
 
-        yield "histogram", plot.figure_of(plot.race_histogram, summary)
+        yield "histogram", partial(plot.race_histogram, summary)
         speed = total.impact_speed.quantile(0.5)
-        yield "deviation", plot.figure_of(plot.race_deviation, self.disk, total.cells, speed)
+        yield "deviation", partial(plot.race_deviation, self.disk, total.cells, speed)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         means = [

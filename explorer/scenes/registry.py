@@ -24,17 +24,6 @@ SCENES: dict[str, type[Scene]] = {
 }
 
 
-class Options(
-    FallingSet.Keywords,
-    MeasureZero.Keywords,
-    OneSided.Keywords,
-    Portrait.Keywords,
-    RaceAngles.Keywords,
-    total=False,
-):
-    """The keywords of all of them, for type checkers."""
-
-
 def scene_class(name: Any) -> type[Scene]:
     """The class of a scene. Raises InputError with the nearest name."""
     return SCENES[one_of("scene", name, SCENES)]

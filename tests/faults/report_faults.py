@@ -35,7 +35,7 @@ CHILD = """
 import errno, os, signal, sys
 from pathlib import Path
 from explorer.runs import store, workers
-from explorer.runs.run import execute
+from explorer.runs.run import Manner, execute
 from explorer.runs.workers import Workers
 from explorer.scenes.registry import build_scene
 folder, jobs, backend, resume, point, number, options = eval(sys.argv[1])
@@ -78,7 +78,7 @@ if backend == "threads":
     workers.compute_chunk = noted
 scene = build_scene("race-angles", **options)
 try:
-    done = execute(scene, folder, workers=Workers(jobs, backend), resume=resume, figures=False)
+    done = execute(scene, folder, Manner(Workers(jobs, backend), "resume" if resume else "error", formats=()))
 except Exception as error:
     sys.exit(f"{type(error).__name__}: {error}")
 print(done.summary["digest"])

@@ -1,7 +1,6 @@
 """A finished run that every test here may spoil: computed once, copied for each."""
 
 import shutil
-from dataclasses import replace
 
 import pytest
 from small_runs import SMALL_RACES
@@ -16,4 +15,4 @@ def computed_once(tmp_path_factory):
 
 @pytest.fixture
 def finished(computed_once, tmp_path):
-    return replace(computed_once, folder=shutil.copytree(computed_once.folder, tmp_path / "run"))
+    return ex.open(shutil.copytree(computed_once.folder, tmp_path / "run"))

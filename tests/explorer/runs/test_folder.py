@@ -31,19 +31,19 @@ def test_the_record_of_a_run_is_enough_to_continue_it(scene, options, tmp_path):
 
 def test_resume_refuses_other_options_and_other_kernels(finished):
     with pytest.raises(ex.InputError, match="seed = 5, now seed = 9"):
-        ex.run("race-angles", out=finished.folder, resume=True, **{**SMALL_RACES, "seed": 9})
+        ex.run("race-angles", out=finished.folder, **{**SMALL_RACES, "seed": 9})
     record = finished.folder / "run.json"
     content = json.loads(record.read_text())
     content["identity"]["kernels"] = "0" * 64
     record.write_text(json.dumps(content))
     with pytest.raises(ex.InputError, match="another version of the kernels"):
-        ex.run("race-angles", out=finished.folder, resume=True, **SMALL_RACES)
+        ex.run("race-angles", out=finished.folder, **SMALL_RACES)
 
 
 def test_a_folder_with_a_run_or_with_something_else_is_left_alone(finished, tmp_path):
     before = text(finished)
-    with pytest.raises(ex.InputError, match='holds a run already; add exist="resume" or give another folder'):
-        ex.run("race-angles", out=finished.folder, **SMALL_RACES)
+    with pytest.raises(ex.InputError, match='holds a run already; add exist="resume" or exist="replace"'):
+        ex.run("race-angles", out=finished.folder, exist="error", **SMALL_RACES)
     assert text(finished) == before
     (tmp_path / "thesis").mkdir()
     (tmp_path / "thesis" / "chapter.tex").write_text("do not lose me")
@@ -51,12 +51,12 @@ def test_a_folder_with_a_run_or_with_something_else_is_left_alone(finished, tmp_
         ex.run("race-angles", out=tmp_path / "thesis", **SMALL_RACES)
     assert [p.name for p in (tmp_path / "thesis").iterdir()] == ["chapter.tex"]
     with pytest.raises(ex.InputError, match="is not empty"):
-        ex.run("race-angles", out=tmp_path / "thesis", resume=True, **SMALL_RACES)
+        ex.run("race-angles", out=tmp_path / "thesis", **SMALL_RACES)
 
 
 def test_to_resume_a_run_that_is_not_there_starts_it(finished, tmp_path):
     """So that a job script needs one line, whichever time it runs."""
-    started = ex.run("race-angles", out=tmp_path / "nowhere", resume=True, **SMALL_RACES)
+    started = ex.run("race-angles", out=tmp_path / "nowhere", **SMALL_RACES)
     assert text(started) == text(finished)
 
 
@@ -100,5 +100,5 @@ def test_an_early_record_with_options_of_its_own_is_refused_in_words(finished):
 
 def test_the_first_command_line_is_kept_when_a_run_goes_on(finished):
     folder = rewritten(finished, lambda content: content.update(command="nearflat run race-angles"))
-    ex.run("race-angles", out=folder, resume=True, **SMALL_RACES)
+    ex.run("race-angles", out=folder, **SMALL_RACES)
     assert folders.read_record(folder)["command"] == "nearflat run race-angles"

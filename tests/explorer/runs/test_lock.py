@@ -9,5 +9,5 @@ from explorer.runs.lock import only_one
 
 def test_a_second_run_in_the_same_folder_is_refused_while_the_first_lives(finished):
     with only_one(finished.folder), pytest.raises(ex.InputError, match="another run is at work"):
-        ex.run("race-angles", out=finished.folder, resume=True, **SMALL_RACES)
-    ex.run("race-angles", out=finished.folder, resume=True, **SMALL_RACES)
+        ex.run("race-angles", out=finished.folder, **SMALL_RACES)
+    ex.run("race-angles", out=finished.folder, **SMALL_RACES)

@@ -64,7 +64,7 @@ def test_resume_computes_only_what_is_missing_or_damaged(finished, capsys):
     untouched = paths[0].stat().st_mtime_ns
     paths[1].unlink()
     spoil(paths[3])
-    again = ex.run("race-angles", out=folder, resume=True, quiet=False, **SMALL_RACES)
+    again = ex.run("race-angles", out=folder, **SMALL_RACES)
     assert text(again) == before
     assert json.loads((folder / "run.json").read_text())["chunks_computed"] == 2
     assert paths[0].stat().st_mtime_ns == untouched
@@ -74,12 +74,12 @@ def test_resume_computes_only_what_is_missing_or_damaged(finished, capsys):
 
 def test_samples_can_be_added_to_a_finished_run(finished, tmp_path):
     whole = ex.run("race-angles", out=tmp_path / "whole", **{**SMALL_RACES, "samples": 5000})
-    longer = ex.run("race-angles", out=finished.folder, resume=True, **{**SMALL_RACES, "samples": 5000})
+    longer = ex.run("race-angles", out=finished.folder, **{**SMALL_RACES, "samples": 5000})
     assert text(longer) == text(whole)
     # Four full chunks stayed; the fifth was shorter.
     assert json.loads((finished.folder / "run.json").read_text())["chunks_computed"] == 4
     with pytest.raises(ex.InputError, match="give as many, or more"):
-        ex.run("race-angles", out=finished.folder, resume=True, **SMALL_RACES)
+        ex.run("race-angles", out=finished.folder, **SMALL_RACES)
 
 
 def test_samples_can_be_read_as_one_parquet_dataset(finished):
@@ -87,3 +87,51 @@ def test_samples_can_be_read_as_one_parquet_dataset(finished):
     assert table.num_rows == 3000
     assert np.median(np.abs(table["race_angle"])) == pytest.approx(finished.summary["limit"], abs=0.01)
     assert sum(len(table["race_angle"]) for table in finished.tables()) == 3000
+
+
+def test_a_cell_that_runs_again_finds_its_run(finished):
+    """And a different question in its folder is an error that says so."""
+    files = {path: path.stat().st_mtime_ns for path in finished.folder.rglob("*.p*") if path.is_file()}
+    again = ex.run("race-angles", out=finished.folder, **SMALL_RACES)
+    assert again.summary == finished.summary
+    assert {path: path.stat().st_mtime_ns for path in files} == files
+    other = {**SMALL_RACES, "seed": 8, "samples": 700}
+    with pytest.raises(ex.InputError, match=r'seed = 5, now seed = 8; .*, or exist="replace"'):
+        ex.run("race-angles", out=finished.folder, **other)
+    replaced = ex.run("race-angles", out=finished.folder, exist="replace", format="pdf", **other)
+    assert replaced.summary == ex.run("race-angles", **other).summary
+    assert {path.name for path in (finished.folder / "figures").iterdir()} == {"histogram.pdf", "deviation.pdf"}
+
+
+def test_a_stored_run_is_opened_mended_and_asked_again(finished):
+    opened = ex.open(str(finished.folder))
+    assert (opened.summary, opened.verify()) == (finished.summary, [])
+    assert opened.status.missing == ()
+    store.found_chunks(finished.folder)[3].unlink()
+    (finished.folder / "summary.json").unlink()
+    (finished.folder / "figures" / "deviation.svg").unlink()
+    opened = ex.open(finished.folder)
+    assert opened.status.missing == ("chunks", "summary", "figures")
+    assert len(opened.verify()) == 1
+    assert "resume() computes the others" in repr(opened)
+    assert opened.resume().verify() == []
+    assert opened.status.missing == ()
+    assert ex.run(**opened.options).summary == finished.summary == opened.summary
+
+
+def test_samples_are_tables_with_status_by_name(finished):
+    frame = finished.frame(["race_angle", "status"])
+    assert list(frame) == ["race_angle", "status"]
+    assert len(frame) == 3000
+    assert set(frame["status"]) == {"ok"}
+    table = finished.arrow()
+    assert table.schema.field("race_angle").metadata[b"unit"] == b"rad"
+    assert table.num_rows == 3000
+    with pytest.raises(ex.InputError, match=r"'race_angel' is not known; did you mean 'race_angle'\?"):
+        finished.arrow(["race_angel"])
+
+
+def test_a_run_describes_itself_in_a_few_lines(finished):
+    assert len(repr(finished)) < 600
+    assert repr(finished).startswith(f"Run of race-angles, stored in {finished.folder}")
+    assert "<li>wrong way: 0; failures: none</li>" in finished._repr_html_()

@@ -56,7 +56,7 @@ def test_strangers_among_the_chunks_are_put_aside(finished, capsys):
     for name in ("x.parquet", "chunk-000001-0000000000000000.parquet", "chunk-000001-ffffffffffffffff.parquet"):
         (chunks / name).write_bytes(store.found_chunks(finished.folder)[2].read_bytes())
     assert len(verify(finished.folder)) >= 3
-    again = ex.run("race-angles", out=finished.folder, resume=True, quiet=False, **SMALL_RACES)
+    again = ex.run("race-angles", out=finished.folder, **SMALL_RACES)
     assert text(again) == before
     assert verify(finished.folder) == []
     assert len(list((finished.folder / "bad").iterdir())) == 3

@@ -11,7 +11,7 @@ from explorer.scenes.registry import SCENES, build_scene
 
 
 def test_a_budget_decides_the_size_of_chunks_or_is_refused(tmp_path, capsys):
-    run = ex.run("race-angles", out=tmp_path / "run", memory="1GB", samples=1000, quiet=False)
+    run = ex.run("race-angles", out=tmp_path / "run", memory="1GB", samples=1000)
     size = json.loads((run.folder / "run.json").read_text())["identity"]["options"]["chunk_size"]
     assert f"chunks of {size:,} samples" in capsys.readouterr().err
     assert 2 * size * run.scene.bytes_per_sample < 1e9

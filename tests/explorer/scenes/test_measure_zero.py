@@ -140,10 +140,10 @@ def test_a_density_given_in_python_is_sampled_and_identified(tmp_path):
         abs(run.summary["constant"]["value"] - run.summary["constant_predicted"])
         < 4 * run.summary["constant"]["error"]
     )
-    again = ex.run("measure-zero", density=near_zero, resume=True, **options)
+    again = ex.run("measure-zero", density=near_zero, **options)
     assert again.summary == run.summary
     with pytest.raises(ex.InputError):
-        ex.run("measure-zero", density=lambda phi, *_: 1.0 + phi**2, resume=True, **options)
+        ex.run("measure-zero", density=lambda phi, *_: 1.0 + phi**2, **options)
     from explorer.runs.folder import scene_of
 
     with pytest.raises(ex.InputError, match="given in Python"):
@@ -201,7 +201,7 @@ def test_bad_input_is_named(options, message):
 def test_a_longer_run_takes_over_the_chunks_of_a_shorter_one(tmp_path):
     options = {"tube": 2048, "ladder": "1e-7:1e-1", "seed": 3}
     ex.run("measure-zero", out=tmp_path / "run", samples=70_000, **options)
-    longer = ex.run("measure-zero", out=tmp_path / "run", samples=200_000, resume=True, **options)
+    longer = ex.run("measure-zero", out=tmp_path / "run", samples=200_000, **options)
     fresh = ex.run("measure-zero", out=tmp_path / "fresh", samples=200_000, **options)
     assert longer.summary == fresh.summary
 

@@ -5,6 +5,7 @@ import dataclasses
 import inspect
 import json
 import tomllib
+from typing import get_args, get_overloads, get_type_hints
 
 import numpy as np
 import pytest
@@ -97,8 +98,13 @@ def test_every_field_of_a_scene_is_an_option_and_every_option_a_field(name):
 @pytest.mark.parametrize("name", SCENES)
 def test_every_option_is_a_typed_keyword_of_run_and_described_there(name):
     described = {line.split(" : ")[0] for line in ex.run.__doc__.splitlines() if " : " in line}
+    (keywords,) = (
+        get_args(hints["options"])[0].__annotations__
+        for hints in map(get_type_hints, get_overloads(command.run))
+        if name in get_args(hints["scene"])
+    )
     for option in SCENES[name].OPTIONS:
-        assert option.word in command.Keywords.__annotations__
+        assert option.word in keywords
         assert option.word in inspect.signature(ex.run).parameters
         assert option.word in described
 

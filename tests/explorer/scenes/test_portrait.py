@@ -79,9 +79,7 @@ def test_a_run_stores_its_levels_and_goes_on(tmp_path):
     assert (tmp_path / "run" / "figures" / "steady-plane.svg").exists()
     with pytest.raises(ex.InputError, match="resume"):
         ex.run("portrait", out=tmp_path / "run", disk="hoop", eta_hat=0.02)
-    again = ex.run(
-        "portrait", out=tmp_path / "run", disk="hoop", eta_hat=0.02, energy=(0.5, 2.0), well=True, resume=True
-    )
+    again = ex.run("portrait", out=tmp_path / "run", disk="hoop", eta_hat=0.02, energy=(0.5, 2.0), well=True)
     assert again.summary == run.summary
     for name, value in (("energy", "far"), ("well", "yes"), ("sigma3_bar", "far"), ("eta_hat", "1:2")):
         with pytest.raises(ex.InputError, match=name):

@@ -125,7 +125,7 @@ def test_a_new_scene_has_its_chunks_its_record_and_its_resume(toy, capsys, tmp_p
     assert status == 0
     assert f"mean speed {summary['mean']:.3f}" in out
     assert json.loads((tmp_path / "run" / "summary.json").read_text()) == summary
-    longer = ex.run("toy", samples=2000, speed="2", seed=4, chunk_size=65536, out=tmp_path / "run", resume=True)
+    longer = ex.run("toy", samples=2000, speed="2", seed=4, chunk_size=65536, out=tmp_path / "run")
     assert sum(table["speed"].size for table in longer.tables()) == 2000
 
 

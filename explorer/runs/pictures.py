@@ -1,0 +1,88 @@
+"""The pictures of a run: which there are, one of them on a user's axes, all of them in its folder."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from explorer.errors import InputError, suggest
+from explorer.runs.progress import Progress
+from explorer.scenes.base import Picture
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FORMATS = ("png", "svg")
+KNOWN = ("png", "svg", "pdf")
+
+
+def read_formats(flag: str, value: Any) -> tuple[str, ...]:
+    """Read formats of pictures: "png,svg", or a list of names. Raises InputError."""
+    names = [name.strip().lower() for name in value.split(",")] if isinstance(value, str) else value
+    if not isinstance(names, list | tuple) or not names:
+        raise InputError(f"{flag} {value!r} names no format; give some of {','.join(KNOWN)}")
+    for name in names:
+        if name not in KNOWN:
+            raise InputError(f"{flag} {name!r} is no format of pictures; {suggest(name, KNOWN)}")
+    return tuple(dict.fromkeys(names))
+
+
+def draw(
+    pictures: Iterable[tuple[str, Picture]], name: str, ax: "Axes | None", options: dict[str, Any]
+) -> "Figure":
+    """The picture of that name. Raises InputError where there is none, or where it takes no such keywords."""
+    known = []
+    for each, picture in pictures:
+        known.append(each)
+        if each == name:
+            return _drawn(picture, name, {**({} if ax is None else {"ax": ax}), **options})
+    raise InputError(f"figure = {name!r} is no picture of this run; {suggest(name, known)}")
+
+
+def _drawn(picture: Picture, name: str, options: dict[str, Any]) -> "Figure":
+    from matplotlib.figure import Figure
+
+    if isinstance(picture, Figure):
+        if options:
+            raise InputError(f"figure = {name!r}: is drawn as a whole; leave {' and '.join(options)} out")
+        return picture
+    try:
+        drawn = picture(**options)
+    except TypeError as error:
+        if not options:
+            raise
+        raise InputError(f"figure = {name!r} cannot be drawn with {', '.join(options)} ({error})") from None
+    except AttributeError as error:  # matplotlib's answer to a keyword that it does not know
+        if not options:
+            raise
+        raise InputError(f"figure = {name!r} cannot be drawn with {', '.join(options)} ({error})") from None
+    found = drawn if isinstance(drawn, Figure) else drawn.figure
+    assert isinstance(found, Figure)
+    return found
+
+
+def save_all(
+    pictures: Iterable[tuple[str, Picture]], folder: Path, formats: Sequence[str], progress: Progress
+) -> list[str]:
+    """Draw all pictures, one at a time, into files; returns their names."""
+    from explorer.plot import save
+
+    waiting = list(pictures)
+    progress.expect(len(waiting))
+    names = []
+    for name, picture in waiting:
+        progress.drawing(name)
+        figure = _drawn(picture, name, {})
+        for kind in formats:
+            save(figure, folder / f"{name}.{kind}")
+        progress.drawn()
+        names.append(name)
+    return names
+
+
+def there(folder: Path, names: Any, formats: Sequence[str]) -> list[str]:
+    """The pictures that a record names, where all of them are in the folder, in these formats."""
+    if not isinstance(names, list):
+        return []
+    files = (folder / "figures" / f"{name}.{kind}" for name in names for kind in formats)
+    return names if all(file.is_file() for file in files) else []
