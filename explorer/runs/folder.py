@@ -159,7 +159,7 @@ def _check_same(folder: Path, scene: Scene) -> None:
         )
     if new.get("samples", 0) < old.get("samples", 0):
         raise InputError(
-            f"--samples {new['samples']}: {folder} has {old['samples']}; give as many or more, or --replace"
+            f"--samples {new['samples']}: {folder} has {old['samples']}; give as many, or more, or --replace"
         )
 
 

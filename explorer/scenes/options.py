@@ -186,8 +186,7 @@ def read_density(flag: str, value: Any) -> Function:
     """Read a density. A stored run says only which function it had. Raises InputError."""
     if isinstance(value, Mapping):
         raise InputError(
-            f"{flag}: this run has a density that was given in Python; go on with "
-            "run(..., density=..., resume=True) there"
+            f"{flag}: this run has a density that was given in Python; go on with run(..., density=...) there"
         )
     if not callable(value):
         raise InputError(f"{flag} = {value!r} cannot be called; give a function of four arrays")
