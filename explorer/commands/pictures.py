@@ -21,3 +21,10 @@ def hero(disk: Disk, _options: dict[str, Any]) -> Pictures:
 
     unit = disk.rate_unit
     yield "hero", plot.hero(film(disk, _ETA_HAT * unit, _SIGMA3_BAR * unit, _PHIDOT * unit, _ROWS))
+
+
+def definitions(disk: Disk, _options: dict[str, Any]) -> Pictures:
+    """What things are called."""
+    from explorer import plot
+
+    yield "definitions", plot.definitions(disk)

@@ -10,6 +10,7 @@ from explorer.plot.one_sided import contact_paths, one_sided_chi, one_sided_dist
 from explorer.plot.potential import phase_portrait, potential_curves
 from explorer.plot.race import race_deviation, race_histogram
 from explorer.plot.rocking import rocking_turns
+from explorer.plot.sketch import definitions
 from explorer.plot.slices import race_slice_map
 from explorer.plot.steady import bifurcations, steady_map, steady_plane
 from explorer.plot.style import figure_of, stacked
@@ -23,6 +24,7 @@ __all__ = [
     "constant_convergence",
     "constants_plane",
     "contact_paths",
+    "definitions",
     "falling_ladder",
     "figure_of",
     "hero",

@@ -71,7 +71,7 @@ def pictures(tmp_path_factory):
 
 
 # Those that make a whole figure or a film are looked at where their data are tested.
-WHOLE = ("animate", "hero", "figure_of", "race_bodies", "rosette_and_resonance", "stacked")
+WHOLE = ("animate", "definitions", "hero", "figure_of", "race_bodies", "rosette_and_resonance", "stacked")
 NAMES = [name for name in plot.__all__ if name not in WHOLE]
 
 
