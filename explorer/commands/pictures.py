@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from explorer.phase.disk import Disk
 from explorer.portrait.film import film
+from explorer.portrait.near_flat import NearFlat, near_flat, toward_limits
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -13,6 +14,10 @@ Pictures = Iterator[tuple[str, "Figure"]]
 
 # Natural units: near enough to F that the disk looks flat, far enough that its race is seen to take time.
 _ETA_HAT, _SIGMA3_BAR, _PHIDOT, _ROWS = 0.01, 1.0, 1.0, 300
+
+
+# Distances from F, natural units: as far as a picture shows it.
+_TOWARD, _COLLAPSE, _BLOW_UP = (0.3, 0.1, 0.01, 1e-4), (0.1, 1e-2, 1e-4, 1e-8), (0.1, 0.03, 0.01, 0.003)
 
 
 def hero(disk: Disk, _options: dict[str, Any]) -> Pictures:
@@ -28,3 +33,20 @@ def definitions(disk: Disk, _options: dict[str, Any]) -> Pictures:
     from explorer import plot
 
     yield "definitions", plot.definitions(disk)
+
+
+def limit(disk: Disk, _options: dict[str, Any]) -> Pictures:
+    """The limit from each side: paths, the one curve of all races, and why there is one."""
+    from explorer import plot
+
+    unit = disk.rate_unit
+    bar, phidot = _SIGMA3_BAR * unit, _PHIDOT * unit
+    yield "limit-paths", plot.limit_paths(toward_limits(disk, _TOWARD, bar, phidot))
+    for name, sizes, draw in (("race-collapse", _COLLAPSE, _collapse), ("blow-up", _BLOW_UP, plot.blow_up)):
+        yield name, draw(near_flat(disk, [sign * size * unit for size in sizes for sign in (1, -1)], bar, phidot))
+
+
+def _collapse(several: "tuple[NearFlat, ...]") -> "Figure":
+    from explorer import plot
+
+    return plot.figure_of(plot.race_collapse, several)

@@ -6,6 +6,7 @@ from explorer.plot.film import animate
 from explorer.plot.hero import hero
 from explorer.plot.maps import constants_plane, slice_map, theta_min_distribution
 from explorer.plot.measure_zero import constant_convergence, falling_ladder, ladder_ratio, tilt_density
+from explorer.plot.near_flat import blow_up, limit_paths, race_collapse
 from explorer.plot.one_sided import contact_paths, one_sided_chi, one_sided_distance, one_sided_phi
 from explorer.plot.potential import phase_portrait, potential_curves
 from explorer.plot.race import race_deviation, race_histogram
@@ -20,6 +21,7 @@ from explorer.plot.wander import rosette_and_resonance, wander_distance, wander_
 __all__ = [
     "animate",
     "bifurcations",
+    "blow_up",
     "caption_of",
     "constant_convergence",
     "constants_plane",
@@ -29,12 +31,14 @@ __all__ = [
     "figure_of",
     "hero",
     "ladder_ratio",
+    "limit_paths",
     "one_sided_chi",
     "one_sided_distance",
     "one_sided_phi",
     "phase_portrait",
     "potential_curves",
     "race_bodies",
+    "race_collapse",
     "race_deviation",
     "race_gap",
     "race_histogram",

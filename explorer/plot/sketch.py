@@ -53,7 +53,7 @@ class _Sketch:
         middle = points[len(points) // 2]
         corner = self.camera.see(points.mean(axis=0))
         at = corner + (self.camera.see(middle) - corner) * away
-        self.ax.text(*at, word, color=colour, fontsize=TEXT + 3, ha="center", va="center", zorder=8)
+        self.ax.text(at[0], at[1], word, color=colour, fontsize=TEXT + 3, ha="center", va="center", zorder=8)
 
     def word(self, at: Array, text: str, shift: tuple[float, float] = (0.0, 0.0), **style: Any) -> None:
         x, y = self.camera.see(at) + np.array(shift)

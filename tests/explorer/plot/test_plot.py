@@ -12,6 +12,7 @@ from explorer import plot
 from explorer.commands.trade import trade
 from explorer.portrait.bodies import race_numbers
 from explorer.portrait.both_sides import both_sides
+from explorer.portrait.near_flat import near_flat
 from explorer.portrait.potential import on_line
 from explorer.portrait.rocking import rocking
 from explorer.portrait.slices import Slice, map_slice
@@ -49,6 +50,7 @@ def pictures(tmp_path_factory):
         "constants_plane": (falling.plane(states.plane),),
         "theta_min_distribution": (states.theta_min, 500),
         "slice_map": (cut,),
+        "race_collapse": (near_flat(UNIFORM, [1e-2, -1e-2]),),
         "race_number": (race_numbers(),),
         "race_gap": (race_numbers(),),
         "rocking_turns": ([rocking(UNIFORM)],),
@@ -71,7 +73,17 @@ def pictures(tmp_path_factory):
 
 
 # Those that make a whole figure or a film are looked at where their data are tested.
-WHOLE = ("animate", "definitions", "hero", "figure_of", "race_bodies", "rosette_and_resonance", "stacked")
+WHOLE = (
+    "animate",
+    "blow_up",
+    "definitions",
+    "figure_of",
+    "hero",
+    "limit_paths",
+    "race_bodies",
+    "rosette_and_resonance",
+    "stacked",
+)
 NAMES = [name for name in plot.__all__ if name not in WHOLE]
 
 

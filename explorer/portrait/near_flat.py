@@ -1,0 +1,104 @@
+"""Passages seen from near flat: where the race of the contact point is one and the same curve."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from explorer.errors import InputError
+from explorer.motion.dense_times import dense_times
+from explorer.motion.passages import passages
+from explorer.motion.trajectories import simulate
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, columns_of, constants_to_states
+from explorer.portrait.both_sides import BothSides, both_sides
+
+_STEP = 0.1  # rad of chi between two points of a curve
+_ACCURACY = 1e-9
+# Tilts below are lost in the rounding of phi, which is near pi/2 there.
+_SMALLEST = 1e-10
+
+
+@dataclass(frozen=True)
+class NearFlat:
+    """One passage from the vertical to nearly flat and back, on face +1.
+
+    eta_hat: with its sign, rad per unit of time. theta, chi (nt): tilt from flat and contact angle (rad). p (nt):
+    its rate dtheta/dt, and rho (nt): sigma3 / sin(theta), both rad per unit of time; rho is bounded where
+    dchi/dt is not. theta_min: the smallest tilt. impact_speed: A of eq. (7.1), rad per unit of time.
+    """
+
+    disk: Disk
+    eta_hat: float
+    theta: Array
+    chi: Array
+    p: Array
+    rho: Array
+    theta_min: float
+    impact_speed: float
+
+    @property
+    def stretched(self) -> Array:
+        """A t / theta_min, t from the flattest moment, as theta^2 = theta_min^2 + A^2 t^2 has it."""
+        flattest = int(np.argmin(self.theta))
+        size = np.sqrt(np.maximum((self.theta / self.theta_min) ** 2 - 1.0, 0.0))
+        return np.asarray(np.where(np.arange(size.size) < flattest, -size, size))
+
+    @property
+    def raced(self) -> Array:
+        """chi from the middle of the race, in units of kappa (rad)."""
+        return np.asarray((self.chi - 0.5 * (self.chi[0] + self.chi[-1])) / self.disk.kappa)
+
+
+def near_flat(
+    disk: Disk, eta_hat: ArrayLike, sigma3_bar: float = 1.0, phidot: float = 1.0
+) -> tuple[NearFlat, ...]:
+    """Passages on face +1 at distances eta_hat from F, with their signs, from the same start at the vertical.
+
+    Parameters
+    ----------
+    disk : Disk
+    eta_hat : array_like
+        Distances from F, rad per unit of time; from 1e-10 sqrt(g/r) up.
+    sigma3_bar, phidot : float
+        At the vertical, rad per unit of time.
+
+    Returns
+    -------
+    tuple of NearFlat
+        One for each eta_hat.
+
+    Raises
+    ------
+    InputError
+        Where there is no such passage.
+
+    References
+    ----------
+    Lemma 6 of the paper.
+    """
+    sizes = columns_of(eta_hat=eta_hat)[0]
+    if not (abs(sizes) >= _SMALLEST * disk.rate_unit).all():
+        raise InputError(f"eta_hat = {eta_hat!r}: give numbers of size {_SMALLEST:g} sqrt(g/r) and above")
+    ways = passages(disk, sigma3_bar, sizes, phidot)
+    if ways.status.any():
+        raise InputError(f"sigma3_bar = {sigma3_bar!r}, phidot = {phidot!r}: no passage; give phidot above 0")
+    found = []
+    for row, signed in enumerate(sizes):
+        start = constants_to_states(disk, sigma3_bar, signed, phidot)
+        t = dense_times(start, float(ways.duration[row]), _STEP)
+        observables = ("phi", "phidot", "sigma3", "chi")
+        motion = simulate(start, t_eval=t, observables=observables, accuracy=_ACCURACY)
+        phi, phidots, sigma3, chi = (getattr(motion, name)[0] for name in observables)
+        theta = 0.5 * np.pi - phi
+        least, speed = float(ways.theta_min[row]), float(ways.impact_speed[row])
+        found.append(NearFlat(disk, float(signed), theta, chi, -phidots, sigma3 / np.sin(theta), least, speed))
+    return tuple(found)
+
+
+def toward_limits(
+    disk: Disk, eta_hat: Sequence[float], sigma3_bar: float = 1.0, phidot: float = 1.0
+) -> tuple[BothSides, ...]:
+    """Motions beside one point of F at several distances (natural units), each beside both limits."""
+    return tuple(both_sides(disk, (sigma3_bar, phidot, 1), size) for size in eta_hat)
