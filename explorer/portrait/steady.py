@@ -8,6 +8,7 @@ They are stable iff V'' > 0. Rates in units of the disk, angles in rad, lengths 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import groupby
 
 import numpy as np
@@ -236,6 +237,13 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
 def _regular(potential: Potential) -> list[Equilibrium]:
     """Equilibria that are centres or saddles."""
     return [at for at in potential.equilibria if at.kind != DEGENERATE]
+
+
+@lru_cache(maxsize=8)
+def whole_path(disk: Disk, path: str) -> tuple[tuple[Branch, ...], tuple[float, ...]]:
+    """The branches along all of a path, and the thresholds on it; seconds of root-finding, so they are kept."""
+    values, edges = path_values(disk, path)
+    return bifurcation(disk, path, values), edges
 
 
 def path_values(disk: Disk, path: str) -> tuple[Array, tuple[float, ...]]:

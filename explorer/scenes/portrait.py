@@ -23,7 +23,7 @@ from explorer.portrait.potential import (
     on_line,
     well_separatrix,
 )
-from explorer.portrait.steady import PATHS, bifurcation, path_values, thresholds
+from explorer.portrait.steady import PATHS, thresholds, whole_path
 from explorer.scenes.base import Chunks, Picture, Scene, Table, Tally
 from explorer.scenes.options import Distances, OpenRange, Option
 
@@ -196,8 +196,7 @@ class Portrait(Scene):
         yield "steady-plane", partial(steady.steady_plane, disk)
         yield "steady-map", partial(steady.steady_map, disk)
         for path in PATHS:
-            values, marks = path_values(disk, path)
-            branches = bifurcation(disk, path, values)
+            branches, marks = whole_path(disk, path)
             yield f"steady-{path}", partial(steady.bifurcations, disk, path, branches, marks)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:

@@ -49,3 +49,8 @@ def test_a_coarser_tolerance_gives_the_same_motion_to_that_tolerance():
     times = np.array([0.0, 2.0])
     fine, coarse = (plain.integrate(UNIFORM, sample(UNIFORM), times, tolerance).a for tolerance in (1e-12, 1e-8))
     assert 0.0 < np.max(abs(fine - coarse)) < 1e-6
+
+
+def test_the_cross_product_gives_the_digits_of_numpys():
+    a, b = np.random.default_rng(3).normal(size=(2, 3))
+    assert (plain.cross(a, b) == np.cross(a, b)).all()

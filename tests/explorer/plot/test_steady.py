@@ -9,10 +9,9 @@ from explorer.phase.membership import well
 from explorer.plot.steady import TILTS
 from explorer.portrait.potential import CENTRE, at_constants
 from explorer.portrait.steady import (
-    bifurcation,
     measured_thresholds,
-    path_values,
     stability_edges,
+    whole_path,
 )
 
 UNIFORM, COIN = BODIES["uniform"], BODIES["coin"]
@@ -60,8 +59,7 @@ def test_the_map_of_circular_rolling_is_the_sign_of_the_curvature():
 
 @pytest.mark.parametrize("path", ["spinning", "rolling", "line"])
 def test_the_bifurcation_diagram_draws_its_branches(path):
-    values, marks = path_values(UNIFORM, path)
-    branches = bifurcation(UNIFORM, path, values)
+    branches, marks = whole_path(UNIFORM, path)
     ax = plot.bifurcations(UNIFORM, path, branches, marks)
     assert len(lines(ax, "stable")) == len(lines(ax, "unstable")) == 1
     drawn = ax.lines[: len(branches)]

@@ -16,11 +16,11 @@ from explorer.portrait.steady import (
     fold_curve,
     last_unstable_tilt,
     measured_thresholds,
-    path_values,
     rolling_threshold,
     spinning_threshold,
     stability_edges,
     steady_motions,
+    whole_path,
 )
 
 UNIFORM = BODIES["uniform"]
@@ -89,8 +89,7 @@ def test_saddle_nodes_have_no_slope_and_no_curvature_and_meet_the_line_where_the
 
 @pytest.mark.parametrize("path", ["spinning", "rolling", "line"])
 def test_branches_of_a_path_change_at_its_threshold(path):
-    values, marks = path_values(UNIFORM, path)
-    branches = bifurcation(UNIFORM, path, values)
+    branches, marks = whole_path(UNIFORM, path)
     saddles = np.concatenate([branch.parameter for branch in branches if branch.kind == SADDLE])
     assert saddles.max() == pytest.approx(marks[0], rel=1e-6)
     assert saddles.max() < marks[0]

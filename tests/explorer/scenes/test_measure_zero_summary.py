@@ -18,7 +18,7 @@ def total(scene):
     return computed(scene)
 
 
-def test_sums_have_rungs_sides_and_batches_as_axes(scene, total):
+def test_sums_are_arrays_over_rungs_faces_and_batches_and_of_all_draws(scene, total):
     assert isinstance(total, Counted)
     assert total.tubes.sum.shape == (scene.deltas.size, 2, 3)
     assert total.tubes.draws.sum() == 2 * scene.deltas.size * 40_000
