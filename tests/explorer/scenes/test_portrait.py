@@ -8,6 +8,7 @@ import pytest
 from conftest import BODIES, computed
 
 import explorer as ex
+from explorer.plot.style import figure_of
 from explorer.portrait.potential import CENTRE, SADDLE
 from explorer.scenes.portrait import Portrait
 
@@ -61,9 +62,9 @@ def test_every_figure_of_the_scene_is_drawn(tmp_path):
     scene = scene_of(disk=BODIES["thick"], eta_hat=0.02)
     total = computed(scene)
     names = []
-    for name, figure in scene.figures(scene.summarise(total), total):
+    for name, picture in scene.figures(scene.summarise(total), total):
         names.append(name)
-        for ax in figure.axes:
+        for ax in figure_of(picture).axes:
             assert ax.get_xlabel()
             assert ax.get_ylabel()
     assert names[:2] == ["portrait-on", "portrait-beside"]
@@ -71,15 +72,15 @@ def test_every_figure_of_the_scene_is_drawn(tmp_path):
 
 
 def test_a_run_stores_its_levels_and_goes_on(tmp_path):
-    run = ex.run("portrait", out=tmp_path / "run", disk="hoop", eta_hat="0.02", energy="0.5:2", well=True)
+    run = ex.run("portrait", out=tmp_path / "run", disk="uniform", eta_hat="0.02", energy="0.5:2", well=True)
     assert run.summary["eta_hat"] == 0.02
     tables = list(run.tables())
     assert len(tables) == 2
     assert [np.unique(table["energy"]).size for table in tables] == [9, 9]
     assert (tmp_path / "run" / "figures" / "steady-plane.svg").exists()
     with pytest.raises(ex.InputError, match="resume"):
-        ex.run("portrait", out=tmp_path / "run", disk="hoop", eta_hat=0.02)
-    again = ex.run("portrait", out=tmp_path / "run", disk="hoop", eta_hat=0.02, energy=(0.5, 2.0), well=True)
+        ex.run("portrait", out=tmp_path / "run", disk="uniform", eta_hat=0.02)
+    again = ex.run("portrait", out=tmp_path / "run", disk="uniform", eta_hat=0.02, energy=(0.5, 2.0), well=True)
     assert again.summary == run.summary
     for name, value in (("energy", "far"), ("well", "yes"), ("sigma3_bar", "far"), ("eta_hat", "1:2")):
         with pytest.raises(ex.InputError, match=name):
