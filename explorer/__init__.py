@@ -41,6 +41,9 @@ if TYPE_CHECKING:
     from explorer.phase.states import constants_to_states as constants_to_states
     from explorer.phase.states import phi_to_states as phi_to_states
     from explorer.phase.states import theta_to_states as theta_to_states
+    from explorer.portrait.both_sides import both_sides as both_sides
+    from explorer.portrait.rolling import circular_rolling as circular_rolling
+    from explorer.portrait.rolling import steady_motions as steady_motions
     from explorer.runs.merge import merge as merge
     from explorer.runs.run import Run as Run
     from explorer.runs.run import open as open
@@ -60,7 +63,9 @@ _HOMES = {
     "RunError": "errors",
     "States": "phase.states",
     "Status": "compiled:status.Status",
+    "both_sides": "portrait.both_sides",
     "bounces": "motion.bounces",
+    "circular_rolling": "portrait.rolling",
     "cite": "commands.cite",
     "constants": "phase.constants",
     "constants_to_states": "phase.states",
@@ -81,6 +86,7 @@ _HOMES = {
     "run": "commands.run",
     "scan": "motion.scan",
     "simulate": "motion.trajectories",
+    "steady_motions": "portrait.rolling",
     "theta_to_states": "phase.states",
     "view": "view.page",
 }

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import InputError
+from explorer.errors import InputError, whole
 from explorer.motion.plan import plan
+from explorer.motion.recording import in_parts
 from explorer.motion.starts import fallen, held_constants, orbit_starts
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
@@ -63,7 +64,7 @@ class Periods(Result):
     states: States
 
 
-def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = None) -> Periods:
+def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = None, jobs: int = 1) -> Periods:
     """Periods of the motions through `states`, by quadrature from turning point to turning point.
 
     Parameters
@@ -76,6 +77,8 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
         Units of the disk, on the face whose hemisphere the state is in (+1 at the vertical). It replaces the
         state's own, which is only known to rounding: a state on F to rounding FALLS or is UNRESOLVED_SIDE
         without it. States made by `constants_to_states` keep the one they were made from.
+    jobs : int
+        Threads, by default 1; the numbers do not depend on them.
 
     Returns
     -------
@@ -103,11 +106,17 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     how = plan(("period",), accuracy, "quadrature")
     status, linear = _known(states, eta_hat)
     starts = orbit_starts(states, linear)
-    code = compiled.status.Status
     status = fallen(starts, status)
-    out = np.empty((8, status.size))
-    compiled.orbits.orbit_batch(starts, how.accuracy, packed_rules(), disk.natural, out, status)
-    out[:, status != code.OK] = np.nan
+
+    def part(rows: NDArray[np.intp]) -> tuple[Array, NDArray[np.int8]]:
+        some = compiled.orbits.Orbits(*(column[rows] for column in starts))
+        code, out = status[rows], np.empty((8, rows.size))
+        compiled.orbits.orbit_batch(some, how.accuracy, packed_rules(), disk.natural, out, code)
+        return out, code
+
+    parts = in_parts(whole("jobs", jobs, 1), len(states), part)
+    out, status = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
+    out[:, status != compiled.status.Status.OK] = np.nan
     found = compiled.orbits.OrbitRow(*out)
     flat = Periods(
         period=found.time * disk.time_unit,

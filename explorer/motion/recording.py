@@ -173,13 +173,19 @@ def _record(given: Motions, row: int, t_end: float, most: int) -> tuple[Array, O
 
 
 def between(given: Motions, records: Records, times: Array) -> Array:
-    """States (n, nt, 10) of recorded motions at any times, NaN where a motion is not OK."""
+    """States (n, nt, 10) of recorded motions at any times, which are in the units of the disk; NaN where not OK.
+
+    A time of the record itself, in these units, is that record: rounding of units must not move it within a race.
+    """
+    unit = given.disk.time_unit
     out = np.full((given.number, times.size, 10), np.nan)
     for motion, rows in zip(out, records.rows, strict=True):
         if len(rows):
             known = rows[:, compiled.field.ROW.t]
-            places = np.clip(np.searchsorted(known, times, side="right") - 1, 0, len(rows) - 1)
+            own = known * unit
+            places = np.clip(np.searchsorted(own, times, side="right") - 1, 0, len(rows) - 1)
+            natural = np.where(own[places] == times, known[places], times * given.disk.rate_unit)
             columns = np.empty((10, times.size))
-            compiled.recording.at_times(given.how(1), rows, places, times, given.disk.natural, columns)
+            compiled.recording.at_times(given.how(1), rows, places, natural, given.disk.natural, columns)
             motion[:] = columns.T
     return out

@@ -21,6 +21,7 @@ from explorer.phase.states import Array, States, columns_of, require_states
 
 ALL = ("phi", "chi", "psi", "path", "contact")  # what simulate gives where nothing else is asked for
 _TURNING = ("chi", "psi", "path", "contact")  # observables of which a curve is wrong where it misses a race
+_ROUNDED = 1.0 + 1e-15  # natural units and back may end a motion a hair after its t_end
 _COARSE = 0.5 * np.pi  # rad of chi between two times, beyond which a curve is no longer the motion's
 
 
@@ -111,7 +112,7 @@ class Trajectories:
             For times before 0 or after `t_end`.
         """
         times = columns_of(t=t)[0]
-        if not (np.isfinite(times).all() and np.all((times >= 0.0) & (times <= self.t_end))):
+        if not (np.isfinite(times).all() and np.all((times >= 0.0) & (times <= self.t_end * _ROUNDED))):
             raise InputError(f"t: times must lie between 0 and {self.t_end:g}, to which the motion was followed")
         return self._followed.trajectories(times.reshape(np.shape(t)), self)
 
@@ -283,7 +284,7 @@ class _Followed(NamedTuple):
         if self.records is None:
             found = recording.sample(self.start, order * disk.rate_unit, self.jobs)[0]
         else:
-            found = recording.between(self.start, self.records, order * disk.rate_unit)
+            found = recording.between(self.start, self.records, order)
         at = found[:, places.ravel()].reshape(n, *t.shape, 10)
         lengths = np.where(like.lengths > 0, t.size, 0)
         return replace(like, t=t, **_observables(disk, at, self.names), lengths=lengths)

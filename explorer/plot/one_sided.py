@@ -91,7 +91,7 @@ def one_sided_phi(both: BothSides, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     both : BothSides
-        From `explorer.portrait.both_sides.both_sides`.
+        From `both_sides`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -103,8 +103,8 @@ def one_sided_phi(both: BothSides, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.both_sides import both_sides
-    >>> plot.one_sided_phi(both_sides(Disk.hoop(), (1.0, 1.0, 1))).get_title()
+    >>> from explorer import both_sides, constants_to_states
+    >>> plot.one_sided_phi(both_sides(constants_to_states(Disk.hoop(), 1.0, 0.0, 1.0))).get_title()
     'Beside F: hoop'
     """
     ax = axes_or_new(ax)
@@ -129,7 +129,7 @@ def one_sided_chi(both: BothSides, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     both : BothSides
-        From `explorer.portrait.both_sides.both_sides`.
+        From `both_sides`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -141,8 +141,8 @@ def one_sided_chi(both: BothSides, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.both_sides import both_sides
-    >>> plot.one_sided_chi(both_sides(Disk.hoop(), (1.0, 1.0, 1))).get_ylabel()
+    >>> from explorer import both_sides, constants_to_states
+    >>> plot.one_sided_chi(both_sides(constants_to_states(Disk.hoop(), 1.0, 0.0, 1.0))).get_ylabel()
     '$\\\\chi$ (rad)'
     """
     ax = axes_or_new(ax)
@@ -183,7 +183,7 @@ def contact_paths(both: BothSides, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     both : BothSides
-        From `explorer.portrait.both_sides.both_sides`.
+        From `both_sides`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -195,8 +195,8 @@ def contact_paths(both: BothSides, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.both_sides import both_sides
-    >>> plot.contact_paths(both_sides(Disk.matching(), (1.0, 1.0, 1))).get_title()
+    >>> from explorer import both_sides, constants_to_states
+    >>> plot.contact_paths(both_sides(constants_to_states(Disk.matching(), 1.0, 0.0, 1.0))).get_title()
     'Path of the contact point, matching: limits the same'
     """
     ax = axes_or_new(ax)

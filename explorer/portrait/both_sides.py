@@ -4,25 +4,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from explorer.motion.dense_times import dense_times
+from explorer import compiled
+from explorer.errors import InputError, positive
 from explorer.motion.limit_motions import AnyLimit, LimitState, limit_motion
 from explorer.motion.trajectories import Trajectories, trajectories
+from explorer.phase.constants import constants
+from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, constants_to_states
+from explorer.phase.states import Array, States, constants_to_states
 
 FALLS = 3  # impacts that each motion passes
 TIMES = 240  # at which distances are taken: some 80 to a period
 # Share of a period that is cut out on either side of an impact: there the limits jump and motions do not.
 MARGIN = 0.1
-_FIRST_TIMES = 800  # of a picture: phi(t) is round at its turning points; the race adds its own
 QUANTITIES = ("phi", "chi", "psi", "path", "contact")
 
 
-def limits_at(disk: Disk, start: tuple[float, float, int]) -> dict[int, AnyLimit]:
-    """Both limit motions from a point of F: (sigma3_bar, phidot, face) at the vertical."""
+def point_of_f(disk: Disk, start: tuple[float, float, int]) -> States:
+    """The point of F with (sigma3_bar, phidot, face) at the vertical."""
     sigma3_bar, phidot, face = start
-    base = constants_to_states(disk, sigma3_bar, 0.0, phidot, face)
-    return {sign: limit_motion(base, sign) for sign in (1, -1)}
+    return constants_to_states(disk, sigma3_bar, 0.0, phidot, face)
+
+
+def limits_at(disk: Disk, start: tuple[float, float, int]) -> dict[int, AnyLimit]:
+    """Both limit motions from `point_of_f`."""
+    return {sign: limit_motion(point_of_f(disk, start), sign) for sign in (1, -1)}
 
 
 def sample_times(limit: AnyLimit) -> tuple[Array, int]:
@@ -52,8 +58,27 @@ def follow(
 class BothSides:
     """Motions beside one point of F and both limits, on one time axis, in the units of the disk.
 
-    eta_hat: distance of the motions from F, without its sign. t (nt). impacts (2): times of the limits' impacts.
-    By the sign of eta: motions, columns named in QUANTITIES, arrays (nt) or (nt, 3); limits, limit motions at t.
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    eta_hat : float
+        Distance of the motions from F, without its sign.
+    t : (nt,) array
+        Times.
+    impacts : (2,) array
+        Times at which the limits come flat.
+    motions : dict of int to dict of str to array
+        By the side, +1 and -1: phi, chi, psi (nt), path and contact (nt, 3).
+    limits : dict of int to LimitState
+        By the side: the limit motion at t.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> both = ex.both_sides(ex.constants_to_states(ex.Disk.hoop(), 1.0, 0.0, 1.0))
+    >>> both.motions[-1]["contact"].shape == (both.t.size, 3)
+    True
     """
 
     disk: Disk
@@ -64,14 +89,56 @@ class BothSides:
     limits: dict[int, LimitState]
 
 
-def both_sides(disk: Disk, start: tuple[float, float, int], eta_hat: float = 0.01) -> BothSides:
-    """Motions at +-eta_hat (natural units) beside a point of F, and the limits, through two falls."""
-    limits = limits_at(disk, start)
-    impacts = limits[1].impacts(100.0 * limits[1].period)[:2]
-    size = eta_hat * disk.rate_unit
-    sigma3_bar, phidot, face = start
-    beside = constants_to_states(disk, sigma3_bar, [size, -size], phidot, face)
-    t = dense_times(beside, np.linspace(0.0, impacts[-1] + 0.6 * limits[1].period, _FIRST_TIMES))
-    motion = trajectories(beside, t_eval=t, observables=QUANTITIES)
-    rows = {sign: {name: getattr(motion, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
+def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
+    """The motions on both sides of a point of F, and the limits of each side, through two falls.
+
+    Parameters
+    ----------
+    state : States
+        One state on F, of a disk with I3 > 0. By how much it misses F is ignored.
+    eta_hat : float, optional
+        Distance of the motions from F, above 0, in the units of the disk; by default 0.01 natural units.
+
+    Returns
+    -------
+    BothSides
+        Both motions and both limits at the same times, dense where either motion races.
+
+    Raises
+    ------
+    InputError
+        Where the disk would not fall from the state, for more than one state, and where eta_hat is not above 0.
+
+    Notes
+    -----
+    Section 7 of the paper: as eta_hat -> 0, each motion tends to the limit of its side.
+
+    Examples
+    --------
+    >>> import numpy as np, explorer as ex
+    >>> disk = ex.Disk.uniform()
+    >>> both = ex.both_sides(ex.constants_to_states(disk, 1.0, 0.0, 1.0), eta_hat=1e-6)
+    >>> apart = [both.motions[side]["chi"][-1] - both.limits[side].chi[-1] for side in (1, -1)]
+    >>> bool(np.all(np.abs(apart) < 1e-4))
+    True
+    """
+    limits = {side: limit_motion(state, side) for side in (1, -1)}
+    disk, limit = state.disk, limits[1]
+    size = 0.01 * disk.rate_unit if eta_hat is None else positive("eta_hat", eta_hat)
+    impacts = limit.impacts(100.0 * limit.period)[:2]
+    beside = coordinates_to_states(
+        disk,
+        phi=state.phi,
+        phidot=state.phidot,
+        sigma3_bar=constants(state).sigma3_bar,
+        eta_hat=[size, -size],
+        face=limit.face,
+    )
+    motion = trajectories(beside, float(impacts[-1]) + 0.6 * limit.period, observables=QUANTITIES)
+    if not motion.lengths.all():
+        code = compiled.status.Status(int(motion.status.max()))
+        raise InputError(f"eta_hat = {size:g}: {code.sentence} {code.remedy}")
+    t = np.unique(motion.t)
+    at = motion(t)
+    rows = {sign: {name: getattr(at, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
     return BothSides(disk, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})

@@ -19,7 +19,15 @@ from explorer.measure import statistics
 from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
-from explorer.portrait.both_sides import QUANTITIES, BothSides, both_sides, follow, limits_at, sample_times
+from explorer.portrait.both_sides import (
+    QUANTITIES,
+    BothSides,
+    both_sides,
+    follow,
+    limits_at,
+    point_of_f,
+    sample_times,
+)
 from explorer.scenes.base import Chunks, Picture, Scene, Table, together
 from explorer.scenes.beside import (
     BOX,
@@ -251,7 +259,8 @@ class OneSided(Scene):
 
         yield "distance", partial(plot.one_sided_distance, summary)
         for index, disk in enumerate(self.disks):
-            computed = cache(partial(both_sides, disk, self.starts(index * self.blocks).at(0)))
+            start = point_of_f(disk, self.starts(index * self.blocks).at(0))
+            computed = cache(partial(both_sides, start))
             yield f"motion-{disk.name}", partial(_draw_motion, computed)
             yield f"contact-{disk.name}", partial(_draw_contact, computed)
 

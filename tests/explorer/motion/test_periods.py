@@ -70,3 +70,11 @@ def test_periods_on_f_fall_and_beside_it_need_the_eta_they_were_given():
     assert found.chi[0] - found.chi[1] == pytest.approx(2 * disk.race_limit, abs=1e-9)
     rows = phi_to_states(disk, 0.0, 1.0, 1.0, 0.7285923160189477)
     assert ex.periods(rows).status[0] in (ex.Status.FALLS, ex.Status.UNRESOLVED_SIDE)
+
+
+def test_any_number_of_threads_gives_the_same_periods():
+    states = phi_to_states(BODIES["hoop"], np.linspace(-1.7, 1.2, 41), 0.3, 0.4, 0.2)
+    one, three = (ex.periods(states, jobs=jobs) for jobs in (1, 3))
+    for name, values in one.columns.items():
+        np.testing.assert_array_equal(values, three.columns[name])
+    assert len(ex.periods(phi_to_states(BODIES["hoop"], [], 0.3, 0.4, 0.2), jobs=2)) == 0

@@ -52,12 +52,14 @@ def test_rows_of_shorter_motions_repeat_their_end(raced):
         assert motion.t[row, length - 1] == motion.t_end > motion.t[row, length - 2]
 
 
-def test_called_at_its_own_times_a_motion_gives_its_own_points(raced):
-    motion = raced[0]
-    row = 4
-    own = motion.t[row, : motion.lengths[row]]
-    np.testing.assert_array_equal(motion(own).chi[row], motion.chi[row, : own.size])
-    np.testing.assert_array_equal(motion(own).path[row], motion.path[row, : own.size])
+@pytest.mark.parametrize("name", ["uniform", "coin"])
+def test_called_at_its_own_times_a_motion_gives_its_own_points(name):
+    disk = BODIES[name]
+    states = ex.constants_to_states(disk, disk.rate_unit, 1e-11 * disk.rate_unit, disk.rate_unit)
+    motion = ex.simulate(states, 5.0 * disk.time_unit)
+    again = motion(motion.t[0])
+    for one in ("phi", "chi", "path", "contact"):
+        np.testing.assert_array_equal(getattr(again, one), getattr(motion, one))
 
 
 def test_between_the_records_the_full_equations_are_met_in_and_out_of_a_race():

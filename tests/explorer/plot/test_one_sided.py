@@ -5,6 +5,7 @@ import pytest
 from conftest import BODIES
 
 from explorer import plot
+from explorer.phase.states import constants_to_states
 from explorer.portrait.both_sides import both_sides
 
 HOOP = BODIES["hoop"]
@@ -12,7 +13,7 @@ HOOP = BODIES["hoop"]
 
 @pytest.fixture(scope="module")
 def both():
-    return both_sides(HOOP, (0.6, 1.0, 1))
+    return both_sides(constants_to_states(HOOP, 0.6, 0.0, 1.0))
 
 
 def test_phi_and_chi_are_drawn_on_both_sides_with_their_limits(both):

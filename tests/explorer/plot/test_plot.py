@@ -10,6 +10,7 @@ from matplotlib.text import Text
 import explorer as ex
 from explorer import plot
 from explorer.commands.trade import trade
+from explorer.phase.states import constants_to_states
 from explorer.portrait.bodies import race_numbers
 from explorer.portrait.both_sides import both_sides
 from explorer.portrait.near_flat import near_flat
@@ -39,7 +40,7 @@ def pictures(tmp_path_factory):
     race, races, race_summary = made("race-angles", samples=500)
     falling, states, _ = made("falling-set", samples=500)
     _, _, sides = made("one-sided", samples=1, disk="hoop")
-    both = both_sides(BODIES["hoop"], (1.0, 1.0, 1))
+    both = both_sides(constants_to_states(BODIES["hoop"], 1.0, 0.0, 1.0))
     law = measure_zero(tmp_path_factory.mktemp("law"))
     beside = ex.constants_to_states(UNIFORM, 0.7, 0.01, 1.0)
     walk = wander_path(beside, 2)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from explorer.portrait.both_sides import FALLS, MARGIN, both_sides, follow, limits_at, sample_times
+import explorer as ex
+from explorer.portrait.both_sides import FALLS, MARGIN, both_sides, follow, limits_at, point_of_f, sample_times
 
 HOOP = BODIES["hoop"]
 START = (0.6, 1.0, 1)
@@ -12,7 +13,7 @@ START = (0.6, 1.0, 1)
 
 @pytest.fixture(scope="module")
 def both():
-    return both_sides(HOOP, START)
+    return both_sides(point_of_f(HOOP, START))
 
 
 def test_each_motion_stays_with_the_limit_of_its_own_side(both):
@@ -47,3 +48,25 @@ def test_the_distance_to_the_limit_shrinks_with_eta():
     far, near = abs(motion.chi - limit(times).chi).max(axis=1)
     # eta ln(1/eta) falls by 50
     assert 20.0 < far / near < 120.0
+
+
+@pytest.mark.parametrize("face", [1, -1])
+def test_both_sides_start_anywhere_on_f_and_come_nearer_to_their_limits(face):
+    """A coin in SI units, on its way up from flat; chi at the end of both motions against the limits."""
+    coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
+    upright = ex.constants_to_states(coin, 20.0, 0.0, face * 30.0, face)
+    there = ex.limit_motion(upright, 1)(0.02)
+    bar = ex.constants(upright).sigma3_bar
+    start = ex.coordinates_to_states(
+        coin, phi=there.phi, phidot=there.phidot, sigma3_bar=bar, eta_hat=0.0, face=face
+    )
+    apart = []
+    for eta_hat in (1e-2, 1e-5, 1e-11):
+        both = ex.both_sides(start, eta_hat)
+        for side in (1, -1):
+            assert abs(np.diff(both.motions[side]["chi"])).max() <= 0.2
+        apart.append(max(abs(both.motions[s]["chi"][-1] - both.limits[s].chi[-1]) for s in (1, -1)))
+    assert apart[0] > 10.0 * apart[1] > 10.0 * apart[2]
+    assert apart[2] < 1e-5
+    with pytest.raises(ex.InputError, match="eta_hat"):
+        ex.both_sides(start, 0.0)

@@ -1,0 +1,53 @@
+"""Steady motions by what one measures, against the integrator and against closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+
+
+@pytest.mark.parametrize("face", [1, -1])
+def test_steady_motions_keep_their_tilt_and_their_precession(body, face):
+    unit = body.rate_unit
+    tilt, precession = np.array([0.2, 0.8, 1.4]), np.array([[2.0], [-3.0]]) * unit
+    motion = ex.steady_motions(body, tilt, precession, face)
+    assert motion.shape == motion.states.shape == (2, 3)
+    assert motion.ok.all()
+    run = ex.simulate(motion.states, 1.0 / unit, observables=["phi", "chi"], accuracy=1e-9)
+    np.testing.assert_allclose(0.5 * math.pi - face * run.phi, np.tile(tilt, 2)[:, None] + 0.0 * run.t, atol=1e-8)
+    np.testing.assert_allclose(run.chi[:, -1] * unit, motion.precession.ravel(), rtol=1e-7)
+
+
+def test_the_spin_of_a_wobbling_coin_agrees_with_the_rates_that_it_came_from():
+    coin = BODIES["coin"]
+    motion = ex.steady_motions(coin, 10.0, math.degrees(60.0), degrees=True)
+    states = ex.rates_to_states(coin, math.radians(10.0), 0.0, 60.0, motion.spin)
+    np.testing.assert_allclose(states.natural, motion.states.natural, rtol=1e-13, atol=1e-15)
+    assert motion.to_pandas().precession[0] == pytest.approx(60.0)
+
+
+def test_what_is_not_steady_is_nan_and_bad_input():
+    motion = ex.steady_motions(BODIES["uniform"], [0.5, 0.5, 0.0, 4.0, np.nan, 0.5 * np.pi], [1, 0, 1, 1, 1, 1])
+    assert motion.status_names.tolist() == ["ok", *["bad_input"] * 4, "ok"]
+    assert np.isnan(motion.spin[1:5]).all()
+    assert (motion.states.status == motion.status)[[0, 2, 3, 4, 5]].all()
+    assert not motion.stable[1:5].any()
+    assert motion.spin[5] == pytest.approx(0.0, abs=1e-15)
+    assert len(ex.steady_motions(BODIES["uniform"], [], [])) == 0
+
+
+def test_circular_rolling_goes_round_the_circle_that_was_asked_for(paper_body):
+    motion = ex.circular_rolling(paper_body, lean=0.4, radius=3.0)
+    assert motion.radius[0] == pytest.approx(3.0, rel=1e-12)
+    run = ex.simulate(motion.states, 2.0 * math.pi / motion.precession[0], accuracy=1e-9)
+    x, y = run.contact[0, :, :2].T
+    assert np.ptp(x) == pytest.approx(6.0, rel=1e-3)
+    assert np.ptp(y) == pytest.approx(6.0, rel=1e-3)
+    np.testing.assert_allclose(run.contact[0, -1], run.contact[0, 0], atol=1e-6)
+    with pytest.raises(ex.InputError, match="rolls round circles above"):
+        ex.circular_rolling(paper_body, 1.0, 0.1)
+    with pytest.raises(ex.InputError, match="lean = x"):
+        ex.circular_rolling(paper_body, "x", 0.1)
