@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +14,7 @@ from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
 from explorer.motion.starts import fallen, held_constants, orbit_starts
 from explorer.phase.constants import natural_constants
-from explorer.phase.disk import require_axial_inertia
+from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.gauss import packed_rules
 from explorer.phase.lines import LinearConstants, linear_constants
 from explorer.phase.results import Result
@@ -108,15 +109,9 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     starts = orbit_starts(states, linear)
     status = fallen(starts, status)
 
-    def part(rows: NDArray[np.intp]) -> tuple[Array, NDArray[np.int8]]:
-        some = compiled.orbits.Orbits(*(column[rows] for column in starts))
-        code, out = status[rows], np.empty((8, rows.size))
-        compiled.orbits.orbit_batch(some, how.accuracy, packed_rules(), disk.natural, out, code)
-        return out, code
-
-    parts = in_parts(whole("jobs", jobs, 1), len(states), part)
+    call = partial(_orbits, disk, starts, status, how.accuracy)
+    parts = in_parts(whole("jobs", jobs, 1), len(states), call)
     out, status = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
-    out[:, status != compiled.status.Status.OK] = np.nan
     found = compiled.orbits.OrbitRow(*out)
     flat = Periods(
         period=found.time * disk.time_unit,
@@ -130,6 +125,21 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
         states=states,
     )
     return flat.reshaped(states.shape)
+
+
+def _orbits(
+    disk: Disk,
+    starts: compiled.orbits.Orbits,
+    status: NDArray[np.int8],
+    accuracy: float,
+    rows: NDArray[np.intp],
+) -> tuple[Array, NDArray[np.int8]]:
+    """Some of the orbits (8, n), NaN where the status, which is the second result, is not OK."""
+    some = compiled.orbits.Orbits(*(column[rows] for column in starts))
+    code, out = status[rows], np.empty((8, rows.size))
+    compiled.orbits.orbit_batch(some, accuracy, packed_rules(), disk.natural, out, code)
+    out[:, code != compiled.status.Status.OK] = np.nan
+    return out, code
 
 
 def _known(states: States, eta_hat: ArrayLike | None) -> tuple[NDArray[np.int8], LinearConstants]:

@@ -101,4 +101,5 @@ def toward_limits(
     disk: Disk, eta_hat: Sequence[float], sigma3_bar: float = 1.0, phidot: float = 1.0
 ) -> tuple[BothSides, ...]:
     """Motions beside one point of F at several distances (natural units), each beside both limits."""
-    return tuple(both_sides(disk, (sigma3_bar, phidot, 1), size) for size in eta_hat)
+    start = constants_to_states(disk, sigma3_bar, 0.0, phidot)
+    return tuple(both_sides(start, size * disk.rate_unit) for size in eta_hat)

@@ -110,6 +110,12 @@ def steady_motions(
     (angle, rate, side), shape = read_columns(given)
     if degrees:
         angle, rate = np.radians(angle), np.radians(rate)
+    flat = _steady(disk, angle, rate, side)
+    return replace(flat.reshaped(shape), states=replace(flat.states, shape=shape))
+
+
+def _steady(disk: Disk, angle: Array, rate: Array, side: Array) -> SteadyMotions:
+    """Steady motions of one row; angle: tilt; side: face."""
     with np.errstate(invalid="ignore"):
         phi = side * (0.5 * np.pi - angle)
         possible = (abs(phi) < 0.5 * np.pi) & np.isfinite(rate) & (rate != 0.0) & (abs(side) == 1.0)
@@ -121,16 +127,15 @@ def steady_motions(
 
     states = rates_to_states(disk, known(angle), 0.0, rate, found.sigma4, side)
     code = compiled.status.Status
-    flat = SteadyMotions(
+    return SteadyMotions(
         tilt=angle,
         precession=rate,
         spin=known(found.sigma4),
         radius=known(found.radius),
         stable=found.stable & possible,
         status=np.where(possible, code.OK, code.BAD_INPUT).astype(np.int8),
-        states=replace(states, shape=shape),
+        states=states,
     )
-    return flat.reshaped(shape)
 
 
 def circular_rolling(disk: Disk, lean: float, radius: float) -> SteadyMotions:
