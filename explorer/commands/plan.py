@@ -6,10 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from explorer.commands.common import add_json
-from explorer.scenes.registry import SCENES, read_scene_file, scene_from_options
-
-# What a file may say besides the options of its scene: where the run is stored, and who computes.
-_OF_RUN = ("out", "memory", "resume", "jobs", "backend", "scheduler")
+from explorer.runs.settings import asked
+from explorer.scenes.registry import SCENES, read_scene_file
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -23,11 +21,11 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 def call(options: argparse.Namespace) -> int:
     given: dict[str, Any] = {"scene": options.scene}
     if options.scene.endswith(".toml"):
-        given = {key: value for key, value in read_scene_file(Path(options.scene)).items() if key not in _OF_RUN}
+        given = read_scene_file(Path(options.scene))
     given |= {
         name: getattr(options, name) for name in ("accuracy", "method") if getattr(options, name) is not None
     }
-    scene = scene_from_options(given)
+    scene = asked(given.pop("scene"), given, options.command_line).scene
     chosen = scene.plan
     answer = {
         "scene": scene.name,

@@ -66,12 +66,12 @@ def main():
         "Made by `python tests/reference/report_agreement.py`.",
         "",
         f"Which way the contact point races: {RACES:,} passages per row, |eta_hat| up to 1e-1 on both sides,",
-        "log-uniform from 1e-300 for one half of them and from 1e-17 for the other. *Against*: the race angle has",
-        "not the sign of eta; the single one turned back within 1e-3 of the vertical, where there is no race",
-        "and the fall angle is larger. *Accuracy not met*: the side is known, but rounding",
+        "log-uniform from 1e-300 for one half of them and from 1e-17 for the other. *Opposite*: the race angle",
+        "has the opposite sign to eta; the one such passage turned back within 1e-3 rad of the vertical,",
+        "where there is no race and the fall angle is larger. *Accuracy not met*: the side is known, but rounding",
         "of the state leaves theta_min less accurate than was asked.",
         "",
-        "| disk | method | accuracy | resolved | wrong way | against | unresolved side | accuracy not met |",
+        "| disk | method | accuracy | resolved | wrong way | opposite | unresolved side | accuracy not met |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for name, disk in BODIES.items():
