@@ -25,7 +25,8 @@ def results(function):
     for kind in typing.get_args(returned) or (returned,):
         if inspect.isclass(kind) and kind.__module__.startswith("explorer."):
             yield kind
-            if "__call__" in dir(kind):
+            # A motion that is called gives motions again
+            if "__call__" in dir(kind) and not getattr(function, "__qualname__", "").startswith(kind.__name__):
                 yield from results(kind.__call__)
 
 

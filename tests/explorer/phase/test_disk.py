@@ -1,5 +1,8 @@
 """Disks: presets, text forms, units, and what no disk has."""
 
+import json
+import pickle
+
 import numpy as np
 import pytest
 
@@ -143,3 +146,13 @@ def test_scales_of_presets_that_cannot_be_read_are_named(text, message):
 def test_a_disk_that_cannot_be_read_is_named_as_the_command_line_knows_it(text, capsys):
     assert main(["passage", "--disk", text, "--sigma3-bar=1", "--eta-hat=1e-3", "--phidot=1"]) == 2
     assert "--disk" in capsys.readouterr().err
+
+
+def test_a_description_is_a_dict_for_files_and_a_text_with_units_for_readers():
+    coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
+    described = coin.describe()
+    assert ex.Disk(**described) == ex.Disk(**json.loads(json.dumps(described))) == coin
+    assert (described["name"], described["m"], described["I3"]) == ("uniform", 5.67e-3, coin.I3)
+    assert "m = 0.00567 kg" in str(described)
+    assert str(ex.Disk.hoop().describe()).startswith("hoop, in natural units: m = r = g = 1\n  I1 = 0.5")
+    assert str(pickle.loads(pickle.dumps(described))) == repr(described)
