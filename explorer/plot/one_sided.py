@@ -1,33 +1,41 @@
 """Pictures of the two one-sided limit motions."""
 
+import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
+from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
-    DARK,
-    DISK_COLOURS,
+    LAW,
     MARKERS,
+    SERIES,
     SIGN_COLOURS,
     SMALL,
+    arrow,
     axes_or_new,
     dress,
-    legend,
+    legend_below,
+    number,
     times_of,
 )
 from explorer.portrait.both_sides import BothSides
 
 _SIDES = {1: r"\eta > 0", -1: r"\eta < 0"}
+_LAW_ENDS = 0.02  # natural units; the law is of small eta
+_RACE_POINTS = 120
+_BODY_NAMES = {"matching": r"flat body with $mr^2/I_1 = 3$"}
 
 
 @captioned(
     Question.EACH_SIDE,
-    "How far a motion beside F is from the limit motion of its own side, as η tends to 0. The distance falls "
-    "like η ln(1/η), on both sides: each side has its own limit.",
+    "How far a motion beside F is from the limit motion of its own side, as η tends to 0. Lines are medians over "
+    "the starts, bands reach up to the largest distance. Both fall like η ln(1/η): each side has its own limit.",
 )
-def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
+def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None, **look: Any) -> Axes:
     """Draw the distance to the limit motion of the same side against |eta_hat|, for each disk.
 
     Parameters
@@ -36,11 +44,14 @@ def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
         Of a run of scene one-sided.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the lines of the medians.
 
     Returns
     -------
     Axes
-        |eta_hat| and the median of the distance over the starts, with the law eta ln(1/eta).
+        |eta_hat| and the distance over the starts, of the worse side: median as a line, up to the largest as a
+        band; with the law eta ln(1/eta) through the smallest eta.
 
     Examples
     --------
@@ -49,43 +60,44 @@ def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     >>> ax = ex.plot.one_sided_distance(run.summary)  # doctest: +SKIP
     """
     ax = axes_or_new(ax)
-    smallest, largest = np.inf, 0.0
+    ax.set(xscale="log", yscale="log")
+    anchors = []
     for index, (name, per_disk) in enumerate(summary["disks"].items()):
-        for sign, filled in (("plus", True), ("minus", False)):
-            rows = [row for row in per_disk["distances"] if f"median_{sign}" in row]
-            eta = np.array([row["eta_hat"] for row in rows])
-            if eta.size == 0:
-                continue
-            smallest, largest = min(smallest, eta.min()), max(largest, eta.max())
-            colour = DISK_COLOURS[index % len(DISK_COLOURS)]
-            ax.loglog(
-                eta,
-                [row[f"median_{sign}"] for row in rows],
-                marker=MARKERS[index % len(MARKERS)],
-                mfc=colour if filled else "white",
-                color=colour,
-                ls="-" if filled else ":",
-                label=rf"{name}, $\eta$ {'>' if filled else '<'} 0",
-            )
-    if largest > smallest:
-        eta = np.geomspace(smallest, min(largest, 0.2), 60)
-        ax.loglog(eta, eta * np.log(1.0 / eta), color=DARK, lw=1.2, ls="--", label=r"$\hat\eta\,\ln(1/\hat\eta)$")
-    legend(ax, loc="lower right")
+        rows = [row for row in per_disk["distances"] if "median_plus" in row or "median_minus" in row]
+        if not rows:
+            continue
+        eta = np.array([row["eta_hat"] for row in rows])
+        median, largest = (
+            np.array([max(row.get(f"{what}_{side}", 0.0) for side in ("plus", "minus")) for row in rows])
+            for what in ("median", "largest")
+        )
+        colour = SERIES[index % len(SERIES)]
+        style = {"color": colour, "marker": MARKERS[index % len(MARKERS)], "lw": 1.6} | look
+        ax.plot(eta, median, label=name, **style)
+        ax.fill_between(eta, median, np.maximum(largest, median), color=colour, alpha=0.13, lw=0)
+        anchors.append((eta.min(), median[eta.argmin()]))
+    if anchors:
+        smallest, height = anchors[0]
+        eta = np.geomspace(smallest, max(_LAW_ENDS, 2.0 * smallest), 60)
+        law = eta * np.log(1.0 / eta)
+        label = r"$\propto \hat\eta\,\ln(1/\hat\eta)$"
+        ax.plot(eta, 0.5 * height * law / law[0], color=LAW, lw=1.4, ls="--", label=label)
+    legend_below(ax, ncols=4)
     ax.grid(alpha=0.3)
     return dress(
         ax,
-        r"$|\hat\eta|$ (units of each disk)",
-        "distance to the limit motion (rad or radii)",
-        "Each side has its limit: median over starts, away from impacts",
+        r"$|\hat\eta|$ ($\sqrt{g/r}$ of each disk)",
+        "distance (rad; of paths, r)",
+        "Each side of $F$ tends to its own limit motion",
     )
 
 
 @captioned(
     Question.EACH_SIDE,
-    "The tilt φ against time just beside F, on both sides, with the limit. The three cannot be told apart: in "
-    "φ nothing tells the sides of F from each other.",
+    "The tilt φ against time just beside F, on both sides, with the limit. The three lie on each other: nothing "
+    "in φ tells the sides of F apart.",
 )
-def one_sided_phi(both: BothSides, ax: Axes | None = None) -> Axes:
+def one_sided_phi(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw the tilt phi(t) beside F and on the limits: it is the same on both sides.
 
     Parameters
@@ -94,6 +106,8 @@ def one_sided_phi(both: BothSides, ax: Axes | None = None) -> Axes:
         From `both_sides`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the lines of the motions.
 
     Returns
     -------
@@ -105,26 +119,31 @@ def one_sided_phi(both: BothSides, ax: Axes | None = None) -> Axes:
     >>> from explorer import Disk, plot
     >>> from explorer import both_sides, constants_to_states
     >>> plot.one_sided_phi(both_sides(constants_to_states(Disk.hoop(), 1.0, 0.0, 1.0))).get_title()
-    'Beside F: hoop'
+    'hoop: both sides of $F$ fall and rise alike'
     """
     ax = axes_or_new(ax)
     for sign, colour in SIGN_COLOURS.items():
-        ax.plot(both.t, both.motions[sign]["phi"], color=colour, lw=1.6, ls="-" if sign > 0 else "--")
-    ax.plot(both.t, both.limits[1].phi, color=DARK, lw=0.9, ls=":", label="limit")
-    for flat in (0.5 * np.pi, -0.5 * np.pi):
-        ax.axhline(flat, color=DARK, lw=0.6)
-    ax.set_yticks([-0.5 * np.pi, 0.0, 0.5 * np.pi], [r"flat, $-\pi/2$", "vertical", r"flat, $\pi/2$"])
-    legend(ax, loc="best")
-    return dress(ax, f"t ({times_of(both.disk)})", r"$\varphi$ (rad)", f"Beside F: {both.disk.name}")
+        style = {"color": colour, "lw": 1.8, "ls": "-" if sign > 0 else (0, (4, 4))} | look
+        ax.plot(both.t, both.motions[sign]["phi"], **style)
+    limit = both.limits[1].phi
+    ax.plot(both.t, limit, color=LAW, lw=0.9, ls=":")
+    places = {0.5 * np.pi: "flat, π/2", 0.0: "vertical", -0.5 * np.pi: "flat, −π/2"}
+    low, high = float(limit.min()) - 0.15, float(limit.max()) + 0.15
+    shown = {at: name for at, name in places.items() if low <= at <= high}
+    for at in shown:
+        ax.axhline(at, color=LAW, lw=0.6)
+    ax.set_yticks([*shown], [*shown.values()])
+    title = f"{_named(both)}: both sides of $F$ fall and rise alike"
+    return dress(ax, f"t ({times_of(both.disk)})", r"tilt $\varphi$ (rad)", title)
 
 
 @captioned(
     Question.EACH_SIDE,
-    "The angle of the contact point against time on both sides of F, with both limits. At each near-fall it "
-    "jumps by the race, κπ forwards on one side and κπ backwards on the other.",
+    "The angle of the contact point against time on both sides of F, with both limits. At each near-fall, which "
+    "is where the thin vertical lines are, χ jumps by the race: κπ forwards on one side, κπ backwards on the other.",
 )
-def one_sided_chi(both: BothSides, ax: Axes | None = None) -> Axes:
-    """Draw the angle of contact chi(t) beside F and on both limits, with the size of the jump.
+def one_sided_chi(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
+    """Draw the angle of contact chi(t) beside F and on both limits, with the size of the jumps.
 
     Parameters
     ----------
@@ -132,6 +151,8 @@ def one_sided_chi(both: BothSides, ax: Axes | None = None) -> Axes:
         From `both_sides`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the lines of the motions.
 
     Returns
     -------
@@ -147,37 +168,40 @@ def one_sided_chi(both: BothSides, ax: Axes | None = None) -> Axes:
     """
     ax = axes_or_new(ax)
     for sign, colour in SIGN_COLOURS.items():
-        ax.plot(
-            both.t,
-            both.motions[sign]["chi"],
-            color=colour,
-            lw=1.6,
-            ls="-" if sign > 0 else "--",
-            label=_side_label(both, sign),
-        )
-        ax.plot(both.t, both.limits[sign].chi, color=DARK, lw=0.9, ls=":", label="its limit" if sign > 0 else None)
-    for number, time in enumerate(both.impacts):
-        ax.axvline(time, color=DARK, lw=0.6, alpha=0.6)
-        if number == 0:
-            ax.annotate(
-                rf"$\pm\kappa\pi$ = $\pm${both.disk.race_limit:.3f}",
-                (time, both.limits[1].chi[both.t < time][-1]),
-                xytext=(8, 0),
-                textcoords="offset points",
-                va="center",
-                fontsize=SMALL,
-            )
-    legend(ax, loc="upper left")
+        style = {"color": colour, "lw": 1.8, "label": _side_label(both, sign)} | look
+        ax.plot(both.t, both.motions[sign]["chi"], **style)
+        label = "limit of each side" if sign > 0 else None
+        ax.plot(both.t, both.limits[sign].chi, color=LAW, lw=0.9, ls=":", label=label)
+    for time in both.impacts:
+        ax.axvline(time, color=LAW, lw=0.6, alpha=0.6)
+    for sign in SIGN_COLOURS:
+        _measure_jump(ax, both, sign)
+    turns = round(both.disk.race_limit / np.pi)
+    rest = 2.0 * both.disk.race_limit - 2.0 * np.pi * turns
+    apart = "exactly" if abs(rest) < 1e-9 else f"{'+' if rest > 0.0 else '−'} {abs(rest):.3f} rad"
+    ax.set_title(f"After a fall the sides are $2\\kappa\\pi$ apart: {turns} turns {apart}", fontsize=SMALL)
+    legend_below(ax, ncols=3)
     return dress(ax, f"t ({times_of(both.disk)})", r"$\chi$ (rad)")
+
+
+def _measure_jump(ax: Axes, both: BothSides, sign: int) -> None:
+    """A double arrow beside the first jump of a limit, from where it begins to where it ends."""
+    row = int(np.searchsorted(both.t, both.impacts[0]))
+    chi, jump = both.limits[sign].chi, sign * both.disk.race_limit
+    x = both.impacts[0] + 0.02 * (both.t[-1] - both.t[0])
+    ends = {"arrowstyle": "<->", "color": LAW, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", (x, chi[row] - jump), xytext=(x, chi[row]), arrowprops=ends)
+    text = f"{'+' if sign > 0 else '−'}κπ = {number(jump, '+.2f')}"
+    ax.text(x + 0.01 * (both.t[-1] - both.t[0]), chi[row] - 0.5 * jump, text, va="center", fontsize=SMALL)
 
 
 @captioned(
     Question.EACH_SIDE,
     "The path of the contact point on the table, seen from above, on both sides of F; arrows show the motion. "
-    "Both disks start alike, race round in opposite senses where they nearly fall, and leave in different "
-    "directions.",
+    "Both start alike, race round the same circle in opposite senses where the disk nearly falls, and leave in "
+    "directions that differ by 2κπ.",
 )
-def contact_paths(both: BothSides, ax: Axes | None = None) -> Axes:
+def contact_paths(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw the path of the contact point on the table seen from above, on both sides of F.
 
     Parameters
@@ -186,36 +210,74 @@ def contact_paths(both: BothSides, ax: Axes | None = None) -> Axes:
         From `both_sides`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the paths of the motions.
 
     Returns
     -------
     Axes
-        Both axes in radii of the disk; dotted lines are the limit motions, in pieces between their impacts.
+        Both axes in radii of the disk; dotted lines are the limit motions with their races.
 
     Examples
     --------
     >>> from explorer import Disk, plot
     >>> from explorer import both_sides, constants_to_states
-    >>> plot.contact_paths(both_sides(constants_to_states(Disk.matching(), 1.0, 0.0, 1.0))).get_title()
-    'Path of the contact point, matching: limits the same'
+    >>> plot.contact_paths(both_sides(constants_to_states(Disk.matching(), 1.0, 0.0, 1.0))).get_title().splitlines()[1]
+    'The limits of both sides are the same'
     """
     ax = axes_or_new(ax)
     r = both.disk.r
     for sign, colour in SIGN_COLOURS.items():
-        x, y, _ = (both.motions[sign]["contact"] / r).T
-        ax.plot(x, y, color=colour, lw=1.6, ls="-" if sign > 0 else "--", label=_side_label(both, sign))
-        ax.plot(x[-1], y[-1], marker=">", color=colour, ms=8)
-        pieces = np.split(np.arange(both.t.size), np.searchsorted(both.t, both.impacts))
-        for number, piece in enumerate(pieces):
-            limit = both.limits[sign].contact[piece] / r
-            label = "limit motion" if sign > 0 and number == 0 else None
-            ax.plot(limit[:, 0], limit[:, 1], color=DARK, lw=0.9, ls=":", label=label)
-    ax.plot(0.0, 0.0, marker="o", color=DARK, ms=6, label="start")
-    ax.set_aspect("equal", adjustable="datalim")
-    legend(ax, loc="best")
-    differ = "the same" if both.disk.gap < 1e-9 else f"{both.disk.gap:.3f} rad apart per fall"
-    return dress(ax, "x (radii)", "y (radii)", f"Path of the contact point, {both.disk.name}: limits {differ}")
+        path = both.motions[sign]["contact"][:, :2] / r
+        style = {"color": colour, "lw": 1.8, "label": _side_label(both, sign)} | look
+        ax.plot(*path.T, **style)
+        for row in (*_in_race(both, sign), len(path) - 1):
+            arrow(ax, path, row, colour)
+        limit = _limit_with_races(both, sign) / r
+        ax.plot(*limit.T, color=LAW, lw=0.9, ls=":", label="limit of each side" if sign > 0 else None)
+    ax.plot(0.0, 0.0, marker="o", ls="", color=LAW, ms=6, label="start")
+    ax.set_aspect("equal", adjustable="box")
+    legend_below(ax, ncols=4 if both.disk.gap else 2)
+    apart = circle_distance(both.disk.gap)
+    limits = "The limits of both sides are the same"
+    if apart > 1e-9:
+        limits = f"The sides leave each fall {apart:.3f} rad apart"
+    sigma3, speed = (float(values.ravel()[0]) for values in (both.start.sigma3, both.start.phidot))
+    start = rf"$\sigma_3$ = {number(sigma3, '.3g')}, $\dot\varphi$ = {number(speed, '.3g')} at the start"
+    return dress(ax, "x (r)", "y (r)", f"{_named(both)}; {start}\n{limits}")
+
+
+def circle_distance(angle: float) -> float:
+    """How far an angle (rad) is from zero on the circle: 0 to pi."""
+    return abs(math.remainder(angle, 2.0 * math.pi))
+
+
+def _in_race(both: BothSides, sign: int) -> Iterator[int]:
+    """Rows of the motion a quarter before and after the middle of each race."""
+    chi, race = both.motions[sign]["chi"], sign * both.disk.race_limit
+    for middle in np.searchsorted(both.t, both.impacts):
+        for share in (-0.25, 0.25):
+            near = abs(chi - chi[middle] - share * race)
+            around = np.arange(max(middle - len(chi) // 8, 0), min(middle + len(chi) // 8, len(chi)))
+            yield int(around[near[around].argmin()])
+
+
+def _limit_with_races(both: BothSides, sign: int) -> Array:
+    """The limit's contact point (n, 2), with the circle that it runs through in no time at each impact."""
+    limit = both.limits[sign]
+    pieces, first = [], 0
+    for row in np.searchsorted(both.t, both.impacts):
+        centre = limit.path[row - 1, :2]
+        turn = np.exp(1j * np.linspace(0.0, limit.chi[row] - limit.chi[row - 1], _RACE_POINTS))
+        circle = turn * complex(*(limit.contact[row - 1, :2] - centre))
+        pieces += [limit.contact[first:row, :2], centre + np.stack([circle.real, circle.imag], axis=1)]
+        first = row
+    return np.concatenate([*pieces, limit.contact[first:, :2]])
+
+
+def _named(both: BothSides) -> str:
+    return _BODY_NAMES.get(both.disk.name, both.disk.name)
 
 
 def _side_label(both: BothSides, sign: int) -> str:
-    return rf"${_SIDES[sign]}$: $\hat\eta$ = {sign * both.eta_hat:g}"
+    return rf"${_SIDES[sign]}$: $\hat\eta$ = {number(sign * both.eta_hat)}"

@@ -1,6 +1,6 @@
 """The look of all pictures: sizes, colours that colour-blind users can tell apart, axes and their units."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,23 +8,27 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from explorer.phase.disk import Disk
+from explorer.phase.states import Array
 
-# Okabe & Ito's palette: blue for eta > 0, vermilion for eta < 0, everywhere.
-PLUS, MINUS, THIRD, FOURTH, DARK = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#222222"
+# Okabe & Ito's palette. Blue is eta > 0 and vermilion eta < 0, the sides of F, and neither is anything else.
+PLUS, MINUS, DARK = "#0072B2", "#D55E00", "#222222"
 SIGN_COLOURS = {1: PLUS, -1: MINUS}
-DISK_COLOURS = (PLUS, MINUS, THIRD, FOURTH, "#E69F00", "#56B4E9")
-MARKERS = ("o", "s", "^", "D", "v", "P")
+# Bodies, methods and other series: told apart by lightness too, and none like a side of F.
+SERIES = (DARK, "#009E73", "#CC79A7", "#A08000", "#8A8A8A", "#004D40", "#7A4B91", "#B9B07A")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
+ACCENT, LAW = SERIES[2], DARK  # what a picture points at; laws and exact results are dark
 # Perceptually even and readable in grey; the flattest states are brightest.
 TILT_COLOURS = "cividis_r"
 
 SIZE = (6.4, 4.8)
 TEXT, SMALL = 12, 10.5
 
-# Tints of parts of a phase space, light enough for lines to stand out.
-FALLS, BOUNCES, UNSTABLE = "#F6D6C2", "#DCEAF5", "#F3E3EE"
+# Tints of parts of a phase space, light enough for lines to stand out, and apart in grey.
+FALLS, BOUNCES, UNSTABLE = "#C9BFD9", "#F8F6EE", "#D9D4C5"
 
 HALF_PI = 0.5 * np.pi
-FLAT_TICKS = ([-HALF_PI, -0.5, 0.0, 0.5, HALF_PI], [r"$-\pi/2$", "-0.5", "0", "0.5", r"$\pi/2$"])
+FLAT_TICKS = ([-HALF_PI, -0.5, 0.0, 0.5, HALF_PI], ["flat\n−π/2", "−0.5", "0", "0.5", "flat\nπ/2"])
+BEYOND = "beyond"  # gid of what marks data outside the axes
 _SYMBOLS = {"phi": r"$\varphi$", "phidot": r"$\dot\varphi$", "sigma3": r"$\sigma_3$", "sigma4": r"$\sigma_4$"}
 
 
@@ -127,9 +131,48 @@ def coordinate_label(name: str, disk: Disk) -> str:
 
 def values_label(fixed: Mapping[str, float]) -> str:
     """Coordinates that are held, with their values."""
-    return ", ".join(f"{_SYMBOLS[name]} = {value:g}" for name, value in fixed.items())
+    return ", ".join(f"{_SYMBOLS[name]} = {number(value)}" for name, value in fixed.items())
+
+
+def number(value: float, form: str = "g") -> str:
+    """A number as it is printed, with a minus sign rather than a hyphen."""
+    return format(value, form).replace("-", "−")
 
 
 def legend(ax: Axes, **options: Any) -> None:
-    """A legend that does not hide what it explains."""
+    """A legend inside the axes, where the picture leaves room for it."""
     ax.legend(fontsize=SMALL, framealpha=0.9, **options)
+
+
+def legend_below(ax: Axes, ncols: int = 2, **options: Any) -> None:
+    """A legend under the name of the horizontal axis, where it covers nothing."""
+    place: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.17), "columnspacing": 1.2}
+    ax.legend(fontsize=SMALL, frameon=False, ncols=ncols, **(place | options))
+
+
+def arrow(ax: Axes, path: Array, row: int, colour: str, size: float = 17.0) -> None:
+    """An arrow head on row `row` of a path (n, 2), in the direction of the motion there."""
+    path = np.asarray(path)[: row + 1]
+    away = np.hypot(*(path - path[-1]).T)
+    far = np.flatnonzero(away > 0.02 * np.nanmax(away))
+    if far.size == 0:
+        return
+    look = {"arrowstyle": "-|>", "color": colour, "lw": 0.0, "mutation_scale": size, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", tuple(path[-1]), xytext=tuple(path[far[-1]]), arrowprops=look, zorder=6)
+
+
+def mark_beyond(ax: Axes, x: Array, y: Array, colour: str, texts: Sequence[str] = ()) -> None:
+    """Mark points that lie above or below the axes by a triangle at the edge, with what they are."""
+    low, high = ax.get_ylim()
+    for i, (at, value) in enumerate(zip(x, y, strict=True)):
+        if low <= value <= high:
+            continue
+        above = value > high
+        edge, marker, away = (high, "^", -12) if above else (low, "v", 6)
+        ax.plot([at], [edge], marker, color=colour, ms=7, clip_on=False, gid=BEYOND, zorder=7)
+        if i < len(texts):
+            place: dict[str, Any] = {"xytext": (8, away), "textcoords": "offset points"}
+            ax.annotate(texts[i], (at, edge), fontsize=SMALL, color=colour, **place)
+
+
+THIRD, FOURTH, DISK_COLOURS = SERIES[1], SERIES[2], SERIES

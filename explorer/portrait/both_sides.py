@@ -60,8 +60,8 @@ class BothSides:
 
     Attributes
     ----------
-    disk : Disk
-        The body.
+    start : States
+        The point of F.
     eta_hat : float
         Distance of the motions from F, without its sign.
     t : (nt,) array
@@ -81,12 +81,17 @@ class BothSides:
     True
     """
 
-    disk: Disk
+    start: States
     eta_hat: float
     t: Array
     impacts: Array
     motions: dict[int, dict[str, Array]]
     limits: dict[int, LimitState]
+
+    @property
+    def disk(self) -> Disk:
+        """The body."""
+        return self.start.disk
 
 
 def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
@@ -141,4 +146,4 @@ def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
     t = np.unique(motion.t)
     at = motion(t)
     rows = {sign: {name: getattr(at, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
-    return BothSides(disk, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})
+    return BothSides(state, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})
