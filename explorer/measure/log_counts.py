@@ -11,7 +11,6 @@ from explorer.measure.statistics import ONE_SIGMA, QUANTILES
 from explorer.phase.states import Array
 
 PER_DECADE = 400  # bins of logarithmic counts: a quantile is good to half a bin, 0.3 %
-CELLS_PER_DECADE = 12  # of maps of two magnitudes: cells 21 % wide, which pictures can show
 
 
 class LogCounts:
@@ -155,12 +154,3 @@ def pack(values: NDArray[np.uint16]) -> str:
 def unpack(text: str) -> NDArray[np.uint16]:
     """The array that `pack` was given, flat."""
     return np.frombuffer(zlib.decompress(base64.b85decode(text)), dtype="<u2")
-
-
-def count_cells(x: Array, y: Array) -> list[list[int]]:
-    """[i, j, count] of cells of CELLS_PER_DECADE per decade in both of two positive magnitudes."""
-    good = np.isfinite(x) & np.isfinite(y) & (x > 0.0) & (y > 0.0)
-    i, j = (np.floor(CELLS_PER_DECADE * np.log10(v[good])).astype(np.int64) for v in (x, y))
-    cells, counts = np.unique(np.stack([i, j]), axis=1, return_counts=True)
-    rows: list[list[int]] = np.column_stack([cells.T, counts]).tolist()
-    return rows

@@ -43,6 +43,12 @@ def upper_bound(count: int, total: int, confidence: float = 0.95) -> float:
     return float(interval.high)
 
 
+def poisson_interval(counts: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Exact (Garwood) 95 % intervals of the means of counts."""
+    low = np.where(counts > 0, 0.5 * scipy.stats.chi2.ppf(0.025, np.maximum(2 * counts, 1)), 0.0)
+    return low, 0.5 * scipy.stats.chi2.ppf(0.975, 2 * counts + 2)
+
+
 def either_p(*values: float) -> float:
     """p-value of several tests together, after Bonferroni."""
     return min(1.0, len(values) * min(values))

@@ -1,6 +1,7 @@
 """Pictures over all bodies: the race number, and the gap between the two limit motions."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,7 +9,7 @@ from matplotlib.figure import Figure
 
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, MINUS, PLUS, SMALL, THIRD, axes_or_new, dress, legend, stacked
+from explorer.plot.style import DARK, SERIES, SMALL, axes_or_new, dress, legend_below, stacked
 from explorer.portrait.bodies import MeasuredGaps, RaceNumbers
 
 NAMED = {2.0: "hoop", 4.0: "uniform"}
@@ -21,7 +22,9 @@ _RATIO = r"$m r^2/I_1$"
     "Circles are measured on passages beside F and lie on the curve. At the diamonds κ is a whole number, and "
     "both limit motions agree.",
 )
-def race_number(numbers: RaceNumbers, measured: MeasuredGaps | None = None, ax: Axes | None = None) -> Axes:
+def race_number(
+    numbers: RaceNumbers, measured: MeasuredGaps | None = None, ax: Axes | None = None, **look: Any
+) -> Axes:
     r"""Draw kappa against m r^2/I1: beside F the contact point races by kappa pi.
 
     Parameters
@@ -32,6 +35,8 @@ def race_number(numbers: RaceNumbers, measured: MeasuredGaps | None = None, ax: 
         Race angles of passages, drawn as circles.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the curve.
 
     Returns
     -------
@@ -51,14 +56,16 @@ def race_number(numbers: RaceNumbers, measured: MeasuredGaps | None = None, ax: 
     ['hoop', 'uniform']
     """
     ax = axes_or_new(ax)
-    ax.plot(numbers.ratio, numbers.kappa, color=PLUS, lw=1.8, label=r"$\kappa = \sqrt{1 + m r^2/I_1}$")
+    style = {"color": DARK, "lw": 1.8, "label": r"$\kappa = \sqrt{1 + m r^2/I_1}$"} | look
+    ax.plot(numbers.ratio, numbers.kappa, **style)
     _matching(ax, numbers, np.sqrt(1.0 + numbers.matching))
     if measured is not None:
         _measured(ax, measured.ratio, measured.kappa)
     _named(ax, numbers, np.sqrt)
     ax.set_ylim(0.8, 1.08 * numbers.kappa[-1])
     ax.grid(alpha=0.3)
-    legend(ax, loc="lower right")
+    handle = ax.lines[0]
+    ax.legend(handles=[handle], fontsize=SMALL, loc="lower right", frameon=False)
     return dress(ax, _RATIO, r"race number $\kappa$ (half turns)", r"The contact point races by $\pm\kappa\pi$")
 
 
@@ -67,8 +74,10 @@ def race_number(numbers: RaceNumbers, measured: MeasuredGaps | None = None, ax: 
     "How far apart the two limit motions leave a fall, as a distance on the circle, against mr²/I₁. At the "
     "diamonds it is zero: for these bodies both sides of F have the same limit.",
 )
-def race_gap(numbers: RaceNumbers, measured: MeasuredGaps | None = None, ax: Axes | None = None) -> Axes:
-    r"""Draw 2 kappa pi mod 2 pi against m r^2/I1; for the matching bodies it is zero, and jumps by a whole turn.
+def race_gap(
+    numbers: RaceNumbers, measured: MeasuredGaps | None = None, ax: Axes | None = None, **look: Any
+) -> Axes:
+    r"""Draw how far apart the two limits leave a fall, on the circle, against m r^2/I1: zero for matching bodies.
 
     Parameters
     ----------
@@ -78,11 +87,13 @@ def race_gap(numbers: RaceNumbers, measured: MeasuredGaps | None = None, ax: Axe
         Race angles of passages, drawn as circles.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the curve.
 
     Returns
     -------
     Axes
-        m r^2/I1 (dimensionless) and the gap (rad).
+        m r^2/I1 (dimensionless) and the distance of 2 kappa pi from whole turns, 0 to pi (rad).
 
     References
     ----------
@@ -93,21 +104,28 @@ def race_gap(numbers: RaceNumbers, measured: MeasuredGaps | None = None, ax: Axe
     >>> from explorer import plot
     >>> from explorer.portrait.bodies import race_numbers
     >>> plot.race_gap(race_numbers(4.0)).get_ylabel()
-    'gap (rad)'
+    'apart after a fall (rad)'
     """
     ax = axes_or_new(ax)
-    jumps = np.flatnonzero(np.diff(numbers.gap) < 0.0) + 1
-    x, y = np.insert(numbers.ratio, jumps, np.nan), np.insert(numbers.gap, jumps, np.nan)
-    ax.plot(x, y, color=PLUS, lw=1.8, label=r"$2\kappa\pi$ mod $2\pi$")
+    style = {"color": DARK, "lw": 1.8} | look
+    ax.plot(numbers.ratio, _on_circle(numbers.gap), **style)
     _matching(ax, numbers, 0.0 * numbers.matching)
     if measured is not None:
-        _measured(ax, measured.ratio, measured.gap)
-    _named(ax, numbers, lambda square: 2.0 * np.pi * (np.sqrt(square) % 1.0))
-    ax.set_ylim(-0.35, 2.0 * np.pi + 0.2)
-    ax.set_yticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
+        _measured(ax, measured.ratio, _on_circle(measured.gap))
+    _named(ax, numbers, lambda square: float(_on_circle(np.array(2.0 * np.pi * np.sqrt(square)))))
+    ax.set_ylim(-0.2, np.pi + 0.45)
+    ax.set_yticks([0.0, 0.5 * np.pi, np.pi], ["0", "π/2", "π"])
     ax.grid(alpha=0.3)
-    legend(ax, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
-    return dress(ax, _RATIO, "gap (rad)", "How far the two limit motions differ after a fall")
+    legend_below(ax, ncols=2, bbox_to_anchor=(0.5, -0.2))
+    return dress(
+        ax, _RATIO, "apart after a fall (rad)", "How far the two limit motions part in a fall, on the circle"
+    )
+
+
+def _on_circle(angle: Array) -> Array:
+    """How far angles (rad) are from whole turns: 0 to pi."""
+    distance: Array = abs(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))
+    return distance
 
 
 def race_bodies(numbers: RaceNumbers, measured: MeasuredGaps | None = None) -> Figure:
@@ -137,7 +155,7 @@ def race_bodies(numbers: RaceNumbers, measured: MeasuredGaps | None = None) -> F
 
 
 def _matching(ax: Axes, numbers: RaceNumbers, at: Array) -> None:
-    ax.plot(numbers.matching, at, "D", color=MINUS, ms=7, label=r"$m r^2/I_1 = l^2 - 1$: both limits agree")
+    ax.plot(numbers.matching, at, "D", color=SERIES[1], ms=7, label=r"$m r^2/I_1 = l^2 - 1$: both limits agree")
 
 
 def _measured(ax: Axes, ratio: Array, value: Array) -> None:
@@ -148,5 +166,5 @@ def _named(ax: Axes, numbers: RaceNumbers, height: Callable[[float], float]) -> 
     for ratio, name in NAMED.items():
         if ratio <= numbers.ratio[-1]:
             at = ratio, height(1.0 + ratio)
-            ax.plot(*[[value] for value in at], "s", color=THIRD, ms=6)
+            ax.plot(*[[value] for value in at], "s", color=SERIES[2], ms=6)
             ax.annotate(name, at, xytext=(-7, 9), textcoords="offset points", ha="right", fontsize=SMALL)

@@ -5,23 +5,23 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from explorer.measure.log_counts import LogCounts
+from explorer.measure.statistics import poisson_interval
 from explorer.motion.plan import method_in_words
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
-    DARK,
-    MINUS,
-    PLUS,
+    ACCENT,
+    LAW,
     SMALL,
     TEXT,
     TILT_COLOURS,
     axes_or_new,
     coordinate_label,
     dress,
-    legend,
+    legend_below,
     rates_of,
     values_label,
 )
@@ -29,40 +29,43 @@ from explorer.portrait.slices import ConstantsPlane, SliceMap
 
 _FLATTEST = -3.0  # colours end at theta_min = 1e-3 rad: a picture resolves no narrower valley
 _FALLS = (0, (8, 5))  # gaps let the valley show through the exact line that lies on it
-_EDGES = {1: (0, (4, 4)), -1: (4, (4, 4))}  # where both edges coincide, each shows in the gaps of the other
+_TILTS = (0.001, 0.01, 0.1, 1.0)
 _FEWEST = 100  # samples that a guide of slope one is drawn through
 
 
-def _colour_tilt(ax: Axes, x: Array, y: Array, theta: Array, method: str) -> None:
+def _colour_tilt(ax: Axes, x: Array, y: Array, theta: Array, method: str, **look: Any) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
-        tilt = np.clip(np.log10(theta), _FLATTEST, None)
-    mesh = ax.pcolormesh(
-        x, y, tilt, cmap=TILT_COLOURS, vmin=_FLATTEST, vmax=np.log10(0.5 * np.pi), rasterized=True
-    )
-    bar = ax.figure.colorbar(mesh, ax=ax)
-    bar.set_label(rf"$\log_{{10}}\,\theta_{{\min}}$ (rad), {method_in_words(method)}", fontsize=TEXT)
+        tilt = np.log10(theta)
+    shade: dict[str, Any] = {"cmap": TILT_COLOURS, "vmin": _FLATTEST, "vmax": np.log10(0.5 * np.pi)}
+    mesh = ax.pcolormesh(x, y, tilt, **({**shade, "rasterized": True} | look))
+    bar = ax.figure.colorbar(mesh, ax=ax, extend="min")
+    bar.set_ticks(np.log10(_TILTS).tolist(), labels=[f"{tilt:g}" for tilt in _TILTS])
+    bar.set_label(rf"$\theta_{{\min}}$ (rad), {method_in_words(method)}", fontsize=TEXT)
     bar.ax.tick_params(labelsize=SMALL)
 
 
 @captioned(
     Question.FROM_WHERE,
-    "The flattest motion among the samples of each cell, over the two constants of motion. Only motions on "
-    "two lines through the origin come flat; short marks at the frame say where these lines are exactly.",
+    "The flattest motion among the samples of each cell, over the two constants of motion. Only motions on two "
+    "lines through the origin come flat; the exact lines are drawn over their outer ends, so that the ridges of "
+    "samples between them can be compared. A cell with more samples finds flatter ones.",
 )
-def constants_plane(plane: ConstantsPlane, ax: Axes | None = None) -> Axes:
+def constants_plane(plane: ConstantsPlane, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw all samples of a run over the plane of constants: the flattest motion per cell, and both lines l_+-.
 
     Parameters
     ----------
     plane : ConstantsPlane
-        From a run of scene falling-set.
+        From a run of scene falling-set, or `explorer.portrait.slices.flattest_per_cell`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib's pcolormesh.
 
     Returns
     -------
     Axes
-        Colours are log10 theta_min (theta_min in rad), the axes are sigma3_bar and sigma4_bar.
+        Colours are theta_min (rad) on a logarithmic scale, the axes are sigma3_bar and sigma4_bar.
 
     Examples
     --------
@@ -71,32 +74,37 @@ def constants_plane(plane: ConstantsPlane, ax: Axes | None = None) -> Axes:
     >>> from explorer.portrait.slices import ConstantsPlane
     >>> edges = np.linspace(-2.0, 2.0, 4)
     >>> plane = ConstantsPlane(Disk.uniform(), edges, edges, np.full((3, 3), 0.1), 0.7286, "quadrature")
-    >>> [line.get_label() for line in plot.constants_plane(plane).lines]
-    ['$l_+$, exact', '$l_-$, exact']
+    >>> [text.get_text() for text in plot.constants_plane(plane).texts]
+    ['$l_+$', '$l_-$']
     """
     ax = axes_or_new(ax)
-    _colour_tilt(ax, plane.sigma3_edges, plane.sigma4_edges, plane.smallest, plane.method)
-    ends = plane.sigma3_edges[[0, -1]]
-    ax.plot(ends, plane.slope * ends, color=PLUS, lw=1.5, ls=_FALLS, label=r"$l_+$, exact")
-    ax.plot(ends, -plane.slope * ends, color=MINUS, lw=1.5, ls=_FALLS, label=r"$l_-$, exact")
-    ax.set_xlim(*ends)
-    ax.set_ylim(*plane.sigma4_edges[[0, -1]])
-    legend(ax, loc="upper center", ncols=2)
+    _colour_tilt(ax, plane.sigma3_edges, plane.sigma4_edges, plane.smallest, plane.method, **look)
+    (left, right), (low, high) = plane.sigma3_edges[[0, -1]], plane.sigma4_edges[[0, -1]]
+    ax.set(xlim=(left, right), ylim=(low, high), aspect="equal")
+    reach = min(right, high / abs(plane.slope)) if plane.slope else right
+    for face, name in ((1, "$l_+$"), (-1, "$l_-$")):
+        for end in (-1.0, 1.0):
+            x = end * reach * np.array([0.72, 1.0])
+            ax.plot(x, face * plane.slope * x, color=LAW, lw=1.6, ls=(0, (4, 2)))
+        box = {"facecolor": "white", "alpha": 0.85, "lw": 0, "pad": 1.5}
+        place: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": TEXT, "bbox": box}
+        ax.text(0.62 * reach, face * (0.62 * reach * plane.slope + 0.09 * (high - low)), name, **place)
     unit = rates_of(plane.disk)
     return dress(
         ax,
         rf"$\bar\sigma_3$ ({unit})",
         rf"$\bar\sigma_4$ ({unit})",
-        f"Flattest motion among the samples, {plane.disk.name} disk",
+        f"Only motions on two lines come flat, {plane.disk.name} disk",
     )
 
 
 @captioned(
     Question.FROM_WHERE,
-    "How flat the disk comes, for every start in a plane of the phase space. The bright valleys are the "
-    "falling set F, and the broken lines are F as the algebra gives it.",
+    "How flat the disk comes, for every start in a plane of the phase space. The bright valleys are the falling "
+    "set F, and broken lines are F as the algebra gives it, over half of each valley. A step of the colour "
+    "elsewhere is the separatrix: beyond it the disk stays in another well and never comes near this flat state.",
 )
-def slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
+def slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw theta_min on a slice of the phase space, and the exact falling set over it.
 
     Parameters
@@ -105,12 +113,14 @@ def slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
         From `explorer.portrait.slices.map_slice`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib's pcolormesh.
 
     Returns
     -------
     Axes
-        Colours are log10 theta_min (theta_min in rad). Broken lines are F on face + and on face -, dotted ones
-        are eta = 0 where the disk would not fall, thin ones the edge between the two.
+        Colours are theta_min (rad) on a logarithmic scale. Lines are F, broken on face + and dash-dotted on face
+        -; dotted ones are eta = 0 where the disk would not fall.
 
     Examples
     --------
@@ -122,35 +132,34 @@ def slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
     'by quadrature'
     """
     ax = axes_or_new(ax)
-    _colour_tilt(ax, cut.x, cut.y, cut.theta_min, cut.method)
+    _colour_tilt(ax, cut.x, cut.y, cut.theta_min, cut.method, **look)
     handles = [
         *_falling_set(ax, cut, 1, cut.distance_plus, cut.could_fall_plus),
         *_falling_set(ax, cut, -1, cut.distance_minus, cut.could_fall_minus),
     ]
     if handles:
-        legend(ax, handles=handles, loc="upper center", bbox_to_anchor=(0.55, -0.15), ncols=2, columnspacing=1.0)
+        legend_below(ax, handles=handles)
     first, second = (coordinate_label(name, cut.disk) for name in cut.slice.axes)
     return dress(ax, first, second, f"Where the disk falls: slice {values_label(cut.slice.fixed)}")
 
 
 def _falling_set(ax: Axes, cut: SliceMap, face: int, distance: Array, could: NDArray[np.bool_]) -> list[Line2D]:
     """Draw eta = 0 on one face, and return what the legend says of it."""
-    colour, name = (PLUS, "+") if face > 0 else (MINUS, "-")
-    styles: list[tuple[str, Any, float]] = []
+    name = "+" if face > 0 else "−"
+    handles: list[Line2D] = []
+    falls = _FALLS if face > 0 else (0, (8, 3, 1.5, 3))
     for mask, label, style, width in (
-        (could, rf"$F$, face ${name}$", _FALLS, 1.5),
-        (~could, rf"$\eta_{name}=0$, no fall", ":", 1.3),
+        (could, f"$F$, face {name}", falls, 1.4),
+        (~could, rf"$\eta = 0$ on face {name}, no fall", (0, (1, 2)), 1.2),
     ):
         kept = np.where(mask, distance, np.nan)
-        look: dict[str, Any] = {"colors": colour, "linewidths": width, "linestyles": [style]}
-        if _has_zero(kept) and any(
-            np.size(path.vertices) for path in ax.contour(cut.x, cut.y, kept, [0.0], **look).get_paths()
-        ):
-            styles.append((label, style, width))
-    if could.any() and not could.all():
-        ax.contour(cut.x, cut.y, could, [0.5], colors=colour, linewidths=0.8, linestyles=[_EDGES[face]])
-        styles.append((rf"would fall at $\eta_{name}=0$: edge", _EDGES[1], 0.8))
-    return [Line2D([], [], color=colour, ls=style, lw=width, label=label) for label, style, width in styles]
+        if not _has_zero(kept):
+            continue
+        look: dict[str, Any] = {"colors": LAW, "linewidths": width, "linestyles": [style]}
+        drawn = ax.contour(cut.x, cut.y, kept, [0.0], **look)
+        if any(np.size(path.vertices) for path in drawn.get_paths()):
+            handles.append(Line2D([], [], color=LAW, ls=style, lw=width, label=label))
+    return handles
 
 
 def _has_zero(values: Array) -> bool:
@@ -161,20 +170,25 @@ def _has_zero(values: Array) -> bool:
 
 @captioned(
     Question.HOW_RARELY,
-    "The share of samples that come flatter than δ. It falls in proportion to δ: F has codimension one, so "
-    "nearly falling flat is rare and falling flat has probability zero.",
+    "The share of samples that come flatter than δ, with the band of 95 % that counting leaves. It falls in "
+    "proportion to δ, as the broken line does: F has codimension one, so nearly falling flat is rare, and falling "
+    "flat has probability zero.",
 )
-def theta_min_distribution(theta: LogCounts, samples: int, ax: Axes | None = None) -> Axes:
+def theta_min_distribution(
+    theta: LogCounts | ArrayLike, samples: int | None = None, ax: Axes | None = None, **look: Any
+) -> Axes:
     """Draw the share of samples that come flatter than delta, and a guide of slope one: codimension one.
 
     Parameters
     ----------
-    theta : LogCounts
-        Counts of theta_min (rad).
-    samples : int
-        Number of all samples, also of those whose theta_min was not computed.
+    theta : LogCounts or array_like
+        theta_min (rad) of samples, or counts of it.
+    samples : int, optional
+        Number of all samples, also of those whose theta_min was not computed; by default as many as `theta` has.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the line of the samples.
 
     Returns
     -------
@@ -185,25 +199,28 @@ def theta_min_distribution(theta: LogCounts, samples: int, ax: Axes | None = Non
     --------
     >>> import numpy as np
     >>> from explorer import plot
-    >>> from explorer.measure.log_counts import LogCounts
-    >>> ax = plot.theta_min_distribution(LogCounts.of(np.geomspace(1e-5, 1.0, 500)), 1000)
+    >>> ax = plot.theta_min_distribution(np.geomspace(1e-5, 1.0, 500), 1000)
     >>> float(ax.lines[0].get_ydata()[-1])
     0.5
     """
     ax = axes_or_new(ax)
-    if not theta.counts.any():
+    counts = theta if isinstance(theta, LogCounts) else LogCounts.of(np.ravel(np.asarray(theta, dtype=float)))
+    if not counts.counts.any():
         ax.text(0.5, 0.5, "no sample was computed", ha="center", transform=ax.transAxes, fontsize=TEXT)
         return dress(ax, r"$\delta$ (rad)", "share of samples")
-    values, below = theta.cumulative()
+    values, below = counts.cumulative()
+    samples = samples if samples is not None else counts.total
     share = below / samples
-    ax.loglog(values, share, color=PLUS, lw=2, label="samples")
-    if theta.total > _FEWEST:
-        middle = int(np.searchsorted(below, theta.total // 100))
-        guide = np.array([values[0], values[middle]])
-        ax.loglog(
-            guide, share[middle] * guide / guide[1], color=DARK, ls="--", lw=1.2, label=r"slope one: $C\,\delta$"
-        )
-    legend(ax, loc="upper left")
+    ax.loglog(values, share, **({"color": ACCENT, "lw": 2, "label": "samples"} | look))
+    low, high = poisson_interval(below)
+    ax.fill_between(values, low / samples, high / samples, color=ACCENT, alpha=0.25, lw=0, label="95 %")
+    if counts.total > _FEWEST:
+        middle = int(np.searchsorted(below, counts.total // 100))
+        guide = np.array([values[0], min(1.0, values[-1])])
+        label = rf"$\propto \delta$, through the flattest {100.0 * share[middle]:.2g} %"
+        ax.loglog(guide, share[middle] * guide / values[middle], color=LAW, ls="--", lw=1.2, label=label)
+        ax.set_ylim(0.5 / samples, 1.5)
+    legend_below(ax, ncols=3)
     ax.grid(alpha=0.3)
     return dress(
         ax, r"$\delta$ (rad)", r"share of samples with $\theta_{\min} < \delta$", "The flatter, the rarer"

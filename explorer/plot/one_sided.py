@@ -139,8 +139,8 @@ def one_sided_phi(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
 
 @captioned(
     Question.EACH_SIDE,
-    "The angle of the contact point against time on both sides of F, with both limits. At each near-fall, which "
-    "is where the thin vertical lines are, χ jumps by the race: κπ forwards on one side, κπ backwards on the other.",
+    "The angle of the contact point against time on both sides of F, with both limits. At each near-fall, on the "
+    "thin vertical lines, χ jumps by the race: κπ forwards on one side of F, κπ backwards on the other.",
 )
 def one_sided_chi(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw the angle of contact chi(t) beside F and on both limits, with the size of the jumps.

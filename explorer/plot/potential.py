@@ -13,14 +13,14 @@ from explorer.plot.style import (
     DARK,
     FALLS,
     FLAT_TICKS,
-    FOURTH,
     HALF_PI,
-    MINUS,
-    PLUS,
+    SERIES,
     SIGN_COLOURS,
+    arrow,
     axes_or_new,
     dress,
-    legend,
+    legend_below,
+    number,
     rates_of,
 )
 from explorer.portrait.potential import CENTRE, SADDLE, Potential, level_energies
@@ -29,7 +29,8 @@ from explorer.portrait.potential import CENTRE, SADDLE, Potential, level_energie
 _STYLES = ("-", "--", "-.", ":")
 _ON_LINE: dict[str, Any] = {"color": DARK, "lw": 2.4}
 _AT_FLAT: dict[str, Any] = {"color": DARK, "ms": 7, "ls": "", "clip_on": False, "zorder": 6}
-_MARKS = {CENTRE: ("o", PLUS, "centre"), SADDLE: ("X", MINUS, "saddle")}
+_MARKS = {CENTRE: ("o", DARK, "centre"), SADDLE: ("X", SERIES[1], "saddle")}
+_SEPARATRIX = SERIES[1]
 
 
 @captioned(
@@ -39,7 +40,7 @@ _MARKS = {CENTRE: ("o", PLUS, "centre"), SADDLE: ("X", MINUS, "saddle")}
     "from the rest.",
 )
 def phase_portrait(
-    potential: Potential, energies: tuple[float, float] | None = None, ax: Axes | None = None
+    potential: Potential, energies: tuple[float, float] | None = None, ax: Axes | None = None, **look: Any
 ) -> Axes:
     """Draw levels of the energy over (phi, phidot), separatrices and equilibria, over what falls and what bounces.
 
@@ -51,6 +52,8 @@ def phase_portrait(
         Range of the levels, units of the disk; by default from the bottom of V to above all saddles.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the lines of the levels.
 
     Returns
     -------
@@ -77,24 +80,38 @@ def phase_portrait(
     separatrices = [potential.curve(piece) for each in potential.separatrices() for piece in each.branches]
     fastest = 1.08 * max(speed.max() for _, speed in curves)
     _shade(ax, potential, 1.3 * fastest)
-    looks = (("level", curves, DARK, 0.8), ("separatrix", separatrices, FOURTH, 2.4))
-    for name, drawn, colour, width in looks:
-        for number, (phi, speed) in enumerate(drawn):
-            ax.plot(phi, speed, color=colour, lw=width, label=None if number else name)
-            ax.plot(phi, -speed, color=colour, lw=width)
+    levels = {"color": DARK, "lw": 0.8} | look
+    for name, drawn, style in (
+        ("level", curves, levels),
+        ("separatrix", separatrices, {"color": _SEPARATRIX, "lw": 2.4}),
+    ):
+        for place, (phi, speed) in enumerate(drawn):
+            ax.plot(phi, speed, **style, label=None if place else name)
+            ax.plot(phi, -speed, **style)
+    for phi, speed in curves:
+        row = int(np.argmax(speed))
+        if 0 < row < len(phi) - 1 and speed[row] > 0.2 * fastest:
+            for sign in (1, -1):
+                here = np.stack([phi, sign * speed], axis=1)[::sign]
+                arrow(ax, here, row if sign > 0 else len(phi) - 1 - row, DARK, size=11.0)
     walls = {face: bool(np.isinf(potential.flat_value(face))) for face in (-1, 1)}
     for face, wall in walls.items():
-        name, colour, style, width = ("wall", DARK, "-", 4.0) if wall else ("flat", MINUS, ":", 2.5)
+        name, colour, style, width = (
+            ("wall at flat", DARK, "-", 4.0) if wall else ("flat, reached", DARK, (0, (1, 1)), 2.5)
+        )
         label = None if face > 0 and walls[-1] == wall else name
         ax.axvline(face * HALF_PI, color=colour, ls=style, lw=width, label=label)
     _mark(ax, potential, at_energy=False)
     ax.set_xlim(-1.68, 1.68)
-    ax.set_ylim(-1.3 * fastest, 1.3 * fastest)  # the legend stands above the levels
+    ax.set_ylim(-fastest, fastest)
     ax.set_xticks(*FLAT_TICKS)
     falling = np.isfinite(potential.falling_edge(np.zeros(1))[0])
-    patches = [Patch(color=FALLS, label="falls")] if falling else []
-    handles = [*patches, Patch(color=BOUNCES, label="bounces"), *ax.get_legend_handles_labels()[0]]
-    legend(ax, handles=handles, loc="upper center", ncols=2)
+    patches = [Patch(facecolor=FALLS, label="falls")] if falling else []
+    patches.append(Patch(facecolor=BOUNCES, label="bounces"))
+    handles = [*patches, *ax.get_legend_handles_labels()[0]]
+    for patch in patches:
+        patch.set_edgecolor(DARK)
+    legend_below(ax, handles=handles, ncols=4)
     return dress(ax, r"$\varphi$ (rad)", rf"$\dot\varphi$ ({rates_of(potential.disk)})", _title(potential))
 
 
@@ -120,7 +137,11 @@ def _mark(ax: Axes, potential: Potential, at_energy: bool, named: bool = True) -
 
 def _title(potential: Potential) -> str:
     line = "l_+" if potential.face > 0 else "l_-"
-    where = f"on ${line}$" if potential.eta == 0.0 else rf"$\hat\eta$ = {potential.eta_hat:.4g} beside ${line}$"
+    where = (
+        f"on ${line}$"
+        if potential.eta == 0.0
+        else rf"$\hat\eta$ = {number(potential.eta_hat, '.4g')} beside ${line}$"
+    )
     return rf"{potential.disk.name}: $\bar\sigma_3$ = {potential.sigma3_bar:.4g}, {where}"
 
 
@@ -129,7 +150,9 @@ def _title(potential: Potential) -> str:
     "The amended potential on the line of the falling motions and beside it. On the line it ends at a finite "
     "value at flat; beside the line a wall rises there, the steeper the nearer to the line.",
 )
-def potential_curves(potentials: Sequence[Potential], near_flat: bool = False, ax: Axes | None = None) -> Axes:
+def potential_curves(
+    potentials: Sequence[Potential], near_flat: bool = False, ax: Axes | None = None, **look: Any
+) -> Axes:
     """Draw the amended potential at several constants, with its equilibria: walls off the line, V_0 on it.
 
     Parameters
@@ -140,6 +163,8 @@ def potential_curves(potentials: Sequence[Potential], near_flat: bool = False, a
         Draw over the tilt from the flat state of their face, on a logarithmic axis, where the wall rises.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the lines of the levels.
 
     Returns
     -------
@@ -163,27 +188,46 @@ def potential_curves(potentials: Sequence[Potential], near_flat: bool = False, a
     top = max(float(p.V(0.0)) for p in potentials) + (0.2 if near_flat else 0.6) * disk.energy_unit
     ordered = sorted(potentials, key=lambda p: (p.eta != 0.0, p.eta < 0.0, abs(p.eta)))
     styles = {1: iter(_STYLES * len(ordered)), -1: iter(_STYLES * len(ordered))}
-    for number, potential in enumerate(ordered):
+    for place, potential in enumerate(ordered):
         sign = int(np.sign(potential.eta))
         style = {"color": SIGN_COLOURS[sign], "lw": 1.5, "ls": next(styles[sign])} if sign else _ON_LINE
-        _curve(ax, potential, near_flat, top, style)
+        _curve(ax, potential, near_flat, top, style | look)
         if not near_flat:
-            _mark(ax, potential, at_energy=True, named=number == 0)
+            _mark(ax, potential, at_energy=True, named=place == 0)
         if sign == 0:
-            end = 1e-6 if near_flat else potential.face * HALF_PI
             at_flat = potential.flat_value(potential.face) * disk.energy_unit
-            ax.plot([end], [at_flat], marker="s", label=r"$V_0$", **_AT_FLAT)
+            if near_flat:
+                ax.axhline(at_flat, color=DARK, lw=0.8, ls=":", label=r"$V_0$, at flat")
+            else:
+                ax.plot([potential.face * HALF_PI], [at_flat], marker="s", label=r"$V_0$", **_AT_FLAT)
     ax.set_ylim(0.0, top)
-    legend(ax, loc="upper left" if near_flat else "lower left", ncols=1 if near_flat else 2)
+    legend_below(ax, ncols=3)
     if near_flat:
         ax.set_xscale("log")
-        ax.set_xlim(8e-7, 2.0)
+        ax.set_xlim(2.0, 8e-7)  # flat at the right, as in phi
+        walls = [p for p in potentials if p.eta]
+        if walls:
+            ax.text(
+                0.97,
+                0.95,
+                "walls at flat\n" r"$\eta^2/(2I_1\theta^2)$",
+                ha="right",
+                va="top",
+                transform=ax.transAxes,
+            )
     else:
         ax.set_xlim(-1.68, 1.68)
         ax.set_xticks(*FLAT_TICKS)
     x = r"tilt from flat $\theta$ (rad)" if near_flat else r"$\varphi$ (rad)"
     title = rf"{disk.name}: amended potential at $\bar\sigma_3$ = {bar:.4g}"
-    return dress(ax, x, rf"$V$ (energy; $m g r$ = {disk.energy_unit:.3g})", title)
+    return dress(
+        ax,
+        x,
+        "amended potential $V$ ($m g r$)"
+        if disk.energy_unit == 1.0
+        else f"$V$ (energy; $m g r$ = {disk.energy_unit:.3g})",
+        title,
+    )
 
 
 def _curve(ax: Axes, potential: Potential, near_flat: bool, top: float, style: dict[str, Any]) -> None:
@@ -192,6 +236,6 @@ def _curve(ax: Axes, potential: Potential, near_flat: bool, top: float, style: d
     face = potential.face if near_flat else 1
     V = potential.at_y(face * y).V * potential.disk.energy_unit
     x = 2.0 * np.arctan(np.exp(-y)) if near_flat else np.arctan(np.sinh(y))
-    eta_hat = f"= {potential.eta_hat:.4g}" if potential.eta else "= 0"
+    eta_hat = f"= {number(potential.eta_hat, '.4g')}" if potential.eta else "= 0"
     label = rf"{'' if potential.eta else 'on the line, '}$\hat\eta$ {eta_hat}"
     ax.plot(x, np.where(top >= V, V, np.nan), label=label, **style)

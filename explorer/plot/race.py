@@ -1,123 +1,229 @@
 """Pictures of the race of the contact point."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
+from matplotlib.ticker import NullLocator
 
-from explorer.measure.log_counts import CELLS_PER_DECADE
-from explorer.phase.disk import Disk
+from explorer.measure.log_counts import SignedLogCounts
+from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, MINUS, PLUS, axes_or_new, dress, legend, rates_of
+from explorer.plot.style import LAW, SIGN_COLOURS, SMALL, axes_or_new, dress, legend_below, number
+from explorer.portrait.races import RaceRidges, binned
 
-_JOINED = 5  # bins of the summary that make one of the picture
+_BINS = 12  # a decade of the deviation: 21 % wide
+_STRIP = 0.15  # of the height, for the view of both sides on one axis
+_TALLEST = 0.46  # of the distance between two ridges
 
 
 @captioned(
     Question.HOW_FAR,
-    "The race angles of all passages, one ridge for each decade of |η̂|, around −κπ and around +κπ. The "
-    "nearer to F, the narrower the ridge: the race angle collapses onto ±κπ. The strip on top shows both "
-    "sides on one axis.",
+    "The distribution of race angles around their limits, one ridge for each decade of |η̂|: above each line η > 0 "
+    "around +κπ, below it η < 0 around −κπ. The nearer to F, the narrower: each ridge down the page is some ten "
+    "times nearer to the limit. The strip shows both sides on one plain axis, where they are two spikes.",
 )
-def race_histogram(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """Draw the race angles on both sides of F, with +-kappa pi.
+def race_histogram(
+    races: Mapping[str, Any] | RaceRidges,
+    ax: Axes | None = None,
+    bins: int = _BINS,
+    range: tuple[float, float] | None = None,
+    **look: Any,
+) -> Axes:
+    """Draw the distribution of race angles about +-kappa pi, a ridge for each decade of |eta_hat|.
 
     Parameters
     ----------
-    summary : dict
-        Of a run of scene race-angles.
+    races : mapping or RaceRidges
+        The summary of a run of scene race-angles, or what `explorer.portrait.races.race_ridges` counts.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    bins : int
+        For each decade of the distance from the limit.
+    range : (float, float), optional
+        Distances from the limit (rad) at which the axis turns from linear to logarithmic, and where it ends; by
+        default such that all ridges are seen.
+    **look
+        Passed on to matplotlib for the ridges.
 
     Returns
     -------
     Axes
-        Race angle (rad) and passages per bin, logarithmic; eta > 0 in blue, eta < 0 in vermilion.
+        Race angle less its limit (rad), logarithmic on either side of 0, and |eta_hat|. The strip on top, race
+        angles (rad) between -1.5 and 1.5 kappa pi, is an inset of it.
 
     Examples
     --------
     >>> import explorer as ex
-    >>> run = ex.run("race-angles", out="races", samples=10_000)  # doctest: +SKIP
-    >>> ax = ex.plot.race_histogram(run.summary)  # doctest: +SKIP
+    >>> from explorer.portrait.races import race_ridges
+    >>> disk, eta_hat = ex.Disk.uniform(), [1e-3, -2e-3, 1e-5]
+    >>> found = race_ridges(disk, eta_hat, ex.passages(disk, 1.0, eta_hat, 1.0).race_angle)
+    >>> ax = ex.plot.race_histogram(found, bins=4)
+    >>> [label.get_text() for label in ax.get_yticklabels()]
+    ['$10^{-5}$', '$10^{-3}$']
     """
     ax = axes_or_new(ax)
-    edges = np.array(summary["histogram"]["edges"])
-    limit = summary["limit"]
-    for name, colour, label in (("plus", PLUS, r"$\eta > 0$"), ("minus", MINUS, r"$\eta < 0$")):
-        counts = np.array(summary["histogram"][f"counts_{name}"])
-        joined = counts.reshape(-1, _JOINED).sum(axis=1)
-        ax.stairs(joined, edges[::_JOINED], fill=True, color=colour, label=f"{label}: {counts.sum():,} passages")
-    ax.set_yscale("log")
-    top = max(sum(summary["histogram"][f"counts_{name}"]) for name in ("plus", "minus"))
-    ax.set_ylim(0.7, 5.0 * max(top, 1))
-    for sign in (1, -1):
-        ax.axvline(sign * limit, color=DARK, lw=1, ls="--", label=r"$\pm\kappa\pi$" if sign > 0 else None)
-    ticks = [-limit, -np.pi, 0.0, np.pi, limit]
-    ax.set_xticks(ticks, [r"$-\kappa\pi$", r"$-\pi$", "0", r"$\pi$", r"$\kappa\pi$"])
-    legend(ax, loc="upper center")
+    found = races if isinstance(races, RaceRidges) else RaceRidges.of_summary(races)
+    least, most = range if range is not None else _reach(found)
+    edges = _edges(least, most, bins)
+    widths = np.diff(_scaled(edges, least))
+    names = sorted(found.ridges)
+    for row, decade in enumerate(names):
+        sides = found.ridges[decade]
+        heights = {side: _counted(counts, edges) / widths for side, counts in sides.items()}
+        tallest = max((h.max() for h in heights.values()), default=0.0) or 1.0
+        for side, height in heights.items():
+            name = rf"$\eta {'>' if side > 0 else '<'} 0$, about {'+' if side > 0 else '−'}κπ"
+            values = row + side * _TALLEST * height / tallest
+            style = {"fill": True, "color": SIGN_COLOURS[side], "label": name if row == 0 else None} | look
+            ax.stairs(values, edges, baseline=row, **style)
+        ax.axhline(row, color=LAW, lw=0.6)
+    ax.axvline(0.0, color=LAW, lw=1.0, ls="--")
+    ax.set_xscale("symlog", linthresh=least, linscale=0.5)
+    ax.set_xlim(-most, most)
+    _log_ticks(ax, least, most)
+    top = len(names) - 0.4
+    ax.set_ylim(-0.6, top + 0.42 + (top + 1.2) * _STRIP / (1.0 - _STRIP))
+    ax.set_yticks(np.arange(len(names)), [f"$10^{{{n}}}$" for n in names])
+    _strip(ax, found)
+    legend_below(ax)
+    wrong = races.get("wrong_way") if isinstance(races, Mapping) else None
+    told = "" if wrong is None else f"; wrong way: {wrong:,}"
     return dress(
         ax,
-        rf"race angle $\Delta\chi$ - fall angle (rad); $\kappa\pi$ = {limit:.4f}",
-        "passages per bin",
-        f"The contact point races by $\\pm\\kappa\\pi$ (wrong way: {summary['wrong_way']})",
+        "race angle less its limit ±κπ (rad)",
+        r"decades of $|\hat\eta|$, each from ($\sqrt{g/r}$)",
+        f"Race angles collapse onto ±κπ = ±{found.limit:.4f} rad{told}",
     )
+
+
+def _reach(found: RaceRidges) -> tuple[float, float]:
+    """Where the axis turns linear, below most of the narrowest ridge, and where it ends, beyond all."""
+    every = [counts for sides in found.ridges.values() for counts in sides.values() if counts.total]
+    if not every:
+        return 1e-3, 1.0
+    most = max(max(counts.below.largest, counts.above.largest) for counts in every)
+    low = min(max(min(abs(counts.quantile(0.05)), abs(counts.quantile(0.95))), 1e-15) for counts in every)
+    most = 10.0 ** np.ceil(np.log10(max(most, 1e-14)) + 0.1)
+    return float(min(0.1 * 10.0 ** np.floor(np.log10(low)), 0.1 * most)), float(most)
+
+
+def _edges(least: float, most: float, bins: int) -> Array:
+    """Bins on both sides of zero, `bins` for each decade between least and most, and the rest in one each."""
+    outer = np.geomspace(least, most, max(1, round(bins * np.log10(most / least))) + 1)
+    edges: Array = np.concatenate([-outer[::-1], [0.0], outer])
+    return edges
+
+
+def _scaled(edges: Array, least: float) -> Array:
+    """Edges as the axis places them, in decades; the linear part is half a decade on either side."""
+    size = np.maximum(abs(edges) / least, 1e-300)
+    scaled: Array = np.sign(edges) * np.where(size < 1.0, 0.5 * size, 0.5 + np.log10(np.maximum(size, 1.0)))
+    return scaled
+
+
+def _counted(signed: SignedLogCounts, edges: Array) -> Array:
+    """Counts in the bins of `edges`."""
+    outer = edges[edges > 0.0]
+    halves = []
+    for counts in (signed.below, signed.above):
+        tiny = np.concatenate([[1e-300], outer])
+        half = binned(counts, tiny)
+        half[0] += counts.zeros
+        halves.append(half)
+    together: Array = np.concatenate([halves[0][::-1], halves[1]])
+    return together
+
+
+def _log_ticks(ax: Axes, least: float, most: float) -> None:
+    decades = np.arange(round(np.log10(least)) + 1, round(np.log10(most)) + 1)
+    shown = decades[:: -max(1, -(-len(decades) // 3))][::-1]
+    ticks = [-(10.0**n) for n in shown[::-1]] + [0.0] + [10.0**n for n in shown]
+    names = [f"$-10^{{{n}}}$" for n in shown[::-1]] + ["±κπ"] + [f"$10^{{{n}}}$" for n in shown]
+    ax.set_xticks(ticks, names)
+    ax.xaxis.set_minor_locator(NullLocator())
+
+
+def _strip(ax: Axes, found: RaceRidges) -> None:
+    """Both sides on one plain axis, on top."""
+    strip = ax.inset_axes((0.0, 1.0 - _STRIP, 1.0, _STRIP))
+    for side, (counts, outside) in found.angles.items():
+        top = max(int(counts.max(initial=0)), 1)
+        strip.stairs(counts / top, found.edges, fill=True, color=SIGN_COLOURS[side], lw=1.5)
+        if outside:
+            share = outside / (outside + counts.sum())
+            place = {1: (0.99, "right"), -1: (0.01, "left")}[side]
+            text = f"outside: {number(100.0 * share, '.2g')} %"
+            strip.text(place[0], 0.9, text, ha=place[1], va="top", fontsize=SMALL, transform=strip.transAxes)
+    limit = found.limit
+    strip.set(xlim=(-1.5 * limit, 1.5 * limit), ylim=(0.0, 1.15), yticks=[])
+    strip.set_xticks([-limit, -np.pi, 0.0, np.pi, limit], ["−κπ", "−π", "0", "π", "+κπ"])
+    strip.tick_params(labelsize=SMALL, pad=1)
+    for edge in ("top", "right", "left"):
+        strip.spines[edge].set_visible(False)
 
 
 @captioned(
     Question.HOW_FAR,
-    "How far race angles are from ±κπ, divided by Kη, against |η̂|. The median follows ln(1/|η̂|) less a "
-    "constant, drawn as a line; the band holds nine tenths of the passages.",
+    "How far race angles are from ±κπ, over K|η|, against |η̂|, where K is each passage's own 2mgr/(I₁MA³). The "
+    "median follows the line ln(1/|η|) − c with one constant c; half and nine tenths of the passages lie in the "
+    "bands. The constant is as large as the logarithm here: the deviation changes its sign on the way.",
 )
 def race_deviation(
-    disk: Disk, cells: Mapping[tuple[int, int], int], impact_speed: float, ax: Axes | None = None
+    races: Mapping[str, Any] | Sequence[Mapping[str, Any]], ax: Axes | None = None, **look: Any
 ) -> Axes:
-    """Draw how far race angles are from their limit against |eta_hat|, with the law eta ln(1/eta).
+    """Draw how far race angles are from their limit, over K |eta|, with the law ln(1/|eta|) - c.
 
     Parameters
     ----------
-    disk : Disk
-    cells : mapping of (int, int) to int
-        How many samples lie in each cell (i, j) of `explorer.measure.log_counts.count_cells`.
-    impact_speed : float
-        For which the law is drawn, units of the disk; best the samples' median.
+    races : mapping or sequence of mappings
+        The summary of a run of scene race-angles, or the rows of `explorer.portrait.races.race_law`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the medians.
 
     Returns
     -------
     Axes
-        |eta_hat| and the distance from +-kappa pi (rad), both logarithmic; passages per cell in colour.
+        |eta_hat|, logarithmic, and the deviation over K |eta| (dimensionless): positive where the contact point
+        races further than kappa pi.
 
     Examples
     --------
-    >>> from explorer import Disk, plot
-    >>> ax = plot.race_deviation(Disk.uniform(), {(-48, -36): 10, (-24, -12): 20}, 1.8)
-    >>> ax.get_yscale()
+    >>> import explorer as ex
+    >>> from explorer.portrait.races import race_law
+    >>> disk, eta_hat = ex.Disk.uniform(), [1e-6, 1e-4]
+    >>> found = ex.passages(disk, 1.0, eta_hat, 1.0, accuracy=1e-9)
+    >>> ax = ex.plot.race_deviation(race_law(disk, eta_hat, found.race_angle, found.impact_speed))
+    >>> ax.get_xscale()
     'log'
     """
     ax = axes_or_new(ax)
+    rows = races["law"] if isinstance(races, Mapping) else races
     ax.set_xscale("log")
-    ax.set_yscale("log")
-    span = np.array([1e-6, 1e-2])
-    if cells:
-        (left, low), (right, high) = (np.array([f(c) for c in zip(*cells, strict=True)]) for f in (min, max))
-        counts = np.full((high - low + 1, right - left + 1), np.nan)
-        for (i, j), count in cells.items():
-            counts[j - low, i - left] = count
-        x, y = (10.0 ** (np.arange(a, b + 2) / CELLS_PER_DECADE) for a, b in ((left, right), (low, high)))
-        drawn = ax.pcolormesh(x, y, counts, norm=LogNorm(1.0, max(2.0, np.nanmax(counts))), cmap="cividis_r")
-        ax.figure.colorbar(drawn, ax=ax).set_label("passages per cell")
-        span = np.geomspace(x[0], x[-1], 100)
-    b = disk.body
-    eta = disk.eta_hat_to_eta(span / disk.rate_unit)
-    law = 2.0 / (b.I1 * b.M * (impact_speed / disk.rate_unit) ** 3) * eta * np.log(1.0 / eta)
-    ax.plot(span, law, color=MINUS, lw=1.8, label=r"$\frac{2mgr}{I_1MA^3}\,\eta\,\ln(1/\eta)$, median $A$")
-    legend(ax, loc="lower right")
+    if not rows:
+        ax.text(0.5, 0.5, "no deviation is above rounding", ha="center", transform=ax.transAxes)
+    else:
+        eta_hat, eta = (np.array([row[name] for row in rows]) for name in ("eta_hat", "eta"))
+        logarithm = np.log(1.0 / eta)
+        left = {share: logarithm - [row["constant"][share] for row in rows] for share in rows[0]["constant"]}
+        for low, high, shade, name in (("0.95", "0.05", 0.12, "nine tenths"), ("0.75", "0.25", 0.25, "half")):
+            ax.fill_between(eta_hat, left[low], left[high], color=LAW, alpha=shade, lw=0, label=name)
+        # The constant where |eta| is smallest, of steps that hold enough
+        counted = [row for row in rows if row["passages"] >= 0.2 * max(row["passages"] for row in rows)]
+        constant = float(np.median([row["constant"]["0.5"] for row in counted[: max(1, len(counted) // 2)]]))
+        law = rf"$\ln(1/|\eta|) - {constant:.2f}$"
+        ax.plot(eta_hat, logarithm - constant, color=LAW, lw=1.6, ls="--", label=law)
+        style: dict[str, Any] = {"color": LAW, "marker": "o", "ls": "", "ms": 5, "mfc": "white", "label": "median"}
+        ax.plot(eta_hat, left["0.5"], **(style | look))
+        ax.axhline(0.0, color=LAW, lw=0.6)
+        legend_below(ax, ncols=4)
+    ax.grid(alpha=0.3)
     return dress(
         ax,
-        rf"$|\hat\eta|$ ({rates_of(disk)})",
-        r"$|\Delta\chi$ - fall angle $\mp\,\kappa\pi|$ (rad)",
-        f"Distance of the race angle from its limit, {disk.name} disk",
+        r"$|\hat\eta|$ ($\sqrt{g/r}$)",
+        r"$\pm$(race angle $\mp\,\kappa\pi$) / $K|\eta|$",
+        r"Distance from $\kappa\pi$: $K\eta\,(\ln(1/|\eta|) - c)$, $K = 2mgr/I_1MA^3$",
     )

@@ -1,22 +1,24 @@
 """Picture of the disk that rocks near flat: from the Euler disk to the race."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from explorer.errors import InputError
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, DISK_COLOURS, axes_or_new, dress, legend
+from explorer.plot.style import DARK, SERIES, SMALL, axes_or_new, dress, legend_below
 from explorer.portrait.rocking import Rocking
 
 
 @captioned(
     Question.HOW_FAR,
-    "The turn of the contact point per bounce against the energy of rocking, at small η. It goes over from "
-    "that of the Euler disk, which barely rocks, to the race κπ, where the disk nearly falls.",
+    "The turn of the contact point per bounce, from one flattest moment to the next, against the energy of "
+    "rocking. It goes over from that of the Euler disk, which barely rocks, to the race κπ, where the disk nearly "
+    "falls.",
 )
-def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None) -> Axes:
+def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None, **look: Any) -> Axes:
     r"""Draw the turn of the contact point per bounce against energy, for one body or several.
 
     Parameters
@@ -25,12 +27,14 @@ def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None) -> Axes:
         From `explorer.portrait.rocking.rocking`, one for each disk.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the lines of the bodies.
 
     Returns
     -------
     Axes
-        Energy above V_0 in units of 3/2 m g r theta_0, and the turn in half turns (pi rad). Dotted lines are the
-        Euler disk, dashed ones the race, kappa pi.
+        Energy above the least one, E_0 = V_0 + 3/2 m g r theta_0, in units of E_0 - V_0, and the turn in half turns
+        (pi rad). Dotted lines are the Euler disk, dashed ones the race, kappa pi.
 
     Raises
     ------
@@ -49,16 +53,22 @@ def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None) -> Axes:
         raise InputError("bodies: none were given; make one for each disk with rocking(disk)")
     ax = axes_or_new(ax)
     for number, body in enumerate(bodies):
-        colour, disk = DISK_COLOURS[number % len(DISK_COLOURS)], body.disk
-        ax.semilogx(body.excess, abs(body.chi) / np.pi, color=colour, lw=2, label=disk.name, zorder=3)
-        ax.plot(body.excess[[0, -1]], [body.slowest / np.pi] * 2, color=colour, lw=1, ls=":")
-        ax.plot(body.excess[[0, -1]], [disk.kappa] * 2, color=colour, lw=1, ls="--")
-    ax.plot([], [], color=DARK, lw=1, ls=":", label=r"$2\pi\sqrt{M/3I_1}$: Euler disk")
-    ax.plot([], [], color=DARK, lw=1, ls="--", label=r"$\kappa\pi$: the race")
-    legend(ax, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=3)
+        colour, disk = SERIES[number % len(SERIES)], body.disk
+        x = body.excess - 1.0
+        shown = x > 0.0
+        style = {"color": colour, "lw": 2, "label": disk.name, "zorder": 3} | look
+        ax.semilogx(x[shown], abs(body.chi[shown]) / np.pi, **style)
+        ends = x[shown][[0, -1]]
+        ax.plot(ends, [body.slowest / np.pi] * 2, color=colour, lw=1, ls=":")
+        ax.plot(ends, [disk.kappa] * 2, color=colour, lw=1, ls="--")
+    ax.text(0.02, 0.5, "barely rocks", rotation=90, va="center", fontsize=SMALL, transform=ax.transAxes)
+    ax.text(0.98, 0.5, "stands up", rotation=90, va="center", ha="right", fontsize=SMALL, transform=ax.transAxes)
+    ax.plot([], [], color=DARK, lw=1, ls=":", label=r"Euler disk, $2\pi\sqrt{M/(3I_1)}$")
+    ax.plot([], [], color=DARK, lw=1, ls="--", label=r"race, $\kappa\pi$")
+    legend_below(ax, ncols=4)
     return dress(
         ax,
-        r"$(E-V_0)\,/\,\frac{3}{2} m g r \theta_0$,   $\theta_0 = (\eta^2/I_1 m g r)^{1/3}$",
-        r"turn per bounce ($\pi$ rad)",
-        r"Small $\eta$: the turn per bounce depends on energy",
+        r"$(E-E_0)\,/\,(E_0 - V_0)$,   $E_0$ least energy off $F$",
+        r"turn of the contact point per bounce ($\pi$ rad)",
+        "From the Euler disk to the race: one turn per bounce, by energy",
     )

@@ -1,5 +1,7 @@
 """Slices of the phase space coloured by tilt and by the side of F: which way the contact point races."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -19,34 +21,35 @@ from explorer.plot.style import (
     axes_or_new,
     coordinate_label,
     dress,
-    legend,
+    legend_below,
     values_label,
 )
 from explorer.portrait.slices import SliceMap
 
 _FLATTEST = -3.0  # the two colours meet at theta_min = 1e-3 rad
 _TOP = float(np.log10(0.5 * np.pi))
-_NEVER = "#A8A8A8"
 # Strongest where flattest, and there the two meet: F is the edge between them.
 _SIDES = LinearSegmentedColormap.from_list(
     "sides", [(0.0, "#FBEDE2"), (0.5, MINUS), (0.5, PLUS), (1.0, "#E6F1F8")], N=512
-).with_extremes(bad=_NEVER)
+).with_extremes(bad="#A8A8A8")
+_HATCH = "#00000030"
 
 
 def signed_tilt(cut: SliceMap) -> Array:
-    """side times log theta_min on a scale from 0 (1e-3 rad or flatter) to 1 (pi/2); NaN where it never falls."""
+    """Sign of eta on the nearer face times log theta_min, from 0 (1e-3 rad or flatter) to 1 (pi/2)."""
     with np.errstate(divide="ignore", invalid="ignore"):
         height = np.clip((np.log10(cut.theta_min) - _FLATTEST) / (_TOP - _FLATTEST), 1e-9, 1.0)
-    return np.where(cut.side == 0, np.nan, cut.side * height)
+    signed: Array = np.where(cut.face > 0, np.sign(cut.distance_plus), np.sign(cut.distance_minus)) * height
+    return signed
 
 
 @captioned(
     Question.FROM_WHERE,
     "Which way the contact point races, for every start in a plane of the phase space: blue on one side of F, "
-    "vermilion on the other, the stronger the flatter the disk comes. F is the edge where the strong colours "
-    "meet.",
+    "vermilion on the other, the stronger the flatter the disk comes. F is where the strong colours meet. Hatched "
+    "motions come near flat too, but no change of η alone, at the same φ, σ̄₃ and energy, would make them fall.",
 )
-def race_slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
+def race_slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw to which side the contact point races and how flat the disk comes; F is the edge of blue and vermilion.
 
     Parameters
@@ -55,12 +58,14 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
         From `explorer.portrait.slices.map_slice`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib's pcolormesh.
 
     Returns
     -------
     Axes
-        Blue where eta > 0 on the nearer face, vermilion where eta < 0, the stronger the smaller theta_min; grey
-        where the disk would not fall on that face even if eta were exactly 0.
+        Blue where eta > 0 on the nearer face, vermilion where eta < 0, the stronger the smaller theta_min; hatched
+        where the disk would not fall on that face if eta were exactly 0 at the same phi, sigma3_bar and energy.
 
     Examples
     --------
@@ -71,16 +76,24 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
     '$\\\\sigma_3$ ($\\\\sqrt{g/r}$)'
     """
     ax = axes_or_new(ax)
-    mesh = ax.pcolormesh(cut.x, cut.y, signed_tilt(cut), cmap=_SIDES, vmin=-1.0, vmax=1.0, rasterized=True)
+    shade: dict[str, Any] = {"cmap": _SIDES, "vmin": -1.0, "vmax": 1.0, "rasterized": True}
+    mesh = ax.pcolormesh(cut.x, cut.y, signed_tilt(cut), **(shade | look))
     _tilt_bar(ax, mesh)
     handles: list[Artist] = []
-    if (cut.side == 0).any():
-        handles.append(Patch(color=_NEVER, label=r"would not fall if $\eta$ were 0"))
+    never = cut.side == 0
+    if never.any() and not never.all():
+        marks = ax.contourf(cut.x, cut.y, never, [0.5, 1.5], colors="none", hatches=["////"])
+        marks.set_edgecolor(_HATCH)
+        marks.set_linewidth(0.0)
+        name = r"no fall with $\eta$ set to 0 alone"
+        handles.append(Patch(facecolor="white", edgecolor=_HATCH, hatch="////", label=name))
     if cut.face.min() < cut.face.max():
-        ax.contour(cut.x, cut.y, cut.face, [0.0], colors=DARK, linewidths=0.9, linestyles=":")
+        # The face is not known on a line where both are as near: a contour of it would only follow rounding.
+        smooth = abs(cut.distance_plus) - abs(cut.distance_minus)
+        ax.contour(cut.x, cut.y, smooth, [0.0], colors=DARK, linewidths=0.9, linestyles=":")
         handles.append(Line2D([], [], color=DARK, lw=0.9, ls=":", label="the other face is nearer"))
     if handles:
-        legend(ax, handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)
+        legend_below(ax, handles=handles)
     first, second = (coordinate_label(name, cut.disk) for name in cut.slice.axes)
     return dress(ax, first, second, f"$F$ is where the strong colours meet: {values_label(cut.slice.fixed)}")
 
@@ -91,5 +104,5 @@ def _tilt_bar(ax: Axes, mesh: ScalarMappable) -> None:
     heights = (decades - _FLATTEST) / (_TOP - _FLATTEST)
     names = ["0.01", "0.1", "1"]
     bar.set_ticks([*-heights[::-1], 0.0, *heights], labels=[*names[::-1], r"$F$", *names])
-    bar.set_label(r"$\theta_{\min}$ (rad);  $\eta < 0$ below, $\eta > 0$ above", fontsize=TEXT)
+    bar.set_label(r"$\eta < 0$      $\theta_{\min}$ (rad)      $\eta > 0$", fontsize=TEXT)
     bar.ax.tick_params(labelsize=SMALL)

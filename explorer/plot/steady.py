@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
+from explorer.errors import InputError
 from explorer.phase.disk import Disk
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import well
@@ -15,26 +16,21 @@ from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
     BOUNCES,
     DARK,
-    DISK_COLOURS,
-    FALLS,
     FLAT_TICKS,
-    FOURTH,
     HALF_PI,
-    MINUS,
-    PLUS,
+    SERIES,
     SMALL,
-    TEXT,
-    THIRD,
     UNSTABLE,
     axes_or_new,
     dress,
-    legend,
+    legend_below,
     rates_of,
 )
-from explorer.portrait.potential import CENTRE, SADDLE
+from explorer.portrait.potential import CENTRE, SADDLE, at_constants
 from explorer.portrait.steady import (
     PATHS,
     Branch,
+    circular_rolling,
     fold_curve,
     last_unstable_tilt,
     rolling_threshold,
@@ -44,11 +40,18 @@ from explorer.portrait.steady import (
 )
 
 TILTS = (0.2, 0.5, 0.8, 1.1, 1.4)
+# Thresholds of the bodies that the paper names, in closed form.
+_EXACT = {
+    ("uniform", "rolling"): r" = ±$1/\sqrt{3}$",
+    ("uniform", "spinning"): r" = ±$2/\sqrt{5}$",
+    ("hoop", "rolling"): " = ±1/2",
+    ("hoop", "spinning"): r" = ±$\sqrt{2/3}$",
+}
 RADII = (0.5, 1.0, 2.0, 5.0)  # of the circles that are marked, in radii of the disk
 _PATH_NAMES = {
-    "spinning": (r"$\bar\sigma_3$", r"$\bar\sigma_4$ = 0: spinning upright"),
-    "rolling": (r"$\bar\sigma_4$", r"$\bar\sigma_3$ = 0: straight rolling"),
-    "line": (r"$\bar\sigma_3$", r"on $l_+$: beside the falling motions"),
+    "spinning": (r"$\bar\sigma_3$", r"steady motions with $\bar\sigma_4$ = 0: spinning upright"),
+    "rolling": (r"$\bar\sigma_4$", r"steady motions with $\bar\sigma_3$ = 0: straight rolling"),
+    "line": (r"$\bar\sigma_3$", r"steady motions on the falling line $l_+$"),
 }
 
 
@@ -57,7 +60,7 @@ _PATH_NAMES = {
     "The plane of the constants of motion: the lines of the falling motions, the curves of steady motions, "
     "and the curve with four cusps inside which there is a saddle. The numbers count the equilibria.",
 )
-def steady_plane(disk: Disk, ax: Axes | None = None) -> Axes:
+def steady_plane(disk: Disk, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw the plane of constants: l_+-, steady motions at several tilts, and where wells beside F exist.
 
     Parameters
@@ -65,12 +68,14 @@ def steady_plane(disk: Disk, ax: Axes | None = None) -> Axes:
     disk : Disk
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the lines.
 
     Returns
     -------
     Axes
-        sigma3_bar and sigma4_bar. Each coloured curve holds the constants with a steady motion at one tilt |phi|,
-        dashed where it is unstable; tinted where a saddle exists.
+        sigma3_bar and sigma4_bar. Each grey curve holds the constants with a steady motion at one tilt |phi|,
+        broken where it is unstable, in one of four equal quadrants; tinted where a saddle exists.
 
     Examples
     --------
@@ -79,35 +84,68 @@ def steady_plane(disk: Disk, ax: Axes | None = None) -> Axes:
     'Steady motions and the falling lines: uniform'
     """
     ax = axes_or_new(ax)
-    unit = disk.rate_unit
     x, y = fold_curve(disk)
-    ax.fill(x, y, color=UNSTABLE, lw=0, label="a saddle exists")
-    ax.plot(x, y, color=FOURTH, lw=1.6)
+    ax.fill(x, y, color=UNSTABLE, lw=0)
     width = 1.7 * max(float(abs(x).max()), float(abs(y).max()))
-    precession = np.geomspace(1e-3, 1e3, 1200) * unit
-    for colour, tilt in zip(DISK_COLOURS, TILTS, strict=False):
+    _tilt_curves(ax, disk, look)
+    slope, most = line_slope(disk), well(disk).sigma3_bar * disk.rate_unit
+    ends, inner = np.array([-3.0, 3.0]) * width, np.array([-most, most])
+    for face, names in ((1, (r"$l_+$, $l_-$: falling", "with a well on it")), (-1, (None, None))):
+        ax.plot(ends, face * slope * ends, color=DARK, lw=1.4, label=names[0])
+        ax.plot(inner, face * slope * inner, color=DARK, lw=5.0, label=names[1])
+    ax.plot(x, y, color=SERIES[1], lw=2.4, label="two steady motions merge")
+    spin, roll = spinning_threshold(disk), rolling_threshold(disk)
+    marks = [spin, -spin, 0.0, 0.0], [0.0, 0.0, roll, -roll]
+    ax.plot(*marks, "D", color=DARK, mfc="white", ms=7, label="upright becomes stable")
+    off = 1e-3 * disk.rate_unit
+    _count(ax, disk, (0.3 * spin, off))
+    _count(ax, disk, (-0.62 * width, off))
+    ax.set_xlim(-width, width)
+    ax.set_ylim(-width, width)
+    handles, labels = ax.get_legend_handles_labels()
+    legend_below(ax, ncols=2, handles=handles, labels=labels)
+    title = f"Steady motions and the falling lines: {disk.name}"
+    return dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", rf"$\bar\sigma_4$ ({rates_of(disk)})", title)
+
+
+def _tilt_curves(ax: Axes, disk: Disk, look: dict[str, Any]) -> None:
+    """Constants with a steady motion of one tilt, in one quadrant: mirror images fill the others."""
+    precession = np.geomspace(1e-3, 1e3, 1200) * disk.rate_unit
+    for place, tilt in enumerate(TILTS):
+        grey = str(0.78 - 0.17 * place)
         for phi in (tilt, -tilt):
             for sign in (1.0, -1.0):
                 motions = steady_motions(disk, phi, sign * precession)
-                label = rf"$|\varphi|$ = {tilt:g}" if phi > 0.0 < sign else None
-                for stable, style in ((True, "-"), (False, "--")):
-                    where = motions.stable == stable
-                    bar3, bar4 = (np.where(where, v, np.nan) for v in (motions.sigma3_bar, motions.sigma4_bar))
-                    if where.any():
-                        ax.plot(bar3, bar4, color=colour, ls=style, lw=1.2, label=label if stable else None)
-    slope, most = line_slope(disk), well(disk).sigma3_bar * unit
-    ends, inner = np.array([-3.0, 3.0]) * width, np.array([-most, most])
-    for face, names in ((1, (r"$l_+$, $l_-$: falling", "a well besides")), (-1, (None, None))):
-        ax.plot(ends, face * slope * ends, color=DARK, lw=1.2, label=names[0])
-        ax.plot(inner, face * slope * inner, color=DARK, lw=4.5, label=names[1])
-    spin, roll = spinning_threshold(disk), rolling_threshold(disk)
-    marks = [spin, -spin, 0.0, 0.0], [0.0, 0.0, roll, -roll]
-    ax.plot(*marks, "D", color=DARK, mfc="white", ms=7, label="thresholds")
-    ax.set_xlim(-width, width)
-    ax.set_ylim(-width, width)
-    legend(ax, loc="center left", bbox_to_anchor=(1.01, 0.5))
-    title = f"Steady motions and the falling lines: {disk.name}"
-    return dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", rf"$\bar\sigma_4$ ({rates_of(disk)})", title)
+                inside = (motions.sigma3_bar >= 0.0) & (motions.sigma4_bar >= 0.0)
+                for stable, style in ((True, "-"), (False, (0, (2, 1)))):
+                    where = inside & (motions.stable == stable)
+                    if not where.any():
+                        continue
+                    curve = [np.where(where, v, np.nan) for v in (motions.sigma3_bar, motions.sigma4_bar)]
+                    label = rf"$|\varphi|$ = {tilt:g}" if stable and phi > 0.0 < sign else None
+                    ax.plot(*curve, **({"color": grey, "ls": style, "lw": 1.3, "label": label} | look))
+
+
+def _count(ax: Axes, disk: Disk, at: tuple[float, float]) -> None:
+    """Write how many steady motions there are at a point of the plane."""
+    found = len(at_constants(disk, *at).equilibria)
+    text = f"{found} steady\nmotion{'' if found == 1 else 's'}"
+    ax.text(*at, text, ha="center", va="center", fontsize=SMALL, linespacing=1.0)
+
+
+def _label_places(disk: Disk) -> list[tuple[float, float]]:
+    """Where lines of one radius are labelled: clear of the edge of stability."""
+    places = []
+    for radius in RADII:
+        for lean in (1.25, 1.0, 0.5, 0.3, 0.15):
+            try:
+                rate = circular_rolling(disk, lean, radius * disk.r)
+            except InputError:
+                continue
+            if rate < 2.6 * disk.rate_unit:
+                places.append((lean, rate))
+                break
+    return places
 
 
 @captioned(
@@ -115,7 +153,7 @@ def steady_plane(disk: Disk, ax: Axes | None = None) -> Axes:
     "Circular rolling by lean and precession: where it is stable, and where it is not. Lines are circles of "
     "one radius; the unstable tongue is slow rolling that falls over.",
 )
-def steady_map(disk: Disk, ax: Axes | None = None) -> Axes:
+def steady_map(disk: Disk, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw circular rolling over lean and precession: which motions are stable, and the radii of their circles.
 
     Parameters
@@ -123,6 +161,8 @@ def steady_map(disk: Disk, ax: Axes | None = None) -> Axes:
     disk : Disk
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the lines.
 
     Returns
     -------
@@ -134,32 +174,35 @@ def steady_map(disk: Disk, ax: Axes | None = None) -> Axes:
     --------
     >>> from explorer import Disk, plot
     >>> plot.steady_map(Disk.uniform()).get_title()
-    'Circular rolling: uniform'
+    'Circular rolling on circles of radius $R$: uniform'
     """
     ax = axes_or_new(ax)
     unit = disk.rate_unit
-    lean, precession = np.linspace(1e-3, 1.5, 241), np.linspace(0.02, 3.2, 321) * unit
+    lean, precession = np.linspace(1e-3, HALF_PI - 1e-3, 241), np.linspace(0.02, 3.2, 321) * unit
     motions = steady_motions(disk, -lean[None, :], precession[:, None])
-    tints: dict[str, Any] = {"cmap": ListedColormap([FALLS, BOUNCES]), "vmin": 0, "vmax": 1}
+    tints: dict[str, Any] = {"cmap": ListedColormap([UNSTABLE, BOUNCES]), "vmin": 0, "vmax": 1}
     ax.pcolormesh(lean, precession, motions.stable, **tints, rasterized=True, shading="nearest", zorder=0)
     lines = ax.contour(lean, precession, motions.radius / disk.r, levels=RADII, colors=DARK, linewidths=1.0)
-    ax.clabel(lines, fmt=lambda value: f"R = {value:g} r", fontsize=SMALL)
+    ax.clabel(lines, fmt=lambda value: f"R = {value:g} r", fontsize=SMALL, manual=_label_places(disk))
     phi = last_unstable_tilt(disk) * np.sin(np.linspace(0.0, HALF_PI, 200))[1:-1]
     fast, slow = stability_edges(disk, phi)
     edge = np.concatenate([phi, phi[::-1]]), np.concatenate([slow, fast[::-1]])
-    ax.plot(*edge, color=FOURTH, lw=2.4, label=r"$V'' = 0$")
+    ax.plot(*edge, **({"color": SERIES[1], "lw": 2.4, "label": "edge of stability"} | look))
     spin = spinning_threshold(disk)
     upright: dict[str, Any] = {"lw": 4.0, "clip_on": False}
-    ax.plot([0.0, 0.0], [spin, precession[-1]], color=PLUS, label="upright, stable", **upright)
-    ax.plot([0.0, 0.0], [0.0, spin], color=MINUS, ls=(0, (1.5, 1.0)), label="upright, unstable", **upright)
-    ax.set_xlim(0.0, 1.5)
+    ax.plot([0.0, 0.0], [spin, precession[-1]], color=DARK, label="upright, stable", **upright)
+    ax.plot([0.0, 0.0], [0.0, spin], color=DARK, ls=(0, (1.0, 0.8)), label="upright, unstable", **upright)
+    ax.set_xlim(0.0, HALF_PI)
+    ax.set_xticks([0.0, 0.5, 1.0, HALF_PI], ["upright", "0.5", "1", "flat, π/2"])
     ax.set_ylim(0.0, precession[-1])
-    patches: list[Any] = [Patch(color=BOUNCES, label="stable"), Patch(color=FALLS, label="unstable")]
+    patches: list[Any] = [
+        Patch(facecolor=BOUNCES, edgecolor=DARK, label="stable"),
+        Patch(facecolor=UNSTABLE, edgecolor=DARK, label="unstable"),
+    ]
     handles = [*patches, *ax.get_legend_handles_labels()[0]]
-    legend(ax, handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
-    # Curves are everywhere inside: the legend goes between them and the title
-    ax.set_title(f"Circular rolling: {disk.name}", fontsize=TEXT, pad=50)
-    return dress(ax, r"lean $|\varphi|$ (rad)", rf"precession $\dot\chi$ ({rates_of(disk)})")
+    legend_below(ax, handles=handles, ncols=3)
+    title = f"Circular rolling on circles of radius $R$: {disk.name}"
+    return dress(ax, r"lean $|\varphi|$ (rad)", rf"precession $\dot\chi$ ({rates_of(disk)})", title)
 
 
 @captioned(
@@ -168,7 +211,12 @@ def steady_map(disk: Disk, ax: Axes | None = None) -> Axes:
     "unstable. At the threshold a branch appears, ends or changes its stability.",
 )
 def bifurcations(
-    disk: Disk, path: str, branches: Sequence[Branch], marks: Sequence[float], ax: Axes | None = None
+    disk: Disk,
+    path: str,
+    branches: Sequence[Branch],
+    marks: Sequence[float],
+    ax: Axes | None = None,
+    **look: Any,
 ) -> Axes:
     """Draw the tilts of all steady motions along a path through the plane of constants.
 
@@ -183,6 +231,8 @@ def bifurcations(
         Values of the parameter drawn as vertical lines, such as the thresholds of `path_values`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the lines.
 
     Returns
     -------
@@ -196,23 +246,28 @@ def bifurcations(
     >>> disk = Disk.uniform()
     >>> branches = bifurcation(disk, "line", [0.1, 0.2, 0.3])
     >>> plot.bifurcations(disk, "line", branches, [0.34]).get_title()
-    'uniform, on $l_+$: beside the falling motions'
+    'uniform, steady motions on the falling line $l_+$'
     """
     ax = axes_or_new(ax)
     assert path in PATHS
-    looks = {CENTRE: (PLUS, "-", "stable"), SADDLE: (MINUS, "--", "unstable")}
+    looks: dict[str, tuple[Any, str]] = {CENTRE: ("-", "stable"), SADDLE: ((0, (3, 1.5)), "unstable")}
     seen: set[str] = set()
     for branch in branches:
-        colour, style, name = looks[branch.kind]
-        ax.plot(branch.parameter, branch.phi, color=colour, ls=style, lw=2.0, label=None if name in seen else name)
+        line, name = looks[branch.kind]
+        style = {"color": DARK, "ls": line, "lw": 2.0, "label": None if name in seen else name} | look
+        ax.plot(branch.parameter, branch.phi, **style)
         seen.add(name)
     for number, mark in enumerate(marks):
-        ax.axvline(mark, color=THIRD, lw=1.2, ls=":", label=None if number else f"threshold {abs(mark):.6g}")
+        exact = _EXACT.get((disk.name, path), "")
+        name = f"threshold ±{abs(mark) / disk.rate_unit:.5f}{exact}"
+        ax.axvline(mark, color=SERIES[1], lw=1.4, ls=":", label=None if number else name)
     ax.set_ylim(-1.68, 1.68)
     ax.set_yticks(*FLAT_TICKS)
     for flat in (-HALF_PI, HALF_PI):
         ax.axhline(flat, color=DARK, lw=0.6)
-    legend(ax, loc="upper right")
+    if path == "line" and marks:
+        ax.text(0.985, 0.5, "no steady\nmotion", ha="right", va="center", fontsize=SMALL, transform=ax.transAxes)
+    legend_below(ax, ncols=3)
     symbol, name = _PATH_NAMES[path]
     title = f"{disk.name}, {name}"
-    return dress(ax, f"{symbol} ({rates_of(disk)})", r"$\varphi$ of steady motions (rad)", title)
+    return dress(ax, f"{symbol} ({rates_of(disk)})", r"$\varphi$ (rad)", title)

@@ -1,6 +1,7 @@
 """Pictures of where the disk goes: rosettes, and the resonances that walk away."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,7 +10,7 @@ from matplotlib.figure import Figure
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, DISK_COLOURS, MINUS, PLUS, SIZE, axes_or_new, dress, legend, rates_of
+from explorer.plot.style import DARK, SERIES, SIZE, SMALL, axes_or_new, dress, legend_below, rates_of
 from explorer.portrait.wander import Wander, WanderPath
 
 _BOUNDED = 1e6  # radii; a larger circle is straight in any picture, so none is drawn
@@ -20,7 +21,7 @@ _BOUNDED = 1e6  # radii; a larger circle is straight in any picture, so none is 
     "The paths of the contact point and of the centre of the disk over many periods, seen from above. Dots "
     "are the centre after each period; they lie on a circle, unless a resonance carries the disk away.",
 )
-def wander_path(path: WanderPath, ax: Axes | None = None) -> Axes:
+def wander_path(path: WanderPath, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw the paths of the contact point and of the centre seen from above.
 
     Parameters
@@ -29,6 +30,8 @@ def wander_path(path: WanderPath, ax: Axes | None = None) -> Axes:
         From `explorer.portrait.wander.wander_path`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the lines.
 
     Returns
     -------
@@ -43,24 +46,24 @@ def wander_path(path: WanderPath, ax: Axes | None = None) -> Axes:
     >>> disk = Disk.uniform()
     >>> ax = plot.wander_path(wander_path(constants_to_states(disk, 0.7, 0.05, 1.0), 2))
     >>> [line.get_label() for line in ax.lines][:2]
-    ['contact point', 'centre']
+    ['contact point', 'centre of the disk']
     """
     ax = axes_or_new(ax)
     r, wander = path.disk.r, path.wander
-    ax.plot(*(path.contact / r).T, color=PLUS, lw=0.7, alpha=0.75, label="contact point")
-    ax.plot(*(path.centre / r).T, color=MINUS, lw=0.9, label="centre")
+    ax.plot(*(path.contact / r).T, **({"color": "#A9A9A9", "lw": 0.6, "label": "contact point"} | look))
+    ax.plot(*(path.centre / r).T, **({"color": SERIES[1], "lw": 1.1, "label": "centre of the disk"} | look))
     places = wander.after(path.count)[0] / r
-    ax.plot(places.real, places.imag, "o", color=DARK, ms=3.5, label="centre after each period")
+    ax.plot(places.real, places.imag, "o", color=DARK, ms=3.5, label="centre, once a period")
     turns, radius = wander.chi[0] / (2.0 * np.pi), wander.radius[0] / r
     if radius < _BOUNDED:
         middle = wander.step[0] / r / (1.0 - np.exp(1j * wander.chi[0]))
         circle = middle - middle * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
         ax.plot(circle.real, circle.imag, color=DARK, lw=0.8, ls=":")
-        title = f"bounded: radius {radius:.2f} r"
+        title = f"it stays: circle of {radius:.2f} r"
     else:
-        title = f"unbounded: {abs(wander.step[0]) / r:.2f} r per period"
+        title = f"it walks: {abs(wander.step[0]) / r:.2f} r a period"
     ax.set_aspect("equal", adjustable="datalim")
-    return dress(ax, "x (radii)", "y (radii)", f"$\\chi(\\tau)$ = {turns:.4f} turns\n{title}")
+    return dress(ax, "x (r)", "y (r)", f"{turns:.4g} turns of $\\chi$ a period:\n{title}")
 
 
 def rosette_and_resonance(generic: WanderPath, resonant: WanderPath) -> Figure:
@@ -84,7 +87,7 @@ def rosette_and_resonance(generic: WanderPath, resonant: WanderPath) -> Figure:
     >>> len(plot.rosette_and_resonance(path, path).axes)
     2
     """
-    figure = Figure(figsize=(1.25 * SIZE[0], SIZE[1]), layout="constrained")
+    figure = Figure(figsize=(1.25 * SIZE[0], 1.1 * SIZE[1]), layout="constrained")
     for path, ax in zip((generic, resonant), figure.subplots(1, 2), strict=True):
         wander_path(path, ax)
     handles, labels = figure.axes[0].get_legend_handles_labels()
@@ -97,7 +100,7 @@ def rosette_and_resonance(generic: WanderPath, resonant: WanderPath) -> Figure:
     "The distance of the centre from its start, against time in periods. A generic motion stays within a "
     "bound; a resonance walks away for ever.",
 )
-def wander_distance(named: Mapping[str, WanderPath], ax: Axes | None = None) -> Axes:
+def wander_distance(named: Mapping[str, WanderPath], ax: Axes | None = None, **look: Any) -> Axes:
     """Draw the distance of the centre from its start against time, with the bound that one period tells.
 
     Parameters
@@ -106,6 +109,8 @@ def wander_distance(named: Mapping[str, WanderPath], ax: Axes | None = None) -> 
         Motions and what the legend calls them.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the lines.
 
     Returns
     -------
@@ -123,25 +128,25 @@ def wander_distance(named: Mapping[str, WanderPath], ax: Axes | None = None) -> 
     ax = axes_or_new(ax)
     largest = 1.0
     for number, (name, path) in enumerate(named.items()):
-        colour, wander, r = DISK_COLOURS[number % len(DISK_COLOURS)], path.wander, path.disk.r
+        colour, wander, r = SERIES[1 + number % (len(SERIES) - 1)], path.wander, path.disk.r
         distance = np.hypot(*path.centre.T) / r
         largest = max(largest, float(distance.max()))
-        ax.plot(path.t / wander.period[0], distance, color=colour, lw=0.9, label=name)
+        ax.plot(path.t / wander.period[0], distance, **({"color": colour, "lw": 0.9, "label": name} | look))
         periods = np.arange(path.count + 1)
         ax.plot(periods, abs(wander.after(path.count)[0]) / r, ".", color=colour, ms=6)
         if 2.0 * wander.radius[0] / r < _BOUNDED:
             ax.axhline(2.0 * wander.radius[0] / r, color=colour, lw=1, ls=":")
-    ax.plot([], [], ".", color=DARK, label="after each period, from one period alone")
-    ax.plot([], [], color=DARK, lw=1, ls=":", label="bound of these dots")
+    ax.plot([], [], ".", color=DARK, label="at whole periods, foretold from one")
+    ax.plot([], [], color=DARK, lw=1, ls=":", label="these dots stay below")
     ax.set_ylim(0.0, 1.05 * largest)
-    legend(ax, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2)
-    return dress(ax, "t (periods)", "distance from the start (radii)", "Only a resonance walks away")
+    legend_below(ax, ncols=2)
+    return dress(ax, "t (periods)", "distance from the start (r)", "Only a resonance walks away")
 
 
 @captioned(
     Question.WHERE_TO,
-    "The angle of one period, in turns, and the radius of the rosette against σ̄₃. Where the angle is a whole "
-    "number of turns the radius has no bound.",
+    "Above, by how much χ turns in one period, against σ̄₃; below, the radius of the rosette. Where a period is a "
+    "whole number of turns the radius has no bound, and the curve leaves the picture: there the disk walks away.",
 )
 def wander_radius(
     disk: Disk,
@@ -149,25 +154,28 @@ def wander_radius(
     wander: Wander,
     resonances: Mapping[int, float] | None = None,
     ax: Axes | None = None,
+    **look: Any,
 ) -> Axes:
-    """Draw the radius of the rosette and the step of one period against sigma3_bar.
+    """Draw the radius of the rosette against sigma3_bar, and above it the turn of chi in one period.
 
     Parameters
     ----------
     disk : Disk
     sigma3_bar : array (n)
-        Of the motions, units of the disk.
+        Of the motions, units of the disk, increasing.
     wander : Wander
         From `explorer.portrait.wander.wander`, of the same motions.
     resonances : mapping of int to float, optional
         sigma3_bar at which chi(tau) is that many whole turns, drawn as vertical lines.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the curve of the radius.
 
     Returns
     -------
     Axes
-        Both lengths in radii of the disk, on a logarithmic axis.
+        The radius in radii of the disk; the turn is an inset above it.
 
     Examples
     --------
@@ -177,15 +185,35 @@ def wander_radius(
     >>> disk, bars = Disk.uniform(), np.array([0.6, 0.7])
     >>> ax = plot.wander_radius(disk, bars, wander(constants_to_states(disk, bars, 0.05, 1.0)))
     >>> ax.get_ylabel()
-    'radii'
+    'radius of the rosette (r)'
     """
     ax = axes_or_new(ax)
-    radius, step = wander.radius / disk.r, abs(wander.step) / disk.r
-    ax.semilogy(sigma3_bar, radius, color=PLUS, lw=1.8, label=r"$|a(\tau)-a(0)|\,/\,2|\sin(\chi(\tau)/2)|$")
-    ax.semilogy(sigma3_bar, step, color=MINUS, lw=1.4, ls="--", label=r"$|a(\tau)-a(0)|$, one period")
-    for turns, where in (resonances or {}).items():
-        ax.axvline(where, color=DARK, lw=1, ls=":", label=rf"resonance: $\chi(\tau) = {turns}\cdot 2\pi$")
-    legend(ax, loc="best")
-    ax.grid(alpha=0.3)
-    title = "The rosette grows without bound at a resonance"
-    return dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", "radii", title)
+    bars = np.asarray(sigma3_bar, dtype=float)
+    turns = wander.chi / (2.0 * np.pi)
+    # Between the motions given chi(tau) and the step are smooth, and the radius is not: 2 |sin(chi/2)| r = step.
+    fine = np.linspace(bars[0], bars[-1], max(40 * bars.size, 2)) if bars.size > 1 else bars
+    between = np.interp(fine, bars, turns)
+    step = np.interp(fine, bars, abs(wander.step) / disk.r)
+    with np.errstate(divide="ignore"):
+        radius = step / (2.0 * abs(np.sin(np.pi * between)))
+    ax.plot(fine, radius, **({"color": SERIES[1], "lw": 1.8} | look))
+    top = 6.0 * float(np.median(radius))
+    ax.set_ylim(0.0, 1.9 * top)
+    ax.set_yticks([tick for tick in ax.get_yticks() if tick <= top])
+    above = ax.inset_axes((0.0, 0.62, 1.0, 0.38), sharex=ax)
+    above.plot(fine, between, color=DARK, lw=1.6)
+    above.set_ylabel("turns of $\\chi$\na period", fontsize=SMALL)
+    above.tick_params(labelsize=SMALL, labelbottom=False)
+    for whole, where in (resonances or {}).items():
+        above.axhline(whole, color=DARK, lw=0.8, ls=":")
+        for each in (ax, above):
+            each.axvline(where, color=DARK, lw=0.8, ls=":")
+        ax.annotate(
+            f"resonance: {whole} turn{'' if abs(whole) == 1 else 's'} a period",
+            (where, 0.85 * top),
+            xytext=(8, 0),
+            textcoords="offset points",
+            fontsize=SMALL,
+        )
+    title = "The rosette has no bound where a period is whole turns"
+    return dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", "radius of the rosette (r)", title)

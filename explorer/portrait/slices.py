@@ -10,10 +10,11 @@ from explorer.errors import InputError, whole
 from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.constants import natural_constants
+from explorer.phase.constants import constants_of, natural_constants
 from explorer.phase.disk import Disk
+from explorer.phase.lines import line_slope
 from explorer.phase.membership import falls_of
-from explorer.phase.states import COORDINATES, Array, phi_to_states
+from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 
 _MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128 MB
 SLICE_ACCURACY = 1e-3  # relative, of theta_min: a picture shows no more
@@ -145,3 +146,52 @@ class ConstantsPlane:
     smallest: Array
     slope: float
     method: str
+
+
+def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") -> ConstantsPlane:
+    """Find the flattest motion among states in each cell of the plane of constants of motion.
+
+    Parameters
+    ----------
+    states : States
+        The samples.
+    cells : int
+        A side of the plane, which holds 99.5 % of the samples in each direction.
+    method : str
+        How theta_min is computed, as for `passages`.
+
+    Returns
+    -------
+    ConstantsPlane
+
+    Raises
+    ------
+    InputError
+        Where cells or method cannot be used.
+
+    Examples
+    --------
+    >>> import numpy as np, explorer as ex
+    >>> from explorer.portrait.slices import flattest_per_cell
+    >>> draw = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 500))
+    >>> plane = flattest_per_cell(ex.phi_to_states(ex.Disk.uniform(), 0.0, *draw), cells=10)
+    >>> plane.smallest.shape
+    (10, 10)
+    """
+    cells = whole("cells", cells, 2, _MOST_POINTS)
+    how = plan(("theta_min",), SLICE_ACCURACY, method)
+    constants = natural_constants(states)
+    theta, _status, _steps = smallest_tilt(states, how, constants)
+    table = constants_of(states)
+    bars = np.ravel(table.sigma3_bar), np.ravel(table.sigma4_bar)
+    known = np.isfinite(theta) & np.isfinite(bars[0]) & np.isfinite(bars[1])
+    edges, places = [], []
+    for bar in bars:
+        reach = float(np.percentile(abs(bar[known]), 99.5)) if known.any() else 1.0
+        edges.append(np.linspace(-reach, reach, cells + 1))
+        places.append(np.searchsorted(edges[-1], bar, side="right") - 1)
+    inside = known & np.all([(place >= 0) & (place < cells) for place in places], axis=0)
+    smallest = np.full((cells, cells), np.inf)
+    np.minimum.at(smallest, (places[1][inside], places[0][inside]), theta[inside])
+    smallest[np.isinf(smallest)] = np.nan
+    return ConstantsPlane(states.disk, edges[0], edges[1], smallest, line_slope(states.disk), how.method)

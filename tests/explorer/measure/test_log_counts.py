@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from explorer.measure.log_counts import (
-    CELLS_PER_DECADE,
     PER_DECADE,
     LogCounts,
     SignedLogCounts,
-    count_cells,
     pack,
     unpack,
 )
@@ -55,11 +53,6 @@ def test_signed_quantiles_and_width_are_those_of_a_normal_sample():
     assert counts.quantile(0.5) == pytest.approx(0.0, abs=0.01)
     assert counts.quantile(0.1) == pytest.approx(-1.2816, abs=0.02)
     assert counts.half_width() == pytest.approx(1.0, abs=0.02)
-
-
-def test_cells_hold_each_pair_of_positive_magnitudes_once():
-    x, y = np.array([1.0, 1.0, 10.0, 0.0, np.nan]), np.array([0.1, 0.1, 1.0, 1.0, 1.0])
-    assert count_cells(x, y) == [[0, -CELLS_PER_DECADE, 2], [CELLS_PER_DECADE, 0, 1]]
 
 
 def test_packed_codes_come_back():

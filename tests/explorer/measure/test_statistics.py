@@ -5,7 +5,14 @@ import pytest
 from scipy.stats import beta
 
 import explorer as ex
-from explorer.measure.statistics import add_counts, count_status, either_p, share, upper_bound
+from explorer.measure.statistics import (
+    add_counts,
+    count_status,
+    either_p,
+    poisson_interval,
+    share,
+    upper_bound,
+)
 
 
 def test_statuses_are_counted_by_name_and_only_those_that_occur():
@@ -36,3 +43,10 @@ def test_after_no_event_the_bound_is_that_of_the_rule_of_three():
 def test_several_tests_together_are_no_more_certain_than_all_of_them():
     assert either_p(0.2, 0.01, 0.7) == pytest.approx(0.03)
     assert either_p(0.9, 0.8) == 1.0
+
+
+def test_intervals_of_counts_are_the_exact_ones():
+    """At the ends 2.5 % of Poisson variables reach the count; Garwood's table for 0 and 10."""
+    low, high = poisson_interval(np.array([0, 10]))
+    np.testing.assert_allclose(low, [0.0, 4.7954], atol=1e-4)
+    np.testing.assert_allclose(high, [3.6889, 18.3904], atol=1e-4)
