@@ -167,4 +167,4 @@ def _named(ax: Axes, numbers: RaceNumbers, height: Callable[[float], float]) -> 
         if ratio <= numbers.ratio[-1]:
             at = ratio, height(1.0 + ratio)
             ax.plot(*[[value] for value in at], "s", color=SERIES[2], ms=6)
-            ax.annotate(name, at, xytext=(-7, 9), textcoords="offset points", ha="right", fontsize=SMALL)
+            ax.annotate(name, at, xytext=(11, -5), textcoords="offset points", ha="left", fontsize=SMALL)

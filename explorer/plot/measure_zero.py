@@ -4,13 +4,23 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import NullLocator
 
 from explorer.measure.laws import OFF, PLATEAU, SHAPE_BINS, wrong_laws
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, FOURTH, MINUS, PLUS, SMALL, THIRD, axes_or_new, dress, legend
+from explorer.plot.style import (
+    DARK,
+    SERIES,
+    SMALL,
+    axes_or_new,
+    dress,
+    legend_below,
+    mark_beyond,
+)
 
 _SHARE = r"$P(\theta_{\min} < \delta)$"
+_TUBES, _PLAIN = SERIES[1], SERIES[2]
+_TUBES_NAME = "draws beside $F$, weighted"
 
 
 @captioned(
@@ -18,7 +28,7 @@ _SHARE = r"$P(\theta_{\min} < \delta)$"
     "The probability to come flatter than δ, over fifteen decades. Estimates with their intervals lie on the "
     "line Cδ, whose C is computed without any sample; two other laws, drawn in, miss them.",
 )
-def falling_ladder(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
+def falling_ladder(summary: dict[str, Any], ax: Axes | None = None, **look: Any) -> Axes:
     """Draw estimates of P(theta_min < delta) with intervals, the line C delta, and laws that it is not.
 
     Parameters
@@ -27,6 +37,8 @@ def falling_ladder(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
         Of a run of scene measure-zero.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the points.
 
     Returns
     -------
@@ -47,29 +59,23 @@ def falling_ladder(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
         ax.loglog(delta, constant * delta, color=DARK, lw=1.2, label=rf"$C\,\delta$, $C={constant:.5f}$")
         top = summary.get("law_limit", delta[0])
         styles = {
-            "dimension_two": (FOURTH, ":", r"not: $\propto\delta^2$"),
-            "plateau": (THIRD, "--", f"not: falls with $10^{{{np.log10(PLATEAU):.0f}}}$"),
+            "dimension_two": (SERIES[4], ":", r"rejected: $\propto\delta^2$"),
+            "plateau": (SERIES[4], "--", rf"rejected: falls with $P = 10^{{{np.log10(PLATEAU):.0f}}}$"),
         }
         for name, (colour, style, label) in styles.items():
             shares = wrong_laws(constant, top)[name](delta)
             ax.loglog(delta[shares < 1.0], shares[shares < 1.0], color=colour, ls=style, lw=1.6, label=label)
     tubes = [(row["delta"], row["estimate"], row["interval_95_simultaneous"]) for row in rows]
-    _points(ax, tubes, PLUS, "o", "tubes, 95 % (all at once)")
+    _points(ax, tubes, _TUBES, "o", f"{_TUBES_NAME}, 95 %", look)
     hits = [(row["delta"], row["plain"]["value"], row["plain"]["interval_95"]) for row in rows if row["count"]]
-    _points(ax, hits, MINUS, "s", f"{summary['samples']:,} plain draws, 95 %")
+    _points(ax, hits, _PLAIN, "s", f"{summary['samples']:,} plain draws, 95 %", look)
     bound = summary["upper_bound_95"]
-    ax.axhline(bound, color=MINUS, lw=1.0, ls="-.")
-    ax.annotate(
-        f"{summary['falls']} falls: at most {bound:.1e}",
-        (delta[-1], bound),
-        xytext=(2, 4),
-        textcoords="offset points",
-        fontsize=SMALL,
-        color=MINUS,
-    )
+    ax.axhline(bound, color=_PLAIN, lw=1.0, ls="-.")
+    text = f"{summary['falls']} of these fell: $P(0) \\leq$ {bound:.0e}".replace("e-0", "e−").replace("e-", "e−")
+    ax.annotate(text, (delta[-1], bound), xytext=(2, -13), textcoords="offset points", fontsize=SMALL)
     if constant > 0.0:
-        ax.set_ylim(0.1 * constant * delta[-1], 1e5)
-    legend(ax, loc="upper left", ncols=2)
+        ax.set_ylim(0.1 * constant * delta[-1], 3.0)
+    legend_below(ax, ncols=2)
     ax.grid(alpha=0.3)
     return dress(ax, r"$\delta$ (rad)", _SHARE, f"Falling has measure zero, {summary['disks'][0]['name']} disk")
 
@@ -78,7 +84,7 @@ def falling_ladder(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     Question.HOW_RARELY,
     "The estimates of the ladder divided by the law Cδ. All intervals hold 1 as soon as δ is small.",
 )
-def ladder_ratio(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
+def ladder_ratio(summary: dict[str, Any], ax: Axes | None = None, **look: Any) -> Axes:
     """Draw the estimates over their line C delta, where an error of some percent in C can be seen.
 
     Parameters
@@ -87,6 +93,8 @@ def ladder_ratio(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
         Of a run of scene measure-zero.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the points.
 
     Returns
     -------
@@ -108,38 +116,43 @@ def ladder_ratio(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
         rows.append((row["delta"], row["estimate"] / unit, ends))
     ax.set_xscale("log")
     ax.axhline(1.0, color=DARK, lw=1.2)
-    ax.axhline(1.0 + OFF, color=FOURTH, lw=1.4, ls=":", label=f"not: $C$ off by {100 * OFF:.0f} %")
+    ax.axhline(1.0 + OFF, color=SERIES[4], lw=1.4, ls=":", label=f"rejected: $C$ off by {100 * OFF:.0f} %")
     ax.axvspan(summary["ladder"][-1]["delta"] / 3.0, 2.0 * summary["law_limit"], color=DARK, alpha=0.06, lw=0)
-    _points(ax, rows, PLUS, "o", "tubes, 95 % (all at once)")
+    _points(ax, rows, _TUBES, "o", f"{_TUBES_NAME}, 95 % (all at once)", look)
     # The first four rungs lie above the range of the law and may leave the picture.
     reach = max(1.5 * OFF, 1.3 * max(abs(end - 1.0) for _, _, ends in rows[4:] or rows for end in ends))
     ax.set_ylim(1.0 - reach, 1.0 + reach)
-    legend(ax, loc="lower left")
+    beyond = [row for row in rows if not 1.0 - reach <= row[1] <= 1.0 + reach]
+    texts = [f"{value:.2f}" for _, value, _ in beyond]
+    mark_beyond(ax, *(np.array([row[i] for row in beyond]) for i in (0, 1)), _TUBES, texts)
+    legend_below(ax, ncols=2)
     ax.grid(alpha=0.3)
-    return dress(ax, r"$\delta$ (rad)", r"$P / (C\,\delta)$", "The same over its line; tested where shaded")
+    return dress(ax, r"$\delta$ (rad)", r"$P / (C\,\delta)$", "The same over the law; tested where shaded")
 
 
-def _points(ax: Axes, rows: list[Any], colour: str, marker: str, label: str) -> None:
+def _points(ax: Axes, rows: list[Any], colour: str, marker: str, label: str, look: dict[str, Any]) -> None:
     """Draw rows of delta, estimate and interval; an estimate of zero has no place on a logarithmic axis."""
     if not rows:
         return
     x, y, ends = (np.array(column) for column in zip(*rows, strict=True))
     shown = y > 0.0
     spread = np.maximum(np.stack([y - ends[:, 0], ends[:, 1] - y]), 0.0)[:, shown]
-    look: dict[str, Any] = {"fmt": marker, "color": colour, "ms": 5, "mfc": "none", "mew": 1.3, "capsize": 2}
-    ax.errorbar(x[shown], y[shown], spread, lw=1.2, label=label, **look)
+    style = {"fmt": marker, "color": colour, "ms": 5, "mfc": "none", "mew": 1.3, "capsize": 2, "lw": 1.2} | look
+    ax.errorbar(x[shown], y[shown], spread, label=label, **style)
 
 
-def _bars(ax: Axes, x: Any, y: Any, spread: Any, label: str) -> None:
-    ax.errorbar(x, y, spread, fmt="o", color=PLUS, ms=5, lw=1.4, capsize=3, label=label)
+def _bars(ax: Axes, x: Any, y: Any, spread: Any, label: str, look: dict[str, Any]) -> None:
+    style = {"fmt": "o", "color": _TUBES, "ms": 5, "lw": 1.4, "capsize": 3, "label": label} | look
+    ax.errorbar(x, y, spread, **style)
 
 
 @captioned(
     Question.HOW_RARELY,
     "The constant C from the first N draws, relative to the one from quadrature. It settles on zero as fast "
-    "as counting allows.",
+    "as counting allows, which is the grey wedge. Each point holds the draws of those before, so neighbours err "
+    "together.",
 )
-def constant_convergence(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
+def constant_convergence(summary: dict[str, Any], ax: Axes | None = None, **look: Any) -> Axes:
     """Draw how the estimate of C settles with the number of draws, beside the prediction.
 
     Parameters
@@ -148,6 +161,8 @@ def constant_convergence(summary: dict[str, Any], ax: Axes | None = None) -> Axe
         Of a run of scene measure-zero.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the points.
 
     Returns
     -------
@@ -167,24 +182,24 @@ def constant_convergence(summary: dict[str, Any], ax: Axes | None = None) -> Axe
     low, high = np.array([row["interval_95"] for row in rows]).T / predicted - 1.0
     ax.axhline(0.0, color=DARK, lw=1.2, label=f"quadrature over F: $C={predicted:.6f}$")
     name = "scrambled Sobol points" if summary["sampling"] == "sobol" else "independent draws"
-    _bars(ax, draws, off, np.stack([off - low, high - off]), f"{name}, 95 %")
+    _bars(ax, draws, off, np.stack([off - low, high - off]), f"{name}, 95 %", look)
     guide = (high - off)[-1] * np.sqrt(draws[-1] / draws)
-    for sign, label in ((1.0, r"$\propto N^{-1/2}$"), (-1.0, None)):
-        ax.plot(draws, sign * guide, color=MINUS, ls="--", lw=1.0, label=label)
+    ax.fill_between(draws, -guide, guide, color=DARK, alpha=0.08, lw=0, label=r"$\propto N^{-1/2}$")
     ax.set_xscale("log")
-    ax.xaxis.set_minor_formatter(NullFormatter())
-    legend(ax, loc="upper right")
+    ax.set_xticks(draws[:: max(1, len(draws) // 6)], [f"{n:.3g}" for n in draws[:: max(1, len(draws) // 6)] / 1e3])
+    ax.xaxis.set_minor_locator(NullLocator())
+    legend_below(ax)
     ax.grid(alpha=0.3)
-    title = "How the estimate of $C$ settles; each point holds the draws before"
-    return dress(ax, "draws in tubes", "estimate of $C$ / prediction $-\\,1$", title)
+    title = "The constant $C$ settles on its prediction"
+    return dress(ax, "draws beside $F$, from the first on (thousands)", "$C$ from draws / predicted − 1", title)
 
 
 @captioned(
     Question.HOW_RARELY,
-    "The density of the smallest tilt among the hits, against the uniform density that the law Cδ says. It is "
-    "flat up to the noise of counting.",
+    "The density of the smallest tilt among the draws that come flatter than δ, against the even one that the law "
+    "Cδ says. The axis shows a percent or so on either side of 1: what is left is the noise of counting.",
 )
-def tilt_density(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
+def tilt_density(summary: dict[str, Any], ax: Axes | None = None, **look: Any) -> Axes:
     """Draw theta_min / delta of the hits beside the constant density that the law predicts.
 
     Parameters
@@ -193,6 +208,8 @@ def tilt_density(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
         Of a run of scene measure-zero.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the points.
 
     Returns
     -------
@@ -209,9 +226,11 @@ def tilt_density(summary: dict[str, Any], ax: Axes | None = None) -> Axes:
     tilt = summary["splits"]["tilt"]
     middle = (np.arange(SHAPE_BINS) + 0.5) / SHAPE_BINS
     share, error = np.array(tilt["share"]) * SHAPE_BINS, np.array(tilt["error"]) * SHAPE_BINS
-    ax.axhline(1.0, color=DARK, lw=1.2, label="predicted")
-    _bars(ax, middle, share, 1.96 * error, "draws, 95 %")
-    legend(ax, loc="upper right")
+    ax.axhline(1.0, color=DARK, lw=1.2, label="the law: even")
+    _bars(ax, middle, share, 1.96 * error, "draws, 95 %", look)
+    legend_below(ax)
     ax.grid(alpha=0.3)
-    title = rf"Smallest tilt of the hits of all tubes, $\delta \leq$ {summary['law_limit']:.1g} rad"
+    p = summary.get("splits", {}).get("tilt", {}).get("p_value")
+    told = "" if p is None else f" ($p$ = {p:.2g})"
+    title = f"Tilts below δ are spread evenly{told}"
     return dress(ax, r"$\theta_{\min}/\delta$", "density", title)

@@ -25,8 +25,12 @@ from explorer.plot.style import (
 )
 from explorer.portrait.potential import CENTRE, SADDLE, Potential, level_energies
 
-# Curves of the potential: beside the line in turn, on it, and where it ends at flat.
-_STYLES = ("-", "--", "-.", ":")
+# Curves of the potential: beside the line, the wider the further from it; on it, and where it ends at flat.
+_WIDTHS = (1.1, 1.9, 2.8)
+_BESIDE: dict[int, dict[str, Any]] = {
+    1: {"color": SIGN_COLOURS[1], "ls": "-"},
+    -1: {"color": SIGN_COLOURS[-1], "ls": (0, (4, 4))},
+}
 _ON_LINE: dict[str, Any] = {"color": DARK, "lw": 2.4}
 _AT_FLAT: dict[str, Any] = {"color": DARK, "ms": 7, "ls": "", "clip_on": False, "zorder": 6}
 _MARKS = {CENTRE: ("o", DARK, "centre"), SADDLE: ("X", SERIES[1], "saddle")}
@@ -89,7 +93,7 @@ def phase_portrait(
             ax.plot(phi, speed, **style, label=None if place else name)
             ax.plot(phi, -speed, **style)
     for phi, speed in curves:
-        row = int(np.argmax(speed))
+        row = int(np.argmin(abs(phi - 0.5 * (phi[0] + phi[-1]))))
         if 0 < row < len(phi) - 1 and speed[row] > 0.2 * fastest:
             for sign in (1, -1):
                 here = np.stack([phi, sign * speed], axis=1)[::sign]
@@ -112,7 +116,9 @@ def phase_portrait(
     for patch in patches:
         patch.set_edgecolor(DARK)
     legend_below(ax, handles=handles, ncols=4)
-    return dress(ax, r"$\varphi$ (rad)", rf"$\dot\varphi$ ({rates_of(potential.disk)})", _title(potential))
+    return dress(
+        ax, r"$\varphi$ (rad); flat at ±π/2", rf"$\dot\varphi$ ({rates_of(potential.disk)})", _title(potential)
+    )
 
 
 def _shade(ax: Axes, potential: Potential, fastest: float) -> None:
@@ -187,10 +193,10 @@ def potential_curves(
     disk, bar = potentials[0].disk, potentials[0].sigma3_bar
     top = max(float(p.V(0.0)) for p in potentials) + (0.2 if near_flat else 0.6) * disk.energy_unit
     ordered = sorted(potentials, key=lambda p: (p.eta != 0.0, p.eta < 0.0, abs(p.eta)))
-    styles = {1: iter(_STYLES * len(ordered)), -1: iter(_STYLES * len(ordered))}
+    widths = {1: iter(_WIDTHS * len(ordered)), -1: iter(_WIDTHS * len(ordered))}
     for place, potential in enumerate(ordered):
         sign = int(np.sign(potential.eta))
-        style = {"color": SIGN_COLOURS[sign], "lw": 1.5, "ls": next(styles[sign])} if sign else _ON_LINE
+        style = {"lw": next(widths[sign]), **_BESIDE[sign]} if sign else _ON_LINE
         _curve(ax, potential, near_flat, top, style | look)
         if not near_flat:
             _mark(ax, potential, at_energy=True, named=place == 0)
@@ -204,8 +210,8 @@ def potential_curves(
     legend_below(ax, ncols=3)
     if near_flat:
         ax.set_xscale("log")
-        ax.set_xlim(2.0, 8e-7)  # flat at the right, as in phi
-        walls = [p for p in potentials if p.eta]
+        walls = [abs(p.eta_hat) / disk.rate_unit for p in potentials if p.eta]
+        ax.set_xlim(2.0, 0.1 * min(walls, default=1e-5))  # flat at the right, as in phi
         if walls:
             ax.text(
                 0.97,
@@ -218,7 +224,7 @@ def potential_curves(
     else:
         ax.set_xlim(-1.68, 1.68)
         ax.set_xticks(*FLAT_TICKS)
-    x = r"tilt from flat $\theta$ (rad)" if near_flat else r"$\varphi$ (rad)"
+    x = r"tilt from flat $\theta$ (rad)" if near_flat else r"$\varphi$ (rad); flat at ±π/2"
     title = rf"{disk.name}: amended potential at $\bar\sigma_3$ = {bar:.4g}"
     return dress(
         ax,

@@ -33,8 +33,8 @@ def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None, **look: Any
     Returns
     -------
     Axes
-        Energy above the least one, E_0 = V_0 + 3/2 m g r theta_0, in units of E_0 - V_0, and the turn in half turns
-        (pi rad). Dotted lines are the Euler disk, dashed ones the race, kappa pi.
+        Energy above the least one, E_0 = V_0 + 3/2 m g r theta_0, in units of E_0 - V_0, and the turn in
+        half turns (pi rad). Dotted lines are the Euler disk, dashed ones the race, kappa pi.
 
     Raises
     ------
@@ -69,6 +69,6 @@ def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None, **look: Any
     return dress(
         ax,
         r"$(E-E_0)\,/\,(E_0 - V_0)$,   $E_0$ least energy off $F$",
-        r"turn of the contact point per bounce ($\pi$ rad)",
+        "turn per bounce (π rad)",
         "From the Euler disk to the race: one turn per bounce, by energy",
     )

@@ -81,7 +81,7 @@ def steady_plane(disk: Disk, ax: Axes | None = None, **look: Any) -> Axes:
     --------
     >>> from explorer import Disk, plot
     >>> plot.steady_plane(Disk.uniform()).get_title()
-    'Steady motions and the falling lines: uniform'
+    'Falling lines, and how many steady motions there are: uniform'
     """
     ax = axes_or_new(ax)
     x, y = fold_curve(disk)
@@ -98,13 +98,14 @@ def steady_plane(disk: Disk, ax: Axes | None = None, **look: Any) -> Axes:
     marks = [spin, -spin, 0.0, 0.0], [0.0, 0.0, roll, -roll]
     ax.plot(*marks, "D", color=DARK, mfc="white", ms=7, label="upright becomes stable")
     off = 1e-3 * disk.rate_unit
-    _count(ax, disk, (0.3 * spin, off))
-    _count(ax, disk, (-0.62 * width, off))
+    for share in (-0.5, -1.4):
+        at = share * spin, off
+        ax.text(*at, f"{len(at_constants(disk, *at).equilibria)}", ha="center", va="center", fontsize=16)
     ax.set_xlim(-width, width)
     ax.set_ylim(-width, width)
     handles, labels = ax.get_legend_handles_labels()
     legend_below(ax, ncols=2, handles=handles, labels=labels)
-    title = f"Steady motions and the falling lines: {disk.name}"
+    title = f"Falling lines, and how many steady motions there are: {disk.name}"
     return dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", rf"$\bar\sigma_4$ ({rates_of(disk)})", title)
 
 
@@ -124,13 +125,6 @@ def _tilt_curves(ax: Axes, disk: Disk, look: dict[str, Any]) -> None:
                     curve = [np.where(where, v, np.nan) for v in (motions.sigma3_bar, motions.sigma4_bar)]
                     label = rf"$|\varphi|$ = {tilt:g}" if stable and phi > 0.0 < sign else None
                     ax.plot(*curve, **({"color": grey, "ls": style, "lw": 1.3, "label": label} | look))
-
-
-def _count(ax: Axes, disk: Disk, at: tuple[float, float]) -> None:
-    """Write how many steady motions there are at a point of the plane."""
-    found = len(at_constants(disk, *at).equilibria)
-    text = f"{found} steady\nmotion{'' if found == 1 else 's'}"
-    ax.text(*at, text, ha="center", va="center", fontsize=SMALL, linespacing=1.0)
 
 
 def _label_places(disk: Disk) -> list[tuple[float, float]]:
@@ -266,8 +260,11 @@ def bifurcations(
     for flat in (-HALF_PI, HALF_PI):
         ax.axhline(flat, color=DARK, lw=0.6)
     if path == "line" and marks:
-        ax.text(0.985, 0.5, "no steady\nmotion", ha="right", va="center", fontsize=SMALL, transform=ax.transAxes)
+        most = max(marks)
+        ax.set_xlim(-1.4 * most, 1.4 * most)
+        for end in (-1.2, 1.2):
+            ax.text(end * most, 0.0, "no steady\nmotion", ha="center", va="center", fontsize=SMALL)
     legend_below(ax, ncols=3)
     symbol, name = _PATH_NAMES[path]
     title = f"{disk.name}, {name}"
-    return dress(ax, f"{symbol} ({rates_of(disk)})", r"$\varphi$ (rad)", title)
+    return dress(ax, f"{symbol} ({rates_of(disk)})", r"$\varphi$ (rad); flat at ±π/2", title)

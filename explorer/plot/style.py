@@ -27,7 +27,7 @@ TEXT, SMALL = 12, 10.5
 FALLS, BOUNCES, UNSTABLE = "#C9BFD9", "#F8F6EE", "#D9D4C5"
 
 HALF_PI = 0.5 * np.pi
-FLAT_TICKS = ([-HALF_PI, -0.5, 0.0, 0.5, HALF_PI], ["flat\n−π/2", "−0.5", "0", "0.5", "flat\nπ/2"])
+FLAT_TICKS = ([-HALF_PI, -0.5, 0.0, 0.5, HALF_PI], ["−π/2", "−0.5", "0", "0.5", "π/2"])
 BEYOND = "beyond"  # gid of what marks data outside the axes
 _SYMBOLS = {"phi": r"$\varphi$", "phidot": r"$\dot\varphi$", "sigma3": r"$\sigma_3$", "sigma4": r"$\sigma_4$"}
 

@@ -200,6 +200,7 @@ def wander_radius(
     top = 6.0 * float(np.median(radius))
     ax.set_ylim(0.0, 1.9 * top)
     ax.set_yticks([tick for tick in ax.get_yticks() if tick <= top])
+    ax.yaxis.set_label_coords(-0.08, 0.3)
     above = ax.inset_axes((0.0, 0.62, 1.0, 0.38), sharex=ax)
     above.plot(fine, between, color=DARK, lw=1.6)
     above.set_ylabel("turns of $\\chi$\na period", fontsize=SMALL)

@@ -1,4 +1,4 @@
-"""Race angles counted for pictures: by decade of |eta_hat| around their limit, and against the law of eta ln(1/eta).
+"""Race angles counted for pictures: by decade of |eta_hat| around their limit, and against their law.
 
 Beside F a race angle is sgn(eta) kappa pi + K eta (ln(1/|eta|) - c) + ..., with K = 2 m g r/(I1 M A^3) for the
 impact speed A. The constant c depends on the motion and, for small eta, no longer on eta.
@@ -39,7 +39,7 @@ class RaceRidges:
     limit : float
         kappa pi (rad).
     ridges : dict
-        By the exponent of the decade and the side, +1 or -1: `SignedLogCounts` of race angle - side kappa pi (rad).
+        By the exponent of the decade and the side, +-1: `SignedLogCounts` of race angle - side kappa pi (rad).
     angles : dict
         By the side: race angles in the bins of `edges`, and how many lie outside them.
     edges : array

@@ -11,11 +11,14 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from peers import ours, solvers
 from peers.peak import operations, peak
 from peers.problem import COUNT, work
 
 from explorer.commands.made_by import leave_made_by
+from explorer.plot.captions import Question, captioned, save
+from explorer.plot.style import DARK, MARKERS, SERIES, dress
 
 OUT = Path(__file__).parents[2] / "results" / "peers"
 TIGHT = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
@@ -86,27 +89,63 @@ def at(found, name, target):
     return max(rates, default=np.nan)
 
 
+# Solvers of one family share a colour, none of which is a side of F; ours are dark.
+FAMILIES = {
+    "heyoka": SERIES[1],
+    "numbalsoda": SERIES[2],
+    "CyRK": SERIES[3],
+    "SciPy": SERIES[4],
+    "diffrax": SERIES[5],
+}
+PEERS = {
+    "heyoka batch": ("o", "-"),
+    "heyoka": ("s", "--"),
+    "numbalsoda dop853": ("o", "-"),
+    "numbalsoda lsoda": ("s", "--"),
+    "CyRK DOP853": ("o", "-"),
+    "SciPy DOP853": ("o", "-"),
+    "SciPy RK45": ("s", "--"),
+    "diffrax Dopri8": ("o", "-"),
+}
+
+
+@captioned(
+    Question.HOW_GOOD,
+    "Trajectories per second against error, ours in black and other solvers in colour: on the plain equations on "
+    "the left, as a user would write them, and on our regularised ones on the right. Further up and further right "
+    "is better. Hollow: of some trajectories the side was not known, or the contact point raced the wrong way "
+    "round, which is what an error of 7 rad or more is.",
+)
 def draw(found):
-    figure = Figure(figsize=(8.4, 5.4), layout="constrained")
-    ax = figure.subplots()
-    names = list(dict.fromkeys(row[0] for row in found))
-    colours = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999999")
-    for k, name in enumerate(names):
-        chosen = sorted((row[3], row[6]) for row in found if row[0] == name)
-        own = next(row[7] for row in found if row[0] == name)
-        if "regularised" in name or "half" in name:
-            continue
-        style = "-" if own else "--"
-        marker = "os^vDP*X<>"[k % 10]
-        size = 14 if name == "quadrature" else 5
-        ax.loglog(*zip(*chosen, strict=True), style, marker=marker, ms=size, color=colours[k % 8], label=name)
-    ax.set_xlabel("error of chi, 99th percentile (rad)", fontsize=12)
-    ax.set_ylabel("trajectories per second per core", fontsize=12)
-    ax.set_title("One passage near flat, 256 starts, 1e-6 < eta < 1e-1", fontsize=12)
+    """Two panels: peers on the plain and on the regularised equations, ours in both."""
+    figure = Figure(figsize=(7.6, 6.4), layout="constrained")
+    for ax, kind in zip(figure.subplots(1, 2, sharex=True, sharey=True), ("plain", "regularised"), strict=True):
+        for place, own in enumerate((*OWN, "quadrature")):
+            star = own == "quadrature"
+            look = {"marker": "*", "ms": 14} if star else {"marker": MARKERS[place], "ms": 5}
+            _line(ax, found, own, {**look, "color": DARK, "label": f"{own.partition(',')[0]} (ours)"})
+        for peer, (marker, style) in PEERS.items():
+            look = {"marker": marker, "ms": 5, "ls": style, "color": FAMILIES[peer.partition(" ")[0]]}
+            _line(ax, found, f"{peer}, {kind}", {**look, "label": peer})
+        dress(ax, "error of χ, 99th percentile (rad)", "", f"Peers on the {kind} equations")
+        ax.grid(alpha=0.3)
+    ax.set(xscale="log", yscale="log")
     ax.invert_xaxis()
-    ax.grid(alpha=0.3)
-    ax.legend(fontsize=9, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    figure.savefig(OUT / "peers.png", dpi=140)
+    figure.axes[0].set_ylabel("trajectories per second per core", fontsize=12)
+    handles, names = figure.axes[0].get_legend_handles_labels()
+    hollow = Line2D([], [], marker="o", color=DARK, mfc="white", ls="")
+    handles, names = [*handles, hollow], [*names, "hollow: some unresolved or wrong"]
+    figure.legend(handles, names, loc="outside lower center", ncols=3, fontsize=10.5, frameon=False)
+    return figure
+
+
+def _line(ax, found, name, look):
+    """One solver, settings in their order; hollow where a trajectory is unresolved or went the wrong way."""
+    chosen = [row for row in found if row[0] == name]
+    ax.plot([row[3] for row in chosen], [row[6] for row in chosen], **look)
+    doubtful = [row for row in chosen if row[4] or row[5]]
+    hollow = {**look, "ls": "", "mfc": "white", "label": None, "zorder": 5}
+    ax.plot([row[3] for row in doubtful], [row[6] for row in doubtful], **hollow)
 
 
 def machine_lines():
@@ -151,7 +190,7 @@ def every(found):
 def main():
     OUT.mkdir(parents=True, exist_ok=True)
     found = list(rows())
-    draw(found)
+    save(draw(found), OUT / "peers.png")
     lines = [
         "# nearflat and its peers",
         "",

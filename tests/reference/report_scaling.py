@@ -16,8 +16,11 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
 from explorer.commands.made_by import leave_made_by
+from explorer.plot.captions import Question, captioned, save
+from explorer.plot.style import DARK, MARKERS, SERIES, dress, legend_below
 
 OUT = Path(__file__).parents[2] / "results" / "scaling"
 PASSAGES = (10**3, 10**4, 10**5, 10**6, 10**7)
@@ -113,25 +116,68 @@ def eta_lines(rows):
         yield f"| 1e-{exponent} | " + " | ".join(cells) + " |"
 
 
+@captioned(
+    Question.HOW_GOOD,
+    "Time and memory against the number of samples, for the algebra of states alone and for passages that are "
+    "stored and summarised. Small runs cost what starting costs; beyond the knee the time follows the dotted line, "
+    "in proportion to the samples, and memory does not grow. A second job pays from some millions of states on.",
+)
 def draw(rows):
-    figure = Figure(figsize=(9.6, 4.2), layout="constrained")
+    """Time and memory, for both kinds of work and one and two jobs."""
+    figure = Figure(figsize=(7.6, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2)
-    colours = {"algebra": "#0072B2", "race-angles": "#D55E00"}
-    for name, colour in colours.items():
+    works = {"algebra": ("constants of states", SERIES[1]), "race-angles": ("passages, stored", DARK)}
+    for name, (told, colour) in works.items():
         for jobs, marker, style in ((1, "o", "--"), (2, "s", "-")):
             chosen = [(n, s, mb) for what, n, j, s, mb in rows if what == name and j == jobs]
+            if not chosen:
+                continue
             samples, seconds, memory = zip(*chosen, strict=True)
-            label = f"{name}, {jobs} job{'s' if jobs > 1 else ''}"
-            left.loglog(samples, seconds, style, marker=marker, color=colour, label=label)
-            right.semilogx(samples, memory, style, marker=marker, color=colour, label=label)
-    left.set_ylabel("time (s)", fontsize=12)
-    right.set_ylabel("peak memory (MB)", fontsize=12)
+            label = f"{told}, {jobs} job{'s' if jobs > 1 else ''}"
+            left.loglog(samples, seconds, style, marker=marker, ms=5, color=colour, label=label)
+            right.semilogx(samples, memory, style, marker=marker, ms=5, color=colour)
+            if jobs == 1:
+                end = np.array([max(samples) / 1e3, max(samples)])
+                left.plot(end, seconds[-1] * end / end[-1], ":", color=colour, lw=1.0)
+    left.plot([], [], ":", color=DARK, label="∝ samples")
+    dress(left, "samples", "time (s)", "Time: in proportion, in the end")
+    dress(right, "samples", "peak memory (MB)", "Memory: does not grow")
     right.set_ylim(bottom=0)
     for ax in (left, right):
-        ax.set_xlabel("samples", fontsize=12)
         ax.grid(alpha=0.3)
-    left.legend(fontsize=10)
-    figure.savefig(OUT / "scaling.png", dpi=150)
+    handles, names = left.get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=2, fontsize=10.5, frameon=False)
+    return figure
+
+
+@captioned(
+    Question.HOW_GOOD,
+    "Time of one passage against the distance from F, from a tenth down to 1e-300. Quadrature costs the same at "
+    "any distance. Integrators slow down and stop where the last digit no longer tells the side of F, which is "
+    "where the crosses are.",
+)
+def draw_cost(rows):
+    """Microseconds per passage against the exponent of 1/|eta_hat|; rows as of `against_eta`."""
+    figure = Figure(figsize=(6.4, 4.8), layout="constrained")
+    ax = figure.subplots()
+    for place, method in enumerate(METHODS):
+        known = [(exponent, row[place]) for exponent, row in rows if row[place] is not None]
+        exponents, times = zip(*known, strict=True)
+        star = method == "quadrature"
+        look = {"marker": "*", "ms": 12} if star else {"marker": MARKERS[place - 1], "ms": 6}
+        ax.loglog(exponents, times, color=SERIES[place], label=method, **look)
+        if len(known) < len(rows):
+            ax.plot(exponents[-1], times[-1], "x", color=SERIES[place], ms=15, mew=2.0)
+    ax.plot([], [], "x", color=DARK, ms=9, mew=2.0, label="beyond, the side is not known")
+    ax.set_xticks([exponent for exponent, _ in rows], [f"$10^{{-{exponent}}}$" for exponent, _ in rows])
+    ax.xaxis.set_minor_locator(NullLocator())
+    ax.set_yticks([0.5, 1.0, 2.0, 5.0, 10.0], ["0.5", "1", "2", "5", "10"])
+    ax.yaxis.set_minor_locator(NullLocator())
+    ax.grid(alpha=0.3)
+    legend_below(ax, ncols=3)
+    x = r"$|\hat\eta|$ ($\sqrt{g/r}$), towards the falling set"
+    dress(ax, x, "time per passage (µs), one job", "Quadrature costs the same at any distance from $F$")
+    return figure
 
 
 def main():
@@ -142,7 +188,7 @@ def main():
             for jobs in (1, 2) if (os.cpu_count() or 1) > 1 else (1,):
                 rows.append((name, samples, jobs, *measure(name, samples, jobs)))
                 print(rows[-1], flush=True)
-    draw(rows)
+    save(draw(rows), OUT / "scaling.png")
     lines = [
         "# Time and memory against the number of samples",
         "",
@@ -159,10 +205,14 @@ def main():
         lines.append(f"| {name} | {n:,} | {jobs} | {n / seconds:,.0f} | {memory:.0f} | {gain} |")
     lines += ["", "![time and memory](scaling.png)", "", "Microseconds per passage against the distance from F,"]
     lines += [
-        "accuracy 1e-2, one job; - where fewer than 99 % know their side. Picture: `../extremes`.",
+        "accuracy 1e-2, one job; - where fewer than 99 % know their side.",
+        "",
+        "![time of a passage against the distance from F](cost.png)",
         "",
     ]
-    lines += eta_lines(against_eta())
+    eta_rows = against_eta()
+    save(draw_cost(eta_rows), OUT / "cost.png")
+    lines += eta_lines(eta_rows)
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     leave_made_by(OUT, "python tests/reference/report_scaling.py")
 
