@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from explorer.commands.common import add_json
+from explorer.commands.gallery import picture_lines
 from explorer.commands.made_by import FILE, command_of, leave_made_by
 from explorer.errors import InputError, note
 from explorer.motion.plan import method_in_words
@@ -74,11 +75,8 @@ def _page(folder: Path, runs: list[Run], titles: list[str]) -> str:
     for run, title in zip(runs, titles, strict=True):
         lines += ["", f"## {title}", ""]
         lines += [f"- {line}" for line in run.scene.headline(run.summary)]
-        lines.append("")
-        lines += [
-            f"![{path.stem}]({run.scene.name}/figures/{path.name})"
-            for path in sorted((folder / run.scene.name / "figures").glob("*.png"))
-        ]
+        for path in sorted((folder / run.scene.name / "figures").glob("*.png")):
+            lines += ["", *picture_lines(path, folder)]
     return "\n".join(lines) + "\n"
 
 

@@ -6,19 +6,31 @@ from pathlib import Path
 
 from explorer.commands.common import add_json
 from explorer.commands.made_by import leave_made_by
-from explorer.errors import whole
-from explorer.paper.pages import headline, line_of, paper
+from explorer.errors import InputError, positive, whole
+from explorer.paper.figures import ETA_HAT
+from explorer.paper.pages import headline, line_of, one_figure, paper
+from explorer.phase.disk import Disk
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the options of `nearflat paper`."""
     command.add_argument("--only", metavar="NAME", help="one statement, by name or number; nothing is written")
+    command.add_argument("--figure", metavar="N", help="one figure, 1 to 9; no statement is checked")
+    command.add_argument("--disk", metavar="DISK", help="with --figure: another body, as for run")
+    command.add_argument(
+        "--eta-hat", metavar="SIZE", help=f"with --figure: distance from F, in sqrt(g/r) (default {ETA_HAT:g})"
+    )
     command.add_argument("--out", default="results/paper", metavar="DIR", help="default results/paper")
     command.add_argument("--jobs", default="2", metavar="N", help="threads (default 2)")
     add_json(command)
 
 
 def call(options: argparse.Namespace) -> int:
+    if options.figure is not None:
+        return _figure(options)
+    for flag, value in (("--disk", options.disk), ("--eta-hat", options.eta_hat)):
+        if value is not None:
+            raise InputError(f"{flag} {value}: only with --figure; the statements are of the paper's bodies")
     rows = paper(options.out, only=options.only, jobs=whole("--jobs", options.jobs, 1), quiet=options.quiet)
     if options.only is None:
         leave_made_by(Path(options.out), "nearflat paper")
@@ -35,3 +47,17 @@ def call(options: argparse.Namespace) -> int:
         for line in headline(rows):
             print(line)
     return 0 if holding == len(rows) else 1
+
+
+def _figure(options: argparse.Namespace) -> int:
+    """One figure, and nothing else."""
+    if options.only is not None:
+        raise InputError("--only and --figure: give one of them")
+    disk = None if options.disk is None else Disk.parse(options.disk)
+    eta_hat = ETA_HAT if options.eta_hat is None else positive("--eta-hat", options.eta_hat)
+    paths = one_figure(options.out, whole("--figure", options.figure, 1, 9), disk, eta_hat)
+    if options.json:
+        print(json.dumps({"files": [str(path) for path in paths]}))
+    else:
+        print("\n".join(f"wrote {path}" for path in paths))
+    return 0

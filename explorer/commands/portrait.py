@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from explorer.commands import pictures
+from explorer.commands.gallery import picture_lines
 from explorer.commands.made_by import leave_made_by
 from explorer.errors import InputError, note, one_of
 from explorer.phase.disk import Disk
@@ -168,7 +169,7 @@ def _page(written: dict[str, list[Path]], disk: Disk, command: str) -> str:
         text = GROUPS[name].text if name in GROUPS else "nearly falling flat on both sides of F, slower near flat"
         lines += ["", f"## {text[0].upper()}{text[1:]}", "", f"`nearflat portrait --only {name}`"]
         for path in paths:
-            lines += ["", f'<img src="{path.name}" width="600" alt="{path.stem}">']
+            lines += ["", *picture_lines(path, path.parent)]
     return "\n".join(lines) + "\n"
 
 

@@ -15,22 +15,32 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from explorer.errors import InputError
+from explorer.errors import InputError, positive
 from explorer.motion.dense_times import dense_times
 from explorer.motion.limit_motions import limit_motion
 from explorer.motion.passages import passages
 from explorer.motion.periods import periods
 from explorer.paper.checks import followed
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, constants_to_states
-from explorer.plot.style import DARK, SIGN_COLOURS, axes_or_new, dress, legend
+from explorer.plot.captions import Caption, Question, replace_caption
+from explorer.plot.style import (
+    DARK,
+    SIGN_COLOURS,
+    SMALL,
+    arrow,
+    axes_or_new,
+    dress,
+    number,
+    times_of,
+)
 
 ETA_HAT = 0.01
 SIGMA3 = PHIDOT = 1.0
 CHI0 = 0.5  # rad; not in the paper, see `INFERRED`
 ZOOM = (-0.15, 0.2)  # both axes, the ticks of Fig. 3
 _ACCURACY = 1e-9
-_WIDTH, _HEIGHT = 8.4, 4.5
+_WIDTH, _HEIGHT = 8.4, 5.0
 _RACE_POINTS = 200
 _STEP = 0.05  # rad of chi between two points: the contact point's circles look round at the size of a page
 _BODY_WORDS = {"uniform": "the uniform disk", "hoop": "the hoop"}
@@ -38,15 +48,14 @@ _BODY_WORDS = {"uniform": "the uniform disk", "hoop": "the hoop"}
 CHI0_FITS = (0.41, 0.57)  # rad: what the ticks of Fig. 7 leave, to the last digit
 
 INFERRED = (
-    f"Not given in the paper: chi(0), here {CHI0:g} rad; the ticks of its Fig. 7 leave {CHI0_FITS[0]:g} to "
+    f"Not given in the paper: χ(0), here {CHI0:g} rad; the ticks of its Fig. 7 leave {CHI0_FITS[0]:g} to "
     f"{CHI0_FITS[1]:g}."
 )
-_INFERRED_TOO = {
-    1: "The paper says somewhat more than three periods.",
-    **dict.fromkeys((2, 4, 5), "The window on the right is that of Fig. 3, whose ticks are known."),
-    7: "The length is inferred: 3.4 periods no longer fit the ticks.",
-    **dict.fromkeys((6, 8, 9), "The length is inferred: as in Fig. 7."),
-}
+INFERRED_TOO = (
+    "Fig. 1: the paper says somewhat more than three periods.",
+    "Figs. 2, 4, 5: the window on the right is that of Fig. 3, whose ticks are known.",
+    "Figs. 6 to 9: the length is inferred from Fig. 7, where 3.4 periods no longer fit the ticks.",
+)
 
 
 @dataclass(frozen=True)
@@ -128,11 +137,16 @@ def _turned(path: Array) -> Array:
 
 
 def _dressed(ax: Axes, disk: Disk, eta_hat: float, x: str, y: str) -> Axes:
-    return dress(ax, x, y, rf"{_BODY_WORDS[disk.name].removeprefix('the ')}, $\hat\eta_+$ = {eta_hat:+g}")
+    return dress(ax, x, y, rf"{_in_words(disk).removeprefix('the ')}, $\hat\eta_+$ = {number(eta_hat, '+g')}")
+
+
+def _in_words(disk: Disk) -> str:
+    return _BODY_WORDS.get(disk.name, f"the disk {disk.name}")
 
 
 def _lines(ax: Axes, xy: Array, limit_xy: Array, eta_hat: float) -> None:
-    ax.plot(*xy.T, color=SIGN_COLOURS[int(np.sign(eta_hat))], lw=1.5, label="motion")
+    colour = SIGN_COLOURS[int(np.sign(eta_hat))]
+    ax.plot(*xy.T, color=colour, lw=1.5, label=rf"$\hat\eta_+$ = {number(eta_hat, '+g')}")
     ax.plot(*limit_xy.T, color=DARK, lw=0.9, ls=":", label="limit")
 
 
@@ -140,12 +154,19 @@ def chi_panel(disk: Disk, eta_hat: float, turns: float, ax: Axes | None = None) 
     """chi(t), the panels of Fig. 1."""
     ax = axes_or_new(ax)
     here = motion(disk, eta_hat, turns)
-    there = limit(disk, int(np.sign(eta_hat)), here.t[-1])
+    sign = int(np.sign(eta_hat))
+    there = limit(disk, sign, here.t[-1])
     _lines(ax, np.stack([here.t, here.chi], 1), np.stack([there.t, there.chi], 1), eta_hat)
-    for number in range(1, int(turns) + 1):
-        ax.axvline(number * period_of(disk, eta_hat), color=DARK, lw=0.5, alpha=0.5)
-    legend(ax, loc="upper left" if eta_hat > 0.0 else "lower left")
-    return _dressed(ax, disk, eta_hat, r"t ($\sqrt{r/g}$); lines at whole periods", r"$\chi$ (rad)")
+    for period in range(1, int(turns) + 1):
+        label = "whole periods" if period == 1 else None
+        ax.axvline(period * period_of(disk, eta_hat), color=DARK, lw=0.5, alpha=0.5, label=label)
+    race = there.chi[there.t == there.flat[0]]
+    x = there.flat[0] + 0.04 * here.t[-1]
+    ends = {"arrowstyle": "<->", "color": DARK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", (x, race[0]), xytext=(x, race[-1]), arrowprops=ends)
+    text = f"{'+' if sign > 0 else '−'}κπ = {number(sign * disk.race_limit, '+.2f')}"
+    ax.text(x + 0.02 * here.t[-1], 0.5 * (race[0] + race[-1]), text, va="center", fontsize=SMALL)
+    return _dressed(ax, disk, eta_hat, f"t ({times_of(disk)})", r"$\chi$ (rad)")
 
 
 def axis_panel(disk: Disk, eta_hat: float, turns: float, ax: Axes | None = None, zoom: bool = False) -> Axes:
@@ -158,8 +179,10 @@ def axis_panel(disk: Disk, eta_hat: float, turns: float, ax: Axes | None = None,
     for seen, style, label in ((upper, "-", r"$v_3 \geq 0$"), (~upper, "--", r"$v_3 < 0$")):
         ax.plot(*np.where(seen[:, None], here.axis, np.nan).T, color=colour, lw=1.5, ls=style, label=label)
     ax.plot(*there.axis.T, color=DARK, lw=0.9, ls=":", label="limit")
+    leaving = here.t > here.flat[0]
+    for tilt in (0.09,) if zoom else (0.4, 0.8):
+        arrow(ax, here.axis, int(np.flatnonzero(leaving & (np.cos(here.phi) > tilt))[0]), colour)
     if zoom:
-        _arrow(ax, here, colour)
         ticks = np.arange(-0.1, 0.21, 0.1)
         ax.set(xticks=ticks, yticks=ticks)
         for both in (ax.xaxis, ax.yaxis):
@@ -167,21 +190,14 @@ def axis_panel(disk: Disk, eta_hat: float, turns: float, ax: Axes | None = None,
         ax.set(xlim=ZOOM, ylim=ZOOM)
     else:
         turn = np.linspace(0.0, 2.0 * np.pi, 400)
-        ax.plot(np.cos(turn), np.sin(turn), color=DARK, lw=0.8)
+        ax.plot(np.cos(turn), np.sin(turn), color=DARK, lw=0.8, label="equator: upright")
         ax.plot(*here.axis[0], marker="o", color=DARK, ms=6, label="start", ls="")
+        again = int(np.searchsorted(here.t, period_of(disk, eta_hat)))
+        after = {"marker": "s", "mfc": "white", "color": DARK, "ms": 6, "ls": "", "zorder": 5}
+        ax.plot(*here.axis[min(again, len(here.t) - 1)], label="after one period", **after)
         ax.set(xlim=(-1.08, 1.08), ylim=(-1.08, 1.08))
-        legend(ax, loc="lower right")
     ax.set_aspect("equal")
     return _dressed(ax, disk, eta_hat, r"$\cos\varphi\,\cos\chi$", r"$\cos\varphi\,\sin\chi$")
-
-
-def _arrow(ax: Axes, here: Curve, colour: str) -> None:
-    """Which way the axis runs, on its way out of the first flat moment."""
-    leaving = here.t > here.flat[0]
-    out = np.flatnonzero(leaving & (np.cos(here.phi) > 0.06))[0]
-    ahead = np.flatnonzero(leaving & (np.cos(here.phi) > 0.09))[0]
-    style = {"arrowstyle": "-|>", "color": colour, "lw": 1.5, "mutation_scale": 18}
-    ax.annotate("", tuple(here.axis[ahead]), xytext=tuple(here.axis[out]), arrowprops=style)
 
 
 def path_panel(disk: Disk, eta_hat: float, turns: float, ax: Axes | None = None, what: str = "centre") -> Axes:
@@ -189,77 +205,130 @@ def path_panel(disk: Disk, eta_hat: float, turns: float, ax: Axes | None = None,
     ax = axes_or_new(ax)
     here = motion(disk, eta_hat, turns)
     there = limit(disk, int(np.sign(eta_hat)), here.t[-1])
-    _lines(ax, getattr(here, what), getattr(there, what), eta_hat)
-    ax.plot(*getattr(here, what)[0], marker="o", color=DARK, ms=6, ls="", label="start")
+    path = getattr(here, what)
+    _lines(ax, path, getattr(there, what), eta_hat)
+    colour = SIGN_COLOURS[int(np.sign(eta_hat))]
+    for time in here.flat + 0.33 * period_of(disk, eta_hat):
+        arrow(ax, path, min(int(np.searchsorted(here.t, time)), len(path) - 1), colour)
+    flattest = path[np.searchsorted(here.t, here.flat)]
+    rings = {"marker": "o", "mfc": "white", "color": DARK, "ms": 5, "ls": "", "zorder": 5}
+    ax.plot(*flattest.T, label="flattest moments", **rings)
+    ax.plot(*path[0], marker="o", color=DARK, ms=6, ls="", label="start")
     ax.set_aspect("equal", adjustable="box")
     for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_locator(MultipleLocator(0.5 if what == "centre" else 1.0))
-    legend(ax, loc="best")
+        axis.set_major_locator(MultipleLocator(1.0))
+        axis.set_minor_locator(MultipleLocator(0.5))
     return _dressed(ax, disk, eta_hat, "x (r)", "y (r)")
 
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """What a figure of the paper shows: panels as (eta_hat, options of `draw`), length in periods, caption."""
+    """What a figure of the paper shows: panels as (side of F, options of `draw`), length in periods, words.
+
+    shows: the caption of the paper's own body and eta_hat, without what is said of all figures.
+    """
 
     number: int
     disk: Disk
     turns: float
     draw: Callable[..., Axes]
-    panels: tuple[tuple[float, dict[str, Any]], ...]
-    caption: str
+    panels: tuple[tuple[int, dict[str, Any]], ...]
+    shows: str
+
+    @property
+    def one_scale(self) -> bool:
+        """Whether the panels compare both sides of F."""
+        return len({side for side, _ in self.panels}) == 2
+
+    def caption(self, disk: Disk, eta_hat: float) -> str:
+        """What is seen and what to look at, for a body and a size of eta_hat."""
+        text = self.shows.format(
+            body=_in_words(disk),
+            kappa=f"{disk.kappa:.4g}",
+            turns=f"{self.turns:g}",
+            eta=number(eta_hat),
+            side=number(self.panels[0][0] * eta_hat),
+        )
+        own = _same_body(disk, self.disk) and eta_hat == ETA_HAT
+        name = f"Fig. {self.number}." if own else f"As Fig. {self.number}."
+        printed = _PRINTED.get(self.number, "") if own else ""
+        return f"{name} {text} {printed} Dotted: the one-sided limit of the same start.".replace("  ", " ")
 
 
-def _sides(**options: Any) -> tuple[tuple[float, dict[str, Any]], ...]:
-    return tuple((eta_hat, options) for eta_hat in (ETA_HAT, -ETA_HAT))
-
-
-def _caption(number: int, shows: str, disk: Disk, turns: float, panels: str) -> str:
-    return (
-        f"Fig. {number}. {shows} for {_BODY_WORDS[disk.name]}, over {turns:g} periods; {panels}. "
-        f"Dotted: the one-sided limit, same start with eta_+ = 0. {INFERRED} {_INFERRED_TOO.get(number, '')}"
-    ).rstrip()
+_PRINTED = dict.fromkeys((8, 9), "The paper prints 0.01 for both panels; the right one is −0.01.")
+_OF_SIDES = "with η̂₊ = {eta} on the left and −{eta} on the right, on one scale"
+_CHI = (
+    "The angle χ(t) of {body} over {turns} periods, " + _OF_SIDES + ". In each near-fall it jumps by κπ, with "
+    "κ = {kappa}: up on one side of F, down on the other."
+)
+_AXIS = (
+    "The horizontal projection of the axis v = A e₃ of {body} over {turns} periods, with η̂₊ = {side}: all of it "
+    "on the left, the middle on the right. It starts on the equator, comes in to the origin, where the disk is "
+    "nearly flat, turns round it by κπ, with κ = {kappa}, and leaves; it is broken where v₃ < 0."
+)
+_CENTRE = (
+    "The path of the centre of mass of {body} seen from above, over {turns} periods, " + _OF_SIDES + ". At the "
+    "rings the disk is flattest and the centre nearly stands still; the sides of F leave in different directions."
+)
+_CONTACT = (
+    "The path of the point of contact of {body} seen from above, over {turns} periods, " + _OF_SIDES + ". Around "
+    "each ring, where the disk is flattest, it runs round a circle of the rim, one way or the other by side of F."
+)
 
 
 def _make() -> dict[int, PaperFigure]:
     uniform, hoop = Disk.uniform(), Disk.hoop()
-    both = f"eta_hat_+ = {ETA_HAT:g} (left), {-ETA_HAT:g} (right)"
-    of_v = "The horizontal projection of v = A e3"
-    centre, contact = "The path of the centre of mass seen from above", "The path of the point of contact"
-    rows: list[tuple[str, Disk, float, Callable[..., Axes], Any, str]] = [
-        ("The angle chi(t)", uniform, 3.2, chi_panel, _sides(), both),
+
+    def sides(**options: Any) -> tuple[tuple[int, dict[str, Any]], ...]:
+        return tuple((side, options) for side in (1, -1))
+
+    rows: list[tuple[Disk, float, Callable[..., Axes], Any, str]] = [
+        (uniform, 3.2, chi_panel, sides(), _CHI),
         *(
-            (
-                of_v,
-                disk,
-                1.4,
-                axis_panel,
-                ((eta, {}), (eta, {"zoom": True})),
-                f"eta_hat_+ = {eta:g}; left all of it, right the middle; dashed where v3 < 0",
-            )
+            (disk, 1.4, axis_panel, ((side, {}), (side, {"zoom": True})), _AXIS)
             for disk in (uniform, hoop)
-            for eta in (ETA_HAT, -ETA_HAT)
+            for side in (1, -1)
         ),
-        (centre, uniform, 3.0, path_panel, _sides(what="centre"), both),
-        (centre, hoop, 3.0, path_panel, _sides(what="centre"), both),
-        (contact, uniform, 3.0, path_panel, _sides(what="contact"), both),
-        (contact, hoop, 3.0, path_panel, _sides(what="contact"), both),
+        *((disk, 3.0, path_panel, sides(what="centre"), _CENTRE) for disk in (uniform, hoop)),
+        *((disk, 3.0, path_panel, sides(what="contact"), _CONTACT) for disk in (uniform, hoop)),
     ]
-    return {
-        number: PaperFigure(number, disk, turns, draw, panels, _caption(number, shows, disk, turns, words))
-        for number, (shows, disk, turns, draw, panels, words) in enumerate(rows, 1)
-    }
+    return {count: PaperFigure(count, *row) for count, row in enumerate(rows, 1)}
 
 
 FIGURES = _make()
 
 
-def figure(number: int) -> Figure:
-    """A figure of the paper by its number, 1 to 9. Raises InputError."""
+def _same_body(one: Disk, other: Disk) -> bool:
+    return (one.body.I1, one.body.I3) == (other.body.I1, other.body.I3)
+
+
+def _natural(disk: Disk) -> Disk:
+    """The same body in units m = r = g = 1, in which the figures are."""
+    unit = disk.m * disk.r**2
+    return Disk(I1=disk.I1 / unit, I3=disk.I3 / unit, name=disk.name)
+
+
+def figure(number: int, disk: Disk | None = None, eta_hat: float = ETA_HAT) -> Figure:
+    """A figure of the paper by its number, 1 to 9, also of another body or at another distance from F.
+
+    eta_hat: its size, in sqrt(g/r); which sides are shown is the figure's. Raises InputError.
+    """
     if number not in FIGURES:
         raise InputError(f"figure = {number!r} is not one of the paper's; give a number from 1 to {len(FIGURES)}")
     plan = FIGURES[number]
+    if disk is not None:
+        require_axial_inertia(disk)
+    body = plan.disk if disk is None else _natural(disk)
+    size = positive("eta_hat", eta_hat)
     made = Figure(figsize=(_WIDTH, _HEIGHT), layout="constrained")
-    for (eta_hat, options), ax in zip(plan.panels, made.subplots(1, len(plan.panels)), strict=True):
-        plan.draw(plan.disk, eta_hat, plan.turns, ax=ax, **options)
+    panels = made.subplots(1, len(plan.panels), sharex=plan.one_scale, sharey=plan.one_scale)
+    for (side, options), ax in zip(plan.panels, panels, strict=True):
+        plan.draw(body, side * size, plan.turns, ax=ax, **options)
+    entries = {
+        label: handle for ax in panels for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
+    }
+    made.legend(
+        [*entries.values()], [*entries], loc="outside lower center", ncols=4, fontsize=SMALL, frameon=False
+    )
+    replace_caption(made, Caption(Question.PAPER, plan.caption(body, size)))
     return made

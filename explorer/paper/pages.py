@@ -21,16 +21,17 @@ from explorer.paper import (
     section_7_1,
     section_7_3,
 )
-from explorer.paper.figures import FIGURES, figure
+from explorer.paper.figures import ETA_HAT, FIGURES, INFERRED, INFERRED_TOO, figure
 from explorer.paper.misprints import misprints_page
 from explorer.paper.statement import Finding, Statement, chosen, shown
+from explorer.phase.disk import Disk
+from explorer.plot.captions import save
 
 # The statements of these are registered as they are imported.
 SECTIONS = (
     *(section_2, section_3_4, section_5, section_6_1, section_6_2, section_6_3, section_7_1, section_7_3),
     figure_numbers,
 )
-DPI = 150
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,27 @@ def _write(folder: Path, rows: Sequence[Row], quiet: bool) -> None:
     for number in sorted(FIGURES):
         drawn = figure(number)
         for kind in ("png", "svg"):
-            drawn.savefig(folder / "figures" / f"figure-{number}.{kind}", dpi=DPI)
+            save(drawn, folder / "figures" / f"figure-{number}.{kind}")
+
+
+def one_figure(folder: Path | str, number: int, disk: Disk | None, eta_hat: float) -> list[Path]:
+    """Draw one figure, of the paper's own body or of another, into figures/ of a folder; returns the files.
+
+    Raises InputError.
+    """
+    drawn = figure(number, disk, eta_hat)
+    name = f"figure-{number}"
+    if disk is not None or eta_hat != ETA_HAT:
+        name += f"-{(disk or FIGURES[number].disk).name}-{eta_hat:g}"
+    where = Path(folder) / "figures"
+    try:
+        where.mkdir(parents=True, exist_ok=True)
+        paths = [where / f"{name}.{kind}" for kind in ("png", "svg")]
+        for path in paths:
+            save(drawn, path)
+    except OSError as error:
+        raise InputError(f"--out {folder}: cannot be written ({error.strerror})") from None
+    return paths
 
 
 def pages(rows: Sequence[Row]) -> dict[str, str]:
@@ -129,11 +150,17 @@ def figures_page() -> str:
         "",
         "Made by `nearflat paper`. Statements and their numbers: [statements.md](statements.md). Misprints, with",
         "the numbers that decide them: [misprints.md](misprints.md). Cushman & Duistermaat, *Nearly flat falling",
-        "motions of the rolling disk*, Regul. Chaotic Dyn. 11 (2006) 31-60.",
+        "motions of the rolling disk*, Regul. Chaotic Dyn. 11 (2006) 31-60. Another body, or nearer to F:",
+        "`nearflat paper --figure 8 --disk annulus:0.4 --eta-hat 3e-3`.",
+        "",
+        "All start upright with σ₂ = σ₃ = 1, in units m = r = g = 1.",
+        INFERRED,
+        *INFERRED_TOO,
     ]
     for number in sorted(FIGURES):
-        lines += ["", f"## Figure {number}", "", f'<img src="figures/figure-{number}.png" width="700">', ""]
-        lines.append(FIGURES[number].caption)
+        caption = FIGURES[number].caption(FIGURES[number].disk, ETA_HAT)
+        picture = f'<img src="figures/figure-{number}.png" width="700" alt="{caption}">'
+        lines += ["", f"## Figure {number}", "", picture, "", caption]
     return "\n".join(lines) + "\n"
 
 

@@ -173,6 +173,3 @@ def mark_beyond(ax: Axes, x: Array, y: Array, colour: str, texts: Sequence[str] 
         if i < len(texts):
             place: dict[str, Any] = {"xytext": (8, away), "textcoords": "offset points"}
             ax.annotate(texts[i], (at, edge), fontsize=SMALL, color=colour, **place)
-
-
-THIRD, FOURTH, DISK_COLOURS = SERIES[1], SERIES[2], SERIES

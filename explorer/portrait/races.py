@@ -82,7 +82,7 @@ def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, bins: int
     ----------
     disk : Disk
     eta_hat : array_like
-        Distance from F with its sign, rad per unit of time.
+        Distance from F with its sign, units of the disk.
     race_angle : array_like
         Rad; of `passages`, `bounces` or one's own. What is not finite is left out.
     bins : int
@@ -171,7 +171,7 @@ def race_law(
     ----------
     disk : Disk
     eta_hat, impact_speed : array_like
-        Distance from F with its sign, and the speed A at impact, rad per unit of time.
+        Distance from F with its sign, and the speed A at impact, units of the disk.
     race_angle : array_like
         Rad.
 

@@ -28,6 +28,7 @@ from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart
 from explorer.phase.membership import impact_speed
 from explorer.phase.states import Array, States, constants_to_states
+from explorer.portrait.races import law_rows, ridge_rows
 from explorer.scenes import beside
 from explorer.scenes.base import Chunks, Picture, Table, Tally
 from explorer.scenes.beside import box_beside, check_eta_hat, describe_beside, draw_beside, eta_hat_option
@@ -179,7 +180,7 @@ class RaceAngles(SceneOfStates):
         return block.at(rows).with_results(constants | results | {"status": found.status.ravel()})
 
     def tally(self, index: int, table: Table) -> Tally:
-        counted = count_races(table, self.disk.race_limit)
+        counted = count_races(table, self.disk)
         if self.eta_hat is not None:
             return {**super().tally(index, table), **counted}
         # Every bounce of a state has the state's status.
@@ -218,6 +219,8 @@ class RaceAngles(SceneOfStates):
             **summary,
             "histogram": histogram,
             "by_decade": total.by_decade(),
+            "ridges": ridge_rows(total.decades),
+            "law": law_rows(self.disk, total.constants),
             "energy_range": [total.energy.smallest, total.energy.largest],
             "largest_error_estimate": total.error_estimate.largest,
         }
@@ -238,8 +241,7 @@ class RaceAngles(SceneOfStates):
         from explorer import plot
 
         yield "histogram", partial(plot.race_histogram, summary)
-        speed = total.impact_speed.quantile(0.5)
-        yield "deviation", partial(plot.race_deviation, self.disk, total.cells, speed)
+        yield "deviation", partial(plot.race_deviation, summary)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         means = [

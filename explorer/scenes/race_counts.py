@@ -1,7 +1,6 @@
 """Race angles of a chunk, counted, and the counts of all chunks added up."""
 
 import math
-from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,15 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.measure import statistics
-from explorer.measure.log_counts import LogCounts, SignedLogCounts, count_cells
+from explorer.measure.log_counts import LogCounts, SignedLogCounts
+from explorer.phase.disk import Disk
 from explorer.phase.states import Array
+from explorer.portrait.races import SIDES, by_decade, law_constants
 from explorer.scenes.base import Table, Tally
 
 # Bins of the histogram between -1.5 and 1.5 kappa pi: 0 and +-kappa pi are middles of bins, also
 # where a picture joins five of them.
 BINS = 585
 REACH = 1.5
-SIGNS = {"plus": 1.0, "minus": -1.0}
+SIGNS = SIDES
 
 
 def histogram_edges(limit: float) -> Array:
@@ -25,20 +26,21 @@ def histogram_edges(limit: float) -> Array:
     return np.linspace(-REACH * limit, REACH * limit, BINS + 1)
 
 
-def count_races(table: Table, limit: float) -> Tally:
+def count_races(table: Table, disk: Disk) -> Tally:
     """Counts of race angles by the sign of eta_hat, by its decade, and by the distance from the limit."""
-    placed = np.isfinite(table["eta_hat"]) & (table["eta_hat"] != 0.0)  # a motion on F has no side
-    race, eta_hat = table["race_angle"], table["eta_hat"]
-    deviation = race - np.sign(eta_hat) * limit
-    decade = _decade(eta_hat)
+    race, eta_hat, limit = table["race_angle"], table["eta_hat"], disk.race_limit
+    deviation = race - np.sign(eta_hat) * limit  # a motion on F has no side, and belongs to no decade
     return {
         "wrong_way": int(table["wrong_way"].sum()),
         **{name: _one_sign(race, deviation, sign * eta_hat > 0.0, limit) for name, sign in SIGNS.items()},
         "decades": {
-            str(exponent): LogCounts.of(abs(deviation[decade == exponent])).state()
-            for exponent in sorted(set(decade[placed].tolist()))
+            str(exponent): {name: sides[side].state() for name, side in SIGNS.items()}
+            for exponent, sides in by_decade(eta_hat, deviation).items()
         },
-        "cells": count_cells(abs(eta_hat), abs(deviation)),
+        "constants": {
+            str(step): counts.state()
+            for step, counts in law_constants(disk, eta_hat, race, table["impact_speed"]).items()
+        },
         **{name: LogCounts.of(table[name]).state() for name in ("impact_speed", "energy", "error_estimate")},
     }
 
@@ -72,7 +74,6 @@ def _one_sign(race: Array, deviation: Array, chosen: NDArray[np.bool_], limit: f
         "bins": filled.tolist(),
         "counts": counts[filled].tolist(),
         "outside": int((abs(values) > edges[-1]).sum()),
-        "deviation": SignedLogCounts.of(deviation[good]).state(),
         "sum": math.fsum(deviation[good].tolist()),
     }
 
@@ -89,7 +90,6 @@ class OneSign:
     def add(self, tally: Tally) -> None:
         self.bins[np.array(tally["bins"], np.int64)] += np.array(tally["counts"], np.int64)
         self.outside += tally["outside"]
-        self.deviation.add(SignedLogCounts(tally["deviation"]))
         self.sums.append(tally["sum"])
 
 
@@ -100,8 +100,8 @@ class RaceCounts:
     status: dict[str, int] = field(default_factory=dict)
     wrong_way: int = 0
     signs: dict[str, OneSign] = field(default_factory=lambda: {name: OneSign() for name in SIGNS})
-    decades: dict[int, LogCounts] = field(default_factory=dict)
-    cells: Counter[tuple[int, int]] = field(default_factory=Counter)
+    decades: dict[int, dict[int, SignedLogCounts]] = field(default_factory=dict)
+    constants: dict[int, SignedLogCounts] = field(default_factory=dict)
     impact_speed: LogCounts = field(default_factory=LogCounts)
     energy: LogCounts = field(default_factory=LogCounts)
     error_estimate: LogCounts = field(default_factory=LogCounts)
@@ -114,9 +114,14 @@ class RaceCounts:
         self.wrong_way += tally["wrong_way"]
         for name, sign in self.signs.items():
             sign.add(tally[name])
-        for exponent, state in tally["decades"].items():
-            self.decades.setdefault(int(exponent), LogCounts()).add(LogCounts(state))
-        self.cells.update({(i, j): count for i, j, count in tally["cells"]})
+        for exponent, states in tally["decades"].items():
+            sides = self.decades.setdefault(int(exponent), {side: SignedLogCounts() for side in SIGNS.values()})
+            for name, side in SIGNS.items():
+                counts = SignedLogCounts(states[name])
+                sides[side].add(counts)
+                self.signs[name].deviation.add(counts)
+        for step, state in tally["constants"].items():
+            self.constants.setdefault(int(step), SignedLogCounts()).add(SignedLogCounts(state))
         for name in ("impact_speed", "energy", "error_estimate"):
             getattr(self, name).add(LogCounts(tally[name]))
         self.bounces += tally.get("bounces", 0)
@@ -139,8 +144,8 @@ class RaceCounts:
                 "largest_deviation": deviation.largest,
                 **self._means(exponent),
             }
-            for exponent, deviation in sorted(self.decades.items())
-            if deviation.total
+            for exponent, sides in sorted(self.decades.items())
+            if (deviation := _sizes(sides)).total
         ]
 
     def _means(self, exponent: int) -> dict[str, float]:
@@ -150,3 +155,12 @@ class RaceCounts:
             if sum(counts):
                 means[f"mean_{name}"] = math.fsum(sums) / sum(counts)
         return means
+
+
+def _sizes(sides: dict[int, SignedLogCounts]) -> LogCounts:
+    """Deviations of both sides without their signs."""
+    together = LogCounts()
+    for signed in sides.values():
+        together.add(signed.below)
+        together.add(signed.above)
+    return together

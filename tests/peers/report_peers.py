@@ -129,6 +129,7 @@ def draw(found):
             _line(ax, found, f"{peer}, {kind}", {**look, "label": peer})
         dress(ax, "error of χ, 99th percentile (rad)", "", f"Peers on the {kind} equations")
         ax.grid(alpha=0.3)
+        ax.text(0.97, 0.02, "better ↗", ha="right", fontsize=10.5, transform=ax.transAxes)
     ax.set(xscale="log", yscale="log")
     ax.invert_xaxis()
     figure.axes[0].set_ylabel("trajectories per second per core", fontsize=12)

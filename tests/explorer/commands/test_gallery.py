@@ -1,13 +1,17 @@
 """The page of the results: every picture, with its command."""
 
+import html
+import re
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 import explorer as ex
-from explorer.commands.gallery import gallery
+from explorer.commands.gallery import KINDS, gallery, picture_lines
 from explorer.commands.made_by import leave_made_by
 from explorer.commands.main import main
+from explorer.plot.captions import Caption, Question, caption_in, packed
 
 RESULTS = Path(__file__).parents[3] / "results"
 
@@ -16,21 +20,56 @@ def test_the_committed_page_is_what_the_command_writes():
     assert (RESULTS / "README.md").read_text(encoding="utf-8") == gallery(RESULTS)
 
 
-def test_every_committed_picture_is_in_it():
+PICTURES = sorted(path for kind in KINDS for path in RESULTS.rglob(f"*.{kind}"))
+
+
+def test_every_committed_picture_is_in_it_with_its_caption():
     page = gallery(RESULTS)
-    for picture in RESULTS.rglob("*.png"):
-        assert picture.relative_to(RESULTS).as_posix() in page
+    for picture in PICTURES:
+        caption = caption_in(picture)
+        assert caption is not None, picture
+        assert f'<img src="{picture.relative_to(RESULTS).as_posix()}"' in page
+        assert f'alt="{html.escape(caption.text)}"' in page
+
+
+@pytest.mark.parametrize("page", [RESULTS.parent / "README.md", *sorted(RESULTS.rglob("README.md"))], ids=str)
+def test_pages_name_only_files_that_exist(page):
+    text = re.sub(r"^```.*?^```", "", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
+    named = re.findall(r'(?:src|href)="([^"]+)"|\]\(([^)\s]+)\)', text)
+    for link in (one or other for one, other in named):
+        where = link.partition("#")[0]
+        if where and not re.match(r"[a-z]+:", where):
+            assert (page.parent / where).exists(), link
+
+
+def test_the_results_stay_small():
+    assert sum(path.stat().st_size for path in RESULTS.rglob("*") if path.is_file()) < 12_000_000
 
 
 def test_the_page_has_the_command_of_every_folder_and_picture(tmp_path):
     mine = tmp_path / "mine"
     mine.mkdir()
     (mine / "one.png").touch()
-    assert "mine, one: `not known`" in gallery(tmp_path)
+    assert "mine, one<br>\n<code>not known</code>" in gallery(tmp_path)
     leave_made_by(mine, "nearflat demo", {"one.png": "nearflat demo --a"})
     page = gallery(tmp_path)
     assert "| [`mine/`](mine) | `nearflat demo` |" in page
-    assert "mine, one: `nearflat demo --a`" in page
+    assert "mine, one<br>\n<code>nearflat demo --a</code>" in page
+
+
+def test_pictures_stand_by_their_question_and_the_hero_comes_first(tmp_path):
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    frame = Image.new("P", (4, 4))
+    for name, question in (("a", Question.HOW_FAR), ("film", Question.HAPPENS), ("hero", Question.HAPPENS)):
+        caption = Caption(question, f"The picture {name} says <much>.")
+        frame.save(folder / f"{name}.gif", comment=packed(caption).encode())
+    page = gallery(tmp_path)
+    places = [page.index(text) for text in ("What happens?", "hero.gif", "film.gif", "How far does", "a.gif")]
+    assert places == sorted(places)
+    assert "From where" not in page
+    assert 'alt="The picture a says &lt;much&gt;."' in page
+    assert picture_lines(folder / "a.gif", tmp_path)[-1] == "The picture a says <much>."
 
 
 def test_what_is_no_folder_is_named(tmp_path):

@@ -67,3 +67,36 @@ def test_all_statements_leave_the_command_beside_the_pages(tmp_path, monkeypatch
     monkeypatch.setattr(module, "paper", lambda out, **options: [])
     assert main(["paper", "--out", str(tmp_path), "--quiet"]) == 0
     assert command_of(tmp_path) == "nearflat paper"
+
+
+@pytest.mark.parametrize(
+    ("options", "names"),
+    [
+        ([], {"figure-8.png", "figure-8.svg"}),
+        (
+            ["--disk", "annulus:0.4", "--eta-hat", "3e-3"],
+            {"figure-8-annulus-0.4-0.003.png", "figure-8-annulus-0.4-0.003.svg"},
+        ),
+    ],
+)
+def test_one_figure_is_written_for_any_body_and_distance(options, names, tmp_path, capsys):
+    assert main(["paper", "--figure", "8", "--out", str(tmp_path), *options]) == 0
+    assert {path.name for path in (tmp_path / "figures").iterdir()} == names
+    printed = capsys.readouterr().out
+    assert all(name in printed for name in names)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--figure", "10"], "--figure"),
+        (["--figure", "8", "--eta-hat", "-1e-3"], "--eta-hat"),
+        (["--figure", "8", "--only", "LEMMA-5"], "give one of them"),
+        (["--disk", "hoop"], "only with --figure"),
+        (["--eta-hat", "1e-3"], "only with --figure"),
+    ],
+)
+def test_figures_that_cannot_be_drawn_are_refused_in_a_sentence(options, says, tmp_path, capsys):
+    assert main(["paper", "--out", str(tmp_path), *options]) == 2
+    assert says in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

@@ -5,6 +5,7 @@ import pytest
 
 import explorer as ex
 from explorer.paper.figures import CHI0, CHI0_FITS, ETA_HAT, FIGURES, ZOOM, figure, limit, motion, period_of
+from explorer.plot.captions import Question, caption_of
 
 CASES = [(disk, eta_hat) for disk in (ex.Disk.uniform(), ex.Disk.hoop()) for eta_hat in (ETA_HAT, -ETA_HAT)]
 
@@ -129,8 +130,9 @@ def test_the_ticks_of_figure_7_leave_the_stated_range_of_chi0():
 def test_each_figure_shows_its_panels_with_body_eta_and_limit(number):
     plan, made = FIGURES[number], figure(number)
     assert len(made.axes) == 2
-    for (eta_hat, options), ax in zip(plan.panels, made.axes, strict=True):
-        assert f"{eta_hat:+g}" in ax.get_title()
+    for (side, options), ax in zip(plan.panels, made.axes, strict=True):
+        eta_hat = side * ETA_HAT
+        assert f"{eta_hat:+g}".replace("-", "−") in ax.get_title()
         assert plan.disk.name in ax.get_title()
         lines = {line.get_label(): line for line in ax.get_lines()}
         here = motion(plan.disk, eta_hat, plan.turns)
@@ -140,8 +142,36 @@ def test_each_figure_shows_its_panels_with_body_eta_and_limit(number):
         np.testing.assert_array_equal(lines["limit"].get_ydata(), expected)
         if options.get("zoom"):
             assert ax.get_xlim() == ax.get_ylim() == ZOOM
-    assert plan.caption.startswith(f"Fig. {number}. ")
-    assert "Not given in the paper: chi(0)" in plan.caption
+    caption = caption_of(made)
+    assert caption.text == plan.caption(plan.disk, ETA_HAT)
+    assert caption.text.startswith(f"Fig. {number}. ")
+    assert caption.question is Question.PAPER
+
+
+@pytest.mark.parametrize("number", [1, 6, 7, 8, 9])
+def test_both_sides_are_drawn_on_one_scale(number):
+    left, right = figure(number).axes
+    assert left.get_xlim() == right.get_xlim()
+    assert left.get_ylim() == right.get_ylim()
+
+
+def test_a_figure_of_another_body_is_of_that_body_in_natural_units():
+    coin, ring = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81), ex.Disk.annulus(0.4)
+    same, paper = figure(8, coin), figure(8)
+    for ours, theirs in zip(same.axes, paper.axes, strict=True):
+        np.testing.assert_allclose(ours.lines[0].get_xydata(), theirs.lines[0].get_xydata(), atol=1e-9)
+    assert caption_of(same) == caption_of(paper)
+    other = figure(8, ring, 3e-3)
+    here = motion(ring, 3e-3, FIGURES[8].turns)
+    np.testing.assert_allclose(other.axes[0].lines[0].get_xydata(), here.contact)
+    assert caption_of(other).text.startswith("As Fig. 8. The path of the point of contact of the disk annulus-0.4")
+    assert "0.003" in caption_of(other).text
+
+
+@pytest.mark.parametrize("eta_hat", [0.0, -1e-3, float("nan")])
+def test_a_size_that_is_none_is_refused_in_a_sentence(eta_hat):
+    with pytest.raises(ex.InputError, match="eta_hat"):
+        figure(8, None, eta_hat)
 
 
 @pytest.mark.parametrize("number", [0, 10, "1"])

@@ -39,7 +39,24 @@ def test_the_colour_bar_says_how_the_tilt_was_computed(draw, data_by, method, sa
 def test_the_exact_lines_are_drawn_over_the_map_of_samples():
     ax = plot.constants_plane(plane_by("auto"))
     slopes = [np.diff(line.get_ydata())[0] / np.diff(line.get_xdata())[0] for line in ax.lines]
-    assert slopes == pytest.approx([0.7285923160189477, -0.7285923160189477])
+    assert slopes == pytest.approx(2 * [0.7285923160189477] + 2 * [-0.7285923160189477])
+    # The middle of each ridge is left to the samples.
+    assert min(abs(line.get_xdata()).min() for line in ax.lines) > 0.5 * ax.get_xlim()[1]
+
+
+def test_tilts_flatter_than_the_colours_tell_are_marked_on_the_bar():
+    mesh = plot.slice_map(cut_by("auto")).collections[0]
+    assert mesh.norm.vmin == -3.0
+    assert mesh.colorbar.extend == "min"
+
+
+def test_shares_of_samples_have_the_interval_of_their_counts():
+    ax = plot.theta_min_distribution(np.geomspace(1e-3, 1.0, 10), 1000)
+    band = ax.collections[0].get_paths()[0].vertices
+    first = band[np.isclose(band[:, 0], band[:, 0].min(), rtol=0.01)]
+    # Garwood: between 0.0253 and 5.57 for one count
+    assert first[:, 1].min() == pytest.approx(0.0253e-3, rel=0.01)
+    assert first[:, 1].max() == pytest.approx(5.572e-3, rel=0.01)
 
 
 def test_the_unit_of_the_axes_is_that_of_the_numbers():

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from matplotlib.colors import to_hex
 
 from explorer import plot
 from explorer.phase.states import constants_to_states
+from explorer.plot.one_sided import circle_distance
+from explorer.plot.style import SIGN_COLOURS
 from explorer.portrait.both_sides import both_sides
 
 HOOP = BODIES["hoop"]
@@ -24,27 +27,53 @@ def test_phi_and_chi_are_drawn_on_both_sides_with_their_limits(both):
         np.testing.assert_array_equal(chi.lines[2 * row + 1].get_ydata(), both.limits[sign].chi)
     impacts = [line.get_xdata()[0] for line in chi.lines[4:]]
     assert impacts == pytest.approx(both.impacts)
-    assert f"{HOOP.race_limit:.3f}" in chi.texts[0].get_text()
+    assert [text.get_text() for text in chi.texts if text.get_text()] == ["+κπ = +5.44", "−κπ = −5.44"]
+    assert "2 turns − 1.684 rad" in chi.get_title()
 
 
-def test_limit_paths_break_at_impacts_and_all_paths_start_together(both):
+@pytest.mark.parametrize("sign", [1, -1])
+def test_arrows_point_along_the_motion(both, sign):
+    """Each arrow head lies on the path of its side, and points where the contact point goes there."""
     ax = plot.contact_paths(both)
-    dotted = [line for line in ax.lines if line.get_ls() == ":"]
-    assert len(dotted) == 2 * (len(both.impacts) + 1)
-    assert sum(len(line.get_xdata()) for line in dotted) == 2 * both.t.size
-    solid = [line for line in ax.lines if line.get_ls() in ("-", "--") and len(line.get_xdata()) > 2]
+    path = both.motions[sign]["contact"][:, :2] / HOOP.r
+    heads = [text for text in ax.texts if getattr(text, "arrow_patch", None) is not None]
+    mine = [head for head in heads if to_hex(head.arrow_patch.get_facecolor()) == SIGN_COLOURS[sign].lower()]
+    assert len(mine) == 5
+    for head in mine:
+        tip, tail = np.array(head.xy), np.array(head.xyann)
+        row = int(np.argmin(np.hypot(*(path - tip).T)))
+        assert np.hypot(*(path[row] - tip)) < 1e-12
+        velocity = path[row] - path[max(row - 1, 0)]
+        along = velocity @ (tip - tail) / np.hypot(*velocity) / np.hypot(*(tip - tail))
+        assert along > 0.9
+
+
+def test_limit_paths_have_their_races_and_all_paths_start_together(both):
+    ax = plot.contact_paths(both)
+    dotted = [line.get_xydata() for line in ax.lines if line.get_ls() == ":"]
+    assert len(dotted) == 2
+    for limit in dotted:
+        # The circle that is run through in no time joins the pieces: no step is longer than one of 0.1 rad.
+        assert np.hypot(*np.diff(limit, axis=0).T).max() < 0.15
+    solid = [line for line in ax.lines if line.get_ls() == "-" and len(line.get_xdata()) > 2]
     assert [line.get_xydata()[0].tolist() for line in solid] == [[0.0, 0.0], [0.0, 0.0]]
-    assert f"{HOOP.gap:.3f} rad apart" in ax.get_title()
+    assert "1.684 rad apart" in ax.get_title()
 
 
-def test_distances_are_the_medians_of_the_summary_on_each_side():
+@pytest.mark.parametrize(("angle", "apart"), [(0.0, 0.0), (4.6, 2 * np.pi - 4.6), (np.pi, np.pi), (-1.0, 1.0)])
+def test_angles_are_apart_on_the_circle(angle, apart):
+    assert circle_distance(angle) == pytest.approx(apart)
+
+
+def test_distances_are_the_worse_medians_of_the_summary_with_the_largest_as_a_band():
     rows = [
-        {"eta_hat": 0.1, "median_plus": 0.3, "median_minus": 0.2},
-        {"eta_hat": 0.01, "median_plus": 0.04},
+        {"eta_hat": 0.1, "median_plus": 0.3, "median_minus": 0.2, "largest_plus": 0.5, "largest_minus": 0.9},
+        {"eta_hat": 0.01, "median_plus": 0.04, "largest_plus": 0.04},
     ]
     ax = plot.one_sided_distance({"disks": {"hoop": {"distances": rows}}})
-    plus, minus, law = ax.lines
-    assert list(plus.get_ydata()) == [0.3, 0.04]
-    assert list(minus.get_ydata()) == [0.2]
+    medians, law = ax.lines
+    assert list(medians.get_ydata()) == [0.3, 0.04]
+    assert ax.collections[0].get_paths()[0].vertices[:, 1].max() == 0.9
     x, y = law.get_data()
-    np.testing.assert_allclose(y, x * np.log(1.0 / x))
+    assert np.ptp(y / (x * np.log(1.0 / x))) < 1e-12
+    assert x.max() <= 0.02

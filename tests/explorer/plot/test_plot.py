@@ -1,16 +1,23 @@
 """All pictures: each draws where it is told to, names its axes, and claims nothing that was not done."""
 
+import inspect
+import re
+
 import matplotlib
 import numpy as np
 import pytest
 from conftest import BODIES, computed
+from matplotlib.artist import Artist
+from matplotlib.colors import is_color_like, to_hex
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.text import Text
 
 import explorer as ex
 from explorer import plot
 from explorer.commands.trade import trade
 from explorer.phase.states import constants_to_states
+from explorer.plot.style import BEYOND, SIGN_COLOURS
 from explorer.portrait.bodies import race_numbers
 from explorer.portrait.both_sides import both_sides
 from explorer.portrait.near_flat import near_flat
@@ -37,7 +44,7 @@ def measure_zero(folder):
 
 @pytest.fixture(scope="module")
 def pictures(tmp_path_factory):
-    race, races, race_summary = made("race-angles", samples=500)
+    _, _, race_summary = made("race-angles", samples=500)
     falling, states, _ = made("falling-set", samples=500)
     _, _, sides = made("one-sided", samples=1, disk="hoop")
     both = both_sides(constants_to_states(BODIES["hoop"], 1.0, 0.0, 1.0))
@@ -47,7 +54,7 @@ def pictures(tmp_path_factory):
     cut = map_slice(UNIFORM, Slice.defaults(UNIFORM)[1], 41)
     return {
         "race_histogram": (race_summary,),
-        "race_deviation": (race.disk, races.cells, 1.8),
+        "race_deviation": (race_summary,),
         "constants_plane": (falling.plane(states.plane),),
         "theta_min_distribution": (states.theta_min, 500),
         "slice_map": (cut,),
@@ -78,14 +85,17 @@ WHOLE = (
     "animate",
     "blow_up",
     "definitions",
-    "figure_of",
     "hero",
     "limit_paths",
     "race_bodies",
     "rosette_and_resonance",
-    "stacked",
 )
-NAMES = [name for name in plot.__all__ if name not in WHOLE]
+TOOLS = ("caption_of", "figure_of", "save", "stacked")
+NAMES = [name for name in plot.__all__ if name not in (*WHOLE, *TOOLS)]
+# A hyphen before a digit is no minus sign; between dollars matplotlib makes one of it.
+HYPHEN = re.compile(r"(?<![\w$])-\s?\d")
+DIRECTED = set("<>^v")
+NO_POINT = ("None", None, "", "_", "|")  # nothing, or the end of an interval
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -108,8 +118,85 @@ def test_each_picture_can_make_its_own_figure(name, pictures, tmp_path):
     assert (tmp_path / "picture.png").stat().st_size > 5000
 
 
+@pytest.fixture(scope="module")
+def figures(pictures):
+    """Each picture on a figure of its own, laid out but not in pixels."""
+    made = {}
+    for name in NAMES:
+        made[name] = plot.figure_of(getattr(plot, name), *pictures[name])
+        made[name].draw_without_rendering()
+    return made
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_no_picture_of_what_was_not_integrated_says_so(name, pictures):
+def test_no_picture_of_what_was_not_integrated_says_so(name, figures):
     """All tilts here come by quadrature; how motions in time were followed, no picture says."""
-    figure = plot.figure_of(getattr(plot, name), *pictures[name])
-    assert not [text for text in figure.findobj(Text) if "integrated" in text.get_text()]
+    assert not [text for text in figures[name].findobj(Text) if "integrated" in text.get_text()]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_negative_numbers_have_minus_signs(name, figures):
+    texts = [re.sub(r"\$[^$]*\$", "", text.get_text()) for text in figures[name].findobj(Text)]
+    assert not [text for text in texts if HYPHEN.search(text)]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_blue_and_vermilion_are_the_sides_of_f(name, figures):
+    """Whatever has one of the two colours is of a side: legends that name it say which."""
+    sides = {to_hex(colour) for colour in SIGN_COLOURS.values()}
+    for legend in figures[name].findobj(Legend):
+        for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True):
+            colour = getattr(handle, "get_color", getattr(handle, "get_facecolor", None))()
+            if is_color_like(colour) and to_hex(colour) in sides:
+                assert "\\eta" in text.get_text()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_legends_cover_no_line(name, figures):
+    for ax in figures[name].axes:
+        legend = ax.get_legend()
+        if legend is None:
+            continue
+        frame = legend.get_window_extent()
+        for line in ax.lines:
+            if line.get_transform() == ax.transData:
+                seen = ax.transData.transform(dense(line.get_xydata(), ax))
+                inside = ax.bbox.get_points()
+                shown = ((seen >= inside[0]) & (seen <= inside[1])).all(axis=1)
+                assert not frame.count_contains(seen[shown])
+
+
+def dense(points, ax):
+    """Points on the line as well as its vertices, evenly on the axes."""
+    if len(points) < 2:
+        return points
+    seen = ax.transData.transform(points)
+    place = np.arange(len(seen))
+    fine = np.linspace(0, len(seen) - 1, max(200, len(seen)))
+    return ax.transData.inverted().transform(
+        np.stack([np.interp(fine, place, column) for column in seen.T], axis=1)
+    )
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_points_outside_the_axes_are_marked_and_no_other_marker_points_anywhere(name, figures):
+    for ax in figures[name].axes:
+        marks = [line for line in ax.lines if line.get_gid() == BEYOND]
+        others = [line for line in ax.lines if line not in marks and line.get_marker() not in NO_POINT]
+        assert not [line for line in others if len(line.get_xdata()) == 1 and line.get_marker() in DIRECTED]
+        low, high = sorted(ax.get_ylim())
+        tiny = 1e-9 * (high - low)
+        for line in others:
+            if line.get_transform() == ax.transData:
+                y = np.asarray(line.get_ydata(), dtype=float)
+                beyond = np.isfinite(y) & ((y < low - tiny) | (y > high + tiny))
+                assert beyond.sum() <= len(marks)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_keywords_are_taken_by_matplotlib(name, pictures):
+    parameters = inspect.signature(getattr(plot, name)).parameters
+    assert parameters["ax"].default is None
+    assert parameters["look"].kind is inspect.Parameter.VAR_KEYWORD
+    figure = plot.figure_of(lambda *data: getattr(plot, name)(*data, alpha=0.4321), *pictures[name])
+    assert [artist for artist in figure.findobj(Artist) if artist.get_alpha() == 0.4321]

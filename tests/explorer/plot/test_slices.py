@@ -17,13 +17,19 @@ def slice_of_uniform():
     return map_slice(UNIFORM, Slice.defaults(UNIFORM)[0], 61)
 
 
-def test_colours_are_strongest_at_f_and_missing_where_nothing_falls(slice_of_uniform):
+def test_colours_tell_side_and_tilt_everywhere_and_hatches_hide_neither(slice_of_uniform):
     ax = Figure().subplots()
     assert plot.race_slice_map(slice_of_uniform, ax) is ax
-    drawn = np.ma.getmaskarray(ax.collections[0].get_array())
-    np.testing.assert_array_equal(drawn[slice_of_uniform.side == 0], True)
+    drawn = ax.collections[0].get_array()
     values = signed_tilt(slice_of_uniform)
-    shown = np.isfinite(values)
-    np.testing.assert_array_equal(np.sign(values[shown]), slice_of_uniform.side[shown])
-    flat = np.argsort(slice_of_uniform.theta_min[shown])
-    assert (np.diff(abs(values[shown])[flat]) >= 0.0).all()
+    np.testing.assert_array_equal(np.ravel(np.ma.filled(drawn, np.nan)), np.ravel(values))
+    np.testing.assert_array_equal(np.isnan(values), np.isnan(slice_of_uniform.theta_min))
+    could = slice_of_uniform.side != 0
+    assert could.any()
+    assert not could.all()
+    np.testing.assert_array_equal(np.sign(values[could]), slice_of_uniform.side[could])
+    known = np.isfinite(values) & could
+    flat = np.argsort(slice_of_uniform.theta_min[known])
+    assert (np.diff(abs(values[known])[flat]) >= 0.0).all()
+    (hatched,) = [each for each in ax.collections if getattr(each, "hatches", None)]
+    assert hatched.get_facecolor().size == 0 or hatched.get_facecolor()[..., 3].max() == 0.0

@@ -24,10 +24,10 @@ def lines(ax, label):
 def test_the_plane_of_constants_has_the_lines_the_wells_and_the_thresholds():
     ax = plot.steady_plane(COIN)
     measured = measured_thresholds(COIN, 0.7, COIN.r)
-    (marks,) = lines(ax, "thresholds")
+    (marks,) = lines(ax, "upright becomes stable")
     assert max(marks.get_xdata()) == pytest.approx(measured["spinning_upright"], rel=1e-9)
     assert max(marks.get_ydata()) == pytest.approx(measured["straight_rolling"], rel=1e-9)
-    (with_well,) = lines(ax, "a well besides")
+    (with_well,) = lines(ax, "with a well on it")
     x, y = with_well.get_data()
     assert max(x) == pytest.approx(well(COIN).sigma3_bar * COIN.rate_unit)
     for bar, spin in zip(x, y, strict=True):
@@ -51,7 +51,7 @@ def test_the_map_of_circular_rolling_is_the_sign_of_the_curvature():
     assert not stable.all()
     # lean 0.1 rad: rows of precession from 0.02 to 3.2
     column = stable[:, 16]
-    lean = np.linspace(1e-3, 1.5, 241)[16]
+    lean = np.linspace(1e-3, 0.5 * np.pi - 1e-3, 241)[16]
     fast, slow = stability_edges(UNIFORM, lean)[:, 0]
     precession = np.linspace(0.02, 3.2, 321)
     assert (column == ((precession < slow) | (precession > fast))).all()

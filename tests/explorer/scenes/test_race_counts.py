@@ -4,10 +4,12 @@ import json
 
 import numpy as np
 import pytest
+from conftest import BODIES
 
 from explorer.scenes.race_counts import RaceCounts, count_bounces, count_races
 
-LIMIT = 7.0
+UNIFORM = BODIES["uniform"]
+LIMIT = UNIFORM.race_limit
 
 
 def bounces_of(seed, count=500):
@@ -30,7 +32,7 @@ def bounces_of(seed, count=500):
 def counted(tables):
     total = RaceCounts()
     for table in tables:
-        tally = {"status": {"ok": 500}, **count_races(table, LIMIT), **count_bounces(table)}
+        tally = {"status": {"ok": 500}, **count_races(table, UNIFORM), **count_bounces(table)}
         total.add(json.loads(json.dumps(tally, allow_nan=False)))
     return total
 
@@ -51,3 +53,13 @@ def test_means_by_decade_are_those_of_the_races():
         low = row["eta_hat_from"]
         chosen = (table["eta_hat"] >= low) & (table["eta_hat"] < 10 * low) & np.isfinite(table["race_angle"])
         assert row["mean_plus"] == pytest.approx(table["race_angle"][chosen].mean(), rel=1e-12)
+
+
+def test_the_deviations_of_both_sides_add_up_by_decade():
+    """One count for each resolved race off F: sides, decades and the rows of the summary hold the same."""
+    table = bounces_of(4)
+    total = counted([table])
+    known = np.isfinite(table["race_angle"]) & np.isfinite(table["eta_hat"])
+    assert total.races("plus") + total.races("minus") == known.sum()
+    assert sum(row["passages"] for row in total.by_decade()) == known.sum()
+    assert total.races("plus") == (known & (table["eta_hat"] > 0)).sum()

@@ -1,0 +1,75 @@
+"""Race angles counted for pictures."""
+
+import numpy as np
+import pytest
+from conftest import BODIES, computed
+
+import explorer as ex
+from explorer.measure.log_counts import SignedLogCounts
+from explorer.portrait.races import RaceRidges, binned, by_decade, law_scale, race_law, race_ridges, ridge_rows
+from explorer.scenes.registry import build_scene
+
+UNIFORM, COIN = BODIES["uniform"], BODIES["coin"]
+
+
+def test_ridges_come_back_from_a_summary():
+    """Counts of a summary are coarser, and no passage is lost or changes its side."""
+    scene = build_scene("race-angles", samples=500)
+    total = computed(scene)
+    summary = scene.summarise(total)
+    found = RaceRidges.of_summary(summary)
+    assert sorted(found.ridges) == sorted(total.decades) == [-6, -5, -4, -3]
+    for decade, sides in found.ridges.items():
+        for side, counts in sides.items():
+            fine = total.decades[decade][side]
+            assert (counts.below.total, counts.above.total) == (fine.below.total, fine.above.total)
+            assert (counts.below.largest, counts.above.smallest) == (fine.below.largest, fine.above.smallest)
+    assert sum(found.angles[1][0]) + found.angles[1][1] == sum(sides[1].total for sides in found.ridges.values())
+
+
+def test_races_of_ones_own_are_counted_as_a_run_counts_them():
+    scene = build_scene("race-angles", samples=300)
+    table = scene.compute(0)
+    ours = race_ridges(UNIFORM, table["eta_hat"], table["race_angle"])
+    theirs = RaceRidges.of_summary(scene.summarise(computed(scene)))
+    assert ridge_rows(ours.ridges) == ridge_rows(theirs.ridges)
+    for side in (1, -1):
+        np.testing.assert_array_equal(ours.angles[side][0], theirs.angles[side][0])
+
+
+def test_zeros_and_failures_belong_to_no_decade():
+    found = by_decade(np.array([1e-3, 0.0, np.nan, -1e-3]), np.array([0.1, 0.2, 0.3, np.nan]))
+    assert list(found) == [-3]
+    assert (found[-3][1].total, found[-3][-1].total) == (1, 0)
+
+
+def test_the_constant_of_the_law_does_not_depend_on_the_units():
+    constants = []
+    for disk in (UNIFORM, COIN):
+        unit = disk.rate_unit
+        found = ex.passages(disk, unit, 1e-5 * unit, unit, accuracy=1e-9)
+        (row,) = race_law(disk, 1e-5 * unit, found.race_angle, found.impact_speed)
+        constants.append(row["constant"]["0.5"])
+        assert 0.4 < row["eta_hat"] / (1e-5 * unit) < 2.5
+    assert constants[0] == pytest.approx(constants[1], rel=1e-5)
+
+
+def test_the_scale_of_the_law_is_k_eta():
+    """K = 2 m g r/(I1 M A^3) of the uniform disk, I1 = 1/4, M = 5/4, eta = eta_hat I3 r(0)."""
+    r0 = UNIFORM.body.r0
+    assert law_scale(UNIFORM, np.array([-1e-3]), np.array([2.0])) == pytest.approx(
+        2.0 / (0.25 * 1.25 * 8.0) * 1e-3 * 0.5 * r0
+    )
+
+
+def test_counts_are_shared_out_between_edges_and_none_is_lost():
+    values = np.array([1e-3, 2e-3, 5e-2, 0.3])
+    counts = SignedLogCounts.of(values).above
+    edges = np.geomspace(1e-4, 1.0, 9)
+    assert binned(counts, edges).sum() == pytest.approx(4.0)
+    np.testing.assert_allclose(binned(counts, np.array([1e-4, 1e-2, 1.0])), [2.0, 2.0])
+
+
+def test_shapes_that_do_not_fit_are_named():
+    with pytest.raises(ex.InputError, match="shapes"):
+        race_ridges(UNIFORM, [1e-3, 1e-4], [1.0, 2.0, 3.0])
