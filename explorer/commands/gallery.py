@@ -30,8 +30,8 @@ def gallery(folder: Path | str) -> str:
     lines = [
         "# Results",
         "",
-        "Small, committed, each made by the command beside it. This page is made by `nearflat gallery`. A click on a",
-        "picture shows it in full size.",
+        "Small, committed, each made by the command beside it. This page is made by `nearflat gallery`. A click",
+        "on a picture shows it in full size.",
     ]
     for question, shown in _by_question(root, parts).items():
         lines += ["", f"## {question}", ""]

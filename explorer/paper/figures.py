@@ -6,6 +6,7 @@ panel carries, as a thin dotted line, the one-sided limit of the same start: the
 through its impacts by the rule of section 7.3.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -162,7 +163,7 @@ def chi_panel(disk: Disk, eta_hat: float, turns: float, ax: Axes | None = None) 
         ax.axvline(period * period_of(disk, eta_hat), color=DARK, lw=0.5, alpha=0.5, label=label)
     race = there.chi[there.t == there.flat[0]]
     x = there.flat[0] + 0.04 * here.t[-1]
-    ends = {"arrowstyle": "<->", "color": DARK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0}
+    ends: dict[str, Any] = {"arrowstyle": "<->", "color": DARK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", (x, race[0]), xytext=(x, race[-1]), arrowprops=ends)
     text = f"{'+' if sign > 0 else '−'}κπ = {number(sign * disk.race_limit, '+.2f')}"
     ax.text(x + 0.02 * here.t[-1], 0.5 * (race[0] + race[-1]), text, va="center", fontsize=SMALL)
@@ -193,7 +194,7 @@ def axis_panel(disk: Disk, eta_hat: float, turns: float, ax: Axes | None = None,
         ax.plot(np.cos(turn), np.sin(turn), color=DARK, lw=0.8, label="equator: upright")
         ax.plot(*here.axis[0], marker="o", color=DARK, ms=6, label="start", ls="")
         again = int(np.searchsorted(here.t, period_of(disk, eta_hat)))
-        after = {"marker": "s", "mfc": "white", "color": DARK, "ms": 6, "ls": "", "zorder": 5}
+        after: dict[str, Any] = {"marker": "s", "mfc": "white", "color": DARK, "ms": 6, "ls": "", "zorder": 5}
         ax.plot(*here.axis[min(again, len(here.t) - 1)], label="after one period", **after)
         ax.set(xlim=(-1.08, 1.08), ylim=(-1.08, 1.08))
     ax.set_aspect("equal")
@@ -211,7 +212,7 @@ def path_panel(disk: Disk, eta_hat: float, turns: float, ax: Axes | None = None,
     for time in here.flat + 0.33 * period_of(disk, eta_hat):
         arrow(ax, path, min(int(np.searchsorted(here.t, time)), len(path) - 1), colour)
     flattest = path[np.searchsorted(here.t, here.flat)]
-    rings = {"marker": "o", "mfc": "white", "color": DARK, "ms": 5, "ls": "", "zorder": 5}
+    rings: dict[str, Any] = {"marker": "o", "mfc": "white", "color": DARK, "ms": 5, "ls": "", "zorder": 5}
     ax.plot(*flattest.T, label="flattest moments", **rings)
     ax.plot(*path[0], marker="o", color=DARK, ms=6, ls="", label="start")
     ax.set_aspect("equal", adjustable="box")
@@ -299,7 +300,7 @@ FIGURES = _make()
 
 
 def _same_body(one: Disk, other: Disk) -> bool:
-    return (one.body.I1, one.body.I3) == (other.body.I1, other.body.I3)
+    return math.isclose(one.body.I1, other.body.I1) and math.isclose(one.body.I3, other.body.I3)
 
 
 def _natural(disk: Disk) -> Disk:

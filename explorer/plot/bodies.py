@@ -56,7 +56,7 @@ def race_number(
     ['hoop', 'uniform']
     """
     ax = axes_or_new(ax)
-    style = {"color": DARK, "lw": 1.8, "label": r"$\kappa = \sqrt{1 + m r^2/I_1}$"} | look
+    style: dict[str, Any] = {"color": DARK, "lw": 1.8, "label": r"$\kappa = \sqrt{1 + m r^2/I_1}$"} | look
     ax.plot(numbers.ratio, numbers.kappa, **style)
     _matching(ax, numbers, np.sqrt(1.0 + numbers.matching))
     if measured is not None:
@@ -107,7 +107,7 @@ def race_gap(
     'apart after a fall (rad)'
     """
     ax = axes_or_new(ax)
-    style = {"color": DARK, "lw": 1.8} | look
+    style: dict[str, Any] = {"color": DARK, "lw": 1.8} | look
     ax.plot(numbers.ratio, _on_circle(numbers.gap), **style)
     _matching(ax, numbers, 0.0 * numbers.matching)
     if measured is not None:

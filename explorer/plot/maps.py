@@ -86,7 +86,7 @@ def constants_plane(plane: ConstantsPlane, ax: Axes | None = None, **look: Any) 
         for end in (-1.0, 1.0):
             x = end * reach * np.array([0.72, 1.0])
             ax.plot(x, face * plane.slope * x, color=LAW, lw=1.6, ls=(0, (4, 2)))
-        box = {"facecolor": "white", "alpha": 0.85, "lw": 0, "pad": 1.5}
+        box: dict[str, Any] = {"facecolor": "white", "alpha": 0.85, "lw": 0, "pad": 1.5}
         place: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": TEXT, "bbox": box}
         ax.text(0.62 * reach, face * (0.62 * reach * plane.slope + 0.09 * (high - low)), name, **place)
     unit = rates_of(plane.disk)

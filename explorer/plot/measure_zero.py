@@ -124,7 +124,8 @@ def ladder_ratio(summary: dict[str, Any], ax: Axes | None = None, **look: Any) -
     ax.set_ylim(1.0 - reach, 1.0 + reach)
     beyond = [row for row in rows if not 1.0 - reach <= row[1] <= 1.0 + reach]
     texts = [f"{value:.2f}" for _, value, _ in beyond]
-    mark_beyond(ax, *(np.array([row[i] for row in beyond]) for i in (0, 1)), _TUBES, texts)
+    x, y = (np.array([row[place] for row in beyond]) for place in (0, 1))
+    mark_beyond(ax, x, y, _TUBES, texts)
     legend_below(ax, ncols=2)
     ax.grid(alpha=0.3)
     return dress(ax, r"$\delta$ (rad)", r"$P / (C\,\delta)$", "The same over the law; tested where shaded")
@@ -137,12 +138,20 @@ def _points(ax: Axes, rows: list[Any], colour: str, marker: str, label: str, loo
     x, y, ends = (np.array(column) for column in zip(*rows, strict=True))
     shown = y > 0.0
     spread = np.maximum(np.stack([y - ends[:, 0], ends[:, 1] - y]), 0.0)[:, shown]
-    style = {"fmt": marker, "color": colour, "ms": 5, "mfc": "none", "mew": 1.3, "capsize": 2, "lw": 1.2} | look
+    style: dict[str, Any] = {
+        "fmt": marker,
+        "color": colour,
+        "ms": 5,
+        "mfc": "none",
+        "mew": 1.3,
+        "capsize": 2,
+        "lw": 1.2,
+    } | look
     ax.errorbar(x[shown], y[shown], spread, label=label, **style)
 
 
 def _bars(ax: Axes, x: Any, y: Any, spread: Any, label: str, look: dict[str, Any]) -> None:
-    style = {"fmt": "o", "color": _TUBES, "ms": 5, "lw": 1.4, "capsize": 3, "label": label} | look
+    style: dict[str, Any] = {"fmt": "o", "color": _TUBES, "ms": 5, "lw": 1.4, "capsize": 3, "label": label} | look
     ax.errorbar(x, y, spread, **style)
 
 

@@ -72,7 +72,7 @@ def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None, **look: 
             for what in ("median", "largest")
         )
         colour = SERIES[index % len(SERIES)]
-        style = {"color": colour, "marker": MARKERS[index % len(MARKERS)], "lw": 1.6} | look
+        style: dict[str, Any] = {"color": colour, "marker": MARKERS[index % len(MARKERS)], "lw": 1.6} | look
         ax.plot(eta, median, label=name, **style)
         ax.fill_between(eta, median, np.maximum(largest, median), color=colour, alpha=0.13, lw=0)
         anchors.append((eta.min(), median[eta.argmin()]))
@@ -123,7 +123,7 @@ def one_sided_phi(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     """
     ax = axes_or_new(ax)
     for sign, colour in SIGN_COLOURS.items():
-        style = {"color": colour, "lw": 1.8, "ls": "-" if sign > 0 else (0, (4, 4))} | look
+        style: dict[str, Any] = {"color": colour, "lw": 1.8, "ls": "-" if sign > 0 else (0, (4, 4))} | look
         ax.plot(both.t, both.motions[sign]["phi"], **style)
     limit = both.limits[1].phi
     ax.plot(both.t, limit, color=LAW, lw=0.9, ls=":")
@@ -168,7 +168,7 @@ def one_sided_chi(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     """
     ax = axes_or_new(ax)
     for sign, colour in SIGN_COLOURS.items():
-        style = {"color": colour, "lw": 1.8, "label": _side_label(both, sign)} | look
+        style: dict[str, Any] = {"color": colour, "lw": 1.8, "label": _side_label(both, sign)} | look
         ax.plot(both.t, both.motions[sign]["chi"], **style)
         label = "limit of each side" if sign > 0 else None
         ax.plot(both.t, both.limits[sign].chi, color=LAW, lw=0.9, ls=":", label=label)
@@ -189,7 +189,7 @@ def _measure_jump(ax: Axes, both: BothSides, sign: int) -> None:
     row = int(np.searchsorted(both.t, both.impacts[0]))
     chi, jump = both.limits[sign].chi, sign * both.disk.race_limit
     x = both.impacts[0] + 0.02 * (both.t[-1] - both.t[0])
-    ends = {"arrowstyle": "<->", "color": LAW, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
+    ends: dict[str, Any] = {"arrowstyle": "<->", "color": LAW, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", (x, chi[row] - jump), xytext=(x, chi[row]), arrowprops=ends)
     text = f"{'+' if sign > 0 else '−'}κπ = {number(jump, '+.2f')}"
     ax.text(x + 0.01 * (both.t[-1] - both.t[0]), chi[row] - 0.5 * jump, text, va="center", fontsize=SMALL)
@@ -229,7 +229,7 @@ def contact_paths(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     r = both.disk.r
     for sign, colour in SIGN_COLOURS.items():
         path = both.motions[sign]["contact"][:, :2] / r
-        style = {"color": colour, "lw": 1.8, "label": _side_label(both, sign)} | look
+        style: dict[str, Any] = {"color": colour, "lw": 1.8, "label": _side_label(both, sign)} | look
         ax.plot(*path.T, **style)
         for row in (*_in_race(both, sign), len(path) - 1):
             arrow(ax, path, row, colour)

@@ -84,7 +84,7 @@ def phase_portrait(
     separatrices = [potential.curve(piece) for each in potential.separatrices() for piece in each.branches]
     fastest = 1.08 * max(speed.max() for _, speed in curves)
     _shade(ax, potential, 1.3 * fastest)
-    levels = {"color": DARK, "lw": 0.8} | look
+    levels: dict[str, Any] = {"color": DARK, "lw": 0.8} | look
     for name, drawn, style in (
         ("level", curves, levels),
         ("separatrix", separatrices, {"color": _SEPARATRIX, "lw": 2.4}),
@@ -100,11 +100,9 @@ def phase_portrait(
                 arrow(ax, here, row if sign > 0 else len(phi) - 1 - row, DARK, size=11.0)
     walls = {face: bool(np.isinf(potential.flat_value(face))) for face in (-1, 1)}
     for face, wall in walls.items():
-        name, colour, style, width = (
-            ("wall at flat", DARK, "-", 4.0) if wall else ("flat, reached", DARK, (0, (1, 1)), 2.5)
-        )
+        name, dashes, width = ("wall at flat", "-", 4.0) if wall else ("flat, reached", ":", 2.5)
         label = None if face > 0 and walls[-1] == wall else name
-        ax.axvline(face * HALF_PI, color=colour, ls=style, lw=width, label=label)
+        ax.axvline(face * HALF_PI, color=DARK, ls=dashes, lw=width, label=label)
     _mark(ax, potential, at_energy=False)
     ax.set_xlim(-1.68, 1.68)
     ax.set_ylim(-fastest, fastest)
@@ -196,7 +194,7 @@ def potential_curves(
     widths = {1: iter(_WIDTHS * len(ordered)), -1: iter(_WIDTHS * len(ordered))}
     for place, potential in enumerate(ordered):
         sign = int(np.sign(potential.eta))
-        style = {"lw": next(widths[sign]), **_BESIDE[sign]} if sign else _ON_LINE
+        style: dict[str, Any] = {"lw": next(widths[sign]), **_BESIDE[sign]} if sign else _ON_LINE
         _curve(ax, potential, near_flat, top, style | look)
         if not near_flat:
             _mark(ax, potential, at_energy=True, named=place == 0)

@@ -76,7 +76,11 @@ def race_histogram(
         for side, height in heights.items():
             name = rf"$\eta {'>' if side > 0 else '<'} 0$, about {'+' if side > 0 else '−'}κπ"
             values = row + side * _TALLEST * height / tallest
-            style = {"fill": True, "color": SIGN_COLOURS[side], "label": name if row == 0 else None} | look
+            style: dict[str, Any] = {
+                "fill": True,
+                "color": SIGN_COLOURS[side],
+                "label": name if row == 0 else None,
+            } | look
             ax.stairs(values, edges, baseline=row, **style)
         ax.axhline(row, color=LAW, lw=0.6)
     ax.axvline(0.0, color=LAW, lw=1.0, ls="--")

@@ -56,7 +56,7 @@ def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None, **look: Any
         colour, disk = SERIES[number % len(SERIES)], body.disk
         x = body.excess - 1.0
         shown = x > 0.0
-        style = {"color": colour, "lw": 2, "label": disk.name, "zorder": 3} | look
+        style: dict[str, Any] = {"color": colour, "lw": 2, "label": disk.name, "zorder": 3} | look
         ax.semilogx(x[shown], abs(body.chi[shown]) / np.pi, **style)
         ends = x[shown][[0, -1]]
         ax.plot(ends, [body.slowest / np.pi] * 2, color=colour, lw=1, ls=":")

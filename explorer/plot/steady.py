@@ -25,6 +25,7 @@ from explorer.plot.style import (
     dress,
     legend_below,
     rates_of,
+    styled,
 )
 from explorer.portrait.potential import CENTRE, SADDLE, at_constants
 from explorer.portrait.steady import (
@@ -124,7 +125,7 @@ def _tilt_curves(ax: Axes, disk: Disk, look: dict[str, Any]) -> None:
                         continue
                     curve = [np.where(where, v, np.nan) for v in (motions.sigma3_bar, motions.sigma4_bar)]
                     label = rf"$|\varphi|$ = {tilt:g}" if stable and phi > 0.0 < sign else None
-                    ax.plot(*curve, **({"color": grey, "ls": style, "lw": 1.3, "label": label} | look))
+                    ax.plot(*curve, **styled(look, color=grey, ls=style, lw=1.3, label=label))
 
 
 def _label_places(disk: Disk) -> list[tuple[float, float]]:
@@ -181,7 +182,7 @@ def steady_map(disk: Disk, ax: Axes | None = None, **look: Any) -> Axes:
     phi = last_unstable_tilt(disk) * np.sin(np.linspace(0.0, HALF_PI, 200))[1:-1]
     fast, slow = stability_edges(disk, phi)
     edge = np.concatenate([phi, phi[::-1]]), np.concatenate([slow, fast[::-1]])
-    ax.plot(*edge, **({"color": SERIES[1], "lw": 2.4, "label": "edge of stability"} | look))
+    ax.plot(*edge, **styled(look, color=SERIES[1], lw=2.4, label="edge of stability"))
     spin = spinning_threshold(disk)
     upright: dict[str, Any] = {"lw": 4.0, "clip_on": False}
     ax.plot([0.0, 0.0], [spin, precession[-1]], color=DARK, label="upright, stable", **upright)
@@ -248,7 +249,12 @@ def bifurcations(
     seen: set[str] = set()
     for branch in branches:
         line, name = looks[branch.kind]
-        style = {"color": DARK, "ls": line, "lw": 2.0, "label": None if name in seen else name} | look
+        style: dict[str, Any] = {
+            "color": DARK,
+            "ls": line,
+            "lw": 2.0,
+            "label": None if name in seen else name,
+        } | look
         ax.plot(branch.parameter, branch.phi, **style)
         seen.add(name)
     for number, mark in enumerate(marks):

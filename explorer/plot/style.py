@@ -139,6 +139,11 @@ def number(value: float, form: str = "g") -> str:
     return format(value, form).replace("-", "−")
 
 
+def styled(look: Mapping[str, Any], **usual: Any) -> dict[str, Any]:
+    """Keywords of a picture for matplotlib: those of the user, and the usual ones where there are none."""
+    return {**usual, **look}
+
+
 def legend(ax: Axes, **options: Any) -> None:
     """A legend inside the axes, where the picture leaves room for it."""
     ax.legend(fontsize=SMALL, framealpha=0.9, **options)
@@ -157,7 +162,14 @@ def arrow(ax: Axes, path: Array, row: int, colour: str, size: float = 17.0) -> N
     far = np.flatnonzero(away > 0.02 * np.nanmax(away))
     if far.size == 0:
         return
-    look = {"arrowstyle": "-|>", "color": colour, "lw": 0.0, "mutation_scale": size, "shrinkA": 0, "shrinkB": 0}
+    look: dict[str, Any] = {
+        "arrowstyle": "-|>",
+        "color": colour,
+        "lw": 0.0,
+        "mutation_scale": size,
+        "shrinkA": 0,
+        "shrinkB": 0,
+    }
     ax.annotate("", tuple(path[-1]), xytext=tuple(path[far[-1]]), arrowprops=look, zorder=6)
 
 

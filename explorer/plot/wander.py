@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, SERIES, SIZE, SMALL, axes_or_new, dress, legend_below, rates_of
+from explorer.plot.style import DARK, SERIES, SIZE, SMALL, axes_or_new, dress, legend_below, rates_of, styled
 from explorer.portrait.wander import Wander, WanderPath
 
 _BOUNDED = 1e6  # radii; a larger circle is straight in any picture, so none is drawn
@@ -50,8 +50,8 @@ def wander_path(path: WanderPath, ax: Axes | None = None, **look: Any) -> Axes:
     """
     ax = axes_or_new(ax)
     r, wander = path.disk.r, path.wander
-    ax.plot(*(path.contact / r).T, **({"color": "#A9A9A9", "lw": 0.6, "label": "contact point"} | look))
-    ax.plot(*(path.centre / r).T, **({"color": SERIES[1], "lw": 1.1, "label": "centre of the disk"} | look))
+    ax.plot(*(path.contact / r).T, **styled(look, color="#A9A9A9", lw=0.6, label="contact point"))
+    ax.plot(*(path.centre / r).T, **styled(look, color=SERIES[1], lw=1.1, label="centre of the disk"))
     places = wander.after(path.count)[0] / r
     ax.plot(places.real, places.imag, "o", color=DARK, ms=3.5, label="centre, once a period")
     turns, radius = wander.chi[0] / (2.0 * np.pi), wander.radius[0] / r
@@ -131,7 +131,7 @@ def wander_distance(named: Mapping[str, WanderPath], ax: Axes | None = None, **l
         colour, wander, r = SERIES[1 + number % (len(SERIES) - 1)], path.wander, path.disk.r
         distance = np.hypot(*path.centre.T) / r
         largest = max(largest, float(distance.max()))
-        ax.plot(path.t / wander.period[0], distance, **({"color": colour, "lw": 0.9, "label": name} | look))
+        ax.plot(path.t / wander.period[0], distance, **styled(look, color=colour, lw=0.9, label=name))
         periods = np.arange(path.count + 1)
         ax.plot(periods, abs(wander.after(path.count)[0]) / r, ".", color=colour, ms=6)
         if 2.0 * wander.radius[0] / r < _BOUNDED:
@@ -196,7 +196,7 @@ def wander_radius(
     step = np.interp(fine, bars, abs(wander.step) / disk.r)
     with np.errstate(divide="ignore"):
         radius = step / (2.0 * abs(np.sin(np.pi * between)))
-    ax.plot(fine, radius, **({"color": SERIES[1], "lw": 1.8} | look))
+    ax.plot(fine, radius, **styled(look, color=SERIES[1], lw=1.8))
     top = 6.0 * float(np.median(radius))
     ax.set_ylim(0.0, 1.9 * top)
     ax.set_yticks([tick for tick in ax.get_yticks() if tick <= top])

@@ -31,5 +31,5 @@ def test_colours_tell_side_and_tilt_everywhere_and_hatches_hide_neither(slice_of
     known = np.isfinite(values) & could
     flat = np.argsort(slice_of_uniform.theta_min[known])
     assert (np.diff(abs(values[known])[flat]) >= 0.0).all()
-    (hatched,) = [each for each in ax.collections if getattr(each, "hatches", None)]
+    (hatched,) = [each for each in ax.collections if any(getattr(each, "hatches", None) or [])]
     assert hatched.get_facecolor().size == 0 or hatched.get_facecolor()[..., 3].max() == 0.0
