@@ -101,8 +101,8 @@ def constants_plane(plane: ConstantsPlane, ax: Axes | None = None, **look: Any) 
 @captioned(
     Question.FROM_WHERE,
     "How flat the disk comes, for every start in a plane of the phase space. The bright valleys are the falling "
-    "set F, and broken lines are F as the algebra gives it, over half of each valley. A step of the colour "
-    "elsewhere is the separatrix: beyond it the disk stays in another well and never comes near this flat state.",
+    "set F, and the broken lines on them are F as the algebra gives it. A step of the colour elsewhere is a "
+    "separatrix: beyond it the disk stays in another well and does not come near this flat state.",
 )
 def slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw theta_min on a slice of the phase space, and the exact falling set over it.

@@ -222,7 +222,8 @@ def contact_paths(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     --------
     >>> from explorer import Disk, plot
     >>> from explorer import both_sides, constants_to_states
-    >>> plot.contact_paths(both_sides(constants_to_states(Disk.matching(), 1.0, 0.0, 1.0))).get_title().splitlines()[1]
+    >>> both = both_sides(constants_to_states(Disk.matching(), 1.0, 0.0, 1.0))
+    >>> plot.contact_paths(both).get_title().splitlines()[1]
     'The limits of both sides are the same'
     """
     ax = axes_or_new(ax)
