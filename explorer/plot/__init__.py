@@ -3,6 +3,7 @@
 from explorer.plot.bodies import race_bodies, race_gap, race_number
 from explorer.plot.captions import caption_of, save
 from explorer.plot.film import animate
+from explorer.plot.general_solvers import missed_races
 from explorer.plot.hero import hero
 from explorer.plot.maps import constants_plane, slice_map, theta_min_distribution
 from explorer.plot.measure_zero import constant_convergence, falling_ladder, ladder_ratio, tilt_density
@@ -32,6 +33,7 @@ __all__ = [
     "hero",
     "ladder_ratio",
     "limit_paths",
+    "missed_races",
     "one_sided_chi",
     "one_sided_distance",
     "one_sided_phi",

@@ -81,6 +81,7 @@ WHOLE = (
     "figure_of",
     "hero",
     "limit_paths",
+    "missed_races",
     "race_bodies",
     "rosette_and_resonance",
     "stacked",
