@@ -97,6 +97,8 @@ GROUPS = {
     "hero": Group("what happens, on both sides of F", pictures.hero),
     "definitions": Group("what things are called", pictures.definitions),
     "limit": Group("the limit from each side of F", pictures.limit),
+    "surface": Group("F as a surface, and under a magnifying glass", pictures.surface),
+    "rotation": Group("turns of the contact point per period", pictures.rotation),
     "solvers": Group("general solvers beside this one", pictures.solvers),
     "phase": Group("motions in (phi, phidot), potentials, steady motions", _phase),
     "slices": Group("slices of the phase space by tilt and by side of F", _slices),

@@ -16,6 +16,7 @@ from explorer.portrait.both_sides import both_sides
 from explorer.portrait.near_flat import near_flat
 from explorer.portrait.potential import on_line
 from explorer.portrait.rocking import rocking
+from explorer.portrait.rotation import rotation_map
 from explorer.portrait.slices import Slice, map_slice
 from explorer.portrait.steady import bifurcation
 from explorer.portrait.wander import wander, wander_path
@@ -51,6 +52,7 @@ def pictures(tmp_path_factory):
         "constants_plane": (falling.plane(states.plane),),
         "theta_min_distribution": (states.theta_min, 500),
         "slice_map": (cut,),
+        "rotation_map": (rotation_map(UNIFORM, 2.0, points=10),),
         "race_collapse": (near_flat(UNIFORM, [1e-2, -1e-2]),),
         "race_number": (race_numbers(),),
         "race_gap": (race_numbers(),),
@@ -78,6 +80,7 @@ WHOLE = (
     "animate",
     "blow_up",
     "definitions",
+    "falling_surface",
     "figure_of",
     "hero",
     "limit_paths",
@@ -85,6 +88,7 @@ WHOLE = (
     "race_bodies",
     "rosette_and_resonance",
     "stacked",
+    "zoom_on_f",
 )
 NAMES = [name for name in plot.__all__ if name not in WHOLE]
 
