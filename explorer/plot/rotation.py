@@ -52,12 +52,12 @@ def rotation_map(rotation: RotationMap, ax: Axes | None = None) -> Axes:
     for sign, name in ((1, "l_+"), (-1, "l_-")):
         for edge in (-1.0, 1.0):
             out = 1.0 / np.hypot(1.0 / x[-1], rotation.slope / y[-1])
-            end = np.array([edge * out, sign * edge * rotation.slope * out])
+            x_end, y_end = edge * out, sign * edge * rotation.slope * out
             how = {"arrowstyle": "-", "lw": 1.0, "color": DARK}
             ax.annotate(
                 f"${name}$",
-                1.02 * end,
-                (1.5 * end[0], 1.02 * end[1]),
+                (1.02 * x_end, 1.02 * y_end),
+                (1.5 * x_end, 1.02 * y_end),
                 fontsize=TEXT,
                 ha="center",
                 va="center",

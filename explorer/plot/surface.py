@@ -116,12 +116,9 @@ def zoom_on_f(zoomed: Zoom) -> Figure:
         if k + 1 < count:
             ax.add_patch(Rectangle((-0.06, -0.06), 0.12, 0.12, fill=False, ec=DARK, lw=1.6))
             for edge in (-1.0, 1.0):
-                ends = {"xyA": (0.06, 0.06 * edge), "xyB": (-1.0, edge)}
-                figure.add_artist(
-                    ConnectionPatch(
-                        **ends, coordsA=ax.transData, coordsB=panels[k + 1].transData, color=DARK, lw=0.9
-                    )
-                )
+                there = panels[k + 1].transData
+                line = ConnectionPatch((0.06, 0.06 * edge), (-1.0, edge), ax.transData, there, color=DARK, lw=0.9)
+                figure.add_artist(line)
     panels[0].set_ylabel(r"$\hat\eta$", fontsize=TEXT)
     total = zoomed.race_angle.size
     figure.suptitle(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from explorer import compiled
 from explorer.errors import InputError, positive, whole
 from explorer.motion.passages import passages
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -98,8 +99,10 @@ def zoom(
     count = whole("points", points, 2, _MOST_POINTS)
     if count % 2:
         raise InputError(f"points = {points!r}: give an even number, so that no point lies on F itself")
-    offset = (np.arange(count) - 0.5 * (count - 1)) / (0.5 * count)
+    offset = np.asarray((np.arange(count) - 0.5 * (count - 1)) / (0.5 * count), np.float64)
     half = np.array([positive("halves", size) for size in halves])
     bars = sigma3_bar + half[:, None, None] * offset[None, None, :]
     found = passages(disk, bars, half[:, None, None] * offset[None, :, None], phidot)
-    return Zoom(disk, sigma3_bar, half, offset, found.race_angle, int((found.theta_min == 0.0).sum()))
+    return Zoom(
+        disk, sigma3_bar, half, offset, found.race_angle, int((found.status == compiled.status.Status.FALLS).sum())
+    )
