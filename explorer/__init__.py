@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from explorer.portrait.both_sides import both_sides as both_sides
     from explorer.portrait.rolling import circular_rolling as circular_rolling
     from explorer.portrait.rolling import steady_motions as steady_motions
+    from explorer.portrait.slices import slice_map as slice_map
     from explorer.runs.merge import merge as merge
     from explorer.runs.run import Run as Run
     from explorer.runs.run import open as open
@@ -87,6 +88,7 @@ _HOMES = {
     "scan": "motion.scan",
     "simulate": "motion.trajectories",
     "steady_motions": "portrait.rolling",
+    "slice_map": "portrait.slices",
     "theta_to_states": "phase.states",
     "view": "view.page",
 }

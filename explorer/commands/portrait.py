@@ -15,7 +15,7 @@ from explorer.phase.disk import Disk
 from explorer.phase.states import constants_to_states
 from explorer.portrait.bodies import flat_body, measured_gaps, race_numbers
 from explorer.portrait.rocking import rocking
-from explorer.portrait.slices import Slice, map_slice
+from explorer.portrait.slices import Slice, slice_map
 from explorer.portrait.wander import resonance, wander, wander_path
 from explorer.scenes.base import Scene
 from explorer.scenes.portrait import Portrait
@@ -53,7 +53,7 @@ def _slices(disk: Disk, _options: dict[str, Any]) -> Pictures:
     from explorer import plot
 
     for number, where in enumerate(Slice.defaults(disk), 1):
-        yield f"slice-{number}", plot.figure_of(plot.race_slice_map, map_slice(disk, where, POINTS))
+        yield f"slice-{number}", plot.figure_of(plot.race_slice_map, slice_map(disk, where, points=POINTS))
 
 
 def _race(disk: Disk, _options: dict[str, Any]) -> Pictures:

@@ -8,6 +8,7 @@ from explorer.plot.maps import constants_plane, slice_map, theta_min_distributio
 from explorer.plot.measure_zero import constant_convergence, falling_ladder, ladder_ratio, tilt_density
 from explorer.plot.near_flat import blow_up, limit_paths, race_collapse
 from explorer.plot.one_sided import contact_paths, one_sided_chi, one_sided_distance, one_sided_phi
+from explorer.plot.own import observable_map, race_angle_histogram
 from explorer.plot.potential import phase_portrait, potential_curves
 from explorer.plot.race import race_deviation, race_histogram
 from explorer.plot.rocking import rocking_turns
@@ -37,11 +38,13 @@ __all__ = [
     "ladder_ratio",
     "limit_paths",
     "missed_races",
+    "observable_map",
     "one_sided_chi",
     "one_sided_distance",
     "one_sided_phi",
     "phase_portrait",
     "potential_curves",
+    "race_angle_histogram",
     "race_bodies",
     "race_collapse",
     "race_deviation",

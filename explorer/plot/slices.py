@@ -36,7 +36,7 @@ _SIDES = LinearSegmentedColormap.from_list(
 def signed_tilt(cut: SliceMap) -> Array:
     """side times log theta_min on a scale from 0 (1e-3 rad or flatter) to 1 (pi/2); NaN where it never falls."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        height = np.clip((np.log10(cut.theta_min) - _FLATTEST) / (_TOP - _FLATTEST), 1e-9, 1.0)
+        height = np.clip((np.log10(cut["theta_min"]) - _FLATTEST) / (_TOP - _FLATTEST), 1e-9, 1.0)
     return np.where(cut.side == 0, np.nan, cut.side * height)
 
 
@@ -52,7 +52,7 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     cut : SliceMap
-        From `explorer.portrait.slices.map_slice`.
+        From `explorer.slice_map`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
 
@@ -65,9 +65,9 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.slices import Slice, map_slice
+    >>> from explorer.portrait.slices import Slice, slice_map
     >>> disk = Disk.uniform()
-    >>> plot.race_slice_map(map_slice(disk, Slice.defaults(disk)[0], 21)).get_xlabel()
+    >>> plot.race_slice_map(slice_map(disk, Slice.defaults(disk)[0], points=21)).get_xlabel()
     '$\\\\sigma_3$ ($\\\\sqrt{g/r}$)'
     """
     ax = axes_or_new(ax)
@@ -76,8 +76,8 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None) -> Axes:
     handles: list[Artist] = []
     if (cut.side == 0).any():
         handles.append(Patch(color=_NEVER, label=r"would not fall if $\eta$ were 0"))
-    if cut.face.min() < cut.face.max():
-        ax.contour(cut.x, cut.y, cut.face, [0.0], colors=DARK, linewidths=0.9, linestyles=":")
+    if cut.falls.face.min() < cut.falls.face.max():
+        ax.contour(cut.x, cut.y, cut.falls.face, [0.0], colors=DARK, linewidths=0.9, linestyles=":")
         handles.append(Line2D([], [], color=DARK, lw=0.9, ls=":", label="the other face is nearer"))
     if handles:
         legend(ax, handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)

@@ -25,7 +25,16 @@ FALLS, BOUNCES, UNSTABLE = "#F6D6C2", "#DCEAF5", "#F3E3EE"
 
 HALF_PI = 0.5 * np.pi
 FLAT_TICKS = ([-HALF_PI, -0.5, 0.0, 0.5, HALF_PI], [r"$-\pi/2$", "-0.5", "0", "0.5", r"$\pi/2$"])
-_SYMBOLS = {"phi": r"$\varphi$", "phidot": r"$\dot\varphi$", "sigma3": r"$\sigma_3$", "sigma4": r"$\sigma_4$"}
+_SYMBOLS = {
+    "phi": r"$\varphi$",
+    "phidot": r"$\dot\varphi$",
+    "sigma3": r"$\sigma_3$",
+    "sigma4": r"$\sigma_4$",
+    "sigma3_bar": r"$\bar\sigma_3$",
+    "sigma4_bar": r"$\bar\sigma_4$",
+    "eta_hat": r"$\hat\eta$",
+    "energy": "$E$",
+}
 
 
 def axes_or_new(ax: Axes | None) -> Axes:
@@ -122,7 +131,8 @@ def _unit(symbol: str, size: float) -> str:
 
 def coordinate_label(name: str, disk: Disk) -> str:
     """Symbol and unit of a coordinate of the phase space."""
-    return f"{_SYMBOLS[name]} ({'rad' if name == 'phi' else rates_of(disk)})"
+    unit = {"phi": "rad", "energy": _unit("m g r", disk.energy_unit)}.get(name) or rates_of(disk)
+    return f"{_SYMBOLS[name]} ({unit})"
 
 
 def values_label(fixed: Mapping[str, float]) -> str:

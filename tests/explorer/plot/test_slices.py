@@ -7,14 +7,14 @@ from matplotlib.figure import Figure
 
 from explorer import plot
 from explorer.plot.slices import signed_tilt
-from explorer.portrait.slices import Slice, map_slice
+from explorer.portrait.slices import Slice, slice_map
 
 UNIFORM = BODIES["uniform"]
 
 
 @pytest.fixture(scope="module")
 def slice_of_uniform():
-    return map_slice(UNIFORM, Slice.defaults(UNIFORM)[0], 61)
+    return slice_map(UNIFORM, Slice.defaults(UNIFORM)[0], points=61)
 
 
 def test_colours_are_strongest_at_f_and_missing_where_nothing_falls(slice_of_uniform):
@@ -25,5 +25,5 @@ def test_colours_are_strongest_at_f_and_missing_where_nothing_falls(slice_of_uni
     values = signed_tilt(slice_of_uniform)
     shown = np.isfinite(values)
     np.testing.assert_array_equal(np.sign(values[shown]), slice_of_uniform.side[shown])
-    flat = np.argsort(slice_of_uniform.theta_min[shown])
+    flat = np.argsort(slice_of_uniform["theta_min"][shown])
     assert (np.diff(abs(values[shown])[flat]) >= 0.0).all()
