@@ -87,8 +87,8 @@ _HOMES = {
     "run": "commands.run",
     "scan": "motion.scan",
     "simulate": "motion.trajectories",
-    "steady_motions": "portrait.rolling",
     "slice_map": "portrait.slices",
+    "steady_motions": "portrait.rolling",
     "theta_to_states": "phase.states",
     "view": "view.page",
 }

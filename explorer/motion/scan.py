@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -20,6 +20,7 @@ from explorer.phase.results import Table
 from explorer.phase.states import COORDINATES, States, require_states
 
 BATCH = 4096  # states; a trajectory of a few hundred times for each still takes some ten megabytes
+_PATIENCE = 2.0  # seconds before a bar is shown
 Observable = str | Sequence[str] | Callable[[States], ArrayLike | Mapping[str, ArrayLike]]
 
 # The observables that have names, by the call that computes them.
@@ -53,7 +54,7 @@ class Scan(Table):
     >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, 0.5, np.linspace(-1.0, 1.0, 5))
     >>> found = ex.scan(states, ["theta_min", "period"])
     >>> list(found), found["period"].round(3)
-    (['theta_min', 'period'], array([3.263, 4.109, 3.493, 4.109, 3.263]))
+    (['theta_min', 'period'], array([3.49 , 4.536, 5.12 , 4.536, 3.49 ]))
     """
 
     states: States
@@ -137,19 +138,32 @@ def scan(
     """
     require_states(states)
     jobs, batch = jobs_of("jobs", jobs), whole("batch", batch, 1)
-    call, alone = _function_of(observable)
-    parts = [np.arange(first, min(first + batch, len(states))) for first in range(0, max(len(states), 1), batch)]
-    made = Parallel(n_jobs=jobs, backend="threading", return_as="generator")(
-        delayed(_checked)(call, states.at(rows), alone) for rows in parts
-    )
-    hidden = None if progress is None else not progress
-    found = list(
-        tqdm(made, alone, len(parts), disable=hidden, delay=0 if progress else 2, unit="batch", leave=False)
-    )
+    found = _computed(states, observable, _Work(jobs, batch, progress))
     names = list(found[0])
     if any(list(part) != names for part in found):
         raise InputError("observable: the function returned other names for some states")
     return Scan(states, {name: _joined([part[name] for part in found], states.shape) for name in names})
+
+
+class _Work(NamedTuple):
+    """Threads, states in a call, and whether a bar is shown."""
+
+    jobs: int
+    batch: int
+    progress: bool | None
+
+
+def _computed(states: States, observable: Observable, work: _Work) -> list[dict[str, NDArray[Any]]]:
+    """What the function returned, batch by batch."""
+    call, alone = _function_of(observable)
+    n, size = len(states), work.batch
+    parts = [np.arange(first, min(first + size, n)) for first in range(0, max(n, 1), size)]
+    made = Parallel(n_jobs=work.jobs, backend="threading", return_as="generator")(
+        delayed(_checked)(call, states.at(rows), alone) for rows in parts
+    )
+    hidden = None if work.progress is None else not work.progress
+    wait = 0 if work.progress else _PATIENCE
+    return list(tqdm(made, alone, len(parts), disable=hidden, delay=wait, unit="batch", leave=False))
 
 
 def _function_of(observable: Observable) -> tuple[Callable[[States], Any], str]:

@@ -198,10 +198,8 @@ def slice_map(
         units of the disk.
     observable : str, several, or callable
         Names, or a function of `States`, as `scan` takes them.
-    points : int
-        Points of each axis, 2 to 4000.
-    jobs : int
-        Threads.
+    points, jobs : int
+        Points of each axis, 2 to 4000; threads.
     method : str
         For theta_min: 'auto' finds the tilt as a root of V = E, eq. (3.8); or the name of an integrator.
 
@@ -220,18 +218,17 @@ def slice_map(
     >>> import explorer as ex
     >>> plane = {"phi": 0.0, "phidot": 1.0, "sigma3": (-2, 2), "sigma4": (-2, 2)}
     >>> ex.slice_map(ex.Disk.uniform(), plane, points=3)["theta_min"].round(4)
-    array([[0.4956, 0.6272, 0.4956],
-           [0.7854, 0.7854, 0.7854],
-           [0.4956, 0.6272, 0.4956]])
+    array([[0.3759, 1.2485, 0.3759],
+           [1.0824,    nan, 1.0824],
+           [0.3759, 1.2485, 0.3759]])
     """
     require_axial_inertia(disk)
-    points = whole("points", points, 2, _MOST_POINTS)
-    where = Slice.of(slice, "slice")
+    points, where = whole("points", points, 2, _MOST_POINTS), Slice.of(slice, "slice")
+    how = plan(("theta_min",), SLICE_ACCURACY, method)
     x, y, columns = where.grid(points)
     plain = set(COORDINATES) <= set(columns)
     states = (phi_to_states if plain else coordinates_to_states)(disk, **columns)
     constants = best_constants(states)
-    how = plan(("theta_min",), SLICE_ACCURACY, method)
     if isinstance(observable, str) and observable == "theta_min":
         # A root of V = E at a picture's accuracy: ten times as fast as a whole period.
         values = {"theta_min": np.reshape(smallest_tilt(states, how, constants)[0], (points, points))}
