@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from explorer import plot as plot
     from explorer.commands.cite import cite as cite
+    from explorer.commands.plan import plan as plan
     from explorer.commands.run import run as run
     from explorer.compiled import status as _status
     from explorer.errors import CoarseTimesWarning as CoarseTimesWarning
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from explorer.runs.merge import merge as merge
     from explorer.runs.run import Run as Run
     from explorer.runs.run import open as open
+    from explorer.scenes.registry import register as register
     from explorer.view.page import view as view
 
     Status = _status.Status
@@ -81,9 +83,11 @@ _HOMES = {
     "passages": "motion.passages",
     "periods": "motion.periods",
     "phi_to_states": "phase.states",
+    "plan": "commands.plan",
     "plot": "plot",
     "push_forward": "measure.invariance",
     "rates_to_states": "phase.coordinates",
+    "register": "scenes.registry",
     "run": "commands.run",
     "scan": "motion.scan",
     "simulate": "motion.trajectories",
