@@ -29,7 +29,7 @@ BACKENDS = ("threads", "processes", "dask")
 _PATIENCE = 3
 
 
-class _Pickler(cloudpickle.Pickler):
+class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]
     """Packs classes whole, but for tables of keywords: no worker reads any, and Python cannot make them anew."""
 
     def reducer_override(self, value: Any) -> Any:
