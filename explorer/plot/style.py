@@ -42,7 +42,7 @@ def axes_or_new(ax: Axes | None) -> Axes:
     return ax if ax is not None else Figure(figsize=SIZE, layout="constrained").subplots()
 
 
-def figure_of(draw: Callable[..., Axes | Figure] | Figure, *arguments: Any) -> Figure:
+def figure_of(draw: Callable[..., Any] | Figure, *arguments: Any) -> Figure:
     """The figure that one picture makes for itself.
 
     Parameters

@@ -20,6 +20,8 @@ from explorer.scenes.base import Scene
 
 _SECONDS = 1.5
 _MOST_PROBES = 16
+_MOST_COUNTED = 100_000  # chunks whose lengths are added up one by one
+_DRAWING = 90e6  # memory that drawing takes, measured
 # Of one picture in PNG and SVG, measured over all scenes; slices and maps take more, and histograms less.
 _SECONDS_PER_PICTURE, _BYTES_PER_PICTURE = 1.2, 120_000
 _PICTURES = {"falling-set": 4, "measure-zero": 3, "one-sided": 7, "portrait": 10, "race-angles": 2}
@@ -49,7 +51,7 @@ def estimate(asked: Asked) -> Estimate:
     scene, manner = asked.scene, asked.manner
     base = _memory_now()
     count = scene.chunks()
-    starting, seconds, written, largest, probes = 0.0, 0.0, 0.0, 0.0, 0
+    starting, seconds, written, largest, probes, probed = 0.0, 0.0, 0.0, 0.0, 0, 0
     for index in _spread(count):
         if probes == 0:
             scene.process(index)  # loads compiled code and fills caches, which no other chunk has to do
@@ -62,19 +64,21 @@ def estimate(asked: Asked) -> Estimate:
         seconds += time.thread_time() - began
         written += content.getbuffer().nbytes + len(str(tally))
         largest = max(largest, float(sum(column.nbytes for column in rows.values())))
-        probes += 1
+        probes, probed = probes + 1, probed + scene.length(index)
         if seconds > _SECONDS or probes == _MOST_PROBES:
             break
     pictures = _PICTURES.get(scene.name, 0) if manner.formats != () and asked.out is not None else 0
     drawing = pictures * _SECONDS_PER_PICTURE
     lanes = max(1, min(manner.workers.jobs, cpu_count() or 1, count))
+    samples = sum(map(scene.length, range(min(count, _MOST_COUNTED)))) * max(1, count // _MOST_COUNTED)
+    share = samples / probed
     return Estimate(
         count,
-        sum(map(scene.length, range(min(count, 100_000)))) * max(1, count // 100_000),
-        starting + seconds / probes * count / lanes + drawing,
+        samples,
+        starting + seconds * share / lanes + drawing,
         drawing,
-        base + min(manner.workers.jobs, count) * _bytes_at_work(scene, largest),
-        (written / probes * count + pictures * _BYTES_PER_PICTURE) if asked.out is not None else 0.0,
+        base + min(manner.workers.jobs, count) * _bytes_at_work(scene, largest) + (_DRAWING if pictures else 0.0),
+        (written * share + pictures * _BYTES_PER_PICTURE) if asked.out is not None else 0.0,
         probes,
     )
 

@@ -2,7 +2,6 @@
 
 import time
 
-import pytest
 from small_runs import SMALL_RACES
 
 from explorer.runs import estimate as estimates
@@ -19,7 +18,8 @@ def test_probes_are_chunks_from_all_over_the_run():
 
 def test_an_estimate_is_that_of_the_run(finished, tmp_path):
     """Within a factor of two for the room that samples take; time is compared with that of the same chunks."""
-    made = asked("race-angles", {**SMALL_RACES, "out": tmp_path / "run", "figures": False, "jobs": 1})
+    made = asked("race-angles", {**SMALL_RACES, "out": tmp_path / "planned", "figures": False, "jobs": 1})
+    made.scene.process(0)
     began = time.thread_time()
     for index in range(5):
         made.scene.process(index)
@@ -28,9 +28,9 @@ def test_an_estimate_is_that_of_the_run(finished, tmp_path):
     chunks = sum(path.stat().st_size for path in (finished.folder / "chunks").iterdir())
     assert (found.chunks, found.samples) == (5, 3000)
     assert 0.5 < found.disk / chunks < 2.0
-    assert found.seconds == pytest.approx(spent, rel=4.0)  # includes the writing, and is short
+    assert 0.2 < found.seconds / spent < 10.0  # it includes the writing, and both are short
     assert 1e8 < found.memory < 1e10
-    assert not (tmp_path / "run").exists()
+    assert not (tmp_path / "planned").exists()
 
 
 def test_a_run_in_memory_takes_no_room_on_the_disk(monkeypatch):
