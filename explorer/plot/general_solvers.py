@@ -9,7 +9,7 @@ from explorer.plot.style import DARK, SIGN_COLOURS, SMALL, TEXT, rates_of
 from explorer.portrait.general_solvers import OURS, GeneralSolvers
 
 _MOST = 1.7  # kappa pi, beyond which a race is only marked at the edge
-_COLUMN = 2.7  # inches
+_COLUMN = 2.35  # inches
 
 
 @captioned(
@@ -44,7 +44,7 @@ def missed_races(solved: GeneralSolvers) -> Figure:
     names = list(solved.race_angle)
     figure = Figure(figsize=(_COLUMN * len(names), 4.0))
     panels = figure.subplots(1, len(names), sharex=True, sharey=True, squeeze=False)[0]
-    figure.subplots_adjust(left=0.085, right=0.985, top=0.86, bottom=0.17, wspace=0.12)
+    figure.subplots_adjust(left=0.095, right=0.985, top=0.86, bottom=0.17, wspace=0.12)
     for ax, name in zip(panels, names, strict=True):
         _panel(ax, solved, name)
     panels[0].invert_xaxis()

@@ -15,7 +15,7 @@ from explorer.portrait.falling_surface import FallingSurface, Zoom
 
 # Faces, not sides of F.
 _SHEETS = {1: "#5AAE61", -1: "#9970AB"}
-_SIDE = 3.0  # inches of a square
+_SIDE = 2.3  # inches of a square
 
 
 @captioned(
@@ -25,7 +25,7 @@ _SIDE = 3.0  # inches of a square
     "and has no thickness: almost every state lies on one side of it or the other.",
 )
 def falling_surface(surface: FallingSurface) -> Figure:
-    """Draw both sheets of F over (phi, sigma3, sigma4).
+    r"""Draw both sheets of F over (phi, sigma3, sigma4).
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def zoom_on_f(zoomed: Zoom) -> Figure:
     x, y = np.meshgrid(zoomed.offset, zoomed.offset)
     for k, ax in enumerate(panels):
         way = np.sign(zoomed.race_angle[k])
-        ax.scatter(x, y, c=way, s=9, cmap=colours, vmin=-1, vmax=1, lw=0)
+        ax.scatter(x, y, c=way, s=14, cmap=colours, vmin=-1, vmax=1, lw=0)
         ax.set(xlim=(-1, 1), ylim=(-1, 1), aspect="equal", xticks=[], yticks=[])
         power = zoomed.half[0] / zoomed.half[k]
         words = "as it is" if k == 0 else rf"magnified ${_power(power)}$"

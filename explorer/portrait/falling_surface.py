@@ -29,7 +29,7 @@ class FallingSurface:
     sigma4: dict[int, Array]
 
 
-def falling_surface(disk: Disk, size: float = 1.0, points: int = 49) -> FallingSurface:
+def falling_surface(disk: Disk, size: float = 1.0, points: int = 41) -> FallingSurface:
     """The states with eta = 0 on either face: over each tilt a line through the origin, so a ruled surface.
 
     Parameters
@@ -77,7 +77,7 @@ class Zoom:
 
 
 def zoom(
-    disk: Disk, halves: Sequence[float], sigma3_bar: float = 1.0, phidot: float = 1.0, points: int = 40
+    disk: Disk, halves: Sequence[float], sigma3_bar: float = 1.0, phidot: float = 1.0, points: int = 28
 ) -> Zoom:
     """Race angles on squares in (sigma3_bar, eta_hat) round a point of F.
 
