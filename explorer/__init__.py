@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from explorer import plot as plot
     from explorer.commands.cite import cite as cite
+    from explorer.commands.plan import plan as plan
     from explorer.commands.run import run as run
     from explorer.compiled import status as _status
     from explorer.errors import CoarseTimesWarning as CoarseTimesWarning
@@ -44,9 +45,11 @@ if TYPE_CHECKING:
     from explorer.portrait.both_sides import both_sides as both_sides
     from explorer.portrait.rolling import circular_rolling as circular_rolling
     from explorer.portrait.rolling import steady_motions as steady_motions
+    from explorer.portrait.slices import slice_map as slice_map
     from explorer.runs.merge import merge as merge
     from explorer.runs.run import Run as Run
     from explorer.runs.run import open as open
+    from explorer.scenes.registry import register as register
     from explorer.view.page import view as view
 
     Status = _status.Status
@@ -80,12 +83,15 @@ _HOMES = {
     "passages": "motion.passages",
     "periods": "motion.periods",
     "phi_to_states": "phase.states",
+    "plan": "commands.plan",
     "plot": "plot",
     "push_forward": "measure.invariance",
     "rates_to_states": "phase.coordinates",
+    "register": "scenes.registry",
     "run": "commands.run",
     "scan": "motion.scan",
     "simulate": "motion.trajectories",
+    "slice_map": "portrait.slices",
     "steady_motions": "portrait.rolling",
     "theta_to_states": "phase.states",
     "view": "view.page",

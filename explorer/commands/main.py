@@ -56,8 +56,8 @@ COMMANDS = {
     ),
     "plan": Command(
         lambda: import_module("explorer.commands.plan"),
-        "Say which model and method `run` would choose for a scene, and why; compute nothing.",
-        "race-angles --accuracy 1e-9",
+        "Say which model and method a run would use, and why, and what it will cost: time, memory, disk.",
+        "race-angles --disk hoop --samples 1e7 --jobs 2",
     ),
     "columns": Command(
         lambda: import_module("explorer.commands.columns"),

@@ -1,44 +1,131 @@
-"""`nearflat plan`: which model and method a scene would use, and why."""
+"""`nearflat plan`, and `ex.plan` for Python: how a run would be computed, why, and what it will cost."""
 
 import argparse
 import json
-from pathlib import Path
+from dataclasses import asdict, dataclass
 from typing import Any
 
-from explorer.commands.common import add_json
-from explorer.runs.settings import asked
-from explorer.scenes.registry import SCENES, read_scene_file
+from explorer.commands.run import add_existing, add_question, given_by
+from explorer.runs.estimate import Estimate, estimate
+from explorer.runs.settings import Asked, asked
+from explorer.scenes.base import Scene
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """How a run would be computed, and what it will cost.
+
+    Attributes
+    ----------
+    scene : str
+        The question.
+    observables : list of str
+        What it asks of each sample.
+    accuracy : float
+        Largest error: absolute of angles (rad), relative of times and tilts.
+    model, method, reason : str
+        The model and the method that give the observables, and why.
+    cost : str
+        Work per sample in words.
+    estimate : Estimate
+        Time (s), memory and room on the disk (bytes) of the run, measured on a few of its chunks.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> plan = ex.plan("race-angles", disk="hoop", samples=3e5)
+    >>> plan.method, plan.estimate.chunks, 0.01 < plan.estimate.seconds < 60.0
+    ('quadrature', 5, True)
+    """
+
+    scene: str
+    observables: list[str]
+    accuracy: float
+    model: str
+    method: str
+    reason: str
+    cost: str
+    estimate: Estimate
+
+    def __str__(self) -> str:
+        lines = [
+            f"{key:12} {', '.join(value) if isinstance(value, list) else value}" for key, value in _told(self)
+        ]
+        return "\n".join(lines)
+
+
+def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
+    """Say how a run would be computed and what it will cost; nothing is stored.
+
+    Parameters
+    ----------
+    scene : str or type
+        As for `run`.
+    **options
+        As for `run`; all are checked.
+
+    Returns
+    -------
+    RunPlan
+        Its estimate is within a factor of two where the cores are free.
+
+    Raises
+    ------
+    InputError
+        As `run` would raise it.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.plan("falling-set", samples=1000).model
+    'quadrature'
+    """
+    return _planned(asked(scene, options))
+
+
+def _planned(made: Asked) -> RunPlan:
+    scene = made.scene
+    chosen = scene.plan
+    return RunPlan(
+        scene.name,
+        list(scene.observables),
+        chosen.accuracy,
+        chosen.rung,
+        chosen.method,
+        chosen.reason,
+        chosen.cost,
+        estimate(made),
+    )
+
+
+def _told(planned: RunPlan) -> list[tuple[str, Any]]:
+    """What is printed: name and value."""
+    far = planned.estimate
+    figures = f", {far.seconds_for_figures:.0f} s of it for pictures" if far.seconds_for_figures else ""
+    plain = [(key, value) for key, value in vars(planned).items() if key != "estimate"]
+    return [
+        *plain,
+        ("samples", f"{far.samples:,} in {far.chunks:,} chunks"),
+        ("time", f"about {_duration(far.seconds)}{figures} (measured on {far.probed} chunks)"),
+        ("memory", f"about {far.memory / 1e6:,.0f} MB"),
+        ("disk", f"about {far.disk / 1e6:,.1f} MB" if far.disk else "nothing is stored"),
+    ]
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 120.0:
+        return f"{seconds:.1f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Add the options of `nearflat plan`."""
-    command.add_argument("scene", metavar="SCENE", help=f"{', '.join(SCENES)}, or a TOML file that names a scene")
-    command.add_argument("--accuracy", metavar="TOL", help="as for run")
-    command.add_argument("--method", metavar="NAME", help="as for run")
-    add_json(command)
+    """Add the options of `nearflat plan`, which are those of `run`."""
+    add_question(command)
+    add_existing(command)
 
 
 def call(options: argparse.Namespace) -> int:
-    given: dict[str, Any] = {"scene": options.scene}
-    if options.scene.endswith(".toml"):
-        given = read_scene_file(Path(options.scene))
-    given |= {
-        name: getattr(options, name) for name in ("accuracy", "method") if getattr(options, name) is not None
-    }
-    scene = asked(given.pop("scene"), given, options.command_line).scene
-    chosen = scene.plan
-    answer = {
-        "scene": scene.name,
-        "observables": list(scene.observables),
-        "accuracy": chosen.accuracy,
-        "model": chosen.rung,
-        "method": chosen.method,
-        "reason": chosen.reason,
-        "cost": chosen.cost,
-    }
-    if options.json:
-        print(json.dumps(answer))
-    else:
-        for key, value in answer.items():
-            print(f"{key:12} {', '.join(value) if isinstance(value, list) else value}")
+    name, given = given_by(options)
+    planned = _planned(asked(name, {**given, "progress": False}, options.command_line))
+    print(json.dumps({**vars(planned), "estimate": asdict(planned.estimate)}) if options.json else planned)
     return 0

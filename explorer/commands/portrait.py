@@ -16,7 +16,7 @@ from explorer.phase.disk import Disk
 from explorer.phase.states import constants_to_states
 from explorer.portrait.bodies import flat_body, measured_gaps, race_numbers
 from explorer.portrait.rocking import rocking
-from explorer.portrait.slices import Slice, map_slice
+from explorer.portrait.slices import Slice, slice_map
 from explorer.portrait.wander import resonance, wander, wander_path
 from explorer.scenes.base import Scene
 from explorer.scenes.portrait import Portrait
@@ -54,7 +54,7 @@ def _slices(disk: Disk, _options: dict[str, Any]) -> Pictures:
     from explorer import plot
 
     for number, where in enumerate(Slice.defaults(disk), 1):
-        yield f"slice-{number}", plot.figure_of(plot.race_slice_map, map_slice(disk, where, POINTS))
+        yield f"slice-{number}", plot.figure_of(plot.race_slice_map, slice_map(disk, where, points=POINTS))
 
 
 def _race(disk: Disk, _options: dict[str, Any]) -> Pictures:
@@ -98,6 +98,9 @@ GROUPS = {
     "hero": Group("what happens, on both sides of F", pictures.hero),
     "definitions": Group("what things are called", pictures.definitions),
     "limit": Group("the limit from each side of F", pictures.limit),
+    "surface": Group("F as a surface, and under a magnifying glass", pictures.surface),
+    "rotation": Group("turns of the contact point per period", pictures.rotation),
+    "solvers": Group("general solvers beside this one", pictures.solvers),
     "phase": Group("motions in (phi, phidot), potentials, steady motions", _phase),
     "slices": Group("slices of the phase space by tilt and by side of F", _slices),
     "race": Group("race number and gap of all bodies", _race),

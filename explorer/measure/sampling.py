@@ -7,7 +7,7 @@ in the run, never on the number of workers.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,13 +79,13 @@ class Box:
         return {name: list(getattr(self, name)) for name in COORDINATES}
 
 
-def parse_ranges(text: str, option: str) -> dict[str, Range]:
+def parse_ranges(text: str, option: str, known: Collection[str] = COORDINATES) -> dict[str, Range]:
     """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2". Raises InputError naming the option."""
     ranges: dict[str, Range] = {}
     for item in text.split(","):
         name, equals, value = (part.strip() for part in item.partition("="))
-        if name not in COORDINATES:
-            raise InputError(f"{option}: unknown coordinate {name!r}; {suggest(name, COORDINATES)}")
+        if name not in known:
+            raise InputError(f"{option}: unknown coordinate {name!r}; {suggest(name, known)}")
         if not equals or name in ranges:
             raise InputError(f"{option}: {item.strip()!r}; write each coordinate once, NAME=VALUE or LOW:HIGH")
         ranges[name] = parse_range(value, f"{option} {name}")

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import ArrayLike, NDArray
+from tqdm import tqdm
 
 from explorer.errors import InputError, jobs_of, one_of, shown, whole
 from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
 from explorer.phase.constants import constants_of
 from explorer.phase.membership import falls_of
-from explorer.phase.states import States, require_states
+from explorer.phase.results import Table
+from explorer.phase.states import COORDINATES, States, require_states
 
 BATCH = 4096  # states; a trajectory of a few hundred times for each still takes some ten megabytes
-Values = NDArray[Any] | dict[str, NDArray[Any]]
-Observable = str | Callable[[States], ArrayLike | Mapping[str, ArrayLike]]
+_PATIENCE = 2.0  # seconds before a bar is shown
+Observable = str | Sequence[str] | Callable[[States], ArrayLike | Mapping[str, ArrayLike]]
 
 # The observables that have names, by the call that computes them.
 _SOURCES: dict[str, tuple[Callable[[States], Any], tuple[str, ...]]] = {
@@ -30,38 +33,99 @@ _SOURCES: dict[str, tuple[Callable[[States], Any], tuple[str, ...]]] = {
 OBSERVABLES = {name: call for call, names in _SOURCES.values() for name in names}
 
 
-def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BATCH) -> Values:
-    """Compute an observable for every state.
+@dataclass(frozen=True, repr=False, eq=False)
+class Scan(Table):
+    """Observables of states, arrays with their shape: what `scan` returns.
 
-    Parameters
+    It is indexed by the name of an observable; where there is one alone, it is also an array itself for numpy.
+    `save` stores it, and `explorer.plot.scan_map` draws it.
+
+    Attributes
     ----------
     states : States
-        The states, for instance of `phi_to_states`, `rates_to_states` or `coordinates_to_states`.
-    observable : str or callable
-        A name: one of sigma3_bar, sigma4_bar, eta_hat_plus, eta_hat_minus, energy, face, distance, could_fall,
-        on_f, theta_min, period, chi and psi (per period), crosses, and race_angle, delta_chi, fall_angle, side,
-        time of the next approach to flat. Or a function f(batch) of `States` that returns an array with one
-        entry for each state, or a dict of such arrays; it may call `constants`, `bounces`, `simulate` and so on.
-    jobs : int
-        Threads; the order of calls is then not defined.
-    batch : int
-        States in one call of the function, which bounds the memory.
-
-    Returns
-    -------
-    array or dict of arrays
-        What the function returned for all states, with the shape of `states` first.
-
-    Raises
-    ------
-    InputError
-        Where the name is not known, or the function does not return one entry for each state.
+        What was scanned.
+    values : dict of arrays
+        The observables by name: that of the observable, of the function, or of what the function returned. What
+        an array has beyond the shape of the states belongs to each state.
 
     Examples
     --------
     >>> import numpy as np, explorer as ex
     >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, 0.5, np.linspace(-1.0, 1.0, 5))
-    >>> ex.scan(states, "theta_min").round(4)
+    >>> found = ex.scan(states, ["theta_min", "period"])
+    >>> list(found), found["period"].round(3)
+    (['theta_min', 'period'], array([3.49 , 4.536, 5.12 , 4.536, 3.49 ]))
+    """
+
+    states: States
+    values: dict[str, NDArray[Any]]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the states."""
+        return self.states.shape
+
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The coordinates of the states, then the observables."""
+        return {name: getattr(self.states, name) for name in COORDINATES if name not in self.values} | self.values
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        return self.values
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.values[one_of("observable", name, self.values)]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.values)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        if len(self.values) != 1:
+            raise InputError(f"a scan of {', '.join(self.values)} is no single array; choose one by its name")
+        (values,) = self.values.values()
+        return np.array(values, dtype=dtype) if copy else np.asarray(values, dtype=dtype)
+
+
+def scan(
+    states: States,
+    observable: Observable,
+    jobs: int = 1,
+    batch: int = BATCH,
+    progress: bool | None = None,
+) -> Scan:
+    """Compute observables of every state: by name, or by a function of one's own.
+
+    Parameters
+    ----------
+    states : States
+        The states, for instance of `phi_to_states`, `rates_to_states` or `coordinates_to_states`.
+    observable : str, several, or callable
+        Names: sigma3_bar, sigma4_bar, eta_hat_plus, eta_hat_minus, energy, face, distance, could_fall, on_f,
+        theta_min, period, chi and psi (per period), crosses, and race_angle, delta_chi, fall_angle, side, time of
+        the next approach to flat. Or a function f(batch) of `States` that returns an array with one entry for
+        each state, or a dict of such arrays; it may call `constants`, `bounces`, `simulate` and so on.
+    jobs : int
+        Threads; the order of calls is then not defined.
+    batch : int
+        States in one call of the function, which bounds the memory.
+    progress : bool, optional
+        Whether to show a bar; by default on a terminal, where it takes longer than two seconds.
+
+    Returns
+    -------
+    Scan
+        The arrays by name, with the shape of `states` first.
+
+    Raises
+    ------
+    InputError
+        Where a name is not known, or the function does not return one entry for each state.
+
+    Examples
+    --------
+    >>> import numpy as np, explorer as ex
+    >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, 0.5, np.linspace(-1.0, 1.0, 5))
+    >>> ex.scan(states, "theta_min")["theta_min"].round(4)
     array([0.6272, 0.1223, 0.3639, 0.1223, 0.6272])
 
     Turns of the contact point within a time of 10:
@@ -69,38 +133,66 @@ def scan(states: States, observable: Observable, jobs: int = 1, batch: int = BAT
     >>> def turns(batch):
     ...     motion = ex.simulate(batch, t_eval=[10.0], observables=["chi"])
     ...     return motion.chi[:, 0] / (2.0 * np.pi)
-    >>> ex.scan(states, turns).round(3)
+    >>> ex.scan(states, turns)["turns"].round(3)
     array([-0.362, -0.637,  3.327, -0.824, -0.436])
     """
     require_states(states)
     jobs, batch = jobs_of("jobs", jobs), whole("batch", batch, 1)
-    if isinstance(observable, str):
-        name = one_of("observable", observable, OBSERVABLES)
-        call = OBSERVABLES[name]
-        return scan(states, lambda part: np.reshape(getattr(call(part), name), len(part)), jobs, batch)
-    if not callable(observable):
-        raise InputError(f"observable = {shown(observable)} is neither a name nor a function of States")
-    parts = [np.arange(first, min(first + batch, len(states))) for first in range(0, max(len(states), 1), batch)]
-    found = Parallel(n_jobs=jobs, backend="threading")(
-        delayed(_checked)(observable, states.at(rows)) for rows in parts
-    )
+    found = _computed(states, observable, _Work(jobs, batch, progress))
     names = list(found[0])
     if any(list(part) != names for part in found):
         raise InputError("observable: the function returned other names for some states")
-    joined = {name: _joined([part[name] for part in found], states.shape) for name in names}
-    return joined[""] if names == [""] else joined
+    return Scan(states, {name: _joined([part[name] for part in found], states.shape) for name in names})
 
 
-def _checked(observable: Callable[[States], Any], part: States) -> dict[str, NDArray[Any]]:
-    """What the function returned for some states, by name; a single array has the name ''."""
+class _Work(NamedTuple):
+    """Threads, states in a call, and whether a bar is shown."""
+
+    jobs: int
+    batch: int
+    progress: bool | None
+
+
+def _computed(states: States, observable: Observable, work: _Work) -> list[dict[str, NDArray[Any]]]:
+    """What the function returned, batch by batch."""
+    call, alone = _function_of(observable)
+    n, size = len(states), work.batch
+    parts = [np.arange(first, min(first + size, n)) for first in range(0, max(n, 1), size)]
+    made = Parallel(n_jobs=work.jobs, backend="threading", return_as="generator")(
+        delayed(_checked)(call, states.at(rows), alone) for rows in parts
+    )
+    hidden = None if work.progress is None else not work.progress
+    wait = 0 if work.progress else _PATIENCE
+    return list(tqdm(made, alone, len(parts), disable=hidden, delay=wait, unit="batch", leave=False))
+
+
+def _function_of(observable: Observable) -> tuple[Callable[[States], Any], str]:
+    """A function of states, and what a single array that it returns is called. Raises InputError."""
+    if isinstance(observable, str):
+        return _function_of([observable])[0], observable
+    if callable(observable):
+        name = getattr(observable, "__name__", "observable")
+        return observable, "observable" if name == "<lambda>" else name
+    if not isinstance(observable, list | tuple) or not observable:
+        raise InputError(f"observable = {shown(observable)} is neither a name nor a function of States")
+    names = [one_of("observable", name, OBSERVABLES) for name in observable]
+
+    def by_name(part: States) -> dict[str, NDArray[Any]]:
+        results = {call: call(part) for call in {OBSERVABLES[name] for name in names}}
+        return {name: np.reshape(getattr(results[OBSERVABLES[name]], name), len(part)) for name in names}
+
+    return by_name, ", ".join(names)
+
+
+def _checked(observable: Callable[[States], Any], part: States, alone: str) -> dict[str, NDArray[Any]]:
+    """What the function returned for some states, by name. alone: what a single array is called."""
     returned = observable(part)
-    columns = dict(returned) if isinstance(returned, Mapping) else {"": returned}
+    columns = dict(returned) if isinstance(returned, Mapping) else {alone: returned}
     arrays = {name: np.asarray(values) for name, values in columns.items()}
     for name, values in arrays.items():
         if values.ndim == 0 or values.shape[0] != len(part):
-            what = f" {name!r}" if name else ""
             raise InputError(
-                f"observable: the function returned{what} shape {values.shape} for {len(part)} states; "
+                f"observable: the function returned {name!r} of shape {values.shape} for {len(part)} states; "
                 "return one entry for each state"
             )
     return arrays

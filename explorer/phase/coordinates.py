@@ -6,6 +6,7 @@ and spin, with constants of motion in place of sigma3 and sigma4, or with the en
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 from typing import Any, TypedDict, Unpack
 
@@ -134,7 +135,7 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     Eqs (3.5), (6.2) and (2.19) of Cushman & Duistermaat (2006).
     """
     require_disk(disk)
-    spins, speed = _check(coordinates)
+    spins, speed = complete_set(coordinates, f"coordinates {', '.join(coordinates) or 'none'}")
     names = ("phi", speed, *spins, "face")
     given: dict[str, Any] = {"phi": 0.0, "face": 1, **coordinates}
     (phi, rate, first, second, face), shape = read_columns({name: given[name] for name in names})
@@ -157,12 +158,12 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     return replace(states, exact=exact, shape=shape)
 
 
-def _check(coordinates: Coordinates) -> tuple[tuple[str, str], str]:
-    """The pair that gives the spins and the name that gives the speed. Raises InputError."""
-    for name in coordinates:
+def complete_set(names: Collection[str], what: str) -> tuple[tuple[str, str], str]:
+    """The pair that gives the spins and the name that gives the speed. Raises InputError, which says `what`."""
+    for name in names:
         if name not in Coordinates.__annotations__:
             raise InputError(f"coordinate {name!r} is not known; {suggest(name, Coordinates.__annotations__)}")
-    given = set(coordinates) - {"phi"}
+    given = set(names) - {"phi"}
     for spins in SPINS:
         for speed in SPEEDS:
             may = {"face"} if "eta_hat" in spins else set()
@@ -170,8 +171,7 @@ def _check(coordinates: Coordinates) -> tuple[tuple[str, str], str]:
                 return spins, speed
     pairs = ", or ".join(" with ".join(pair) for pair in SPINS)
     raise InputError(
-        f"coordinates {', '.join(coordinates) or 'none'}: give phidot or energy, and {pairs}; phi is 0 if left "
-        "out, and face belongs to eta_hat"
+        f"{what}: give phidot or energy, and {pairs}; phi is 0 if left out, and face belongs to eta_hat"
     )
 
 

@@ -3,12 +3,14 @@
 import html
 from collections import Counter
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
+from explorer.errors import InputError
 from explorer.phase.columns import COLUMNS
 
 if TYPE_CHECKING:
@@ -74,6 +76,32 @@ class Table:
     def to_arrow(self) -> "pa.Table":
         """An Arrow table as `to_pandas`; each field says its meaning, unit and equation in its metadata."""
         return to_arrow(self._flat())
+
+    def save(self, path: Path | str) -> Path:
+        """Store the columns in a file and return its path: NAME.npz keeps the shapes, NAME.parquet is a table.
+
+        Raises
+        ------
+        InputError
+            Where the name has another ending, or the file cannot be written.
+        """
+        place = Path(path)
+        try:
+            if place.suffix == ".npz":
+                np.savez_compressed(place, **self._stored())
+            elif place.suffix == ".parquet":
+                from pyarrow.parquet import write_table
+
+                write_table(self.to_arrow(), place)
+            else:
+                raise InputError(f"path = {str(path)!r}: give a name that ends in .npz or .parquet")
+        except OSError as error:
+            raise InputError(f"path = {str(path)!r}: cannot be written ({error.strerror or error})") from None
+        return place
+
+    def _stored(self) -> dict[str, Any]:
+        """What goes into an npz file."""
+        return dict(self.columns)
 
     def _good(self) -> NDArray[np.bool_]:
         """Samples whose numbers the description speaks of."""

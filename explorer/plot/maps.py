@@ -110,7 +110,7 @@ def slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
     Parameters
     ----------
     cut : SliceMap
-        From `explorer.portrait.slices.map_slice`.
+        From `explorer.slice_map`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -125,17 +125,17 @@ def slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.slices import Slice, map_slice
+    >>> from explorer.portrait.slices import Slice, slice_map
     >>> disk = Disk.uniform()
-    >>> ax = plot.slice_map(map_slice(disk, Slice.defaults(disk)[0], 21))
+    >>> ax = plot.slice_map(slice_map(disk, Slice.defaults(disk)[0], points=21))
     >>> ax.figure.axes[1].get_ylabel().rpartition(", ")[2]
     'by quadrature'
     """
     ax = axes_or_new(ax)
-    _colour_tilt(ax, cut.x, cut.y, cut.theta_min, cut.method, **look)
+    _colour_tilt(ax, cut.x, cut.y, cut["theta_min"], cut.method, **look)
     handles = [
-        *_falling_set(ax, cut, 1, cut.distance_plus, cut.could_fall_plus),
-        *_falling_set(ax, cut, -1, cut.distance_minus, cut.could_fall_minus),
+        *_falling_set(ax, cut, 1, cut.falls.distance_plus, cut.falls.could_fall_plus),
+        *_falling_set(ax, cut, -1, cut.falls.distance_minus, cut.falls.could_fall_minus),
     ]
     if handles:
         legend_below(ax, handles=handles)

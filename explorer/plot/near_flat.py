@@ -51,7 +51,7 @@ def limit_paths(several: Sequence[BothSides]) -> Figure:
     4
     """
     columns = len(several) + 1
-    figure = Figure(figsize=(2.2 * columns, 4.5), layout="constrained")
+    figure = Figure(figsize=(1.85 * columns, 3.9), layout="constrained")
     grid = figure.subplots(2, columns, sharex=True, sharey=True, squeeze=False)
     for row, sign in enumerate((1, -1)):
         colour = SIGN_COLOURS[sign]
@@ -109,7 +109,7 @@ def _limit_path(both: BothSides, sign: int) -> Array:
     "are one curve, the arctangent, up on one side of F and down on the other.",
 )
 def race_collapse(several: Sequence[NearFlat], ax: Axes | None = None) -> Axes:
-    """Draw races at several distances from F on the curve +-arctan, to which they tend.
+    r"""Draw races at several distances from F on the curve +-arctan, to which they tend.
 
     Parameters
     ----------

@@ -38,8 +38,9 @@ _HATCH = "#00000030"
 def signed_tilt(cut: SliceMap) -> Array:
     """Sign of eta on the nearer face times log theta_min, from 0 (1e-3 rad or flatter) to 1 (pi/2)."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        height = np.clip((np.log10(cut.theta_min) - _FLATTEST) / (_TOP - _FLATTEST), 1e-9, 1.0)
-    signed: Array = np.where(cut.face > 0, np.sign(cut.distance_plus), np.sign(cut.distance_minus)) * height
+        height = np.clip((np.log10(cut["theta_min"]) - _FLATTEST) / (_TOP - _FLATTEST), 1e-9, 1.0)
+    falls = cut.falls
+    signed: Array = np.where(falls.face > 0, np.sign(falls.distance_plus), np.sign(falls.distance_minus)) * height
     return signed
 
 
@@ -55,7 +56,7 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
     Parameters
     ----------
     cut : SliceMap
-        From `explorer.portrait.slices.map_slice`.
+        From `explorer.slice_map`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -70,9 +71,9 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.slices import Slice, map_slice
+    >>> from explorer.portrait.slices import Slice, slice_map
     >>> disk = Disk.uniform()
-    >>> plot.race_slice_map(map_slice(disk, Slice.defaults(disk)[0], 21)).get_xlabel()
+    >>> plot.race_slice_map(slice_map(disk, Slice.defaults(disk)[0], points=21)).get_xlabel()
     '$\\\\sigma_3$ ($\\\\sqrt{g/r}$)'
     """
     ax = axes_or_new(ax)
@@ -87,9 +88,9 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
         marks.set_linewidth(0.0)
         name = r"no fall with $\eta$ set to 0 alone"
         handles.append(Patch(facecolor="white", edgecolor=_HATCH, hatch="////", label=name))
-    if cut.face.min() < cut.face.max():
+    if cut.falls.face.min() < cut.falls.face.max():
         # The face is not known on a line where both are as near: a contour of it would only follow rounding.
-        smooth = abs(cut.distance_plus) - abs(cut.distance_minus)
+        smooth = abs(cut.falls.distance_plus) - abs(cut.falls.distance_minus)
         ax.contour(cut.x, cut.y, smooth, [0.0], colors=DARK, linewidths=0.9, linestyles=":")
         handles.append(Line2D([], [], color=DARK, lw=0.9, ls=":", label="the other face is nearer"))
     if handles:

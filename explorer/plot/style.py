@@ -29,7 +29,16 @@ FALLS, BOUNCES, UNSTABLE = "#C9BFD9", "#F8F6EE", "#D9D4C5"
 HALF_PI = 0.5 * np.pi
 FLAT_TICKS = ([-HALF_PI, -0.5, 0.0, 0.5, HALF_PI], ["−π/2", "−0.5", "0", "0.5", "π/2"])
 BEYOND = "beyond"  # gid of what marks data outside the axes
-_SYMBOLS = {"phi": r"$\varphi$", "phidot": r"$\dot\varphi$", "sigma3": r"$\sigma_3$", "sigma4": r"$\sigma_4$"}
+_SYMBOLS = {
+    "phi": r"$\varphi$",
+    "phidot": r"$\dot\varphi$",
+    "sigma3": r"$\sigma_3$",
+    "sigma4": r"$\sigma_4$",
+    "sigma3_bar": r"$\bar\sigma_3$",
+    "sigma4_bar": r"$\bar\sigma_4$",
+    "eta_hat": r"$\hat\eta$",
+    "energy": "$E$",
+}
 
 
 def axes_or_new(ax: Axes | None) -> Axes:
@@ -37,7 +46,7 @@ def axes_or_new(ax: Axes | None) -> Axes:
     return ax if ax is not None else Figure(figsize=SIZE, layout="constrained").subplots()
 
 
-def figure_of(draw: Callable[..., Axes | Figure] | Figure, *arguments: Any) -> Figure:
+def figure_of(draw: Callable[..., Any] | Figure, *arguments: Any) -> Figure:
     """The figure that one picture makes for itself.
 
     Parameters
@@ -126,7 +135,8 @@ def _unit(symbol: str, size: float) -> str:
 
 def coordinate_label(name: str, disk: Disk) -> str:
     """Symbol and unit of a coordinate of the phase space."""
-    return f"{_SYMBOLS[name]} ({'rad' if name == 'phi' else rates_of(disk)})"
+    unit = {"phi": "rad", "energy": _unit("m g r", disk.energy_unit)}.get(name) or rates_of(disk)
+    return f"{_SYMBOLS[name]} ({unit})"
 
 
 def values_label(fixed: Mapping[str, float]) -> str:

@@ -1,42 +1,62 @@
 """Slices of the phase space: the smallest tilt of motions, and the side of F on which they lie."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, whole
+from explorer.errors import InputError, one_of, shown, whole
 from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion.plan import plan
+from explorer.motion.scan import Observable, scan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.constants import constants_of, natural_constants
-from explorer.phase.disk import Disk
+from explorer.phase.constants import best_constants, constants_of, natural_constants
+from explorer.phase.coordinates import Coordinates, complete_set, coordinates_to_states
+from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_slope
-from explorer.phase.membership import falls_of
+from explorer.phase.membership import Falls, falls_of
+from explorer.phase.results import Table
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 
 _MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128 MB
+_NAMES = tuple(name for name in Coordinates.__annotations__ if name != "face")
 SLICE_ACCURACY = 1e-3  # relative, of theta_min: a picture shows no more
 
 
 @dataclass(frozen=True)
 class Slice:
-    """A two-dimensional slice of the phase space: two coordinates with a range, two fixed."""
+    """A plane in the phase space: two coordinates or constants of motion with a range, the others fixed."""
 
     ranges: tuple[tuple[str, Range], ...]
 
     @classmethod
-    def parse(cls, text: str) -> "Slice":
-        """From "sigma3=-2:2,sigma4=-2:2,phi=0,phidot=1". Raises InputError."""
-        ranges = parse_ranges(text, "--slice")
+    def of(cls, value: Any, option: str = "--slice") -> "Slice":
+        """From text as `parse` takes, or a mapping of numbers and pairs. Raises InputError naming the option."""
+        if isinstance(value, Slice):
+            return value
+        if not isinstance(value, Mapping):
+            return cls.parse(value, option)
+        texts = {name: _ends(option, name, ends) for name, ends in value.items()}
+        return cls.parse(",".join(f"{name}={ends}" for name, ends in texts.items()), option)
+
+    @classmethod
+    def parse(cls, text: Any, option: str = "--slice") -> "Slice":
+        """From "sigma3=-2:2,sigma4=-2:2,phi=0,phidot=1". Raises InputError naming the option."""
+        if not isinstance(text, str):
+            raise InputError(f'{option} {shown(text)}: write "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"')
+        ranges = parse_ranges(text, option, _NAMES)
         free = [name for name, (low, high) in ranges.items() if low < high]
-        if len(free) != 2 or set(ranges) != set(COORDINATES):
+        spins, speed = complete_set(ranges, f"{option} {text!r}")
+        if len(free) != 2 or "phi" not in ranges:
             raise InputError(
-                f"--slice {text!r}: give all of {', '.join(COORDINATES)}, two as LOW:HIGH and two as numbers"
+                f"{option} {text!r}: give all of phi, {speed}, {', '.join(spins)}, two as LOW:HIGH and two as "
+                "numbers"
             )
-        Box(**ranges)  # the same bounds hold
-        return cls(tuple(sorted(ranges.items(), key=lambda item: COORDINATES.index(item[0]))))
+        fixed = dict.fromkeys(COORDINATES, (0.0, 0.0))
+        Box(**{name: ranges.get(name, span) for name, span in fixed.items()})  # the same bounds hold
+        return cls(tuple(sorted(ranges.items(), key=lambda item: _NAMES.index(item[0]))))
 
     @classmethod
     def defaults(cls, disk: Disk) -> tuple["Slice", ...]:
@@ -78,58 +98,145 @@ class Slice:
         return x, y, columns
 
 
-@dataclass(frozen=True)
-class SliceMap:
-    """theta_min on a slice of the phase space, and the exact set from algebra; arrays (ny, nx).
+def _ends(option: str, name: Any, ends: Any) -> str:
+    """A number or a pair as `Slice.parse` takes it, with all digits."""
+    try:
+        values = [ends] if np.ndim(ends) == 0 else list(ends)
+        if isinstance(ends, str):
+            return ends
+        return ":".join(repr(float(value)) for value in values)
+    except (TypeError, ValueError):
+        raise InputError(f"{option} {name} = {shown(ends)} is not a number or a pair of numbers") from None
 
-    x, y: values of the two axes. theta_min: smallest tilt of the whole motion (rad). method: how it was
-    computed, "quadrature" or the name of an integrator. distance_plus, distance_minus, could_fall_plus,
-    could_fall_minus, face: as in `Falls`. side: the sign of eta on that face, which is the direction in which
-    the contact point races (7.9); 0 where the disk could not fall there, whatever eta.
+
+@dataclass(frozen=True, repr=False, eq=False)
+class SliceMap(Table):
+    """Observables on a plane of the phase space, arrays (ny, nx) with their axes: what `slice_map` returns.
+
+    It is indexed by the name of an observable. `save` stores it, and `explorer.plot.slice_map` draws it.
+
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    slice : Slice
+        The plane: which coordinates vary, and which are fixed at what.
+    x, y : (nx,) and (ny,) array
+        Values of the two axes, `slice.axes` (rad, units of the disk).
+    values : dict of (ny, nx) arrays
+        The observables by name.
+    falls : Falls
+        Where the falling set is, from algebra; arrays (ny, nx).
+    method : str
+        How theta_min was computed: "quadrature" or the name of an integrator.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.slice_map(ex.Disk.uniform(), "phi=0,phidot=1,sigma3_bar=-2:2,eta_hat=-1:1", "race_angle", 5)
+    >>> list(found), found["race_angle"].shape, found.y
+    (['race_angle'], (5, 5), array([-1. , -0.5,  0. ,  0.5,  1. ]))
     """
 
     disk: Disk
     slice: Slice
     x: Array
     y: Array
-    theta_min: Array
+    values: dict[str, NDArray[Any]]
+    falls: Falls
     method: str
-    distance_plus: Array
-    distance_minus: Array
-    could_fall_plus: NDArray[np.bool_]
-    could_fall_minus: NDArray[np.bool_]
-    face: NDArray[np.int8]
-    side: NDArray[np.int8]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(ny, nx)."""
+        return self.y.size, self.x.size
+
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The coordinates of the grid, then the observables."""
+        first, second = self.slice.axes
+        X, Y = np.meshgrid(self.x, self.y)
+        fixed = {name: np.full(self.shape, value) for name, value in self.slice.fixed.items()}
+        return {first: X, second: Y, **fixed, **self.values}
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        return self.values
+
+    def _stored(self) -> dict[str, Any]:
+        """The axes, the fixed numbers and the observables."""
+        first, second = self.slice.axes
+        return {first: self.x, second: self.y, **self.slice.fixed, **self.values}
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.values[one_of("observable", name, self.values)]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.values)
+
+    @property
+    def side(self) -> NDArray[np.int8]:
+        """The sign of eta on the nearer face, the direction of the race (7.9); 0 where it could not fall."""
+        return np.where(self.falls.could_fall, np.sign(self.falls.distance), 0.0).astype(np.int8)
 
 
-def map_slice(disk: Disk, where: Slice, points: int, method: str = "auto") -> SliceMap:
-    """Compute a slice on points x points states; `auto` finds the tilt as a root of V = E, eq. (3.8)."""
-    points = whole("points", points, 2, _MOST_POINTS)
-    x, y, columns = where.grid(points)
-    states = phi_to_states(disk, **columns)
-    constants = natural_constants(states)
+def slice_map(
+    disk: Disk,
+    slice: "Slice | str | Mapping[str, float | Range]",
+    observable: Observable = "theta_min",
+    points: int = 401,
+    jobs: int = 1,
+    method: str = "auto",
+) -> SliceMap:
+    """Compute observables on a plane of the phase space.
+
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    slice : str, mapping or Slice
+        Two ranges and the fixed numbers, as in "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2". phi (rad); phidot or
+        energy; and sigma3 with sigma4, sigma3_bar with sigma4_bar, or sigma3_bar with eta_hat of face +1; in the
+        units of the disk.
+    observable : str, several, or callable
+        Names, or a function of `States`, as `scan` takes them.
+    points, jobs : int
+        Points of each axis, 2 to 4000; threads.
+    method : str
+        For theta_min: 'auto' finds the tilt as a root of V = E, eq. (3.8); or the name of an integrator.
+
+    Returns
+    -------
+    SliceMap
+        The arrays (ny, nx) with their axes; NaN where there is no such state.
+
+    Raises
+    ------
+    InputError
+        Where the slice is none, or the observable is not known.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> plane = {"phi": 0.0, "phidot": 1.0, "sigma3": (-2, 2), "sigma4": (-2, 2)}
+    >>> ex.slice_map(ex.Disk.uniform(), plane, points=3)["theta_min"].round(4)
+    array([[0.3759, 1.2485, 0.3759],
+           [1.0824,    nan, 1.0824],
+           [0.3759, 1.2485, 0.3759]])
+    """
+    require_axial_inertia(disk)
+    points, where = whole("points", points, 2, _MOST_POINTS), Slice.of(slice, "slice")
     how = plan(("theta_min",), SLICE_ACCURACY, method)
-    exact = falls_of(states, constants)
-    theta, _status, _steps = smallest_tilt(states, how, constants)
-    side = np.where(exact.could_fall, np.sign(exact.distance), 0.0).astype(np.int8)
-
-    def on_grid(values: NDArray[Any]) -> NDArray[Any]:
-        return values.reshape(points, points)
-
-    return SliceMap(
-        disk=disk,
-        slice=where,
-        x=x,
-        y=y,
-        theta_min=on_grid(theta),
-        method=how.method,
-        distance_plus=on_grid(exact.distance_plus),
-        distance_minus=on_grid(exact.distance_minus),
-        could_fall_plus=on_grid(exact.could_fall_plus),
-        could_fall_minus=on_grid(exact.could_fall_minus),
-        face=on_grid(exact.face),
-        side=on_grid(side),
-    )
+    x, y, columns = where.grid(points)
+    plain = set(COORDINATES) <= set(columns)
+    states = (phi_to_states if plain else coordinates_to_states)(disk, **columns)
+    constants = best_constants(states)
+    if isinstance(observable, str) and observable == "theta_min":
+        # A root of V = E at a picture's accuracy: ten times as fast as a whole period.
+        values = {"theta_min": np.reshape(smallest_tilt(states, how, constants)[0], (points, points))}
+    else:
+        values = scan(replace(states, shape=(points, points)), observable, jobs).values
+    exact = falls_of(states, constants).reshaped((points, points))
+    return SliceMap(disk, where, x, y, values, exact, how.method)
 
 
 @dataclass(frozen=True)

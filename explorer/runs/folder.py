@@ -7,6 +7,7 @@ before 0.2; it is read where this version knows all of its options.
 """
 
 import hashlib
+import inspect
 import json
 import os
 import platform
@@ -33,7 +34,18 @@ def default_folder(scene: Scene) -> Path:
 
 def identity(scene: Scene) -> dict[str, Any]:
     """What decides the numbers: two runs with equal identities have equal numbers."""
-    return {"options": scene.options(), "kernels": compiled.source_digest()}
+    made: dict[str, Any] = {"options": scene.options(), "kernels": compiled.source_digest()}
+    if not type(scene).__module__.startswith("explorer."):
+        made["code"] = _code_of(type(scene))
+    return made
+
+
+def _code_of(kind: type) -> str | None:
+    """Digest of the source of a user's scene; None where there is no source."""
+    try:
+        return hashlib.sha256(inspect.getsource(kind).encode()).hexdigest()
+    except (OSError, TypeError):
+        return None
 
 
 def digest_of_identity(scene: Scene) -> str:
@@ -76,7 +88,7 @@ def read_record(folder: Path) -> dict[str, Any]:
     try:
         content = dict(store.read_json(record))
         written, identity = content.get("format", 0), dict(content["identity"])
-        content["identity"] = {"kernels": identity["kernels"], "options": dict(identity["options"])}
+        content["identity"] = {**identity, "kernels": identity["kernels"], "options": dict(identity["options"])}
     except (RunError, KeyError, TypeError, ValueError) as error:
         raise InputError(f"{record}: is damaged ({error}); start the run anew in another folder") from None
     if written not in range(FORMAT + 1):
@@ -147,6 +159,11 @@ def _check_same(folder: Path, scene: Scene) -> None:
     if before["kernels"] != now["kernels"]:
         raise InputError(
             f"--resume: {folder} was computed by another version of the kernels; give another folder or --replace"
+        )
+    if before.get("code") != now.get("code"):
+        raise InputError(
+            f"--resume: {folder} was computed by other code of scene {scene.name}; "
+            "give another folder or --replace"
         )
     old, new = before["options"], now["options"]
     # More samples may be added to a run: its chunks are those of the longer one.

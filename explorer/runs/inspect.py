@@ -100,10 +100,12 @@ def verify(folder: Path) -> list[str]:
     scene = folders.scene_of(folder)
     shared, paths = folders.digest_of_identity(scene), store.found_chunks(folder)
     faults = []
-    if folders.read_record(folder)["identity"]["kernels"] != compiled.source_digest():
-        # Its own kernels made these chunks; only what they say of themselves can be checked.
-        shared = next((store.read_note(path).identity for path in paths.values()), shared)
-        faults.append("run.json: other kernels than these computed the run; it cannot be resumed with them")
+    before, now = folders.read_record(folder)["identity"], folders.identity(scene)
+    for what in ("kernels", "code"):
+        if before.get(what) != now.get(what):
+            # Its own code made these chunks; only what they say of themselves can be checked.
+            shared = next((store.read_note(path).identity for path in paths.values()), shared)
+            faults.append(f"run.json: other {what} than these computed the run; it cannot be resumed with them")
     known = set(paths.values())
     strangers = [p for p in sorted((folder / "chunks").glob("*.parquet")) if p not in known]
     faults += [f"{path.name}: is no chunk of this run, or there are two of its number" for path in strangers]

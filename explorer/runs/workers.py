@@ -3,6 +3,7 @@
 A chunk that a worker took with it when it was killed is computed again by another.
 """
 
+import io
 import json
 import os
 import signal
@@ -12,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, is_typeddict
 
 import cloudpickle
 from joblib import Parallel, delayed
@@ -28,6 +29,19 @@ BACKENDS = ("threads", "processes", "dask")
 _PATIENCE = 3
 
 
+class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]
+    """Packs classes whole, but for tables of keywords: no worker reads any, and Python cannot make them anew."""
+
+    def reducer_override(self, value: Any) -> Any:
+        return (dict, ()) if is_typeddict(value) else super().reducer_override(value)
+
+
+def _dumped(scene: Scene) -> bytes:
+    content = io.BytesIO()
+    _Pickler(content).dump(scene)
+    return content.getvalue()
+
+
 @dataclass(frozen=True)
 class Packed:
     """A scene whose code travels with it: workers elsewhere cannot import the file that a user wrote."""
@@ -38,10 +52,10 @@ class Packed:
     def of(cls, scene: Scene) -> "Packed":
         module = sys.modules.get(type(scene).__module__)
         if module is None or module.__name__ == "__main__":  # such classes always travel whole
-            return cls(cloudpickle.dumps(scene))
+            return cls(_dumped(scene))
         cloudpickle.register_pickle_by_value(module)
         try:
-            return cls(cloudpickle.dumps(scene))
+            return cls(_dumped(scene))
         finally:
             cloudpickle.unregister_pickle_by_value(module)
 

@@ -1,8 +1,9 @@
 """What every scene offers, and how samples are cut into chunks.
 
 To add a scene: one file with one frozen dataclass that implements Scene and declares its options as Keywords, and
-one line in `registry.SCENES`. A scene draws or receives initial states, asks `motion.plan` for observables, and
-reduces what comes back. It knows nothing of files, workers or where pictures are kept.
+one line in `registry.SCENES`; for a scene of a user, `registry.register` instead of that line. A scene draws or
+receives initial states, asks `motion.plan` for observables, and reduces what comes back.
+It knows nothing of files, workers or where pictures are kept.
 """
 
 import re
@@ -149,9 +150,9 @@ class Scene(ABC):
         table = self.compute(index)
         return self.kept(index, table), self.tally(index, table)
 
-    @abstractmethod
     def add_up(self, chunks: Chunks) -> Any:
-        """All chunks together: what `summarise` and `figures` need, in one pass."""
+        """All chunks together: what `summarise` and `figures` need, in one pass; by default all tallies."""
+        return list(chunks.tallies)
 
     def together(self, others: Sequence["Scene"]) -> "Scene":
         """The scene of which runs of this one and of others with other seeds are parts. Raises InputError."""

@@ -24,7 +24,7 @@ from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import could_fall, falls_of
 from explorer.phase.states import COORDINATES, Array, States
-from explorer.portrait.slices import ConstantsPlane, Slice, map_slice
+from explorer.portrait.slices import ConstantsPlane, Slice, slice_map
 from explorer.scenes.base import Chunks, Picture, Table, Tally
 from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_faces, joined, nearer, no_cells
 from explorer.scenes.of_states import Block, SceneOfStates
@@ -219,6 +219,7 @@ class FallingSet(SceneOfStates):
             "could_fall_fraction": fraction["value"],
             "could_fall_interval_95": fraction["interval_95"],
             "theta_min_of": "all samples" if self.theta_min == "all" else near,
+            "theta_min_known": total.theta_min.total,
             "theta_min_quantiles": total.theta_min.quantiles(),
             "distance_quantiles": total.distance.quantiles(),
             "falls": total.status.get("falls", 0),
@@ -236,7 +237,7 @@ class FallingSet(SceneOfStates):
     def _draw_slice(self, where: Slice, **options: Any) -> "Axes":
         from explorer import plot
 
-        return plot.slice_map(map_slice(self.disk, where, self.grid, "dopri5"), **options)
+        return plot.slice_map(slice_map(self.disk, where, points=self.grid, method="dopri5"), **options)
 
     @cached_property
     def _plane_edges(self) -> tuple[Array, Array]:
@@ -286,7 +287,10 @@ class FallingSet(SceneOfStates):
             f"(95 % interval {100.0 * low:.1f} % to {100.0 * high:.1f} %)",
         ]
         if quantile:
+            known = f"{summary['theta_min_known']:,}"
+            near = "" if self.theta_min == "all" else f" with |eta_hat| <= {self.tube:g}, the only ones computed"
             lines.append(
-                f"tilt at the flattest moment: median {quantile['0.5']:.3g} rad, smallest {quantile['0']:.3g} rad"
+                f"tilt at the flattest moment of the {known} states{near}: median {quantile['0.5']:.3g} rad, "
+                f"smallest {quantile['0']:.3g} rad"
             )
         return lines

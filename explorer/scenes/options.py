@@ -164,7 +164,7 @@ def read_slices(flag: str, value: Any) -> tuple[Slice, ...]:
     several = [value] if isinstance(value, str | Slice | Mapping) else value
     if not isinstance(several, list | tuple) or not several:
         raise InputError(f"{flag} {value!r} is not a slice or a list of slices")
-    return tuple(each if isinstance(each, Slice) else Slice.parse(_as_text(flag, each)) for each in several)
+    return tuple(Slice.of(each, flag) for each in several)
 
 
 def _as_text(flag: str, value: Any) -> str:

@@ -9,7 +9,7 @@ from explorer.plot.captions import caption_of
 HOOP = ex.Disk.hoop()
 
 
-@pytest.mark.parametrize("name", ["hero", "definitions", "limit"])
+@pytest.mark.parametrize("name", ["hero", "definitions", "limit", "surface"])
 def test_each_group_draws_pictures_with_captions(name):
     for stem, figure in getattr(pictures, name)(HOOP, {}):
         assert stem

@@ -5,7 +5,25 @@ import json
 import pytest
 
 from explorer.commands.main import main
+from explorer.runs import estimate
 from explorer.scenes.registry import SCENES, build_scene
+
+
+@pytest.fixture(autouse=True)
+def few_probes(monkeypatch):
+    """Plans are those of the first probe."""
+    monkeypatch.setattr(estimate, "_SECONDS", 0.0)
+
+
+def test_the_cost_of_a_run_is_said_for_its_own_options(capsys, tmp_path):
+    words = ["race-angles", "--samples", "1e6", "--out", str(tmp_path / "run"), "--no-figures", "--jobs", "2"]
+    assert main(["plan", *words]) == 0
+    out = capsys.readouterr().out
+    assert "samples      1,000,000 in 16 chunks" in out
+    assert "(measured on 1 chunks)" in out
+    assert "MB" in out.splitlines()[-1]
+    assert main(["plan", *words, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["estimate"]["chunks"] == 16
 
 
 @pytest.mark.parametrize("name", SCENES)

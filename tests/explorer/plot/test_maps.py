@@ -5,7 +5,7 @@ import pytest
 from conftest import BODIES, computed
 
 from explorer import plot
-from explorer.portrait.slices import Slice, map_slice
+from explorer.portrait.slices import Slice, slice_map
 from explorer.scenes.registry import build_scene
 
 UNIFORM = BODIES["uniform"]
@@ -18,7 +18,7 @@ def plane_by(method):
 
 
 def cut_by(method):
-    return map_slice(UNIFORM, Slice.defaults(UNIFORM)[0], 9, method)
+    return slice_map(UNIFORM, Slice.defaults(UNIFORM)[0], points=9, method=method)
 
 
 @pytest.mark.parametrize(
@@ -61,6 +61,8 @@ def test_shares_of_samples_have_the_interval_of_their_counts():
 
 def test_the_unit_of_the_axes_is_that_of_the_numbers():
     coin = BODIES["coin"]
-    natural, given = (plot.slice_map(map_slice(d, Slice.defaults(d)[0], 9)).get_xlabel() for d in (UNIFORM, coin))
+    natural, given = (
+        plot.slice_map(slice_map(d, Slice.defaults(d)[0], points=9)).get_xlabel() for d in (UNIFORM, coin)
+    )
     assert natural == r"$\sigma_3$ ($\sqrt{g/r}$)"
     assert given == rf"$\sigma_3$ (units of the disk; $\sqrt{{g/r}}$ = {coin.rate_unit:.4g})"

@@ -23,7 +23,8 @@ from explorer.portrait.both_sides import both_sides
 from explorer.portrait.near_flat import near_flat
 from explorer.portrait.potential import on_line
 from explorer.portrait.rocking import rocking
-from explorer.portrait.slices import Slice, map_slice
+from explorer.portrait.rotation import rotation_map
+from explorer.portrait.slices import Slice, slice_map
 from explorer.portrait.steady import bifurcation
 from explorer.portrait.wander import wander, wander_path
 from explorer.scenes.registry import build_scene
@@ -51,21 +52,24 @@ def pictures(tmp_path_factory):
     law = measure_zero(tmp_path_factory.mktemp("law"))
     beside = ex.constants_to_states(UNIFORM, 0.7, 0.01, 1.0)
     walk = wander_path(beside, 2)
-    cut = map_slice(UNIFORM, Slice.defaults(UNIFORM)[1], 41)
+    cut = slice_map(UNIFORM, Slice.defaults(UNIFORM)[1], points=41)
     return {
         "race_histogram": (race_summary,),
         "race_deviation": (race_summary,),
         "constants_plane": (falling.plane(states.plane),),
         "theta_min_distribution": (states.theta_min, 500),
         "slice_map": (cut,),
+        "rotation_map": (rotation_map(UNIFORM, 2.0, points=10),),
         "race_collapse": (near_flat(UNIFORM, [1e-2, -1e-2]),),
+        "observable_map": (cut,),
+        "race_angle_histogram": ({"race_angle": [7.0, -7.0], "side": [1, -1]},),
         "race_number": (race_numbers(),),
         "race_gap": (race_numbers(),),
         "rocking_turns": ([rocking(UNIFORM)],),
         "wander_path": (walk,),
         "wander_distance": ({"generic": walk},),
         "wander_radius": (UNIFORM, np.array([0.7]), wander(beside)),
-        "race_slice_map": (map_slice(UNIFORM, Slice.defaults(UNIFORM)[0], 41),),
+        "race_slice_map": (slice_map(UNIFORM, Slice.defaults(UNIFORM)[0], points=41),),
         "one_sided_distance": (sides,),
         "one_sided_phi": (both,),
         "one_sided_chi": (both,),
@@ -85,10 +89,13 @@ WHOLE = (
     "animate",
     "blow_up",
     "definitions",
+    "falling_surface",
     "hero",
     "limit_paths",
+    "missed_races",
     "race_bodies",
     "rosette_and_resonance",
+    "zoom_on_f",
 )
 TOOLS = ("caption_of", "figure_of", "save", "stacked")
 NAMES = [name for name in plot.__all__ if name not in (*WHOLE, *TOOLS)]

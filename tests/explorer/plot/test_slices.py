@@ -7,14 +7,14 @@ from matplotlib.figure import Figure
 
 from explorer import plot
 from explorer.plot.slices import signed_tilt
-from explorer.portrait.slices import Slice, map_slice
+from explorer.portrait.slices import Slice, slice_map
 
 UNIFORM = BODIES["uniform"]
 
 
 @pytest.fixture(scope="module")
 def slice_of_uniform():
-    return map_slice(UNIFORM, Slice.defaults(UNIFORM)[0], 61)
+    return slice_map(UNIFORM, Slice.defaults(UNIFORM)[0], points=61)
 
 
 def test_colours_tell_side_and_tilt_everywhere_and_hatches_hide_neither(slice_of_uniform):
@@ -23,13 +23,13 @@ def test_colours_tell_side_and_tilt_everywhere_and_hatches_hide_neither(slice_of
     drawn = ax.collections[0].get_array()
     values = signed_tilt(slice_of_uniform)
     np.testing.assert_array_equal(np.ravel(np.ma.filled(drawn, np.nan)), np.ravel(values))
-    np.testing.assert_array_equal(np.isnan(values), np.isnan(slice_of_uniform.theta_min))
+    np.testing.assert_array_equal(np.isnan(values), np.isnan(slice_of_uniform["theta_min"]))
     could = slice_of_uniform.side != 0
     assert could.any()
     assert not could.all()
     np.testing.assert_array_equal(np.sign(values[could]), slice_of_uniform.side[could])
     known = np.isfinite(values) & could
-    flat = np.argsort(slice_of_uniform.theta_min[known])
+    flat = np.argsort(slice_of_uniform["theta_min"][known])
     assert (np.diff(abs(values[known])[flat]) >= 0.0).all()
     (hatched,) = [each for each in ax.collections if any(getattr(each, "hatches", None) or [])]
     assert hatched.get_facecolor().size == 0 or hatched.get_facecolor()[..., 3].max() == 0.0

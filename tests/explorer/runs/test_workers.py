@@ -2,11 +2,13 @@
 
 import json
 import os
+import runpy
 import signal
 import socket
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import psutil
@@ -16,6 +18,7 @@ from small_runs import SMALL_RACES
 import explorer as ex
 from explorer.commands import main as cli
 from explorer.runs import store
+from explorer.scenes.registry import SCENES
 
 # 13 chunks, a second or two of work: long enough to be stopped in the middle.
 OPTIONS = {"samples": 260_000, "chunk_size": 20_000, "seed": 3, "keep": "all"}
@@ -95,6 +98,29 @@ def test_a_dask_cluster_gives_the_digest_of_threads(undisturbed, scene, cluster,
     out, err = done.communicate(timeout=120)
     assert done.returncode == 0, err
     assert json.loads(out)["digest"] == undisturbed
+
+
+@pytest.fixture
+def own_scene():
+    """The documented scene of a user, from a file that no worker can import; forgotten at the end."""
+    known = dict(SCENES)
+    module = runpy.run_path(str(Path(__file__).parents[3] / "docs" / "examples" / "own_scene.py"))
+    yield module["Periods"]
+    SCENES.clear()
+    SCENES.update(known)
+
+
+@pytest.mark.parametrize("backend", ["threads", "processes", "dask"])
+def test_a_scene_of_a_user_has_workers_of_every_kind(backend, own_scene, request, tmp_path):
+    where = {"scheduler": request.getfixturevalue("cluster")} if backend == "dask" else {}
+    options = {"samples": 300, "chunk_size": 100, "speed": 1.5}
+    held = ex.run("periods", **options)
+    assert held.summary["mean"] == pytest.approx(held.frame()["period"].mean())
+    run = ex.run(own_scene, out=tmp_path / "run", backend=backend, **where, **options)
+    assert run.summary == held.summary
+    store.found_chunks(run.folder)[1].unlink()
+    assert ex.open(run.folder).resume().summary == run.summary
+    assert ex.merge(run, ex.run("periods", rng=1, **options)).summary["known"] == 600
 
 
 def test_a_scheduler_that_is_not_there_is_named(tmp_path):

@@ -8,7 +8,7 @@ import explorer as ex
 from explorer.measure.sampling import chunk_stream
 from explorer.phase.constants import constants_of
 from explorer.phase.states import phi_to_states
-from explorer.portrait.slices import Slice, map_slice
+from explorer.portrait.slices import Slice, slice_map
 from explorer.scenes import falling_set
 from explorer.scenes.registry import build_scene
 
@@ -38,14 +38,14 @@ def test_the_integrated_valley_lies_on_the_exact_curve():
     """On a slice at the vertical and on a curved one: theta_min is smallest where eta changes sign."""
     disk = BODIES["uniform"]
     for text in ("phi=0,phidot=1,sigma3=0.2:2,sigma4=0:1.6", "phi=0.2:0.9,phidot=0.3,sigma3=0.4,sigma4=0.1:1.2"):
-        found = map_slice(disk, Slice.parse(text), 201, "dopri5")
+        found = slice_map(disk, Slice.parse(text), points=201, method="dopri5")
         inside = 0
-        for row, column in enumerate(np.argmin(found.theta_min, axis=1)):
-            if found.theta_min[row, column] > 0.02 or not 2 < column < 198:
+        for row, column in enumerate(np.argmin(found["theta_min"], axis=1)):
+            if found["theta_min"][row, column] > 0.02 or not 2 < column < 198:
                 continue
-            around = found.distance_plus[row, column - 2 : column + 3]
+            around = found.falls.distance_plus[row, column - 2 : column + 3]
             assert around.min() < 0 < around.max()
-            assert found.could_fall_plus[row, column]
+            assert found.falls.could_fall_plus[row, column]
             inside += 1
         assert inside > 50
 
@@ -110,3 +110,12 @@ def test_the_headline_is_in_sentences_a_user_can_read():
     assert share.startswith(
         f"would fall if eta were exactly 0: {100 * found['could_fall_fraction']:.1f} % (95 % interval "
     )
+
+
+@pytest.mark.parametrize(
+    ("which", "says"),
+    [("all", "of the 2,000 states: median"), ("near", "states with |eta_hat| <= 0.001, the only")],
+)
+def test_a_median_says_of_which_states(which, says):
+    scene, found = summary_of(samples=2000, theta_min=which)
+    assert says in scene.headline(found)[-1]

@@ -8,7 +8,7 @@ from conftest import BODIES, computed
 
 import explorer as ex
 from explorer.runs import store
-from explorer.runs.run import add_up
+from explorer.runs.chunks import add_up
 from explorer.scenes.registry import build_scene
 
 
@@ -84,7 +84,7 @@ def test_every_chunk_footer_is_read_once_for_summary_and_pictures(tmp_path, monk
         return read_note(path)
 
     monkeypatch.setattr(store, "read_note", counted)
-    total, digest = add_up(run.folder, run.scene)
+    total, digest = add_up(run.parts)
     summary = run.scene.summarise(total)
     assert len(list(run.scene.figures(summary, total))) == 2
     assert sorted(read) == sorted(store.found_chunks(run.folder).values())

@@ -3,12 +3,17 @@
 import importlib.util
 import json
 import sys
+from collections.abc import Callable
+from typing import NamedTuple
 
 import pytest
 
 import explorer as ex
 from explorer.commands.main import main
+from explorer.runs import folder as folders
 from explorer.runs.folder import scene_of
+from explorer.scenes import registry
+from explorer.scenes.base import SampledScene
 from explorer.scenes.registry import SCENES, build_scene, read_scene_file, scene_class
 
 TOY = """
@@ -180,3 +185,56 @@ def test_dashes_and_underscores_are_the_same_in_a_scene_file(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text('scene = "race-angles"\neta-hat = "1e-3:1e-2"\n')
     assert read_scene_file(path) == {"scene": "race-angles", "eta_hat": "1e-3:1e-2"}
+
+
+@pytest.fixture
+def known_scenes():
+    """What a test registers is forgotten."""
+    before = dict(SCENES)
+    yield
+    SCENES.clear()
+    SCENES.update(before)
+
+
+def test_a_registered_scene_is_known_and_what_is_none_is_refused(toy, known_scenes):
+    assert ex.register(toy) is toy
+    assert scene_class("toy") is scene_class(toy) is toy
+    named = type("Named", (toy,), {"name": "race-angles"})
+    for wrong, message in (
+        (3, "is no scene"),
+        (type("Bare", (toy,), {"name": "My scene"}), "give a name such as"),
+        (named, "is a scene of nearflat"),
+        (type("Empty", (SampledScene,), {"name": "empty"}), "lacks compute, summarise"),
+    ):
+        with pytest.raises(ex.InputError, match=message):
+            ex.register(wrong)
+
+
+def test_scenes_of_installed_packages_are_loaded_and_a_broken_one_harms_no_other(toy, known_scenes, monkeypatch):
+    class Entry(NamedTuple):
+        name: str
+        load: Callable[[], type]
+
+    def broken():
+        raise ImportError("no module named 'missing'")
+
+    monkeypatch.delitem(SCENES, "toy")
+    entries = [Entry("broken", broken), Entry("toy", lambda: toy)]
+    monkeypatch.setattr(registry, "entry_points", lambda group: entries if group == "nearflat.scenes" else [])
+    monkeypatch.setattr(registry, "_unloadable", {})
+    registry._load_installed()
+    assert scene_class("toy") is toy
+    with pytest.raises(ex.InputError, match=r"cannot be loaded .*no module named 'missing'"):
+        scene_class("broken")
+
+
+def test_a_run_of_other_code_of_a_scene_is_not_continued(toy, monkeypatch, tmp_path):
+    """Its chunks would not be those of one question."""
+    monkeypatch.setattr(folders, "_code_of", lambda kind: "before")
+    ex.run("toy", samples=10, out=tmp_path / "run")
+    monkeypatch.setattr(folders, "_code_of", lambda kind: "after")
+    with pytest.raises(ex.InputError, match='other code of scene toy; give another folder or exist="replace"'):
+        ex.run("toy", samples=10, out=tmp_path / "run")
+    assert ex.open(tmp_path / "run").verify() == [
+        "run.json: other code than these computed the run; it cannot be resumed with them"
+    ]

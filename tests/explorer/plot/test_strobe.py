@@ -8,7 +8,7 @@ from conftest import BODIES
 from matplotlib.figure import Figure
 
 from explorer import plot
-from explorer.plot.hero import _band, _rows
+from explorer.plot.strobe import _band, _rows
 from explorer.portrait.film import film
 
 HOOP = BODIES["hoop"]
