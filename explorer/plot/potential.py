@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
+from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
     BOUNCES,
@@ -92,17 +93,8 @@ def phase_portrait(
         for place, (phi, speed) in enumerate(drawn):
             ax.plot(phi, speed, **style, label=None if place else name)
             ax.plot(phi, -speed, **style)
-    for phi, speed in curves:
-        row = int(np.argmin(abs(phi - 0.5 * (phi[0] + phi[-1]))))
-        if 0 < row < len(phi) - 1 and speed[row] > 0.2 * fastest:
-            for sign in (1, -1):
-                here = np.stack([phi, sign * speed], axis=1)[::sign]
-                arrow(ax, here, row if sign > 0 else len(phi) - 1 - row, DARK, size=11.0)
-    walls = {face: bool(np.isinf(potential.flat_value(face))) for face in (-1, 1)}
-    for face, wall in walls.items():
-        name, dashes, width = ("wall at flat", "-", 4.0) if wall else ("flat, reached", ":", 2.5)
-        label = None if face > 0 and walls[-1] == wall else name
-        ax.axvline(face * HALF_PI, color=DARK, ls=dashes, lw=width, label=label)
+    _arrows(ax, curves, 0.2 * fastest)
+    _flat_states(ax, potential)
     _mark(ax, potential, at_energy=False)
     ax.set_xlim(-1.68, 1.68)
     ax.set_ylim(-fastest, fastest)
@@ -117,6 +109,25 @@ def phase_portrait(
     return dress(
         ax, r"$\varphi$ (rad); flat at ±π/2", rf"$\dot\varphi$ ({rates_of(potential.disk)})", _title(potential)
     )
+
+
+def _flat_states(ax: Axes, potential: Potential) -> None:
+    """Flat states behind a wall, and those that motions reach."""
+    walls = {face: bool(np.isinf(potential.flat_value(face))) for face in (-1, 1)}
+    for face, wall in walls.items():
+        name, dashes, width = ("wall at flat", "-", 4.0) if wall else ("flat, reached", ":", 2.5)
+        label = None if face > 0 and walls[-1] == wall else name
+        ax.axvline(face * HALF_PI, color=DARK, ls=dashes, lw=width, label=label)
+
+
+def _arrows(ax: Axes, curves: Sequence[tuple[Array, Array]], least: float) -> None:
+    """The way of the motion on each level that is faster than `least` in its middle."""
+    for phi, speed in curves:
+        row = int(np.argmin(abs(phi - 0.5 * (phi[0] + phi[-1]))))
+        if 0 < row < len(phi) - 1 and speed[row] > least:
+            for sign in (1, -1):
+                here = np.stack([phi, sign * speed], axis=1)[::sign]
+                arrow(ax, here, row if sign > 0 else len(phi) - 1 - row, DARK, size=11.0)
 
 
 def _shade(ax: Axes, potential: Potential, fastest: float) -> None:
@@ -199,16 +210,36 @@ def potential_curves(
         if not near_flat:
             _mark(ax, potential, at_energy=True, named=place == 0)
         if sign == 0:
-            at_flat = potential.flat_value(potential.face) * disk.energy_unit
-            if near_flat:
-                ax.axhline(at_flat, color=DARK, lw=0.8, ls=":", label=r"$V_0$, at flat")
-            else:
-                ax.plot([potential.face * HALF_PI], [at_flat], marker="s", label=r"$V_0$", **_AT_FLAT)
+            _end_at_flat(ax, potential, near_flat)
     ax.set_ylim(0.0, top)
     legend_below(ax, ncols=3)
+    _tilt_axis(ax, potentials, near_flat)
+    x = r"tilt from flat $\theta$ (rad)" if near_flat else r"$\varphi$ (rad); flat at ±π/2"
+    title = rf"{disk.name}: amended potential at $\bar\sigma_3$ = {bar:.4g}"
+    return dress(
+        ax,
+        x,
+        "amended potential $V$ ($m g r$)"
+        if disk.energy_unit == 1.0
+        else f"$V$ (energy; $m g r$ = {disk.energy_unit:.3g})",
+        title,
+    )
+
+
+def _end_at_flat(ax: Axes, potential: Potential, near_flat: bool) -> None:
+    """Where V ends on the line: V_0."""
+    at_flat = potential.flat_value(potential.face) * potential.disk.energy_unit
+    if near_flat:
+        ax.axhline(at_flat, color=DARK, lw=0.8, ls=":", label=r"$V_0$, at flat")
+    else:
+        ax.plot([potential.face * HALF_PI], [at_flat], marker="s", label=r"$V_0$", **_AT_FLAT)
+
+
+def _tilt_axis(ax: Axes, potentials: Sequence[Potential], near_flat: bool) -> None:
+    """The horizontal axis: the tilt from flat, logarithmic, or phi."""
     if near_flat:
         ax.set_xscale("log")
-        walls = [abs(p.eta_hat) / disk.rate_unit for p in potentials if p.eta]
+        walls = [abs(p.eta_hat) / potentials[0].disk.rate_unit for p in potentials if p.eta]
         ax.set_xlim(2.0, 0.1 * min(walls, default=1e-5))  # flat at the right, as in phi
         if walls:
             ax.text(
@@ -222,16 +253,6 @@ def potential_curves(
     else:
         ax.set_xlim(-1.68, 1.68)
         ax.set_xticks(*FLAT_TICKS)
-    x = r"tilt from flat $\theta$ (rad)" if near_flat else r"$\varphi$ (rad); flat at ±π/2"
-    title = rf"{disk.name}: amended potential at $\bar\sigma_3$ = {bar:.4g}"
-    return dress(
-        ax,
-        x,
-        "amended potential $V$ ($m g r$)"
-        if disk.energy_unit == 1.0
-        else f"$V$ (energy; $m g r$ = {disk.energy_unit:.3g})",
-        title,
-    )
 
 
 def _curve(ax: Axes, potential: Potential, near_flat: bool, top: float, style: dict[str, Any]) -> None:

@@ -67,6 +67,22 @@ def race_histogram(
     found = races if isinstance(races, RaceRidges) else RaceRidges.of_summary(races)
     least, most = range if range is not None else _reach(found)
     edges = _edges(least, most, bins)
+    names = _ridges(ax, found, edges, least, look)
+    _around_limits(ax, names, least, most)
+    _strip(ax, found)
+    legend_below(ax)
+    wrong = races.get("wrong_way") if isinstance(races, Mapping) else None
+    told = "" if wrong is None else f"; wrong way: {wrong:,}"
+    return dress(
+        ax,
+        "race angle less its limit ±κπ (rad)",
+        r"decades of $|\hat\eta|$, each from ($\sqrt{g/r}$)",
+        f"Race angles collapse onto ±κπ = ±{found.limit:.4f} rad{told}",
+    )
+
+
+def _ridges(ax: Axes, found: RaceRidges, edges: Array, least: float, look: dict[str, Any]) -> list[int]:
+    """Draw a ridge for each decade and side; returns the decades."""
     widths = np.diff(_scaled(edges, least))
     names = sorted(found.ridges)
     for row, decade in enumerate(names):
@@ -83,6 +99,11 @@ def race_histogram(
             } | look
             ax.stairs(values, edges, baseline=row, **style)
         ax.axhline(row, color=LAW, lw=0.6)
+    return names
+
+
+def _around_limits(ax: Axes, names: list[int], least: float, most: float) -> None:
+    """The axes of the ridges: logarithmic on both sides of the limits, a line for each decade."""
     ax.axvline(0.0, color=LAW, lw=1.0, ls="--")
     ax.set_xscale("symlog", linthresh=least, linscale=0.5)
     ax.set_xlim(-most, most)
@@ -90,16 +111,6 @@ def race_histogram(
     top = len(names) - 0.4
     ax.set_ylim(-0.6, top + 0.42 + (top + 1.2) * _STRIP / (1.0 - _STRIP))
     ax.set_yticks(np.arange(len(names)), [f"$10^{{{n}}}$" for n in names])
-    _strip(ax, found)
-    legend_below(ax)
-    wrong = races.get("wrong_way") if isinstance(races, Mapping) else None
-    told = "" if wrong is None else f"; wrong way: {wrong:,}"
-    return dress(
-        ax,
-        "race angle less its limit ±κπ (rad)",
-        r"decades of $|\hat\eta|$, each from ($\sqrt{g/r}$)",
-        f"Race angles collapse onto ±κπ = ±{found.limit:.4f} rad{told}",
-    )
 
 
 def _reach(found: RaceRidges) -> tuple[float, float]:

@@ -257,20 +257,34 @@ def bifurcations(
         } | look
         ax.plot(branch.parameter, branch.phi, **style)
         seen.add(name)
-    for number, mark in enumerate(marks):
-        exact = _EXACT.get((disk.name, path), "")
-        name = f"threshold ±{abs(mark) / disk.rate_unit:.5f}{exact}"
-        ax.axvline(mark, color=SERIES[1], lw=1.4, ls=":", label=None if number else name)
-    ax.set_ylim(-1.68, 1.68)
-    ax.set_yticks(*FLAT_TICKS)
-    for flat in (-HALF_PI, HALF_PI):
-        ax.axhline(flat, color=DARK, lw=0.6)
+    _thresholds(ax, disk, path, marks)
+    _tilts(ax)
     if path == "line" and marks:
-        most = max(marks)
-        ax.set_xlim(-1.4 * most, 1.4 * most)
-        for end in (-1.2, 1.2):
-            ax.text(end * most, 0.0, "no steady\nmotion", ha="center", va="center", fontsize=SMALL)
+        _nothing_beyond(ax, max(marks))
     legend_below(ax, ncols=3)
     symbol, name = _PATH_NAMES[path]
     title = f"{disk.name}, {name}"
     return dress(ax, f"{symbol} ({rates_of(disk)})", r"$\varphi$ (rad); flat at ±π/2", title)
+
+
+def _nothing_beyond(ax: Axes, most: float) -> None:
+    """Say that beyond the well there is no steady motion on the falling line."""
+    ax.set_xlim(-1.4 * most, 1.4 * most)
+    for end in (-1.2, 1.2):
+        ax.text(end * most, 0.0, "no steady\nmotion", ha="center", va="center", fontsize=SMALL)
+
+
+def _thresholds(ax: Axes, disk: Disk, path: str, marks: Sequence[float]) -> None:
+    """Vertical lines at the thresholds, with their value, and its closed form where it has a short one."""
+    for number, mark in enumerate(marks):
+        exact = _EXACT.get((disk.name, path), "")
+        name = f"threshold ±{abs(mark) / disk.rate_unit:.5f}{exact}"
+        ax.axvline(mark, color=SERIES[1], lw=1.4, ls=":", label=None if number else name)
+
+
+def _tilts(ax: Axes) -> None:
+    """The vertical axis, from one flat state to the other."""
+    ax.set_ylim(-1.68, 1.68)
+    ax.set_yticks(*FLAT_TICKS)
+    for flat in (-HALF_PI, HALF_PI):
+        ax.axhline(flat, color=DARK, lw=0.6)

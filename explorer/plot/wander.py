@@ -200,21 +200,26 @@ def wander_radius(
     top = 6.0 * float(np.median(radius))
     ax.set_ylim(0.0, 1.9 * top)
     ax.set_yticks([tick for tick in ax.get_yticks() if tick <= top])
+    _turns_above(ax, fine, between, resonances or {}, 0.85 * top)
+    title = "The rosette has no bound where a period is whole turns"
+    return dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", "radius of the rosette (r)", title)
+
+
+def _turns_above(ax: Axes, bars: Array, turns: Array, resonances: Mapping[int, float], height: float) -> None:
+    """Draw the turn of chi in one period above the radius, and the resonances in both."""
     ax.yaxis.set_label_coords(-0.08, 0.3)
     above = ax.inset_axes((0.0, 0.62, 1.0, 0.38), sharex=ax)
-    above.plot(fine, between, color=DARK, lw=1.6)
+    above.plot(bars, turns, color=DARK, lw=1.6)
     above.set_ylabel("turns of $\\chi$\na period", fontsize=SMALL)
     above.tick_params(labelsize=SMALL, labelbottom=False)
-    for whole, where in (resonances or {}).items():
+    for whole, where in resonances.items():
         above.axhline(whole, color=DARK, lw=0.8, ls=":")
         for each in (ax, above):
             each.axvline(where, color=DARK, lw=0.8, ls=":")
         ax.annotate(
             f"resonance: {whole} turn{'' if abs(whole) == 1 else 's'} a period",
-            (where, 0.85 * top),
+            (where, height),
             xytext=(8, 0),
             textcoords="offset points",
             fontsize=SMALL,
         )
-    title = "The rosette has no bound where a period is whole turns"
-    return dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", "radius of the rosette (r)", title)
