@@ -76,7 +76,7 @@ COMMANDS = {
     ),
     "portrait": Command(
         lambda: import_module("explorer.commands.portrait"),
-        "Draw phase portraits, steady motions, slices, race numbers, bounces, paths and a film.",
+        "Draw the disk, its limits, F, phase portraits, slices, races, paths and a film.",
         "--disk hoop --only paths",
     ),
     "view": Command(
