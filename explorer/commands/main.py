@@ -17,7 +17,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any, NamedTuple, NoReturn
 
-from explorer.errors import InputError, Interrupted, RunError, words_of_the_command
+from explorer.errors import InputError, Interrupted, RunError, shorten, words_of_the_command
 
 
 class Command(NamedTuple):
@@ -106,7 +106,7 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
-        print(f"{self.prog}: {message}\nTry '{self.prog} --help'.", file=sys.stderr)
+        print(f"{self.prog}: {shorten(message, 300)}\nTry '{self.prog} --help'.", file=sys.stderr)
         raise SystemExit(2)
 
 

@@ -38,7 +38,7 @@ def try_all(kind, cases, seed, place):
         counts[verdict.kind] += 1
         slowest = max(slowest, verdict.seconds)
         if verdict.kind in FAULTS:
-            key = f"{verdict.kind}: {name}: {verdict.text[:160]}"
+            key = f"{verdict.kind}: {name[:80]}: {verdict.text[:160]}"
             if key not in examples:
                 examples[key] = repr(given)[:300] if not isinstance(given, dict) else list(given)
                 print(f"{key}\n    {_shown(given)}", file=sys.stderr, flush=True)
