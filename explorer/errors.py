@@ -277,7 +277,7 @@ def one_of(name: str, value: Any, known: Collection[str]) -> str:
 
 def words(name: str, value: Any) -> tuple[str, ...]:
     """Read a sequence of words. Raises InputError."""
-    if isinstance(value, str) or not isinstance(value, Iterable):
+    if isinstance(value, str) or not isinstance(value, Iterable) or getattr(value, "ndim", 1) != 1:
         raise InputError(f"{name} = {shown(value)}: give a list of words")
     several = tuple(islice(value, MOST_WORDS + 1))
     if len(several) > MOST_WORDS or not all(isinstance(each, str) for each in several):

@@ -86,7 +86,7 @@ NASTY = (
     lambda r: np.array([1.0 + 1.0j, 2.0]),
     lambda r: 10 ** r.choice((17, 30, 309, 400, 6000)) * r.choice((1, -1)),
     lambda r: size(r),
-    lambda r: np.float32(size(r) if r.random() < 0.5 else 0.3),
+    lambda r: np.float32(r.choice((0.3, 1e-40, 1e38, math.inf))),
     lambda r: np.longdouble("1e4000"),
     lambda r: np.array([1.0, 1e-19], np.longdouble) + np.longdouble(1.0),
     lambda r: np.array([size(r), 0.3], ">f8"),
