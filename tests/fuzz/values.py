@@ -3,6 +3,7 @@
 import decimal
 import fractions
 import math
+import warnings
 
 import numpy as np
 import pandas as pd
@@ -211,4 +212,6 @@ def sensible(name, random):
 
 def nasty(random):
     """Any of the values above."""
-    return random.choice(NASTY)(random)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # numpy warns where some of them are made
+        return random.choice(NASTY)(random)
