@@ -211,7 +211,7 @@ def theta_to_states(
     given = {"theta": theta, "thetadot": thetadot, "sigma3": sigma3, "sigma4": sigma4, "face": face}
     (tilt, rate, s3, s4, s), shape = read_columns(given)
     good = (tilt > 0.0) & (tilt < np.pi) & (abs(s) == 1.0)
-    tilt = np.where(good, tilt, 1.0)
+    tilt, s = np.where(good, tilt, 1.0), np.where(good, s, 1.0)
     return _states(disk, _Chart(np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4), good, shape)
 
 

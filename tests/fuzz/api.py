@@ -12,9 +12,10 @@ from .judge import judge
 from .values import nasty, sensible
 
 # Public names that are not called here: they write or read folders, and command lines try them.
-FOLDERS = {"run", "open", "merge", "register", "continue_run"}
+FOLDERS = {"run", "open", "merge", "register", "plan"}
 # How often a function is tried, where it takes long: the others count as 1.
-SELDOM = {"falling_constant": 0.004, "push_forward": 0.02, "view": 0.3, "simulate": 0.3, "limit_motion": 0.3}
+SELDOM = {"falling_constant": 0.004, "push_forward": 0.02, "slice_map": 0.1, "both_sides": 0.2}
+SELDOM |= {"view": 0.3, "simulate": 0.3, "limit_motion": 0.3}
 
 
 def functions():
@@ -47,8 +48,8 @@ def arguments_of(function):
     found = {}
     for name, parameter in inspect.signature(function).parameters.items():
         if parameter.kind is parameter.VAR_KEYWORD:
-            keys = typing.get_args(typing.get_type_hints(function)[name])[0]
-            found |= dict.fromkeys(keys.__annotations__, True)
+            for keys in typing.get_args(typing.get_type_hints(function)[name]):
+                found |= dict.fromkeys(keys.__annotations__, True)
         elif parameter.kind is not parameter.VAR_POSITIONAL:
             found[name] = parameter.default is not parameter.empty
     return found

@@ -132,7 +132,7 @@ NASTY = (
     lambda r: Odd(),
     lambda r: object(),
     lambda r: np.random.default_rng(0),
-    lambda r: math.sin,
+    lambda r: lambda *given, **named: None,
     lambda r: ex.Disk,
     lambda r: ex.Disk.uniform(),
     lambda r: states(r),
