@@ -83,6 +83,6 @@ if __name__ == "__main__":
 
 @nox.session(default=False)
 def fuzz(session):
-    """Write results/faults/fuzz.json: 100,000 nasty calls of Python functions, and thousands of each other kind."""
+    """Write results/faults/fuzz.json: 100,000 nasty calls of functions, and thousands of each other kind."""
     session.install("--editable", ".[test]")
     session.run("python", "-m", "tests.fuzz", *(session.posargs or ["--cases", "100000"]))
