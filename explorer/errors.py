@@ -17,14 +17,16 @@ import stat
 import sys
 import tomllib
 import warnings
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from decimal import Decimal
 from difflib import get_close_matches
+from itertools import islice
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
 MOST_JOBS = 1024  # threads or processes: more only take memory
+MOST_WORDS = 1000
 _LONGEST = 300  # characters of a message
 _SHOWN = 60  # characters of a value in it
 _LARGEST_TOML = 1 << 20  # bytes
@@ -271,6 +273,16 @@ def one_of(name: str, value: Any, known: Collection[str]) -> str:
     if not isinstance(value, str) or value not in known:
         raise InputError(f"{name} {shown(value)} is not known; {suggest(value, known)}")
     return value
+
+
+def words(name: str, value: Any) -> tuple[str, ...]:
+    """Read a sequence of words. Raises InputError."""
+    if isinstance(value, str) or not isinstance(value, Iterable) or getattr(value, "ndim", 1) != 1:
+        raise InputError(f"{name} = {shown(value)}: give a list of words")
+    several = tuple(islice(value, MOST_WORDS + 1))
+    if len(several) > MOST_WORDS or not all(isinstance(each, str) for each in several):
+        raise InputError(f"{name} = {shown(value)}: give a list of at most {MOST_WORDS} words")
+    return several
 
 
 def word(name: str, value: Any) -> str:

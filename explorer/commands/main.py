@@ -17,7 +17,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any, NamedTuple, NoReturn
 
-from explorer.errors import InputError, Interrupted, RunError, words_of_the_command
+from explorer.errors import InputError, Interrupted, RunError, shorten, words_of_the_command
 
 
 class Command(NamedTuple):
@@ -76,7 +76,7 @@ COMMANDS = {
     ),
     "portrait": Command(
         lambda: import_module("explorer.commands.portrait"),
-        "Draw phase portraits, steady motions, slices, race numbers, bounces, paths and a film.",
+        "Draw the disk, its limits, F, phase portraits, slices, races, paths and a film.",
         "--disk hoop --only paths",
     ),
     "view": Command(
@@ -106,7 +106,7 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
-        print(f"{self.prog}: {message}\nTry '{self.prog} --help'.", file=sys.stderr)
+        print(f"{self.prog}: {shorten(message, 300)}\nTry '{self.prog} --help'.", file=sys.stderr)
         raise SystemExit(2)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
-from explorer.errors import InputError, read_range
+from explorer.errors import InputError, read_range, shown
 from explorer.measure.sampling import BLOCK, Box, Range, gather, parse_ranges
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
@@ -72,7 +72,7 @@ class Density:
                     f"--gaussian {name} = {mean:g}:{deviation:g}; write MEAN:DEVIATION, deviation > 0"
                 )
         if self.function is not None and not callable(self.function):
-            raise InputError(f"density = {self.function!r} cannot be called; give a function of four arrays")
+            raise InputError(f"density = {shown(self.function)} cannot be called; give a function of four arrays")
 
     @property
     def plain(self) -> bool:

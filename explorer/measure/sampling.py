@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, suggest
+from explorer.errors import InputError, double_of, shown, suggest
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array
 
@@ -85,9 +85,11 @@ def parse_ranges(text: str, option: str, known: Collection[str] = COORDINATES) -
     for item in text.split(","):
         name, equals, value = (part.strip() for part in item.partition("="))
         if name not in known:
-            raise InputError(f"{option}: unknown coordinate {name!r}; {suggest(name, known)}")
+            raise InputError(f"{option}: unknown coordinate {shown(name)}; {suggest(name, known)}")
         if not equals or name in ranges:
-            raise InputError(f"{option}: {item.strip()!r}; write each coordinate once, NAME=VALUE or LOW:HIGH")
+            raise InputError(
+                f"{option}: {shown(item.strip())}; write each coordinate once, NAME=VALUE or LOW:HIGH"
+            )
         ranges[name] = parse_range(value, f"{option} {name}")
     return ranges
 
@@ -95,10 +97,10 @@ def parse_ranges(text: str, option: str, known: Collection[str] = COORDINATES) -
 def parse_range(text: str, option: str) -> Range:
     """(low, high) from "LOW:HIGH" or one number. Raises InputError naming the option."""
     low, colon, high = text.partition(":")
-    try:
-        return float(low), float(high) if colon else float(low)
-    except ValueError:
-        raise InputError(f"{option} = {text!r} is not a number or a range LOW:HIGH") from None
+    ends = double_of(low), double_of(high) if colon else double_of(low)
+    if ends[0] is None or ends[1] is None:
+        raise InputError(f"{option} = {shown(text)} is not a number or a range LOW:HIGH")
+    return ends[0], ends[1]
 
 
 def chunk_stream(seed: int, index: int) -> np.random.Generator:

@@ -30,7 +30,7 @@ class Forces(Result):
     max_friction : array
         Largest coefficient of friction that rolling needs; infinite where the normal force is not positive.
     status : array of int8
-        `Status` of each sample, as `passages` would give it before it computes anything.
+        `Status` of each sample.
 
     Examples
     --------
@@ -90,6 +90,10 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     compiled.forces.forces_batch(starts.natural(disk), disk.natural, out)
     out[:, starts.status != compiled.status.Status.OK] = np.nan
     found = compiled.forces.ForceRow(*out)
+    code, falls = compiled.status.Status, starts.eta_hat == 0.0
+    lost = (starts.status == code.OK) & ~np.isfinite(found.normal)
+    status = np.where(lost, np.where(falls, code.FALLS, code.NOT_FINITE), starts.status).astype(np.int8)
+    out[:, lost] = np.nan
     bar, eta, speed = columns
-    flat = Forces(disk, bar, eta, speed, found.normal, found.friction, starts.status)
+    flat = Forces(disk, bar, eta, speed, found.normal, found.friction, status)
     return flat.reshaped(shape)

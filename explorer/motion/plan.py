@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError, number, one_of
+from explorer.errors import InputError, number, one_of, words
 from explorer.motion import calibration
 from explorer.phase.constants import NaturalConstants
 from explorer.phase.disk import Disk
@@ -140,7 +140,7 @@ def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto
     Raises InputError for an unknown observable or method, for a method that cannot give them, or for
     an accuracy out of its range.
     """
-    asked = tuple(observables)
+    asked = words("observables", observables)
     for name in asked:
         one_of("observable", name, OBSERVABLES)
     one_of("--method", method, METHODS)

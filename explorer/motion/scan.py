@@ -11,7 +11,7 @@ from joblib import Parallel, delayed
 from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
-from explorer.errors import InputError, jobs_of, one_of, shown, whole
+from explorer.errors import InputError, flag, jobs_of, one_of, shown, whole
 from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
 from explorer.phase.constants import constants_of
@@ -138,6 +138,7 @@ def scan(
     """
     require_states(states)
     jobs, batch = jobs_of("jobs", jobs), whole("batch", batch, 1)
+    progress = None if progress is None else flag("progress", progress)
     found = _computed(states, observable, _Work(jobs, batch, progress))
     names = list(found[0])
     if any(list(part) != names for part in found):

@@ -13,7 +13,7 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from explorer.errors import InputError, suggest
+from explorer.errors import InputError, flag, shown, suggest
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
 from explorer.phase.lines import line_chart, line_slope, linear_constants
@@ -90,13 +90,14 @@ def rates_to_states(
     sigma3 = sin^2(tilt) * precession and sigma4 = spin: eqs (2.14), (2.31) of Cushman & Duistermaat (2006).
     """
     require_disk(disk)
-    named = {"tilt": tilt, "tilt_rate": tilt_rate, "precession": precession, "spin": spin, "face": face}
-    (angle, rate, turn, own, down), shape = read_columns(named)
-    if degrees:
+    given = {"tilt": tilt, "tilt_rate": tilt_rate, "precession": precession, "spin": spin, "face": face}
+    (angle, rate, turn, own, down), shape = read_columns(given)
+    if flag("degrees", degrees):
         angle, rate, turn, own = (np.radians(column) for column in (angle, rate, turn, own))
-    with np.errstate(invalid="ignore"):
-        height = np.sin(angle)
-    return replace(theta_to_states(disk, angle, rate, height * height * turn, own, down), shape=shape)
+    with np.errstate(all="ignore"):
+        sigma3 = np.sin(angle) ** 2 * turn
+    states = theta_to_states(disk, angle, rate, sigma3, own, down)
+    return replace(states, shape=shape)
 
 
 def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> States:
@@ -162,7 +163,9 @@ def complete_set(names: Collection[str], what: str) -> tuple[tuple[str, str], st
     """The pair that gives the spins and the name that gives the speed. Raises InputError, which says `what`."""
     for name in names:
         if name not in Coordinates.__annotations__:
-            raise InputError(f"coordinate {name!r} is not known; {suggest(name, Coordinates.__annotations__)}")
+            raise InputError(
+                f"coordinate {shown(name)} is not known; {suggest(name, Coordinates.__annotations__)}"
+            )
     given = set(names) - {"phi"}
     for spins in SPINS:
         for speed in SPEEDS:

@@ -280,14 +280,14 @@ def _quantities(text: str) -> dict[str, str]:
     pairs = [item.partition("=") for item in text.split(",") if item.strip()]
     for key, equals, _ in pairs:
         if not equals:
-            raise InputError(f"--disk: {key.strip()!r} says no quantity; write NAME=VALUE, as m=1,r=0.5")
+            raise InputError(f"--disk: {shown(key.strip())} says no quantity; write NAME=VALUE, as m=1,r=0.5")
     return {key.strip(): value.strip() for key, _, value in pairs}
 
 
 def _known(values: dict[str, Any], known: tuple[str, ...]) -> None:
     for key in values:
         if key not in known:
-            raise InputError(f"--disk: unknown quantity {key!r}; the known ones are {', '.join(known)}")
+            raise InputError(f"--disk: unknown quantity {shown(key)}; the known ones are {', '.join(known)}")
 
 
 def _scales(text: str) -> dict[str, float]:

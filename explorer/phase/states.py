@@ -211,7 +211,7 @@ def theta_to_states(
     given = {"theta": theta, "thetadot": thetadot, "sigma3": sigma3, "sigma4": sigma4, "face": face}
     (tilt, rate, s3, s4, s), shape = read_columns(given)
     good = (tilt > 0.0) & (tilt < np.pi) & (abs(s) == 1.0)
-    tilt = np.where(good, tilt, 1.0)
+    tilt, s = np.where(good, tilt, 1.0), np.where(good, s, 1.0)
     return _states(disk, _Chart(np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4), good, shape)
 
 
@@ -257,10 +257,10 @@ def constants_to_states(
     (s3, distance, rate, s), shape = read_columns(given)
     with np.errstate(all="ignore"):
         s4 = s * (slope * s3 - distance)
-    good = (abs(s) == 1.0) & np.isfinite(distance)
+        exact = linear_constants(disk, s3 / disk.rate_unit, distance / disk.rate_unit, s > 0.0)
+    good = (abs(s) == 1.0) & np.isfinite(exact.eta_plus) & np.isfinite(exact.eta_minus)
     made = _states(disk, _Chart(np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4), good, shape)
-    unit = disk.rate_unit
-    return replace(made, exact=linear_constants(disk, s3 / unit, distance / unit, s > 0.0))
+    return replace(made, exact=exact)
 
 
 class _Chart(NamedTuple):

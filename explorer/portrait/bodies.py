@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from explorer.errors import InputError, positive, whole
+from explorer.errors import InputError, positive, shown, whole
 from explorer.motion.passages import passages
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
@@ -52,7 +52,7 @@ def flat_body(ratio: float) -> Disk:
 def _ratio(name: str, value: float) -> float:
     ratio = positive(name, value)
     if ratio > _LARGEST:
-        raise InputError(f"{name} = {value!r}: give m r^2/I1, above 0 and up to {_LARGEST:g}")
+        raise InputError(f"{name} = {shown(value)}: give m r^2/I1, above 0 and up to {_LARGEST:g}")
     return ratio
 
 

@@ -116,11 +116,13 @@ def steady_motions(
 
 def _steady(disk: Disk, angle: Array, rate: Array, side: Array) -> SteadyMotions:
     """Steady motions of one row; angle: tilt; side: face."""
-    with np.errstate(invalid="ignore"):
+    with np.errstate(all="ignore"):
         phi = side * (0.5 * np.pi - angle)
         possible = (abs(phi) < 0.5 * np.pi) & np.isfinite(rate) & (rate != 0.0) & (abs(side) == 1.0)
     # Something steady stands in for what is not.
-    found = steady.steady_motions(disk, np.where(possible, phi, 0.0), np.where(possible, rate, disk.rate_unit))
+    with np.errstate(all="ignore"):
+        found = steady.steady_motions(disk, np.where(possible, phi, 0.0), np.where(possible, rate, disk.rate_unit))
+        possible &= np.isfinite(found.sigma4) & np.isfinite(found.radius)
 
     def known(values: Array) -> Array:
         return np.where(possible, values, np.nan)

@@ -51,8 +51,8 @@ class Slice:
         spins, speed = complete_set(ranges, f"{option} {text!r}")
         if len(free) != 2 or "phi" not in ranges:
             raise InputError(
-                f"{option} {text!r}: give all of phi, {speed}, {', '.join(spins)}, two as LOW:HIGH and two as "
-                "numbers"
+                f"{option} {shown(text)}: give all of phi, {speed}, {', '.join(spins)}, two as LOW:HIGH and two "
+                "as numbers"
             )
         fixed = dict.fromkeys(COORDINATES, (0.0, 0.0))
         Box(**{name: ranges.get(name, span) for name, span in fixed.items()})  # the same bounds hold

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import bisect
 
-from explorer.errors import InputError
+from explorer.errors import InputError, shown
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope
 from explorer.phase.membership import well
@@ -222,7 +222,7 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     Equilibria are joined while neither their number nor their kinds change.
     """
     if path not in PATHS:
-        raise InputError(f"path {path!r} is not known; choose {' or '.join(PATHS)}")
+        raise InputError(f"path {shown(path)} is not known; choose {' or '.join(PATHS)}")
     (values,) = columns_of(parameter=parameter)
     rows = [(value, _regular(PATHS[path](disk, float(value)))) for value in values]
     branches: list[Branch] = []

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from explorer import compiled
-from explorer.errors import InputError, whole
+from explorer.errors import InputError, shown, whole
 from explorer.motion.dense_times import dense_times
 from explorer.motion.periods import Periods, periods
 from explorer.motion.trajectories import trajectories
@@ -91,7 +91,7 @@ def resonance(
     whole_turns = whole("turns", turns, -_MOST_TURNS, _MOST_TURNS)
     ends = columns_of(between=between)[0]
     if ends.size != 2:
-        raise InputError(f"resonance: between = {between!r}: give two numbers")
+        raise InputError(f"resonance: between = {shown(between)}: give two numbers")
     low, high = float(ends[0]), float(ends[1])
     first, last = excess(low), excess(high)
     if first * last > 0.0:

@@ -6,7 +6,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any, Protocol
 
-from explorer.errors import RunError
+from explorer.errors import InputError, RunError
 from explorer.runs import store
 from explorer.scenes.base import Chunks, Scene, Table, Tally
 
@@ -98,7 +98,14 @@ def add_up(parts: Sequence[Part]) -> tuple[Any, str]:
     for number, part in enumerate(parts):
         chunks = part.complete()
         made.append((part.scene, Chunks(tallies(number, chunks), (chunk.table() for chunk in chunks))))
-    total = whole_scene(parts).add_up_several(made)
+    try:
+        total = whole_scene(parts).add_up_several(made)
+    except InputError:
+        raise
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
+        where = parts[0].folder or "the run"
+        text = f"{where}: its counts are not those of {parts[0].scene.name}; see: nearflat verify {where}"
+        raise RunError(text) from error
     for _, each in made:
         for _ in each.tallies:
             pass  # a scene that asks for rows only leaves the footers, and with them the digests, to be read

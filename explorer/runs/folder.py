@@ -6,6 +6,7 @@ readers of the scene's table take back, so `ex.run` accepts them too. A run.json
 before 0.2; it is read where this version knows all of its options.
 """
 
+import contextlib
 import hashlib
 import inspect
 import json
@@ -19,8 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from explorer import compiled
-from explorer.errors import InputError, RunError, shorten
+from explorer.errors import InputError, RunError, path_of, shorten, shown
 from explorer.runs import store
+from explorer.runs.pictures import KNOWN
+from explorer.runs.strangers import plain_names
 from explorer.scenes.base import Scene
 from explorer.scenes.registry import scene_from_options
 
@@ -58,7 +61,8 @@ def digest_of_identity(scene: Scene) -> str:
 def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str], None]) -> list[int]:
     """Chunks that are not there or not good. A bad one is renamed to *.bad and reported to `say`."""
     for leftover in (folder / "chunks").glob(".chunk-*.tmp"):
-        leftover.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # a folder of that name for instance
+            leftover.unlink(missing_ok=True)
     good = set()
     for path in sorted((folder / "chunks").glob("*.parquet")):
         index = store.number_of(path)
@@ -75,26 +79,43 @@ def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str],
             good.add(index)
         else:
             say(f"{path.name}: {fault}; it is put aside in {folder / 'bad'}")
-            (folder / "bad").mkdir(exist_ok=True)
-            path.replace(folder / "bad" / path.name)
+            _put_aside(path, folder / "bad")
     return [index for index in range(scene.chunks()) if index not in good]
+
+
+def _put_aside(path: Path, place: Path) -> None:
+    """Move what is no good chunk out of the way. Raises RunError where it cannot be moved."""
+    try:
+        place.mkdir(exist_ok=True)
+        path.replace(place / path.name)
+    except OSError as error:
+        raise RunError(f"{path}: cannot be put aside in {place} ({error.strerror}); remove both") from error
 
 
 def read_record(folder: Path) -> dict[str, Any]:
     """What run.json says, of this format or an earlier one. Raises InputError."""
-    record = folder / "run.json"
-    if not record.is_file():
-        raise InputError(f"{folder}: holds no run (there is no {record.name})")
+    record = path_of("DIR", folder) / "run.json"
+    try:
+        there = record.is_file()
+    except OSError as error:
+        raise InputError(f"{shorten(str(folder), 120)}: cannot be read ({error.strerror})") from None
+    if not there:
+        raise InputError(f"{shorten(str(folder), 120)}: holds no run (there is no {record.name})")
     try:
         content = dict(store.read_json(record))
         written, identity = content.get("format", 0), dict(content["identity"])
-        content["identity"] = {**identity, "kernels": identity["kernels"], "options": dict(identity["options"])}
+        content["identity"] = {
+            **identity,
+            "kernels": str(identity["kernels"]),
+            "options": dict(identity["options"]),
+        }
     except (RunError, KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{record}: is damaged ({error}); start the run anew in another folder") from None
+        fault = shorten(str(error), 120)
+        raise InputError(f"{record}: is damaged ({fault}); start the run anew in another folder") from None
     if written not in range(FORMAT + 1):
         raise InputError(
-            f"{record}: has format {written}, and this version of nearflat reads up to {FORMAT}; use the version "
-            "that wrote it, or a later one"
+            f"{record}: has format {shown(written)}, and this version of nearflat reads up to {FORMAT}; use "
+            "the version that wrote it, or a later one"
         )
     return content
 
@@ -174,6 +195,8 @@ def _check_same(folder: Path, scene: Scene) -> None:
             f"--resume: {folder} was run with {key} = {old.get(key)}, now {key} = {new.get(key)}; "
             "give the same options, another folder, or --replace"
         )
+    if not isinstance(old.get("samples", 0), int):
+        raise InputError(f"{folder / 'run.json'}: samples = {shown(old['samples'])} is no number; start anew")
     if new.get("samples", 0) < old.get("samples", 0):
         raise InputError(
             f"--samples {new['samples']}: {folder} has {old['samples']}; give as many, or more, or --replace"
@@ -184,8 +207,10 @@ def begun(folder: Path, command: str | None) -> dict[str, Any]:
     """When the run in `folder` was first started, and by which command line, if by any."""
     try:
         before = store.read_json(folder / "run.json")
-        how = {"started": str(before["started"]), "command": command or before.get("command")}
-        return {**how, "figures": before.get("figures"), "formats": before.get("formats")}
+        given = before.get("command")
+        known = command or (given if isinstance(given, str) else None)
+        names, formats = plain_names(before.get("figures")), plain_names(before.get("formats"), KNOWN)
+        return {"started": str(before["started"]), "command": known, "figures": names, "formats": formats}
     except (RunError, KeyError, TypeError):
         return {"started": now(), "command": command}
 

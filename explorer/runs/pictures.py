@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from explorer.errors import InputError, suggest
+from explorer.errors import InputError, shown, suggest
 from explorer.runs.progress import Progress
 from explorer.scenes.base import Picture
 
@@ -20,10 +20,10 @@ def read_formats(flag: str, value: Any) -> tuple[str, ...]:
     """Read formats of pictures: "png,svg", or a list of names. Raises InputError."""
     names = [name.strip().lower() for name in value.split(",")] if isinstance(value, str) else value
     if not isinstance(names, list | tuple) or not names:
-        raise InputError(f"{flag} {value!r} names no format; give some of {','.join(KNOWN)}")
+        raise InputError(f"{flag} {shown(value)} names no format; give some of {','.join(KNOWN)}")
     for name in names:
         if name not in KNOWN:
-            raise InputError(f"{flag} {name!r} is no format of pictures; {suggest(name, KNOWN)}")
+            raise InputError(f"{flag} {shown(name)} is no format of pictures; {suggest(name, KNOWN)}")
     return tuple(dict.fromkeys(names))
 
 

@@ -1,5 +1,6 @@
 """Progress as users see it: a bar on a terminal and in a notebook, plain lines elsewhere, nothing when quiet."""
 
+import os
 import sys
 import time
 from typing import Any
@@ -19,7 +20,7 @@ class Progress:
         self._started = self._spoke = time.monotonic()
         self._bar: Any = None
         if not quiet and (in_notebook() or sys.stderr.isatty()):
-            self._bar = tqdm(total=total, desc=label, unit="step", file=sys.stderr, leave=False)
+            self._bar = tqdm(total=total, desc=label, unit="step", ncols=_width(), file=sys.stderr, leave=False)
 
     def already(self, chunks: int) -> None:
         """So many chunks were there before."""
@@ -84,6 +85,14 @@ class Progress:
     def close(self) -> None:
         if self._bar is not None:
             self._bar.close()
+
+
+def _width() -> int | None:
+    """Columns of a bar; None lets it follow the terminal. One that reports no width would show nothing."""
+    try:
+        return None if os.get_terminal_size(sys.stderr.fileno()).columns else 80
+    except (OSError, ValueError):  # no terminal: a notebook
+        return None
 
 
 def in_notebook() -> bool:

@@ -22,11 +22,21 @@ from numpy.typing import NDArray
 
 from explorer.errors import RunError
 from explorer.phase.results import status_codes, to_arrow
+from explorer.runs.strangers import (
+    LARGEST_JSON,
+    StrangeError,
+    check_counts,
+    check_kinds,
+    parquet_file,
+    parse_json,
+    plain_file,
+)
 from explorer.scenes.base import Table
 
 _NAME = re.compile(r"chunk-(\d{6,})-([0-9a-f]{16})\.parquet")
 _KEY = b"nearflat"
-_DAMAGE = (OSError, ValueError, KeyError, TypeError, pa.ArrowException)
+_DAMAGE = (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, pa.ArrowException)
+_NOTE: dict[str, type] = {"index": int, "identity": str, "samples": int, "digest": str, "tally": dict}
 
 
 @dataclass(frozen=True)
@@ -103,13 +113,21 @@ def _sha(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
+def _digest_of_bytes(path: Path) -> str:
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
 def read_note(path: Path) -> Note:
     """What the footer of a chunk says. Raises RunError naming the file."""
     try:
-        content = json.loads(pq.read_schema(path).metadata[_KEY])
+        content = parse_json((pq.read_schema(parquet_file(path)).metadata or {})[_KEY])
         if _sha(content["note"].encode()) != content["check"]:
             raise ValueError("checksum of its metadata")
-        return Note(**json.loads(content["note"]))
+        said = parse_json(content["note"])
+        check_kinds(said, _NOTE)
+        check_counts(said["tally"])
+        return Note(**said)
     except _DAMAGE as error:
         raise _damaged(path, error) from error
 
@@ -117,10 +135,10 @@ def read_note(path: Path) -> Note:
 def read_chunk(path: Path, columns: Sequence[str] | None = None) -> Table:
     """The kept rows of a chunk, checksums verified; some columns, or all. Raises RunError naming the file."""
     try:
-        arrow = pq.read_table(path, columns=columns, page_checksum_verification=True)
+        arrow = pq.read_table(parquet_file(path), columns=columns, page_checksum_verification=True)
+        return {name: _values(arrow.column(name)) for name in arrow.column_names}
     except _DAMAGE as error:
         raise _damaged(path, error) from error
-    return {name: _values(arrow.column(name)) for name in arrow.column_names}
 
 
 def _values(column: pa.ChunkedArray) -> NDArray[Any]:
@@ -140,9 +158,11 @@ def fault_of(path: Path, index: int, identity: str, samples: int) -> str | None:
     """What is wrong with a chunk that should have this number, identity and size; None if nothing is."""
     match = _NAME.fullmatch(path.name)
     try:
-        if match is None or _sha(path.read_bytes())[:16] != match[2]:
+        if match is None or _digest_of_bytes(parquet_file(path))[:16] != match[2]:
             return "its bytes are not those that were written"
         note = read_note(path)
+    except StrangeError as error:
+        return f"its bytes are not those that were written: {error}"
     except (OSError, RunError) as error:
         return str(error)
     if note.identity != identity:
@@ -188,7 +208,6 @@ def write_json(path: Path, content: dict[str, Any]) -> None:
 def read_json(path: Path) -> dict[str, Any]:
     """Read a JSON object. Raises RunError naming the file."""
     try:
-        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        return content
+        return parse_json(plain_file(path, LARGEST_JSON).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise RunError(f"{path}: cannot be read ({error})") from error

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeAlias, Typ
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, suggest
+from explorer.errors import InputError, shown, suggest
 from explorer.measure import statistics
 from explorer.motion.plan import Plan, plan
 from explorer.phase.disk import Disk
@@ -51,6 +51,7 @@ DEFAULT_CHUNK = 1 << 16  # samples; a kernel call on it stays well under a secon
 BASE_MEMORY = 450e6
 # A budget is shared by at least so many jobs, so that the numbers do not depend on how many there are.
 SHARERS = 4
+MOST_CHUNKS = 20_000_000  # files in one folder
 SMALLEST_CHUNK, LARGEST_CHUNK = 1 << 12, 1 << 20
 
 
@@ -204,6 +205,14 @@ class SampledScene(Scene):
     chunk_size: int = DEFAULT_CHUNK
     keep: str = "near"
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.chunks() > MOST_CHUNKS:
+            raise InputError(
+                f"--samples {self.samples} in chunks of {self.chunk_size}: makes {self.chunks():,} files; give a "
+                f"larger chunk_size, so that there are {MOST_CHUNKS:,} at most"
+            )
+
     # Memory of one sample while its chunk is computed (bytes), for a budget.
     bytes_per_sample: ClassVar[int] = 1000
 
@@ -263,4 +272,4 @@ def read_memory(flag: str, value: Any) -> float:
             raise ValueError(value)
         return size
     except (TypeError, ValueError):
-        raise InputError(f"{flag} {value!r} is no amount; write 1GB or 500MB") from None
+        raise InputError(f"{flag} {shown(value)} is no amount; write 1GB or 500MB") from None

@@ -4,6 +4,7 @@ A cell that should be a number and is none becomes NaN, so that its row is bad i
 A column that no cell of which is a number is a mistake, and refused.
 """
 
+import codecs
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol
@@ -43,7 +44,10 @@ def as_columns(given: Any, what: str) -> dict[str, Any]:
     if isinstance(given, np.ndarray) and given.dtype.names:
         return {name: np.ravel(given[name]) for name in given.dtype.names}
     if isinstance(given, np.ndarray | list | tuple):
-        rows = np.asarray(given)
+        try:
+            rows = np.asarray(given)
+        except ValueError:
+            raise InputError(f"{what}: its rows differ in length; give rows of {', '.join(COORDINATES)}") from None
         if rows.ndim != 2 or rows.shape[1] != len(COORDINATES):
             raise InputError(f"{what}: shape {rows.shape} is not (n, 4); give rows of {', '.join(COORDINATES)}")
         return dict(zip(COORDINATES, rows.T, strict=True))
@@ -182,6 +186,7 @@ def read_csv(path: Path, numbers: Mapping[str, Any], what: str) -> Columns:
     from pyarrow import csv
 
     names, separator = csv_header(path, what)
+    _check_text(path, what)
     bad: list[int] = []
 
     def note(row: Any) -> str:
@@ -211,6 +216,18 @@ def _with_gaps(column: NDArray[Any], places: list[int]) -> NDArray[Any]:
     if column.dtype.kind == "U":
         return np.insert(column, places, "")
     return np.insert(column.astype(np.float64), places, np.nan)
+
+
+def _check_text(path: Path, what: str) -> None:
+    """Raise InputError where a file is not text in UTF-8; its reader would print what it stumbles over."""
+    decoder = codecs.getincrementaldecoder("utf-8")()
+    try:
+        with path.open("rb") as stream:
+            while piece := stream.read(1 << 20):
+                decoder.decode(piece)
+            decoder.decode(b"", final=True)
+    except UnicodeDecodeError:
+        raise InputError(f"{what}: is neither Parquet nor CSV in UTF-8; store it as one of them") from None
 
 
 def csv_header(path: Path, what: str) -> tuple[list[str], str]:

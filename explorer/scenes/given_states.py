@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 
 from explorer import compiled
-from explorer.errors import InputError
+from explorer.errors import InputError, path_of, regular_file, whole
 from explorer.phase.charts import Chart, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, States
@@ -29,6 +29,7 @@ from explorer.scenes.given_columns import (
 Given = Path | str | DataFrame | np.ndarray[Any, Any] | Mapping[str, Any] | States
 
 _PARQUET = b"PAR1"  # how such a file begins
+_MOST_ROWS = 10**12
 _RECORD = {"file", "rows", "sha256"}  # what run.json says of given states
 
 
@@ -63,7 +64,7 @@ class GivenStates:
         if isinstance(value, GivenStates):
             return value
         if isinstance(value, str | Path):
-            return cls.open(flag, Path(value))
+            return cls.open(flag, path_of(flag, value))
         if isinstance(value, States):
             return cls._of_states(flag, value)
         if isinstance(value, Mapping) and value and set(value) <= _RECORD:
@@ -74,11 +75,14 @@ class GivenStates:
     def open(cls, flag: str, path: Path) -> "GivenStates":
         """From a Parquet or a CSV file. Raises InputError where it cannot be read or says no state."""
         what = f"{flag} {path}"
+        regular_file(flag, path)
         try:
             with path.open("rb") as stream:
-                sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
-                stream.seek(0)
                 parquet = stream.read(len(_PARQUET)) == _PARQUET
+                if not parquet:
+                    csv_header(path, what)  # before all of a file is read that may be anything
+                stream.seek(0)
+                sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
             columns: Columns | ParquetColumns
             if parquet:
                 columns = ParquetColumns(path.resolve())
@@ -122,10 +126,10 @@ class GivenStates:
     def _of_record(cls, flag: str, record: Mapping[str, Any]) -> "GivenStates":
         if record.get("file") is None:
             try:
-                return cls(flag, int(record["rows"]), str(record["sha256"]))
-            except (KeyError, TypeError, ValueError):
+                return cls(flag, whole(f"{flag}: rows", record["rows"], 1, _MOST_ROWS), str(record["sha256"]))
+            except KeyError:
                 raise InputError(f"{flag}: run.json does not say which states they were; start anew") from None
-        opened = cls.open(flag, Path(str(record["file"])))
+        opened = cls.open(flag, path_of(flag, record["file"]))
         if opened.sha256 != record.get("sha256"):
             raise InputError(f"{flag} {opened.path}: is not the file of states that the run began with")
         return opened

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
-from explorer.errors import InputError, flag, number, one_of, read_range, whole
+from explorer.errors import InputError, flag, number, one_of, read_range, shown, whole
 from explorer.measure.density import Function
 from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion.plan import METHODS
@@ -137,7 +137,7 @@ def read_disks(flag: str, value: Any) -> tuple[Disk, ...]:
     """Read disks: each a Disk, a text as for Disk.parse, or the numbers that run.json has. Raises InputError."""
     several = [value] if isinstance(value, str | Disk | Mapping) else value
     if not isinstance(several, list | tuple) or not several:
-        raise InputError(f"{flag} {value!r} is not a disk; give a Disk, a name, or a list of them")
+        raise InputError(f"{flag} {shown(value)} is not a disk; give a Disk, a name, or a list of them")
     return tuple(_one_disk(flag, disk) for disk in several)
 
 
@@ -150,7 +150,7 @@ def _one_disk(flag: str, value: Any) -> Disk:
         except TypeError as error:
             raise InputError(f"{flag} {dict(value)}: {error}; give m, r, g, I1, I3 and name") from None
     if not isinstance(value, str):
-        raise InputError(f"{flag} {value!r} is not a disk; give a Disk or a name")
+        raise InputError(f"{flag} {shown(value)} is not a disk; give a Disk or a name")
     return Disk.parse(value)
 
 
@@ -163,7 +163,7 @@ def read_slices(flag: str, value: Any) -> tuple[Slice, ...]:
     """Read slices, each as text or a mapping. Raises InputError."""
     several = [value] if isinstance(value, str | Slice | Mapping) else value
     if not isinstance(several, list | tuple) or not several:
-        raise InputError(f"{flag} {value!r} is not a slice or a list of slices")
+        raise InputError(f"{flag} {shown(value)} is not a slice or a list of slices")
     return tuple(Slice.of(each, flag) for each in several)
 
 
@@ -173,12 +173,13 @@ def _as_text(flag: str, value: Any) -> str:
         return value
     ranges = as_json(value)
     if not isinstance(ranges, Mapping):
-        raise InputError(f'{flag} {value!r} is no text; write "phi=0,phidot=-2:2"')
+        raise InputError(f'{flag} {shown(value)} is no text; write "phi=0,phidot=-2:2"')
     texts = []
     for name, ends in ranges.items():
         if not isinstance(ends, str | list) or len(ends) == 0:
-            raise InputError(f"{flag} {name} = {ends!r} is not a range; give LOW:HIGH or a pair of numbers")
-        texts.append(f"{name}={ends if isinstance(ends, str) else ':'.join(map(str, ends))}")
+            raise InputError(f"{flag} {name} = {shown(ends)} is not a range; give LOW:HIGH or a pair of numbers")
+        plain = ends if isinstance(ends, str) else ":".join(repr(number(f"{flag} {name}", end)) for end in ends)
+        texts.append(f"{name}={plain}")
     return ",".join(texts)
 
 
@@ -189,7 +190,7 @@ def read_density(flag: str, value: Any) -> Function:
             f"{flag}: this run has a density that was given in Python; go on with run(..., density=...) there"
         )
     if not callable(value):
-        raise InputError(f"{flag} = {value!r} cannot be called; give a function of four arrays")
+        raise InputError(f"{flag} = {shown(value)} cannot be called; give a function of four arrays")
     density: Function = value
     return density
 

@@ -11,7 +11,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, TypeVar
 
-from explorer.errors import InputError, one_of, read_toml
+from explorer.errors import InputError, one_of, read_toml, shown
 from explorer.scenes.base import Scene
 from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.measure_zero import MeasureZero
@@ -107,7 +107,7 @@ def scene_class(name: Any) -> type[Scene]:
         raise InputError(f"{error}. A scene of your own is known after ex.register(scene)") from None
 
 
-def build_scene(name: Any, **options: Any) -> Scene:
+def build_scene(name: Any, /, **options: Any) -> Scene:
     """A validated scene. Options that are None keep the scene's default. Raises InputError."""
     return scene_class(name).of(options)
 
@@ -123,7 +123,7 @@ def read_scene_file(path: Path) -> dict[str, Any]:
     if "scene" not in content:
         raise InputError(f'{path}: names no scene; write scene = "race-angles" or another at its top')
     if not isinstance(content["scene"], str):
-        raise InputError(f"{path}: scene = {content['scene']!r} is not a name")
+        raise InputError(f"{path}: scene = {shown(content['scene'])} is not a name")
     return {key.replace("-", "_"): value for key, value in content.items()}
 
 

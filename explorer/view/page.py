@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from explorer.errors import InputError
+from explorer.errors import InputError, shown
 from explorer.phase.disk import Disk
 from explorer.view.assembly import assemble
 from explorer.view.start import Start, start_at_vertical, start_in
@@ -69,11 +69,11 @@ class View:
         """
         where = Path(path)
         if where.suffix.lower() not in (".html", ".htm"):
-            raise InputError(f"path = {str(path)!r}: the page is HTML; give a name that ends in .html")
+            raise InputError(f"path = {shown(str(path))}: the page is HTML; give a name that ends in .html")
         try:
             where.write_text(self.html, encoding="utf-8")
         except OSError as error:
-            raise InputError(f"path = {str(path)!r}: cannot be written ({error.strerror})") from None
+            raise InputError(f"path = {shown(str(path))}: cannot be written ({error.strerror})") from None
         return where
 
     def __repr__(self) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError, number, whole
+from explorer.errors import InputError, number, shown, whole
 from explorer.motion.starts import held_constants
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -52,7 +52,7 @@ def start_at_vertical(disk: Disk, sigma3_bar: Any, eta_hat: Any, phidot: Any, fa
     rates = {name: number(name, value, -_LARGEST * unit, _LARGEST * unit) / unit for name, value in given.items()}
     facing = whole("face", face, -1, 1)
     if facing == 0:
-        raise InputError(f"face = {face!r} must be 1 or -1")
+        raise InputError(f"face = {shown(face)} must be 1 or -1")
     _require_side(rates["eta_hat"], "eta_hat")
     return Start(rates["sigma3_bar"], rates["eta_hat"], rates["phidot"], facing)
 

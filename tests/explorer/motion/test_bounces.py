@@ -127,3 +127,17 @@ def test_a_bad_state_is_a_status_and_its_neighbours_are_as_without_it():
     assert bounces.status_names[:, 0].tolist() == ["ok", "bad_input", "ok"]
     assert np.isnan(bounces.delta_chi[1]).all()
     np.testing.assert_array_equal(bounces.delta_chi[0], bounces.delta_chi[2])
+
+
+@pytest.mark.filterwarnings("ignore:t_eval")  # only the two ends of the stretch are asked for
+def test_turns_of_a_wobbling_coin_are_those_of_the_integrated_equations():
+    """From turning point to turning point, within a degree of flat: chi by dop853 against the quadrature."""
+    random, count = np.random.default_rng(3), 8
+    tilt = np.radians(random.uniform(0.1, 1.0, count))
+    rates = random.normal(0.0, [[5.0], [60.0], [1.0]], (3, count))
+    states = ex.rates_to_states(DISKS["coin"], tilt, *rates)
+    bounces = ex.bounces(states, 2, accuracy=1e-9)
+    for i in range(count):
+        ends = bounces.time[i, 1] + 0.5 * bounces.duration[i, 1] * np.array([-1.0, 1.0])
+        motion = ex.simulate(states[i], t_eval=ends, observables=("chi",), method="dop853", accuracy=1e-10)
+        assert np.diff(np.ravel(motion.chi))[0] == pytest.approx(bounces.delta_chi[i, 1], abs=1e-9)

@@ -1,0 +1,89 @@
+"""Files of a run as strangers may have left them: checked before they are used, and bounded in size and depth.
+
+A file is only opened where it is a plain file of the folder itself, not a link, a pipe, a device or a folder.
+Nothing in it is executed: JSON and Parquet hold data only.
+"""
+
+import json
+import re
+import stat
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any
+
+LARGEST_JSON = 1 << 26  # bytes; a summary with several histograms has some hundred kilobytes
+_ENDS = b"PAR1"  # with which a Parquet file begins and ends
+_DEEPEST = 40  # levels of JSON; what nearflat writes has less than ten
+
+
+class StrangeError(ValueError):
+    """A file is not what a run writes; the message says how."""
+
+
+def plain_file(path: Path, largest: float = float("inf")) -> Path:
+    """`path`, where it is a file of its own with so many bytes at most. Raises StrangeError or OSError."""
+    found = path.lstat()
+    if stat.S_ISLNK(found.st_mode):
+        raise StrangeError("it is a link, and what it leads to may lie outside the folder")
+    if not stat.S_ISREG(found.st_mode):
+        raise StrangeError("it is no plain file")
+    if found.st_size > largest:
+        raise StrangeError(f"it has {found.st_size:,} bytes; {largest:,.0f} is the most that is read")
+    return path
+
+
+def parquet_file(path: Path) -> Path:
+    """`path`, where it looks like Parquet at both ends: zeros of any length are refused at once."""
+    with plain_file(path).open("rb") as stream:
+        begins = stream.read(len(_ENDS))
+        stream.seek(0, 2)
+        stream.seek(max(0, stream.tell() - len(_ENDS)))
+        if begins != _ENDS or stream.read() != _ENDS:
+            raise StrangeError("it is no Parquet file")
+    return path
+
+
+def parse_json(text: str | bytes) -> dict[str, Any]:
+    """A JSON object that is not too deep. Raises StrangeError or ValueError."""
+    try:
+        content = json.loads(text)
+    except RecursionError:
+        raise StrangeError("it is nested too deeply") from None
+    if not isinstance(content, dict):
+        raise StrangeError("it holds no JSON object")
+    _check_depth(content, _DEEPEST)
+    return content
+
+
+def _check_depth(value: Any, left: int) -> None:
+    if left == 0:
+        raise StrangeError(f"it is nested more than {_DEEPEST} levels deep")
+    if isinstance(value, dict | list):
+        for each in value.values() if isinstance(value, dict) else value:
+            _check_depth(each, left - 1)
+
+
+def check_kinds(content: dict[str, Any], kinds: dict[str, type]) -> None:
+    """Raise StrangeError where an entry is missing, is of another kind, or is too many."""
+    for name, kind in kinds.items():
+        value = content.get(name)
+        if not isinstance(value, kind) or isinstance(value, bool):
+            raise StrangeError(f"its {name} is no {kind.__name__}")
+    others = sorted(set(content) - set(kinds))
+    if others:
+        raise StrangeError(f"it has {others[0][:40]!r}, which is unknown")
+
+
+def plain_names(value: Any, known: Collection[str] | None = None) -> list[str] | None:
+    """Names of files without any path in them, `known` ones where those are given; None where they are not."""
+    if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
+        return None
+    good = all(re.fullmatch(r"[\w.,+-]{1,100}", name) and not name.startswith(".") for name in value)
+    return value if good and (known is None or set(value) <= set(known)) else None
+
+
+def check_counts(tally: dict[str, Any]) -> None:
+    """Raise StrangeError where the counts of statuses in a tally are none."""
+    counts = tally.get("status")
+    if not isinstance(counts, dict) or not all(type(n) is int and 0 <= n < 1 << 63 for n in counts.values()):
+        raise StrangeError("its counts of statuses are none")

@@ -1,0 +1,103 @@
+"""Cases of the Python functions: every public one, found by its name and called by its signature."""
+
+import inspect
+import random
+import typing
+from types import ModuleType
+
+import explorer as ex
+from explorer.scenes.registry import SCENES, build_scene
+
+from .judge import judge
+from .values import nasty, sensible
+
+# Public names that are not called here: they write or read folders, and command lines try them.
+FOLDERS = {"run", "open", "merge", "register", "plan"}
+# How often a function is tried, where it takes long: the others count as 1.
+SELDOM = {"falling_constant": 0.004, "push_forward": 0.02, "slice_map": 0.1, "both_sides": 0.2}
+SELDOM |= {"view": 0.3, "simulate": 0.3, "limit_motion": 0.3}
+
+
+def functions():
+    """name -> what is called, for all public functions, makers of disks, and the options of all scenes."""
+    public = {name: getattr(ex, name) for name in ex.__all__}
+    found = {
+        name: value
+        for name, value in public.items()
+        if inspect.isfunction(value) and not isinstance(value, ModuleType) and name not in FOLDERS
+    }
+    makers = ("annulus", "uniform", "hoop", "matching", "parse")
+    found |= {f"Disk.{name}": getattr(ex.Disk, name) for name in makers}
+    return found | {"Disk": ex.Disk} | {f"scene {name}": scene_maker(name) for name in SCENES}
+
+
+def scene_maker(name):
+    """What reads the options of a scene; nothing is computed."""
+
+    def make(**options):
+        return build_scene(name, **options).options()
+
+    make.__signature__ = inspect.Signature(
+        [inspect.Parameter(o.word, inspect.Parameter.KEYWORD_ONLY, default=None) for o in SCENES[name].OPTIONS]
+    )
+    return make
+
+
+def arguments_of(function):
+    """name -> whether it may be left out; keywords that travel together count each."""
+    found = {}
+    for name, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind is parameter.VAR_KEYWORD:
+            for keys in typing.get_args(typing.get_type_hints(function)[name]):
+                found |= dict.fromkeys(keys.__annotations__, True)
+        elif parameter.kind is not parameter.VAR_POSITIONAL:
+            found[name] = parameter.default is not parameter.empty
+    return found
+
+
+# Arguments that only make sense together.
+TOGETHER = {
+    "coordinates_to_states": lambda r: r.choice(
+        (
+            ("phi", "phidot", "sigma3", "sigma4"),
+            ("energy", "sigma3_bar", "eta_hat"),
+            ("phi", "phidot", "sigma3_bar", "sigma4_bar"),
+        )
+    ),
+    "simulate": lambda r: ("t_end", "observables", "accuracy"),
+}
+
+
+def case(name, function, rng):
+    """Keyword arguments of one call: most are sensible, one or two often are not."""
+    known = arguments_of(function)
+    needed = [argument for argument, optional in known.items() if not optional]
+    chosen = needed + [a for a in known if a not in needed and rng.random() < 0.3]
+    if name in TOGETHER:
+        chosen = needed + list(TOGETHER[name](rng))
+    if name.startswith("scene "):
+        chosen = rng.sample(list(known), 1)
+    given = {argument: sensible(argument, rng) for argument in chosen if argument != "text"}
+    if name == "Disk.parse":
+        given["text"] = rng.choice(("uniform", "annulus:0.4", "m=1,r=2,I1=1,I3=flat", "hoop:m=2"))
+    if name.startswith("Disk"):
+        given = {argument: abs(value) if isinstance(value, float) else value for argument, value in given.items()}
+    spoilt = rng.choices((0, 1, 2), (0.25, 0.6, 0.15))[0]
+    for argument in rng.sample(list(given), min(spoilt, len(given))):
+        given[argument] = nasty(rng)
+    return given
+
+
+def run(cases, seed=0, only=None):
+    """(name, arguments, verdict) of so many calls, the same for the same seed."""
+    table = {name: function for name, function in functions().items() if only is None or name in only}
+    weights = [SELDOM.get(name, 0.2 if name.startswith("scene ") else 1.0) for name in table]
+    rng = random.Random(seed)
+    for _ in range(cases):
+        name = rng.choices(list(table), weights)[0]
+        given = case(name, table[name], rng)
+        verdict = judge(table[name], given)
+        yield name, given, verdict
+        if name == "limit_motion" and verdict.kind == "value":
+            limit, times = ex.limit_motion(**given), {"t": rng.choice((sensible, lambda _, r: nasty(r)))("t", rng)}
+            yield "limit_motion(...)", times, judge(limit, times)

@@ -1,0 +1,152 @@
+"""What became of one call: a value, a refusal in a sentence, or a fault of one of six kinds."""
+
+import contextlib
+import faulthandler
+import io
+import pickle
+import time
+import warnings
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+
+import explorer as ex
+from explorer.errors import words_of_the_command
+
+FAULTS = ("traceback", "warning", "too long a message", "hang", "not finite", "changed argument")
+LONGEST, SLOWEST = 300, 10.0  # characters; seconds
+STUCK = 300.0  # seconds after which the process ends with the stack of the call that does not return
+
+# Numbers that do not exist for some samples that are otherwise ok; their docstrings say so.
+ABSENT = {
+    "Passages": {"fall_time"},
+    "Forces": {"max_friction"},
+    "Trajectories": {"constants_error"},  # one row for each constant, not for each motion
+    "Bounces": {"fall_angle", "race_angle"},
+    "Falls": {"theta_min_estimate"},
+}
+NEEDS_AXIAL_INERTIA = {"sigma4_bar", "eta_hat_plus", "eta_hat_minus"}
+
+
+@dataclass
+class Verdict:
+    """What became of a call. kind: 'value', 'refused' or one of FAULTS."""
+
+    kind: str
+    text: str = ""
+    seconds: float = 0.0
+
+
+def image(value):
+    """Something that differs where the value was changed; None for what cannot be changed or seen."""
+    if isinstance(value, ex.States):
+        return value.natural.tobytes(), value.status.tobytes(), pickle.dumps(value.exact)
+    if isinstance(value, ex.Disk):
+        return value.describe()
+    if isinstance(value, dict):
+        return {name: image(each) for name, each in value.items()}
+    if isinstance(value, np.ma.MaskedArray):
+        return value.data.tobytes(), np.ma.getmaskarray(value).tobytes()
+    if hasattr(value, "to_numpy") and getattr(value, "ndim", 0):  # objects of pandas cache what they are asked
+        return [repr(entry) for entry in np.ravel(value.to_numpy(dtype=object))]
+    try:
+        return pickle.dumps(value)
+    except Exception:
+        return None
+
+
+def not_finite(value):
+    """Names of numbers that are not finite though their sample is ok."""
+    status = getattr(value, "status", None)
+    if not is_dataclass(value) or not isinstance(status, np.ndarray):
+        return []
+    ok, kind, found = status == 0, type(value).__name__, []
+    states = getattr(value, "states", None)
+    absent = ABSENT.get(kind, set())
+    if kind == "Constants" and states is not None and states.disk.I3 == 0.0:
+        absent = NEEDS_AXIAL_INERTIA
+    for field in fields(value):
+        numbers = getattr(value, field.name)
+        if field.name in absent or not isinstance(numbers, np.ndarray) or numbers.dtype.kind != "f":
+            continue
+        if numbers.shape[: status.ndim] == status.shape and not np.isfinite(numbers[ok]).all():
+            found.append(field.name)
+    return found
+
+
+def judge(call, arguments):
+    """Call with keyword arguments and say what became of it."""
+    before = image(arguments)
+    start = time.monotonic()
+    faulthandler.dump_traceback_later(STUCK, exit=True)
+    try:
+        verdict = _called(call, arguments)
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+    verdict.seconds = time.monotonic() - start
+    if verdict.kind in ("value", "refused"):
+        if verdict.seconds > SLOWEST:
+            return Verdict("hang", f"{verdict.seconds:.0f} s", verdict.seconds)
+        if image(arguments) != before:
+            return Verdict("changed argument", "", verdict.seconds)
+    return verdict
+
+
+def _called(call, arguments):
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            warnings.simplefilter("ignore", UserWarning)  # those that the program means to give
+            warnings.simplefilter("error", RuntimeWarning)
+            value = call(**arguments)
+            bad = not_finite(value)
+            _ = repr(value)
+    except (ex.InputError, ex.RunError) as error:
+        text = str(error)
+        too_long = len(text) > LONGEST and isinstance(error, ex.InputError)
+        return Verdict("too long a message" if too_long or not text else "refused", text)
+    except Warning as warning:
+        return Verdict("warning", f"{type(warning).__name__}: {warning}")
+    except Exception as error:
+        place = error.__traceback__
+        while place.tb_next:
+            place = place.tb_next
+        where = f"{place.tb_frame.f_code.co_filename}:{place.tb_lineno}"
+        return Verdict("traceback", f"{type(error).__name__}: {str(error)[:200]} ({where})")
+    return Verdict("not finite", ", ".join(bad)) if bad else Verdict("value")
+
+
+def judge_command(words):
+    """As `judge`, of a command line; it must end with exit status 0, 1 or 2, and say why unless with 0.
+
+    Pictures are made, but become empty files.
+    """
+    from matplotlib.figure import Figure
+
+    from explorer.commands.main import main
+
+    out, err = io.StringIO(), io.StringIO()
+
+    def call():
+        without_pixels = mock.patch.object(Figure, "savefig", lambda figure, path, **how: Path(path).touch())
+        quiet = contextlib.redirect_stdout(out), contextlib.redirect_stderr(err)
+        with quiet[0], quiet[1], words_of_the_command(), without_pixels:
+            try:
+                status = main(words)
+            except SystemExit as end:
+                status = 0 if end.code is None else end.code
+        if status not in (0, 1, 2):
+            raise AssertionError(f"exit status {status}")
+        if status and not (err.getvalue() + out.getvalue()).strip():
+            raise AssertionError(f"exit status {status} without a word")
+        if "Traceback" in err.getvalue():
+            raise AssertionError(err.getvalue()[-200:])
+        return status
+
+    verdict = judge(call, {})
+    said = err.getvalue()
+    if verdict.kind == "value" and said.startswith("nearflat") and len(max(said.split("\n"), key=len)) > 600:
+        return Verdict("too long a message", said[:200], verdict.seconds)
+    return verdict

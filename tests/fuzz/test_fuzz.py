@@ -1,0 +1,113 @@
+"""A few cases of each kind, the same each time, and the harness finds a planted fault of each kind.
+
+`python -m tests.fuzz --cases 100000` tries many more.
+"""
+
+import time
+import warnings
+from collections import Counter
+
+import numpy as np
+import pytest
+
+import explorer as ex
+from fuzz import api, commands, folders, judge, kernels
+
+DISK = ex.Disk.uniform()
+
+
+def faults(cases):
+    """Faults among the cases, and the counts of all verdicts."""
+    found = list(cases)
+    return [case for case in found if case[2].kind in judge.FAULTS], Counter(case[2].kind for case in found)
+
+
+def test_functions_answer_or_refuse_in_a_sentence():
+    bad, counts = faults(api.run(1100, seed=11))
+    assert not bad
+    assert counts["value"] > 200
+    assert counts["refused"] > 400
+
+
+def test_every_public_function_is_among_the_cases():
+    called = {name for name, _, _ in api.run(0)} | set(api.functions())
+    public = {
+        name for name in ex.__all__ if callable(getattr(ex, name)) and not isinstance(getattr(ex, name), type)
+    }
+    assert public - called - api.FOLDERS <= {"plot", "view"}
+
+
+def test_kernels_return_whatever_doubles_they_get():
+    assert not faults(kernels.run(750, seed=11))[0]
+
+
+def test_command_lines_end_with_a_sentence(tmp_path):
+    assert not faults(commands.run(60, 11, tmp_path))[0]
+
+
+def test_edited_folders_end_with_a_sentence(tmp_path):
+    bad, counts = faults(folders.run(80, 11, tmp_path))
+    assert not bad
+    assert counts["value"] == 80
+
+
+def test_spoilt_files_of_states_end_with_a_sentence(tmp_path):
+    assert not faults(folders.run_states(40, 11, tmp_path))[0]
+
+
+def changes(phi):
+    phi[0] = 2.0
+
+
+def sleeps(phi):
+    time.sleep(0.05)
+
+
+def warns(phi):
+    warnings.warn("cut", RuntimeWarning, stacklevel=1)
+
+
+def fails(phi):
+    return phi.nonsense
+
+
+def tells_a_story(phi):
+    error = ex.InputError("phi")
+    error.__class__ = type("Long", (ex.InputError,), {"__str__": lambda _: "x" * 301})
+    raise error
+
+
+def gives_nan(phi):
+    found = ex.constants(ex.phi_to_states(DISK, 0.0, 1.0, 1.0, phi))
+    found.energy[0] = np.nan
+    return found
+
+
+@pytest.mark.parametrize(
+    ("planted", "kind"),
+    [
+        (fails, "traceback"),
+        (warns, "warning"),
+        (tells_a_story, "too long a message"),
+        (sleeps, "hang"),
+        (gives_nan, "not finite"),
+        (changes, "changed argument"),
+    ],
+)
+def test_a_planted_fault_of_each_kind_is_found(planted, kind, monkeypatch):
+    monkeypatch.setattr(judge, "SLOWEST", 0.04 if kind == "hang" else judge.SLOWEST)
+    assert judge.judge(planted, {"phi": np.array([1.0, 0.5])}).kind == kind
+    assert judge.judge(lambda phi: phi + 1.0, {"phi": np.array([1.0, 0.5])}).kind == "value"
+
+
+def test_planted_faults_are_found_where_cases_are_made(monkeypatch, tmp_path):
+    """In a function that is tried, in a command, and in what reads a folder."""
+    from explorer.runs import store
+
+    monkeypatch.setattr(api, "functions", lambda: {"phi_to_states": fails})
+    assert faults(api.run(5))[1] == {"traceback": 5}
+    monkeypatch.setattr("explorer.commands.columns.call", lambda options: 3)
+    assert judge.judge_command(["columns"]).kind == "traceback"
+    good = folders.small_run(tmp_path / "run")
+    monkeypatch.setattr(store, "parse_json", lambda text: text.nonsense)
+    assert judge.judge_command(["status", str(good)]).kind == "traceback"
