@@ -74,7 +74,7 @@ def phase_portrait(
     >>> from explorer import Disk, plot
     >>> from explorer.portrait.potential import on_line
     >>> plot.phase_portrait(on_line(Disk.uniform(), 0.25)).get_xlabel()
-    '$\\\\varphi$ (rad)'
+    '$\\\\varphi$ (rad); flat at ±π/2'
     """
     ax = axes_or_new(ax)
     curves = [
@@ -99,6 +99,14 @@ def phase_portrait(
     ax.set_xlim(-1.68, 1.68)
     ax.set_ylim(-fastest, fastest)
     ax.set_xticks(*FLAT_TICKS)
+    _name_parts(ax, potential)
+    return dress(
+        ax, r"$\varphi$ (rad); flat at ±π/2", rf"$\dot\varphi$ ({rates_of(potential.disk)})", _title(potential)
+    )
+
+
+def _name_parts(ax: Axes, potential: Potential) -> None:
+    """The legend: what falls, what bounces, and the lines."""
     falling = np.isfinite(potential.falling_edge(np.zeros(1))[0])
     patches = [Patch(facecolor=FALLS, label="falls")] if falling else []
     patches.append(Patch(facecolor=BOUNCES, label="bounces"))
@@ -106,9 +114,6 @@ def phase_portrait(
     for patch in patches:
         patch.set_edgecolor(DARK)
     legend_below(ax, handles=handles, ncols=4)
-    return dress(
-        ax, r"$\varphi$ (rad); flat at ±π/2", rf"$\dot\varphi$ ({rates_of(potential.disk)})", _title(potential)
-    )
 
 
 def _flat_states(ax: Axes, potential: Potential) -> None:
