@@ -144,7 +144,8 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     exact = None
     if spins != ("sigma3", "sigma4"):
         require_axial_inertia(disk)
-        eta_hat = second if spins[1] == "eta_hat" else line_slope(disk) * first - second
+        with np.errstate(invalid="ignore", over="ignore"):
+            eta_hat = second if spins[1] == "eta_hat" else line_slope(disk) * first - second
         angle, side = np.where(inside, phi, 0.0), np.where(inside, face, 1.0)
         # The mirror image of a motion on the other face: phi and sigma4 change their signs.
         chart = line_chart(disk, np.cos(angle), side * np.sin(angle))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import number
+from explorer.errors import flag, number
 from explorer.phase.arguments import read_columns
 from explorer.phase.coordinates import rates_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -108,7 +108,7 @@ def steady_motions(
     require_axial_inertia(disk)
     given = {"tilt": tilt, "precession": precession, "face": face}
     (angle, rate, side), shape = read_columns(given)
-    if degrees:
+    if flag("degrees", degrees):
         angle, rate = np.radians(angle), np.radians(rate)
     flat = _steady(disk, angle, rate, side)
     return replace(flat.reshaped(shape), states=replace(flat.states, shape=shape))

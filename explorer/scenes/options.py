@@ -107,7 +107,7 @@ def type_words(hint: Any) -> str:
 
 def as_json(value: Any) -> Any:
     """The value of an option as run.json holds it; an infinite end of a range is null."""
-    if hasattr(value, "describe"):
+    if hasattr(value, "describe") and not isinstance(value, type):
         return value.describe()
     if isinstance(value, Mapping):
         return {name: as_json(item) for name, item in value.items()}
