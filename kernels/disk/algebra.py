@@ -23,8 +23,8 @@ _ROWS = 13
 _LN2 = math.log(2.0)
 _ROOT_HALF = math.sqrt(0.5)
 # Bits of a double: the fraction, the exponent of 1, and that of 2^52, which makes an integer a double.
-_FRACTION, _ONE, _SHIFTER = 0x000FFFFFFFFFFFFF, 0x3FF0000000000000, 0x4330000000000000
-_OFFSET = 2.0**52 + 1023.0
+FRACTION, ONE, SHIFTER = 0x000FFFFFFFFFFFFF, 0x3FF0000000000000, 0x4330000000000000
+OFFSET = 2.0**52 + 1023.0
 _SMALLEST = 2.3e-308  # below, the exponent's bits are zero
 
 
@@ -33,8 +33,8 @@ def split(bits: Longs) -> None:
     """Exponent and mantissa of row _Q into their rows; `bits` is the work array seen as integers."""
     for i in range(LANES):
         word = bits[_Q * LANES + i]
-        bits[_EXPONENT * LANES + i] = (word >> 52) + _SHIFTER
-        bits[_MANTISSA * LANES + i] = (word & _FRACTION) + _ONE
+        bits[_EXPONENT * LANES + i] = (word >> 52) + SHIFTER
+        bits[_MANTISSA * LANES + i] = (word & FRACTION) + ONE
 
 
 @contracted_device
@@ -64,7 +64,7 @@ def lanes(W: Vector, whole: Whole, b: Body) -> None:
         x = reduced_state(
             W[_Q * LANES + i], W[_Z * LANES + i], W[_P * LANES + i], W[_RHO * LANES + i], W[_SIGMA4 * LANES + i]
         )
-        m, e = W[_MANTISSA * LANES + i], W[_EXPONENT * LANES + i] - _OFFSET
+        m, e = W[_MANTISSA * LANES + i], W[_EXPONENT * LANES + i] - OFFSET
         constants = constants_by_series(x, m, e, whole, b)
         W[_OUT * LANES + i] = constants.sigma3_bar
         W[(_OUT + 1) * LANES + i] = constants.eta_plus

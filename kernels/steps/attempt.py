@@ -91,6 +91,47 @@ def to_depth(x: State, depth: int) -> State:
 
 
 @device
+def rk4_attempt(
+    depth: int, x: State, h: float, control: float, unit: float, b: Body
+) -> tuple[State, bool, float]:
+    """As `attempt`, of the classical method; alike below. `control` is not used."""
+    return to_depth(rk4_step(x, h, b), depth), True, h
+
+
+@device
+def rk8_attempt(
+    depth: int, x: State, h: float, control: float, unit: float, b: Body
+) -> tuple[State, bool, float]:
+    y, _fifth, _third = eighth_order_step(x, h, b)
+    return to_depth(y, depth), True, h
+
+
+@device
+def dop853_attempt(
+    depth: int, x: State, h: float, control: float, unit: float, b: Body
+) -> tuple[State, bool, float]:
+    y, fifth, third = eighth_order_step(x, h, b)
+    error = combined_error(norm(x, fifth, unit, b, depth), norm(x, third, unit, b, depth)) / control
+    return to_depth(y, depth), error <= 1.0, limited(h * eighth_step_factor(error), unit)
+
+
+@device
+def dopri5_attempt(
+    depth: int, x: State, h: float, control: float, unit: float, b: Body
+) -> tuple[State, bool, float]:
+    y, e = dopri5_step(x, h, b)
+    error = norm(x, e, unit, b, depth) / control
+    return to_depth(y, depth), error <= 1.0, limited(h * step_factor(error), unit)
+
+
+@device
+def limited(step: float, unit: float) -> float:
+    """The step to try next, no longer than any may be."""
+    longest = LONGEST_STEP / unit
+    return step if step < longest else longest
+
+
+@device
 def attempt(
     method: int, depth: int, x: State, h: float, control: float, unit: float, b: Body
 ) -> tuple[State, bool, float]:
@@ -100,20 +141,12 @@ def attempt(
     depth does not need.
     """
     if method == RK4:
-        return to_depth(rk4_step(x, h, b), depth), True, h
+        return rk4_attempt(depth, x, h, control, unit, b)
     if method == RK8:
-        y, _fifth, _third = eighth_order_step(x, h, b)
-        return to_depth(y, depth), True, h
+        return rk8_attempt(depth, x, h, control, unit, b)
     if method == DOP853:
-        y, fifth, third = eighth_order_step(x, h, b)
-        error = combined_error(norm(x, fifth, unit, b, depth), norm(x, third, unit, b, depth)) / control
-        step = h * eighth_step_factor(error)
-    else:
-        y, e = dopri5_step(x, h, b)
-        error = norm(x, e, unit, b, depth) / control
-        step = h * step_factor(error)
-    longest = LONGEST_STEP / unit
-    return to_depth(y, depth), error <= 1.0, step if step < longest else longest
+        return dop853_attempt(depth, x, h, control, unit, b)
+    return dopri5_attempt(depth, x, h, control, unit, b)
 
 
 @device
@@ -134,7 +167,7 @@ def partial_step(method: int, x: State, h: float, b: Body) -> State:
     return eighth_order_step(x, h, b)[0]
 
 
-@subroutine
+@device
 def first_guess(x: State, end: State, h: float, stop: Stop, b: Body) -> float:
     """Length at which the cubic through both ends of a step, with their slopes, takes the value."""
     start, last = level(x, stop.event) - stop.value, level(end, stop.event) - stop.value
@@ -145,20 +178,40 @@ def first_guess(x: State, end: State, h: float, stop: Stop, b: Body) -> float:
         v = 1.0 - u
         value = v * v * ((1.0 + 2.0 * u) * start + u * leave) + u * u * ((1.0 + 2.0 * v) * last - v * arrive)
         slope = 6.0 * u * v * (last - start) + v * (1.0 - 3.0 * u) * leave + u * (3.0 * u - 2.0) * arrive
-        if (value < 0.0) == (start < 0.0):
-            low = u
-        else:
-            high = u
-        guess = u - value / slope if slope != 0.0 else low
-        u = guess if low < guess < high else 0.5 * (low + high)
+        before = (value < 0.0) == (start < 0.0)
+        low, high = u if before else low, high if before else u
+        guess = u - value / slope
+        # A slope of zero makes it infinite or NaN, which is not between.
+        u = guess if (low < guess) & (guess < high) else 0.5 * (low + high)
     return h * u
+
+
+@device
+def approach(y: State, stop: Stop, b: Body) -> tuple[State, float]:
+    """(y moved by a short step of order four to where the event takes its value by its slope, that step)."""
+    left = (stop.value - level(y, stop.event)) / level_rate(y, stop.event, b)
+    return rk4_step(y, left, b), left
+
+
+@device
+def land(y: State, h: float, stop: Stop, b: Body) -> tuple[State, bool]:
+    """(the state at the event near y, found), which lies within a step of length h."""
+    y, first = approach(y, stop, b)
+    y, _second = approach(y, stop, b)
+    y, third = approach(y, stop, b)
+    # The error of the last one is below rounding.
+    return y, (abs(first) <= h) & (abs(third) <= _SHORT * h)
 
 
 @subroutine
 def locate(method: int, x: State, end: State, h: float, stop: Stop, b: Body) -> State:
     """The state where the event takes its value within the step of length h from x to `end`, to rounding."""
     length = first_guess(x, end, h, stop, b)
-    return settle(method, x, h, length, partial_step(method, x, length, b), stop, b)
+    y = partial_step(method, x, length, b)
+    there, found = land(y, h, stop, b)
+    if found:
+        return there
+    return settle(method, x, h, length, y, stop, b)
 
 
 @subroutine
