@@ -57,12 +57,16 @@ def summed_errors(method, counts, length, starts, b):
     return errors
 
 
-def run_batch(method, depth, states, control, max_steps=100_000, constants_bound=1e-2, before=Status.OK):
+def run_batch(
+    method, depth, states, control, max_steps=100_000, constants_bound=1e-2, before=Status.OK, pinned=None
+):
     n = states.shape[1]
     out, constants_error = np.empty((8, n)), np.empty((3, n))
     # The steps are counted from 0, whatever is in the array.
     status, steps = np.full(n, before, np.int8), np.ones(n, np.int32)
     how = Integration(method, depth, np.full(n, control), max_steps, constants_bound)
     stop, outcome = Stop(TURNING_POINT, 0.0), Outcome(status, steps, constants_error)
-    batch.first_event_batch(how, stop, states, UNIFORM.natural, out, outcome)
+    held = np.full((3, n), np.nan) if pinned is None else pinned
+    work = batch.Work(how, stop, states, held, out, outcome)
+    batch.FIRST_EVENT[method](work, UNIFORM.natural, UNIFORM.whole)
     return out, status, steps, constants_error

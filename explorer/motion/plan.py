@@ -1,7 +1,7 @@
 """The ladder: which model and which method a question needs, and how finely to integrate.
 
 A scene names observables and an accuracy; this module answers with the lowest rung that gives
-them, the method, and the integrator's setting for every sample. No scene names a kernel.
+them, the method, and the integrator's setting. No scene names a kernel.
 
     algebra     constants of motion: face, distance, could-fall
     quadrature  passages and periods as integrals, theta_min as a root: eta exact, cost flat in eta
@@ -11,15 +11,11 @@ them, the method, and the integrator's setting for every sample. No scene names 
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
-
-import numpy as np
+from dataclasses import dataclass
 
 from explorer import compiled
 from explorer.errors import InputError, number, one_of, words
 from explorer.motion import calibration
-from explorer.phase.constants import NaturalConstants
-from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
 ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH = "algebra", "quadrature", "reduced", "angles", "path"
@@ -43,8 +39,6 @@ LOOSEST = 1e-1
 # A passage's rounding is about 1e-13; an integrator's errors of rounding add up over its steps.
 TIGHTEST = {"quadrature": 1e-13, "rk4": 1e-11, "rk8": 1e-11, "dopri5": 1e-11, "dop853": 1e-11}
 
-# eta must be known to a hundredth for the direction of the race to be beyond doubt.
-_SIDE_SHARE = 0.01
 # Tolerances below some ten units in the last place of a number of order 1 only shorten the steps.
 _TOLERANCE_FLOOR = 3e-15
 # The calibration measured passages as twice the way to the turning point. A trajectory is followed throughout, so
@@ -54,18 +48,12 @@ _STRICTER = 10.0
 
 @dataclass(frozen=True)
 class Plan:
-    """The way a question will be answered: the rung, the method, and the reason in words.
-
-    relative_tilt: theta_min is asked for to a relative accuracy, so eta must be known that well.
-    slack: factor of the tolerance or step that the accuracy needs, for error estimates.
-    """
+    """The way a question will be answered: the rung, the method, and the reason in words."""
 
     rung: str
     method: str
     accuracy: float
-    relative_tilt: bool
     reason: str
-    slack: float = 1.0
 
     @property
     def kernel_method(self) -> int:
@@ -87,34 +75,29 @@ class Plan:
     @property
     def constants_bound(self) -> float:
         """Relative change of a constant of motion above which a sample is refused."""
-        return self.accuracy * max(self.slack, 1.0)
+        return self.accuracy
 
     @property
     def adaptive(self) -> bool:
         """True where the method chooses its own steps."""
         return self.method in ADAPTIVE
 
-    def scaled(self, factor: float) -> "Plan":
-        """The same with tolerances or steps multiplied by a factor."""
-        return replace(self, slack=self.slack * factor)
+    @property
+    def control(self) -> float:
+        """Tolerance or step for motions to their next turning point, held to sigma3_bar and eta.
 
-    def control(self, disk: Disk, natural: NaturalConstants) -> Array:
-        """Tolerance or step for every sample, from its constants of motion (natural units).
-
-        The nearer to F, the better eta must be known: its error is the tolerance times
-        sqrt(2 E I1), which is why the share of eta is taken in these units.
+        What is held cannot be lost, so the setting does not depend on the distance from F.
         """
-        near = np.fmin(abs(natural.eta_plus), abs(natural.eta_minus))
-        tilt = near / np.sqrt(2.0 * disk.body.I1 * natural.energy)
-        share = self.accuracy if self.relative_tilt else _SIDE_SHARE
-        target = np.fmin(self.accuracy, share * np.fmin(tilt, 1.0))
+        return self._setting(self.accuracy)
+
+    def _setting(self, target: float) -> float:
         floor = 0.0 if self.method in FIXED else _TOLERANCE_FLOOR
-        return np.fmax(self.slack * calibration.current().curves[self.method].at(target), floor)
+        return max(float(calibration.current().curves[self.method].at(target)), floor)
 
     @property
     def held_control(self) -> float:
         """Tolerance or step for trajectories that are held to their constants: eta cannot drift."""
-        return float(calibration.current().curves[self.method].at(self.accuracy / _STRICTER))
+        return self._setting(self.accuracy / _STRICTER)
 
     @property
     def cost(self) -> str:
@@ -128,8 +111,8 @@ class Plan:
         nanoseconds, evaluations = measured.curves[self.method].cost(self.accuracy)
         work = f"about {evaluations:.0f} evaluations of the field and {nanoseconds / 1000:.1f} microseconds"
         return (
-            f"{work} per passage in lanes at one tolerance ({measured.origin}); several times that for motions "
-            "in time, near F, and where a second, finer integration tells the error"
+            f"{work} per passage in lanes, the same at every distance from F ({measured.origin}); several times "
+            "that for motions in time"
         )
 
 
@@ -150,7 +133,7 @@ def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto
         raise InputError(
             f"--accuracy {accuracy} must lie between {TIGHTEST[chosen]:g} and {LOOSEST:g} for {chosen}"
         )
-    return Plan(rung, chosen, accuracy, "theta_min" in asked, why)
+    return Plan(rung, chosen, accuracy, why)
 
 
 def method_in_words(method: str) -> str:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.plan import Plan
-from explorer.motion.starts import orbit_starts, status_at_start
+from explorer.motion.starts import held_constants, orbit_starts, status_at_start
 from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.states import Array, States
 
@@ -21,8 +21,8 @@ class TurningPoints:
 
     theta: tilt from the nearer flat state (rad). face: which flat state that is. way: sigma3/q there,
     whose sign is the direction in which the contact point moves. time, chi, psi:
-    increase since the start; zero on the reduced rung. constants_error (3, n): of energy (relative),
-    sigma3_bar, eta. Entries are NaN where status is not OK.
+    increase since the start; zero on the reduced rung. drift: how far the constants of motion tried to move on
+    the way, relative to their bounds, which is in proportion to the error. Entries are NaN where status is not OK.
     """
 
     theta: Array
@@ -33,16 +33,16 @@ class TurningPoints:
     psi: Array
     status: NDArray[np.int8]
     steps: NDArray[np.int32]
-    constants_error: Array
+    drift: Array
 
 
 def turning_points(states: States, how: Plan, natural: NaturalConstants | None = None) -> TurningPoints:
-    """Follow every state forward to its next turning point."""
-    disk = states.disk
+    """Follow every state forward to its next turning point, held to its sigma3_bar and eta."""
     if natural is None:
         natural = natural_constants(states)
-    integration = how.integration(np.nan_to_num(how.control(disk, natural), nan=1.0), MAX_STEPS)
-    out, outcome = followed(states, integration, status_at_start(states, natural))
+    status, held = held_constants(states, natural)
+    integration = how.integration(np.full(len(states), how.control), MAX_STEPS)
+    out, outcome = followed(states, integration, status, np.stack(held))
     out[:, outcome.status != compiled.status.Status.OK] = np.nan
     row = compiled.field.ROW
     return TurningPoints(
@@ -54,23 +54,25 @@ def turning_points(states: States, how: Plan, natural: NaturalConstants | None =
         psi=out[row.psi],
         status=outcome.status,
         steps=outcome.steps,
-        constants_error=outcome.errors,
+        drift=abs(outcome.errors[0]) + abs(outcome.errors[1]),
     )
 
 
 def followed(
-    states: States, how: "compiled.attempt.Integration", status: NDArray[np.int8]
+    states: States, how: "compiled.attempt.Integration", status: NDArray[np.int8], pinned: Array
 ) -> tuple[Array, "compiled.attempt.Outcome"]:
     """States (8, n) at the next turning points, rows as `compiled.field.ROW`, and what became of each.
 
-    status: samples that come in as not OK are skipped; it becomes the outcome's.
+    status: samples that come in as not OK are skipped; it becomes the outcome's. pinned (3, n): sigma3_bar,
+    eta_plus and eta_minus that each is held to; NaN: it runs free.
     """
-    n = len(states)
+    n, disk = len(states), states.disk
     initial, out = np.zeros((8, n)), np.empty((8, n))
     initial[:5] = states.natural
     outcome = compiled.attempt.Outcome(status, np.empty(n, np.int32), np.empty((3, n)))
     stop = compiled.events.Stop(compiled.events.TURNING_POINT, 0.0)
-    compiled.batch.first_event_batch(how, stop, initial, states.disk.natural, out, outcome)
+    work = compiled.batch.Work(how, stop, initial, pinned, out, outcome)
+    compiled.batch.FIRST_EVENT[how.method](work, disk.natural, disk.whole)
     return out, outcome
 
 

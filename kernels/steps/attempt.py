@@ -91,17 +91,13 @@ def to_depth(x: State, depth: int) -> State:
 
 
 @device
-def rk4_attempt(
-    depth: int, x: State, h: float, control: float, unit: float, b: Body
-) -> tuple[State, bool, float]:
+def rk4_attempt(depth: int, x: State, h: float, control: float, unit: float, b: Body) -> tuple[State, bool, float]:
     """As `attempt`, of the classical method; alike below. `control` is not used."""
     return to_depth(rk4_step(x, h, b), depth), True, h
 
 
 @device
-def rk8_attempt(
-    depth: int, x: State, h: float, control: float, unit: float, b: Body
-) -> tuple[State, bool, float]:
+def rk8_attempt(depth: int, x: State, h: float, control: float, unit: float, b: Body) -> tuple[State, bool, float]:
     y, _fifth, _third = eighth_order_step(x, h, b)
     return to_depth(y, depth), True, h
 
@@ -112,7 +108,7 @@ def dop853_attempt(
 ) -> tuple[State, bool, float]:
     y, fifth, third = eighth_order_step(x, h, b)
     error = combined_error(norm(x, fifth, unit, b, depth), norm(x, third, unit, b, depth)) / control
-    return to_depth(y, depth), error <= 1.0, limited(h * eighth_step_factor(error), unit)
+    return to_depth(y, depth), error <= 1.0, limited(h * eighth_step_factor(error), 0.5 * unit)
 
 
 @device
@@ -126,7 +122,7 @@ def dopri5_attempt(
 
 @device
 def limited(step: float, unit: float) -> float:
-    """The step to try next, no longer than any may be."""
+    """The step to try next, no longer than any may be: one unit, where a turning point could hide inside."""
     longest = LONGEST_STEP / unit
     return step if step < longest else longest
 

@@ -7,15 +7,16 @@ bit for bit. None depends on a sample's neighbours.
 """
 
 import math
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Disk
 from kernels.disk.chaplygin import Whole
-from kernels.disk.constants import Pinned, constants_of
-from kernels.disk.field import State, column
+from kernels.disk.constants import constants_of
+from kernels.disk.field import column
 from kernels.disk.rows import put
 from kernels.status import Status
 from kernels.steps import lanes
@@ -36,50 +37,67 @@ from kernels.steps.attempt import (
     verdict,
 )
 from kernels.steps.events import Stop
-from kernels.steps.landing import aim, land, move
+from kernels.steps.landing import aim, approach_events, move
 from kernels.steps.lanes import BROKEN, HIT, LANES, NOTHING, NOW, ROWS, STUCK, read
-from kernels.types import Matrix, Vector
+from kernels.types import Longs, Matrix, Vector
 
 _OK = int(Status.OK)
-_DRIFT = int(Status.INVARIANT_DRIFT)
 _STEP_LIMIT = int(Status.STEP_LIMIT)
 _TOO_SMALL = int(Status.STEP_TOO_SMALL)
 _NOT_FINITE = int(Status.NOT_FINITE)
 
 
-class Motions(NamedTuple):
-    """What is followed. states (8, n): rows as State; pinned (3, n): as Pinned, the constants that it is held to."""
+class Work(NamedTuple):
+    """Motions to follow, and where their ends go.
 
-    states: Matrix
-    pinned: Matrix
-    stop: Stop
-
-
-class Held(NamedTuple):
-    """What holding a sample to its constants has shown, instead of a ConstantsError.
-
-    energy: its largest relative error; moved: the sum of what rho and sigma4 were moved by, over their bounds.
+    states (8, n): rows as State. pinned (3, n): rows as Pinned, the constants that each motion is held to; NaN in
+    the first: it runs free. out (8, n): the states where they came to the stop, NaN where one failed. errors of
+    the outcome: rows as ConstantsError of a motion that ran free, as Moved of one that was held.
     """
 
-    energy: float
-    moved: float
-    nothing: float
-
-
-class Arrivals(NamedTuple):
-    """Where it came to. out (8, n): the states there, NaN where a sample failed; and what became of it."""
-
+    how: Integration
+    stop: Stop
+    states: Matrix
+    pinned: Matrix
     out: Matrix
     outcome: Outcome
 
 
+class Moved(NamedTuple):
+    """What holding a motion to its constants showed of the error of its steps.
+
+    energy: its largest relative error. rates: the sum of what sigma3/q and sigma4 were moved by, over their
+    bounds.
+    """
+
+    energy: float
+    rates: float
+    nothing: float
+
+
+class Group(NamedTuple):
+    """Samples side by side: their work array, which they are (-1: none), and since which sweep they are there."""
+
+    W: Vector
+    samples: Longs
+    since: Longs
+
+
+class Place(NamedTuple):
+    """How far the work is: the next sample, how many are in lanes, and when one of them runs out of steps."""
+
+    upcoming: int
+    busy: int
+    due: int
+
+
 @subroutine
-def fail(j: int, code: int, spent: int, to: Arrivals) -> None:
+def fail(work: Work, j: int, code: int, spent: int) -> None:
     """Mark sample j as not computed, after `spent` steps."""
-    to.out[:, j] = math.nan
-    to.outcome.errors[:, j] = math.nan
-    to.outcome.status[j] = code
-    to.outcome.steps[j] = spent
+    work.out[:, j] = math.nan
+    work.outcome.errors[:, j] = math.nan
+    work.outcome.status[j] = code
+    work.outcome.steps[j] = spent
 
 
 @subroutine
@@ -93,131 +111,146 @@ def failure(note: float) -> int:
 
 
 @subroutine
-def begin(how: Integration, motions: Motions, j: int, W: Vector, i: int, disk: Disk) -> None:
+def begin(work: Work, j: int, W: Vector, i: int, disk: Disk) -> None:
     """Start sample j in lane i."""
-    x, control = column(motions.states, j), how.control[j]
-    unit = lanes.load(W, i, x, disk.body)
+    control = work.how.control[j]
+    unit = lanes.load(W, i, column(work.states, j), disk.body)
     W[lanes.CONTROL * LANES + i] = control
-    W[lanes.STEP * LANES + i] = first_step(how.method, control, unit)
-    W[lanes.X_HELD * LANES + i] = motions.pinned[0, j] / disk.body.r0
-    W[lanes.Y_PLUS * LANES + i] = motions.pinned[1, j] / disk.body.I1
-    W[lanes.Y_MINUS * LANES + i] = motions.pinned[2, j] / disk.body.I1
+    W[lanes.STEP * LANES + i] = first_step(work.how.method, control, unit)
+    W[lanes.X_HELD * LANES + i] = work.pinned[0, j] / disk.body.r0
+    W[lanes.Y_PLUS * LANES + i] = work.pinned[1, j] / disk.body.I1
+    W[lanes.Y_MINUS * LANES + i] = work.pinned[2, j] / disk.body.I1
 
 
 @subroutine
-def finish(how: Integration, motions: Motions, j: int, W: Vector, i: int, disk: Disk, to: Arrivals) -> None:
-    """Store sample j, which reached its event in column i, with the error of its constants and the verdict."""
-    y = to_depth(read(W, NOW, i), how.depth)
-    put(y, to.out, j)
+def fill(work: Work, at: Group, upcoming: int, sweeps: int, disk: Disk) -> Place:
+    """Samples from `upcoming` on into the lanes that are empty."""
+    max_steps, status = work.how.max_steps, work.outcome.status
+    busy, due = 0, sweeps + max_steps
+    for i in range(LANES):
+        if at.samples[i] < 0:
+            while upcoming < status.size and status[upcoming] != _OK:
+                fail(work, upcoming, status[upcoming], 0)
+                upcoming += 1
+            if upcoming == status.size:
+                lanes.idle(at.W, i)
+                continue
+            begin(work, upcoming, at.W, i, disk)
+            at.samples[i], at.since[i] = upcoming, sweeps
+            upcoming += 1
+        busy += 1
+        due = min(due, at.since[i] + max_steps)
+    return Place(upcoming, busy, due)
+
+
+@subroutine
+def finish(work: Work, j: int, W: Vector, i: int, disk: Disk) -> None:
+    """Store sample j, which reached its event in column i, with its verdict."""
+    y = to_depth(read(W, NOW, i), work.how.depth)
+    put(y, work.out, j)
     if not math.isnan(W[lanes.X_HELD * LANES + i]):
-        energy, unit = W[lanes.ENERGY * LANES + i], W[lanes.UNIT * LANES + i]
-        put(Held(W[lanes.EXCESS * LANES + i] / energy, W[lanes.MOVED * LANES + i] / unit, 0.0), to.outcome.errors, j)
-        to.outcome.status[j] = _OK if math.isfinite(y.rho) else _NOT_FINITE
+        energy = W[lanes.EXCESS * LANES + i] / W[lanes.ENERGY * LANES + i]
+        rates = W[lanes.MOVED * LANES + i] / W[lanes.UNIT * LANES + i]
+        put(Moved(energy, rates, 0.0), work.outcome.errors, j)
+        work.outcome.status[j] = _OK if math.isfinite(y.rho + rates) else _NOT_FINITE
         return
-    first, last = constants_of(column(motions.states, j), disk), constants_of(y, disk)
+    first, last = constants_of(column(work.states, j), disk), constants_of(y, disk)
     near_plus = y.z >= 0.0
     error = constants_error(first, last, near_plus)
     eta = first.eta_plus if near_plus else first.eta_minus
-    put(error, to.outcome.errors, j)
-    to.outcome.status[j] = verdict(
-        error, eta, math.sqrt(2.0 * first.energy / disk.body.I1), how.constants_bound
-    )
+    put(error, work.outcome.errors, j)
+    scale, bound = math.sqrt(2.0 * first.energy / disk.body.I1), work.how.constants_bound
+    work.outcome.status[j] = verdict(error, eta, scale, bound)
 
 
 @subroutine
-def put_down(
-    attempt_by, how: Integration, motions: Motions, V: Vector, samples, disk: Disk, whole: Whole, to: Arrivals
-) -> None:  # type: ignore[no-untyped-def]
-    """Locate the events of the samples in V and store them."""
-    b, stop = disk.body, motions.stop
-    aim(V, stop, b)
-    length = V[lanes.NOTE * LANES : (lanes.NOTE + 1) * LANES].copy()
-    lanes.sweep(attempt_by, V, stop, b)
-    lanes.hold(V, V.view(np.int64), whole, b)
-    V[lanes.STEP * LANES : (lanes.STEP + 1) * LANES] = length
-    land(V, stop, b)
+def put_down(attempt_by: Any, work: Work, at: Group, disk: Disk, whole: Whole) -> None:
+    """Locate the events of a group within their last steps, and store its samples."""
+    W, stop, b = at.W, work.stop, disk.body
+    length = W[lanes.TAKEN * LANES : (lanes.TAKEN + 1) * LANES].copy()
+    aim(W, stop, b)
+    lanes.sweep(attempt_by, W, stop, b)
+    lanes.hold(W, W.view(np.int64), whole, b)
+    approach_events(W, length, stop, b)
     for i in range(LANES):
-        j = samples[i]
-        if j >= 0 and V[lanes.NOTE * LANES + i] == NOTHING:
-            finish(how, motions, j, V, i, disk, to)
+        j = at.samples[i]
+        if j >= 0 and W[lanes.NOTE * LANES + i] == NOTHING:
+            finish(work, j, W, i, disk)
         elif j >= 0:
-            fail(j, _STEP_LIMIT, to.outcome.steps[j], to)
-        samples[i] = -1
+            fail(work, j, _STEP_LIMIT, work.outcome.steps[j])
+        at.samples[i] = -1
+
+
+@subroutine
+def leave(work: Work, at: Group, sweeps: int, landing: Group, waiting: int, i: int) -> int:
+    """Take the sample out of lane i if it is through; returns how many wait for their landing."""
+    j, note, spent = at.samples[i], at.W[lanes.NOTE * LANES + i], sweeps - at.since[i]
+    if j < 0 or (note == NOTHING and spent < work.how.max_steps):
+        return waiting
+    at.samples[i] = -1
+    if note != HIT:
+        fail(work, j, failure(note), spent)
+        return waiting
+    move(at.W, i, landing.W, waiting)
+    landing.samples[waiting] = j
+    work.outcome.steps[j] = spent
+    return waiting + 1
 
 
 @device
-def follow(attempt_by, how: Integration, motions: Motions, disk: Disk, whole: Whole, to: Arrivals) -> None:  # type: ignore[no-untyped-def]
-    """Follow every sample until it comes to the stop."""
-    max_steps, b, status, n = how.max_steps, disk.body, to.outcome.status, motions.states.shape[1]
-    W, V = np.zeros(ROWS * LANES), np.zeros(ROWS * LANES)
-    bits = W.view(np.int64)
-    sample, landing, since = np.full(LANES, -1), np.full(LANES, -1), np.zeros(LANES, np.int64)
-    upcoming = sweeps = due = waiting = 0
-    refill = True
-    while True:
-        if refill:
-            busy = 0
-            due = sweeps + max_steps
-            for i in range(LANES):
-                if sample[i] < 0:
-                    while upcoming < n and status[upcoming] != _OK:
-                        fail(upcoming, status[upcoming], 0, to)
-                        upcoming += 1
-                    if upcoming == n:
-                        lanes.idle(W, i)
-                        continue
-                    begin(how, motions, upcoming, W, i, disk)
-                    sample[i], since[i] = upcoming, sweeps
-                    upcoming += 1
-                busy += 1
-                due = min(due, since[i] + max_steps)
-            if busy == 0:
-                break
-        attention = lanes.sweep(attempt_by, W, motions.stop, b)
+def empty() -> Group:
+    """A group without samples."""
+    return Group(np.zeros(ROWS * LANES), np.full(LANES, -1), np.zeros(LANES, np.int64))
+
+
+@device
+def follow(attempt_by: Any, work: Work, disk: Disk, whole: Whole) -> None:
+    """Follow every motion until it comes to the stop."""
+    at, landing = empty(), empty()
+    bits = at.W.view(np.int64)
+    sweeps = waiting = 0
+    place = fill(work, at, 0, 0, disk)
+    while place.busy > 0:
+        attention = lanes.sweep(attempt_by, at.W, work.stop, disk.body)
         sweeps += 1
-        refill = attention > 0 or sweeps >= due
-        if refill:
+        lanes.hold(at.W, bits, whole, disk.body)
+        if attention > 0 or sweeps >= place.due:
             for i in range(LANES):
-                j, note, spent = sample[i], W[lanes.NOTE * LANES + i], sweeps - since[i]
-                if j < 0 or (note == NOTHING and spent < max_steps):
-                    continue
-                sample[i] = -1
-                if note != HIT:
-                    fail(j, failure(note), spent, to)
-                    continue
-                move(W, i, V, waiting)
-                landing[waiting] = j
-                to.outcome.steps[j] = spent
-                waiting += 1
+                waiting = leave(work, at, sweeps, landing, waiting, i)
                 if waiting == LANES:
-                    put_down(attempt_by, how, motions, V, landing, disk, whole, to)
+                    put_down(attempt_by, work, landing, disk, whole)
                     waiting = 0
-        lanes.hold(W, bits, whole, b)
-    put_down(attempt_by, how, motions, V, landing, disk, whole, to)
+            place = fill(work, at, place.upcoming, sweeps, disk)
+    put_down(attempt_by, work, landing, disk, whole)
 
 
 @kernel
-def first_event_rk4(how: Integration, motions: Motions, disk: Disk, whole: Whole, to: Arrivals) -> None:
-    """Follow every sample of `motions` by rk4 to its stop; alike below."""
-    follow(rk4_attempt, how, motions, disk, whole, to)
+def first_event_rk4(work: Work, disk: Disk, whole: Whole) -> None:
+    """Follow every motion by rk4 to its stop."""
+    follow(rk4_attempt, work, disk, whole)
 
 
 @kernel
-def first_event_rk8(how: Integration, motions: Motions, disk: Disk, whole: Whole, to: Arrivals) -> None:
-    """By rk8."""
-    follow(rk8_attempt, how, motions, disk, whole, to)
+def first_event_rk8(work: Work, disk: Disk, whole: Whole) -> None:
+    """Follow every motion by rk8 to its stop."""
+    follow(rk8_attempt, work, disk, whole)
 
 
 @kernel
-def first_event_dopri5(how: Integration, motions: Motions, disk: Disk, whole: Whole, to: Arrivals) -> None:
-    """By dopri5."""
-    follow(dopri5_attempt, how, motions, disk, whole, to)
+def first_event_dopri5(work: Work, disk: Disk, whole: Whole) -> None:
+    """Follow every motion by dopri5 to its stop."""
+    follow(dopri5_attempt, work, disk, whole)
 
 
 @kernel
-def first_event_dop853(how: Integration, motions: Motions, disk: Disk, whole: Whole, to: Arrivals) -> None:
-    """By dop853."""
-    follow(dop853_attempt, how, motions, disk, whole, to)
+def first_event_dop853(work: Work, disk: Disk, whole: Whole) -> None:
+    """Follow every motion by dop853 to its stop."""
+    follow(dop853_attempt, work, disk, whole)
 
 
-FIRST_EVENT = {RK4: first_event_rk4, RK8: first_event_rk8, DOPRI5: first_event_dopri5, DOP853: first_event_dop853}
+FIRST_EVENT: dict[int, Callable[[Work, Disk, Whole], None]] = {
+    RK4: first_event_rk4,
+    RK8: first_event_rk8,
+    DOPRI5: first_event_dopri5,
+    DOP853: first_event_dop853,
+}

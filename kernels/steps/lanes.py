@@ -5,6 +5,7 @@ Each lane has its own step. Constants of motion that a sample is held to are put
 """
 
 import math
+from typing import Any
 
 from kernels._jit import contracted_device, contracted_subroutine, device, subroutine
 from kernels.disk.algebra import FRACTION, OFFSET, ONE, SHIFTER, depth
@@ -78,7 +79,7 @@ def onto_circle(y: State, held: bool) -> State:
 
 
 @subroutine
-def sweep(attempt_by, W: Vector, stop: Stop, b: Body) -> int:  # type: ignore[no-untyped-def]
+def sweep(attempt_by: Any, W: Vector, stop: Stop, b: Body) -> int:
     """One attempted step of every lane by `attempt_by`; returns how many need attention."""
     for i in range(LANES):
         x = read(W, NOW, i)

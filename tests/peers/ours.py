@@ -15,6 +15,8 @@ def integrator(name, whole):
     initial = np.zeros((8, n))
     initial[:5] = np.tile(work().regular[:5], COPIES)
     event, value = (compiled.events.TIME, T_END) if whole else (compiled.events.TURNING_POINT, 0.0)
+    eta = np.tile(work().eta_hat, COPIES) * DISK.body.I3 * DISK.body.r0
+    pinned = np.stack([np.ones(n), eta, 2.0 * DISK.body.I1 * DISK.body.dr0 - eta])
     out, constants_error, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
 
     def make(control):
@@ -22,14 +24,11 @@ def integrator(name, whole):
 
         def solve(_n):
             status = np.zeros(n, np.int8)
-            compiled.batch.first_event_batch(
-                compiled.attempt.Integration(METHODS[name], compiled.field.ANGLES, settings, 200_000, 1e-2),
-                compiled.events.Stop(event, value),
-                initial,
-                DISK.natural,
-                out,
-                compiled.attempt.Outcome(status, steps, constants_error),
-            )
+            how = compiled.attempt.Integration(METHODS[name], compiled.field.ANGLES, settings, 200_000, 1e-2)
+            outcome = compiled.attempt.Outcome(status, steps, constants_error)
+            stop = compiled.events.Stop(event, value)
+            motions = compiled.batch.Work(how, stop, initial, pinned, out, outcome)
+            compiled.batch.FIRST_EVENT[how.method](motions, DISK.natural, DISK.whole)
             resolved = status == 0
             return np.where(resolved, out[6] if whole else 2.0 * out[6], np.nan)[:COUNT]
 

@@ -92,12 +92,28 @@ def test_no_race_goes_silently_the_wrong_way_from_1e_minus_1_to_1e_minus_300(nam
     )
     assert not got.wrong_way.any()
     codes = set(np.unique(got.status).tolist())
-    if method == "quadrature":
-        # A start almost at rest loses digits to rounding; at 1e-9 a few say so.
-        assert codes <= {int(ex.Status.OK), int(ex.Status.STEP_LIMIT)}
-        assert (got.status == ex.Status.OK).mean() > 0.999
-    else:
-        # Between what rounding of the state lets pass and what it hides, theta_min misses the accuracy.
-        assert codes <= {int(ex.Status.OK), int(ex.Status.UNRESOLVED_SIDE), int(ex.Status.STEP_LIMIT)}
-        assert (got.status == ex.Status.STEP_LIMIT).mean() < 0.03
-        assert (got.status == ex.Status.UNRESOLVED_SIDE).mean() > 0.9
+    # A start almost at rest loses digits to rounding, or takes more error than its share; a few say so.
+    assert codes <= {int(ex.Status.OK), int(ex.Status.STEP_LIMIT)}
+    assert (got.status == ex.Status.OK).mean() > (0.999 if method == "quadrature" else 0.99)
+
+
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-4, 1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("method", ["rk4", "rk8", "dopri5", "dop853"])
+def test_the_accuracy_asked_is_the_accuracy_paid_for(body, method, accuracy):
+    """The 99th percentile of the true error is within it, and not below a hundredth of it, from 1e-8 to 1 in
+    |eta_hat|; no estimate is a tenth of its error."""
+    if method == "rk4" and accuracy < 1e-8:
+        pytest.skip("thousands of steps of order four per passage; order eight is there for that")
+    rng = np.random.default_rng(5)
+    n, unit = 1000, body.rate_unit
+    eta_hat = 10 ** rng.uniform(-8, 0, n) * rng.choice([-1, 1], n) * unit
+    start = rng.uniform(-2, 2, n) * unit, eta_hat, rng.uniform(0.3, 2, n) * unit
+    exact = ex.passages(body, *start, accuracy=1e-11)
+    other = ex.passages(body, *start, method=method, accuracy=accuracy)
+    ok = (exact.status == 0) & (other.status == 0)
+    assert ok.sum() >= 0.98 * (exact.status == 0).sum()
+    apart = np.fmax(abs(exact.delta_chi - other.delta_chi), abs(exact.delta_psi - other.delta_psi))
+    apart = np.fmax(apart, abs(exact.duration / other.duration - 1))
+    apart = np.fmax(apart, abs(exact.theta_min / other.theta_min - 1))[ok]
+    assert 0.01 * accuracy <= np.percentile(apart, 99) <= accuracy
+    assert (apart <= 10 * other.error_estimate[ok] + exact.error_estimate[ok]).all()

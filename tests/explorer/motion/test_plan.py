@@ -2,12 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import BODIES
 
 import explorer as ex
 from explorer.motion.plan import OBSERVABLES, RUNGS, plan
-from explorer.phase.constants import natural_constants
-from explorer.phase.states import constants_to_states
 from explorer.scenes.registry import SCENES, scene_class
 
 
@@ -30,16 +27,11 @@ def test_a_plan_says_why():
     assert "as asked" in plan(("chi",), method="rk4").reason
 
 
-def test_tolerance_falls_with_the_distance_from_f_and_with_the_accuracy():
-    disk = BODIES["uniform"]
-    states = constants_to_states(disk, 1.0, [1e-2, 1e-4, 1e-6, 1e-8], 1.0)
-    natural = natural_constants(states)
-    for method in ("rk4", "dopri5"):
-        loose = plan(("chi",), 1e-3, method).control(states.disk, natural)
-        tight = plan(("chi",), 1e-9, method).control(states.disk, natural)
-        assert (np.diff(loose) <= 0).all()
-        assert loose[-1] < loose[0]
-        assert (tight <= loose).all()
+def test_the_setting_falls_with_the_accuracy_and_is_finer_for_motions_in_time():
+    for method in ("rk4", "rk8", "dopri5", "dop853"):
+        loose, tight = plan(("chi",), 1e-3, method), plan(("chi",), 1e-9, method)
+        assert 0.0 < tight.control < loose.control
+        assert loose.held_control < loose.control
 
 
 @pytest.mark.parametrize("accuracy", [0.0, -1.0, 1.0, np.nan, 1e-30])

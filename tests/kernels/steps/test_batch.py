@@ -11,20 +11,20 @@ from kernels._jit import numba_type
 from kernels.disk.body import Body
 from kernels.disk.field import ANGLES, REDUCED
 from kernels.status import Status
-from kernels.steps import batch
-from kernels.steps.attempt import DOP853, DOPRI5, RK4, RK8
+from kernels.steps import lanes
+from kernels.steps.attempt import DOPRI5, RK4, dop853_attempt, dopri5_attempt, rk4_attempt, rk8_attempt
 from kernels.steps.events import Stop
 from kernels.types import Vector
 
 
-@pytest.mark.parametrize("method", [RK4, RK8, DOPRI5, DOP853])
-def test_the_lanes_of_every_method_are_packed(method):
+@pytest.mark.parametrize("attempt_by", [rk4_attempt, rk8_attempt, dopri5_attempt, dop853_attempt])
+def test_the_lanes_of_every_method_are_packed(attempt_by):
     """Packed arithmetic outnumbers scalar many times; a change that stops the vectoriser shows here."""
     signature = numba.void(*map(numba_type, (Vector, Stop, Body)))
 
     @numba.njit(signature, error_model="numpy")
     def step_all(W, stop, b):
-        batch.sweep(method, ANGLES, W, stop, b)
+        lanes.sweep(attempt_by, W, stop, b)
 
     (assembly,) = step_all.inspect_asm().values()
     found = re.findall(r"^\s+v?(?:add|sub|mul)(pd|sd)\s", assembly, re.MULTILINE)
