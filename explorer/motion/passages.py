@@ -216,7 +216,7 @@ def _assemble(disk: Disk, starts: Starts, followed: Followed, how: Plan, edge: f
     """Results in the units of the disk, with the fall taken out of chi."""
     code = compiled.status.Status
     sigma3_bar, eta, _speed = starts.natural(disk)
-    fall = fall_from_vertical(disk, sigma3_bar, followed.energy, edge, 0.5 * how.accuracy)
+    fall = fall_from_vertical(disk, sigma3_bar, followed.energy, edge)
     # The fall angle is a part of the race angle, and all there is of a fall.
     both = np.fmax(followed.error, np.nan_to_num(2.0 * fall.error, nan=np.inf))
     error = np.where(followed.status == code.FALLS, fall.error, both)

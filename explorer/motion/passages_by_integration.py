@@ -12,7 +12,7 @@ import numpy as np
 from explorer import compiled
 from explorer.motion.passages_by_quadrature import Followed
 from explorer.motion.plan import Plan
-from explorer.motion.turning_points import TurningPoints, turning_points
+from explorer.motion.turning_points import turning_points
 from explorer.motion.vertical import Starts
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
@@ -21,8 +21,9 @@ from explorer.phase.states import Array, constants_to_states
 # An estimate above the accuracy asked by less than this is let pass.
 LENIENCE = 10.0
 # Angles, times and tilts of the whole passage err by some units of the drift, up to _DRIFTS. By luck a passage may
-# have no drift although it errs: a share of the accuracy, which was calibrated, is always added.
-_DRIFTS, _SHARE = 15.0, 0.5
+# have no drift although it errs: a share of the accuracy, which was calibrated, is always added, and more where
+# the turning point is so far from flat that the way to it takes a few steps only.
+_DRIFTS, _SHARE, _SHORT = 15.0, 0.5, 8.0
 # The rounding of some hundred steps, each of some ten operations.
 _ROUNDING = 3e-12
 # Near the vertical at rest the motion leaves an unstable equilibrium, which amplifies errors like 1/speed: below
@@ -35,8 +36,10 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> Followed:
     code, face = compiled.status.Status, starts.face
     states = constants_to_states(disk, starts.sigma3_bar, starts.eta_hat, face * starts.speed, face)
     natural = natural_constants(states)
-    turn = turning_points(states, how, natural)
-    error = estimate_error(disk, starts, how, turn)
+    slow = slowness(disk, starts)
+    # Where little happens in the first steps, an adaptive method would take them too long.
+    turn = turning_points(states, how, natural, slow**-2.0 if how.adaptive else 1.0)
+    error = slow * (_DRIFTS * turn.drift + _ROUNDING) + _SHARE * (1.0 + _SHORT * turn.theta) * how.accuracy
     status = np.where(starts.eta_hat == 0.0, code.FALLS, turn.status)
     status = np.where(starts.status == code.OK, status, starts.status).astype(np.int8)
     ok = status == code.OK
@@ -48,7 +51,7 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> Followed:
     )
 
 
-def estimate_error(disk: Disk, starts: Starts, how: Plan, turn: TurningPoints) -> Array:
-    """Estimated error of passages: of angles (rad), or of time and tilt (relative), whichever is larger."""
-    slow = 1.0 + _SLOW * disk.rate_unit / (starts.speed + _LEAST_SPEED * disk.rate_unit)
-    return slow * (_DRIFTS * turn.drift + _ROUNDING) + _SHARE * how.accuracy
+def slowness(disk: Disk, starts: Starts) -> Array:
+    """How many times as much a start amplifies errors as a quick one does."""
+    amplified: Array = 1.0 + _SLOW * disk.rate_unit / (starts.speed + _LEAST_SPEED * disk.rate_unit)
+    return amplified

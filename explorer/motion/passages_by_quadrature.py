@@ -58,14 +58,19 @@ def chord(phi: float) -> float:
 
 
 def fall_from_vertical(
-    disk: Disk, sigma3_bar: Array, energy: Array, edge: float = 0.0, accuracy: float = 0.0
+    disk: Disk, sigma3_bar: Array, energy: Array, edge: float = 0.0
 ) -> "compiled.quadrature.FallRow[Array]":
     """The fall on F with these constants from the vertical to flat, face +1, natural units.
 
-    edge: phi (rad) at which it begins instead. accuracy: of angles (rad) and of the time (relative), by default as
-    far as rounding allows.
+    edge: phi (rad) at which it begins instead.
     """
     out = np.empty((4, sigma3_bar.size))
-    falling = compiled.passages.Falling(np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy))
-    compiled.passages.fall_batch(falling, chord(edge), accuracy, disk.quadrature, disk.natural, out)
+    compiled.passages.fall_batch(
+        np.ascontiguousarray(sigma3_bar),
+        np.ascontiguousarray(energy),
+        chord(edge),
+        disk.quadrature,
+        disk.natural,
+        out,
+    )
     return compiled.quadrature.FallRow(*out)

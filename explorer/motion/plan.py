@@ -12,6 +12,9 @@ them, the method, and the integrator's setting. No scene names a kernel.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from explorer import compiled
 from explorer.errors import InputError, number, one_of, words
@@ -88,16 +91,19 @@ class Plan:
 
         What is held cannot be lost, so the setting does not depend on the distance from F.
         """
-        return self._setting(self.accuracy)
+        return float(self.control_for(1.0))
 
-    def _setting(self, target: float) -> float:
-        floor = 0.0 if self.method in FIXED else _TOLERANCE_FLOOR
-        return max(float(calibration.current().curves[self.method].at(target)), floor)
+    def control_for(self, share: Any) -> Any:
+        """That times a share, which may be an array, but no tolerance that rounding would refuse."""
+        return self._at_least(share * calibration.current().curves[self.method].at(self.accuracy))
+
+    def _at_least(self, setting: Any) -> Any:
+        return np.fmax(setting, 0.0 if self.method in FIXED else _TOLERANCE_FLOOR)
 
     @property
     def held_control(self) -> float:
         """Tolerance or step for trajectories that are held to their constants: eta cannot drift."""
-        return self._setting(self.accuracy / _STRICTER)
+        return float(self._at_least(calibration.current().curves[self.method].at(self.accuracy / _STRICTER)))
 
     @property
     def cost(self) -> str:

@@ -36,12 +36,17 @@ class TurningPoints:
     drift: Array
 
 
-def turning_points(states: States, how: Plan, natural: NaturalConstants | None = None) -> TurningPoints:
-    """Follow every state forward to its next turning point, held to its sigma3_bar and eta."""
+def turning_points(
+    states: States, how: Plan, natural: NaturalConstants | None = None, share: Array | float = 1.0
+) -> TurningPoints:
+    """Follow every state forward to its next turning point, held to its sigma3_bar and eta.
+
+    share: of the tolerance or step that the plan gives, for each state.
+    """
     if natural is None:
         natural = natural_constants(states)
     status, held = held_constants(states, natural)
-    integration = how.integration(np.full(len(states), how.control), MAX_STEPS)
+    integration = how.integration(np.full(len(states), how.control_for(share)), MAX_STEPS)
     out, outcome = followed(states, integration, status, np.stack(held))
     out[:, outcome.status != compiled.status.Status.OK] = np.nan
     row = compiled.field.ROW

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, note, number, positive, read_toml, shown, word
-from explorer.phase.gauss import FEW, MANY, packed_rules, table_rules
+from explorer.phase.gauss import packed_rules, table_rules
 
 Array = NDArray[np.float64]
 Number = TypeVar("Number", float, Array)
@@ -229,8 +229,8 @@ class Disk:
     @cached_property
     def quadrature(self) -> compiled.passages.Quadrature:
         """Rules and tables by which the kernels integrate."""
-        tables = (compiled.tables.make_tables(self.natural, table_rules(sizes)) for sizes in (MANY, FEW))
-        return compiled.passages.Quadrature(packed_rules(), *tables)
+        tables = compiled.tables.make_tables(self.natural, table_rules())
+        return compiled.passages.Quadrature(packed_rules(), tables)
 
     def describe(self) -> Description:
         """The disk as run.json and summary.json show it; printed, with units and with what follows from it.

@@ -56,14 +56,12 @@ def packed_rules() -> "compiled.quadrature.Rules":
     return compiled.quadrature.Rules(np.ascontiguousarray(rules), np.array(SIZES, dtype=np.int64))
 
 
-# Nodes of the tables: outer, fall and inner. With the first the estimated error is below 1e-11 for all of 12,800
-# ordinary passages (speeds of 0.5 to 2 at the vertical, |sigma3_bar| <= 2, any eta down to 1e-280), and the true one
-# near 1e-13; with the second it is below 1e-4 for 99 % of them.
-MANY, FEW = (24, 40, 56), (9, 14, 20)
-
-
 @cache
-def table_rules(sizes: tuple[int, int, int] = MANY) -> tuple[_Array, _Array, _Array]:
-    """Rules for kernels.integrals.tables.make_tables: outer, fall and inner."""
-    outer, fall, inner = (np.stack(gauss(n)) for n in sizes)
+def table_rules() -> tuple[_Array, _Array, _Array]:
+    """Rules for kernels.integrals.tables.make_tables: outer, fall and inner.
+
+    Orders at which the estimated error is below 1e-11 for all of 12,800 ordinary passages (speeds of
+    0.5 to 2 at the vertical, |sigma3_bar| <= 2, any eta down to 1e-280); the true one is near 1e-13.
+    """
+    outer, fall, inner = (np.stack(gauss(n)) for n in (24, 40, 56))
     return outer, fall, inner

@@ -29,23 +29,11 @@ class Crossings(NamedTuple):
     speed: Vector
 
 
-class Falling(NamedTuple):
-    """Motions (n) on F: their constants."""
-
-    sigma3_bar: Vector
-    energy: Vector
-
-
-# Accuracy from which few nodes are tried first.
-COARSE = 1e-4
-
-
 class Quadrature(NamedTuple):
-    """What integrals are computed by: rules for any body, and tables of this one, with many nodes and with few."""
+    """What integrals are computed by: rules for any body, and tables of this one."""
 
     rules: Rules
     tables: Tables
-    coarse: Tables
 
 
 @subroutine
@@ -57,42 +45,6 @@ def fill(W: Vector, first: int, crossings: Crossings, status: Codes, b: Body) ->
         W[tabulated.X * LANES + i] = crossings.sigma3_bar[j] / b.r0 if usable else 0.0
         W[tabulated.Y * LANES + i] = crossings.eta[j] / b.I1 if usable else 0.0
         W[tabulated.SPEED * LANES + i] = crossings.speed[j] if usable else 1.0
-
-
-@subroutine
-def keep(W: Vector, finer: Vector) -> None:
-    """Put the lanes of `finer` into those of W that have not met their target."""
-    for i in range(LANES):
-        if W[CHECK * LANES + i] != 0.0:
-            for row in range(tabulated.ROWS):
-                W[row * LANES + i] = finer[row * LANES + i]
-
-
-@subroutine
-def all_good(W: Vector) -> bool:
-    """True where the tables served every lane."""
-    for i in range(LANES):
-        if W[CHECK * LANES + i] != 0.0:
-            return False
-    return True
-
-
-@subroutine
-def passages_in_lanes(
-    first: int, crossings: Crossings, status: Codes, target: float, by: Quadrature, b: Body, W: Vector
-) -> None:
-    """A group of passages by tables: with few nodes where the target is lenient, with many where those miss it."""
-    fill(W, first, crossings, status, b)
-    if target >= COARSE:
-        tabulated.passages(W, target, FLOOR, by.coarse, b)
-        if all_good(W):
-            return
-        finer = np.ones(W.size)
-        fill(finer, first, crossings, status, b)
-        tabulated.passages(finer, target, FLOOR, by.tables, b)
-        keep(W, finer)
-    else:
-        tabulated.passages(W, target, FLOOR, by.tables, b)
 
 
 @subroutine
@@ -130,7 +82,8 @@ def passage_batch(
     lanes = np.ones(tabulated.ROWS * LANES)  # row CHECK above all
     for i in range(status.size):
         if i % LANES == 0 and h_end == VERTICAL:
-            passages_in_lanes(i, crossings, status, target, quadrature, b, lanes)
+            fill(lanes, i, crossings, status, b)
+            tabulated.passages(lanes, target, FLOOR, quadrature.tables, b)
         if status[i] == _OK and crossings.eta[i] == 0.0:
             status[i] = _FALLS
         if status[i] != _OK:
@@ -157,24 +110,6 @@ def fill_falls(W: Vector, first: int, sigma3_bar: Vector, energy: Vector, b: Bod
 
 
 @subroutine
-def falls_in_lanes(
-    first: int, sigma3_bar: Vector, energy: Vector, target: float, by: Quadrature, b: Body, W: Vector
-) -> None:
-    """A group of falls by tables, as `passages_in_lanes`."""
-    fill_falls(W, first, sigma3_bar, energy, b)
-    if target >= COARSE:
-        tabulated.falls(W, target, FLOOR, by.coarse, b)
-        if all_good(W):
-            return
-        finer = np.ones(W.size)
-        fill_falls(finer, first, sigma3_bar, energy, b)
-        tabulated.falls(finer, FLOOR, FLOOR, by.tables, b)
-        keep(W, finer)
-    else:
-        tabulated.falls(W, FLOOR, FLOOR, by.tables, b)
-
-
-@subroutine
 def fall_in_lane(W: Vector, i: int) -> FallRow[float]:
     """The fall that the tables found for lane i, there and back, once."""
     time = 0.5 * W[tabulated.TIME * LANES + i]
@@ -188,20 +123,19 @@ def fall_in_lane(W: Vector, i: int) -> FallRow[float]:
 
 @kernel
 def fall_batch(
-    motions: Falling, h_end: float, target: float, quadrature: Quadrature, disk: Disk, out: Matrix
+    sigma3_bar: Vector, energy: Vector, h_end: float, quadrature: Quadrature, disk: Disk, out: Matrix
 ) -> None:
     """The fall on F from h_end on face +1 of every sample -> out (4, n), rows as FallRow.
 
-    target: accuracy of angles (rad) and of the time (relative); one below COARSE is met as far as rounding allows.
-
     NaN where the energy does not exceed V_0.
     """
-    b, sigma3_bar, energy = disk.body, motions.sigma3_bar, motions.energy
+    b = disk.body
     W = np.zeros(nodes.ROWS * nodes.ROOM)
     lanes = np.ones(tabulated.ROWS * LANES)  # row CHECK above all
     for i in range(energy.size):
         if i % LANES == 0 and h_end == VERTICAL:
-            falls_in_lanes(i, sigma3_bar, energy, target, quadrature, b, lanes)
+            fill_falls(lanes, i, sigma3_bar, energy, b)
+            tabulated.falls(lanes, FLOOR, FLOOR, quadrature.tables, b)
         X = sigma3_bar[i] / b.r0
         motion = Motion(X, 0.0, energy[i] - potential_at_flat(X, b))
         if lanes[CHECK * LANES + i % LANES] == 0.0:

@@ -108,7 +108,7 @@ def dop853_attempt(
 ) -> tuple[State, bool, float]:
     y, fifth, third = eighth_order_step(x, h, b)
     error = combined_error(norm(x, fifth, unit, b, depth), norm(x, third, unit, b, depth)) / control
-    return to_depth(y, depth), error <= 1.0, limited(h * eighth_step_factor(error), 0.5 * unit)
+    return to_depth(y, depth), error <= 1.0, limited(h * eighth_step_factor(error), unit)
 
 
 @device
@@ -122,7 +122,7 @@ def dopri5_attempt(
 
 @device
 def limited(step: float, unit: float) -> float:
-    """The step to try next, no longer than any may be: one unit, where a turning point could hide inside."""
+    """The step to try next, no longer than any may be."""
     longest = LONGEST_STEP / unit
     return step if step < longest else longest
 

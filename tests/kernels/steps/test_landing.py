@@ -1,6 +1,5 @@
 """Landings of a group: every event is met to rounding, also those of groups that are not full."""
 
-import numpy as np
 import pytest
 from steppers import CASES, NAMES, random_states, run_batch
 

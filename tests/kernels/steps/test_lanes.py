@@ -1,4 +1,4 @@
-"""What lanes do after every step: samples that are held go back onto their constants, and what that moves is counted."""
+"""After every step samples that are held go back onto their constants, and what that moves is counted."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,9 @@ from kernels.status import Status
 
 def pinned(states):
     """The constants of each state, rows as Pinned."""
-    return np.array([constants_of(column(states, j), UNIFORM.natural)[:3] for j in range(states.shape[1])]).T.copy()
+    return np.array(
+        [constants_of(column(states, j), UNIFORM.natural)[:3] for j in range(states.shape[1])]
+    ).T.copy()
 
 
 @pytest.mark.parametrize(("method", "control"), CASES, ids=NAMES)
