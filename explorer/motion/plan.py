@@ -42,8 +42,8 @@ LOOSEST = 1e-1
 # A passage's rounding is about 1e-13; an integrator's errors of rounding add up over its steps.
 TIGHTEST = {"quadrature": 1e-13, "rk4": 1e-11, "rk8": 1e-11, "dopri5": 1e-11, "dop853": 1e-11}
 
-# Tolerances below some ten units in the last place of a number of order 1 only shorten the steps.
-_TOLERANCE_FLOOR = 3e-15
+# Tolerances below some units in the last place of a number of order 1 only shorten the steps.
+_TOLERANCE_FLOOR = 1e-15
 # The calibration measured passages as twice the way to the turning point. A trajectory is followed throughout, so
 # its target is ten times stricter.
 _STRICTER = 10.0
