@@ -1,0 +1,28 @@
+"""The notebooks are the tutorials, and they run."""
+
+import os
+import sys
+from pathlib import Path
+
+import nbformat
+import pytest
+from docs.notebooks import TUTORIALS, notebook, path_of
+from nbclient import NotebookClient
+
+
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
+def test_a_notebook_is_its_tutorial(page):
+    kept = path_of(page)
+    assert kept.stat().st_size < 200_000
+    assert nbformat.read(kept, as_version=4) == notebook(page), "make it again: python tests/docs/notebooks.py"
+
+
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
+# nbclient and its parts warn of their own futures.
+@pytest.mark.filterwarnings("default")
+def test_a_notebook_runs_from_top_to_bottom(page, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+    ran = notebook(page)
+    NotebookClient(ran, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    shown = [output for cell in ran.cells for output in cell.get("outputs", ()) if "data" in output]
+    assert any("image/png" in output["data"] for output in shown)
