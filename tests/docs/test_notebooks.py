@@ -25,4 +25,4 @@ def test_a_notebook_runs_from_top_to_bottom(page, tmp_path, monkeypatch):
     ran = notebook(page)
     NotebookClient(ran, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
     shown = [output for cell in ran.cells for output in cell.get("outputs", ()) if "data" in output]
-    assert any("image/png" in output["data"] for output in shown)
+    assert any("image/png" in output["data"] for output in shown), (os.environ.get("MPLBACKEND"), shown)
