@@ -6,8 +6,9 @@ from pathlib import Path
 
 import nbformat
 import pytest
-from docs.notebooks import TUTORIALS, notebook, path_of
 from nbclient import NotebookClient
+
+from docs.notebooks import TUTORIALS, notebook, path_of
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
