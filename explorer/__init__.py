@@ -9,8 +9,10 @@
 Names are loaded on first use, so that importing this package is cheap.
 """
 
+import sys
 from importlib import import_module
 from operator import attrgetter
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -124,3 +126,17 @@ def _version() -> str:
 
 def __dir__() -> list[str]:
     return [*__all__, "__version__"]
+
+
+class _Package(ModuleType):
+    """This package, whose room `view` never takes the place of the function of that name.
+
+    The import system sets each room on its package as an attribute. Without one, `__getattr__` gives the function.
+    """
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name != "view" or not isinstance(value, ModuleType):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

@@ -14,12 +14,11 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """What the command takes."""
     command.add_argument("--disk", default="uniform", metavar="DISK", help="as for run (default uniform)")
     for flag, default, help_text in (
-        ("--sigma3-bar", 1.0, "sigma3 at the vertical, in the units of the disk"),
-        ("--eta-hat", 1e-3, "distance beside the falling set, not 0; its sign is the side"),
-        ("--phidot", 1.0, "speed at the vertical towards the flat state"),
+        ("--sigma3-bar", "1", "sigma3 at the vertical, in the units of the disk"),
+        ("--eta-hat", "0.001", "distance beside the falling set, not 0; its sign is the side"),
+        ("--phidot", "1", "speed at the vertical towards the flat state"),
     ):
-        text = f"{help_text} (default {default:g})"
-        command.add_argument(flag, default=default, metavar="X", help=text)
+        command.add_argument(flag, metavar="X", help=f"{help_text} (default {default} sqrt(g/r))")
     command.add_argument("--face", default=1, metavar="X", help="flat state, 1 or -1 (default 1)")
     command.add_argument("--out", default="view.html", metavar="FILE", help="default view.html")
     command.add_argument("--open", action="store_true", help="open the page in the browser")
@@ -28,8 +27,14 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def call(options: argparse.Namespace) -> int:
     """Write the page."""
-    names = ("sigma3_bar", "eta_hat", "phidot")
-    sigma3_bar, eta_hat, phidot = (number(f"--{name.replace('_', '-')}", getattr(options, name)) for name in names)
+    sigma3_bar, eta_hat, phidot = (
+        None if given is None else number(flag, given)
+        for flag, given in (
+            ("--sigma3-bar", options.sigma3_bar),
+            ("--eta-hat", options.eta_hat),
+            ("--phidot", options.phidot),
+        )
+    )
     page = view(options.disk, sigma3_bar, eta_hat, phidot, sign("--face", options.face))
     where = page.save(Path(options.out))
     size = where.stat().st_size

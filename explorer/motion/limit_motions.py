@@ -80,6 +80,7 @@ class Continuation:
     disk: Disk
     face: int
     side: int
+    sigma3_bar: float
     period: float
     impact_speed: float
     chi_per_period: float
@@ -130,6 +131,8 @@ class LimitMotion(Continuation):
         The body.
     face, side : int
         Flat state that it falls to, and sign of eta from which F is approached, +1 or -1.
+    sigma3_bar : float
+        sigma3 at the vertical (units of the disk).
     period : float
         Time between impacts.
     impact_speed : float
@@ -149,6 +152,7 @@ class LimitMotion(Continuation):
         self, disk: Disk, energy: float, sigma3_bar: float, face: int, side: int, start: tuple[float, float]
     ) -> None:
         self.disk, self.face, self.side = disk, face, side
+        self.sigma3_bar = sigma3_bar * disk.rate_unit
         self._rise = rise(disk, energy, sigma3_bar)
         self._jump = side * disk.race_limit
         theta, thetadot = start
@@ -253,6 +257,8 @@ class PendulumMotion(Continuation):
         +1: the flat state for which `side` is meant.
     side : int
         Sign of eta on face +1, from which F is approached, +1 or -1.
+    sigma3_bar : float
+        0, as for every motion of this kind.
     period : float
         Time between impacts, which are on both flat states in turn.
     impact_speed : float
@@ -269,7 +275,7 @@ class PendulumMotion(Continuation):
     """
 
     def __init__(self, disk: Disk, energy: float, side: int, start: tuple[float, float]) -> None:
-        self.disk, self.face, self.side = disk, 1, side
+        self.disk, self.face, self.side, self.sigma3_bar = disk, 1, side, 0.0
         self._swing = Pendulum(disk, energy)
         theta, thetadot = start
         # Times are counted from an impact on face +1, from which theta rises.

@@ -82,6 +82,11 @@ class Trajectories:
     t_end: float
     _followed: _Followed
 
+    @property
+    def states(self) -> States:
+        """The states in which the motions start."""
+        return self._followed.states
+
     def __len__(self) -> int:
         """Number of motions."""
         return int(self.status.size)
@@ -245,7 +250,7 @@ def _follow(
         **outcome._asdict(),
         lengths=lengths,
         t_end=end,
-        _followed=_Followed(start, records, names, jobs),
+        _followed=_Followed(states, start, records, names, jobs),
     )
     return motion, found[..., rows.chi]
 
@@ -271,6 +276,7 @@ def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array 
 class _Followed(NamedTuple):
     """What it takes to find motions at other times; records: None where they were sampled at times given."""
 
+    states: States
     start: recording.Motions
     records: recording.Records | None
     names: tuple[str, ...]

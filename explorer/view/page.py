@@ -12,7 +12,7 @@ import numpy as np
 from explorer.errors import InputError, shown
 from explorer.phase.disk import Disk
 from explorer.view.assembly import assemble
-from explorer.view.start import Start, start_at_vertical, start_in
+from explorer.view.start import AtVertical, Start, start_at_vertical, start_in
 
 _HEIGHT = 820  # pixels of the frame in a notebook: all of the page on a laptop
 
@@ -93,13 +93,13 @@ class View:
 
 
 def view(
-    disk: Disk | str = "uniform",
-    sigma3_bar: float = 1.0,
-    eta_hat: float = 1e-3,
-    phidot: float = 1.0,
-    face: int = 1,
-    states: Any = None,
-    row: int = 0,
+    motion: Any = "uniform",
+    sigma3_bar: float | None = None,
+    eta_hat: float | None = None,
+    phidot: float | None = None,
+    face: int | None = None,
+    *,
+    row: int | None = None,
 ) -> View:
     """Make a page in which the disk rolls, live, on both sides of F.
 
@@ -108,22 +108,23 @@ def view(
 
     Parameters
     ----------
-    disk : Disk or str
-        The body, or its name as on the command line: uniform, hoop, matching, annulus:RATIO.
-    sigma3_bar : float
-        sigma3 at the vertical (units of the disk).
-    eta_hat : float
-        Distance beside F on `face` (units of the disk), not 0. Its sign is the side, on which the contact
-        point races by +kappa pi or -kappa pi; the motion at -eta_hat is shown beside it.
-    phidot : float
-        Speed at the vertical towards the flat state of `face` (units of the disk).
-    face : int
-        The flat state that is meant, +1 or -1.
-    states : States or result, optional
-        Where to start instead of the vertical: States, or a result with `states` or with `disk`, `sigma3_bar`,
-        `eta_hat`, `phidot` and `face`. The arguments before are then ignored.
-    row : int
-        Which of these states.
+    motion : States, result, Disk or str
+        What to show: one state, or one motion of what `simulate`, `passages`, `bounces` or `limit_motion` return,
+        from where it begins. Or a body, or its name as on the command line (uniform, hoop, matching,
+        annulus:RATIO), which starts at the vertical with the numbers that follow.
+    sigma3_bar : float, optional
+        For a body: sigma3 at the vertical (units of the disk), by default sqrt(g/r).
+    eta_hat : float, optional
+        For a body: distance beside F on `face` (units of the disk), not 0, by default sqrt(g/r)/1000. Its sign
+        is the side, on which the contact point races by +kappa pi or -kappa pi; the motion at -eta_hat is shown
+        beside it.
+    phidot : float, optional
+        For a body: speed at the vertical towards the flat state of `face` (units of the disk), by default
+        sqrt(g/r).
+    face : int, optional
+        For a body: the flat state that is meant, +1 (by default) or -1.
+    row : int, optional
+        Which one is shown where `motion` holds several, counted as in its table.
 
     Returns
     -------
@@ -133,22 +134,38 @@ def view(
     Raises
     ------
     InputError
-        Where the disk falls flat (eta_hat = 0), or the side of a state is lost in its rounding.
+        For what is no motion, for several motions without a row, for numbers beside a motion that has its own,
+        where the disk falls flat (eta_hat = 0), and where the side of a state is lost in its rounding.
 
     Notes
     -----
-    The motion is that of section 7 of Cushman and Duistermaat, Regul. Chaotic Dyn. 11 (2006) 31-60.
+    The motion is that of section 7 of Cushman and Duistermaat, Regul. Chaotic Dyn. 11 (2006) 31-60. A bounce of
+    a motion that crosses the vertical begins at the vertical before it. A limit motion is shown by the motion
+    at 1e-12 sqrt(g/r) on its side of F, which the eye cannot tell from it.
 
     Examples
     --------
     >>> import explorer as ex
     >>> ex.view("hoop", eta_hat=-1e-12)
     View(hoop, face +1: sigma3_bar = 1, eta_hat = -1e-12, phidot = 1 √(g/r))
+    >>> states = ex.constants_to_states(ex.Disk.uniform(), 0.5, [1e-6, -1e-6], 1.0)
+    >>> ex.view(states[1])
+    View(uniform, face +1: sigma3_bar = 0.5, eta_hat = -1e-06, phidot = 1 √(g/r))
+    >>> ex.view(ex.simulate(states, t_end=5.0), row=0)
+    View(uniform, face +1: sigma3_bar = 0.5, eta_hat = 1e-06, phidot = 1 √(g/r))
     """
-    if states is not None:
-        return View(*start_in(states, row))
-    body = Disk.parse(disk) if isinstance(disk, str) else disk
-    return View(body, start_at_vertical(body, sigma3_bar, eta_hat, phidot, face))
+    given = AtVertical(sigma3_bar, eta_hat, phidot, face)
+    if isinstance(motion, (Disk, str)):
+        if row is not None:
+            raise InputError(f"row = {shown(row)}: a disk has no rows; leave it out, or give States or a result")
+        body = Disk.parse(motion) if isinstance(motion, str) else motion
+        return View(body, start_at_vertical(body, given))
+    for name, value in given._asdict().items():
+        if value is not None:
+            raise InputError(
+                f"{name} = {shown(value)}: {type(motion).__name__} has its own; leave it out, or give a disk"
+            )
+    return View(*start_in(motion, row))
 
 
 def _bodies(disk: Disk) -> tuple[str, list[dict[str, Any]]]:

@@ -1,24 +1,28 @@
-"""Where a page begins: one motion, from numbers, from states or from a result that knows either."""
+"""Where a page begins: one motion, from numbers, from a state or from a result that knows either."""
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from explorer import compiled
 from explorer.errors import InputError, number, shown, whole
+from explorer.motion.bounces import Bounces
+from explorer.motion.limit_motions import Continuation
 from explorer.motion.starts import held_constants
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import nearer_plus
-from explorer.phase.states import States
+from explorer.phase.states import States, constants_to_states
 
 _UPRIGHT = 0.5 * math.pi
 # The page takes steps in proportion to ln(1/|eta_hat|), some ten milliseconds of them here: it still keeps up
 # with the hand.
 _SMALLEST = 1e-30
 _LARGEST = 1e3  # natural units; faster motions are over before anything is seen
+_BESIDE = 1e-12  # natural units: a motion that the eye cannot tell from the limit motion of its side
+_PASSAGE = ("sigma3_bar", "eta_hat", "phidot")
 
 
 @dataclass(frozen=True)
@@ -44,15 +48,33 @@ class Start:
     theta: float = _UPRIGHT
 
 
-def start_at_vertical(disk: Disk, sigma3_bar: Any, eta_hat: Any, phidot: Any, face: Any) -> Start:
+class AtVertical(NamedTuple):
+    """What `view` is given for a motion from the vertical, in the units of the disk; None where it is not."""
+
+    sigma3_bar: Any
+    eta_hat: Any
+    phidot: Any
+    face: Any
+
+
+_USUAL = AtVertical(sigma3_bar=1.0, eta_hat=1e-3, phidot=1.0, face=1)  # natural units
+
+
+def start_at_vertical(disk: Disk, given: AtVertical) -> Start:
     """The motion that passages start with, from numbers in the units of the disk."""
     require_axial_inertia(disk)
     unit = disk.rate_unit
-    given = {"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot}
-    rates = {name: number(name, value, -_LARGEST * unit, _LARGEST * unit) / unit for name, value in given.items()}
-    facing = whole("face", face, -1, 1)
+
+    def natural(name: str) -> float:
+        value = getattr(given, name)
+        if value is None:
+            return float(getattr(_USUAL, name))
+        return number(name, value, -_LARGEST * unit, _LARGEST * unit) / unit
+
+    rates = {name: natural(name) for name in _PASSAGE}
+    facing = whole("face", _USUAL.face if given.face is None else given.face, -1, 1)
     if facing == 0:
-        raise InputError(f"face = {shown(face)} must be 1 or -1")
+        raise InputError(f"face = {shown(given.face)} must be 1 or -1")
     _require_side(rates["eta_hat"], "eta_hat")
     return Start(rates["sigma3_bar"], rates["eta_hat"], rates["phidot"], facing)
 
@@ -65,22 +87,38 @@ def _require_side(eta_hat: float, name: str) -> None:
         )
 
 
-def start_in(source: Any, row: int) -> tuple[Disk, Start]:
-    """The body and the motion of one row of states, or of a result that knows its states or its arguments."""
-    states = source if isinstance(source, States) else getattr(source, "states", None)
+def start_in(motion: Any, row: Any) -> tuple[Disk, Start]:
+    """The body and one motion of states, of a limit, or of a result that knows its states or its arguments."""
+    if isinstance(motion, Continuation):
+        _one_of(1, row, "limit motion")
+        return motion.disk, _start_of_limit(motion)
+    if isinstance(motion, Bounces):
+        return motion.states.disk, _start_of_bounce(motion, _one_of(motion.status.size, row, "bounces"))
+    states = motion if isinstance(motion, States) else getattr(motion, "states", None)
     if isinstance(states, States):
-        return states.disk, _start_of_state(states, whole("row", row, 0, len(states) - 1))
-    try:
-        arguments = [np.ravel(getattr(source, name)) for name in ("sigma3_bar", "eta_hat", "phidot", "face")]
-        disk = source.disk
-    except AttributeError:
+        place = _one_of(len(states), row, "states")
+        return states.disk, _start_of_state(states, place)
+    disk, known = getattr(motion, "disk", None), [getattr(motion, name, ()) for name in _PASSAGE]
+    if not isinstance(disk, Disk) or not all(np.size(column) for column in known):
         raise InputError(
-            f"states: {type(source).__name__} is neither States nor a result that knows its states or arguments; "
-            "give ex.constants_to_states(...), ex.phi_to_states(...) or one of their rows"
-        ) from None
-    columns = np.broadcast_arrays(*arguments)
-    at = whole("row", row, 0, columns[0].size - 1)
-    return disk, start_at_vertical(disk, *(column[at] for column in columns))
+            f"motion: {type(motion).__name__} is not a motion; give a disk or its name, States, or what "
+            "simulate, passages, bounces or limit_motion return"
+        )
+    # Forces are the same on both faces, so that their result has none.
+    columns = [np.ravel(column) for column in np.broadcast_arrays(*known, getattr(motion, "face", 1))]
+    place = _one_of(columns[0].size, row, "passages")
+    return disk, start_at_vertical(disk, AtVertical(*(column[place] for column in columns)))
+
+
+def _one_of(count: int, row: Any, things: str) -> int:
+    """Which one is meant: the only one, or `row`."""
+    if row is None and count == 1:
+        return 0
+    if count == 0:
+        raise InputError(f"motion: there are no {things}, and a page shows one motion")
+    if row is None:
+        raise InputError(f"row: a page shows one motion; say which of the {count:,} {things}, 0 to {count - 1}")
+    return whole("row", row, 0, count - 1)
 
 
 def _start_of_state(states: States, row: int) -> Start:
@@ -101,3 +139,26 @@ def _start_of_state(states: States, row: int) -> Start:
     q, z, p, _, _ = (float(row[0]) for row in one.rows)
     theta = _UPRIGHT if z == 0.0 else math.atan2(q, face * z)
     return Start(float(held.sigma3_bar[0]), eta_hat, -face * p, face, theta)
+
+
+def _start_of_bounce(bounces: Bounces, place: int) -> Start:
+    """The motion from the vertical before one bounce; where it never crosses the vertical, from its state."""
+    state, face = int(np.ravel(bounces.row)[place]), int(np.ravel(bounces.face)[place])
+    through = _start_of_state(bounces.states, state)
+    disk, unit = bounces.states.disk, bounces.states.disk.rate_unit
+    one = bounces.states.at(np.array([state]))
+    held = held_constants(one, natural_constants(one))[1]
+    eta_hat = float(disk.eta_to_eta_hat(held.eta_plus if face > 0 else held.eta_minus)[0])
+    upright = constants_to_states(disk, through.sigma3_bar * unit, eta_hat * unit, 0.0, face)
+    left = natural_constants(one).energy[0] - natural_constants(upright).energy[0]
+    if left <= 0.0:
+        return through
+    _require_side(eta_hat, f"bounces, row {place}")
+    return Start(through.sigma3_bar, eta_hat, math.sqrt(2.0 * left / disk.body.M), face)
+
+
+def _start_of_limit(limit: Continuation) -> Start:
+    """The motion that follows a limit motion so closely, on its side of F, that nobody sees the difference."""
+    unit, at = limit.disk.rate_unit, limit(0.0)
+    theta, speed = _UPRIGHT - limit.face * float(at.phi), limit.face * float(at.phidot) / unit
+    return Start(limit.sigma3_bar / unit, limit.side * _BESIDE, speed, limit.face, theta)

@@ -311,7 +311,7 @@ def test_any_body_and_any_tilt_can_be_opened(page, page_file, tmp_path):
     heavy = ex.Disk(I1=0.02, I3=0.04, name="heavy </script> core")
     starts = ex.theta_to_states(heavy, 1e-3, 0.1, 0.05, 0.2, face=-1)
     try:
-        for motion in (view(disk, 20.0, 1e-9 * disk.rate_unit, 20.0), view(states=starts)):
+        for motion in (view(disk, 20.0, 1e-9 * disk.rate_unit, 20.0), view(starts)):
             page.open(motion.save(tmp_path / "other.html"))
             page.frames(3)
             assert page.problems() == []

@@ -103,7 +103,7 @@ def described(home, names):
     objects = {name: getattr(home, name) for name in sorted(names) if name != "plot"}
     firsts = [(f"`{name}`", (inspect.getdoc(value) or "").partition("\n\n")[0]) for name, value in objects.items()]
     kinds = {name: "autoclass" if inspect.isclass(value) else "autofunction" for name, value in objects.items()}
-    # `ex.view` is the function of a room of the same name, which can be called as well.
+    # Sphinx takes `explorer.view` for the room of the same name.
     homes = {name: "explorer.view.page" if name == "view" else home.__name__ for name in objects}
     texts = [f".. {kinds[name]}:: {homes[name]}.{name}\n" for name in objects]
     return table(["name", "what it does"], firsts) + "\n\n```{eval-rst}\n" + "\n".join(texts) + "```\n"

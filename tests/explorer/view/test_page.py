@@ -59,10 +59,3 @@ def test_a_notebook_gets_the_whole_page_in_a_frame():
 def test_a_file_that_cannot_be_written_is_named(tmp_path, name):
     with pytest.raises(ex.InputError, match=re.escape(name)):
         view().save(tmp_path / name)
-
-
-def test_the_room_can_be_called_like_the_function():
-    """Importing a file of the room sets `explorer.view` to the module."""
-    import explorer.view as room
-
-    assert room("hoop") == view("hoop")
