@@ -94,9 +94,9 @@ export function showControls(store, colours) {
   for (const id of ["slow", "ghost"]) $(id).checked = shown[id];
   for (const button of $("faces").children) button.setAttribute("aria-pressed", Number(button.dataset.face) === shown.face);
   for (const button of $("bodies").children) button.setAttribute("aria-pressed", button.dataset.disk === shown.disk);
-  const side = (eta) => `${eta > 0 ? "η > 0" : "η < 0"}: η̂ = ${format(eta, 2, true)}`;
-  $("side-name").textContent = side(shown.eta_hat);
-  $("other-name").textContent = `${side(-shown.eta_hat)}, the other side of F`;
+  $("kappa").textContent = `here ${(body.kappa / 2).toFixed(2)} turns`;
+  $("side-name").textContent = `one side of F: η̂ = ${format(shown.eta_hat, 2, true)}`;
+  $("other-name").textContent = `the other side: η̂ = ${format(-shown.eta_hat, 2, true)}`;
   $("other-name").parentElement.hidden = !shown.ghost;
 }
 

@@ -101,10 +101,7 @@ def view(
     *,
     row: int | None = None,
 ) -> View:
-    """Make a page in which the disk rolls, live, on both sides of F.
-
-    The page computes the motion itself, with eta carried as a number of its own. Distance to F, constants of
-    motion, speed, tilt, body and time can be dragged in it.
+    """Make a page in which the disk rolls, live, on both sides of F. All of the motion can be dragged in it.
 
     Parameters
     ----------
@@ -116,11 +113,9 @@ def view(
         For a body: sigma3 at the vertical (units of the disk), by default sqrt(g/r).
     eta_hat : float, optional
         For a body: distance beside F on `face` (units of the disk), not 0, by default sqrt(g/r)/1000. Its sign
-        is the side, on which the contact point races by +kappa pi or -kappa pi; the motion at -eta_hat is shown
-        beside it.
+        is the side; the motion at -eta_hat, which races the other way, is shown beside it.
     phidot : float, optional
-        For a body: speed at the vertical towards the flat state of `face` (units of the disk), by default
-        sqrt(g/r).
+        For a body: speed at the vertical towards that flat state (units of the disk), by default sqrt(g/r).
     face : int, optional
         For a body: the flat state that is meant, +1 (by default) or -1.
     row : int, optional
@@ -134,20 +129,16 @@ def view(
     Raises
     ------
     InputError
-        For what is no motion, for several motions without a row, for numbers beside a motion that has its own,
-        where the disk falls flat (eta_hat = 0), and where the side of a state is lost in its rounding.
+        For what is no motion, several without a row, numbers beside a motion, a fall, and a side lost in rounding.
 
     Notes
     -----
-    The motion is that of section 7 of Cushman and Duistermaat, Regul. Chaotic Dyn. 11 (2006) 31-60. A bounce of
-    a motion that crosses the vertical begins at the vertical before it. A limit motion is shown by the motion
-    at 1e-12 sqrt(g/r) on its side of F, which the eye cannot tell from it.
+    A bounce begins at the vertical before it, if the motion crosses that. A limit motion is shown by the motion at
+    1e-12 sqrt(g/r) on its side of F: section 7 of Cushman and Duistermaat, Regul. Chaotic Dyn. 11 (2006) 31-60.
 
     Examples
     --------
     >>> import explorer as ex
-    >>> ex.view("hoop", eta_hat=-1e-12)
-    View(hoop, face +1: sigma3_bar = 1, eta_hat = -1e-12, phidot = 1 √(g/r))
     >>> states = ex.constants_to_states(ex.Disk.uniform(), 0.5, [1e-6, -1e-6], 1.0)
     >>> ex.view(states[1])
     View(uniform, face +1: sigma3_bar = 0.5, eta_hat = -1e-06, phidot = 1 √(g/r))
@@ -156,16 +147,18 @@ def view(
     """
     given = AtVertical(sigma3_bar, eta_hat, phidot, face)
     if isinstance(motion, (Disk, str)):
-        if row is not None:
-            raise InputError(f"row = {shown(row)}: a disk has no rows; leave it out, or give States or a result")
+        _refuse({"row": row}, "a disk has no rows; leave it out, or give States or a result")
         body = Disk.parse(motion) if isinstance(motion, str) else motion
         return View(body, start_at_vertical(body, given))
-    for name, value in given._asdict().items():
-        if value is not None:
-            raise InputError(
-                f"{name} = {shown(value)}: {type(motion).__name__} has its own; leave it out, or give a disk"
-            )
+    _refuse(given._asdict(), f"{type(motion).__name__} has its own; leave it out, or give a disk")
     return View(*start_in(motion, row))
+
+
+def _refuse(given: dict[str, Any], why: str) -> None:
+    """Say of the first value that was given that it would not be used."""
+    for name, value in given.items():
+        if value is not None:
+            raise InputError(f"{name} = {shown(value)}: {why}")
 
 
 def _bodies(disk: Disk) -> tuple[str, list[dict[str, Any]]]:

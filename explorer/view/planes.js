@@ -107,12 +107,14 @@ export class ConstantsPlane {
     }
     text(context, "σ̄₄", 4, box.top - 11, look.ink);
     text(context, "σ̄₃ in √(g/r)", box.right, box.bottom + 20, look.ink, "right", "top");
-    text(context, "on F it falls flat", box.right, box.top - 11, look.ink, "right");
+    text(context, "drag the dot: on F it falls flat", box.right, box.top - 11, look.ink, "right");
     const { face } = this.shown;
     const [lx, ly] = this.toPixel(-0.82 * end, -0.82 * slope * end);
     context.font = `italic 700 16px ${FONT.slice(5)}`;
     text(context, "F", lx + 4, ly - 14 * face, look.ink, "center");
     context.font = FONT;
+    const [ox, oy] = this.toPixel(0.5 * end, -0.5 * slope * end);
+    text(context, `F, face ${face > 0 ? "−" : "+"}`, ox - 6, oy + 12 * face, look.soft, "right");
     text(context, "η > 0", box.right - 8, face > 0 ? box.bottom - 14 : box.top + 14, look.plus, "right");
     text(context, "η < 0", box.left + 8, face > 0 ? box.top + 14 : box.bottom - 14, look.minus, "left");
   }
@@ -237,7 +239,7 @@ export class Portrait {
     }
     text(context, "φ̇", 8, box.top - 11, look.ink);
     text(context, "φ: 0 upright, ±π/2 flat", box.right, box.bottom + 20, look.ink, "right", "top");
-    text(context, "speed against tilt", box.right, box.top - 11, look.ink, "right");
+    text(context, "drag the ring: tilt, speed", box.right, box.top - 11, look.ink, "right");
   }
 
   drawNow(context, states, look) {

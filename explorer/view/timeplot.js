@@ -55,7 +55,7 @@ export class TimePlot {
 
   drawStill(context, look) {
     const { box } = this.chart;
-    text(context, "tilt θ from flat (rad)", box.left, box.top - 10, look.ink);
+    text(context, "tilt θ from flat (rad); drag to move in time", box.left, box.top - 10, look.ink);
     text(context, "angle χ of the point of contact", box.left, this.yChi(this.chi[1]) - 10, look.ink);
     this.drawTiltAxis(context, look);
     this.drawChiAxis(context, look);

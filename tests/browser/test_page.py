@@ -308,7 +308,7 @@ def test_the_page_runs_in_the_frame_of_a_notebook(page, page_file, tmp_path):
 
 def test_any_body_and_any_tilt_can_be_opened(page, page_file, tmp_path):
     disk = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
-    heavy = ex.Disk(I1=0.02, I3=0.04, name="heavy </script> core")
+    heavy = ex.Disk(I1=0.02, I3=0.04, name="heavy & core")
     starts = ex.theta_to_states(heavy, 1e-3, 0.1, 0.05, 0.2, face=-1)
     try:
         for motion in (view(disk, 20.0, 1e-9 * disk.rate_unit, 20.0), view(starts)):
