@@ -31,7 +31,7 @@ def test_there_is_no_picture_without_a_page():
 
 @pytest.mark.parametrize(("block", "complaint"), [
     ("```python\n>>> 1 + 1\n3\n```\n", "Expected:\n    3"),
-    ("```python\nraise ValueError('no')\n```\n", "ValueError: no"),
+    ("```python\nraise ValueError('no')\n```\n", "no"),
     ("```sh\nnearflat passage --eta-hat nought\n```\n", ""),
     ("```sh\nrm -r results\n```\n", "runs `nearflat` only"),
     ("```sh\nnearflat plan measure-zero\n```\n\n```text\nsomething else\n```\n", "something else"),
