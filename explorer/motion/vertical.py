@@ -50,7 +50,7 @@ def starts_at_vertical(
     s3, eta, speed, facing = columns_of(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
     code, unit = compiled.status.Status, disk.rate_unit
     good = np.fmax(np.fmax(abs(s3), abs(speed)), abs(eta)) <= LARGEST * unit
-    good &= ~np.isnan(s3 + eta + speed) & (speed >= 0.0) & (abs(facing) == 1.0)
+    good &= ~(np.isnan(s3) | np.isnan(eta) | np.isnan(speed)) & (speed >= 0.0) & (abs(facing) == 1.0)
     lost = good & (eta != 0.0) & (abs(eta) < SMALLEST * unit)
     status = np.where(good, np.where(lost, code.UNRESOLVED_SIDE, code.OK), code.BAD_INPUT).astype(np.int8)
     usable = status == code.OK

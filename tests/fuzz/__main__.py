@@ -12,6 +12,8 @@ import time
 from collections import Counter
 from pathlib import Path
 
+from explorer.compiled import warmup
+
 from . import api, commands, folders, kernels
 from .judge import FAULTS
 
@@ -57,11 +59,13 @@ def _shown(given):
 
 
 def main():
+    """Compile first, since a compilation looks like a hang; then try, and store the counts."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", choices=SHARES, action="append")
     given = parser.parse_args()
+    warmup(lambda text: print(text, file=sys.stderr))
     report = json.loads(OUT.read_text()) if OUT.exists() and given.only else {}
     with tempfile.TemporaryDirectory() as place:
         for kind in given.only or SHARES:
