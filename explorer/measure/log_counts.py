@@ -11,6 +11,8 @@ from explorer.measure.statistics import ONE_SIGMA, QUANTILES
 from explorer.phase.states import Array
 
 PER_DECADE = 400  # bins of logarithmic counts: a quantile is good to half a bin, 0.3 %
+_FURTHEST = 330 * PER_DECADE  # bins from that of 1, which no double reaches
+_WIDTHS = ("<u1", "<u2", "<u4", "<u8")
 
 
 class LogCounts:
@@ -25,13 +27,15 @@ class LogCounts:
         self.zeros = 0
         self.smallest, self.largest = np.inf, -np.inf
         if state is not None and state["range"]:
-            bins = np.array(state["bins"], np.int64)
+            bins, counts = _bins_of(state)
             self.zeros = state["zeros"]
             self.smallest, self.largest = state["range"]
             if bins.size:
+                if max(-bins[0], bins[-1]) > _FURTHEST:
+                    raise ValueError("counts in bins beyond those of doubles")
                 self.first = int(bins[0])
                 self.counts = np.zeros(bins[-1] - bins[0] + 1, np.int64)
-                self.counts[bins - self.first] = state["counts"]
+                self.counts[bins - self.first] = counts
 
     @classmethod
     def of(cls, values: Array) -> "LogCounts":
@@ -69,11 +73,15 @@ class LogCounts:
         return self.zeros + int(self.counts.sum())
 
     def state(self) -> dict[str, Any]:
-        """Ready for JSON."""
+        """Ready for JSON: the first bin, how far each next one is, and their counts.
+
+        Numbers are packed: a chunk has some ten thousand bins, and as JSON they took as long as its passages.
+        """
         filled = np.flatnonzero(self.counts)
         return {
-            "bins": (filled + self.first).tolist(),
-            "counts": self.counts[filled].tolist(),
+            "first": int(self.first + filled[0]) if filled.size else 0,
+            "gaps": _written(np.diff(filled)),
+            "counts": _written(self.counts[filled]),
             "zeros": self.zeros,
             "range": [self.smallest, self.largest] if self.total else [],
         }
@@ -144,6 +152,28 @@ class SignedLogCounts:
         """Half the width of the central 68.27 %: the standard deviation of a normal sample, robust to tails."""
         low, high = (self.quantile(percent / 100.0) for percent in ONE_SIGMA)
         return 0.5 * (high - low)
+
+
+def _bins_of(state: dict[str, Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Bins and their counts, from `LogCounts.state` or from two lists."""
+    if "bins" in state:
+        return np.array(state["bins"], np.int64), np.array(state["counts"], np.int64)
+    counts = _read(state["counts"])
+    bins = np.full(counts.size, state["first"], np.int64)
+    bins[1:] += np.cumsum(_read(state["gaps"]))
+    return bins, counts
+
+
+def _written(values: NDArray[np.int64]) -> str:
+    """Numbers that are not negative as text, in as few bytes each as the largest needs; that width comes first."""
+    most = int(values.max(initial=0))
+    kind = next(width for width in _WIDTHS if most <= np.iinfo(width).max)
+    return kind[-1] + base64.b64encode(values.astype(kind).tobytes()).decode()
+
+
+def _read(text: str) -> NDArray[np.int64]:
+    """The numbers that `_written` was given. Raises ValueError where it was given none."""
+    return np.frombuffer(base64.b64decode(text[1:], validate=True), f"<u{int(text[0])}").astype(np.int64)
 
 
 def pack(values: NDArray[np.uint16]) -> str:

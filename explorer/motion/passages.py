@@ -218,10 +218,12 @@ def _assemble(disk: Disk, starts: Starts, followed: Followed, how: Plan, edge: f
     sigma3_bar, eta, _speed = starts.natural(disk)
     fall = fall_from_vertical(disk, sigma3_bar, followed.energy, edge)
     # The fall angle is a part of the race angle, and all there is of a fall.
-    both = np.fmax(followed.error, np.nan_to_num(2.0 * fall.error, nan=np.inf))
-    error = np.where(followed.status == code.FALLS, fall.error, both)
+    unknown = np.isnan(fall.error)
+    both = np.where(unknown, np.inf, np.fmax(followed.error, 2.0 * fall.error))
+    falls = followed.status == code.FALLS
+    error = np.where(falls, fall.error, both)
     allowed = np.fmax(LENIENCE * how.accuracy, FLOOR * (1.0 + fall.time))
-    missed = np.isin(followed.status, (code.OK, code.FALLS)) & ~(error <= allowed)
+    missed = (falls | (followed.status == code.OK)) & ~(error <= allowed)
     status = np.where(missed, code.STEP_LIMIT, followed.status).astype(np.int8)
     ok, falls = status == code.OK, status == code.FALLS
     fall_angle = np.where(ok | falls, 2.0 * fall.chi, np.nan)

@@ -37,10 +37,9 @@ def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> Followe
         crossings, chord(edge), how.accuracy, disk.quadrature, disk.natural, out, status
     )
     passage = compiled.quadrature.PassageRow(*out)
-    # The kernel skips what lies on F.
-    energy = np.where(
-        crossings.eta == 0.0, energy_on_f(disk, crossings.sigma3_bar, crossings.speed), passage.energy
-    )
+    energy, on_f = passage.energy, crossings.eta == 0.0
+    if on_f.any():  # the kernel skips what lies on F
+        energy = np.where(on_f, energy_on_f(disk, crossings.sigma3_bar, crossings.speed), energy)
     error = np.fmax(passage.angle_error, passage.time_error)
     return Followed(passage.theta_min, passage.chi, passage.psi, passage.time, passage.way, energy, error, status)
 

@@ -12,11 +12,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from os import cpu_count
 
-import pyarrow.parquet as pq
-
 from explorer import compiled
 from explorer.phase.results import to_arrow
 from explorer.runs.settings import Asked
+from explorer.runs.store import write_parquet
 from explorer.scenes.base import Scene
 
 _SECONDS = 1.5
@@ -62,7 +61,7 @@ def estimate(asked: Asked) -> Estimate:
         rows, tally = scene.process(index)
         content = io.BytesIO()
         table = to_arrow(rows).replace_schema_metadata({"nearflat": json.dumps(json.dumps(tally))})
-        pq.write_table(table, content, compression="zstd", write_page_checksum=True)
+        write_parquet(table, content)
         seconds += time.thread_time() - began
         written += content.getbuffer().nbytes
         largest = max(largest, float(sum(column.nbytes for column in rows.values())))

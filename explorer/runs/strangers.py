@@ -13,6 +13,7 @@ from typing import Any
 
 LARGEST_JSON = 1 << 26  # bytes; a summary with several histograms has some hundred kilobytes
 _ENDS = b"PAR1"  # with which a Parquet file begins and ends
+_CONTAINERS = (dict, list)
 _DEEPEST = 40  # levels of JSON; what nearflat writes has less than ten
 
 
@@ -51,16 +52,19 @@ def parse_json(text: str | bytes) -> dict[str, Any]:
         raise StrangeError("it is nested too deeply") from None
     if not isinstance(content, dict):
         raise StrangeError("it holds no JSON object")
-    _check_depth(content, _DEEPEST)
+    _check_depth(content)
     return content
 
 
-def _check_depth(value: Any, left: int) -> None:
-    if left == 0:
-        raise StrangeError(f"it is nested more than {_DEEPEST} levels deep")
-    if isinstance(value, dict | list):
-        for each in value.values() if isinstance(value, dict) else value:
-            _check_depth(each, left - 1)
+def _check_depth(content: Any) -> None:
+    """Raise StrangeError where there are containers below _DEEPEST levels of them, a level at a time."""
+    level = [content]
+    for _ in range(_DEEPEST):
+        inside = (value.values() if isinstance(value, dict) else value for value in level)
+        level = [each for values in inside for each in values if isinstance(each, _CONTAINERS)]
+        if not level:
+            return
+    raise StrangeError(f"it is nested more than {_DEEPEST} levels deep")
 
 
 def check_kinds(content: dict[str, Any], kinds: dict[str, type]) -> None:
