@@ -106,6 +106,12 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
+        if message.startswith("argument COMMAND: invalid choice"):
+            from explorer.scenes.registry import SCENES
+
+            scene = next((name for name in SCENES if f"choice: {name!r}" in message), None)
+            if scene is not None:
+                message = f"{scene!r} is a scene, not a command; write {self.prog} run {scene}"
         print(f"{self.prog}: {shorten(message, 300)}\nTry '{self.prog} --help'.", file=sys.stderr)
         raise SystemExit(2)
 

@@ -68,7 +68,9 @@ def column(name: str, value: Any) -> Array:
     read = _real(given)
     if read is None:
         kind = "" if given.dtype.kind == "O" and given.ndim == 0 else f" of {given.dtype}"
-        raise InputError(f"{name} = {shown(value)} is not an array of real numbers{kind}; give numbers in doubles")
+        remedy = "give numbers, not text" if given.dtype.kind in "US" else "give numbers in doubles"
+        kind = "" if given.dtype.kind in "US" else kind
+        raise InputError(f"{name} = {shown(value)} is not an array of real numbers{kind}; {remedy}")
     return read if masked is None else np.where(masked, np.nan, read)
 
 

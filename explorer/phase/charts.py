@@ -27,16 +27,16 @@ class Chart(NamedTuple):
         """The columns of this chart among `names`."""
         return tuple(name for name in (*self.needed, *self.optional) if name in names)
 
+    def in_radians(self, names: Collection[str]) -> tuple[str, ...]:
+        """Those of them that are angles or rates of angles."""
+        return tuple(name for name in self.present(names) if COLUMNS[name].unit in (ANGLE, RATE))
+
     def states(self, disk: Disk, columns: Mapping[str, Array], degrees: bool = False) -> States:
         """The states of a table. degrees: whether angles and rates are in degrees; energies never are."""
         used = {name: columns[name] for name in self.present(columns)}
         if degrees:
-            used = {name: values * _radians(name) for name, values in used.items()}
+            used |= {name: np.radians(used[name]) for name in self.in_radians(used)}
         return self.make(disk, **used)
-
-
-def _radians(name: str) -> float:
-    return float(np.pi / 180.0) if COLUMNS[name].unit in (ANGLE, RATE) else 1.0
 
 
 def _from_rates(disk: Disk, tilt: Array, precession: Array, spin: Array, **more: Array) -> States:
@@ -65,6 +65,7 @@ def recognise(names: Collection[str], what: str = "states") -> Chart:
     """
     for chart in CHARTS:
         if set(chart.needed) <= set(names):
+            _refuse_misspelt(chart, names, what)
             return chart
     known = {name for chart in CHARTS for name in (*chart.needed, *chart.optional)}
     there = [name for name in names if name in known]
@@ -73,10 +74,24 @@ def recognise(names: Collection[str], what: str = "states") -> Chart:
         missing = [name for name in nearest.needed if name not in there]
         others = [name for name in names if name not in known]
         hint = next((f" (is it {other!r}?)" for other in others for name in missing if _alike(other, name)), "")
-        raise InputError(f"{what}: {', '.join(there)} say no state; add {' and '.join(missing)}{hint}")
+        raise InputError(
+            f"{what}: {', '.join(there)}: these columns alone say no state; add {' and '.join(missing)}{hint}"
+        )
     shown = ", ".join(list(names)[:6]) or "no columns"
     sets = "; ".join(", ".join(chart.needed) for chart in CHARTS[:5])
     raise InputError(f"{what}: has {shown}, which say no state; name columns as in one of: {sets}")
+
+
+def _refuse_misspelt(chart: Chart, names: Collection[str], what: str) -> None:
+    """Raise InputError where a column looks like an optional one that is not there, and would be ignored."""
+    for name in chart.optional:
+        for other in names:
+            if name not in names and other not in COLUMNS and _spelt(other) == _spelt(name):
+                raise InputError(f"{what}: column {other!r} looks like {name!r}, which is not there; rename it")
+
+
+def _spelt(name: str) -> str:
+    return "".join(letter for letter in name.lower() if letter.isalnum())
 
 
 def _alike(given: str, name: str) -> bool:

@@ -1,5 +1,7 @@
 """Slices of the phase space: the smallest tilt of motions, and the side of F on which they lie."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -32,7 +34,7 @@ class Slice:
     ranges: tuple[tuple[str, Range], ...]
 
     @classmethod
-    def of(cls, value: Any, option: str = "--slice") -> "Slice":
+    def of(cls, value: Any, option: str = "--slice") -> Slice:
         """From text as `parse` takes, or a mapping of numbers and pairs. Raises InputError naming the option."""
         if isinstance(value, Slice):
             return value
@@ -42,7 +44,7 @@ class Slice:
         return cls.parse(",".join(f"{name}={ends}" for name, ends in texts.items()), option)
 
     @classmethod
-    def parse(cls, text: Any, option: str = "--slice") -> "Slice":
+    def parse(cls, text: Any, option: str = "--slice") -> Slice:
         """From "sigma3=-2:2,sigma4=-2:2,phi=0,phidot=1". Raises InputError naming the option."""
         if not isinstance(text, str):
             raise InputError(f'{option} {shown(text)}: write "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"')
@@ -59,7 +61,7 @@ class Slice:
         return cls(tuple(sorted(ranges.items(), key=lambda item: _NAMES.index(item[0]))))
 
     @classmethod
-    def defaults(cls, disk: Disk) -> tuple["Slice", ...]:
+    def defaults(cls, disk: Disk) -> tuple[Slice, ...]:
         """Two slices: at the vertical, where F is a pair of lines, and one where F is curved and has an edge."""
         unit = disk.rate_unit
         two = 2.0 * unit
@@ -181,7 +183,7 @@ class SliceMap(Table):
 
 def slice_map(
     disk: Disk,
-    slice: "Slice | str | Mapping[str, float | Range]",
+    slice: Slice | str | Mapping[str, float | Range],
     observable: Observable = "theta_min",
     points: int = 401,
     jobs: int = 1,
@@ -234,7 +236,9 @@ def slice_map(
         # A root of V = E at a picture's accuracy: ten times as fast as a whole period.
         values = {"theta_min": np.reshape(smallest_tilt(states, how, constants)[0], (points, points))}
     else:
-        values = scan(replace(states, shape=(points, points)), observable, jobs).values
+        found = scan(replace(states, shape=(points, points)), observable, jobs).values
+        # One column, as `bounces` returns it, is one entry for each state.
+        values = {name: each[..., 0] if each.shape[2:] == (1,) else each for name, each in found.items()}
     exact = falls_of(states, constants).reshaped((points, points))
     return SliceMap(disk, where, x, y, values, exact, how.method)
 

@@ -155,7 +155,13 @@ class GivenStates:
         # Coordinates that were given stay as they are, to the last digit and also where they are no state.
         given = {} if degrees else {name: table[name] for name in self.chart.present(table)}
         coordinates = {name: given.get(name, values) for name, values in _coordinates(states).items()}
-        own = {name: values for name, values in table.items() if name not in coordinates or degrees}
+        # A column in degrees must not come back under a name that stands for radians.
+        relabelled = self.chart.in_radians(table) if degrees else ()
+        own = {
+            f"given_{name}" if name in relabelled else name: values
+            for name, values in table.items()
+            if name not in coordinates or degrees
+        }
         return GivenRows(states, row | coordinates, own)
 
     def _table(self, first: int, count: int) -> Columns:

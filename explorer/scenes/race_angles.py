@@ -232,6 +232,12 @@ class RaceAngles(SceneOfStates):
     def _without_races(self, total: RaceCounts) -> str:
         """Why there is nothing to sum up."""
         if self.eta_hat is None:
+            if set(total.status) == {"bad_input"}:
+                degrees = "" if self.degrees else ", and --degrees where they are in degrees"
+                return (
+                    f"race-angles: none of the {self.samples} rows of --states is a state; give finite numbers, "
+                    f"phi between -pi/2 and pi/2 or tilt between 0 and pi{degrees}"
+                )
             return (
                 f"race-angles: none of {self.samples} states has a race angle ({total.status}; of "
                 f"{total.without_race} bounces the energy is too small to come flat); give other states"

@@ -59,3 +59,10 @@ def test_an_energy_is_never_in_degrees():
 def test_columns_that_say_no_state_are_refused_with_what_is_missing(names, message):
     with pytest.raises(ex.InputError, match=message):
         recognise(names)
+
+
+@pytest.mark.parametrize("column", ["tiltrate", "Tilt_Rate", "tilt rate"])
+def test_a_misspelt_optional_column_is_refused_and_not_taken_for_zero(column):
+    with pytest.raises(ex.InputError, match=f"column '{column}' looks like 'tilt_rate'"):
+        recognise(["tilt", column, "precession", "spin"])
+    assert recognise(["tilt", column, "tilt_rate", "precession", "spin"])

@@ -86,7 +86,8 @@ def test_degrees_are_those_of_angles_and_rates():
     found = GivenStates.of("--states", given).read(DISK, 0, 1, degrees=True)
     direct = ex.rates_to_states(DISK, 30.0, 10.0, 50.0, -20.0, degrees=True)
     np.testing.assert_allclose(found.states.natural, direct.natural, rtol=1e-15)
-    assert found.own["tilt"][0] == 30.0
+    assert found.own["given_tilt"][0] == 30.0  # tilt without a word is in radians
+    assert "tilt" not in found.own
     assert found.own["name"][0] == "a"
 
 
