@@ -160,10 +160,11 @@ def shown(value: Any) -> str:
 
 
 def said(name: str, value: Any) -> str:
-    """An argument with its value as the user wrote it: "--samples 0" or "samples = 0"."""
+    """An argument with its value as the user wrote it: "--samples 0", "samples = 0" or "--disk: m = 0"."""
     name = in_words(name)
     text = shorten(value, _SHOWN) if isinstance(value, str) else shown(value)
-    return f"{name} {text}" if name.startswith("--") else f"{name} = {text}"
+    bare = name.startswith("--") and ":" not in name
+    return f"{name} {text}" if bare else f"{name} = {text}"
 
 
 def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:

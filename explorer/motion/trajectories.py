@@ -209,7 +209,7 @@ def simulate(
     >>> bool(abs(np.diff(motion.chi)).max() < 0.2), motion([2.0, 4.0]).phi.round(4)
     (True, array([[0.2749, 0.5152]]))
     """
-    motion, chi = _follow(states, _times(t_end, t_eval), observables, _Integration(**integration))
+    motion, chi = _follow(states, (t_end, t_eval), observables, _Integration(**integration))
     if t_eval is not None:
         _warn_of_races(motion, chi)
     return motion
@@ -223,19 +223,23 @@ def trajectories(
     **integration: Unpack[Integration],
 ) -> Trajectories:
     """As `simulate`, for those who know what lies between their times: without a warning."""
-    return _follow(states, _times(t_end, t_eval), observables, _Integration(**integration))[0]
+    return _follow(states, (t_end, t_eval), observables, _Integration(**integration))[0]
 
 
 def _follow(
-    states: States, until: tuple[float, Array | None], observables: Sequence[str], given: _Integration
+    states: States,
+    until: tuple[float | None, ArrayLike | None],
+    observables: Sequence[str],
+    given: _Integration,
 ) -> tuple[Trajectories, Array]:
-    """The motions, and their chi. until: the end, and the times that were given."""
+    """The motions, and their chi. until: the end and the times, as they were given."""
     disk = require_states(states).disk
+    end, times = _times(*until)
     how = plan(observables, given.accuracy, given.method)
     if how.rung in (ALGEBRA, QUADRATURE):
         raise InputError("observables: simulate needs one of the motion, such as 'phi' or 'chi'")
     start = recording.motions(states, how, number("chi0", given.chi0), whole("max_steps", given.max_steps, 1))
-    jobs, names, (end, times) = whole("jobs", given.jobs, 1), tuple(observables), until
+    jobs, names = whole("jobs", given.jobs, 1), tuple(observables)
     rows, records = compiled.field.ROW, None
     if times is None:
         records = recording.record(start, end * disk.rate_unit, jobs)

@@ -70,8 +70,8 @@ def test_the_list_of_unfinished_names_only_holds_names():
 def test_a_function_names_its_parameters_what_it_returns_and_what_it_raises(name):
     function, found = OBJECTS[name], sections(OBJECTS[name])
     assert found[""].partition("\n")[0].endswith((".", ":"))
-    assert set(found) >= {"Parameters", "Returns", "Examples"}
-    assert named(found["Parameters"]) == set(inspect.signature(function).parameters)
+    assert set(found) >= {"Returns", "Examples"}
+    assert named(found.get("Parameters", "")) == set(inspect.signature(function).parameters)
     # Pictures take what other public calls return, so few of them check it.
     refuses = not name.startswith("plot.") or "raise InputError" in inspect.getsource(function)
     assert "InputError" in named(found.get("Raises", "")) or not refuses

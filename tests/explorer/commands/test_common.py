@@ -4,17 +4,19 @@ import argparse
 import json
 from types import SimpleNamespace
 
-from explorer.commands.common import add_json, add_workers, show
+from explorer.commands.common import add_json, show
+from explorer.commands.run import add_settings
 
 
 def test_workers_and_json_have_the_same_flags_everywhere():
-    command = argparse.ArgumentParser()
-    add_workers(command)
-    add_json(command)
     words = ["--jobs", "3", "--backend", "dask", "--scheduler", "tcp://127.0.0.1:1", "--json"]
-    given = command.parse_args(words)
-    assert vars(given) == {"jobs": "3", "backend": "dask", "scheduler": "tcp://127.0.0.1:1", "json": True}
-    assert set(vars(command.parse_args([])).values()) == {None, False}
+    expected = {"jobs": "3", "backend": "dask", "scheduler": "tcp://127.0.0.1:1", "json": True}
+    for settings in (None, ("jobs", "backend", "scheduler")):  # those of a new run; of one that goes on
+        command = argparse.ArgumentParser()
+        add_settings(command, settings)
+        add_json(command)
+        assert vars(command.parse_args(words)).items() >= expected.items()
+        assert set(vars(command.parse_args([])).values()) == {None, False}
 
 
 def test_a_finished_run_is_shown_as_lines_or_as_one_object(capsys):
