@@ -1,5 +1,7 @@
 """Pictures of the falling set: the smallest tilt in colour, the exact set as lines."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

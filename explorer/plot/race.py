@@ -1,5 +1,7 @@
 """Pictures of the race of the contact point."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -11,7 +11,8 @@ from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
 # Okabe & Ito's palette. Blue is eta > 0 and vermilion eta < 0, the sides of F, and neither is anything else.
-PLUS, MINUS, DARK = "#0072B2", "#D55E00", "#222222"
+PLUS, MINUS = "#0072B2", "#D55E00"
+DARK = "#222222"
 SIGN_COLOURS = {1: PLUS, -1: MINUS}
 # Bodies, methods and other series: told apart by lightness too, and none like a side of F.
 SERIES = (DARK, "#009E73", "#CC79A7", "#A08000", "#8A8A8A", "#004D40", "#7A4B91", "#B9B07A")
