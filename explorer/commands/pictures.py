@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from explorer.phase.disk import Disk
+from explorer.portrait.bifurcation_portraits import bifurcation_portraits
+from explorer.portrait.conservation import conservation
+from explorer.portrait.contact_forces import contact_forces
 from explorer.portrait.falling_surface import falling_surface, zoom
 from explorer.portrait.film import film
 from explorer.portrait.general_solvers import general_solvers
@@ -27,6 +30,7 @@ _TOWARD, _COLLAPSE, _BLOW_UP = (0.3, 0.1, 0.01, 1e-4), (0.1, 1e-2, 1e-4, 1e-8), 
 
 _ZOOM = (0.3, 3e-5, 3e-9, 3e-13)  # half the sides of squares round a point of F, natural units
 _ENERGY = 2.0  # m g r, of the map of rotation numbers
+_FORCES = 0.3, 0.1, 0.01  # distances from F, natural units
 _SOLVED = 50  # passages that general solvers are given, from 0.1 to 1e-8, the sides in turn
 
 
@@ -89,3 +93,27 @@ def rotation(disk: Disk, _options: dict[str, Any]) -> Pictures:
     from explorer import plot
 
     yield "rotation", plot.figure_of(plot.rotation_map, rotation_map(disk, _ENERGY * disk.energy_unit))
+
+
+def bifurcation(disk: Disk, _options: dict[str, Any]) -> Pictures:
+    """Steady motions along two paths through the constants, each with portraits of the motions there."""
+    from explorer import plot
+
+    for path in ("line", "spinning"):
+        yield f"bifurcation-{path}", plot.bifurcation_portraits(bifurcation_portraits(disk, path))
+
+
+def forces(disk: Disk, _options: dict[str, Any]) -> Pictures:
+    """Normal force and needed friction over a period."""
+    from explorer import plot
+
+    unit = disk.rate_unit
+    sizes = [size * unit for size in _FORCES]
+    yield "forces", plot.contact_forces(contact_forces(disk, sizes, _SIGMA3_BAR * unit, _PHIDOT * unit))
+
+
+def kept(disk: Disk, _options: dict[str, Any]) -> Pictures:
+    """What is left of the constants after thousands of passages."""
+    from explorer import plot
+
+    yield "conservation", plot.conservation(conservation(disk))

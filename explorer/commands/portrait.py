@@ -102,10 +102,13 @@ GROUPS = {
     "rotation": Group("turns of the contact point per period", pictures.rotation),
     "solvers": Group("general solvers beside this one", pictures.solvers),
     "phase": Group("motions in (phi, phidot), potentials, steady motions", _phase),
+    "bifurcation": Group("steady motions, and the motions between them", pictures.bifurcation),
     "slices": Group("slices of the phase space by tilt and by side of F", _slices),
     "race": Group("race number and gap of all bodies", _race),
     "bounces": Group("turn per bounce, from the Euler disk to the race", _bounces),
     "paths": Group("paths over many periods, wander and resonance", _paths),
+    "forces": Group("what the contact has to bear over a period", pictures.forces),
+    "conservation": Group("what is left of the constants after thousands of passages", pictures.kept),
 }
 FILM = "film"  # written as it is drawn, not a figure
 

@@ -1,7 +1,10 @@
 """Pictures. Each function takes ax=None and returns the Axes; none shows or touches global settings."""
 
+from explorer.plot.bifurcation_portraits import bifurcation_portraits
 from explorer.plot.bodies import race_bodies, race_gap, race_number
 from explorer.plot.captions import caption_of, save
+from explorer.plot.conservation import conservation
+from explorer.plot.contact_forces import contact_forces
 from explorer.plot.film import animate
 from explorer.plot.general_solvers import missed_races
 from explorer.plot.maps import constants_plane, slice_map, theta_min_distribution
@@ -24,11 +27,14 @@ from explorer.plot.wander import rosette_and_resonance, wander_distance, wander_
 
 __all__ = [
     "animate",
+    "bifurcation_portraits",
     "bifurcations",
     "blow_up",
     "caption_of",
+    "conservation",
     "constant_convergence",
     "constants_plane",
+    "contact_forces",
     "contact_paths",
     "definitions",
     "falling_ladder",

@@ -42,7 +42,7 @@ class _GaveUpError(Exception):
     pass
 
 
-class _Plain:
+class PlainField:
     """d/dt of (phi, phidot, sigma3, sigma4, chi), eqs (2.15) to (2.18) and (2.22), by the chain rule.
 
     The regularised field has the formulas: sigma3 = q rho, phidot = -p, dt = q ds.
@@ -110,7 +110,7 @@ def _turned(disk: Disk, method: str, start: Array, end: float) -> tuple[float, b
     """The increase of chi by one of SciPy's solvers, NaN where it gives up; whether phi went beyond flat."""
     try:
         with np.errstate(all="ignore"):
-            found = solve_ivp(_Plain(disk), (0.0, end), [*start, 0.0], method=method)
+            found = solve_ivp(PlainField(disk), (0.0, end), [*start, 0.0], method=method)
     except (_GaveUpError, ValueError, ZeroDivisionError):
         return math.nan, False
     turned = float(found.y[4, -1]) if found.success else math.nan

@@ -87,7 +87,10 @@ def pictures(tmp_path_factory):
 # Those that make a whole figure or a film are looked at where their data are tested.
 WHOLE = (
     "animate",
+    "bifurcation_portraits",
     "blow_up",
+    "conservation",
+    "contact_forces",
     "definitions",
     "falling_surface",
     "hero",

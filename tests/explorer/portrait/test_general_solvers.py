@@ -5,7 +5,7 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.portrait.general_solvers import METHODS, OURS, _Plain, general_solvers
+from explorer.portrait.general_solvers import METHODS, OURS, PlainField, general_solvers
 
 HOOP = BODIES["hoop"]
 
@@ -20,7 +20,9 @@ def test_the_plain_equations_are_those_of_the_paper():
         -phidot * sigma3 / (q * (I3 + 1.0)),
         sigma3 / q**2,
     ]
-    np.testing.assert_allclose(_Plain(HOOP)(0.0, np.array([phi, phidot, sigma3, sigma4, 0.0])), wanted, rtol=1e-13)
+    np.testing.assert_allclose(
+        PlainField(HOOP)(0.0, np.array([phi, phidot, sigma3, sigma4, 0.0])), wanted, rtol=1e-13
+    )
 
 
 def test_far_from_f_all_agree_and_near_it_the_disk_of_general_solvers_goes_through_the_table():

@@ -1,0 +1,109 @@
+"""What is left of the constants of motion, and of the angle, after thousands of passages."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from explorer.errors import InputError, whole
+from explorer.motion.periods import periods
+from explorer.motion.trajectories import trajectories
+from explorer.phase.constants import constants
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, States, constants_to_states, phi_to_states
+from explorer.portrait.general_solvers import PlainField
+
+_LEAST = 1e-17  # an error of exactly 0 counts as this, below the rounding of doubles, for a logarithmic axis
+_CONSTANTS = ("energy", "sigma3_bar", "eta_hat_plus")
+_OBSERVABLES = ("phi", "phidot", "sigma3", "sigma4", "chi")
+_MOST_STEPS = 10**8
+TOLERANCES = {"rtol": 1e-8, "atol": 1e-10}
+
+
+@dataclass(frozen=True)
+class Followed:
+    """Errors of one motion.
+
+    passages (n): how many. constants (n): the largest relative error of energy, sigma3_bar and eta_hat, computed
+    from the state itself. chi (n): of the contact angle (rad).
+    """
+
+    passages: Array
+    constants: Array
+    chi: Array
+
+
+@dataclass(frozen=True)
+class Conservation:
+    """Errors after many passages: ours by the accuracy asked, and those of a general solver."""
+
+    disk: Disk
+    eta_hat: float
+    ours: dict[float, Followed]
+    solver: Followed
+
+
+def conservation(
+    disk: Disk, most: int = 10_000, most_by_solver: int = 300, accuracies: Sequence[float] = (1e-4, 1e-6, 1e-8)
+) -> Conservation:
+    """Follow one motion through many passages near flat and compare it with whole periods by quadrature.
+
+    Parameters
+    ----------
+    disk : Disk
+    most, most_by_solver : int
+        Passages by this program, and by SciPy's DOP853, which takes a hundred times longer.
+    accuracies : sequence of float
+        Those asked of `simulate`.
+
+    Returns
+    -------
+    Conservation
+
+    Raises
+    ------
+    InputError
+        Where a motion could not be followed to its end.
+    """
+    unit = disk.rate_unit
+    start = constants_to_states(disk, unit, 0.01 * unit, unit)
+    whole_period = periods(start, 1e-11)
+    period, turn = float(whole_period.period[0]), float(whole_period.chi[0])
+    ours = {}
+    for accuracy in accuracies:
+        counts = _counts(whole("most", most, 1))
+        motion = trajectories(start, None, counts * period, _OBSERVABLES, accuracy=accuracy, max_steps=_MOST_STEPS)
+        if not motion.lengths.all():
+            raise InputError(f"most = {most}: the motion could not be followed so far; give a smaller number")
+        ours[accuracy] = _errors(start, counts, [getattr(motion, name)[0] for name in _OBSERVABLES], turn)
+    counts = _counts(whole("most_by_solver", most_by_solver, 1))
+    solver = _errors(start, counts, _by_solver(start, counts, period), turn)
+    return Conservation(disk, 0.01 * unit, ours, solver)
+
+
+def _counts(most: int) -> Array:
+    return np.unique(np.geomspace(1, most, 31).round())
+
+
+def _by_solver(start: States, counts: Array, period: float) -> list[Array]:
+    """The observables after so many periods by a general solver on the equations of the paper."""
+    from scipy.integrate import solve_ivp
+
+    unit = start.disk.rate_unit
+    first = [float(start.phi[0]), *(float(v[0]) / unit for v in (start.phidot, start.sigma3, start.sigma4)), 0.0]
+    state, rows = first, []
+    for _ in range(int(counts[-1])):
+        found = solve_ivp(PlainField(start.disk), (0.0, period * unit), state, method="DOP853", **TOLERANCES)
+        state = found.y[:, -1].tolist()
+        rows.append(state)
+    phi, *rates, chi = np.array(rows)[counts.astype(int) - 1].T
+    return [phi, *(rate * unit for rate in rates), chi]
+
+
+def _errors(start: States, counts: Array, observed: list[Array], turn: float) -> Followed:
+    phi, phidot, sigma3, sigma4, chi = observed
+    now, first = constants(phi_to_states(start.disk, phi, phidot, sigma3, sigma4)), constants(start)
+    apart = [abs(getattr(now, name) / getattr(first, name) - 1.0) for name in _CONSTANTS]
+    return Followed(
+        counts, np.maximum(np.max(apart, axis=0), _LEAST), np.maximum(abs(chi - counts * turn), _LEAST)
+    )

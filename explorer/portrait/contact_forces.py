@@ -1,0 +1,98 @@
+"""What the table does to the disk along its motion: normal force, and the friction that rolling needs."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from explorer import compiled
+from explorer.errors import InputError
+from explorer.motion.dense_times import dense_times
+from explorer.motion.periods import periods
+from explorer.motion.trajectories import simulate
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, constants_to_states
+
+_STEP = 0.05  # rad of chi between two times: a race has some hundred of them
+_ACCURACY = 1e-9
+
+
+@dataclass(frozen=True)
+class ContactForces:
+    """Forces at the contact over one period.
+
+    t: time from the vertical, units of the disk. theta: tilt from flat (rad). normal: normal force in m g.
+    friction: the coefficient of friction that rolling needs, NaN where the normal force is not positive.
+    """
+
+    disk: Disk
+    eta_hat: float
+    t: Array
+    theta: Array
+    normal: Array
+    friction: Array
+
+    @property
+    def airborne(self) -> float:
+        """The share of the period in which the table would have to pull."""
+        pulled = 0.5 * ((self.normal[1:] < 0.0) * 1.0 + (self.normal[:-1] < 0.0))
+        return float(np.sum(pulled * np.diff(self.t)) / self.t[-1])
+
+
+def contact_forces(
+    disk: Disk, eta_hat: Sequence[float], sigma3_bar: float = 1.0, phidot: float = 1.0
+) -> tuple[ContactForces, ...]:
+    """Forces over one period of motions that start at the vertical towards face +1.
+
+    Parameters
+    ----------
+    disk : Disk
+    eta_hat : sequence of float
+        Distances from F, not 0, rad per unit of time.
+    sigma3_bar, phidot : float
+        At the vertical, rad per unit of time.
+
+    Returns
+    -------
+    tuple of ContactForces
+        One for each eta_hat.
+
+    Raises
+    ------
+    InputError
+        Where there is no such motion.
+
+    Notes
+    -----
+    Mass times the acceleration of the centre, whose velocity is eq. (2.33), plus the weight.
+    """
+    starts = constants_to_states(disk, sigma3_bar, list(eta_hat), phidot)
+    found = periods(starts)
+    if not found.ok.all():
+        raise InputError(f"eta_hat = {eta_hat!r}: {found.status_names[~found.ok][0]}; give numbers other than 0")
+    every = []
+    for row, (size, period) in enumerate(zip(eta_hat, found.period, strict=True)):
+        t = dense_times(starts[row], float(period), _STEP)
+        names = ("phi", "phidot", "sigma3", "sigma4")
+        motion = simulate(starts[row], t_eval=t, observables=names, accuracy=_ACCURACY)
+        phi, *rates = (getattr(motion, name)[0] for name in names)
+        normal, friction = _forces(disk, phi, *(rate / disk.rate_unit for rate in rates))
+        every.append(ContactForces(disk, float(size), t, 0.5 * np.pi - phi, normal, friction))
+    return tuple(every)
+
+
+def _forces(disk: Disk, phi: Array, phidot: Array, sigma3: Array, sigma4: Array) -> tuple[Array, Array]:
+    """Normal force and needed friction at states in natural units.
+
+    The centre moves at z p upwards and at (p q - i sigma4) e^(i chi) along the table; the field differentiates.
+    """
+    force = np.empty((phi.size, 3))
+    for row, (q, z, p, s3, s4) in enumerate(zip(np.cos(phi), np.sin(phi), -phidot, sigma3, sigma4, strict=True)):
+        x = compiled.field.reduced_state(q, z, p, s3 / q, s4)
+        k = compiled.field.field(x, disk.body)
+        up = z * k.p + k.z * p
+        along, across = q * k.p + k.q * p + k.chi * s4, k.chi * p * q - k.sigma4
+        force[row] = np.array([up, along, across]) / k.t
+    normal = 1.0 + force[:, 0]
+    held = np.where(normal > 0.0, normal, np.nan)
+    return normal, np.hypot(force[:, 1], force[:, 2]) / held

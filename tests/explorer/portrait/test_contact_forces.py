@@ -1,0 +1,34 @@
+"""Forces at the contact over a period."""
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer.portrait.contact_forces import contact_forces
+
+COIN = BODIES["coin"]
+
+
+@pytest.mark.parametrize("disk", [BODIES["hoop"], COIN], ids=["hoop", "coin"])
+def test_the_least_force_is_that_of_the_integrals_over_the_passage(disk):
+    """`passage_forces` looks at the same motion by quadrature, with formulas of its own."""
+    unit = disk.rate_unit
+    given = 0.9 * unit, np.array([0.2, -0.01]) * unit, 0.8 * unit
+    wanted = ex.passage_forces(disk, *given)
+    found = contact_forces(disk, given[1], given[0], given[2])
+    for each, least in zip(found, wanted.min_normal_force, strict=True):
+        assert each.normal.min() == pytest.approx(least, abs=2e-3)
+
+
+def test_the_table_carries_the_weight_on_average():
+    """Over a period the centre gains no upward speed, so the normal force averages to the weight."""
+    (each,) = contact_forces(COIN, [0.3 * COIN.rate_unit], 20.0, 25.0)
+    assert np.trapezoid(each.normal, each.t) / each.t[-1] == pytest.approx(1.0, abs=2e-3)
+    assert np.isnan(each.friction[each.normal <= 0.0]).all()
+    assert 0.0 < each.airborne < 1.0
+
+
+def test_a_fall_has_no_period():
+    with pytest.raises(ex.InputError, match="falls; give numbers other than 0"):
+        contact_forces(COIN, [0.0], 20.0, 25.0)
