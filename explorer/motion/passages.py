@@ -139,8 +139,8 @@ def passages(
     window : float, optional
         cos(phi), 0 to 1, at which to start and stop instead of at the vertical. Quadrature only.
     **computation
-        method : 'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which start from a state in doubles
-        and say UNRESOLVED_SIDE where that does not determine the direction of the race. accuracy : of angles
+        method : 'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which hold the constants after
+        each step and say UNRESOLVED_SIDE where their error hides the direction of the race. accuracy : of angles
         (rad), and relative of times and theta_min, by default 1e-6. jobs : threads, by default 1.
 
     Returns

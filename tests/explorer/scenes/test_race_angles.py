@@ -47,7 +47,7 @@ def test_a_hundred_thousand_races_over_eight_decades_go_no_wrong_way():
 
 @pytest.mark.parametrize("method", ["rk4", "dopri5"])
 def test_the_coarsest_integrator_knows_every_side_down_to_1e_minus_300(method):
-    """Its error is a percent; it carries eta by itself, holds it after each step, and so loses no side to rounding."""
+    """Its error is a percent; it carries eta by itself and holds it, and so loses no side to rounding."""
     _, found = summary_of("race-angles", samples=3000, eta_hat="1e-300:1e-5", accuracy=1e-2, method=method, seed=4)
     assert found["wrong_way"] == 0
     assert found["status"] == {"ok": 3000}
