@@ -2,8 +2,10 @@
 
 import argparse
 import json
+from typing import TYPE_CHECKING
 
-from explorer.runs.run import Run
+if TYPE_CHECKING:
+    from explorer.runs.run import Run
 
 
 def add_json(command: argparse.ArgumentParser) -> None:
@@ -11,7 +13,7 @@ def add_json(command: argparse.ArgumentParser) -> None:
     command.add_argument("--json", action="store_true", help="print one JSON object on stdout and nothing else")
 
 
-def show(run: Run, as_json: bool) -> int:
+def show(run: "Run", as_json: bool) -> int:
     """Print a finished run; returns the exit status."""
     if as_json:
         print(json.dumps(run.summary))

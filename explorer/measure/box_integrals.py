@@ -11,8 +11,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import cubature
-from scipy.special import ndtr
 
 from explorer.measure.density import ANY_ENERGY, Density
 from explorer.measure.sampling import Range
@@ -73,6 +71,8 @@ def over_tilts(f: Callable[[Array], Array], pieces: Sequence[Range], at_once: in
 
     at_once: how many values of phi fit into memory together with all nodes of the other coordinates.
     """
+    from scipy.integrate import cubature
+
     total = error = 0.0
     for low, high in pieces:
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -178,6 +178,8 @@ class NaturalDensity:
 
     def factor_mass(self, name: str) -> float:
         """Integral of the factor of one coordinate over the box."""
+        from scipy.special import ndtr
+
         low, high = self.range(name)
         pairs = dict(self.density.gaussian)
         if name not in pairs:

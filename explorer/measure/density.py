@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr, ndtri
 
 from explorer.errors import InputError, read_range, shown
 from explorer.measure.sampling import BLOCK, Box, Range, gather, parse_ranges
@@ -178,6 +177,8 @@ class Density:
 
     def quantile(self, name: str, share: Array) -> Array:
         """The values of a coordinate below which these shares of its own factor in the box lie."""
+        from scipy.special import ndtr, ndtri
+
         low, high = getattr(self.box, name)
         pair = dict(self.gaussian).get(name)
         if pair is None:

@@ -20,7 +20,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from explorer import compiled
 from explorer.errors import InputError
@@ -268,6 +267,8 @@ class LineIntegral:
 
     def _crossings(self) -> list[float]:
         """Tilts at which the line passes a corner of the box. eta_hat = c sigma3 - a sigma4 there is 0."""
+        from scipy.optimize import brentq
+
         low, high = sorted(self.face * end for end in self.natural.range("phi"))
         if not low < high:
             return []

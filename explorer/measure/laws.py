@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from explorer.measure.statistics import either_p
 
@@ -121,6 +120,8 @@ def draws_to_reject(delta: Array, law: Law, truth: Law, variance: float, power: 
 
     variance: relative, of one draw. The noncentral chi-square distribution gives the least shift.
     """
+    from scipy.optimize import brentq
+
     threshold = scipy.stats.chi2.isf(1.0 - CONFIDENCE, delta.size)
     shift = brentq(lambda x: scipy.stats.ncx2.sf(threshold, delta.size, x) - power, 1e-6, 1e4)
     each = float((((truth(delta) / law(delta)) - 1.0) ** 2).sum())

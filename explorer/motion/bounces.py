@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from explorer import compiled
@@ -139,13 +139,20 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
         raise InputError(f"count = {count} for {len(states):,} states; give up to {_MOST_ROWS:,} bounces at once")
     how = plan(("race_angle",), accuracy, "quadrature")
     status, linear = held_constants(states, natural_constants(states))
-    parts = np.array_split(np.arange(len(states)), max(1, min(jobs, len(states))))
-    done = Parallel(n_jobs=jobs, backend="threading")(
-        delayed(_pairs)(states.at(rows), LinearConstants(*(c[rows] for c in linear)), status[rows], how.accuracy)
-        for rows in parts
-    )
-    pairs = _Pairs(*(np.concatenate(columns, axis=-1) for columns in zip(*done, strict=True)))
-    return _in_turn(states, pairs, count)
+
+    def some(rows: NDArray[np.intp]) -> _Pairs:
+        of_rows = LinearConstants(*(c[rows] for c in linear))
+        return _pairs(states.at(rows), of_rows, status[rows], how.accuracy)
+
+    return _in_turn(states, _in_threads(len(states), jobs, some), count)
+
+
+def _in_threads(count: int, jobs: int, call: Callable[[NDArray[np.intp]], _Pairs]) -> _Pairs:
+    from joblib import Parallel, delayed
+
+    parts = np.array_split(np.arange(count), max(1, min(jobs, count)))
+    done = Parallel(n_jobs=jobs, backend="threading")(delayed(call)(rows) for rows in parts)
+    return _Pairs(*(np.concatenate(columns, axis=-1) for columns in zip(*done, strict=True)))
 
 
 class _Pairs(NamedTuple):

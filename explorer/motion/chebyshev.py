@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from scipy.fft import dct
 
 from explorer.phase.states import Array
 
@@ -25,6 +24,8 @@ def primitive(values: Any) -> Chebyshev:
 
     By a cosine transform: numpy's own interpolation solves with a dense matrix, half a gigabyte at degree 8192.
     """
+    from scipy.fft import dct
+
     coefficients = dct(values, type=2) / values.size
     coefficients[0] *= 0.5
     return Chebyshev(coefficients, domain=[0.0, HALF_PI]).integ(lbnd=0.0)

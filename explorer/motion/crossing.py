@@ -12,8 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
-from scipy.fft import dct
-from scipy.optimize import brentq
 
 from explorer import compiled
 from explorer.errors import InputError
@@ -106,6 +104,8 @@ class CrossingRise:
 
     def _piece(self, crossed: bool, low: float, high: float, degree: int) -> Piece:
         """Series between low and high, all from 0 at low and chi = 0 there."""
+        from scipy.fft import dct
+
         nodes = 0.5 * (low + high) + 0.5 * (high - low) * np.cos(np.pi * (np.arange(degree) + 0.5) / degree)
         at = self._along(crossed, nodes)
 
@@ -177,6 +177,8 @@ class Rising(NamedTuple):
 
 def least_chord(disk: Disk, energy: float, sigma3_bar: float) -> float:
     """2 sin(tilt/2) from the other flat state at the turning point there, if nothing bars the way to it."""
+    from scipy.optimize import brentq
+
     b, excess = disk.body, energy - float(disk.energy_at_flat(sigma3_bar))
     X, Y = sigma3_bar / b.r0, 2.0 * b.dr0 * sigma3_bar
     # To leading order the least chord is |Y| sqrt(I1 / 2 (E - V_0)).

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
@@ -180,6 +179,8 @@ def _with_arguments(found: Passages, sigma3_bar: Array, eta_hat: Array, phidot: 
 
 def _in_parts(disk: Disk, starts: Starts, how: Plan, edge: float, jobs: int) -> Passages:
     """Passages, a part of them by each of so many threads."""
+    from joblib import Parallel, delayed
+
     n = starts.status.size
     parts = [starts.at(rows) for rows in np.array_split(np.arange(n), max(1, min(jobs, n)))]
     if len(parts) == 1:

@@ -9,7 +9,6 @@ from collections.abc import Callable
 from typing import NamedTuple, TypeVar
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from explorer import compiled
@@ -78,6 +77,8 @@ def motions(states: States, how: Plan, chi0: float, max_steps: int) -> Motions:
 
 def in_parts(jobs: int, count: int, call: Callable[[NDArray[np.intp]], Done]) -> list[Done]:
     """`call` on the numbers of up to `jobs` parts of `count` motions, in as many threads."""
+    from joblib import Parallel, delayed
+
     parts = np.array_split(np.arange(count), max(1, min(jobs, count)))
     if len(parts) == 1:
         return [call(parts[0])]

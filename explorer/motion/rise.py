@@ -6,7 +6,6 @@ singular at flat, so time, chi, psi and the centre are smooth in alpha and kept 
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from scipy.optimize import brentq
 
 from explorer import compiled
 from explorer.errors import InputError
@@ -69,6 +68,8 @@ class Rise:
 
     def _turning_point(self, sigma3_bar: float) -> float:
         """The tilt at which the rise ends; ValueError where it does not begin."""
+
+        from scipy.optimize import brentq
 
         def root(low: float, high: float) -> float:
             return float(brentq(self._kinetic, low, high, xtol=_XTOL, rtol=_XTOL))

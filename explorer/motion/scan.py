@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import ArrayLike, NDArray
-from tqdm import tqdm
 
 from explorer.errors import InputError, flag, jobs_of, one_of, shown, whole
 from explorer.motion.bounces import bounces
@@ -156,6 +154,9 @@ class _Work(NamedTuple):
 
 def _computed(states: States, observable: Observable, work: _Work) -> list[dict[str, NDArray[Any]]]:
     """What the function returned, batch by batch."""
+    from joblib import Parallel, delayed
+    from tqdm import tqdm
+
     call, alone = _function_of(observable)
     n, size = len(states), work.batch
     parts = [np.arange(first, min(first + size, n)) for first in range(0, max(n, 1), size)]

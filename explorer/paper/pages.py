@@ -6,8 +6,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from joblib import Parallel, delayed
-
 from explorer import compiled
 from explorer.errors import InputError, note, whole
 from explorer.paper import (
@@ -78,6 +76,8 @@ def check_row(row: Statement) -> Row:
 
 def check_all(only: str | None = None, jobs: int = 2) -> list[Row]:
     """Check all statements, or one. Raises InputError where `only` names none of them."""
+    from joblib import Parallel, delayed
+
     rows = chosen(only)
     compiled.warmup()
     return list(Parallel(n_jobs=jobs, backend="threading")(delayed(check_row)(row) for row in rows))

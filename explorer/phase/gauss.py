@@ -8,7 +8,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
 from explorer import compiled
@@ -17,16 +16,20 @@ _Array = NDArray[np.float64]
 
 # Orders tried in turn. Where the integrand is smooth the second already agrees with the first.
 SIZES = (12, 20, 30, 44, 64, 96, 140)
+# From an error of 1e-3 at most; the last one only confirms.
+_NEWTON_STEPS = 4
 
 
 @cache
 def gauss(n: int) -> tuple[_Array, _Array]:
-    """Nodes and weights on [-1, 1]; two Newton steps in extended precision after numpy's.
+    """Nodes and weights on [-1, 1]: Newton's method in extended precision, from Tricomi's formula.
 
-    numpy promises its rules up to degree 100 only, and at 400 they are off by 1e-13.
+    numpy promises its rules up to degree 100 only, and at 400 they are off by 1e-13; its eigenvalues, which take
+    0.2 s of the start of a command for our rules, would save one step.
     """
-    x: NDArray[Any] = leggauss(n)[0].astype(np.longdouble)
-    for _ in range(2):
+    angle = np.pi * (np.arange(n, 0, -1, dtype=np.longdouble) - 0.25) / (n + 0.5)
+    x: NDArray[Any] = (1.0 - (n - 1.0) / (8.0 * n**3)) * np.cos(angle)
+    for _ in range(_NEWTON_STEPS):
         value, slope = _legendre(n, x)
         x = x - value / slope
     slope = _legendre(n, x)[1]

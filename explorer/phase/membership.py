@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from explorer import compiled
 from explorer.errors import InputError, number
@@ -91,6 +90,8 @@ def well(disk: Disk) -> Well:
 
     For |sigma3_bar| below sigma3_bar* the line also carries a well whose motions never fall.
     """
+
+    from scipy.optimize import minimize_scalar
 
     def minus_critical(phi: float) -> float:
         out = np.empty(1)

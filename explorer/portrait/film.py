@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
-from scipy.optimize import brentq
 
 from explorer.errors import InputError, number, positive, whole
 from explorer.motion.dense_times import dense_times
@@ -155,6 +153,8 @@ def _columns(starts: dict[int, States], halves: dict[int, float], t: Array) -> d
 def _in_step(disk: Disk, sigma3_bar: float, size: float, phidot: float) -> tuple[float, float]:
     """phidot of the motion with eta < 0 that has the period of the one with eta > 0, and this period."""
 
+    from scipy.optimize import brentq
+
     def period(signed: float, speed: float) -> float:
         return float(periods(constants_to_states(disk, sigma3_bar, signed, speed), eta_hat=signed).period[0])
 
@@ -174,6 +174,8 @@ def _times(starts: dict[int, States], halves: dict[int, float], flat: Array, cou
 
     starts: the motions at the vertical. halves: how long each takes to its flattest moment. flat: those moments.
     """
+    from scipy.interpolate import CubicSpline
+
     # A hair inside: rounding must not ask for a time before the start.
     half = min(halves.values()) * (1.0 - 1e-12)
     low, high = -half, flat[-1] + half

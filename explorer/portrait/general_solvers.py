@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import solve_ivp
 
 from explorer import compiled
 from explorer.errors import InputError
@@ -108,6 +107,8 @@ def general_solvers(
 
 def _turned(disk: Disk, method: str, start: Array, end: float) -> tuple[float, bool]:
     """The increase of chi by one of SciPy's solvers, NaN where it gives up; whether phi went beyond flat."""
+    from scipy.integrate import solve_ivp
+
     try:
         with np.errstate(all="ignore"):
             found = solve_ivp(PlainField(disk), (0.0, end), [*start, 0.0], method=method)

@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from explorer.errors import InputError, number, sign
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -208,6 +207,8 @@ class Potential:
         return tuple(apart)
 
     def _root(self, term: str, low: float, high: float, value: float = 0.0) -> float:
+        from scipy.optimize import brentq
+
         # A root at the vertical has rounding only, no digits of its own: hence an absolute tolerance
         def excess(y: float) -> float:
             return float(getattr(self.at_y(y), term)[0] - value)

@@ -13,7 +13,6 @@ from itertools import groupby
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import bisect
 
 from explorer.errors import InputError, shown
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -100,6 +99,8 @@ def _edge_equation(disk: Disk, phi: Array) -> tuple[Array, Array, Array]:
 
 def last_unstable_tilt(disk: Disk) -> float:
     """phi (rad) up to which some steady motions are unstable; beyond it all are stable. Both edges meet there."""
+    from scipy.optimize import bisect
+
     require_axial_inertia(disk)
 
     def apart(phi: float) -> float:
@@ -178,6 +179,8 @@ def measured_thresholds(disk: Disk, lean: float, radius: float) -> dict[str, flo
 
 def _sign_change(f: Callable[[float], float], high: float) -> float:
     """The rate at which f has no longer the sign that it has at 0; `high` is doubled until it lies beyond."""
+    from scipy.optimize import bisect
+
     while f(high) * f(0.0) > 0.0:
         high *= 2.0
     return float(bisect(f, 0.0, high, xtol=1e-15 * high, rtol=1e-15, maxiter=200))

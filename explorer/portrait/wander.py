@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from explorer import compiled
 from explorer.errors import InputError, shown, whole
@@ -80,6 +79,8 @@ def resonance(
     eta_hat (on face +1), phidot at the vertical, sigma3_bar: units of the disk. Root-finding (Brent) on
     chi(tau) by quadrature; the two ends must lie on different sides of the resonance.
     """
+
+    from scipy.optimize import brentq
 
     def excess(sigma3_bar: float) -> float:
         period = _periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot))

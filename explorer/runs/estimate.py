@@ -1,27 +1,28 @@
 """What a run will cost: time, memory and room on the disk, from a few of its own chunks.
 
-Chunks from all over the run are computed and thrown away, the middle one first, until they took some seconds. Time
-is that of the processor, so that other programs do not count; what is written is the chunk's own Parquet file.
+Chunks from all over the run are computed and thrown away, the middle one first, until they took long enough. Time
+is that of the processor, so that other programs do not count. What Parquet would write is told from how far some
+rows can be compressed: its library, with those that it loads, takes longer to start than all the rest.
 """
 
-import io
 import json
 import sys
 import time
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from os import cpu_count
 
-from explorer import compiled
-from explorer.phase.results import to_arrow
 from explorer.runs.settings import Asked
-from explorer.runs.store import write_parquet
-from explorer.scenes.base import Scene
+from explorer.scenes.base import Scene, Table, Tally
 
-_SECONDS = 1.5
+_SECONDS = 0.1
 _MOST_PROBES = 16
 _MOST_COUNTED = 100_000  # chunks whose lengths are added up one by one
 _DRAWING = 90e6  # memory that drawing takes, measured
+# Of Parquet files: time for each byte before compression, and the footer's share of each column; measured.
+_SECONDS_PER_BYTE, _FOOTER = 0.5e-8, 800.0
+_PACKED_ROWS = 4096  # of a column are compressed
 # Of one picture in PNG and SVG, measured over all scenes; slices and maps take more, and histograms less.
 _SECONDS_PER_PICTURE, _BYTES_PER_PICTURE = 1.2, 250_000
 _PICTURES = {"falling-set": 4, "measure-zero": 3, "one-sided": 7, "portrait": 10, "race-angles": 2}
@@ -47,24 +48,23 @@ class Estimate:
 
 def estimate(asked: Asked) -> Estimate:
     """Compute a few chunks and extrapolate; writes nothing."""
-    compiled.warmup()
     scene, manner = asked.scene, asked.manner
     base = _memory_now()
     count = scene.chunks()
     starting, seconds, written, largest, probes, probed = 0.0, 0.0, 0.0, 0.0, 0, 0
     for index in _spread(count):
         if probes == 0:
-            scene.process(index)  # loads compiled code and fills caches, which no other chunk has to do
             # A command starts as this one did; in Python all is loaded by now.
             starting = time.process_time() if manner.command is not None else 0.0
+            scene.process(index)  # loads compiled code and fills caches, which no other chunk has to do
         began = time.thread_time()
         rows, tally = scene.process(index)
-        content = io.BytesIO()
-        table = to_arrow(rows).replace_schema_metadata({"nearflat": json.dumps(json.dumps(tally))})
-        write_parquet(table, content)
         seconds += time.thread_time() - began
-        written += content.getbuffer().nbytes
-        largest = max(largest, float(sum(column.nbytes for column in rows.values())))
+        plain = float(sum(column.nbytes for column in rows.values()))
+        if asked.out is not None:
+            seconds += plain * _SECONDS_PER_BYTE
+            written += bytes_stored(rows, tally)
+        largest = max(largest, plain)
         probes, probed = probes + 1, probed + scene.length(index)
         if seconds > _SECONDS or probes == _MOST_PROBES:
             break
@@ -82,6 +82,16 @@ def estimate(asked: Asked) -> Estimate:
         (written * share + pictures * _BYTES_PER_PICTURE) if asked.out is not None else 0.0,
         probes,
     )
+
+
+def bytes_stored(rows: Table, tally: Tally) -> float:
+    """What a chunk with these rows and counts takes as a Parquet file, about."""
+    size = 2.33 * len(json.dumps(json.dumps(tally)))  # as text, and once more in the schema in base 64
+    for values in rows.values():
+        some = values[:_PACKED_ROWS]
+        text = some.tobytes() if some.dtype.kind in "biuf" else "\n".join(map(str, some)).encode()
+        size += _FOOTER + len(zlib.compress(text, 1)) * max(1.0, len(values) / _PACKED_ROWS)
+    return size
 
 
 def _spread(count: int) -> Iterator[int]:

@@ -5,8 +5,6 @@ import sys
 import time
 from typing import Any
 
-from tqdm.auto import tqdm
-
 _SECONDS_BETWEEN_LINES = 5.0
 
 
@@ -14,6 +12,8 @@ class Progress:
     """Steps of a run, its chunks and then its pictures, with samples per second, time left and failures."""
 
     def __init__(self, total: int, label: str, quiet: bool) -> None:
+        from tqdm.auto import tqdm
+
         self._total, self._label, self._quiet = total, label, quiet
         self._done = self._fresh = 0
         self._counts: dict[str, int] = {}

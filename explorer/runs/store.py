@@ -13,11 +13,9 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from explorer.errors import RunError
@@ -33,9 +31,11 @@ from explorer.runs.strangers import (
 )
 from explorer.scenes.base import Table
 
+if TYPE_CHECKING:
+    import pyarrow as pa
+
 _NAME = re.compile(r"chunk-(\d{6,})-([0-9a-f]{16})\.parquet")
 _KEY = b"nearflat"
-_DAMAGE = (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, pa.ArrowException)
 _NOTE: dict[str, type] = {"index": int, "identity": str, "samples": int, "digest": str, "tally": dict}
 
 
@@ -71,6 +71,8 @@ def write_chunk(folder: Path, note: Note, table: Table) -> Path:
 
     Page checksums are on: without them Parquet reads most single flipped bits back as data.
     """
+    import pyarrow.parquet as pq
+
     place = folder / "chunks"
     temporary = place / f".chunk-{note.index:06d}.{os.getpid()}.tmp"  # readers of the folder skip the dot
     try:
@@ -99,12 +101,15 @@ def write_chunk(folder: Path, note: Note, table: Table) -> Path:
     return path
 
 
-def write_parquet(table: pa.Table, stream: Any) -> None:
+def write_parquet(table: "pa.Table", stream: Any) -> None:
     """Write the rows of a chunk as they are stored.
 
     Digits of measured numbers repeat nowhere: dictionaries of them made files a quarter larger in four times the
     time, and zstd takes off one part in eleven in twice the time of lz4.
     """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
     repeated = [column.name for column in table.schema if not pa.types.is_floating(column.type)]
     pq.write_table(table, stream, compression="lz4", use_dictionary=repeated or False, write_page_checksum=True)
 
@@ -130,6 +135,8 @@ def _digest_of_bytes(path: Path) -> str:
 
 def read_note(path: Path) -> Note:
     """What the footer of a chunk says. Raises RunError naming the file."""
+    import pyarrow.parquet as pq
+
     try:
         content = parse_json((pq.read_schema(parquet_file(path)).metadata or {})[_KEY])
         if _sha(content["note"].encode()) != content["check"]:
@@ -138,21 +145,32 @@ def read_note(path: Path) -> Note:
         check_kinds(said, _NOTE)
         check_counts(said["tally"])
         return Note(**said)
-    except _DAMAGE as error:
+    except _damage() as error:
         raise _damaged(path, error) from error
 
 
 def read_chunk(path: Path, columns: Sequence[str] | None = None) -> Table:
     """The kept rows of a chunk, checksums verified; some columns, or all. Raises RunError naming the file."""
+    import pyarrow.parquet as pq
+
     try:
         arrow = pq.read_table(parquet_file(path), columns=columns, page_checksum_verification=True)
         return {name: _values(arrow.column(name)) for name in arrow.column_names}
-    except _DAMAGE as error:
+    except _damage() as error:
         raise _damaged(path, error) from error
 
 
-def _values(column: pa.ChunkedArray) -> NDArray[Any]:
+def _damage() -> tuple[type[Exception], ...]:
+    """What reading a damaged file may raise."""
+    import pyarrow as pa
+
+    return (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, pa.ArrowException)
+
+
+def _values(column: "pa.ChunkedArray") -> NDArray[Any]:
     """A column as it was before it was written: statuses are numbers here."""
+    import pyarrow as pa
+
     if not pa.types.is_dictionary(column.type):
         return np.asarray(column)
     names = column.unify_dictionaries().combine_chunks()

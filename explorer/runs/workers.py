@@ -16,8 +16,6 @@ from pathlib import Path
 from typing import Any, NamedTuple, is_typeddict
 
 import cloudpickle
-from joblib import Parallel, delayed
-from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from explorer.errors import InputError, RunError, one_of, whole
 from explorer.runs import store
@@ -149,6 +147,8 @@ def _until(indices: list[int], stop: threading.Event) -> Iterator[int]:
 
 
 def _by_joblib(kind: str, jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
+    from joblib import Parallel, delayed
+
     pool = Parallel(
         n_jobs=min(jobs, max(1, len(indices))),
         backend=kind,
@@ -161,6 +161,8 @@ def _by_joblib(kind: str, jobs: int, task: Task, indices: list[int], stop: threa
 
 
 def _by_processes(jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+
     missing, idle, there = indices, 0, set[int]()
     while missing and not stop.is_set():
         try:

@@ -7,15 +7,16 @@ A column that no cell of which is a number is a mistake, and refused.
 import codecs
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from explorer.errors import InputError
 from explorer.phase.states import COORDINATES, Array
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 Columns = dict[str, NDArray[Any]]
 
@@ -39,6 +40,8 @@ def as_columns(given: Any, what: str) -> dict[str, Any]:
     A DataFrame of any kind, an Arrow table, a structured array, a mapping of columns (a number stands for a
     column), or an array with rows of phi, phidot, sigma3, sigma4.
     """
+    import pyarrow as pa
+
     if isinstance(given, Mapping):
         return _together({str(name): values for name, values in given.items()}, what)
     if isinstance(given, np.ndarray) and given.dtype.names:
@@ -131,14 +134,18 @@ def _number(cell: Any) -> float:
 
 def from_arrow(column: Any) -> NDArray[Any]:
     """An Arrow column as an array; a dictionary's entries are looked up."""
+    import pyarrow as pa
+
     if pa.types.is_dictionary(column.type):
         column = column.cast(column.type.value_type)
     values: NDArray[Any] = column.to_numpy()
     return values
 
 
-def storable(kind: pa.DataType) -> bool:
+def storable(kind: "pa.DataType") -> bool:
     """Whether a column of this Arrow type can be kept with the results."""
+    import pyarrow as pa
+
     t = pa.types
     kind = kind.value_type if t.is_dictionary(kind) else kind
     tests = (t.is_boolean, t.is_integer, t.is_floating, t.is_decimal, t.is_temporal)
@@ -149,6 +156,8 @@ class ParquetColumns:
     """The columns of a Parquet file, read by row groups, so that memory does not grow with the file."""
 
     def __init__(self, path: Path) -> None:
+        import pyarrow.parquet as pq
+
         self._path = path
         with pq.ParquetFile(path) as file:
             self._kinds = dict(zip(file.schema_arrow.names, file.schema_arrow.types, strict=True))
@@ -159,6 +168,8 @@ class ParquetColumns:
 
     def check(self, numbers: tuple[str, ...], what: str) -> None:
         """Raise InputError for a column of another type than is needed."""
+        import pyarrow as pa
+
         for name, kind in self._kinds.items():
             t = pa.types
             if name in numbers and not (t.is_floating(kind) or t.is_integer(kind) or t.is_decimal(kind)):
@@ -169,6 +180,8 @@ class ParquetColumns:
 
     def read(self, first: int, count: int) -> dict[str, Any]:
         """Rows first ... first + count - 1. Raises OSError or ArrowException where the file is damaged."""
+        import pyarrow.parquet as pq
+
         low, high = np.searchsorted(self._ends, [first, first + count - 1], side="right")
         with pq.ParquetFile(self._path, page_checksum_verification=True) as file:
             table = file.read_row_groups(range(low, high + 1))
@@ -183,6 +196,7 @@ def read_csv(path: Path, numbers: Mapping[str, Any], what: str) -> Columns:
     The first line names the columns; they are separated by commas, semicolons or tabs. A line with too few or
     too many cells is a row without numbers.
     """
+    import pyarrow as pa
     from pyarrow import csv
 
     names, separator = csv_header(path, what)
@@ -246,6 +260,7 @@ def csv_header(path: Path, what: str) -> tuple[list[str], str]:
 
 
 def _csv_numbers(name: str, cells: Any, what: str) -> Array:
+    import pyarrow as pa
     import pyarrow.compute as pc
 
     trimmed = pc.utf8_trim_whitespace(cells)
@@ -257,6 +272,7 @@ def _csv_numbers(name: str, cells: Any, what: str) -> Array:
 
 def _csv_own(cells: Any) -> NDArray[Any]:
     """Whole numbers, numbers or text, whichever all cells are."""
+    import pyarrow as pa
     import pyarrow.compute as pc
 
     for kind in (pa.int64(), pa.float64()):

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import pyarrow as pa
 
 from explorer import compiled
 from explorer.errors import InputError, path_of, regular_file, whole
@@ -74,6 +73,8 @@ class GivenStates:
     @classmethod
     def open(cls, flag: str, path: Path) -> "GivenStates":
         """From a Parquet or a CSV file. Raises InputError where it cannot be read or says no state."""
+        import pyarrow as pa
+
         what = f"{flag} {path}"
         regular_file(flag, path)
         try:
@@ -165,6 +166,8 @@ class GivenStates:
         return GivenRows(states, row | coordinates, own)
 
     def _table(self, first: int, count: int) -> Columns:
+        import pyarrow as pa
+
         if isinstance(self.columns, dict):
             return {name: values[first : first + count] for name, values in self.columns.items()}
         assert self.columns is not None

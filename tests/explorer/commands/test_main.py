@@ -227,3 +227,19 @@ def test_a_closed_pipe_ends_the_command_silently(words):
         command.stdout.close()
         assert command.stderr.read() == b""
         assert command.wait() in (0, 141)  # the parser itself swallows the error of its --help
+
+
+LOADED = """
+import sys
+from explorer.commands.main import main
+passage = ["passage", "--sigma3-bar", "1", "--eta-hat", "-1e-6", "--phidot", "1", "--quiet"]
+for words in (passage, ["plan", "race-angles", "--samples", "1e4"]):
+    assert main(words) == 0
+heavy = ("scipy.stats", "scipy.optimize", "matplotlib", "pyarrow", "pandas")
+print("heavy:", *(name for name in heavy if name in sys.modules))
+"""
+
+
+def test_short_commands_load_no_library_that_they_do_not_use():
+    done = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "heavy:"
