@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from explorer import compiled
 from explorer.measure.statistics import ONE_SIGMA, QUANTILES
 from explorer.phase.states import Array
 
@@ -53,6 +54,17 @@ class LogCounts:
             made.counts = np.bincount(bins - made.first)
         return made
 
+    @classmethod
+    def _of_row(cls, first: int, row: NDArray[np.int32], zeros: np.int64, ends: Array) -> "LogCounts":
+        """Counts of bins from `first` on, most of which may hold nothing."""
+        made, filled = cls(), np.flatnonzero(row)
+        made.zeros = int(zeros)
+        made.smallest, made.largest = ends.tolist()
+        if filled.size:
+            made.first = int(first + filled[0])
+            made.counts = row[filled[0] : filled[-1] + 1].astype(np.int64)
+        return made
+
     def add(self, other: "LogCounts") -> None:
         self.zeros += other.zeros
         self.smallest, self.largest = min(self.smallest, other.smallest), max(self.largest, other.largest)
@@ -77,10 +89,10 @@ class LogCounts:
 
         Numbers are packed: a chunk has some ten thousand bins, and as JSON they took as long as its passages.
         """
-        filled = np.flatnonzero(self.counts)
+        filled = self.counts.nonzero()[0]
         return {
             "first": int(self.first + filled[0]) if filled.size else 0,
-            "gaps": _written(np.diff(filled)),
+            "gaps": _written(filled[1:] - filled[:-1]),
             "counts": _written(self.counts[filled]),
             "zeros": self.zeros,
             "range": [self.smallest, self.largest] if self.total else [],
@@ -128,6 +140,24 @@ class SignedLogCounts:
         made.below, made.above = LogCounts.of(-values[values < 0.0]), LogCounts.of(values[values >= 0.0])
         return made
 
+    @classmethod
+    def by_group(cls, values: Array, groups: NDArray[np.int64], count: int) -> "list[SignedLogCounts]":
+        """Counts of the finite ones of values in groups 0 ... count - 1; a group below 0 is none of them."""
+        with np.errstate(divide="ignore"):
+            places = PER_DECADE * np.log10(abs(values))
+        known = places[np.isfinite(places)]
+        first = int(np.floor(known.min())) if known.size else 0
+        width = int(np.floor(known.max())) - first + 1 if known.size else 1
+        rows, zeros = np.zeros((2 * count, width), np.int32), np.zeros(2 * count, np.int64)
+        ends = np.tile([np.inf, -np.inf], (2 * count, 1))
+        compiled.counting.log_count_batch(values, places, groups, first, rows.reshape(-1), zeros, ends)
+        made = [LogCounts._of_row(first, *row) for row in zip(rows, zeros, ends, strict=True)]
+        both = []
+        for below, above in zip(made[::2], made[1::2], strict=True):
+            both.append(cls())
+            both[-1].below, both[-1].above = below, above
+        return both
+
     def add(self, other: "SignedLogCounts") -> None:
         self.below.add(other.below)
         self.above.add(other.above)
@@ -166,8 +196,8 @@ def _bins_of(state: dict[str, Any]) -> tuple[NDArray[np.int64], NDArray[np.int64
 
 def _written(values: NDArray[np.int64]) -> str:
     """Numbers that are not negative as text, in as few bytes each as the largest needs; that width comes first."""
-    most = int(values.max(initial=0))
-    kind = next(width for width in _WIDTHS if most <= np.iinfo(width).max)
+    bits = int(values.max()).bit_length() if values.size else 0
+    kind = next(width for width in _WIDTHS if bits <= 8 * int(width[-1]))
     return kind[-1] + base64.b64encode(values.astype(kind).tobytes()).decode()
 
 

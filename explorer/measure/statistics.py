@@ -1,5 +1,6 @@
 """Counts and quantiles of samples, with honest intervals."""
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -7,6 +8,7 @@ import scipy  # loads scipy.stats where it is used: it takes a second, and worke
 from numpy.typing import NDArray
 
 from explorer import compiled
+from explorer.phase.states import Array
 
 QUANTILES = (0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
 # The central 68.27 % of a normal distribution: one standard deviation either way.
@@ -29,6 +31,20 @@ def add_counts(parts: Iterable[dict[str, int]]) -> dict[str, int]:
         for name, count in part.items():
             total[name] = total.get(name, 0) + count
     return dict(sorted(total.items()))
+
+
+def histograms(values: Array, groups: NDArray[np.int64], edges: Array, count: int) -> NDArray[np.int32]:
+    """Finite values of groups 0 ... count - 1 between equally spaced edges; last in each row, those outside."""
+    counts = np.zeros((count, edges.size), np.int32)
+    compiled.counting.histogram_batch(values, groups, edges, counts.reshape(-1))
+    return counts
+
+
+def sums(values: Array, groups: NDArray[np.int64], count: int) -> list[float]:
+    """Sums of the finite values of groups 0 ... count - 1, rounded once."""
+    parts = np.zeros((count, 3))
+    compiled.counting.sum_batch(values, groups, parts)
+    return [math.fsum(row) for row in parts.tolist()]
 
 
 def share(count: int, total: int) -> dict[str, float | list[float]]:

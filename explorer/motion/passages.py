@@ -182,9 +182,9 @@ def _in_parts(disk: Disk, starts: Starts, how: Plan, edge: float, jobs: int) -> 
     from joblib import Parallel, delayed
 
     n = starts.status.size
-    parts = [starts.at(rows) for rows in np.array_split(np.arange(n), max(1, min(jobs, n)))]
-    if len(parts) == 1:
+    if min(jobs, n) <= 1:
         return _passages(disk, starts, how, edge)
+    parts = [starts.at(rows) for rows in np.array_split(np.arange(n), min(jobs, n))]
     done = Parallel(n_jobs=jobs, backend="threading")(delayed(_passages)(disk, part, how, edge) for part in parts)
     first: Passages = done[0]
     merged: dict[str, Any] = {
@@ -227,7 +227,8 @@ def _assemble(disk: Disk, starts: Starts, followed: Followed, how: Plan, edge: f
     missed = (falls | (followed.status == code.OK)) & ~(error <= allowed)
     status = np.where(missed, code.STEP_LIMIT, followed.status).astype(np.int8)
     ok, falls = status == code.OK, status == code.FALLS
-    fall_angle = np.where(ok | falls, 2.0 * fall.chi, np.nan)
+    known = ok | falls
+    fall_angle = _only(known, 2.0 * fall.chi)
     speed = impact_speed(disk, sigma3_bar, followed.energy)
     return Passages(
         disk=disk,
@@ -235,19 +236,24 @@ def _assemble(disk: Disk, starts: Starts, followed: Followed, how: Plan, edge: f
         eta_hat=starts.eta_hat,
         phidot=starts.speed,
         face=starts.face,
-        race_angle=np.where(ok, followed.chi - fall_angle, np.nan),
+        race_angle=_only(ok, followed.chi - fall_angle),
         wrong_way=ok & (np.sign(followed.way) != np.sign(eta)),
-        delta_chi=np.where(ok, followed.chi, np.nan),
-        delta_psi=np.where(ok, followed.psi * starts.face, np.nan),
+        delta_chi=_only(ok, followed.chi),
+        delta_psi=_only(ok, followed.psi * starts.face),
         fall_angle=fall_angle,
-        theta_min=np.where(falls, 0.0, np.where(ok, followed.theta_min, np.nan)),
-        duration=np.where(ok, followed.time, np.nan) * disk.time_unit,
+        theta_min=np.where(falls, 0.0, _only(ok, followed.theta_min)),
+        duration=_only(ok, followed.time) * disk.time_unit,
         fall_time=np.where(falls, fall.time, np.nan) * disk.time_unit,
-        energy=np.where(ok | falls, followed.energy, np.nan) * disk.energy_unit,
-        impact_speed=np.where(ok | falls, speed, np.nan) * disk.rate_unit,
+        energy=_only(known, followed.energy) * disk.energy_unit,
+        impact_speed=_only(known, speed) * disk.rate_unit,
         limit=np.where(status == code.BAD_INPUT, np.nan, np.sign(eta) * disk.race_limit),
-        error_estimate=np.where(ok | falls, error, np.nan),
+        error_estimate=_only(known, error),
         status=status,
         method=how.method,
         model=how.rung,
     )
+
+
+def _only(known: NDArray[np.bool_], values: Array) -> Array:
+    """Values where they are known, NaN elsewhere; most often all are."""
+    return values if known.all() else np.where(known, values, np.nan)

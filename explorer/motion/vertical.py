@@ -54,6 +54,8 @@ def starts_at_vertical(
     lost = good & (eta != 0.0) & (abs(eta) < SMALLEST * unit)
     status = np.where(good, np.where(lost, code.UNRESOLVED_SIDE, code.OK), code.BAD_INPUT).astype(np.int8)
     usable = status == code.OK
+    if usable.all():
+        return Starts(s3, eta, speed, facing, status)
     return Starts(
         np.where(usable, s3, unit),
         np.where(usable, eta, np.copysign(unit, eta)),

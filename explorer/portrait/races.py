@@ -118,20 +118,27 @@ def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, bins: int
     return RaceRidges(limit, by_decade(eta, deviation), angles, edges)
 
 
-def decades_of(eta_hat: Array) -> NDArray[np.int64]:
-    """The decade of each |eta_hat|: n where 10^n <= |eta_hat| < 10^(n + 1)."""
-    return np.floor(np.log10(abs(eta_hat)) + 1e-12).astype(np.int64)
+def decades_of(eta_hat: Array) -> Array:
+    """The decade of each |eta_hat|: n where 10^n <= |eta_hat| < 10^(n + 1); -inf of 0."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.floor(np.log10(abs(eta_hat)) + 1e-12))
 
 
 def by_decade(eta_hat: Array, deviation: Array) -> dict[int, dict[int, SignedLogCounts]]:
     """Deviations counted by decade and by side; zeros and what is not finite belong nowhere."""
     good = np.isfinite(deviation) & np.isfinite(eta_hat) & (eta_hat != 0.0)
-    eta, left = eta_hat[good], deviation[good]
-    decade = decades_of(eta)
-    return {
-        int(n): {side: SignedLogCounts.of(left[(decade == n) & (side * eta > 0.0)]) for side in (1, -1)}
-        for n in np.unique(decade)
-    }
+    first, decade = _from_first(decades_of(eta_hat), good)
+    groups = np.where(good, 2 * decade + (eta_hat > 0.0), -1)
+    found = SignedLogCounts.by_group(deviation, groups, 2 * (int(decade.max(initial=-1)) + 1))
+    pairs = enumerate(zip(found[::2], found[1::2], strict=True))
+    return {first + n: {1: plus, -1: minus} for n, (minus, plus) in pairs if plus.total + minus.total}
+
+
+def _from_first(places: Array, good: NDArray[np.bool_]) -> tuple[int, NDArray[np.int64]]:
+    """The smallest of the good ones of whole numbers, and how far each lies from it; -1 where it is not good."""
+    known = places[good]
+    first = float(known.min()) if known.size else 0.0
+    return int(first), np.where(good, places - first, -1.0).astype(np.int64)
 
 
 def law_constants(disk: Disk, eta_hat: Array, race_angle: Array, speed: Array) -> dict[int, SignedLogCounts]:
@@ -144,8 +151,10 @@ def law_constants(disk: Disk, eta_hat: Array, race_angle: Array, speed: Array) -
     with np.errstate(divide="ignore", invalid="ignore"):
         constant = np.log(1.0 / eta) - side * (race_angle - side * disk.race_limit) / scale
         good = np.isfinite(constant) & (scale > _ROUNDING)
-    step = np.floor(PER_STEP * np.log10(eta[good]) + 1e-9).astype(np.int64)
-    return {int(n): SignedLogCounts.of(constant[good][step == n]) for n in np.unique(step)}
+        step = np.floor(PER_STEP * np.log10(eta) + 1e-9)
+    first, groups = _from_first(step, good)
+    found = SignedLogCounts.by_group(constant, groups, int(groups.max(initial=-1)) + 1)
+    return {first + n: counts for n, counts in enumerate(found) if counts.total}
 
 
 def law_rows(disk: Disk, found: Mapping[int, SignedLogCounts]) -> list[dict[str, Any]]:

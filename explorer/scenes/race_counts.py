@@ -32,7 +32,7 @@ def count_races(table: Table, disk: Disk) -> Tally:
     deviation = race - np.sign(eta_hat) * limit  # a motion on F has no side, and belongs to no decade
     return {
         "wrong_way": int(table["wrong_way"].sum()),
-        **{name: _one_sign(race, deviation, sign * eta_hat > 0.0, limit) for name, sign in SIGNS.items()},
+        **_signs(race, deviation, eta_hat, limit),
         "decades": {
             str(exponent): {name: sides[side].state() for name, side in SIGNS.items()}
             for exponent, sides in by_decade(eta_hat, deviation).items()
@@ -65,17 +65,22 @@ def _decade(eta_hat: Array) -> NDArray[np.int64]:
         return np.floor(np.nan_to_num(np.log10(abs(eta_hat)), neginf=-400.0) + 1e-12).astype(np.int64)
 
 
-def _one_sign(race: Array, deviation: Array, chosen: NDArray[np.bool_], limit: float) -> Tally:
-    good = chosen & np.isfinite(race)
-    values, edges = race[good], histogram_edges(limit)
-    counts = np.histogram(values, edges)[0]
-    filled = np.flatnonzero(counts)
-    return {
-        "bins": filled.tolist(),
-        "counts": counts[filled].tolist(),
-        "outside": int((abs(values) > edges[-1]).sum()),
-        "sum": math.fsum(deviation[good].tolist()),
-    }
+def _signs(race: Array, deviation: Array, eta_hat: Array, limit: float) -> Tally:
+    """Histograms of race angles by the sign of eta_hat, and sums of their deviations."""
+    groups = (eta_hat < 0.0).astype(np.int64)  # as in SIGNS
+    groups[~(abs(eta_hat) > 0.0)] = -1
+    counts = statistics.histograms(race, groups, histogram_edges(limit), len(SIGNS))
+    sums = statistics.sums(deviation, groups, len(SIGNS))
+    tally = {}
+    for group, name in enumerate(SIGNS):
+        filled = np.flatnonzero(counts[group, :BINS])
+        tally[name] = {
+            "bins": filled.tolist(),
+            "counts": counts[group, filled].tolist(),
+            "outside": int(counts[group, BINS]),
+            "sum": sums[group],
+        }
+    return tally
 
 
 @dataclass

@@ -194,6 +194,8 @@ from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.lines import line_chart
 from explorer.phase.membership import barrier
 from explorer.phase.states import constants_to_states
+from explorer.measure.log_counts import SignedLogCounts
+from explorer.scenes.race_angles import RaceAngles
 called, compiled_call = set(), compiled._load("kernels._jit").Kernel.__call__
 def call(kernel, *arguments, **keywords):
     called.add(kernel.name)
@@ -202,6 +204,8 @@ compiled._load("kernels._jit").Kernel.__call__ = call
 disk = ex.Disk.uniform()
 state = {"phi": -0.4, "phidot": 0.5, "sigma3": 0.05, "sigma4": -0.3}
 states = ex.phi_to_states(disk, **state)
+scene = RaceAngles.of({"samples": 8, "eta_hat": "1e-4:9e-4"})
+tally = scene.tally(0, scene.compute(0))
 numbers = [
     ex.passages(disk, [1.0, 0.3], [1e-3, -1e-9], [1.0, 1e-3]).race_angle,
     *(
@@ -217,6 +221,7 @@ numbers = [
     barrier(disk)[1](np.array([0.5])),
     line_chart(disk, np.ones(1), np.zeros(1)).bar_to_sigma4,
     ex.simulate(states, t_end=2.0, accuracy=1e-6).phi[..., -1],
+    tally["plus"]["bins"], tally["minus"]["sum"], SignedLogCounts(tally["decades"]["-4"]["plus"]).quantile(0.5),
 ]
 print(json.dumps([float(x) for row in numbers for x in np.ravel(row)]))
 print(sorted(set(compiled._load("kernels._jit").KERNELS) - called))

@@ -9,8 +9,10 @@ from explorer.measure.statistics import (
     add_counts,
     count_status,
     either_p,
+    histograms,
     poisson_interval,
     share,
+    sums,
     upper_bound,
 )
 
@@ -50,3 +52,9 @@ def test_intervals_of_counts_are_the_exact_ones():
     low, high = poisson_interval(np.array([0, 10]))
     np.testing.assert_allclose(low, [0.0, 4.7954], atol=1e-4)
     np.testing.assert_allclose(high, [3.6889, 18.3904], atol=1e-4)
+
+
+def test_groups_have_histograms_and_sums_of_their_own():
+    values, groups = np.array([0.5, 1.5, 9.0, 0.5, np.nan]), np.array([0, 1, 1, -1, 0])
+    assert histograms(values, groups, np.array([0.0, 1.0, 2.0]), 2).tolist() == [[1, 0, 0], [0, 1, 1]]
+    assert sums(values, groups, 2) == [0.5, 10.5]
