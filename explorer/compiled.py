@@ -84,10 +84,12 @@ def warmup(say: Callable[[str], None] = lambda text: None) -> int:
     for module in _modules().values():
         _load(module)
     registry = _load("kernels._jit").KERNELS
-    fresh = [kernel for kernel in registry.values() if not kernel.is_cached()]
+    # Those loaded before are not looked for again: a search of the cache takes a while.
+    idle = [kernel for kernel in registry.values() if kernel._compiled is None]
+    fresh = [kernel for kernel in idle if not kernel.is_cached()]
     for number, kernel in enumerate(fresh, 1):
         say(f"compiling {kernel.name} ({number} of {len(fresh)}; once for this version, then cached)")
         kernel.compile()
-    for kernel in registry.values():
+    for kernel in idle:
         kernel.compile()
     return len(fresh)
