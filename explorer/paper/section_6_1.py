@@ -100,7 +100,7 @@ def no_fall_off_lines() -> Iterator[Finding]:
         bound = np.array([widest_eta(given.energy[i : i + 1], theta[i], disk)[0] for i in range(400)])
         share = float((eta[:400] / bound).max())
         yield at_most(f"{disk.name}: largest η, over what the energy allows at θ_min", share, 1.0, "a bound")
-        phi = observed(disk, rows[:12], np.linspace(0.0, 60.0, 400), "phi")[0]
+        phi = observed(disk, rows[:12].T, np.linspace(0.0, 60.0, 400), "phi")[0]
         lower = 1.0 - float((np.cos(phi).min(axis=1) / np.sin(theta[:12])).min())
         why = "the accuracy 1e-8 of θ_min, 1e-11 a passage of the motion; NaN where one ends"
         yield at_most(f"{disk.name}: 12 motions to t = 60, how far below sin θ_min they come", lower, 1e-7, why)
