@@ -17,6 +17,7 @@ from explorer.portrait.near_flat import NearFlat
 
 _GREY = "#999999"
 _STYLES = (":", "-.", "--", "-", (0, (1, 1)))
+_SIDES = {1: r"$\eta > 0$", -1: r"$\eta < 0$"}  # said in words, since blue and vermilion are one grey in print
 _SEEN = 30.0  # of A t/theta_m, on an axis that is linear to 3
 
 
@@ -148,6 +149,8 @@ def race_collapse(several: Sequence[NearFlat], ax: Axes | None = None) -> Axes:
         style = _STYLES[place % len(_STYLES)]
         ax.plot(one.stretched[seen], one.raced[seen], color=colour, ls=style, lw=1.8, label=label)
     ax.set_xscale("asinh", linear_width=1.0)
+    for sign, name in _SIDES.items():
+        ax.text(2.2, sign * 0.62, name, color=SIGN_COLOURS[sign], fontsize=TEXT, ha="left", va="center")
     ax.set_xlim(-_SEEN, _SEEN)
     ax.minorticks_off()
     ax.set_xticks([-30, -10, -3, -1, 0, 1, 3, 10, 30], ["−30", "−10", "−3", "−1", "0", "1", "3", "10", "30"])
@@ -198,6 +201,7 @@ def blow_up(several: Sequence[NearFlat]) -> Figure:
     for sign in (1, -1):
         x, y = -A * np.cos(turned), sign * A * np.sin(turned)
         ax.plot(x, y, flat, color=SIGN_COLOURS[sign], lw=4.0)
+        ax.text(x[45], 0.72 * y[45], flat, _SIDES[sign], color=SIGN_COLOURS[sign], fontsize=TEXT, ha="center")
         ax.quiver(x[45], y[45], flat, 0.3 * A, 0.0, 0.0, color=SIGN_COLOURS[sign], lw=4.0, arrow_length_ratio=0.9)
     for one in several:
         sign = int(np.sign(one.eta_hat))

@@ -92,12 +92,12 @@ def _ridges(ax: Axes, found: RaceRidges, edges: Array, least: float, look: dict[
         heights = {side: _counted(counts, edges) / widths for side, counts in sides.items()}
         tallest = max((h.max() for h in heights.values()), default=0.0) or 1.0
         for side, height in heights.items():
-            name = rf"$\eta {'>' if side > 0 else '<'} 0$, about {'+' if side > 0 else '−'}κπ"
+            where = "above: $\\eta > 0$, about +κπ" if side > 0 else "below: $\\eta < 0$, about −κπ"
             values = row + side * _TALLEST * height / tallest
             style: dict[str, Any] = {
                 "fill": True,
                 "color": SIGN_COLOURS[side],
-                "label": name if row == 0 else None,
+                "label": where if row == 0 else None,
             } | look
             ax.stairs(values, edges, baseline=row, **style)
         ax.axhline(row, color=LAW, lw=0.6)

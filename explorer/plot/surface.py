@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import ConnectionPatch, Rectangle
 from mpl_toolkits.mplot3d import Axes3D
@@ -77,8 +76,8 @@ def falling_surface(surface: FallingSurface) -> Figure:
 @captioned(
     Question.HOW_RARELY,
     "A point of F under a magnifying glass: each square is the small one inside the square before it. Every dot "
-    "is a motion, blue where its contact point races one way and vermilion where it races the other way. However "
-    "strong the glass, both colours meet in one line, and no motion falls.",
+    "is a motion, blue where its contact point races one way, vermilion and hollow where it races the other way. "
+    "However strong the glass, both colours meet in one line, and no motion falls.",
 )
 def zoom_on_f(zoomed: Zoom) -> Figure:
     """Draw the way of the race on squares round a point of F.
@@ -103,11 +102,13 @@ def zoom_on_f(zoomed: Zoom) -> Figure:
     figure = Figure(figsize=(_SIDE * count + 0.4, _SIDE + 1.2))
     figure.subplots_adjust(left=0.05, right=0.98, top=0.80, bottom=0.14, wspace=0.22)
     panels = figure.subplots(1, count, squeeze=False)[0]
-    colours = ListedColormap([SIGN_COLOURS[-1], SIGN_COLOURS[1]])
     x, y = np.meshgrid(zoomed.offset, zoomed.offset)
     for k, ax in enumerate(panels):
         way = np.sign(zoomed.race_angle[k])
-        ax.scatter(x, y, c=way, s=14, cmap=colours, vmin=-1, vmax=1, lw=0)
+        # Filled and hollow: blue and vermilion are one grey in print.
+        for side, fill in ((1, SIGN_COLOURS[1]), (-1, "white")):
+            these = way == side
+            ax.scatter(x[these], y[these], s=14, c=fill, edgecolors=SIGN_COLOURS[side], lw=0.9)
         ax.set(xlim=(-1, 1), ylim=(-1, 1), aspect="equal", xticks=[], yticks=[])
         power = zoomed.half[0] / zoomed.half[k]
         words = "as it is" if k == 0 else rf"magnified ${_power(power)}$"
