@@ -234,11 +234,12 @@ def contact_paths(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
         ax.plot(*path.T, **style)
         for row in (*_in_race(both, sign), len(path) - 1):
             arrow(ax, path, row, colour)
-        # Blue and vermilion are one grey in print.
-        name = r"$\eta > 0$" if sign > 0 else r"$\eta < 0$"
-        other = both.motions[-sign]["contact"][:, :2] / r
-        away = path[np.argmax([np.hypot(*(other - point).T).min() for point in path])]
-        ax.annotate(name, away, (6, 6), textcoords="offset points", color=colour, fontsize=SMALL)
+        if circle_distance(both.disk.gap) > 1e-9:  # else they cover each other
+            # Blue and vermilion are one grey in print.
+            other = both.motions[-sign]["contact"][:, :2] / r
+            away = path[np.argmax([np.hypot(*(other - point).T).min() for point in path])]
+            name = r"$\eta > 0$" if sign > 0 else r"$\eta < 0$"
+            ax.annotate(name, away, (6, 6), textcoords="offset points", color=colour, fontsize=SMALL)
         limit = _limit_with_races(both, sign) / r
         ax.plot(*limit.T, color=LAW, lw=0.9, ls=":", label="limit of each side" if sign > 0 else None)
     ax.plot(0.0, 0.0, marker="o", ls="", color=LAW, ms=6, label="start")
