@@ -3,6 +3,7 @@
 import argparse
 import json
 import shutil
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,16 +13,27 @@ from explorer.commands.made_by import FILE, command_of, leave_made_by
 from explorer.errors import InputError, note
 from explorer.motion.plan import method_in_words
 from explorer.runs.run import Manner, Run, execute
+from explorer.runs.side_by_side import SideBySide, side_by_side
+from explorer.runs.store import write_json
 from explorer.runs.workers import Workers
-from explorer.scenes.base import Scene
+from explorer.scenes.base import SampledScene, Scene
 from explorer.scenes.registry import build_scene
 
+COMPARED = "side-by-side.json"
 _COMMAND = "nearflat demo"
+# The main job: Runge-Kutta kernels, the fastest of them where a little accuracy is asked.
+_INTEGRATED: dict[str, Any] = {"method": "rk8", "accuracy": 1e-3}
 _STEPS: tuple[tuple[str, dict[str, Any], str], ...] = (
-    ("falling-set", {"samples": 1_000_000}, "Where does the disk fall? A million states, {how}."),
+    ("falling-set", {"samples": 1_000_000, **_INTEGRATED}, "Where does the disk fall? A million states, {how}."),
     ("one-sided", {}, "What happens just beside the falling set? Two sides, two limit motions."),
-    ("race-angles", {"samples": 200_000}, "How far does the contact point race round the rim?"),
+    (
+        "race-angles",
+        {"samples": 200_000, **_INTEGRATED},
+        "How far does the contact point race round the rim? Passages {how}.",
+    ),
 )
+# What is computed a second time by the exact layer, and whether its difference is relative.
+_BESIDE = {"falling-set": ("theta_min", True), "race-angles": ("race_angle", False)}
 
 
 def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quiet: bool = True) -> list[Run]:
@@ -34,16 +46,25 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
     made = [(build_scene(name, seed=seed, **options), title) for name, options, title in _STEPS]
     scenes = [(scene, title_of(scene, title)) for scene, title in made]
     _clear(folder)
-    runs = []
+    runs: list[Run] = []
+    compared: dict[str, SideBySide] = {}
     for scene, title in scenes:
         note(f"\n{title}", quiet)
         run = execute(scene, folder / scene.name, Manner(workers, "error", quiet))
         for line in scene.headline(run.summary):
             note(f"  {line}", quiet)
+        if scene.name in _BESIDE and isinstance(scene, SampledScene):
+            column, relative = _BESIDE[scene.name]
+            compared[scene.name] = side_by_side(scene, column, relative=relative, jobs=workers.jobs)
+            for line in compared[scene.name].lines():
+                note(f"  {line}", quiet)
         if not (folder / FILE).exists():
             leave_made_by(folder, _COMMAND)
         runs.append(run)
-    (folder / "README.md").write_text(_page(folder, runs, [title for _, title in scenes]), encoding="utf-8")
+    write_json(folder / COMPARED, {name: asdict(both) for name, both in compared.items()})
+    (folder / "README.md").write_text(
+        _page(folder, runs, [title for _, title in scenes], compared), encoding="utf-8"
+    )
     return runs
 
 
@@ -66,15 +87,17 @@ def _clear(folder: Path) -> None:
         raise InputError(f"--out {folder}: cannot be cleared ({error.strerror})") from None
 
 
-def _page(folder: Path, runs: list[Run], titles: list[str]) -> str:
+def _page(folder: Path, runs: list[Run], titles: list[str], compared: dict[str, SideBySide]) -> str:
     lines = [
         "# What `nearflat demo` found",
         "",
-        f"Made by `{_COMMAND}`. The numbers are in each `summary.json`.",
+        f"Made by `{_COMMAND}`. The numbers are in each `summary.json` and in `{COMPARED}`.",
     ]
     for run, title in zip(runs, titles, strict=True):
         lines += ["", f"## {title}", ""]
         lines += [f"- {line}" for line in run.scene.headline(run.summary)]
+        if run.scene.name in compared:
+            lines += [f"- {line}" for line in compared[run.scene.name].lines()]
         for path in sorted((folder / run.scene.name / "figures").glob("*.png")):
             lines += ["", *picture_lines(path, folder)]
     return "\n".join(lines) + "\n"

@@ -116,7 +116,7 @@ def test_a_wrong_scene_file_is_refused_in_words(content, message, capsys, tmp_pa
 @pytest.fixture
 def small_demo(monkeypatch):
     small = ({"samples": 3000, "grid": 31}, {"samples": 2}, {"samples": 2000})
-    steps = tuple((n, o, t) for (n, _, t), o in zip(demo_module._STEPS, small, strict=True))
+    steps = tuple((n, {**d, **o}, t) for (n, d, t), o in zip(demo_module._STEPS, small, strict=True))
     monkeypatch.setattr(demo_module, "_STEPS", steps)
 
 

@@ -1,0 +1,24 @@
+"""The same samples by an integrator and by the exact layer."""
+
+import pytest
+
+from explorer.runs.side_by_side import side_by_side
+from explorer.scenes.registry import build_scene
+
+
+@pytest.mark.parametrize(
+    ("name", "column", "relative"), [("falling-set", "theta_min", True), ("race-angles", "race_angle", False)]
+)
+def test_what_is_integrated_differs_from_the_exact_layer_by_less_than_the_accuracy_asked(name, column, relative):
+    both = side_by_side(
+        build_scene(name, samples=2000, method="rk8", accuracy=1e-3), column, relative=relative, jobs=1
+    )
+    assert (both.method, both.exact_method) == ("rk8", "quadrature")
+    assert both.compared > 1900
+    assert 1e-9 < both.percentile_99 < 1e-3  # nothing compares quadrature with itself
+    assert both.percentile_99 <= both.largest
+    assert both.seconds > 0 < both.exact_seconds
+    first, second = both.lines()
+    assert first.startswith("2,000 samples integrated with rk8 to 0.001: ")
+    assert "; by quadrature: " in first
+    assert f"of {column} over {both.compared:,} samples" in second
