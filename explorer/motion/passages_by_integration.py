@@ -43,9 +43,9 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> Followed:
     status = np.where(starts.eta_hat == 0.0, code.FALLS, turn.status)
     status = np.where(starts.status == code.OK, status, starts.status).astype(np.int8)
     ok = status == code.OK
+    status[ok & ~(error <= LENIENCE * how.accuracy)] = code.STEP_LIMIT
     # A passage ends at the flat state it was sent to; one that turns elsewhere was never near it.
     status[ok & (turn.face != face)] = code.BAD_INPUT
-    status[ok & ~(error <= LENIENCE * how.accuracy)] = code.STEP_LIMIT
     return Followed(
         turn.theta, 2.0 * turn.chi, 2.0 * turn.psi * face, 2.0 * turn.time, turn.way, natural.energy, error, status
     )

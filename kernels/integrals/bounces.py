@@ -60,7 +60,7 @@ def time_to_flattest(
     h: float, rate: float, motion: Motion, target: float, rules: Rules, disk: Disk, W: Vector
 ) -> tuple[int, float]:
     """Status, and the time between the tilt h and the turning point on the way to flat."""
-    status, lead = passage(Start(h, rate == 0.0), motion, target, rules, disk, W)
+    status, lead = passage(Start(h, rate == 0.0, 0.0), motion, target, rules, disk, W)
     if rate == 0.0 and not lead.theta_min > 0.0:
         # At rest, and flatter tilts are barred: the state is at its flattest.
         return _OK, 0.0

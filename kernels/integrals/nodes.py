@@ -20,12 +20,14 @@ from kernels.integrals.point import Motion
 from kernels.types import Matrix, Vector
 
 ROOM = 288  # nodes that fit: two panels of the largest rule
-ROWS = 20
+ROWS = 23
 (
     # set by the caller; H, E2 and LOG by the caller or by `place`
     GAP, WEIGHT, CLOSED, H, E2, LOG,
     # results
     CHI, REST, TIME, LEVEL, SLOPE,
+    # E - V where it is known better than as a difference, else 0; its rounding there; room for series of a start
+    KNOWN, NOISE, SERIES,
     # between
     _X, _G, _DRHO, _V, _DV, _EXCESS, _Y, _FALL, _LEFT,
 ) = range(ROWS)  # fmt: skip
@@ -114,6 +116,7 @@ def place(W: Vector, n: int, h_end: float, h_turn: float, y_end: float) -> None:
     polynomial(W, LOG, _LOG1P, n)
     at_end = math.log(h_end) - math.log1p(end2)
     for j in range(n):
+        W[KNOWN * ROOM + j] = 0.0
         W[LOG * ROOM + j] = 2.0 * (W[LOG * ROOM + j] + at_end - W[GAP * ROOM + j]) - _LN2
 
 
@@ -162,6 +165,13 @@ class Node(NamedTuple):
     V: float
 
 
+class Weights(NamedTuple):
+    """Weight of a node, and of the closed part there."""
+
+    whole: float
+    closed: float
+
+
 @device
 def at_node(h: float, log_S: float, f: Series, X: float, Y: float, b: Body) -> Node:
     """The motion with constants X, Y at h."""
@@ -187,14 +197,13 @@ def slope_at(h: float, at: Node, b: Body) -> float:
 
 @device
 def integrands_at(
-    h: float, e2: float, weight: float, closed: float, at: Node, motion: Motion, b: Body
+    h: float, e2: float, weights: Weights, left: float, at: Node, Y: float, b: Body
 ) -> tuple[float, float, float]:
-    """(CHI, REST, TIME) of a node."""
-    left = motion.level - at.V
+    """(CHI, REST, TIME) of a node. left: E - V."""
     left = left if left > _LEAST else _LEAST
-    dt = weight * h * (1.0 - e2) / ((1.0 + e2) * at.shape * math.sqrt(2.0 * b.inv_M * left))
+    dt = weights.whole * h * (1.0 - e2) / ((1.0 + e2) * at.shape * math.sqrt(2.0 * b.inv_M * left))
     w = dt / (h * (1.0 - 0.5 * at.S))
-    chi = w * at.smooth + motion.Y / h * (at.D * w - closed)
+    chi = w * at.smooth + Y / h * (at.D * w - weights.closed)
     return chi, dt * (at.ratio * h * at.shape / (2.0 - at.S) + at.flat + at.rise), dt
 
 
@@ -222,9 +231,11 @@ def integrands(W: Vector, n: int, motion: Motion, disk: Disk) -> None:
     for j in range(n):
         h = W[H * ROOM + j]
         at = at_node(h, W[LOG * ROOM + j], expanded(W, j), motion.X, motion.Y, b)
-        chi, rest, time = integrands_at(
-            h, W[E2 * ROOM + j], W[WEIGHT * ROOM + j], W[CLOSED * ROOM + j], at, motion, b
-        )
+        weights = Weights(W[WEIGHT * ROOM + j], W[CLOSED * ROOM + j])
+        known = W[KNOWN * ROOM + j]
+        left = known if known > 0.0 else motion.level - at.V
+        chi, rest, time = integrands_at(h, W[E2 * ROOM + j], weights, left, at, motion.Y, b)
+        W[LEVEL * ROOM + j] = at.V
         W[CHI * ROOM + j], W[REST * ROOM + j], W[TIME * ROOM + j] = chi, rest, time
 
 

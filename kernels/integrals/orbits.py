@@ -61,11 +61,11 @@ def orbit(
     """
     outer = turning_point_outward(h0, motion, disk)
     if outer > 0.0:
-        status, here = passage(Start(outer, True), motion, target, rules, disk, W)
+        status, here = passage(Start(outer, True, 0.0), motion, target, rules, disk, W)
         return status, here, _NOT_THERE
     mirrored = Motion(motion.X, far, motion.level)
-    status, here = passage(Start(VERTICAL, False), motion, target, rules, disk, W)
-    other_status, there = passage(Start(VERTICAL, False), mirrored, target, rules, disk, W)
+    status, here = passage(Start(VERTICAL, False, 0.0), motion, target, rules, disk, W)
+    other_status, there = passage(Start(VERTICAL, False, 0.0), mirrored, target, rules, disk, W)
     return max(status, other_status), here, there
 
 

@@ -94,7 +94,9 @@ def passage_batch(
             speed = crossings.speed[i]
             X, Y = crossings.sigma3_bar[i] / b.r0, crossings.eta[i] / b.I1
             motion = motion_through(VERTICAL, speed, X, Y, disk)
-            start = Start(h_end, speed == 0.0 and h_end == VERTICAL)
+            at_vertical = h_end == VERTICAL
+            moving = 0.5 * b.M * speed * speed if at_vertical else 0.0
+            start = Start(h_end, speed == 0.0 and at_vertical, moving)
             status[i], row = passage(start, motion, target, rules, disk, W)
             put(row, out, i)
 

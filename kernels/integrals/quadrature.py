@@ -21,6 +21,16 @@ from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import Entry
 from kernels.integrals import nodes
+from kernels.integrals.departure import (
+    divide,
+    expand_start,
+    first_return,
+    know,
+    known_noise,
+    return_noise,
+    there_and_back,
+    way_at,
+)
 from kernels.integrals.nodes import ROOM
 from kernels.integrals.point import Motion, Point, point
 from kernels.integrals.turning import turning_point
@@ -55,10 +65,14 @@ class Rules(NamedTuple):
 
 
 class Start(NamedTuple):
-    """Where a passage begins: h there, and whether it begins from rest, whatever rounding makes of its speed."""
+    """Where a passage begins: h there, and whether it begins from rest, whatever rounding makes of its speed.
+
+    moving: kinetic energy, at the vertical; 0 where it is only known as a difference.
+    """
 
     h: float
     rest: bool
+    moving: float
 
 
 class PassageRow(NamedTuple, Generic[Entry]):
@@ -141,17 +155,18 @@ def slow_noise(slow: float, distance: float, rounding: float, at: Point, b: Body
 
 @subroutine
 def end_scale(
-    h_turn: float, y_end: float, length: float, rest: bool, motion: Motion, disk: Disk
+    h_turn: float, y_end: float, length: float, begin: Start, motion: Motion, disk: Disk
 ) -> tuple[float, float]:
     """(scale, noise): where a slow start at y_end stops being slow, and what rounding does there."""
     b, level = disk.body, motion.level
     last = point(h_turn * math.cosh(y_end), motion.X, motion.Y, disk)
-    start = 0.0 if rest else max(level - last.V, 0.0)
+    start = begin.moving if begin.moving > 0.0 else max(level - last.V, 0.0)
+    start = 0.0 if begin.rest else start
     slope = max(last.slope * math.tanh(y_end), 0.0)
     other = level - point(h_turn * math.cosh(y_end - length), motion.X, motion.Y, disk).V
     bend = max(other - start - slope * length, 0.0) / (length * length)
     rounding = _EPSILON * magnitude(last, motion, b)
-    scale, slow = slow_start(start, slope, bend, length, rest, rounding)
+    scale, slow = slow_start(start, slope, bend, length, begin.rest, rounding)
     tilt = h_turn * math.sinh(y_end) / last.shape  # d theta / dy
     return scale, slow_noise(slow, scale * tilt, rounding, last, b)
 
@@ -205,6 +220,33 @@ def good_enough(error: float, noise: float, target: float, floor: float) -> bool
 
 
 @subroutine
+def short_passage(
+    u_turn: float, motion: Motion, target: float, rules: Rules, disk: Disk, W: Vector
+) -> tuple[int, PassageRow[float]]:
+    """The passage of a motion that turns back beside the vertical, at u_turn; status and results as `passage`."""
+    b = disk.body
+    divide(W, u_turn)
+    chi = psi = time = math.nan
+    angle_error = time_error = math.inf
+    status, first = _LIMIT, 0
+    for size in rules.sizes:
+        last = first + int(size)
+        chi_before, psi_before, time_before = chi, psi, time
+        chi, rest, time, least = there_and_back(W, u_turn, rules.packed[0, :, first:last], b)
+        first, psi = last, chi - rest
+        noise = return_noise(W, u_turn, least)
+        angle_noise = noise * (abs(chi) + abs(rest))
+        angle_error, time_error = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
+        if good_enough(angle_error, angle_noise, target, FLOOR) and good_enough(time_error, noise, target, FLOOR):
+            angle_error, time_error = 2.0 * (angle_error + angle_noise), 2.0 * (time_error + noise)
+            status = _OK
+            break
+    energy = motion.level + potential_at_flat(motion.X, b)
+    theta_min, way = math.acos(u_turn), way_at(W, u_turn)
+    return status, PassageRow(theta_min, chi, psi, time, energy, angle_error, time_error, way)
+
+
+@subroutine
 def passage(
     start: Start, motion: Motion, target: float, rules: Rules, disk: Disk, W: Vector
 ) -> tuple[int, PassageRow[float]]:
@@ -214,6 +256,14 @@ def passage(
     """
     b = disk.body
     energy = motion.level + potential_at_flat(motion.X, b)
+    rounding = 0.0
+    if start.moving > 0.0:
+        departs = point(start.h, motion.X, motion.Y, disk)
+        rounding = _EPSILON * magnitude(departs, motion, b)
+        expand_start(W, start.moving, departs, b)
+        u_turn = first_return(W)
+        if u_turn > 0.0:
+            return short_passage(u_turn, motion, target, rules, disk, W)
     h_turn = turning_point(start.h, start.rest, motion, disk, W)
     y_end = math.acosh(max(start.h / h_turn, 1.0)) if h_turn > 0.0 else 0.0
     chi = psi = time = math.nan
@@ -225,7 +275,7 @@ def passage(
     closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * b.inv_M, _LEAST)))
     race = closed * motion.Y / h_turn * 2.0 * math.atan(math.tanh(0.5 * y_cut))
     noise = rounding_noise(start, turn, y_cut, motion, disk)
-    scale, slow = end_scale(h_turn, y_end, length, start.rest, motion, disk)
+    scale, slow = end_scale(h_turn, y_end, length, start, motion, disk)
     panels = Panels(y_end, length, scale, closed)
     angle_error = time_error = math.inf
     status, first = _LIMIT, 0
@@ -234,13 +284,19 @@ def passage(
         n = lay_nodes(W, panels, rules.packed[0, :, first:last], rules.packed[1, :, first:last])
         first = last
         nodes.place(W, n, start.h, h_turn, y_end)
+        if start.moving > 0.0:
+            know(W, n, y_end)
         nodes.integrands(W, n, motion, disk)
         chi_before, psi_before, time_before = chi, psi, time
         chi = 2.0 * (race + nodes.total(W, nodes.CHI, n))
         psi = chi - 2.0 * nodes.total(W, nodes.REST, n)
         time = 2.0 * nodes.total(W, nodes.TIME, n)
         angle_error, time_error = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
-        angle_noise, time_noise = noise * (abs(race) + abs(chi) + abs(psi)) + slow, noise + slow / time
+        slow_angles, slow_time = slow, slow
+        if start.moving > 0.0:
+            slow_angles, slow_time = known_noise(W, n // 2, n, 4.0 * rounding, motion.level)
+        angle_noise = noise * (abs(race) + abs(chi) + abs(psi)) + slow_angles
+        time_noise = noise + slow_time / time
         if good_enough(angle_error, angle_noise, target, FLOOR * max(1.0, abs(chi))) and good_enough(
             time_error, time_noise, target, FLOOR
         ):
@@ -256,7 +312,7 @@ def passage(
 def start_of_fall(h_end: float, motion: Motion, disk: Disk) -> Start:
     """Where the fall on F begins: at h_end, or at rest at the turning point if that comes later."""
     if motion.level >= point(h_end, motion.X, 0.0, disk).V:
-        return Start(h_end, False)
+        return Start(h_end, False, 0.0)
     low, high = 0.0, h_end
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
@@ -264,7 +320,7 @@ def start_of_fall(h_end: float, motion: Motion, disk: Disk) -> Start:
             high = middle
         else:
             low = middle
-    return Start(low, True)
+    return Start(low, True, 0.0)
 
 
 @subroutine
@@ -276,7 +332,7 @@ def lay_fall_nodes(W: Vector, start: float, scale: float, rule: Matrix) -> None:
         h = 2.0 * math.sin(0.5 * max(start - distance, _LEAST))
         W[nodes.H * ROOM + j] = h
         W[nodes.LOG * ROOM + j] = 2.0 * math.log(h) - _LN2
-        W[nodes.E2 * ROOM + j] = W[nodes.CLOSED * ROOM + j] = 0.0
+        W[nodes.E2 * ROOM + j] = W[nodes.CLOSED * ROOM + j] = W[nodes.KNOWN * ROOM + j] = 0.0
         # integrands() takes weights in y, with dtheta = h tanh(y) dy / shape
         W[nodes.WEIGHT * ROOM + j] = dtheta * math.sqrt(1.0 - 0.25 * h * h) / h
 

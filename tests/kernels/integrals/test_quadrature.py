@@ -16,7 +16,7 @@ from kernels.status import Status
 def through(disk, X, Y, rate, target=1e-11):
     W = np.zeros(nodes.ROWS * nodes.ROOM)
     motion = motion_through(VERTICAL, rate, X, Y, disk.natural)
-    return passage(Start(VERTICAL, rate == 0.0), motion, target, packed_rules(), disk.natural, W)
+    return passage(Start(VERTICAL, rate == 0.0, 0.0), motion, target, packed_rules(), disk.natural, W)
 
 
 @pytest.mark.parametrize("name", ["uniform", "hoop", "thick"])
@@ -48,7 +48,7 @@ def test_an_accuracy_that_rounding_forbids_is_not_claimed():
 def test_a_motion_that_moves_away_from_flat_is_no_passage():
     disk = BODIES["uniform"]
     W = np.zeros(nodes.ROWS * nodes.ROOM)
-    start, motion = Start(VERTICAL, False), Motion(0.7, 1e-3, 0.1)
+    start, motion = Start(VERTICAL, False, 0.0), Motion(0.7, 1e-3, 0.1)
     status, row = passage(start, motion, 1e-9, packed_rules(), disk.natural, W)
     assert status == Status.BAD_INPUT
     assert math.isnan(row.chi)

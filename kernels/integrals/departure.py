@@ -1,0 +1,170 @@
+"""A start at the vertical, however slow: E - V beside it as a power series in u = sin(phi), with no constant lost.
+
+E - V is a difference of numbers of order 1 and, at a slow start, smaller than their rounding. What it is at the
+vertical is known, M phidot^2/2, and what it gains is a power series: sigma3 as a function of u obeys
+
+    (1 - u^2) sigma3'' = c sigma3,     k sigma4 = -sigma3',     ' = d/du,
+
+eqs (4.2), (4.3), and u = 1 - S. A motion that turns back where the series holds is an integral of its own,
+over s with u = u_turn (1 - s^2), in which nothing vanishes.
+"""
+
+import math
+
+from kernels._jit import subroutine
+from kernels.disk.body import Body
+from kernels.integrals import nodes
+from kernels.integrals.nodes import ROOM
+from kernels.integrals.point import Point
+from kernels.types import Matrix, Vector
+
+TERMS = 22
+WIDEST = 0.15  # of u: its power TERMS is below rounding
+_SIGMA, _LEFT, _QUOTIENT = 0, 32, 64  # where series begin in row SERIES: sigma3, E - V, and E - V over u_turn - u
+_FIRST, _SECOND = 96, 97  # sums of sizes of what the first two coefficients of E - V are made of
+_HALVINGS = 64
+_ROUNDING = 4.0 * 2.2e-16
+_LEAST = 1e-300
+
+
+@subroutine
+def expand_start(W: Vector, moving: float, start: Point[float], b: Body) -> None:
+    """Series of the motion beside the vertical. moving: its kinetic energy there; start: the vertical."""
+    at = nodes.SERIES * ROOM
+    W[at + _SIGMA], W[at + _SIGMA + 1] = start.ratio, -b.k * start.sigma4
+    c = b.c
+    for n in range(TERMS):
+        W[at + _SIGMA + n + 2] = (n * (n - 1) + c) / ((n + 1) * (n + 2)) * W[at + _SIGMA + n]
+    rigid, spin = 0.5 * b.I1, 0.5 * b.J / (b.k * b.k)
+    W[at + _LEFT] = moving
+    even, odd = rigid * start.ratio * start.ratio, 0.0
+    height_even = 1.0
+    W[at + _FIRST] = W[at + _SECOND] = 0.0
+    for n in range(1, TERMS):
+        square = turning = size = 0.0
+        for i in range(n + 1):
+            one = rigid * W[at + _SIGMA + i] * W[at + _SIGMA + n - i]
+            other = spin * (i + 1) * (n - i + 1) * W[at + _SIGMA + i + 1] * W[at + _SIGMA + n - i + 1]
+            square, turning, size = square + one, turning + other, size + abs(one) + abs(other)
+        if n % 2 == 0:
+            even += square
+            height_even *= (n - 3.0) / n
+            W[at + _LEFT + n] = -(even + turning + height_even)
+        else:
+            odd += square
+            W[at + _LEFT + n] = -(odd + turning)
+        if n == 1:
+            W[at + _FIRST] = size
+        elif n == 2:
+            W[at + _SECOND] = size + rigid * start.ratio * start.ratio + 1.0
+
+
+@subroutine
+def value(W: Vector, first: int, terms: int, u: float) -> float:
+    """The series that begins at `first`, at u."""
+    at, result = nodes.SERIES * ROOM + first, 0.0
+    for n in range(terms - 1, -1, -1):
+        result = result * u + W[at + n]
+    return result
+
+
+@subroutine
+def doubt(W: Vector, u: float) -> float:
+    """Rounding of E - V at u."""
+    at = nodes.SERIES * ROOM
+    return _ROUNDING * u * (W[at + _FIRST] + u * W[at + _SECOND])
+
+
+@subroutine
+def first_return(W: Vector) -> float:
+    """u where the motion turns back, if the series holds there, else 0."""
+    low, high = 0.0, 0.0
+    for n in range(_HALVINGS, -1, -1):
+        u = WIDEST * 0.5**n
+        if value(W, _LEFT, TERMS, u) < 0.0:
+            high = u
+            break
+        low = u
+    if high == 0.0:
+        return 0.0
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if value(W, _LEFT, TERMS, middle) < 0.0:
+            high = middle
+        else:
+            low = middle
+    return 0.5 * (low + high)
+
+
+@subroutine
+def divide(W: Vector, u_turn: float) -> None:
+    """The series of (E - V)/(u_turn - u), E - V having its root at u_turn."""
+    at, share = nodes.SERIES * ROOM, 0.0
+    for n in range(TERMS - 1, 0, -1):
+        share = share * u_turn - W[at + _LEFT + n]
+        W[at + _QUOTIENT + n - 1] = share
+
+
+@subroutine
+def there_and_back(W: Vector, u_turn: float, half: Matrix, b: Body) -> tuple[float, float, float, float]:
+    """(chi, rest, time, least quotient) from the vertical to u_turn and back, after `divide`.
+
+    half: positive half of a symmetric rule: the integrand is even in s.
+    """
+    chi = rest = time = 0.0
+    least = math.inf
+    for j in range(half.shape[1]):
+        u = u_turn * (1.0 - half[0, j]) * (1.0 + half[0, j])
+        quotient = value(W, _QUOTIENT, TERMS - 1, u)
+        least = min(least, quotient)
+        height2 = (1.0 - u) * (1.0 + u)
+        dt = half[1, j] * math.sqrt(2.0 * b.M * u_turn / (height2 * max(quotient, _LEAST)))
+        sigma3, slope = value(W, _SIGMA, TERMS, u), 0.0
+        for n in range(TERMS, 0, -1):
+            slope = slope * u + n * W[nodes.SERIES * ROOM + _SIGMA + n]
+        turn = dt * sigma3 / height2
+        chi, rest, time = chi + turn, rest + turn * (1.0 - u) - dt * slope / b.k, time + dt
+    return 2.0 * chi, 2.0 * rest, 2.0 * time, least
+
+
+@subroutine
+def return_noise(W: Vector, u_turn: float, least: float) -> float:
+    """Relative error of a return to the vertical from rounding."""
+    return 8.0 * _ROUNDING + 4.0 * doubt(W, u_turn) / (u_turn * max(least, _LEAST))
+
+
+@subroutine
+def way_at(W: Vector, u: float) -> float:
+    """sigma3/q at u."""
+    return value(W, _SIGMA, TERMS, u) / math.sqrt((1.0 - u) * (1.0 + u))
+
+
+@subroutine
+def know(W: Vector, n: int, y_end: float) -> None:
+    """KNOWN = E - V at nodes beside the vertical, which is at y_end; NOISE = its rounding, 0 elsewhere."""
+    slant = math.tanh(y_end)
+    for j in range(n):
+        gap = W[nodes.GAP * ROOM + j]
+        if gap < WIDEST:
+            sinh = math.sinh(0.5 * gap)
+            shrink = slant * math.sinh(gap) - 2.0 * sinh * sinh  # 1 - h/h_end
+            u = shrink * (2.0 - shrink)
+            if 0.0 <= u < WIDEST:
+                W[nodes.KNOWN * ROOM + j] = max(value(W, _LEFT, TERMS, u), _LEAST)
+                W[nodes.NOISE * ROOM + j] = doubt(W, u)
+
+
+@subroutine
+def known_noise(W: Vector, first: int, n: int, rounding: float, motion_level: float) -> tuple[float, float]:
+    """(error of angles, of time) of nodes first to n, there and back, from rounding in E - V.
+
+    rounding: of E - V where it is a difference.
+    """
+    angles = time = 0.0
+    for j in range(first, n):
+        known = W[nodes.KNOWN * ROOM + j]
+        left = known if known > 0.0 else max(motion_level - W[nodes.LEVEL * ROOM + j], _LEAST)
+        share = (W[nodes.NOISE * ROOM + j] if known > 0.0 else rounding) / left
+        angles += share * (abs(W[nodes.CHI * ROOM + j]) + abs(W[nodes.REST * ROOM + j]))
+        time += share * W[nodes.TIME * ROOM + j]
+    return 2.0 * angles, 2.0 * time

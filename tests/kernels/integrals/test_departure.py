@@ -1,0 +1,49 @@
+"""Slow starts at the vertical: E - V beside it."""
+
+import math
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+from explorer.phase.gauss import packed_rules
+from kernels.integrals import departure, nodes
+from kernels.integrals.point import VERTICAL, motion_through, point
+from kernels.integrals.quadrature import Start, passage
+from kernels.status import Status
+
+X, Y = 0.7, 0.2
+
+
+def expanded(disk, moving):
+    W = np.zeros(nodes.ROWS * nodes.ROOM)
+    departure.expand_start(W, moving, point(VERTICAL, X, Y, disk.natural), disk.body)
+    return W
+
+
+@pytest.mark.parametrize("u", [1e-4, 0.01, 0.149])
+def test_the_series_is_what_the_motion_gains(body, u):
+    """Against the difference of potentials, where that has digits left."""
+    W = expanded(body, 0.25)
+    h = math.sqrt(2.0 * (1.0 - u))
+    gained = point(VERTICAL, X, Y, body.natural).V - point(h, X, Y, body.natural).V
+    at_start = departure.value(W, departure._LEFT, departure.TERMS, u)
+    assert at_start == pytest.approx(0.25 + gained, abs=3e-14)
+
+
+@pytest.mark.parametrize("rate", [1e-9, 1e-3])
+def test_a_motion_that_turns_back_at_once_does_so_with_constant_acceleration(rate):
+    """Its time is 2 v/a up to a share of (v/a)^2, also where doubles hold no tilt between both ends."""
+    disk = BODIES["uniform"]
+    W = np.zeros(nodes.ROWS * nodes.ROOM)
+    # sigma3 and sigma4 of unlike signs at the vertical push it back.
+    x, y = 0.7, 3.0
+    at = point(VERTICAL, x, y, disk.natural)
+    push = -at.slope / VERTICAL * math.sqrt(0.5) / disk.body.M  # dV/dh, dh/dtheta
+    assert push > 0.0
+    motion = motion_through(VERTICAL, rate, x, y, disk.natural)
+    start = Start(VERTICAL, False, 0.5 * disk.body.M * rate * rate)
+    status, row = passage(start, motion, 1e-11, packed_rules(), disk.natural, W)
+    assert status == Status.OK
+    assert row.time == pytest.approx(2.0 * rate / push, rel=1e-12 + 10.0 * (rate / push) ** 2)
+    assert 0.5 * math.pi - row.theta_min == pytest.approx(0.5 * rate**2 / push, rel=1e-5, abs=3e-16)
