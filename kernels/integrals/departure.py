@@ -39,7 +39,9 @@ def expand_start(W: Vector, moving: float, start: Point[float], b: Body) -> None
     W[at + _LEFT] = moving
     even, odd = rigid * start.ratio * start.ratio, 0.0
     height_even = 1.0
-    W[at + _FIRST] = W[at + _SECOND] = 0.0
+    # sigma3 there is a difference too, rounded like sigma4 even where it vanishes.
+    reach = abs(W[at + _SIGMA]) + abs(W[at + _SIGMA + 1])
+    W[at + _FIRST], W[at + _SECOND] = 2.0 * (rigid + spin * c) * reach * reach, 0.0
     for n in range(1, TERMS):
         square = turning = size = 0.0
         for i in range(n + 1):
@@ -53,9 +55,7 @@ def expand_start(W: Vector, moving: float, start: Point[float], b: Body) -> None
         else:
             odd += square
             W[at + _LEFT + n] = -(odd + turning)
-        if n == 1:
-            W[at + _FIRST] = size
-        elif n == 2:
+        if n == 2:
             W[at + _SECOND] = size + rigid * start.ratio * start.ratio + 1.0
 
 

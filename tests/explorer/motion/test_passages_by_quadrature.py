@@ -1,5 +1,8 @@
 """Passages as integrals, against arithmetic in 30 and 40 digits and at the extremes."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 from conftest import BODIES
@@ -73,3 +76,21 @@ def test_a_fall_is_the_limit_of_passages_and_takes_half_their_time():
 def test_tilt_is_measured_as_the_kernels_do():
     assert chord(0.0) == compiled.point.VERTICAL
     assert chord(0.5 * np.pi - 1e-3) == pytest.approx(1e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-10])
+def test_estimates_hold_in_the_nastiest_corners_and_slow_starts_are_answered(accuracy):
+    """Random starts from 1e-9, |eta_hat| near 1, extreme bodies, separatrices, against 60 digits."""
+    kept = Path(__file__).parents[2] / "reference" / "corners.json"
+    slow = []
+    for row in json.loads(kept.read_text(encoding="utf-8")):
+        start = (row[name] for name in ("sigma3_bar", "eta_hat", "phidot", "face"))
+        got = ex.passages(ex.Disk(I1=row["I1"], I3=row["I3"]), *start, accuracy=accuracy)
+        answered = got.status[0] == ex.Status.OK
+        if row["corner"] == "slow start":
+            slow.append(answered)
+        if answered:
+            apart = [abs(getattr(got, name)[0] - row[name]) for name in ("delta_chi", "delta_psi")]
+            apart += [abs(getattr(got, name)[0] / row[name] - 1.0) for name in ("duration", "theta_min")]
+            assert max(apart) <= 10.0 * got.error_estimate[0]
+    assert np.mean(slow) >= 0.95
