@@ -1,5 +1,6 @@
 """Scene measure-zero: the law P(theta_min < delta) = C delta, its constant, and what is refused."""
 
+import functools
 import itertools
 import math
 
@@ -8,6 +9,7 @@ import pytest
 from conftest import computed
 
 import explorer as ex
+from explorer.scenes import measure_zero_summary
 from explorer.scenes.registry import build_scene
 
 SMALL = {"samples": 40_000, "tube": 2048}
@@ -16,6 +18,14 @@ SMALL = {"samples": 40_000, "tube": 2048}
 def summary_of(**options):
     scene = build_scene("measure-zero", **options)
     return scene, scene.summarise(computed(scene))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def pushed_once():
+    """States pushed forward depend on the disk and the seed alone, so scenes that share these share the answer."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(measure_zero_summary, "push_forward", functools.cache(measure_zero_summary.push_forward))
+        yield
 
 
 @pytest.fixture(scope="module")
