@@ -7,6 +7,7 @@ one found first on the path wins. So everything in `explorer` reaches kernels th
 
 import importlib
 import importlib.util
+import platform
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -74,6 +75,37 @@ def source_digest() -> str:
     """Digest of the kernels' source and of the versions that compile them."""
     digest: str = _load("kernels._jit").source_digest()
     return digest
+
+
+def target() -> tuple[str, bool]:
+    """The kind of processor that kernels are compiled for, and whether it rounds a product and a sum together."""
+    from llvmlite import binding
+    from numba.core import config  # here: numba takes a second to load
+
+    name = config.CPU_NAME or binding.get_host_cpu_name()
+    if platform.machine().lower() not in ("x86_64", "amd64"):
+        return name, True  # all others that numba compiles for do
+    chosen = config.CPU_FEATURES
+    if chosen is None and config.CPU_NAME is None:
+        return name, bool(binding.get_host_cpu_features().get("fma"))
+    if chosen and "fma" in chosen:
+        return name, "+fma" in chosen.split(",")
+    return name, _has_fma(name)
+
+
+def _has_fma(name: str) -> bool:
+    """Whether LLVM's kind of processor of that name has the instruction: asked of what it makes of a product."""
+    from llvmlite import binding
+
+    binding.initialize_all_targets()
+    binding.initialize_all_asmprinters()
+    module = binding.parse_assembly(
+        "declare double @llvm.fma.f64(double, double, double)\n"
+        "define double @f(double %a, double %b, double %c) {\n"
+        "  %d = call double @llvm.fma.f64(double %a, double %b, double %c)\n  ret double %d\n}"
+    )
+    target = binding.Target.from_triple(binding.get_process_triple())
+    return "vfmadd" in target.create_target_machine(cpu=name).emit_assembly(module)
 
 
 def warmup(say: Callable[[str], None] = lambda text: None) -> int:

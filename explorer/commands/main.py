@@ -18,6 +18,7 @@ from types import ModuleType
 from typing import Any, NamedTuple, NoReturn
 
 from explorer.errors import InputError, Interrupted, RunError, shorten, words_of_the_command
+from explorer.runs.interrupt import STATUS, as_interrupts, ignore, was_told
 
 
 class Command(NamedTuple):
@@ -134,50 +135,85 @@ class _CommandParser(_Parser):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit status."""
+    _open_what_is_closed()
+    try:
+        with as_interrupts():
+            status = _to_the_end(sys.argv[1:] if arguments is None else list(arguments))
+    except KeyboardInterrupt:  # before the command began, or after it ended
+        status = STATUS
+    if arguments is None:
+        ignore()
+    return status
+
+
+def _to_the_end(words: list[str]) -> int:
+    """Run one command and send all that it printed to whoever reads it."""
     try:
         try:
             with words_of_the_command():
-                return _run(sys.argv[1:] if arguments is None else list(arguments))
+                return _run(words)
         finally:
-            if sys.stdout is not None:
-                sys.stdout.flush()  # here, where a closed pipe can be caught, not at the end of the interpreter
+            sys.stdout.flush()  # here, where a closed pipe can be caught, not at the end of the interpreter
     except BrokenPipeError:
         _close_quietly()
         return _PIPE_CLOSED
+    except OSError as error:
+        _close_quietly()
+        print(f"nearflat: cannot be read or written: {error}", file=sys.stderr)
+        return 1
+
+
+def _open_what_is_closed() -> None:
+    """Let streams that were closed lead nowhere; else the next file that is opened takes their place."""
+    for number, name in ((1, "stdout"), (2, "stderr")):
+        if getattr(sys, name) is None:
+            place = os.open(os.devnull, os.O_WRONLY)
+            if place < number:
+                place = os.dup2(place, number)
+            setattr(sys, name, os.fdopen(place, "w", encoding="utf-8"))
 
 
 def _close_quietly() -> None:
     """Send what the streams still hold nowhere: the interpreter would complain about it when it ends."""
-    for stream in filter(None, (sys.stdout, sys.stderr)):
+    for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
-        except BrokenPipeError:
+        except OSError:
             with contextlib.suppress(OSError):  # a stream that is no file has nothing to close
                 os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _run(words: list[str]) -> int:
-    options = _parser().parse_args(words)
-    options.command_line = shlex.join(["nearflat", *words])
-    if options.arithmetic is not None:
-        # Read when the kernels are first loaded, here and in worker processes.
-        os.environ["NEARFLAT_ARITHMETIC"] = options.arithmetic
+    options = argparse.Namespace(command="")
     try:
+        options = _parser().parse_args(words)
+        options.command_line = shlex.join(["nearflat", *words])
+        if options.arithmetic is not None:
+            # Read when the kernels are first loaded, here and in worker processes.
+            os.environ["NEARFLAT_ARITHMETIC"] = options.arithmetic
         status: int = options.call(options)
         return status
-    except (InputError, ImportError) as error:
-        return _complain(options, error, 2)
     except Interrupted as error:
-        return _complain(options, error, 130)
-    except RunError as error:
-        return _complain(options, error, 1)
+        return _complain(options, error, STATUS)
     except KeyboardInterrupt:
-        hint = "; finished chunks are kept: nearflat resume DIR goes on" if options.command == "run" else ""
-        return _complain(options, f"interrupted{hint}", 130)
+        return _interrupted(options)
+    except Exception as error:
+        if was_told():  # some libraries turn an interrupt into an error of their own
+            return _interrupted(options)
+        if isinstance(error, InputError | ImportError):
+            return _complain(options, error, 2)
+        if isinstance(error, RunError):
+            return _complain(options, error, 1)
+        raise
+
+
+def _interrupted(options: argparse.Namespace) -> int:
+    hint = "; finished chunks are kept: nearflat resume DIR goes on" if options.command == "run" else ""
+    return _complain(options, f"interrupted{hint}", STATUS)
 
 
 def _complain(options: argparse.Namespace, error: object, status: int) -> int:
-    print(f"nearflat {options.command}: {error}", file=sys.stderr)
+    print(f"nearflat {options.command}".rstrip() + f": {error}", file=sys.stderr)
     return status
 
 

@@ -12,7 +12,7 @@ import inspect
 import json
 import os
 import platform
-import sys
+import re
 from collections.abc import Callable
 from datetime import UTC, datetime
 from functools import cache
@@ -23,12 +23,15 @@ from typing import Any
 from explorer import compiled
 from explorer.errors import InputError, RunError, path_of, shorten, shown
 from explorer.runs import store
+from explorer.runs.machine import arithmetic, machine
 from explorer.runs.pictures import KNOWN
 from explorer.runs.strangers import plain_names
 from explorer.scenes.base import Scene
 from explorer.scenes.registry import scene_from_options
 
 FORMAT = 1
+_LEFT = re.compile(r"\.probe-\d+|(run|summary)\.\d+\.tmp")  # names of a moment, which a killed run leaves
+_MOST_KINDS = 20  # kinds of processor that run.json names
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pyarrow", "tqdm")
 
 
@@ -61,7 +64,8 @@ def digest_of_identity(scene: Scene) -> str:
 
 def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str], None]) -> list[int]:
     """Chunks that are not there or not good. A bad one is renamed to *.bad and reported to `say`."""
-    for leftover in (folder / "chunks").glob(".chunk-*.tmp"):
+    begun = (path for path in folder.iterdir() if _LEFT.fullmatch(path.name))
+    for leftover in (*begun, *(folder / "chunks").glob(".chunk-*.tmp")):
         with contextlib.suppress(OSError):  # a folder of that name for instance
             leftover.unlink(missing_ok=True)
     good = set()
@@ -163,7 +167,7 @@ def open_folder(folder: Path, scene: Scene, exist: str) -> None:
             )
         if exist == "resume":
             _check_same(folder, scene)
-    elif folder.is_dir() and any(folder.iterdir()):
+    elif folder.is_dir() and not _only_begun(folder):
         raise InputError(f"--out {folder}: is not empty and holds no run; give another folder")
     try:
         (folder / "chunks").mkdir(parents=True, exist_ok=True)
@@ -173,6 +177,17 @@ def open_folder(folder: Path, scene: Scene, exist: str) -> None:
         probe.unlink()
     except OSError as error:
         raise InputError(f"--out {folder}: cannot be written ({error.strerror}); give a folder that can") from None
+
+
+def _only_begun(folder: Path) -> bool:
+    """Whether there is nothing in a folder but what a run leaves that was stopped before it wrote run.json."""
+    for path in folder.iterdir():
+        if path.name in ("chunks", "figures"):
+            if path.is_symlink() or not path.is_dir() or any(path.iterdir()):
+                return False
+        elif path.name != ".lock" and not _LEFT.fullmatch(path.name):
+            return False
+    return True
 
 
 def _check_same(folder: Path, scene: Scene) -> None:
@@ -205,15 +220,37 @@ def _check_same(folder: Path, scene: Scene) -> None:
 
 
 def begun(folder: Path, command: str | None) -> dict[str, Any]:
-    """When the run in `folder` was first started, and by which command line, if by any."""
+    """When the run in `folder` was first started, by which command line, if by any, and on which processors."""
     try:
         before = store.read_json(folder / "run.json")
         given = before.get("command")
         known = command or (given if isinstance(given, str) else None)
         names, formats = plain_names(before.get("figures")), plain_names(before.get("formats"), KNOWN)
-        return {"started": str(before["started"]), "command": known, "figures": names, "formats": formats}
+        first = {"started": str(before["started"]), "command": known, "figures": names, "formats": formats}
+        return {**first, "arithmetic": _kinds_of(before)}
     except (RunError, KeyError, TypeError):
-        return {"started": now(), "command": command}
+        return {"started": now(), "command": command, "arithmetic": []}
+
+
+def _kinds_of(record: dict[str, Any]) -> list[str]:
+    """The kinds of arithmetic that computed a run so far, from run.json; none where it does not say."""
+    kinds = record.get("arithmetic")
+    if not isinstance(kinds, list) or not all(isinstance(kind, str) for kind in kinds):
+        return []
+    return [shorten(kind, 200) for kind in kinds[:_MOST_KINDS]]
+
+
+def add_kind(before: dict[str, Any]) -> str | None:
+    """Add this processor to those that computed a run; what to tell who asked where others differ."""
+    kinds, this = before["arithmetic"], arithmetic()
+    others = [kind for kind in kinds if kind != this]
+    before["arithmetic"] = [*others, this]
+    if not others:
+        return None
+    return (
+        f"another kind of processor computed a part of this run ({others[0]}; this one: {this}): the last digits "
+        "of some samples differ between them, so the run has a digest of its own; run.json names both"
+    )
 
 
 def write_record(folder: Path, scene: Scene, **more: Any) -> None:
@@ -224,12 +261,7 @@ def write_record(folder: Path, scene: Scene, **more: Any) -> None:
         "identity": identity(scene),
         **more,
         "versions": {"python": platform.python_version(), **versions},
-        "machine": {
-            "system": platform.system(),
-            "processor": platform.machine(),
-            "cores": os.cpu_count(),
-            "byteorder": sys.byteorder,
-        },
+        "machine": machine(),
     }
     store.write_json(folder / "run.json", content)
 

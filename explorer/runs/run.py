@@ -1,6 +1,7 @@
 """Runs: what a user holds, and how a scene becomes one, from its folder to its pictures."""
 
 import time
+from collections import deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -207,17 +208,20 @@ def execute(scene: Scene, out: Path | str | None, manner: Manner) -> Run:
 
 def _fill(part: Part, folder: Path, manner: Manner) -> Run:
     """Compute, store, summarise and draw what is not there."""
-    compiled.warmup(lambda text: note(text, manner.quiet))
     clock, scene = time.monotonic(), part.scene
     missing = folders.missing_chunks(
         folder, scene, folders.digest_of_identity(scene), lambda text: note(text, manner.quiet)
     )
     before = folders.begun(folder, manner.command)
+    other = folders.add_kind(before) if missing else None
+    if other and len(missing) < scene.chunks():
+        note(other, manner.quiet)
     names, formats = before.pop("figures", None), before.pop("formats", None) or pictures.FORMATS
     formats = formats if manner.formats is None else manner.formats
     drawn = [] if missing else pictures.there(folder, names, formats)
     how = {**before, "jobs": manner.workers.jobs, "backend": manner.workers.backend, "formats": formats}
     folders.write_record(folder, scene, finished=None, figures=drawn or None, **how)
+    compiled.warmup(lambda text: note(text, manner.quiet))  # which takes long; what is stopped now can be resumed
     progress = Progress(scene.chunks(), scene.name, manner.quiet)
     try:
         _compute(part, missing, manner, progress)
@@ -240,14 +244,19 @@ def _compute(part: Part, missing: list[int], manner: Manner, progress: Progress)
     progress.already(scene.chunks() - len(missing))
     with graceful(folder, manner.quiet) as stop:
         try:
-            task = Task(scene, folders.digest_of_identity(scene), folder)
-            for chunk in manner.workers.compute(task, missing, stop):
+            task = Task(scene, folders.digest_of_identity(scene), folder, compiled.source_digest())
+            chunks = manner.workers.compute(task, missing, stop)
+            for chunk in chunks:
                 done += 1
                 if chunk.held is not None:
                     part.held[chunk.number] = chunk.held
                 progress.advance(chunk.status)
         except KeyboardInterrupt:
             stop.set()
+        except OSError:  # nobody reads what the run says; what is being computed is finished first
+            stop.set()
+            deque(chunks, maxlen=0)
+            raise
         if stop.is_set() and done < len(missing):
             there = scene.chunks() - len(missing) + done
             how = f"continue with: nearflat resume {folder}" if folder else "nothing is kept without --out"

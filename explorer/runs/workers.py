@@ -9,22 +9,32 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple, is_typeddict
 
 import cloudpickle
 
-from explorer.errors import InputError, RunError, one_of, whole
+from explorer import compiled
+from explorer.errors import InputError, RunError, one_of, shorten, whole
 from explorer.runs import store
 from explorer.runs.chunks import HeldChunk
+from explorer.runs.interrupt import SIGNALS, withheld
 from explorer.scenes.base import Scene
 
 BACKENDS = ("threads", "processes", "dask")
 # Rounds without a single new chunk after which killed workers are no longer an accident.
 _PATIENCE = 3
+_IDLE = 20  # seconds after which a process without work ends; orphans do where they cannot look for their parent
+_OTHER_KERNELS = (
+    "the worker has other kernels than this run; install the same nearflat, Python and numba on all machines, and "
+    "start workers with the same NEARFLAT_ARITHMETIC"
+)
 
 
 class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]
@@ -64,11 +74,12 @@ class Packed:
 
 
 class Task(NamedTuple):
-    """What is computed, and where it goes: a folder, or back to who asked. identity: of the run."""
+    """What is computed, and where it goes: a folder, or back to who asked. identity, kernels: of the run."""
 
     scene: Scene | Packed
     identity: str
     folder: Path | None
+    kernels: str
 
     def packed(self) -> "Task":
         """The task for workers in other processes."""
@@ -109,13 +120,15 @@ class Workers:
         if self.backend == "dask":
             yield from _by_dask(self, task.packed(), indices, stop)
         elif self.backend == "threads":
-            yield from _by_joblib("threading", self.jobs, task, indices, stop)
+            yield from _by_threads(self.jobs, task, indices, stop)
         else:
             yield from _by_processes(self.jobs, task.packed(), indices, stop)
 
 
 def compute_chunk(task: Task, index: int) -> Done:
     """Compute one chunk, and store it where the task has a folder."""
+    if task.kernels != compiled.source_digest():
+        raise RunError(f"chunk {index}: {_OTHER_KERNELS}")
     scene = task.scene.unpacked() if isinstance(task.scene, Packed) else task.scene
     try:
         kept, tally = scene.process(index)
@@ -132,11 +145,18 @@ def compute_chunk(task: Task, index: int) -> Done:
     return Done(index, tally["status"], None)
 
 
-def _in_a_process(task: Task, index: int, parent: int) -> Done:
-    if os.getpid() != parent and threading.current_thread() is threading.main_thread():
-        # Ctrl-C reaches the whole group; the parent decides what becomes of running chunks.
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-    return compute_chunk(task, index)
+def begin_worker(parent: int) -> None:
+    """Prepare a process for its chunks: signals are its parent's, and it ends when its parent does."""
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
+    if os.name == "posix":
+        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+
+def _end_with(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)  # in the middle of a chunk, which another run computes
 
 
 def _until(indices: list[int], stop: threading.Event) -> Iterator[int]:
@@ -146,18 +166,36 @@ def _until(indices: list[int], stop: threading.Event) -> Iterator[int]:
         yield index
 
 
-def _by_joblib(kind: str, jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
+def _by_threads(jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
+    # The pool waits for its threads, whatever went wrong: one that still writes a chunk when the interpreter ends
+    # is a fatal error of Python.
+    source, count = _until(indices, stop), min(jobs, max(1, len(indices)))
+    with ThreadPoolExecutor(count) as pool:
+        running = {pool.submit(compute_chunk, task, index) for index in islice(source, count)}
+        while running:
+            # On Windows only a wait that ends can be interrupted.
+            done, running = wait(running, timeout=0.1, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield future.result()
+            running |= {pool.submit(compute_chunk, task, index) for index in islice(source, len(done))}
+
+
+def _by_joblib(jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
     from joblib import Parallel, delayed
 
     pool = Parallel(
         n_jobs=min(jobs, max(1, len(indices))),
-        backend=kind,
+        backend="loky",
         return_as="generator_unordered",
         pre_dispatch="n_jobs",
         batch_size=1,
+        idle_worker_timeout=_IDLE,
+        initializer=begin_worker,
+        initargs=(os.getpid(),),
     )
-    parent = os.getpid()
-    yield from pool(delayed(_in_a_process)(task, index, parent) for index in _until(indices, stop))
+    with withheld():
+        made = pool(delayed(compute_chunk)(task, index) for index in _until(indices, stop))
+    yield from made
 
 
 def _by_processes(jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
@@ -166,7 +204,7 @@ def _by_processes(jobs: int, task: Task, indices: list[int], stop: threading.Eve
     missing, idle, there = indices, 0, set[int]()
     while missing and not stop.is_set():
         try:
-            for done in _by_joblib("loky", jobs, task, missing, stop):
+            for done in _by_joblib(jobs, task, missing, stop):
                 there.add(done.number)
                 yield done
             return
@@ -196,14 +234,16 @@ def _by_dask(workers: Workers, task: Task, indices: list[int], stop: threading.E
     shared = task._replace(folder=task.folder and task.folder.resolve())  # workers see the same file system
     cluster = None
     try:
-        if workers.scheduler is None:
-            cluster = distributed.LocalCluster(
-                n_workers=workers.jobs, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
-            )
-        client = distributed.Client(workers.scheduler or cluster, timeout=5)
+        with withheld():
+            if workers.scheduler is None:
+                cluster = distributed.LocalCluster(
+                    n_workers=workers.jobs, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+                )
+            client = distributed.Client(workers.scheduler or cluster, timeout=5)
     except (OSError, ValueError) as error:
         raise RunError(f"--scheduler {workers.scheduler}: cannot be reached ({error})") from error
     try:
+        _check_kernels(client, task.kernels)
         source = _until(indices, stop)
         running = distributed.as_completed()
 
@@ -223,3 +263,19 @@ def _by_dask(workers: Workers, task: Task, indices: list[int], stop: threading.E
         client.close()
         if cluster is not None:
             cluster.close()
+
+
+def _check_kernels(client: Any, digest: str) -> None:
+    """Raise RunError, naming a worker, where one cannot compute what this process would."""
+
+    def theirs() -> str:  # travels as code, not by name: a worker need not have this version, or any
+        from explorer.compiled import source_digest
+
+        return source_digest()
+
+    for address, found in client.run(theirs, on_error="return").items():
+        if isinstance(found, Exception):
+            fault = shorten(f"{type(found).__name__}: {found}", 100)
+            raise RunError(f"--backend dask: {address} cannot load nearflat ({fault}); install it there")
+        if found != digest:
+            raise RunError(f"--backend dask: {address}: {_OTHER_KERNELS}")

@@ -2,9 +2,13 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 
-from explorer.runs.interrupt import graceful
+import pytest
+
+from explorer.runs.interrupt import SIGNALS, as_interrupts, graceful, was_told, withheld
 
 
 def test_the_first_signal_is_noted_and_the_handlers_come_back(tmp_path, capsys):
@@ -28,3 +32,32 @@ def test_another_thread_handles_no_signals(tmp_path):
     thread.start()
     thread.join()
     assert seen == [(before, False)]
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_signal_to_a_command_is_an_interrupt_and_the_next_run_begins_stopped(number, tmp_path):
+    with as_interrupts():
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), number)
+        assert was_told()
+        with graceful(tmp_path, quiet=True) as stop:
+            assert stop.is_set()  # also where the interrupt was lost in a callback
+    assert not was_told()
+
+
+def test_what_is_ignored_stays_ignored(tmp_path):
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with as_interrupts(), graceful(tmp_path, quiet=True) as stop:
+            os.kill(os.getpid(), signal.SIGHUP)
+            assert not stop.is_set()
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+def test_a_process_started_meanwhile_never_gets_signals():
+    code = "import os, signal; os.kill(os.getpid(), signal.SIGINT); os.kill(os.getpid(), signal.SIGTERM); print(1)"
+    with withheld():
+        started = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (started.returncode, started.stdout) == (0, "1\n")
+    assert not signal.pthread_sigmask(signal.SIG_BLOCK, ())

@@ -17,7 +17,7 @@ from small_runs import SMALL_RACES
 
 import explorer as ex
 from explorer.commands import main as cli
-from explorer.runs import store
+from explorer.runs import store, workers
 from explorer.scenes.registry import SCENES
 
 # 13 chunks, a second or two of work: long enough to be stopped in the middle.
@@ -123,6 +123,50 @@ def test_a_scene_of_a_user_has_workers_of_every_kind(backend, own_scene, request
     assert ex.merge(run, ex.run("periods", rng=1, **options)).summary["known"] == 600
 
 
+def test_a_cluster_of_its_own_listens_on_the_loopback_only(tmp_path, monkeypatch):
+    seen = set()
+
+    def spied(client, digest):
+        family = [psutil.Process(), *psutil.Process().children(recursive=True)]
+        for each in family:
+            seen.update(place.laddr.ip for place in each.net_connections("inet") if place.status == "LISTEN")
+
+    monkeypatch.setattr(workers, "_check_kernels", spied)
+    ex.run("race-angles", out=tmp_path / "run", backend="dask", jobs=1, **SMALL_RACES)
+    assert seen == {"127.0.0.1"}
+
+
+def test_workers_with_other_kernels_are_refused_by_name(cluster, tmp_path, monkeypatch):
+    monkeypatch.setattr(workers.compiled, "source_digest", lambda: "of another version")
+    with pytest.raises(ex.RunError, match=r"tcp://127\.0\.0\.1:\d+: the worker has other kernels than this run"):
+        ex.run("race-angles", out=tmp_path / "run", backend="dask", scheduler=cluster, **SMALL_RACES)
+    monkeypatch.undo()
+    task = workers.Task(ex.open(tmp_path / "run").scene, "", None, "of another version")
+    with pytest.raises(ex.RunError, match="chunk 0: the worker has other kernels"):
+        workers.compute_chunk(task, 0)
+
+
+def test_stopped_at_random_moments_a_run_keeps_its_promises(tmp_path):
+    script = Path(__file__).parents[2] / "faults" / "moments.py"
+    command = [sys.executable, script, tmp_path, "threads", "9", str(time.time_ns() % 10**6)]
+    rows = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=True).stdout.splitlines()
+    assert len(rows) == 9
+    assert [row for row in map(json.loads, rows) if row["broken"]] == []
+
+
+@pytest.mark.parametrize("redirection", [">&-", "2>&-", ">&- 2>&-"])
+def test_streams_that_were_closed_before_the_start_take_nothing_else(redirection, tmp_path):
+    command = f"{sys.executable} -m explorer.commands.main cite --json {redirection}"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_an_output_that_is_full_is_an_error_of_one_line():
+    command = f"{sys.executable} -m explorer.commands.main columns > /dev/full"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
+    assert (done.returncode, len(done.stderr.splitlines())) == (1, 1), done.stderr
+
+
 def test_a_scheduler_that_is_not_there_is_named(tmp_path):
     done = nearflat(
         "run", "race-angles", "--backend", "dask", "--scheduler", "tcp://127.0.0.1:9", "--out", tmp_path / "run"
@@ -135,13 +179,13 @@ def test_a_scheduler_that_is_not_there_is_named(tmp_path):
 def test_a_killed_process_costs_its_chunks_a_second_try_not_the_run(undisturbed, scene, tmp_path):
     done = nearflat("run", scene, "--backend", "processes", "--out", tmp_path / "run", "--json")
     wait_for_chunks(done, tmp_path / "run", 2)
-    workers = [
+    children = [
         child
         for child in psutil.Process(done.pid).children(recursive=True)
         if "resource_tracker" not in " ".join(child.cmdline()) and not child.children()
     ]
-    assert workers
-    workers[0].kill()
+    assert children
+    children[0].kill()
     out, err = done.communicate(timeout=200)
     assert done.returncode == 0, err
     assert json.loads(out)["digest"] == undisturbed

@@ -1,0 +1,194 @@
+"""Runs that are stopped at random moments, and whether they keep their promises. One JSON line for each.
+
+    python tests/faults/moments.py FOLDER BACKEND COUNT SEED      # Linux
+
+Every run is a fork of this process, which has loaded and compiled everything: a moment costs half a second.
+Promised are the exit status; silence about anything but the stop; that no process is left after 30 s; that every
+chunk which is there is whole; and that going on ends with the digest of an undisturbed run.
+"""
+
+import fcntl
+import json
+import os
+import pty
+import random
+import signal
+import sys
+import termios
+import time
+from pathlib import Path
+
+import psutil
+import pyarrow.parquet  # noqa: F401 - before the fork, as scipy
+import scipy.stats  # noqa: F401
+
+from explorer import compiled
+from explorer.commands import run, runs  # noqa: F401 - before the fork
+from explorer.commands.main import main
+
+# How a run is stopped, and the exit statuses that are promised; all may also be done before, with status 0.
+PROMISED = {
+    "SIGINT": 130,
+    "SIGTERM": 130,
+    "SIGHUP": 130,
+    "SIGINT, then SIGTERM": 130,
+    "SIGINT twice, to the group": 130,
+    "stdout closed": 141,
+    "stderr closed": 141,
+    "terminal closed": 130,
+    "SIGKILL": -signal.SIGKILL,
+}
+OPTIONS = {"scene": "race-angles", "samples": 40_000, "chunk_size": 4_000, "keep": "all"}
+_UGLY = ("Traceback", "Fatal Python", "Exception ignored", "terminate called", "Warning", "leaked")
+_ORPHANS, _ENDS = 30.0, 60.0  # seconds
+
+
+class Child(BaseException):
+    """Leads from a fork to the end of this file, with the words of the command."""
+
+
+class Fork:
+    """The command in a session of its own, with its streams in a pipe each or on a terminal."""
+
+    def __init__(self, words, terminal=False):
+        if terminal:
+            outer, inner = pty.openpty()
+            self.readers, writers = {0: outer}, (inner, inner)
+        else:
+            (first, out), (second, err) = os.pipe(), os.pipe()
+            self.readers, writers = {1: first, 2: second}, (out, err)
+        self.pid = os.fork()
+        if self.pid == 0:
+            os.setsid()
+            if terminal:
+                fcntl.ioctl(inner, termios.TIOCSCTTY, 0)
+                os.dup2(inner, 0)
+            for number, writer in enumerate(writers, 1):
+                os.dup2(writer, number)
+            for handle in {*writers, *self.readers.values()}:
+                os.close(handle)
+            raise Child(list(map(str, words)))
+        for writer in set(writers):
+            os.close(writer)
+        self.status, self.text = None, {1: b"", 2: b"", 0: b""}
+        for handle in self.readers.values():
+            os.set_blocking(handle, False)
+
+    def ended(self):
+        """Whether it has ended; what it said so far is read."""
+        for number, handle in self.readers.items():
+            try:
+                while piece := os.read(handle, 1 << 16):
+                    self.text[number] += piece
+            except OSError:  # nothing there, or no terminal any more
+                pass
+        if self.status is None:
+            pid, status = os.waitpid(self.pid, os.WNOHANG)
+            if pid:
+                self.status = os.waitstatus_to_exitcode(status)
+        return self.status is not None
+
+    def began(self):
+        """Whether the command handles signals: SIGTERM has a handler."""
+        for line in Path(f"/proc/{self.pid}/status").read_text().splitlines():
+            if line.startswith("SigCgt"):
+                return bool(int(line.split()[1], 16) >> (signal.SIGTERM - 1) & 1)
+        return False
+
+    def wait(self, seconds):
+        limit = time.monotonic() + seconds
+        while not self.ended() and time.monotonic() < limit:
+            time.sleep(0.002)
+        return self.status
+
+    def close(self, *numbers):
+        for number in numbers or list(self.readers):
+            os.close(self.readers.pop(number))
+
+    def stop(self, how):
+        """Do what `how` says."""
+        if how.endswith("closed"):
+            self.close({"terminal": 0, "stdout": 1, "stderr": 2}[how.split()[0]])
+        elif "," in how:
+            os.killpg(self.pid, signal.SIGINT) if "group" in how else os.kill(self.pid, signal.SIGINT)
+            time.sleep(0.02)
+            if not self.ended():
+                os.killpg(self.pid, signal.SIGINT) if "group" in how else os.kill(self.pid, signal.SIGTERM)
+        else:
+            os.kill(self.pid, getattr(signal, how))
+
+
+def to_the_end(*words):
+    """Exit status, stdout and stderr of a command."""
+    fork = Fork(words)
+    status = fork.wait(300.0)
+    fork.close()
+    return status, fork.text[1].decode(), fork.text[2].decode()
+
+
+def stopped(words, folder, how, moment):
+    """Start a run, stop it so many seconds after the command began, and list every broken promise."""
+    fork = Fork(words, terminal=how.startswith("terminal"))
+    while not fork.ended() and not fork.began():
+        time.sleep(0.001)
+    fork.wait(moment)
+    before, family = fork.status is not None, []
+    if not before:
+        family = psutil.Process(fork.pid).children(recursive=True)
+        fork.stop(how)
+    status = fork.wait(_ENDS)
+    said = b"".join(fork.text.values()).decode()
+    fork.close()
+    broken = []
+    if status is None:
+        broken.append(f"it did not end within {_ENDS:.0f} s")
+        os.kill(fork.pid, signal.SIGKILL)
+        os.waitpid(fork.pid, 0)
+    elif status not in (0, PROMISED[how]):
+        broken.append(f"exit status {status}")
+    broken += [f"it said: {said[-400:]}" for text in _UGLY if text in said]
+    _, alive = psutil.wait_procs(family, timeout=_ORPHANS)
+    broken += [f"still alive: {' '.join(each.cmdline())[:80]}" for each in alive]
+    return status, before, broken
+
+
+def look(words, folder, digest):
+    """Broken promises about what a stopped run left, and of going on with it."""
+    broken = []
+    if (folder / "run.json").exists():
+        faults = json.loads(to_the_end("verify", folder, "--json")[1])["faults"]
+        broken += [fault for fault in faults if not fault.endswith(": is missing")]
+    status, said, complaint = to_the_end(*words, "--json")
+    if status != 0 or json.loads(said)["digest"] != digest:
+        broken.append(f"resumed: {complaint or said}"[:300])
+    broken += [f"left behind: {path.name}" for path in folder.rglob("*.tmp")]
+    return broken
+
+
+def moments(place, backend, count, seed):
+    """Stop `count` runs of a backend at random moments; a line for each."""
+    scene = place / "races.toml"
+    scene.write_text("".join(f"{key} = {value!r}\n" for key, value in OPTIONS.items()))
+    asked = ["run", scene, "--no-figures", "--resume", "--out"]
+    began = time.monotonic()
+    digest = json.loads(to_the_end(*asked, place / "whole", "--json", "--backend", backend)[1])["digest"]
+    longest, draw = time.monotonic() - began, random.Random(seed)
+    for trial in range(count):
+        how = list(PROMISED)[trial % len(PROMISED)]
+        moment = draw.uniform(0.0, longest)
+        folder = place / f"{backend}-{trial}"
+        words = [*asked, folder]
+        status, before, broken = stopped([*words, "--backend", backend], folder, how, moment)
+        chunks = len(list(folder.glob("chunks/chunk-*.parquet")))
+        broken += look(words, folder, digest)
+        row = {"how": how, "moment": round(moment, 3), "status": status, "before": before, "chunks": chunks}
+        print(json.dumps({**row, "broken": broken}), flush=True)
+
+
+if __name__ == "__main__":
+    compiled.warmup()
+    try:
+        moments(Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
+    except Child as child:
+        sys.argv = ["nearflat", *child.args[0]]
+        sys.exit(main())
