@@ -112,7 +112,7 @@ def _set_all(handler: Handler | signal.Handlers) -> dict[int, Handler | int]:
     known = {number: each for number, each in before.items() if each not in (signal.SIG_IGN, None)}
     for number in known:
         signal.signal(number, handler)
-    return known  # type: ignore[return-value]  # None, a handler that is not Python's, was left out
+    return known
 
 
 def _leave(text: str) -> NoReturn:

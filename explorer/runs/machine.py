@@ -3,6 +3,7 @@
 import os
 import platform
 import sys
+from importlib import import_module
 from typing import Any
 
 from explorer import compiled
@@ -34,8 +35,7 @@ def arithmetic() -> str:
 def _instructions_of_numpy() -> str:
     """The newest set of instructions that numpy has code of its own for and found; else its least one."""
     try:
-        from numpy._core import _multiarray_umath as core
-
+        core = import_module("numpy._core._multiarray_umath")
         found = [name for name in core.__cpu_dispatch__ if core.__cpu_features__.get(name)]
         return str((found or core.__cpu_baseline__)[-1])
     except (ImportError, AttributeError, IndexError):
