@@ -70,7 +70,7 @@ def test_what_is_missing_is_no_number_and_the_rest_is(given):
         object(),
         print,
     ],
-    ids=str,
+    ids=lambda given: type(given).__name__,
 )
 def test_what_is_no_real_number_or_would_be_cut_is_refused_in_a_sentence(given):
     if getattr(given, "dtype", None) == np.longdouble and given == float(given):
