@@ -13,7 +13,9 @@ def test_arguments_that_do_not_broadcast_are_refused():
         phi_to_states(BODIES["uniform"], [0, 1], [1, 2, 3], 0, 0)
 
 
-@pytest.mark.parametrize("call", [ex.simulate, ex.constants, ex.falls, ex.limit_motion, ex.periods], ids=lambda call: call.__name__)
+@pytest.mark.parametrize(
+    "call", [ex.simulate, ex.constants, ex.falls, ex.limit_motion, ex.periods], ids=lambda call: call.__name__
+)
 def test_anything_but_states_is_refused_with_the_way_to_make_them(call):
     for given in (BODIES["uniform"], [0.0, 1.0, 1.0, 0.7], "flat", None):
         with pytest.raises(ex.InputError, match="phi_to_states"):
