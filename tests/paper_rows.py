@@ -65,8 +65,9 @@ def second(factor):
 
     def damage(original):
         def wrong(*arguments):
-            one, other = original(*arguments)
-            return one, factor * other
+            pair = original(*arguments)
+            changed = (pair[0], factor * pair[1])
+            return type(pair)(*changed) if hasattr(pair, "_fields") else changed
 
         return wrong
 

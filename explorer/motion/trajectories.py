@@ -304,6 +304,9 @@ def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, A
     """The observables `names` of states (..., 10) in the units of the disk, and None for all others."""
     q, z, p, rho, sigma4, _t, chi, psi, a1, a2 = np.moveaxis(states, -1, 0)
     r, unit = disk.r, disk.rate_unit
+    # An integration keeps q^2 + z^2 = 1 to its own error; the rim is r away from the centre whatever that is.
+    norm = np.hypot(q, z)
+    height, shadow = q / norm, z / norm
     values: dict[str, Callable[[], Array]] = {
         "phi": lambda: np.arctan2(z, q),
         "phidot": lambda: -p * unit,
@@ -311,9 +314,9 @@ def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, A
         "sigma4": lambda: sigma4 * unit,
         "chi": lambda: chi,
         "psi": lambda: psi,
-        "path": lambda: r * np.stack([a1, a2, q], axis=-1),
+        "path": lambda: r * np.stack([a1, a2, height], axis=-1),
         # eq. (2.35): the contact point lies r z (cos chi, sin chi) from the centre's shadow
-        "contact": lambda: r * np.stack([a1 + z * np.cos(chi), a2 + z * np.sin(chi), 0.0 * q], axis=-1),
+        "contact": lambda: r * np.stack([a1 + shadow * np.cos(chi), a2 + shadow * np.sin(chi), 0.0 * q], axis=-1),
     }
     return {name: make() if name in names else None for name, make in values.items()}
 
