@@ -108,8 +108,10 @@ def test_mirror_images_move_as_mirror_images(state):
         ex.simulate(ex.phi_to_states(disk, *s), **QUICK) for s in ((phi, phidot, s3, s4), (-phi, -phidot, s3, -s4))
     )
     if usable(one, two):
-        # At the vertical itself the two hemispheres' series differ by rounding.
-        close = {"rtol": 0.0, "atol": 1e-12 / np.cos(one.phi).min() ** 2}
+        # At the vertical itself the two hemispheres' series differ by rounding, and rounding decides whether a
+        # motion is put back onto its constants there: that moves it by a hundredth of the accuracy at most.
+        at_vertical = abs(one.phi).min() < 1e-2
+        close = {"rtol": 0.0, "atol": 1e-9 if at_vertical else 1e-12 / np.cos(one.phi).min() ** 2}
         np.testing.assert_allclose(one.phi, -two.phi, **close)
         np.testing.assert_allclose(one.chi, two.chi, **close)
         np.testing.assert_allclose(one.psi, -two.psi, **close)
