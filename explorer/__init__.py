@@ -10,6 +10,7 @@ Names are loaded on first use, so that importing this package is cheap.
 """
 
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from operator import attrgetter
 from types import ModuleType
@@ -137,6 +138,10 @@ class _Package(ModuleType):
     def __setattr__(self, name: str, value: Any) -> None:
         if name != "view" or not isinstance(value, ModuleType):
             super().__setattr__(name, value)
+
+    def __reduce__(self) -> tuple[Callable[[str], ModuleType], tuple[str]]:
+        """Packed by its name, like any module, for code of a user that travels to other processes."""
+        return import_module, (self.__name__,)
 
 
 sys.modules[__name__].__class__ = _Package
