@@ -69,8 +69,8 @@ def cluster():
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     address = f"tcp://127.0.0.1:{port}"
-    common = ["--dashboard-address", ":0"]
-    programs = [["scheduler", "--host", "127.0.0.1", "--port", str(port), *common]]
+    common = ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0"]
+    programs = [["scheduler", "--port", str(port), *common]]
     programs += [["worker", address, "--nthreads", "1", "--no-nanny", *common]] * 2
     running = []
     for program in programs:
