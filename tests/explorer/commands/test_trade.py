@@ -97,7 +97,7 @@ def test_bad_arguments_are_named_before_anything_is_measured(private, arguments,
 def test_the_picture_shows_every_method_and_the_front(rows):
     ax = work_precision(rows)
     labels = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert labels == ["front of the integrators", "quadrature", *trade.SETTINGS]
+    assert labels == ["best integrators", "quadrature", *trade.SETTINGS]
     drawn = {line.get_label(): line.get_xydata() for line in ax.get_lines()}
     rk8 = [(row.p99, row.nanoseconds) for row in rows if row.method == "rk8"]
     assert np.array_equal(drawn["rk8"], rk8)
