@@ -36,7 +36,7 @@ def bifurcation_portraits(found: BifurcationPortraits) -> Figure:
     >>> from explorer.portrait.bifurcation_portraits import bifurcation_portraits
     >>> figure = plot.bifurcation_portraits(bifurcation_portraits(Disk.uniform(), "line"))
     >>> figure.axes[1].get_title()
-    'A: 0.136'
+    'A: 0.138'
     """
     figure = Figure(figsize=(SIZE[0] + 1.6, 8.0), layout="constrained")
     grid = figure.add_gridspec(2, len(found.places), height_ratios=(1.25, 1.0))
