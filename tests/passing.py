@@ -8,8 +8,10 @@ from kernels.integrals.point import VERTICAL
 
 def without_tables(quadrature):
     """The rules with tables that answer nothing: a check against NaN fails, so every sample goes by the rules."""
-    blank = {name: np.full_like(getattr(quadrature.tables, name), np.nan) for name in ("vertical", "outer", "inner")}
-    return quadrature._replace(tables=quadrature.tables._replace(**blank))
+    blank = {
+        name: np.full_like(getattr(quadrature.tables, name), np.nan) for name in ("vertical", "outer", "inner")
+    }
+    return quadrature._replace(tables=tables._replace(**blank))
 
 
 def batch(disk, sigma3_bar, eta_hat, speed, accuracy, by_tables):
