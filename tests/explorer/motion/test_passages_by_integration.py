@@ -18,6 +18,12 @@ METHODS = [
 ]
 
 
+def _largest_error(exact, other):
+    apart = np.fmax(abs(exact.delta_chi - other.delta_chi), abs(exact.delta_psi - other.delta_psi))
+    apart = np.fmax(apart, abs(exact.duration / other.duration - 1))
+    return np.fmax(apart, abs(exact.theta_min / other.theta_min - 1))
+
+
 @pytest.mark.parametrize(("method", "accuracy"), METHODS)
 @pytest.mark.parametrize("name", ["uniform", "hoop"])
 def test_estimates_hold_for_any_start_at_the_vertical(name, method, accuracy):
@@ -33,9 +39,7 @@ def test_estimates_hold_for_any_start_at_the_vertical(name, method, accuracy):
     other = ex.passages(BODIES[name], *start, method=method, accuracy=accuracy)
     ok = (exact.status == 0) & (other.status == 0)
     assert ok.mean() > 0.93
-    apart = np.fmax(abs(exact.delta_chi - other.delta_chi), abs(exact.delta_psi - other.delta_psi))
-    apart = np.fmax(apart, abs(exact.duration / other.duration - 1))
-    apart = np.fmax(apart, abs(exact.theta_min / other.theta_min - 1))
+    apart = _largest_error(exact, other)
     assert (apart[ok] <= (exact.error_estimate + other.error_estimate)[ok]).all()
     assert np.isfinite(other.error_estimate[ok]).all()
     assert not other.wrong_way.any()
@@ -102,7 +106,7 @@ def test_no_race_goes_silently_the_wrong_way_from_1e_minus_1_to_1e_minus_300(nam
 @pytest.mark.parametrize("name", ["uniform", "thick"])
 def test_the_accuracy_asked_is_the_accuracy_paid_for(name, method, accuracy):
     """The 99th percentile of the true error is within it, and not below a hundredth of it, from 1e-8 to 1 in
-    |eta_hat|; no estimate is a tenth of its error."""
+    |eta_hat|, unless nothing is left but rounding; no estimate is a tenth of its error."""
     if method == "rk4" and accuracy < 1e-6:
         pytest.skip("thousands of steps of order four per passage; order eight is there for that")
     body, rng = BODIES[name], np.random.default_rng(5)
@@ -113,11 +117,13 @@ def test_the_accuracy_asked_is_the_accuracy_paid_for(name, method, accuracy):
     other = ex.passages(body, *start, method=method, accuracy=accuracy)
     ok = (exact.status == 0) & (other.status == 0)
     assert ok.sum() >= 0.98 * (exact.status == 0).sum()
-    apart = np.fmax(abs(exact.delta_chi - other.delta_chi), abs(exact.delta_psi - other.delta_psi))
-    apart = np.fmax(apart, abs(exact.duration / other.duration - 1))
-    apart = np.fmax(apart, abs(exact.theta_min / other.theta_min - 1))[ok]
+    apart = _largest_error(exact, other)[ok]
     p99 = np.percentile(apart, 99)
     assert p99 <= accuracy
     # The longest step of order eight that does not hide a turning point is finer than 1e-2 needs.
-    assert p99 >= 0.01 * accuracy or (method == "dop853" and accuracy == 1e-2)
+    if p99 < 0.01 * accuracy and not (method == "dop853" and accuracy == 1e-2):
+        # Nothing but rounding may be left: a finer setting, at a third of the accuracy, does not lower it.
+        finer = ex.passages(body, *start, method=method, accuracy=accuracy / 3)
+        both = (exact.status == 0) & (finer.status == 0)
+        assert np.percentile(_largest_error(exact, finer)[both], 99) >= 0.9 * p99
     assert (apart <= 10 * other.error_estimate[ok] + exact.error_estimate[ok]).all()
