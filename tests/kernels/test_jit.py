@@ -220,7 +220,9 @@ numbers = [
     smallest_tilt(states, plan(("theta_min",), 1e-6))[0],
     barrier(disk)[1](np.array([0.5])),
     line_chart(disk, np.ones(1), np.zeros(1)).bar_to_sigma4,
-    ex.simulate(states, t_end=2.0, accuracy=1e-6).phi[..., -1],
+    (motion := ex.simulate(states, t_end=2.0, accuracy=1e-6)).phi[..., -1],
+    motion([0.5, 1.7]).chi,
+    ex.simulate(states, t_eval=[0.0, 1.0, 2.0], accuracy=1e-6).phi,
     tally["plus"]["bins"], tally["minus"]["sum"], SignedLogCounts(tally["decades"]["-4"]["plus"]).quantile(0.5),
 ]
 print(json.dumps([float(x) for row in numbers for x in np.ravel(row)]))
