@@ -34,7 +34,16 @@ def test_another_thread_handles_no_signals(tmp_path):
     assert seen == [(before, False)]
 
 
+@pytest.fixture
+def heard(number):
+    """A signal that is not ignored; a suite that runs under nohup ignores SIGHUP."""
+    before = signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+    yield
+    signal.signal(number, before)
+
+
 @pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.usefixtures("heard")
 def test_a_signal_to_a_command_is_an_interrupt_and_the_next_run_begins_stopped(number, tmp_path):
     with as_interrupts():
         with pytest.raises(KeyboardInterrupt):
