@@ -90,6 +90,8 @@ class Density:
         """A density from what users give; the box defaults to Box.default. Raises InputError."""
         if box is None or isinstance(box, str):
             box = Box.parse(box, Box.default(disk)) if box else Box.default(disk)
+        elif not isinstance(box, Box):
+            raise InputError(f'--box {shown(box)}: write "phi=0,sigma3=-2:2"; what is left out keeps its range')
         bells = parse_ranges(gaussian, "--gaussian") if isinstance(gaussian, str) else gaussian or {}
         for name, reach in zip(COORDINATES[1:], (box.phidot, box.sigma3, box.sigma4), strict=True):
             if max(map(abs, reach)) > _FASTEST * disk.rate_unit:

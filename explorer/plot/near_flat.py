@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +12,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, SIGN_COLOURS, SMALL, TEXT, axes_or_new, dress, legend, rates_of
+from explorer.plot.style import DARK, SIGN_COLOURS, SMALL, TEXT, axes_or_new, dress, legend, rates_of, styled
 from explorer.portrait.both_sides import BothSides
 from explorer.portrait.near_flat import NearFlat
 
@@ -109,7 +110,7 @@ def _limit_path(both: BothSides, sign: int) -> Array:
     "stretched by the impact speed A over the smallest tilt. Over many decades of the distance from F all races "
     "are one curve, the arctangent, up on one side of F and down on the other.",
 )
-def race_collapse(several: Sequence[NearFlat], ax: Axes | None = None) -> Axes:
+def race_collapse(several: Sequence[NearFlat], ax: Axes | None = None, **look: Any) -> Axes:
     r"""Draw races at several distances from F on the curve +-arctan, to which they tend.
 
     Parameters
@@ -118,6 +119,8 @@ def race_collapse(several: Sequence[NearFlat], ax: Axes | None = None) -> Axes:
         From `explorer.portrait.near_flat.near_flat`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib for the races.
 
     Returns
     -------
@@ -147,7 +150,7 @@ def race_collapse(several: Sequence[NearFlat], ax: Axes | None = None) -> Axes:
         label = _size_label(abs(one.eta_hat), one.disk) if one.eta_hat > 0.0 else None
         colour = SIGN_COLOURS[int(np.sign(one.eta_hat))]
         style = _STYLES[place % len(_STYLES)]
-        ax.plot(one.stretched[seen], one.raced[seen], color=colour, ls=style, lw=1.8, label=label)
+        ax.plot(one.stretched[seen], one.raced[seen], **styled(look, color=colour, ls=style, lw=1.8, label=label))
     ax.set_xscale("asinh", linear_width=1.0)
     for sign, name in _SIDES.items():
         ax.text(2.2, sign * 0.62, name, color=SIGN_COLOURS[sign], fontsize=TEXT, ha="left", va="center")

@@ -21,6 +21,7 @@ from explorer.plot.style import (
     coordinate_label,
     dress,
     legend,
+    styled,
     values_label,
 )
 from explorer.portrait.slices import SliceMap
@@ -35,9 +36,7 @@ _COLOURS = "viridis"
     "An observable of the user's own over a plane of the phase space, or over the states that were scanned. "
     "On a plane the broken lines are the falling set F as the algebra gives it.",
 )
-def observable_map(
-    found: SliceMap | Scan, name: str | None = None, ax: Axes | None = None, **keywords: Any
-) -> Axes:
+def observable_map(found: SliceMap | Scan, name: str | None = None, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw an observable: in colour over a plane or a cloud of states, as a line over states in a row.
 
     Parameters
@@ -48,7 +47,7 @@ def observable_map(
         Which of its observables; the first by default.
     ax : Axes, optional
         Where to draw; by default on a new figure.
-    **keywords
+    **look
         Passed on to matplotlib: to pcolormesh for a plane, to scatter for a cloud, to plot for a line.
 
     Returns
@@ -75,13 +74,12 @@ def observable_map(
     ax = axes_or_new(ax)
     numbers = values.astype(np.float64)
     if isinstance(found, SliceMap):
-        return _plane(ax, found, name, numbers, keywords)
-    return _states(ax, found, name, numbers, keywords)
+        return _plane(ax, found, name, numbers, look)
+    return _states(ax, found, name, numbers, look)
 
 
-def _plane(ax: Axes, cut: SliceMap, name: str, values: Array, keywords: dict[str, Any]) -> Axes:
-    look: dict[str, Any] = {"cmap": _COLOURS, "rasterized": True}
-    drawn = ax.pcolormesh(cut.x, cut.y, values, **look | keywords)
+def _plane(ax: Axes, cut: SliceMap, name: str, values: Array, look: dict[str, Any]) -> Axes:
+    drawn = ax.pcolormesh(cut.x, cut.y, values, **styled(look, cmap=_COLOURS, rasterized=True))
     _bar(ax, drawn, name)
     for distance, could in (
         (cut.falls.distance_plus, cut.falls.could_fall_plus),
@@ -94,19 +92,17 @@ def _plane(ax: Axes, cut: SliceMap, name: str, values: Array, keywords: dict[str
     return dress(ax, first, second, f"{_title(name)}: {values_label(cut.slice.fixed)}")
 
 
-def _states(ax: Axes, found: Scan, name: str, values: Array, keywords: dict[str, Any]) -> Axes:
+def _states(ax: Axes, found: Scan, name: str, values: Array, look: dict[str, Any]) -> Axes:
     disk = found.states.disk
     columns = {each: np.ravel(getattr(found.states, each)) for each in COORDINATES}
     free = [each for each, column in columns.items() if np.unique(column[np.isfinite(column)]).size > 1]
-    look: dict[str, Any]
     if len(free) < 2:
         x = free[0] if free else COORDINATES[0]
-        look = {"color": DARK, "marker": "." if values.size < _FEW else ""}
-        ax.plot(columns[x], values.ravel(), **look | keywords)
+        usual = {"color": DARK, "marker": "." if values.size < _FEW else ""}
+        ax.plot(columns[x], values.ravel(), **styled(look, **usual))
         return dress(ax, coordinate_label(x, disk), _unit_of(name))
     first, second = free[:2]
-    look = {"cmap": _COLOURS, "s": 6}
-    drawn = ax.scatter(columns[first], columns[second], c=values.ravel(), **look | keywords)
+    drawn = ax.scatter(columns[first], columns[second], **styled(look, c=values.ravel(), cmap=_COLOURS, s=6))
     _bar(ax, drawn, name)
     return dress(ax, coordinate_label(first, disk), coordinate_label(second, disk), _title(name))
 
@@ -137,7 +133,7 @@ def race_angle_histogram(
     range: tuple[float, float] | None = None,
     disk: Disk | None = None,
     ax: Axes | None = None,
-    **keywords: Any,
+    **look: Any,
 ) -> Axes:
     """Draw race angles, of both sides of F, in bins of choice.
 
@@ -153,7 +149,7 @@ def race_angle_histogram(
         Whose limits +-kappa pi are drawn.
     ax : Axes, optional
         Where to draw; by default on a new figure.
-    **keywords
+    **look
         Passed on to matplotlib's stairs, `fill=False` for instance.
 
     Returns
@@ -181,8 +177,8 @@ def race_angle_histogram(
     for sign, colour, label in ((1, PLUS, r"$\eta > 0$"), (-1, MINUS, r"$\eta < 0$")):
         values = race[side == sign]
         if values.size:
-            look: dict[str, Any] = {"fill": True, "color": colour, "label": f"{label}: {values.size:,}"}
-            ax.stairs(np.histogram(values, edges)[0], edges, **look | keywords)
+            style = styled(look, fill=True, color=colour, label=f"{label}: {values.size:,}")
+            ax.stairs(np.histogram(values, edges)[0], edges, **style)
     if disk is not None:
         for sign in (1, -1):
             ax.axvline(

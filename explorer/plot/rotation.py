@@ -1,10 +1,12 @@
 """The rotation number over the constants of motion."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, SMALL, TEXT, axes_or_new, dress, rates_of
+from explorer.plot.style import DARK, SMALL, TEXT, axes_or_new, dress, rates_of, styled
 from explorer.portrait.rotation import RotationMap
 
 
@@ -15,7 +17,7 @@ from explorer.portrait.rotation import RotationMap
     "disk comes flat, by twice the race. The palest are resonances, a whole number of turns, at which the disk "
     "may wander off without bound.",
 )
-def rotation_map(rotation: RotationMap, ax: Axes | None = None) -> Axes:
+def rotation_map(rotation: RotationMap, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw chi(tau)/2pi modulo 1 over (sigma3_bar, sigma4_bar) at one energy.
 
     Parameters
@@ -24,6 +26,8 @@ def rotation_map(rotation: RotationMap, ax: Axes | None = None) -> Axes:
         From `explorer.portrait.rotation.rotation_map`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
+    **look
+        Passed on to matplotlib's pcolormesh.
 
     Returns
     -------
@@ -43,9 +47,8 @@ def rotation_map(rotation: RotationMap, ax: Axes | None = None) -> Axes:
     """
     ax = axes_or_new(ax)
     x, y = rotation.sigma3_bar, rotation.sigma4_bar
-    colours = ax.pcolormesh(
-        x, y, np.mod(rotation.turns, 1.0), cmap="twilight", vmin=0.0, vmax=1.0, rasterized=True
-    )
+    style = styled(look, cmap="twilight", vmin=0.0, vmax=1.0, rasterized=True)
+    colours = ax.pcolormesh(x, y, np.mod(rotation.turns, 1.0), **style)
     bar = ax.figure.colorbar(colours, ax=ax, ticks=[0.0, 0.25, 0.5, 0.75, 1.0])
     bar.set_label("turns per period, without whole ones", fontsize=SMALL)
     # In the corners, not over the jumps that they name: where the lines leave the ellipse of this energy.

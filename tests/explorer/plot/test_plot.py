@@ -102,8 +102,6 @@ WHOLE = (
 )
 TOOLS = ("caption_of", "figure_of", "save", "stacked")
 NAMES = [name for name in plot.__all__ if name not in (*WHOLE, *TOOLS)]
-# Keywords are not passed on as `look` yet; this list only shrinks.
-TAKE_NONE = ("observable_map", "race_angle_histogram", "race_collapse", "rotation_map")
 # A hyphen before a digit is no minus sign; between dollars matplotlib makes one of it.
 HYPHEN = re.compile(r"(?<![\w$])-\s?\d")
 DIRECTED = set("<>^v")
@@ -205,7 +203,7 @@ def test_points_outside_the_axes_are_marked_and_no_other_marker_points_anywhere(
                 assert beyond.sum() <= len(marks)
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name not in TAKE_NONE])
+@pytest.mark.parametrize("name", NAMES)
 def test_keywords_are_taken_by_matplotlib(name, pictures):
     parameters = inspect.signature(getattr(plot, name)).parameters
     assert parameters["ax"].default is None
