@@ -105,7 +105,9 @@ __all__ = [*_HOMES]
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        value: Any = _version()
+        from explorer.version import installed_version
+
+        value: Any = installed_version() or "0+unknown"
     elif name in _HOMES:
         home, _, path = _HOMES[name].partition(":")
         module = import_module(f"explorer.{home}")
@@ -114,15 +116,6 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'explorer' has no attribute {name!r}")
     globals()[name] = value
     return value
-
-
-def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("nearflat")
-    except PackageNotFoundError:  # a folder on the path, not an installed package
-        return "0+unknown"
 
 
 def __dir__() -> list[str]:

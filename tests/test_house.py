@@ -12,7 +12,7 @@ from imports import PACKAGES, ROOT, arrows, circles, imports, sources, tree, unr
 # The rooms of each package, ground first. A file imports from its own room and from rows below, never from its own
 # row's other rooms and never from above: also inside functions, also for types only.
 EXPLORER = """
-    errors compiled
+    errors compiled version
     phase
     motion
     measure

@@ -2,7 +2,8 @@
 
 import argparse
 import json
-from importlib import metadata
+
+from explorer.version import installed_version
 
 PAPER = {
     "author": "Cushman, R. and Duistermaat, J. J.",
@@ -36,16 +37,9 @@ def _entries() -> tuple[tuple[str, str, dict[str, str]], ...]:
     software = {
         "author": "{The nearflat authors}",
         "title": "nearflat: Monte Carlo phase-space explorer of the rolling disk that nearly falls flat",
-        "version": _version(),
+        "version": installed_version() or "not installed",
     }
     return ("software", "nearflat", software), ("article", "CushmanDuistermaat2006", PAPER)
-
-
-def _version() -> str:
-    try:
-        return metadata.version("nearflat")
-    except metadata.PackageNotFoundError:  # a folder on the path, not an installed package
-        return "not installed"
 
 
 def _entry(kind: str, key: str, fields: dict[str, str]) -> str:

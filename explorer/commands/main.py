@@ -19,6 +19,7 @@ from typing import Any, NamedTuple, NoReturn
 
 from explorer.errors import InputError, Interrupted, RunError, shorten, words_of_the_command
 from explorer.runs.interrupt import STATUS, as_interrupts, ignore, was_told
+from explorer.version import installed_version
 
 
 class Command(NamedTuple):
@@ -228,21 +229,13 @@ def _parser() -> argparse.ArgumentParser:
         choices=("strict", "relaxed"),
         help="relaxed lets the compiler reorder operations: faster, and the last digits depend on the machine",
     )
-    parser.add_argument("--version", action="version", version=f"nearflat {_version()}")
+    installed = installed_version() or "(not installed)"
+    parser.add_argument("--version", action="version", version=f"nearflat {installed}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_CommandParser)
     for name, (load, text, example) in COMMANDS.items():
         epilog = f"example: nearflat {name} {example}"
         commands.add_parser(name, load=load, help=text, description=text, epilog=epilog)
     return parser
-
-
-def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("nearflat")
-    except PackageNotFoundError:
-        return "(not installed)"
 
 
 if __name__ == "__main__":

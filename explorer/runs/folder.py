@@ -15,8 +15,6 @@ import platform
 import re
 from collections.abc import Callable
 from datetime import UTC, datetime
-from functools import cache
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +26,7 @@ from explorer.runs.pictures import KNOWN
 from explorer.runs.strangers import plain_names
 from explorer.scenes.base import Scene
 from explorer.scenes.registry import scene_from_options
+from explorer.version import installed_version
 
 FORMAT = 1
 _LEFT = re.compile(r"\.probe-\d+|(run|summary)\.\d+\.tmp")  # names of a moment, which a killed run leaves
@@ -255,7 +254,7 @@ def add_kind(before: dict[str, Any]) -> str | None:
 
 def write_record(folder: Path, scene: Scene, **more: Any) -> None:
     """Write run.json: everything needed to run it again, and what it ran on."""
-    versions = {name: _version(name) for name in PACKAGES}
+    versions = {name: installed_version(name) for name in PACKAGES}
     content = {
         "format": FORMAT,
         "identity": identity(scene),
@@ -268,11 +267,3 @@ def write_record(folder: Path, scene: Scene, **more: Any) -> None:
 
 def now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds")
-
-
-@cache
-def _version(name: str) -> str | None:
-    try:
-        return metadata.version(name)
-    except metadata.PackageNotFoundError:
-        return None
