@@ -15,7 +15,7 @@ import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from types import ModuleType
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn, Self
 
 from explorer.errors import InputError, Interrupted, RunError, shorten, words_of_the_command
 from explorer.runs.interrupt import STATUS, as_interrupts, ignore, was_told
@@ -125,12 +125,17 @@ class _CommandParser(_Parser):
         super().__init__(conflict_handler="resolve", **options)
         self._load: Callable[[], ModuleType] | None = load
 
-    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+    def loaded(self) -> Self:
+        """This parser with the arguments of its command."""
         if self._load is not None:
             family, self._load = self._load(), None
             family.add_arguments(self)
             self.add_argument("--quiet", action="store_true", help="no progress and no notes")
             self.set_defaults(call=family.call)
+        return self
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        self.loaded()
         return super().parse_known_args(args, namespace)
 
 

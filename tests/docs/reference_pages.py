@@ -29,11 +29,7 @@ def table(heads, rows):
 def parsers():
     """Name -> parser, for all commands, with their arguments."""
     (commands,) = (action for action in _parser()._actions if isinstance(action, argparse._SubParsersAction))
-    for parser in commands.choices.values():
-        if parser._load is not None:
-            family, parser._load = parser._load(), None
-            family.add_arguments(parser)
-    return commands.choices
+    return {name: parser.loaded() for name, parser in commands.choices.items()}
 
 
 def arguments(parser):
