@@ -13,8 +13,12 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+import pytest
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 _PATIENCE = 20.0  # s for one answer
@@ -210,3 +214,14 @@ class Browser:
         return [
             e["params"]["request"]["url"] for e in self.events if e.get("method") == "Network.requestWillBeSent"
         ]
+
+
+@contextmanager
+def started() -> Iterator[Browser]:
+    """A browser that has started; the test is skipped where there is none."""
+    program = find()
+    if program is None:
+        remedy = "install it (Debian: apt-get install chromium) or set NEARFLAT_CHROMIUM to its path"
+        pytest.skip(f"no Chromium was found: {remedy}")
+    with Browser(program) as browser:
+        yield browser

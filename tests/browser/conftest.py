@@ -10,19 +10,12 @@ from browser import chromium
 from explorer.view.assembly import FOLDER
 from explorer.view.page import view
 
-MISSING = (
-    "no Chromium was found: install it (Debian: apt-get install chromium) or set NEARFLAT_CHROMIUM to its path"
-)
-
 
 @pytest.fixture(scope="session")
 def browser():
     """One headless Chromium for all tests."""
-    program = chromium.find()
-    if program is None:
-        pytest.skip(MISSING)
-    with chromium.Browser(program) as started:
-        yield started
+    with chromium.started() as browser:
+        yield browser
 
 
 @pytest.fixture(scope="session")

@@ -26,11 +26,8 @@ def site(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def browser():
-    program = chromium.find()
-    if program is None:
-        pytest.skip("no Chromium was found: install it (Debian: apt-get install chromium)")
-    with chromium.Browser(program) as started:
-        yield started
+    with chromium.started() as browser:
+        yield browser
 
 
 def test_formulas_are_drawn_without_a_script(site, browser):
