@@ -17,7 +17,7 @@ import tempfile
 import threading
 import warnings
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Annotated, Any, Generic, ParamSpec, TypeVar, get_args, get_origin, get_type_hints
 
@@ -25,6 +25,7 @@ import llvmlite
 import numba
 from numba import types as nb
 from numba.core import config
+from numba.extending import typeof_impl
 
 # Strict IEEE arithmetic, the default: the regularised field vectorises without fastmath, lane and scalar
 # code round alike, and NaN checks survive. Relaxed, the compiler may fuse and reorder operations: passages
@@ -62,22 +63,56 @@ def numba_type(hint: Any) -> Any:
 
 def device(function: F) -> F:
     """A function inlined into compiled callers; it compiles together with them."""
-    return numba.njit(forceinline=True, **_OPTIONS)(function)
+    return _callee(function, forceinline=True, **_OPTIONS)
 
 
 def subroutine(function: F) -> F:
     """A function called from compiled code but not inlined, where inlining only costs compile time."""
-    return numba.njit(**_OPTIONS)(function)
+    return _callee(function, **_OPTIONS)
 
 
 def contracted_device(function: F) -> F:
     """As `device`; the compiler may round a product and a sum together, once instead of twice."""
-    return numba.njit(forceinline=True, **_CONTRACTED)(function)
+    return _callee(function, forceinline=True, **_CONTRACTED)
 
 
 def contracted_subroutine(function: F) -> F:
     """As `subroutine`, with products and sums rounded together."""
-    return numba.njit(**_CONTRACTED)(function)
+    return _callee(function, **_CONTRACTED)
+
+
+def _callee(function: F, **options: Any) -> F:
+    made: Any = function if config.DISABLE_JIT else Callee(function, options)
+    return made
+
+
+class Callee:
+    """A function for compiled callers, without the two wrappers that numba makes for callers in Python and in C.
+
+    They would take a third of the time in which a kernel compiles. Called from Python, the function is compiled
+    once more, with them.
+    """
+
+    def __init__(self, function: Callable, options: dict[str, Any]) -> None:
+        self.py_func, self.targetoptions = function, options
+        self.__doc__ = function.__doc__
+
+    @cached_property
+    def for_kernels(self) -> Any:
+        """What compiled callers see; not made where every caller comes from the cache."""
+        return numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **self.targetoptions)(self.py_func)
+
+    @cached_property
+    def _for_python(self) -> Any:
+        return numba.njit(**self.targetoptions)(self.py_func)
+
+    def __call__(self, *arguments: Any, **keywords: Any) -> Any:
+        return self._for_python(*arguments, **keywords)
+
+
+@typeof_impl.register(Callee)
+def _type_of_callee(callee: Callee, context: Any) -> Any:
+    return typeof_impl(callee.for_kernels, context)
 
 
 def both_devices(function: F) -> tuple[F, F]:
