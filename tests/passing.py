@@ -2,25 +2,26 @@
 
 import numpy as np
 
+from explorer.phase.gauss import packed_rules
 from kernels.integrals import passages
 from kernels.integrals.point import VERTICAL
-
-
-def without_tables(quadrature):
-    """The rules with tables that answer nothing: a check against NaN fails, so every sample goes by the rules."""
-    tables = quadrature.tables
-    blank = {name: np.full_like(getattr(tables, name), np.nan) for name in ("vertical", "outer", "inner")}
-    return quadrature._replace(tables=tables._replace(**blank))
 
 
 def batch(disk, sigma3_bar, eta_hat, speed, accuracy, by_tables):
     """out and status, from the vertical; without tables by rules that know the speed there as well."""
     n = sigma3_bar.size
-    out, status = np.empty((8, n)), np.zeros(n, np.int8)
+    status = np.zeros(n, np.int8)
     crossings = passages.Crossings(sigma3_bar, eta_hat * disk.body.I3 * disk.body.r0, speed)
-    quadrature = disk.quadrature if by_tables else without_tables(disk.quadrature)
-    passages.passage_batch(crossings, VERTICAL, accuracy, quadrature, disk.natural, out, status)
-    return out, status
+    return across(disk, crossings, VERTICAL, accuracy, status, by_tables), status
+
+
+def across(disk, crossings, h_end, accuracy, status, by_tables=True):
+    """Passages by the kernels: out (8, n). status becomes theirs."""
+    out = np.full((8, status.size), np.nan)
+    if by_tables:
+        passages.passage_batch(crossings, accuracy, disk.tables, disk.natural, out, status)
+    passages.passage_by_rules_batch(crossings, h_end, accuracy, packed_rules(), disk.natural, out, status)
+    return out
 
 
 def draw(rng, n, wild):

@@ -9,6 +9,7 @@ from explorer import compiled
 from explorer.motion.plan import Plan
 from explorer.motion.vertical import Starts
 from explorer.phase.disk import Disk
+from explorer.phase.gauss import packed_rules
 from explorer.phase.states import Array
 
 
@@ -32,10 +33,13 @@ class Followed(NamedTuple):
 def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> Followed:
     """Passages as integrals. edge: the tilt phi (rad) at which they start and stop, 0 for the vertical."""
     crossings = starts.natural(disk)
-    out, status = np.empty((8, starts.status.size)), starts.status.copy()
-    compiled.passages.passage_batch(
-        crossings, chord(edge), how.accuracy, disk.quadrature, disk.natural, out, status
-    )
+    out, status = np.full((8, starts.status.size), np.nan), starts.status.copy()
+    if edge == 0.0:
+        compiled.passages.passage_batch(crossings, how.accuracy, disk.tables, disk.natural, out, status)
+    if (np.isnan(out[0]) & (status == compiled.status.Status.OK)).any():
+        compiled.passages.passage_by_rules_batch(
+            crossings, chord(edge), how.accuracy, packed_rules(), disk.natural, out, status
+        )
     passage = compiled.quadrature.PassageRow(*out)
     energy, on_f = passage.energy, crossings.eta == 0.0
     if on_f.any():  # the kernel skips what lies on F
@@ -63,13 +67,10 @@ def fall_from_vertical(
 
     edge: phi (rad) at which it begins instead.
     """
-    out = np.empty((4, sigma3_bar.size))
-    compiled.passages.fall_batch(
-        np.ascontiguousarray(sigma3_bar),
-        np.ascontiguousarray(energy),
-        chord(edge),
-        disk.quadrature,
-        disk.natural,
-        out,
-    )
+    out = np.full((4, sigma3_bar.size), np.nan)
+    given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
+    if edge == 0.0:
+        compiled.passages.fall_batch(*given, disk.tables, disk.natural, out)
+    if (np.isnan(out[0]) & np.isfinite(energy)).any():
+        compiled.passages.fall_by_rules_batch(*given, chord(edge), packed_rules(), disk.natural, out)
     return compiled.quadrature.FallRow(*out)

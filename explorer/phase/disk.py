@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, note, number, positive, read_toml, shown, word
-from explorer.phase.gauss import packed_rules, table_rules
+from explorer.phase.gauss import table_rules
 
 Array = NDArray[np.float64]
 Number = TypeVar("Number", float, Array)
@@ -227,10 +227,9 @@ class Disk:
         return compiled.chaplygin.make_whole(self.natural.series)
 
     @cached_property
-    def quadrature(self) -> compiled.passages.Quadrature:
-        """Rules and tables by which the kernels integrate."""
-        tables = compiled.tables.make_tables(self.natural, table_rules())
-        return compiled.passages.Quadrature(packed_rules(), tables)
+    def tables(self) -> compiled.tables.Tables:
+        """Tables by which the kernels integrate from the vertical."""
+        return compiled.tables.make_tables(self.natural, table_rules())
 
     def describe(self) -> Description:
         """The disk as run.json and summary.json show it; printed, with units and with what follows from it.

@@ -1,4 +1,7 @@
-"""Passages and falls of many samples: by tables where they serve, by adaptive quadrature elsewhere."""
+"""Passages and falls of many samples: by tables where they serve, by adaptive quadrature elsewhere.
+
+Two kernels each: what most callers need compiles in half the time.
+"""
 
 import math
 from typing import NamedTuple
@@ -29,13 +32,6 @@ class Crossings(NamedTuple):
     speed: Vector
 
 
-class Quadrature(NamedTuple):
-    """What integrals are computed by: rules for any body, and tables of this one."""
-
-    rules: Rules
-    tables: Tables
-
-
 @subroutine
 def fill(W: Vector, first: int, crossings: Crossings, status: Codes, b: Body) -> None:
     """Samples from `first` on into lanes; a lane without one is given numbers that are not used."""
@@ -64,41 +60,51 @@ def in_lane(W: Vector, i: int, b: Body) -> PassageRow[float]:
 
 @kernel
 def passage_batch(
-    crossings: Crossings,
-    h_end: float,
-    target: float,
-    quadrature: Quadrature,
-    disk: Disk,
-    out: Matrix,
-    status: Codes,
+    crossings: Crossings, target: float, of_body: Tables, disk: Disk, out: Matrix, status: Codes
 ) -> None:
-    """The passage on face +1 of every motion, cut at h_end -> out (8, n), rows as PassageRow.
+    """The passage on face +1 from the vertical of every motion -> out (8, n), rows as PassageRow.
 
     target: accuracy of the angles (rad) and of the time (relative). status (n): samples that come in as not OK
-    are skipped; eta = 0 is FALLS; a motion that does not come as far as h_end is BAD_INPUT.
+    are skipped; eta = 0 is FALLS. Those that tables do not serve stay OK, with NaN: they are left to
+    `passage_by_rules_batch`.
     """
-    b, rules = disk.body, quadrature.rules
-    W = np.zeros(nodes.ROWS * nodes.ROOM)
+    b = disk.body
     lanes = np.ones(tabulated.ROWS * LANES)  # row CHECK above all
     for i in range(status.size):
-        if i % LANES == 0 and h_end == VERTICAL:
+        if i % LANES == 0:
             fill(lanes, i, crossings, status, b)
-            tabulated.passages(lanes, target, FLOOR, quadrature.tables, b)
+            tabulated.passages(lanes, target, FLOOR, of_body, b)
         if status[i] == _OK and crossings.eta[i] == 0.0:
             status[i] = _FALLS
-        if status[i] != _OK:
-            out[:, i] = math.nan
-        elif lanes[CHECK * LANES + i % LANES] == 0.0:
+        if status[i] == _OK and lanes[CHECK * LANES + i % LANES] == 0.0:
             put(in_lane(lanes, i % LANES, b), out, i)
         else:
-            speed = crossings.speed[i]
-            X, Y = crossings.sigma3_bar[i] / b.r0, crossings.eta[i] / b.I1
-            motion = motion_through(VERTICAL, speed, X, Y, disk)
-            at_vertical = h_end == VERTICAL
-            moving = 0.5 * b.M * speed * speed if at_vertical else 0.0
-            start = Start(h_end, speed == 0.0 and at_vertical, moving)
-            status[i], row = passage(start, motion, target, rules, disk, W)
-            put(row, out, i)
+            out[:, i] = math.nan
+
+
+@kernel
+def passage_by_rules_batch(
+    crossings: Crossings, h_end: float, target: float, rules: Rules, disk: Disk, out: Matrix, status: Codes
+) -> None:
+    """The same, cut at h_end, of every motion that is OK and still NaN in out (8, n).
+
+    A motion that does not come as far as h_end is BAD_INPUT.
+    """
+    b = disk.body
+    W = np.zeros(nodes.ROWS * nodes.ROOM)
+    at_vertical = h_end == VERTICAL
+    for i in range(status.size):
+        if status[i] == _OK and crossings.eta[i] == 0.0:
+            status[i] = _FALLS
+        if status[i] != _OK or not math.isnan(out[0, i]):
+            continue
+        speed = crossings.speed[i]
+        X, Y = crossings.sigma3_bar[i] / b.r0, crossings.eta[i] / b.I1
+        motion = motion_through(VERTICAL, speed, X, Y, disk)
+        moving = 0.5 * b.M * speed * speed if at_vertical else 0.0
+        start = Start(h_end, speed == 0.0 and at_vertical, moving)
+        status[i], row = passage(start, motion, target, rules, disk, W)
+        put(row, out, i)
 
 
 @subroutine
@@ -124,25 +130,35 @@ def fall_in_lane(W: Vector, i: int) -> FallRow[float]:
 
 
 @kernel
-def fall_batch(
-    sigma3_bar: Vector, energy: Vector, h_end: float, quadrature: Quadrature, disk: Disk, out: Matrix
-) -> None:
-    """The fall on F from h_end on face +1 of every sample -> out (4, n), rows as FallRow.
+def fall_batch(sigma3_bar: Vector, energy: Vector, of_body: Tables, disk: Disk, out: Matrix) -> None:
+    """The fall on F from the vertical on face +1 of every sample -> out (4, n), rows as FallRow.
 
-    NaN where the energy does not exceed V_0.
+    NaN where tables do not serve: those are left to `fall_by_rules_batch`.
+    """
+    b = disk.body
+    lanes = np.ones(tabulated.ROWS * LANES)  # row CHECK above all
+    for i in range(energy.size):
+        if i % LANES == 0:
+            fill_falls(lanes, i, sigma3_bar, energy, b)
+            tabulated.falls(lanes, FLOOR, FLOOR, of_body, b)
+        if lanes[CHECK * LANES + i % LANES] == 0.0:
+            put(fall_in_lane(lanes, i % LANES), out, i)
+        else:
+            out[:, i] = math.nan
+
+
+@kernel
+def fall_by_rules_batch(
+    sigma3_bar: Vector, energy: Vector, h_end: float, rules: Rules, disk: Disk, out: Matrix
+) -> None:
+    """The same from h_end, of every sample that is still NaN in out (4, n).
+
+    It stays NaN where the energy does not exceed V_0.
     """
     b = disk.body
     W = np.zeros(nodes.ROWS * nodes.ROOM)
-    lanes = np.ones(tabulated.ROWS * LANES)  # row CHECK above all
     for i in range(energy.size):
-        if i % LANES == 0 and h_end == VERTICAL:
-            fill_falls(lanes, i, sigma3_bar, energy, b)
-            tabulated.falls(lanes, FLOOR, FLOOR, quadrature.tables, b)
         X = sigma3_bar[i] / b.r0
         motion = Motion(X, 0.0, energy[i] - potential_at_flat(X, b))
-        if lanes[CHECK * LANES + i % LANES] == 0.0:
-            put(fall_in_lane(lanes, i % LANES), out, i)
-        elif motion.level > 0.0:
-            put(fall(h_end, motion, quadrature.rules, disk, W), out, i)
-        else:
-            out[:, i] = math.nan
+        if math.isnan(out[0, i]) and motion.level > 0.0:
+            put(fall(h_end, motion, rules, disk, W), out, i)

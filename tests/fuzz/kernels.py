@@ -28,9 +28,10 @@ def call(name, disk, given):
     n = given.shape[1]
     status = np.zeros(n, np.int8)
     if name == "passages":
-        out = np.empty((8, n))
+        out = np.full((8, n), np.nan)
         crossings = compiled.passages.Crossings(*given[:3])
-        compiled.passages.passage_batch(crossings, 0.0, 1e-6, disk.quadrature, disk.natural, out, status)
+        compiled.passages.passage_batch(crossings, 1e-6, disk.tables, disk.natural, out, status)
+        compiled.passages.passage_by_rules_batch(crossings, 0.0, 1e-6, packed_rules(), disk.natural, out, status)
     elif name == "orbits":
         out = np.empty((8, n))
         compiled.orbits.orbit_batch(

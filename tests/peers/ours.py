@@ -49,9 +49,8 @@ def quadrature():
     def make(accuracy):
         def solve(_n):
             status = np.zeros(eta.size, np.int8)
-            compiled.passages.passage_batch(
-                crossings, compiled.point.VERTICAL, accuracy, DISK.quadrature, DISK.natural, out, status
-            )
+            compiled.passages.passage_batch(crossings, accuracy, DISK.tables, DISK.natural, out, status)
+            assert not np.isnan(out[1]).any()
             return np.where(status == 0, out[1], np.nan)[:COUNT]
 
         return solve

@@ -15,7 +15,7 @@ from kernels.integrals.turning import turning_point
 
 @pytest.mark.parametrize("name", ["uniform", "thick"])
 def test_a_tilt_is_the_same_in_lanes_and_by_itself(name):
-    disk, low = BODIES[name], BODIES[name].quadrature.tables.low
+    disk, low = BODIES[name], BODIES[name].tables.low
     motion = motion_through(VERTICAL, 1.0, 0.7, 1e-3, disk.natural)
     for h in np.geomspace(1e-4, HANDOVER, 12):
         lane = near_flat(h, math.log(h), motion, disk.body, low)
@@ -25,7 +25,7 @@ def test_a_tilt_is_the_same_in_lanes_and_by_itself(name):
 
 
 def test_five_steps_of_newtons_method_find_the_turning_point():
-    disk, low = BODIES["hoop"], BODIES["hoop"].quadrature.tables.low
+    disk, low = BODIES["hoop"], BODIES["hoop"].tables.low
     motion = motion_through(VERTICAL, 1.0, 0.7, 1e-2, disk.natural)
     h = abs(motion.Y) * math.sqrt(0.5 * disk.body.I1 / motion.level)
     log_h = math.log(h)

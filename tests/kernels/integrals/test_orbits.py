@@ -5,9 +5,11 @@ import math
 import numpy as np
 import pytest
 from conftest import BODIES
+from passing import across
 
+from explorer.phase.gauss import packed_rules
 from kernels.integrals.orbits import OrbitRow, Orbits, orbit_batch, tilt_batch
-from kernels.integrals.passages import Crossings, passage_batch
+from kernels.integrals.passages import Crossings
 from kernels.integrals.point import VERTICAL
 from kernels.integrals.quadrature import PassageRow
 from kernels.status import Status
@@ -23,7 +25,7 @@ def motions(disk, n, seed=2):
 
 def periods(disk, orbits, target=1e-10):
     out, status = np.empty((8, orbits.h.size)), np.zeros(orbits.h.size, np.int8)
-    orbit_batch(orbits, target, disk.quadrature.rules, disk.natural, out, status)
+    orbit_batch(orbits, target, packed_rules(), disk.natural, out, status)
     return OrbitRow(*out), status
 
 
@@ -34,9 +36,9 @@ def test_a_period_across_the_vertical_is_a_passage_on_either_face(name):
     period, status = periods(disk, orbits)
     sides = []
     for eta in (orbits.near, orbits.far):
-        out, passed = np.empty((8, 50)), np.zeros(50, np.int8)
+        passed = np.zeros(50, np.int8)
         crossings = Crossings(orbits.sigma3_bar, eta, orbits.rate)
-        passage_batch(crossings, VERTICAL, 1e-10, disk.quadrature, disk.natural, out, passed)
+        out = across(disk, crossings, VERTICAL, 1e-10, passed)
         assert (passed == Status.OK).sum() >= 49
         sides.append(PassageRow(*out))
     here, there = sides
@@ -71,7 +73,7 @@ def test_samples_marked_beforehand_are_skipped():
     disk = BODIES["uniform"]
     orbits, marked = motions(disk, 4), np.array([2, 0, 1, 0], np.int8)
     out, status = np.empty((8, 4)), marked.copy()
-    orbit_batch(orbits, 1e-9, disk.quadrature.rules, disk.natural, out, status)
+    orbit_batch(orbits, 1e-9, packed_rules(), disk.natural, out, status)
     theta, tilted = np.empty(4), marked.copy()
     tilt_batch(orbits, 1e-9, disk.natural, theta, tilted)
     for codes, numbers in ((status, out[2]), (tilted, theta)):

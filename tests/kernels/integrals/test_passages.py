@@ -2,9 +2,9 @@
 
 import numpy as np
 from conftest import BODIES
-from passing import batch, draw
+from passing import across, batch, draw
 
-from kernels.integrals.passages import Crossings, passage_batch
+from kernels.integrals.passages import Crossings
 from kernels.integrals.point import VERTICAL
 from kernels.integrals.quadrature import PassageRow
 from kernels.status import Status
@@ -39,15 +39,14 @@ def test_samples_on_f_fall_and_marked_ones_are_skipped():
     disk, n = BODIES["uniform"], 4
     crossings = Crossings(np.ones(n), np.array([1e-3, 0.0, 1e-3, 0.0]), np.ones(n))
     status = np.array([Status.OK, Status.OK, Status.BAD_INPUT, Status.BAD_INPUT], np.int8)
-    out = np.empty((8, n))
-    passage_batch(crossings, VERTICAL, 1e-9, disk.quadrature, disk.natural, out, status)
+    out = across(disk, crossings, VERTICAL, 1e-9, status)
     assert status.tolist() == [Status.OK, Status.FALLS, Status.BAD_INPUT, Status.BAD_INPUT]
     assert np.isnan(out).all(axis=0).tolist() == [False, True, True, True]
 
 
 def test_a_window_that_the_motion_does_not_reach_is_bad_input():
     disk, one = BODIES["uniform"], np.ones(1)
-    out, status = np.empty((8, 1)), np.zeros(1, np.int8)
-    passage_batch(Crossings(one, 0.3 * one, one), 1e-3, 1e-9, disk.quadrature, disk.natural, out, status)
+    status = np.zeros(1, np.int8)
+    out = across(disk, Crossings(one, 0.3 * one, one), 1e-3, 1e-9, status, by_tables=False)
     assert status[0] == Status.BAD_INPUT
     assert np.isnan(PassageRow(*out).chi[0])

@@ -20,7 +20,7 @@ def test_the_low_series_are_those_of_the_whole_range(name):
     for S in np.linspace(1e-6, 0.5 * tables.HANDOVER**2, 20):
         whole = chaplygin.solutions(S, math.log(S), disk.body.c, disk.natural.series)
         t = 16.0 * S - 1.0
-        low = disk.quadrature.tables.low
+        low = disk.tables.low
         got = [polynomials.horner(row, t) for row in (low.rho_over_S, low.drho)]
         assert got == pytest.approx([whole.rho_over_S, whole.drho], rel=1e-15)
         D = 0.5 * disk.body.c * S * got[0] * math.log(S) + polynomials.horner(low.v, t)
@@ -28,7 +28,7 @@ def test_the_low_series_are_those_of_the_whole_range(name):
 
 
 def test_weights_of_time_sum_to_the_tilts_they_cover():
-    of_body = BODIES["uniform"].quadrature.tables
+    of_body = BODIES["uniform"].tables
     outer, fall = Fixed(*of_body.outer[:8]), Fixed(*of_body.fall[:8])
     assert outer.time.sum() == pytest.approx(0.5 * math.pi - 2.0 * math.asin(0.5 * tables.HANDOVER), rel=1e-14)
     assert fall.time.sum() == pytest.approx(0.5 * math.pi, rel=1e-14)
@@ -36,5 +36,5 @@ def test_weights_of_time_sum_to_the_tilts_they_cover():
 
 
 def test_a_node_is_read_by_the_names_of_its_rows():
-    table = BODIES["thick"].quadrature.tables.outer
+    table = BODIES["thick"].tables.outer
     assert fixed(table, 3) == tuple(table[:8, 3])

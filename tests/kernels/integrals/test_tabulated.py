@@ -1,6 +1,5 @@
 """Passages by tables against adaptive quadrature, sample by sample, ordinary and hostile."""
 
-import math
 import os
 import re
 import shutil
@@ -15,6 +14,7 @@ from conftest import BODIES
 from passing import batch, draw
 
 import explorer as ex
+from explorer.phase.gauss import packed_rules
 from kernels._jit import numba_type
 from kernels.disk.body import Body
 from kernels.integrals import passages, tabulated
@@ -70,11 +70,11 @@ def test_falls_by_tables_and_by_one_rule_agree(name):
     s3, speed = rng.uniform(-3, 3, n), rng.uniform(0.05, 3, n)
     sigma4 = b.dr0 * s3 / (b.k * b.r0)
     energy = 0.5 * (b.M * speed**2 + b.I1 * s3**2 + b.J * sigma4**2) + 1.0
-    found = []
-    for h_end in (VERTICAL, math.nextafter(VERTICAL, 0.0)):
-        out = np.empty((4, n))
-        passages.fall_batch(s3, energy, h_end, disk.quadrature, disk.natural, out)
-        found.append(out)
+    found = np.full((2, 4, n), np.nan)
+    passages.fall_batch(s3, energy, disk.tables, disk.natural, found[0])
+    for out in found:  # the first has what tables serve
+        passages.fall_by_rules_batch(s3, energy, VERTICAL, packed_rules(), disk.natural, out)
+    assert (found[0] != found[1]).any()
     allowed = 10 * (found[0][3] + found[1][3]) + 1e-13
     assert (abs(found[0][:3] - found[1][:3]) <= allowed).all()
     assert (found[0][3] <= 1e-9).all()
@@ -105,11 +105,14 @@ gauss = lambda n: np.stack(np.polynomial.legendre.leggauss(n))
 disk = make_disk(0.25, 0.5)
 tables = make_tables(disk, (gauss(24), gauss(40), gauss(56)))
 packed = np.stack([gauss(2 * n)[:, n:] for n in (24,)] + [gauss(24)])
-quadrature = passages.Quadrature(Rules(packed, np.array([24])), tables)
+rules = Rules(packed, np.array([24]))
 crossings = passages.Crossings(*np.array([[1.0, -0.3, 1e3], [1e-3, -1e-200, 0.2], [1.0, 0.7, 1e-3]]))
 out, status, falls = np.empty((8, 3)), np.zeros(3, np.int8), np.empty((4, 3))
-passages.passage_batch(crossings, VERTICAL, 1e-9, quadrature, disk, out, status)
-passages.fall_batch(np.array([1.0, -0.3, 0.5]), np.array([3.0, 2.0, 2.5]), VERTICAL, quadrature, disk, falls)
+passages.passage_batch(crossings, 1e-9, tables, disk, out, status)
+passages.passage_by_rules_batch(crossings, VERTICAL, 1e-9, rules, disk, out, status)
+given = np.array([1.0, -0.3, 0.5]), np.array([3.0, 2.0, 2.5])
+passages.fall_batch(*given, tables, disk, falls)
+passages.fall_by_rules_batch(*given, VERTICAL, rules, disk, falls)
 print([x.hex() for x in (*out.ravel(), *falls.ravel())], status.tolist())
 """
 
