@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import Chebyshev
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from explorer import compiled
@@ -17,7 +18,9 @@ from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 
-_BARRIER_DEGREE = 24  # at which the coefficients of both series are at rounding
+# Depths at which the barrier's series are compared with bisections, and how many times the largest difference is
+# taken for their error; never less than rounding.
+_COMPARED, _CAUTION, _LEAST_SLACK = 257, 100.0, 1e-13
 # phi from the other flat state to the vertical, short of both, where critical_X2 is 0/0; and to what it is found:
 # at a maximum, sigma3_bar* is then at rounding.
 _BEYOND_VERTICAL, _XATOL = (-0.5 * np.pi + 1e-6, -1e-6), 1e-10
@@ -119,19 +122,40 @@ def barrier(disk: Disk) -> tuple[Chebyshev, Chebyshev]:
 
     Well and barrier merge at sigma3_bar*, where both have a root; in this variable they are analytic.
     """
-    angle, largest = well(disk)
 
     def top(depth: Array, name: str) -> Array:
-        out = np.empty((2, depth.size))
-        bar = np.ascontiguousarray(largest * (1.0 - depth * depth))
-        compiled.falling.barrier_batch(bar, angle, disk.natural, out)
-        top: Array = getattr(compiled.falling.Barrier(*out), name)
+        top: Array = getattr(_bisected(disk, depth), name)
         return top
 
-    phi, V = (
-        Chebyshev.interpolate(top, _BARRIER_DEGREE, domain=[0.0, 1.0], args=(name,)) for name in ("phi", "V")
-    )
+    degree = compiled.falling.BARRIER_DEGREE
+    phi, V = (Chebyshev.interpolate(top, degree, domain=[0.0, 1.0], args=(name,)) for name in ("phi", "V"))
     return phi, V
+
+
+def _bisected(disk: Disk, depth: Array) -> compiled.falling.Barrier[Array]:
+    """Barriers at depths sqrt(1 - |sigma3_bar|/sigma3_bar*), each found by bisection."""
+    angle, largest = well(disk)
+    out = np.empty((2, depth.size))
+    bar = np.ascontiguousarray(largest * (1.0 - depth * depth))
+    compiled.falling.barrier_batch(bar, angle, disk.natural, out)
+    return compiled.falling.Barrier(*out)
+
+
+@lru_cache(maxsize=64)
+def obstacle(disk: Disk) -> compiled.falling.Obstacle:
+    """The barrier's series as kernels take them, with a bound of their errors."""
+    angle, largest = well(disk)
+    phi, V = barrier(disk)
+    make = partial(compiled.polynomials.interpolate, degree=compiled.falling.BARRIER_DEGREE)
+    sine, height = make(lambda depth: np.sin(phi(depth))), make(V)
+    depth = np.linspace(0.0, 1.0, _COMPARED)[1:]
+    found = _bisected(disk, depth)
+    apart = [
+        abs(polyval(2.0 * depth - 1.0, sine) - np.sin(found.phi)).max(),
+        abs(polyval(2.0 * depth - 1.0, height) / found.V - 1.0).max(),
+    ]
+    slack = max(_LEAST_SLACK, _CAUTION * float(max(apart)))
+    return compiled.falling.Obstacle(angle, largest / disk.body.r0, slack, tuple(sine), tuple(height))
 
 
 def could_fall(states: States, natural: NaturalConstants) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -142,8 +166,8 @@ def could_fall(states: States, natural: NaturalConstants) -> tuple[NDArray[np.bo
 
 def _membership(states: States, natural: NaturalConstants) -> compiled.falling.Membership[Array]:
     disk, out = states.disk, np.empty((3, len(states)))
-    well_phi, energy = well(disk).phi, natural.energy
-    compiled.falling.falls_batch(states.natural, natural.sigma3_bar, energy, well_phi, disk.natural, out)
+    constants = natural.sigma3_bar, natural.energy
+    compiled.falling.falls_batch(states.natural, *constants, obstacle(disk), disk.natural, out)
     return compiled.falling.Membership(*out)
 
 

@@ -6,18 +6,28 @@ Face -1 is the mirror image (sigma1, sigma3, sigma4) -> (-sigma1, sigma3, -sigma
 """
 
 import math
-from typing import Generic, NamedTuple
+from typing import Annotated, Generic, NamedTuple
+
+from numba import float64
+from numba import types as nb
 
 from kernels._jit import both_devices, device, kernel, subroutine
 from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
 from kernels.disk.constants import depth_below_vertical
+from kernels.disk.polynomials import horner
 from kernels.disk.rows import Entry, put
 from kernels.types import Matrix, Vector
 
 # Bisection to rounding on an interval of length pi/2.
 BISECTIONS = 60
 _ROUNDING = 8 * 2.2e-16
+# Of the barrier's series, at which its coefficients are at rounding.
+BARRIER_DEGREE = 24
+# |sigma3_bar| / sigma3_bar* this close to 1 is bisected: the series there is the square root of what is left.
+_MERGING = 1e-7
+# Whether a barrier is passed.
+FALLS_BACK, PASSES, UNDECIDED = 0, 1, 2
 
 
 class OnF(NamedTuple, Generic[Entry]):
@@ -63,6 +73,24 @@ class Barrier(NamedTuple, Generic[Entry]):
 
     phi: Entry
     V: Entry
+
+
+Powers = Annotated[tuple[float, ...], nb.UniTuple(float64, BARRIER_DEGREE + 1)]
+
+
+class Obstacle(NamedTuple):
+    """The barriers of one disk, for all sigma3_bar.
+
+    well_phi: where critical_X2 peaks. X: sigma3_bar*/r(0), above which there is no barrier. sine, V: ascending
+    powers of 2 u - 1 for sin phi and V of the barrier, u = sqrt(1 - |X| / X*). slack: a bound of their errors,
+    in V relative; what lies within is bisected.
+    """
+
+    well_phi: float
+    X: float
+    slack: float
+    sine: Powers
+    V: Powers
 
 
 def _potential_above_flat(
@@ -140,7 +168,25 @@ def barrier_angle(X: float, well_phi: float, disk: Disk) -> float:
 
 
 @device
-def reaches_flat(at: Tilt, energy: float, X: float, well_phi: float, disk: Disk) -> bool:
+def passes_barrier(z: float, energy: float, X: float, o: Obstacle) -> int:
+    """Whether a start at sin phi = z < 0 is beyond the barrier, or passes over it: by its series."""
+    share = abs(X) / o.X
+    if share > 1.0 + _MERGING:
+        return PASSES
+    if not share < 1.0 - _MERGING:
+        return UNDECIDED
+    t = 2.0 * math.sqrt(1.0 - share) - 1.0
+    behind = z - horner(o.sine, t)
+    if behind > o.slack:
+        return PASSES
+    V = horner(o.V, t)
+    if not (behind < -o.slack and abs(energy - V) > o.slack * V):
+        return UNDECIDED
+    return PASSES if energy > V else FALLS_BACK
+
+
+@device
+def reaches_flat(at: Tilt, energy: float, X: float, o: Obstacle, disk: Disk) -> bool:
     """True if the component of {V < energy} that contains the tilt reaches phi = +pi/2, for eta_+ = 0.
 
     From the vertical to flat V only decreases; beyond the vertical a barrier may stand between.
@@ -152,15 +198,24 @@ def reaches_flat(at: Tilt, energy: float, X: float, well_phi: float, disk: Disk)
         return False
     if at.z >= 0.0:
         return True
+    passes = passes_barrier(at.z, energy, X, o)
+    if passes != UNDECIDED:
+        return passes == PASSES
+    return passes_bisected(at.z, energy, X, o.well_phi, disk)
+
+
+@subroutine
+def passes_bisected(z: float, energy: float, X: float, well_phi: float, disk: Disk) -> bool:
+    """As `passes_barrier`, by bisection for the barrier."""
     phi = barrier_angle(X, well_phi, disk)
-    if not at.z < math.sin(phi):
+    if not z < math.sin(phi):
         return True
     return energy > on_f(math.cos(phi), math.sin(phi), X, disk).V
 
 
 @kernel
 def falls_batch(
-    states: Matrix, sigma3_bar: Vector, energy: Vector, well_phi: float, disk: Disk, out: Matrix
+    states: Matrix, sigma3_bar: Vector, energy: Vector, obstacle: Obstacle, disk: Disk, out: Matrix
 ) -> None:
     """Could these states fall, were eta of that face zero?
 
@@ -173,8 +228,8 @@ def falls_batch(
             # Many draws share one tilt, the vertical above all.
             north, south = tilt(q, z, disk), tilt(q, -z, disk)
         X = sigma3_bar[i] / disk.body.r0
-        plus = reaches_flat(north, E, X, well_phi, disk)
-        minus = reaches_flat(south, E, X, well_phi, disk)
+        plus = reaches_flat(north, E, X, obstacle, disk)
+        minus = reaches_flat(south, E, X, obstacle, disk)
         excess = E - potential_at_flat(X, disk.body)
         put(Membership(1.0 if plus else 0.0, 1.0 if minus else 0.0, excess), out, i)
 

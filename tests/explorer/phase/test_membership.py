@@ -3,14 +3,16 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from numpy.polynomial.polynomial import polyval
 
 import explorer as ex
+from explorer import compiled
 from explorer.motion.passages_by_quadrature import fall_from_vertical
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import natural_constants
 from explorer.phase.lines import line_slope
-from explorer.phase.membership import falls_of, impact_speed, well
+from explorer.phase.membership import falls_of, impact_speed, obstacle, well
 from explorer.phase.states import constants_to_states
 
 WELLS = {"uniform": 0.34456, "hoop": 0.31638, "matching": 0.33436}
@@ -30,6 +32,16 @@ def test_the_plain_fall_from_the_vertical_takes_the_published_time(name):
     assert time[0] == pytest.approx(FALLS[name][0], abs=5e-7)
     assert impact_speed(disk, np.zeros(1), energy)[0] == pytest.approx(FALLS[name][1], abs=5e-7)
     assert chi[0] == psi[0] == 0.0
+
+
+def test_the_bound_of_the_barriers_series_holds_where_it_was_not_measured(body):
+    o, disk = obstacle(body), body.natural
+    depth = np.sqrt(np.linspace(1e-6, 1.0, 1000))
+    out = np.empty((2, depth.size))
+    compiled.falling.barrier_batch(o.X * (1.0 - depth**2) * body.body.r0, o.well_phi, disk, out)
+    there = compiled.falling.Barrier(*out)
+    assert abs(polyval(2.0 * depth - 1.0, o.sine) - np.sin(there.phi)).max() < o.slack < 1e-10
+    assert abs(polyval(2.0 * depth - 1.0, o.V) / there.V - 1.0).max() < o.slack
 
 
 def test_every_state_at_the_vertical_on_a_line_could_fall_on_that_face(body):

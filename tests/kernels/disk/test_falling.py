@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
+import explorer as ex
+from explorer.phase.constants import NaturalConstants, natural_constants
+from explorer.phase.membership import obstacle
 from kernels.disk import falling
 from kernels.disk.falling import Barrier, LineChart, Membership, OnF
 
@@ -71,6 +74,55 @@ def test_a_motion_falls_if_its_energy_lies_above_the_potential_all_the_way_to_fl
     states = np.repeat([[math.sin(0.4)], [math.cos(0.4)], [0.0], [0.0], [0.0]], 3, axis=1)
     bar, energy = np.full(3, 0.7 * disk.body.r0), np.array([V * (1.0 + 1e-9), V, V * (1.0 - 1e-9)])
     out = np.empty((3, 3))
-    falling.falls_batch(states, bar, energy, -0.7, disk.natural, out)
+    falling.falls_batch(states, bar, energy, obstacle(disk), disk.natural, out)
     # At rest, with E = V, it falls as well: V falls towards flat.
     assert Membership(*out).plus.tolist() == [1.0, 1.0, 0.0]
+
+
+def verdicts(states, constants, barriers):
+    out = np.empty((3, len(states)))
+    falling.falls_batch(states.natural, constants.sigma3_bar, constants.energy, barriers, states.disk.natural, out)
+    return out
+
+
+def drawn_beyond_the_vertical(disk, count):
+    random = np.random.default_rng(1)
+    rates = random.uniform(-2.0, 2.0, (3, count)) * disk.rate_unit
+    states = ex.phi_to_states(disk, random.uniform(-1.5, 1.5, count), *rates)
+    return states, natural_constants(states)
+
+
+def beside_the_barrier(disk, count):
+    """Tilts and energies at their barrier but for 1e-17 to 1e-3, up to where well and barrier merge."""
+    random, o = np.random.default_rng(2), obstacle(disk)
+    X = o.X * (1.0 - 10.0 ** random.uniform(-15.0, 0.0, count))
+    out = np.empty((2, count))
+    falling.barrier_batch(X * disk.body.r0, o.well_phi, disk.natural, out)
+    there = Barrier(*out)
+    near = random.choice([-1.0, 1.0], (2, count)) * 10.0 ** random.uniform(-17.0, -3.0, (2, count))
+    states = ex.phi_to_states(disk, np.minimum(np.nan_to_num(there.phi) + near[0], 0.0), 0.0, 0.0, 0.0)
+    none = np.zeros(count)
+    return states, NaturalConstants(X * disk.body.r0, none, none, there.V * (1.0 + near[1]), none, none)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("starts", [drawn_beyond_the_vertical, beside_the_barrier])
+def test_the_barriers_series_judges_as_bisection_for_the_barrier_does(name, starts):
+    disk = BODIES[name]
+    states, constants = starts(disk, 4000)
+    always = obstacle(disk)._replace(slack=math.inf)
+    by_series, bisected = (verdicts(states, constants, o) for o in (obstacle(disk), always))
+    np.testing.assert_array_equal(by_series, bisected)
+    # Both verdicts occur, else nothing would be compared.
+    assert 0.01 < by_series[0].mean() < 0.99
+
+
+def test_a_series_that_is_off_by_its_slack_is_bisected():
+    """What is too near to be told goes to bisection, so a worse series costs time and no verdict."""
+    disk = BODIES["hoop"]
+    states, constants = drawn_beyond_the_vertical(disk, 4000)
+    o = obstacle(disk)
+    off = o._replace(V=(o.V[0] + 1e-4, *o.V[1:]), sine=(o.sine[0] - 1e-4, *o.sine[1:]))
+    np.testing.assert_array_equal(
+        verdicts(states, constants, off._replace(slack=2e-3)), verdicts(states, constants, o)
+    )
