@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from explorer.phase.states import Array
@@ -17,6 +19,9 @@ from explorer.plot.style import (
     HALF_PI,
     SERIES,
     SIGN_COLOURS,
+    SIZE,
+    SMALL,
+    TEXT,
     arrow,
     axes_or_new,
     dress,
@@ -24,7 +29,7 @@ from explorer.plot.style import (
     number,
     rates_of,
 )
-from explorer.portrait.potential import CENTRE, SADDLE, Potential, level_energies
+from explorer.portrait.potential import CENTRE, SADDLE, Component, Potential, level_energies
 
 # Curves of the potential: beside the line, the wider the further from it; on it, and where it ends at flat.
 _WIDTHS = (1.1, 1.9, 2.8)
@@ -32,10 +37,15 @@ _BESIDE: dict[int, dict[str, Any]] = {
     1: {"color": SIGN_COLOURS[1], "ls": "-"},
     -1: {"color": SIGN_COLOURS[-1], "ls": (0, (4, 4))},
 }
+_OF_SIDE: dict[int, dict[str, Any]] = {
+    side: {"color": SIGN_COLOURS[side], "ha": "right" if side > 0 else "left", "va": "top", "fontsize": TEXT}
+    for side in (1, -1)
+}
+_OF_SIDES = 4  # levels of a portrait of both sides
 _ON_LINE: dict[str, Any] = {"color": DARK, "lw": 2.4}
 _AT_FLAT: dict[str, Any] = {"color": DARK, "ms": 7, "ls": "", "clip_on": False, "zorder": 6}
 _MARKS = {CENTRE: ("o", DARK, "centre"), SADDLE: ("X", SERIES[1], "saddle")}
-_SEPARATRIX = SERIES[1]
+SEPARATRIX = SERIES[1]
 
 
 @captioned(
@@ -88,7 +98,7 @@ def phase_portrait(
     levels: dict[str, Any] = {"color": DARK, "lw": 0.8} | look
     for name, drawn, style in (
         ("level", curves, levels),
-        ("separatrix", separatrices, {"color": _SEPARATRIX, "lw": 2.4}),
+        ("separatrix", separatrices, {"color": SEPARATRIX, "lw": 2.4}),
     ):
         for place, (phi, speed) in enumerate(drawn):
             ax.plot(phi, speed, **style, label=None if place else name)
@@ -103,6 +113,35 @@ def phase_portrait(
     return dress(
         ax, r"$\varphi$ (rad); flat at ±π/2", rf"$\dot\varphi$ ({rates_of(potential.disk)})", _title(potential)
     )
+
+
+def small_portrait(ax: Axes, potential: Potential, energy: float) -> float:
+    """Draw a phase portrait that is read without a legend, the motions of one energy thick; returns the fastest."""
+    chosen = [potential.curve(piece) for piece in potential.components(energy)]
+    fastest = 1.25 * max(speed.max() for _, speed in chosen)
+    _shade(ax, potential, 2.0 * fastest)
+    thin: dict[str, Any] = {"color": "0.45", "lw": 0.6}
+    for level in level_energies(potential, (potential.bottom, energy + 0.3 * potential.disk.energy_unit), 7):
+        _mirrored(ax, [potential.curve(piece) for piece in potential.components(float(level))], thin)
+    separatrices = [potential.curve(piece) for each in potential.separatrices() for piece in each.branches]
+    _mirrored(ax, separatrices, {"color": SEPARATRIX, "lw": 1.6})
+    _mirrored(ax, chosen, {"color": DARK, "lw": 2.4})
+    _arrows(ax, chosen, 0.0, size=16.0)
+    _flat_states(ax, potential)
+    _mark(ax, potential, at_energy=False, named=False)
+    ax.set_xlim(-1.68, 1.68)
+    ax.set_xticks([-HALF_PI, 0.0, HALF_PI], ["−π/2", "0", "π/2"])
+    ax.tick_params(labelsize=SMALL)
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(False)
+    return float(fastest)
+
+
+def _mirrored(ax: Axes, curves: Sequence[tuple[Array, Array]], style: dict[str, Any]) -> None:
+    """Draw both halves of levels, phidot >= 0 and <= 0."""
+    for phi, speed in curves:
+        ax.plot(phi, speed, **style)
+        ax.plot(phi, -speed, **style)
 
 
 def _name_parts(ax: Axes, potential: Potential) -> None:
@@ -125,14 +164,14 @@ def _flat_states(ax: Axes, potential: Potential) -> None:
         ax.axvline(face * HALF_PI, color=DARK, ls=dashes, lw=width, label=label)
 
 
-def _arrows(ax: Axes, curves: Sequence[tuple[Array, Array]], least: float) -> None:
+def _arrows(ax: Axes, curves: Sequence[tuple[Array, Array]], least: float, size: float = 11.0) -> None:
     """The way of the motion on each level that is faster than `least` in its middle."""
     for phi, speed in curves:
         row = int(np.argmin(abs(phi - 0.5 * (phi[0] + phi[-1]))))
         if 0 < row < len(phi) - 1 and speed[row] > least:
             for sign in (1, -1):
                 here = np.stack([phi, sign * speed], axis=1)[::sign]
-                arrow(ax, here, row if sign > 0 else len(phi) - 1 - row, DARK, size=11.0)
+                arrow(ax, here, row if sign > 0 else len(phi) - 1 - row, DARK, size=size)
 
 
 def _shade(ax: Axes, potential: Potential, fastest: float) -> None:
@@ -155,8 +194,104 @@ def _mark(ax: Axes, potential: Potential, at_energy: bool, named: bool = True) -
             ax.plot([at.phi], [height], marker=marker, label=label, **style)
 
 
+@captioned(
+    Question.WHICH_MOTIONS,
+    "The same motions on both sides of F, blue and vermilion, in two planes. Left, the tilt φ and its rate: the sides "
+    "are alike, and both turn back just before flat. Right, the speed of the contact point along the rim, "
+    "ρ = σ₃/cos φ, against the rate of the tilt: near flat each motion runs along half of an ellipse, and the two "
+    "halves are the races, in opposite directions. The loops inside, alike on both sides, are the far turn.",
+)
+def portrait_of_sides(
+    plus: Potential, minus: Potential, energies: tuple[float, float] | None = None, **look: Any
+) -> Figure:
+    """Draw levels of the energy on both sides of F, in the plane of the tilt and in that of the race.
+
+    Parameters
+    ----------
+    plus, minus : Potential
+        From `explorer.portrait.potential.on_line`, with one sigma3_bar and eta_hat of either sign.
+    energies : (float, float), optional
+        Range of the levels, units of the disk; by default from the bottom of V to above all saddles.
+    **look
+        Passed on to matplotlib for the lines of the levels.
+
+    Returns
+    -------
+    Figure
+        Left phi (rad) and phidot, right rho and phidot.
+
+    References
+    ----------
+    Eq. (7.6) and Lemma 6 of the paper.
+
+    Examples
+    --------
+    >>> from explorer import Disk, plot
+    >>> from explorer.portrait.potential import on_line
+    >>> figure = plot.portrait_of_sides(*(on_line(Disk.uniform(), 0.25, eta) for eta in (0.01, -0.01)))
+    >>> [ax.get_title() for ax in figure.axes]
+    ['The tilt: both sides alike', 'The race: opposite ways']
+    """
+    figure = Figure(figsize=(1.45 * SIZE[0], SIZE[1]), layout="constrained")
+    tilt, race = figure.subplots(1, 2, sharey=True)
+    drawn: list[Line2D] = []
+    for potential in (plus, minus):
+        sign = int(np.sign(potential.eta)) or 1
+        style: dict[str, Any] = {
+            "lw": 1.5,
+            **_BESIDE[sign],
+            "label": rf"$\hat\eta$ = {number(potential.eta_hat, '.4g')}",
+        }
+        for energy in level_energies(potential, energies, _OF_SIDES):
+            for piece in potential.components(float(energy)):
+                if piece.y[1 if potential.face > 0 else 0] * potential.face > 1.0:
+                    drawn += _on_both_planes(tilt, race, potential, piece, style | look)
+                    style = style | {"label": None}
+    unit = rates_of(plus.disk)
+    for face in (-1, 1):
+        tilt.axvline(face * HALF_PI, color=DARK, lw=3.0)
+    race.axvline(0.0, color=DARK, lw=0.6)
+    tilt.set_xlim(-1.68, 1.68)
+    tilt.set_xticks(*FLAT_TICKS)
+    dress(tilt, r"$\varphi$ (rad); flat at ±π/2", rf"$\dot\varphi$ ({unit})", "The tilt: both sides alike")
+    dress(race, rf"contact point along the rim, $\rho$ ({unit})", "", "The race: opposite ways")
+    for side, eta in ((1, "$\\eta > 0$"), (-1, "$\\eta < 0$")):
+        race.text(0.5 + 0.46 * side, 0.97, eta, **_OF_SIDE[side], transform=race.transAxes)
+    handles = [line for line in drawn if not str(line.get_label()).startswith("_")]
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=SMALL, frameon=False)
+    figure.suptitle(
+        rf"{plus.disk.name}: $\bar\sigma_3$ = {plus.sigma3_bar:.4g}, beside ${_line_name(plus)}$", fontsize=TEXT
+    )
+    return figure
+
+
+def _on_both_planes(
+    tilt: Axes, race: Axes, potential: Potential, piece: Component, style: dict[str, Any]
+) -> list[Line2D]:
+    """One level: phidot against phi and against rho, with the way of the motion; returns its lines."""
+    phi, speed = potential.curve(piece)
+    rho = potential.rho(phi)
+    # There and back: phi grows while phidot > 0
+    phi, rho, rate = (
+        np.concatenate([there, back[::-1]]) for there, back in ((phi, phi), (rho, rho), (speed, -speed))
+    )
+    lines = []
+    for ax, x in ((tilt, phi), (race, rho)):
+        (line,) = ax.plot(x, rate, **style)
+        lines.append(line)
+        style = style | {"label": None}
+    flattest = len(phi) // 2 - 1
+    row = flattest if potential.face > 0 else len(phi) - 1
+    arrow(race, np.stack([rho, rate], axis=1), row, style["color"])
+    return lines
+
+
+def _line_name(potential: Potential) -> str:
+    return "l_+" if potential.face > 0 else "l_-"
+
+
 def _title(potential: Potential) -> str:
-    line = "l_+" if potential.face > 0 else "l_-"
+    line = _line_name(potential)
     where = (
         f"on ${line}$"
         if potential.eta == 0.0

@@ -49,7 +49,7 @@ _EXACT = {
     ("hoop", "spinning"): r" = ±$\sqrt{2/3}$",
 }
 RADII = (0.5, 1.0, 2.0, 5.0)  # of the circles that are marked, in radii of the disk
-_PATH_NAMES = {
+PATH_NAMES = {
     "spinning": (r"$\bar\sigma_3$", r"steady motions with $\bar\sigma_4$ = 0: spinning upright"),
     "rolling": (r"$\bar\sigma_4$", r"steady motions with $\bar\sigma_3$ = 0: straight rolling"),
     "line": (r"$\bar\sigma_3$", r"steady motions on the falling line $l_+$"),
@@ -262,7 +262,7 @@ def bifurcations(
     if path == "line" and marks:
         _nothing_beyond(ax, max(marks))
     legend_below(ax, ncols=3)
-    symbol, name = _PATH_NAMES[path]
+    symbol, name = PATH_NAMES[path]
     title = f"{disk.name}, {name}"
     return dress(ax, f"{symbol} ({rates_of(disk)})", r"$\varphi$ (rad); flat at ±π/2", title)
 

@@ -171,6 +171,14 @@ class Potential:
         """d2V/dphi2; its sign at an equilibrium decides stability."""
         return self._of_phi(phi, "curvature")
 
+    def rho(self, phi: ArrayLike) -> Array:
+        """sigma3/cos phi at phi (rad), units of the disk: by q times the speed of chi, so finite beside flat."""
+        angle = np.asarray(phi, dtype=np.float64)
+        q = np.cos(angle)
+        sigma3, _ = line_chart(self.disk, q, self.face * np.sin(angle)).rates(self.bar, self.eta)
+        values: Array = sigma3 / q * self.disk.rate_unit
+        return values
+
     def at_y(self, y: ArrayLike) -> Terms:
         """As `terms`, where sin phi = tanh y."""
         values = np.atleast_1d(np.asarray(y, dtype=np.float64))

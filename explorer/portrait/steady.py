@@ -203,10 +203,11 @@ def thresholds(disk: Disk) -> dict[str, dict[str, float]]:
 
 @dataclass(frozen=True)
 class Branch:
-    """Equilibria that follow each other along a path: the path's parameter, phi (rad), and their kind."""
+    """Equilibria that follow each other along a path: its parameter, phi (rad), energies, and their kind."""
 
     parameter: Array
     phi: Array
+    energy: Array
     kind: str
 
 
@@ -233,7 +234,8 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
         members = list(group)
         at = np.array([value for value, _ in members])
         for number, kind in enumerate(kinds):
-            branches.append(Branch(at, np.array([each[number].phi for _, each in members]), kind))
+            phi, energy = np.array([(each[number].phi, each[number].energy) for _, each in members]).T
+            branches.append(Branch(at, phi, energy, kind))
     return tuple(branches)
 
 
