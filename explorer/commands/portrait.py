@@ -31,7 +31,7 @@ POINTS = 401  # a side of a slice
 _BODIES = (0.5, 2.0, 3.0, 4.0, 8.0, 12.0)  # m r^2/I1 at which race numbers are measured
 # Paths: beside F, natural units; speeds and sigma3_bar at which a resonance is sought; periods shown.
 _ETA_HAT, _SPEEDS, _BARS, _PERIODS = 0.01, (1.0, 0.5, 2.0, 0.25), (0.1, 1.4), 12
-_GENERIC, _TRIED = 0.7, 53
+_GENERIC, _TRIED, _WALKED = 0.7, 53, 4
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,8 @@ def _paths(disk: Disk, _options: dict[str, Any]) -> Pictures:
     bar, start = resonance(disk, eta_hat, phidot, whole, (bars[i], bars[i + 1]))
     generic = wander_path(constants_to_states(disk, _GENERIC * unit, eta_hat, phidot), _PERIODS)
     resonant = wander_path(start, _PERIODS)
-    yield "paths", plot.rosette_and_resonance(generic, resonant)
+    # The walk goes on for ever: as much of it as a rosette takes room
+    yield "paths", plot.rosette_and_resonance(generic, wander_path(start, _WALKED))
     yield "distance", plot.figure_of(plot.wander_distance, {"generic": generic, "resonant": resonant})
     yield "radius", plot.figure_of(plot.wander_radius, disk, bars, wanders, {whole: bar})
 

@@ -16,6 +16,7 @@ from explorer.plot.potential import phase_portrait, potential_curves
 from explorer.plot.race import race_deviation, race_histogram
 from explorer.plot.rocking import rocking_turns
 from explorer.plot.rotation import rotation_map
+from explorer.plot.sides import portrait_of_sides
 from explorer.plot.sketch import definitions
 from explorer.plot.slices import race_slice_map
 from explorer.plot.steady import bifurcations, steady_map, steady_plane
@@ -49,6 +50,7 @@ __all__ = [
     "one_sided_distance",
     "one_sided_phi",
     "phase_portrait",
+    "portrait_of_sides",
     "potential_curves",
     "race_angle_histogram",
     "race_bodies",

@@ -26,15 +26,15 @@ from explorer.plot.style import (
 from explorer.portrait.bifurcation_portraits import BifurcationPortraits
 from explorer.portrait.potential import CENTRE, SADDLE, Component
 
-_POINT = {"ha": "center", "va": "center", "fontweight": "bold", "fontsize": TEXT}
+_POINT: dict[str, Any] = {"ha": "center", "va": "center", "fontweight": "bold", "fontsize": TEXT}
 
 
 @captioned(
     Question.WHICH_MOTIONS,
-    "Which motions there are, by energy. Above, the plane of σ̄ and the energy is cut into regions by the energies of "
-    "stable and of unstable steady motions and, on l₊, by V₀, from which on the disk can reach flat. Below, the "
-    "motions of the tilt at one place of each region, the letter's own motion drawn thick; on violet ground the "
-    "disk falls.",
+    "Which motions there are, by energy. Above, the plane of σ̄ and the energy is cut into regions by the energies "
+    "of stable and of unstable steady motions and, on l₊, by V₀, above which the disk can reach flat. Below, the "
+    "motions of the tilt at one place of each region, those of the letter's energy drawn thick; on violet ground "
+    "the disk falls.",
 )
 def bifurcation_portraits(found: BifurcationPortraits) -> Figure:
     """Draw the energies of steady motions along a path, and a portrait of (phi, phidot) for each region.

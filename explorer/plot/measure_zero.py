@@ -71,7 +71,8 @@ def falling_ladder(summary: dict[str, Any], ax: Axes | None = None, **look: Any)
     _points(ax, hits, _PLAIN, "s", f"{summary['samples']:,} plain draws, 95 %", look)
     bound = summary["upper_bound_95"]
     ax.axhline(bound, color=_PLAIN, lw=1.0, ls="-.")
-    text = f"{summary['falls']} of these fell: $P(0) \\leq$ {bound:.0e}".replace("e-0", "e−").replace("e-", "e−")
+    digit, _, power = f"{bound:.0e}".partition("e")
+    text = rf"{summary['falls']} of these fell: $P(0) \leq {digit} \times 10^{{{int(power)}}}$"
     ax.annotate(text, (delta[-1], bound), xytext=(2, -13), textcoords="offset points", fontsize=SMALL)
     if constant > 0.0:
         ax.set_ylim(0.1 * constant * delta[-1], 3.0)
@@ -195,7 +196,9 @@ def constant_convergence(summary: dict[str, Any], ax: Axes | None = None, **look
     guide = (high - off)[-1] * np.sqrt(draws[-1] / draws)
     ax.fill_between(draws, -guide, guide, color=DARK, alpha=0.08, lw=0, label=r"$\propto N^{-1/2}$")
     ax.set_xscale("log")
-    ax.set_xticks(draws[:: max(1, len(draws) // 6)], [f"{n:.3g}" for n in draws[:: max(1, len(draws) // 6)] / 1e3])
+    ax.set_xticks(
+        draws[:: max(1, len(draws) // 6)], [f"{n:,.0f}" for n in draws[:: max(1, len(draws) // 6)] / 1e3]
+    )
     ax.xaxis.set_minor_locator(NullLocator())
     legend_below(ax)
     ax.grid(alpha=0.3)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
 
 from explorer.phase.disk import Disk
@@ -204,7 +205,7 @@ def blow_up(several: Sequence[NearFlat]) -> Figure:
     for sign in (1, -1):
         x, y = -A * np.cos(turned), sign * A * np.sin(turned)
         ax.plot(x, y, flat, color=SIGN_COLOURS[sign], lw=4.0)
-        ax.text(x[45], 0.72 * y[45], flat, _SIDES[sign], color=SIGN_COLOURS[sign], fontsize=TEXT, ha="center")
+        ax.text(x[38], 0.66 * y[45], flat, _SIDES[sign], color=SIGN_COLOURS[sign], fontsize=TEXT, ha="center")
         ax.quiver(x[45], y[45], flat, 0.3 * A, 0.0, 0.0, color=SIGN_COLOURS[sign], lw=4.0, arrow_length_ratio=0.9)
     for one in several:
         sign = int(np.sign(one.eta_hat))
@@ -221,7 +222,9 @@ def blow_up(several: Sequence[NearFlat]) -> Figure:
     ax.set_zlabel(r"$\cos\varphi$", fontsize=TEXT)
     decades = np.arange(math.ceil(flat), 1)
     ax.set_zticks([flat, *decades], ["flat", *(f"$10^{{{k}}}$" for k in decades)])
-    ax.tick_params(labelsize=SMALL - 1)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(3))
+    ax.tick_params(labelsize=SMALL)
     ax.set_title("The race is a heteroclinic orbit on the blown-up flat state", fontsize=TEXT, y=1.0)
     ax.set_box_aspect((1.0, 1.0, 0.85), zoom=1.05)
     ax.view_init(elev=24.0, azim=-72.0)

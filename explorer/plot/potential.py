@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from explorer.phase.states import Array
@@ -19,9 +17,7 @@ from explorer.plot.style import (
     HALF_PI,
     SERIES,
     SIGN_COLOURS,
-    SIZE,
     SMALL,
-    TEXT,
     arrow,
     axes_or_new,
     dress,
@@ -29,19 +25,14 @@ from explorer.plot.style import (
     number,
     rates_of,
 )
-from explorer.portrait.potential import CENTRE, SADDLE, Component, Potential, level_energies
+from explorer.portrait.potential import CENTRE, SADDLE, Potential, level_energies
 
 # Curves of the potential: beside the line, the wider the further from it; on it, and where it ends at flat.
 _WIDTHS = (1.1, 1.9, 2.8)
-_BESIDE: dict[int, dict[str, Any]] = {
+BESIDE: dict[int, dict[str, Any]] = {
     1: {"color": SIGN_COLOURS[1], "ls": "-"},
     -1: {"color": SIGN_COLOURS[-1], "ls": (0, (4, 4))},
 }
-_OF_SIDE: dict[int, dict[str, Any]] = {
-    side: {"color": SIGN_COLOURS[side], "ha": "right" if side > 0 else "left", "va": "top", "fontsize": TEXT}
-    for side in (1, -1)
-}
-_OF_SIDES = 4  # levels of a portrait of both sides
 _ON_LINE: dict[str, Any] = {"color": DARK, "lw": 2.4}
 _AT_FLAT: dict[str, Any] = {"color": DARK, "ms": 7, "ls": "", "clip_on": False, "zorder": 6}
 _MARKS = {CENTRE: ("o", DARK, "centre"), SADDLE: ("X", SERIES[1], "saddle")}
@@ -116,7 +107,7 @@ def phase_portrait(
 
 
 def small_portrait(ax: Axes, potential: Potential, energy: float) -> float:
-    """Draw a phase portrait that is read without a legend, the motions of one energy thick; returns the fastest."""
+    """Draw a phase portrait that needs no legend, the motions of one energy thick; returns the fastest."""
     chosen = [potential.curve(piece) for piece in potential.components(energy)]
     fastest = 1.25 * max(speed.max() for _, speed in chosen)
     _shade(ax, potential, 2.0 * fastest)
@@ -194,104 +185,12 @@ def _mark(ax: Axes, potential: Potential, at_energy: bool, named: bool = True) -
             ax.plot([at.phi], [height], marker=marker, label=label, **style)
 
 
-@captioned(
-    Question.WHICH_MOTIONS,
-    "The same motions on both sides of F, blue and vermilion, in two planes. Left, the tilt φ and its rate: the sides "
-    "are alike, and both turn back just before flat. Right, the speed of the contact point along the rim, "
-    "ρ = σ₃/cos φ, against the rate of the tilt: near flat each motion runs along half of an ellipse, and the two "
-    "halves are the races, in opposite directions. The loops inside, alike on both sides, are the far turn.",
-)
-def portrait_of_sides(
-    plus: Potential, minus: Potential, energies: tuple[float, float] | None = None, **look: Any
-) -> Figure:
-    """Draw levels of the energy on both sides of F, in the plane of the tilt and in that of the race.
-
-    Parameters
-    ----------
-    plus, minus : Potential
-        From `explorer.portrait.potential.on_line`, with one sigma3_bar and eta_hat of either sign.
-    energies : (float, float), optional
-        Range of the levels, units of the disk; by default from the bottom of V to above all saddles.
-    **look
-        Passed on to matplotlib for the lines of the levels.
-
-    Returns
-    -------
-    Figure
-        Left phi (rad) and phidot, right rho and phidot.
-
-    References
-    ----------
-    Eq. (7.6) and Lemma 6 of the paper.
-
-    Examples
-    --------
-    >>> from explorer import Disk, plot
-    >>> from explorer.portrait.potential import on_line
-    >>> figure = plot.portrait_of_sides(*(on_line(Disk.uniform(), 0.25, eta) for eta in (0.01, -0.01)))
-    >>> [ax.get_title() for ax in figure.axes]
-    ['The tilt: both sides alike', 'The race: opposite ways']
-    """
-    figure = Figure(figsize=(1.45 * SIZE[0], SIZE[1]), layout="constrained")
-    tilt, race = figure.subplots(1, 2, sharey=True)
-    drawn: list[Line2D] = []
-    for potential in (plus, minus):
-        sign = int(np.sign(potential.eta)) or 1
-        style: dict[str, Any] = {
-            "lw": 1.5,
-            **_BESIDE[sign],
-            "label": rf"$\hat\eta$ = {number(potential.eta_hat, '.4g')}",
-        }
-        for energy in level_energies(potential, energies, _OF_SIDES):
-            for piece in potential.components(float(energy)):
-                if piece.y[1 if potential.face > 0 else 0] * potential.face > 1.0:
-                    drawn += _on_both_planes(tilt, race, potential, piece, style | look)
-                    style = style | {"label": None}
-    unit = rates_of(plus.disk)
-    for face in (-1, 1):
-        tilt.axvline(face * HALF_PI, color=DARK, lw=3.0)
-    race.axvline(0.0, color=DARK, lw=0.6)
-    tilt.set_xlim(-1.68, 1.68)
-    tilt.set_xticks(*FLAT_TICKS)
-    dress(tilt, r"$\varphi$ (rad); flat at ±π/2", rf"$\dot\varphi$ ({unit})", "The tilt: both sides alike")
-    dress(race, rf"contact point along the rim, $\rho$ ({unit})", "", "The race: opposite ways")
-    for side, eta in ((1, "$\\eta > 0$"), (-1, "$\\eta < 0$")):
-        race.text(0.5 + 0.46 * side, 0.97, eta, **_OF_SIDE[side], transform=race.transAxes)
-    handles = [line for line in drawn if not str(line.get_label()).startswith("_")]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=SMALL, frameon=False)
-    figure.suptitle(
-        rf"{plus.disk.name}: $\bar\sigma_3$ = {plus.sigma3_bar:.4g}, beside ${_line_name(plus)}$", fontsize=TEXT
-    )
-    return figure
-
-
-def _on_both_planes(
-    tilt: Axes, race: Axes, potential: Potential, piece: Component, style: dict[str, Any]
-) -> list[Line2D]:
-    """One level: phidot against phi and against rho, with the way of the motion; returns its lines."""
-    phi, speed = potential.curve(piece)
-    rho = potential.rho(phi)
-    # There and back: phi grows while phidot > 0
-    phi, rho, rate = (
-        np.concatenate([there, back[::-1]]) for there, back in ((phi, phi), (rho, rho), (speed, -speed))
-    )
-    lines = []
-    for ax, x in ((tilt, phi), (race, rho)):
-        (line,) = ax.plot(x, rate, **style)
-        lines.append(line)
-        style = style | {"label": None}
-    flattest = len(phi) // 2 - 1
-    row = flattest if potential.face > 0 else len(phi) - 1
-    arrow(race, np.stack([rho, rate], axis=1), row, style["color"])
-    return lines
-
-
-def _line_name(potential: Potential) -> str:
+def line_name(potential: Potential) -> str:
     return "l_+" if potential.face > 0 else "l_-"
 
 
 def _title(potential: Potential) -> str:
-    line = _line_name(potential)
+    line = line_name(potential)
     where = (
         f"on ${line}$"
         if potential.eta == 0.0
@@ -343,10 +242,16 @@ def potential_curves(
     top = max(float(p.V(0.0)) for p in potentials) + (0.2 if near_flat else 0.6) * disk.energy_unit
     ordered = sorted(potentials, key=lambda p: (p.eta != 0.0, p.eta < 0.0, abs(p.eta)))
     widths = {1: iter(_WIDTHS * len(ordered)), -1: iter(_WIDTHS * len(ordered))}
+    several = {sign: sum(np.sign(p.eta) == sign for p in ordered) > 1 for sign in (-1, 1)}
+    named: set[str] = set()
     for place, potential in enumerate(ordered):
         sign = int(np.sign(potential.eta))
-        style: dict[str, Any] = {"lw": next(widths[sign]), **_BESIDE[sign]} if sign else _ON_LINE
-        _curve(ax, potential, near_flat, top, style | look)
+        style: dict[str, Any] = {"lw": _WIDTHS[1], **BESIDE[sign]} if sign else _ON_LINE
+        if sign and several[sign]:
+            style = style | {"lw": next(widths[sign])}
+        label = _name_of(potential, bool(sign and several[sign]))
+        _curve(ax, potential, near_flat, top, {"label": None if label in named else label} | style | look)
+        named.add(label)
         if not near_flat:
             _mark(ax, potential, at_energy=True, named=place == 0)
         if sign == 0:
@@ -355,15 +260,18 @@ def potential_curves(
     legend_below(ax, ncols=3)
     _tilt_axis(ax, potentials, near_flat)
     x = r"tilt from flat $\theta$ (rad)" if near_flat else r"$\varphi$ (rad); flat at ±π/2"
+    unit = "$m g r$" if disk.energy_unit == 1.0 else f"energy; $m g r$ = {disk.energy_unit:.3g}"
     title = rf"{disk.name}: amended potential at $\bar\sigma_3$ = {bar:.4g}"
-    return dress(
-        ax,
-        x,
-        "amended potential $V$ ($m g r$)"
-        if disk.energy_unit == 1.0
-        else f"$V$ (energy; $m g r$ = {disk.energy_unit:.3g})",
-        title,
-    )
+    return dress(ax, x, f"amended potential $V$ ({unit})", title)
+
+
+def _name_of(potential: Potential, one_of_several: bool) -> str:
+    """A curve in the legend: by its eta_hat, or by its side where others of its side are drawn."""
+    if potential.eta == 0.0:
+        return r"on the line, $\hat\eta$ = 0"
+    if one_of_several:
+        return rf"$\hat\eta$ {'>' if potential.eta > 0.0 else '<'} 0"
+    return rf"$\hat\eta$ = {number(potential.eta_hat, '.4g')}"
 
 
 def _end_at_flat(ax: Axes, potential: Potential, near_flat: bool) -> None:
@@ -401,6 +309,9 @@ def _curve(ax: Axes, potential: Potential, near_flat: bool, top: float, style: d
     face = potential.face if near_flat else 1
     V = potential.at_y(face * y).V * potential.disk.energy_unit
     x = 2.0 * np.arctan(np.exp(-y)) if near_flat else np.arctan(np.sinh(y))
-    eta_hat = f"= {number(potential.eta_hat, '.4g')}" if potential.eta else "= 0"
-    label = rf"{'' if potential.eta else 'on the line, '}$\hat\eta$ {eta_hat}"
-    ax.plot(x, np.where(top >= V, V, np.nan), label=label, **style)
+    ax.plot(x, np.where(top >= V, V, np.nan), **style)
+    if near_flat and potential.eta > 0.0:
+        wall = x[np.flatnonzero(top >= V)[-1]]
+        size = rf"$\hat\eta = \pm${number(potential.eta_hat, '.4g')}"
+        there: dict[str, Any] = {"xytext": (5, 0), "textcoords": "offset points", "fontsize": SMALL}
+        ax.annotate(size, (wall, 0.72 * top), color=DARK, va="center", **there)

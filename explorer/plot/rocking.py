@@ -61,8 +61,8 @@ def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None, **look: Any
         ends = x[shown][[0, -1]]
         ax.plot(ends, [body.slowest / np.pi] * 2, color=colour, lw=1, ls=":")
         ax.plot(ends, [disk.kappa] * 2, color=colour, lw=1, ls="--")
-    ax.text(0.02, 0.5, "barely rocks", rotation=90, va="center", fontsize=SMALL, transform=ax.transAxes)
-    ax.text(0.98, 0.5, "stands up", rotation=90, va="center", ha="right", fontsize=SMALL, transform=ax.transAxes)
+    ax.text(0.04, 0.68, "barely rocks", va="center", fontsize=SMALL, transform=ax.transAxes)
+    ax.text(0.96, 0.68, "stands up", va="center", ha="right", fontsize=SMALL, transform=ax.transAxes)
     ax.plot([], [], color=DARK, lw=1, ls=":", label=r"Euler disk, $2\pi\sqrt{M/(3I_1)}$")
     ax.plot([], [], color=DARK, lw=1, ls="--", label=r"race, $\kappa\pi$")
     legend_below(ax, ncols=4)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import ConnectionPatch, Rectangle
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -65,7 +66,9 @@ def falling_surface(surface: FallingSurface) -> Figure:
     ax.set_ylabel(rf"$\sigma_3$ ({unit})", fontsize=TEXT)
     ax.set_zlabel(rf"$\sigma_4$ ({unit})", fontsize=TEXT)
     ax.set_xticks([-HALF_PI, 0.0, HALF_PI], ["−π/2", "0", "π/2"])
-    ax.tick_params(labelsize=SMALL - 1)
+    ax.yaxis.set_major_locator(MaxNLocator(4, prune="lower"))  # in the corner it would touch that of phi
+    ax.zaxis.set_major_locator(MaxNLocator(4))
+    ax.tick_params(labelsize=SMALL)
     ax.set_title("F: two sheets without thickness", fontsize=TEXT)
     ax.legend(fontsize=SMALL, loc="upper left")
     ax.view_init(elev=22.0, azim=-58.0)

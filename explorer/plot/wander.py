@@ -77,7 +77,7 @@ def rosette_and_resonance(generic: WanderPath, resonant: WanderPath) -> Figure:
     Returns
     -------
     Figure
-        Two panels as of `wander_path`, with one legend.
+        Two panels as of `wander_path`, at one scale and with one legend.
 
     Examples
     --------
@@ -87,9 +87,18 @@ def rosette_and_resonance(generic: WanderPath, resonant: WanderPath) -> Figure:
     >>> len(plot.rosette_and_resonance(path, path).axes)
     2
     """
-    figure = Figure(figsize=(1.25 * SIZE[0], 1.1 * SIZE[1]), layout="constrained")
-    for path, ax in zip((generic, resonant), figure.subplots(1, 2), strict=True):
+    figure = Figure(figsize=(1.25 * SIZE[0], 0.98 * SIZE[1]), layout="constrained")
+    panels = figure.subplots(1, 2)
+    spans, middles = [], []
+    for path, ax in zip((generic, resonant), panels, strict=True):
         wander_path(path, ax)
+        ends = np.stack([path.contact.min(axis=0), path.contact.max(axis=0)]) / path.disk.r
+        spans.append(np.ptp(ends, axis=0).max())
+        middles.append(ends.mean(axis=0))
+    half = 0.54 * max(spans)  # one scale for both, with a margin
+    for ax, (x, y) in zip(panels, middles, strict=True):
+        ax.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
+        ax.set_aspect("equal", adjustable="box")
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure
@@ -200,26 +209,24 @@ def wander_radius(
     top = 6.0 * float(np.median(radius))
     ax.set_ylim(0.0, 1.9 * top)
     ax.set_yticks([tick for tick in ax.get_yticks() if tick <= top])
-    _turns_above(ax, fine, between, resonances or {}, 0.85 * top)
+    _turns_above(ax, fine, between, resonances or {})
     title = "The rosette has no bound where a period is whole turns"
-    return dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", "radius of the rosette (r)", title)
+    dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", "radius of the rosette (r)", title)
+    ax.yaxis.set_label_coords(-0.075, 0.29)  # beside its own part of the axis; a new label would be in the middle
+    return ax
 
 
-def _turns_above(ax: Axes, bars: Array, turns: Array, resonances: Mapping[int, float], height: float) -> None:
+def _turns_above(ax: Axes, bars: Array, turns: Array, resonances: Mapping[int, float]) -> None:
     """Draw the turn of chi in one period above the radius, and the resonances in both."""
-    ax.yaxis.set_label_coords(-0.08, 0.3)
     above = ax.inset_axes((0.0, 0.62, 1.0, 0.38), sharex=ax)
     above.plot(bars, turns, color=DARK, lw=1.6)
     above.set_ylabel("turns of $\\chi$\na period", fontsize=SMALL)
+    above.yaxis.set_label_coords(-0.075, 0.5)
     above.tick_params(labelsize=SMALL, labelbottom=False)
     for whole, where in resonances.items():
         above.axhline(whole, color=DARK, lw=0.8, ls=":")
         for each in (ax, above):
             each.axvline(where, color=DARK, lw=0.8, ls=":")
-        ax.annotate(
-            f"resonance: {whole} turn{'' if abs(whole) == 1 else 's'} a period",
-            (where, height),
-            xytext=(8, 0),
-            textcoords="offset points",
-            fontsize=SMALL,
-        )
+        words = f"resonance: {whole} turn{'' if abs(whole) == 1 else 's'} a period"
+        edge: dict[str, Any] = {"xycoords": above.get_yaxis_transform(), "textcoords": "offset points"}
+        above.annotate(words, (0.99, whole), xytext=(0, -4), ha="right", va="top", fontsize=SMALL, **edge)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -107,7 +108,7 @@ def _one_in_each_region(disk: Disk, path: str, threshold: float) -> list[tuple[f
     """Between the levels on one side of the threshold and above them, and as high on its other side."""
     inner, outer = (share * threshold for share in _SHARES)
     levels = _levels(PATHS[path](disk, inner))
-    energies = [0.5 * (low + high) for low, high in zip(levels, levels[1:], strict=False)]
+    energies = [0.5 * (low + high) for low, high in pairwise(levels)]
     energies.append(levels[-1] + 0.25 * disk.energy_unit)
     beyond = max(energies[-1], _levels(PATHS[path](disk, outer))[-1] + 0.1 * disk.energy_unit)
     return [(inner, energy) for energy in energies] + [(outer, beyond)]

@@ -181,17 +181,22 @@ class Portrait(Scene):
     def pictures(self) -> Iterator[tuple[str, Picture]]:
         """All pictures, which need no run."""
         from explorer.plot import potential as potentials
-        from explorer.plot import steady
+        from explorer.plot import sides, steady
 
         places, disk = self.places(), self.disk
         for name, potential in places.items():
-            yield f"portrait-{name}", partial(potentials.phase_portrait, potential, self.energy)
-        line = [*places.values()]
+            if name not in ("plus", "minus"):
+                yield f"portrait-{name}", partial(potentials.phase_portrait, potential, self.energy)
+        if "plus" in places:
+            yield "portrait-sides", partial(sides.portrait_of_sides, places["plus"], places["minus"], self.energy)
+        line = wide = [*places.values()]
         if self.sigma4_bar is None:
             sizes = [sign * size * disk.rate_unit for size in _CURVES for sign in (1.0, -1.0)]
             line = [on_line(disk, self.bar, eta) for eta in [0.0, *(sizes if self.eta_hat is None else ())]]
             line += [places["beside"]] if "beside" in places else []
-        yield "potential", partial(potentials.potential_curves, line)
+            # On the axis of phi the nearer ones lie on each other.
+            wide = [each for each in line if abs(each.eta) in (0.0, _CURVES[-1])] if len(line) > 2 else line
+        yield "potential", partial(potentials.potential_curves, wide)
         yield "potential-near-flat", partial(potentials.potential_curves, line, True)
         yield "steady-plane", partial(steady.steady_plane, disk)
         yield "steady-map", partial(steady.steady_map, disk)

@@ -2,9 +2,11 @@
 
 import re
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from PIL import Image
+from PIL import Image, ImageChops, ImageDraw
+from PIL.PngImagePlugin import PngInfo
 
 from explorer import plot
 from explorer.plot.captions import (
@@ -15,6 +17,7 @@ from explorer.plot.captions import (
     caption_in,
     captioned,
     exif_of,
+    few_colours,
     packed,
     replace_caption,
 )
@@ -74,6 +77,32 @@ def test_a_file_carries_the_caption_of_its_figure(tmp_path):
     assert caption_in(tmp_path / "one.png") == caption
     assert caption.text in (tmp_path / "one.svg").read_text("utf-8")
     assert caption_in(tmp_path / "one.svg") is None
+
+
+def test_a_picture_of_lines_is_saved_with_few_colours_and_looks_the_same(tmp_path):
+    lines = Image.new("RGB", (300, 200), "white")
+    draw = ImageDraw.Draw(lines)
+    for row in range(40):
+        draw.line([(0, 5 * row), (300, 200 - 3 * row)], fill=(0, 114, 5 * row), width=2)
+    inside = PngInfo()
+    inside.add_itxt("Description", packed(Caption(Question.HAPPENS, "Lines.")))
+    lines.save(tmp_path / "lines.png", pnginfo=inside, dpi=(150, 150))
+    few_colours(tmp_path / "lines.png")
+    with Image.open(tmp_path / "lines.png") as saved:
+        assert saved.mode == "P"
+        assert saved.info["dpi"] == pytest.approx((150, 150), abs=0.1)
+        assert max(top for _, top in ImageChops.difference(saved.convert("RGB"), lines).getextrema()) <= 8
+    assert caption_in(tmp_path / "lines.png").text == "Lines."
+
+
+def test_a_picture_of_too_many_colours_and_a_transparent_one_keep_them_all(tmp_path):
+    noise = np.random.default_rng(0).integers(0, 256, (60, 80, 3), dtype=np.uint8)
+    Image.fromarray(noise).save(tmp_path / "noise.png")
+    Image.new("RGBA", (60, 80), (0, 114, 178, 40)).save(tmp_path / "glass.png")
+    for name in ("noise", "glass"):
+        before = (tmp_path / f"{name}.png").read_bytes()
+        few_colours(tmp_path / f"{name}.png")
+        assert (tmp_path / f"{name}.png").read_bytes() == before
 
 
 def test_films_carry_captions_too_and_other_files_none(tmp_path):

@@ -96,6 +96,7 @@ WHOLE = (
     "hero",
     "limit_paths",
     "missed_races",
+    "portrait_of_sides",
     "race_bodies",
     "rosette_and_resonance",
     "zoom_on_f",
