@@ -17,11 +17,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from explorer.errors import InputError, positive
-from explorer.motion.dense_times import dense_times
 from explorer.motion.limit_motions import limit_motion
 from explorer.motion.passages import passages
 from explorer.motion.periods import periods
-from explorer.paper.checks import followed
+from explorer.motion.trajectories import finer, trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, constants_to_states
 from explorer.plot.captions import Caption, Question, replace_caption
@@ -43,7 +42,8 @@ ZOOM = (-0.15, 0.2)  # both axes, the ticks of Fig. 3
 _ACCURACY = 1e-9
 _WIDTH, _HEIGHT = 8.4, 5.0
 _RACE_POINTS = 200
-_STEP = 0.05  # rad of chi between two points: the contact point's circles look round at the size of a page
+# Of a step of the record, for 0.05 rad of chi between two points: circles look round at the size of a page.
+_PARTS = 4
 _BODY_WORDS = {"uniform": "the uniform disk", "hoop": "the hoop"}
 
 CHI0_FITS = (0.41, 0.57)  # rad: what the ticks of Fig. 7 leave, to the last digit
@@ -95,9 +95,12 @@ def motion(disk: Disk, eta_hat: float, turns: float) -> Curve:
     state, tau = start(disk, eta_hat), period_of(disk, eta_hat)
     first = 0.5 * float(passages(disk, SIGMA3, eta_hat, PHIDOT, accuracy=_ACCURACY).duration[0])
     flat = np.arange(first, turns * tau, tau)
-    times = dense_times(state, np.union1d(np.linspace(0.0, turns * tau, 1201), flat), _STEP)
-    run = followed(disk, state, times, _ACCURACY, CHI0)
-    return Curve(times, run.phi, run.chi, run.path[:, :2], run.contact[:, :2], flat)
+    # Steps of a fixed method do not follow an estimated error, so the points are the same in all units.
+    run = trajectories(state, turns * tau, method="rk8", accuracy=_ACCURACY, chi0=CHI0)
+    t = np.union1d(finer(run.t[0], _PARTS), flat)
+    at = run(t)
+    phi, chi, path, contact = (getattr(at, name)[0] for name in ("phi", "chi", "path", "contact"))
+    return Curve(t, phi, chi, path[:, :2], contact[:, :2], flat)
 
 
 def limit(disk: Disk, sign: int, t_end: float) -> Curve:

@@ -7,13 +7,12 @@ import numpy as np
 
 from explorer import compiled
 from explorer.errors import InputError
-from explorer.motion.dense_times import dense_times
 from explorer.motion.periods import periods
-from explorer.motion.trajectories import simulate
+from explorer.motion.trajectories import finer, trajectories
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, constants_to_states
 
-_STEP = 0.05  # rad of chi between two times: a race has some hundred of them
+_PARTS = 4  # of a step of the record, for 0.05 rad of chi between two times: a race has some hundred of them
 _ACCURACY = 1e-9
 
 
@@ -35,8 +34,9 @@ class ContactForces:
     @property
     def airborne(self) -> float:
         """The share of the period in which the table would have to pull."""
-        pulled = 0.5 * ((self.normal[1:] < 0.0) * 1.0 + (self.normal[:-1] < 0.0))
-        return float(np.sum(pulled * np.diff(self.t)) / self.t[-1])
+        below = np.maximum(-self.normal, 0.0), abs(self.normal)
+        pull, size = (each[1:] + each[:-1] for each in below)  # between two times the force is a straight line
+        return float(np.sum(pull / size * np.diff(self.t)) / self.t[-1])
 
 
 def contact_forces(
@@ -72,12 +72,12 @@ def contact_forces(
         raise InputError(f"eta_hat = {eta_hat!r}: {found.status_names[~found.ok][0]}; give numbers other than 0")
     every = []
     for row, (size, period) in enumerate(zip(eta_hat, found.period, strict=True)):
-        t = dense_times(starts[row], float(period), _STEP)
         names = ("phi", "phidot", "sigma3", "sigma4")
-        motion = simulate(starts[row], t_eval=t, observables=names, accuracy=_ACCURACY)
-        phi, *rates = (getattr(motion, name)[0] for name in names)
+        motion = trajectories(starts[row], float(period), observables=names, accuracy=_ACCURACY)
+        at = motion(finer(motion.t[0], _PARTS))
+        phi, *rates = (getattr(at, name)[0] for name in names)
         normal, friction = _forces(disk, phi, *(rate / disk.rate_unit for rate in rates))
-        every.append(ContactForces(disk, float(size), t, 0.5 * np.pi - phi, normal, friction))
+        every.append(ContactForces(disk, float(size), at.t, 0.5 * np.pi - phi, normal, friction))
     return tuple(every)
 
 

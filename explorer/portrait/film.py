@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, number, positive, whole
-from explorer.motion.dense_times import dense_times
 from explorer.motion.passages import passages
 from explorer.motion.periods import periods
-from explorer.motion.trajectories import trajectories
+from explorer.motion.trajectories import Trajectories, finer, trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, constants_to_states
 from explorer.portrait.pose import Pose
@@ -18,7 +17,7 @@ FRAMES = 100
 BETWEEN = 6  # points of a trail per frame, so that a race of some turns is drawn round
 _MOST_FRAMES, _MOST_BOUNCES = 2000, 20
 _ACCURACY = 1e-8  # of angles (rad): the rim touches the table to far less than a pixel
-_FIRST_TIMES = 400  # per bounce that the clock is integrated over; between them the race adds its own
+_PARTS = 4  # of a step of either motion, over which the clock is integrated
 _SMALLEST = 1e-6  # natural units of eta_hat; below, no picture would differ
 _NEAR = 0.25  # the share by which the other side's speed may differ to have the same period
 _OBSERVABLES = ("phi", "chi", "psi", "path", "contact")
@@ -133,19 +132,37 @@ def film(
     halves = {sign: 0.5 * float(ways.duration[row]) for row, sign in enumerate((1, -1))}
     starts = {sign: constants_to_states(disk, bar, sign * size, speeds[sign]) for sign in (1, -1)}
     flat: Array = np.array([period * k for k in range(bounces)])
-    t = _times(starts, halves, flat, BETWEEN * (frames - 1) + 1)
-    columns = _columns(starts, halves, t)
+    t, columns = _followed(starts, halves, flat[-1], BETWEEN * (frames - 1) + 1)
     q = np.minimum(*(np.cos(phi) for phi in columns["phi"].values()))
     return Film(disk, size, t, 1.0 / q, flat, speeds, **columns, frames=np.arange(0, t.size, BETWEEN))
 
 
-def _columns(starts: dict[int, States], halves: dict[int, float], t: Array) -> dict[str, dict[int, Array]]:
+def _followed(
+    starts: dict[int, States], halves: dict[int, float], last: float, count: int
+) -> tuple[Array, dict[str, dict[int, Array]]]:
+    """Times from the first flattest moment, and what a film shows of both motions at them, by its names.
+
+    starts: the motions at the vertical. halves: how long each takes to its flattest moment. last: the last of such
+    moments. count: of the times.
+    """
+    # A hair inside: rounding must not ask for a time before the start.
+    half = min(halves.values()) * (1.0 - 1e-12)
+    until = last + half
+    motions = {
+        sign: trajectories(start, until + halves[sign], observables=_OBSERVABLES, accuracy=_ACCURACY)
+        for sign, start in starts.items()
+    }
+    t = _times(motions, halves, (-half, until), count)
+    return t, _columns(motions, halves, t)
+
+
+def _columns(motions: dict[int, Trajectories], halves: dict[int, float], t: Array) -> dict[str, dict[int, Array]]:
     """What a film shows of both motions at times from the first flattest moment, by its names."""
     columns: dict[str, dict[int, Array]] = {name: {} for name in _OBSERVABLES}
-    for sign, start in starts.items():
-        motion = trajectories(start, t_eval=t + halves[sign], observables=_OBSERVABLES, accuracy=_ACCURACY)
+    for sign, motion in motions.items():
+        at = motion(t + halves[sign])
         for name in _OBSERVABLES:
-            columns[name][sign] = getattr(motion, name)[0]
+            columns[name][sign] = getattr(at, name)[0]
     columns["centre"] = columns.pop("path")
     return columns
 
@@ -169,26 +186,20 @@ def _in_step(disk: Disk, sigma3_bar: float, size: float, phidot: float) -> tuple
     return float(brentq(lambda speed: period(-size, speed) - wanted, *ends, xtol=1e-12)), wanted
 
 
-def _times(starts: dict[int, States], halves: dict[int, float], flat: Array, count: int) -> Array:
+def _times(
+    motions: dict[int, Trajectories], halves: dict[int, float], ends: tuple[float, float], count: int
+) -> Array:
     """Times from the first flattest moment, equally spaced in s with dt = q ds, q the smaller of both cos(phi).
 
-    starts: the motions at the vertical. halves: how long each takes to its flattest moment. flat: those moments.
+    halves: how long each motion takes to its flattest moment. ends: the first time and the last.
     """
     from scipy.interpolate import CubicSpline
 
-    # A hair inside: rounding must not ask for a time before the start.
-    half = min(halves.values()) * (1.0 - 1e-12)
-    low, high = -half, flat[-1] + half
-    first = np.linspace(low, high, _FIRST_TIMES * flat.size)
-    fine = [dense_times(start, first + halves[sign]) - halves[sign] for sign, start in starts.items()]
-    t = np.clip(np.union1d(*fine), low, high)
-    t = t[np.concatenate([[True], np.diff(t) > 1e-12 * half])]
-    tilts = []
-    for sign, start in starts.items():
-        phi = trajectories(start, t_eval=t + halves[sign], observables=("phi",)).phi
-        assert phi is not None
-        tilts.append(np.cos(phi[0]))
-    rate = 1.0 / np.minimum(*tilts)
+    fine = [finer(motion.t[0], _PARTS) - halves[sign] for sign, motion in motions.items()]
+    t = np.clip(np.union1d(*fine), *ends)
+    t = t[np.concatenate([[True], np.diff(t) > -1e-12 * ends[0]])]
+    phi = _columns(motions, halves, t)["phi"]
+    rate = 1.0 / np.minimum(*(np.cos(each) for each in phi.values()))
     s = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t))])
-    times: Array = np.clip(CubicSpline(s, t)(np.linspace(0.0, s[-1], count)), low, high)
+    times: Array = np.clip(CubicSpline(s, t)(np.linspace(0.0, s[-1], count)), *ends)
     return times

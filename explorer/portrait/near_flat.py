@@ -7,14 +7,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from explorer.errors import InputError
-from explorer.motion.dense_times import dense_times
 from explorer.motion.passages import passages
-from explorer.motion.trajectories import simulate
+from explorer.motion.trajectories import finer, trajectories
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, columns_of, constants_to_states
 from explorer.portrait.both_sides import BothSides, both_sides
 
-_STEP = 0.1  # rad of chi between two points of a curve
+_PARTS = 2  # of a step of the record, for 0.1 rad of chi between two points of a curve
 _ACCURACY = 1e-9
 # Tilts below are lost in the rounding of phi, which is near pi/2 there.
 _SMALLEST = 1e-10
@@ -87,10 +86,10 @@ def near_flat(
     found = []
     for row, signed in enumerate(sizes):
         start = constants_to_states(disk, sigma3_bar, signed, phidot)
-        t = dense_times(start, float(ways.duration[row]), _STEP)
         observables = ("phi", "phidot", "sigma3", "chi")
-        motion = simulate(start, t_eval=t, observables=observables, accuracy=_ACCURACY)
-        phi, phidots, sigma3, chi = (getattr(motion, name)[0] for name in observables)
+        motion = trajectories(start, float(ways.duration[row]), observables=observables, accuracy=_ACCURACY)
+        at = motion(finer(motion.t[0], _PARTS))
+        phi, phidots, sigma3, chi = (getattr(at, name)[0] for name in observables)
         theta = 0.5 * np.pi - phi
         least, speed = float(ways.theta_min[row]), float(ways.impact_speed[row])
         found.append(NearFlat(disk, float(signed), theta, chi, -phidots, sigma3 / np.sin(theta), least, speed))

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, shown, whole
-from explorer.motion.dense_times import dense_times
 from explorer.motion.periods import Periods, periods
 from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -129,7 +128,7 @@ def wander_path(states: States, count: int) -> WanderPath:
     if each.status[0] != compiled.status.Status.OK:
         raise InputError(f"states: no period. {compiled.status.Status(int(each.status[0])).sentence}")
     period = float(each.period[0])
-    within = dense_times(states, period)[:-1]
+    within = trajectories(states, period, observables=("chi",), accuracy=_ACCURACY).t[0, :-1]
     t = np.append((period * np.arange(count)[:, None] + within).ravel(), count * period)
     motion = trajectories(states, t_eval=t, observables=("path", "contact"), accuracy=_ACCURACY)
     assert motion.path is not None

@@ -25,6 +25,8 @@ def test_chi_never_turns_by_more_than_a_fifth_between_two_times_at_any_distance_
     for motion in raced:
         assert (motion.status == 0).all()
         assert (abs(np.diff(motion.chi)) <= recording.LONGEST_ANGLE).all()
+    # Three races that take a millionth of the motion need few times.
+    assert raced[0].lengths[4] < 2000
     # Three races, three falls
     assert (np.sign(ETAS) * (motion.chi[:, -1] - motion.chi[:, 0]) > 3.0 * np.pi).all()
 

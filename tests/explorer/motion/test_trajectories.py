@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 import explorer as ex
 from explorer.motion.plan import plan
+from explorer.motion.trajectories import finer
 from explorer.motion.turning_points import turning_points
 from explorer.paper import eight_dimensions as plain_disk
 from explorer.phase.lines import line_slope
@@ -288,3 +289,10 @@ def test_a_motion_ends_where_it_was_followed_to(t_eval):
         motion("x")
     assert motion(0.0).phi == pytest.approx(0.1, abs=1e-15)
     assert repr(motion).startswith("Trajectories of 1 motion")
+
+
+def test_finer_times_keep_those_that_there_were():
+    t = np.array([0.0, 1.0, 1.0 + 1e-9, 4.0])
+    fine = finer(t, 4)
+    np.testing.assert_array_equal(fine[::4], t)
+    np.testing.assert_allclose(np.diff(fine), np.repeat(np.diff(t) / 4.0, 4), rtol=1e-6)
