@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from explorer.phase.disk import Disk as Disk
     from explorer.phase.membership import falls as falls
     from explorer.phase.states import States as States
+    from explorer.phase.states import StateWarning as StateWarning
     from explorer.phase.states import constants_to_states as constants_to_states
     from explorer.phase.states import phi_to_states as phi_to_states
     from explorer.phase.states import theta_to_states as theta_to_states
@@ -67,6 +68,7 @@ _HOMES = {
     "Interrupted": "errors",
     "Run": "runs.run",
     "RunError": "errors",
+    "StateWarning": "phase.states",
     "States": "phase.states",
     "Status": "compiled:status.Status",
     "both_sides": "portrait.both_sides",

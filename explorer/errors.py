@@ -186,7 +186,7 @@ def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf
     """
     read = double_of(plain_number(value))
     if read is None:
-        raise InputError(f"{said(name, value)} is not a number; give {_numbers(low, high)}")
+        raise InputError(f"{said(name, value)} is not a number; {_of_commas(value)}give {_numbers(low, high)}")
     if not (math.isfinite(read) and low <= read <= high):
         raise InputError(f"{said(name, value)} must be {_numbers(low, high)}")
     return read
@@ -328,6 +328,9 @@ def regular_file(name: str, path: Path, largest: float = math.inf) -> Path:
 def suggest(value: Any, known: Collection[str]) -> str:
     """The end of a message about an unknown word: the word that was probably meant, and all that are known."""
     near = get_close_matches(value[:100], known, n=1) if isinstance(value, str) else []
+    if isinstance(value, str) and len(value.strip("-")) > 2 and not get_close_matches(value[:100], near, 1, 0.8):
+        # The beginning of a name says more than a few of its letters do.
+        near = sorted((name for name in known if name.startswith(value)), key=len)[:1] or near
     return (f"did you mean {near[0]!r}? " if near else "") + f"known: {shorten(', '.join(known), 160)}"
 
 
@@ -375,6 +378,14 @@ def read_toml(path: Path, option: str) -> dict[str, Any]:
         raise InputError(f"{option} {path}: cannot be read ({error.strerror})") from None
     except (ValueError, RecursionError) as error:
         raise InputError(f"{option} {path}: not valid TOML ({error})") from None
+
+
+def _of_commas(value: Any) -> str:
+    """What a message says of 1,000 or 0,5."""
+    if not isinstance(value, str) or "," not in value:
+        return ""
+    thousands = re.fullmatch(r"[+-]?\d{1,3}(,\d{3})+", value.strip())
+    return f"commas are not read{', write ' + value.replace(',', '') if thousands else ''}; "
 
 
 def _numbers(low: float, high: float) -> str:

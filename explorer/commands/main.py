@@ -12,7 +12,9 @@ import os
 import re
 import shlex
 import sys
+import warnings
 from collections.abc import Callable, Sequence
+from functools import partial
 from importlib import import_module
 from types import ModuleType
 from typing import Any, NamedTuple, NoReturn, Self
@@ -197,7 +199,9 @@ def _run(words: list[str]) -> int:
         if options.arithmetic is not None:
             # Read when the kernels are first loaded, here and in worker processes.
             os.environ["NEARFLAT_ARITHMETIC"] = options.arithmetic
-        status: int = options.call(options)
+        with warnings.catch_warnings():
+            warnings.showwarning = partial(_say_warning, options.command)
+            status: int = options.call(options)
         return status
     except Interrupted as error:
         return _complain(options, error, STATUS)
@@ -211,6 +215,11 @@ def _run(words: list[str]) -> int:
         if isinstance(error, RunError):
             return _complain(options, error, 1)
         raise
+
+
+def _say_warning(command: str, message: Warning | str, *_place: Any) -> None:
+    """Print a warning as a sentence, without the place in the code that means nothing to who types a command."""
+    print(f"nearflat {command}: {message}", file=sys.stderr)
 
 
 def _interrupted(options: argparse.Namespace) -> int:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from explorer.commands.common import add_json
 from explorer.commands.made_by import leave_made_by
-from explorer.errors import InputError, positive, whole
+from explorer.errors import InputError, note, number, positive, whole
 from explorer.paper.figures import ETA_HAT
 from explorer.paper.pages import headline, line_of, one_figure, paper
 from explorer.phase.disk import Disk
@@ -49,13 +49,23 @@ def call(options: argparse.Namespace) -> int:
     return 0 if holding == len(rows) else 1
 
 
+def _size(flag: str, given: str, quiet: bool) -> float:
+    """A distance from F; its sign is said to mean nothing, since each figure has its own sides."""
+    eta_hat = number(flag, given)
+    if eta_hat < 0.0:
+        note(f"{flag} {given}: the sign is left out; each figure shows its own sides of F", quiet)
+    return positive(flag, abs(eta_hat))
+
+
 def _figure(options: argparse.Namespace) -> int:
     """One figure, and nothing else."""
     if options.only is not None:
         raise InputError("--only and --figure: give one of them")
     disk = None if options.disk is None else Disk.parse(options.disk)
-    eta_hat = ETA_HAT if options.eta_hat is None else positive("--eta-hat", options.eta_hat)
-    paths = one_figure(options.out, whole("--figure", options.figure, 1, 9), disk, eta_hat)
+    which = whole("--figure", options.figure, 1, 9)
+    eta_hat = ETA_HAT if options.eta_hat is None else _size("--eta-hat", options.eta_hat, options.quiet)
+    note(f"drawing figure {which}; the first time, kernels are compiled", options.quiet)
+    paths = one_figure(options.out, which, disk, eta_hat)
     if options.json:
         print(json.dumps({"files": [str(path) for path in paths]}))
     else:

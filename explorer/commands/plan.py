@@ -3,9 +3,19 @@
 import argparse
 import json
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal, Unpack, overload
 
-from explorer.commands.run import add_existing, add_question, given_by
+from explorer.commands.run import (
+    OfFallingSet,
+    OfMeasureZero,
+    OfOneSided,
+    OfPortrait,
+    OfRaceAngles,
+    add_existing,
+    add_question,
+    document,
+    given_by,
+)
 from explorer.runs.estimate import Estimate, estimate
 from explorer.runs.settings import Asked, asked
 from explorer.scenes.base import Scene
@@ -54,6 +64,18 @@ class RunPlan:
         return "\n".join(lines)
 
 
+@overload
+def plan(scene: Literal["falling-set"], **options: Unpack[OfFallingSet]) -> RunPlan: ...
+@overload
+def plan(scene: Literal["measure-zero"], **options: Unpack[OfMeasureZero]) -> RunPlan: ...
+@overload
+def plan(scene: Literal["one-sided"], **options: Unpack[OfOneSided]) -> RunPlan: ...
+@overload
+def plan(scene: Literal["portrait"], **options: Unpack[OfPortrait]) -> RunPlan: ...
+@overload
+def plan(scene: Literal["race-angles"], **options: Unpack[OfRaceAngles]) -> RunPlan: ...
+@overload
+def plan(scene: type[Scene], **options: Any) -> RunPlan: ...
 def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
     """Say how a run would be computed and what it will cost; nothing is stored.
 
@@ -61,8 +83,6 @@ def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
     ----------
     scene : str or type
         As for `run`.
-    **options
-        As for `run`; all are checked.
 
     Returns
     -------
@@ -81,6 +101,9 @@ def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
     'quadrature'
     """
     return _planned(asked(scene, options))
+
+
+document(plan)
 
 
 def _planned(made: Asked) -> RunPlan:

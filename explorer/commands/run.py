@@ -2,7 +2,7 @@
 
 import argparse
 import inspect
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from textwrap import fill, indent
 from typing import Any, Literal, Unpack, overload
@@ -96,18 +96,19 @@ def _entry(option: Option, text: str) -> str:
     return f"{option.word} : {type_words(option.kind)}\n{indent(fill(f'{text}.', 110), '    ')}"
 
 
-def _document() -> None:
-    """Let help(run) and inspect.signature(run) name settings and the options of all scenes, from their tables."""
+def document(function: Callable[..., Any]) -> None:
+    """Let help() and inspect.signature() of `run` or `plan` name settings and the options of all scenes."""
     entries = {option.word: _entry(option, option.help_for(Settings)) for option in SETTINGS}
     entries |= {option.word: _entry(option, text) for option, text in described(SCENES.values())}
-    scene, _ = inspect.signature(run).parameters.values()
+    signature = inspect.signature(function)
+    scene, _ = signature.parameters.values()
     words = [inspect.Parameter(word, inspect.Parameter.KEYWORD_ONLY, default=None) for word in entries]
-    vars(run)["__signature__"] = inspect.Signature([scene, *words], return_annotation=Run)
-    text = inspect.cleandoc(run.__doc__ or "")  # empty where docstrings are left out (python -OO)
-    run.__doc__ = text.replace("\n\nReturns\n", "\n" + "\n".join(entries.values()) + "\n\nReturns\n", 1)
+    vars(function)["__signature__"] = signature.replace(parameters=[scene, *words])
+    text = inspect.cleandoc(function.__doc__ or "")  # empty where docstrings are left out (python -OO)
+    function.__doc__ = text.replace("\n\nReturns\n", "\n" + "\n".join(entries.values()) + "\n\nReturns\n", 1)
 
 
-_document()
+document(run)
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:

@@ -9,6 +9,7 @@ sigma3_bar = sigma4_bar = 0 the disk may swing over the vertical and fall to bot
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,10 +23,10 @@ from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.membership import falls_of
 from explorer.phase.results import Table
-from explorer.phase.states import Array, States, require_states
+from explorer.phase.states import Array, States, StateWarning, require_states
 
 _HALF_PI = 0.5 * np.pi
-_MOST_IMPACTS = 1e8  # their times take 0.8 GB
+_MOST_IMPACTS = 1e8  # their times take 0.8 GB, and a double has 8 digits left for the place between two
 # |e^(i turn) - 1| below which a whole number of turns is meant: the sum of a geometric series loses all digits.
 _WHOLE_TURN = 1e-12
 
@@ -74,7 +75,7 @@ class Continuation:
     """The part that both kinds of limit motion share: times of impact, and a start that is the origin.
 
     Attributes in the units of the disk: `period` between impacts, `impact_speed` A of eq. (7.1),
-    `chi_per_period` (rad, jump included).
+    `chi_per_period` (rad, jump included), `missed` (eta_hat of the state that was given).
     """
 
     disk: Disk
@@ -84,6 +85,7 @@ class Continuation:
     period: float
     impact_speed: float
     chi_per_period: float
+    missed: float = 0.0
     _offset: float  # natural time from an impact to the start
     _origin: Moving
 
@@ -106,10 +108,11 @@ class Continuation:
         return np.array(first + self.period * np.arange(count), dtype=np.float64)
 
     def __call__(self, t: ArrayLike) -> LimitState:
-        """The motion at times >= 0."""
+        """The motion at times from 0 to that of 1e8 impacts, where the place between two has lost 8 digits."""
         times = column("t", t)
-        if not (np.isfinite(times).all() and (times >= 0.0).all()):
-            raise InputError(f"t = {shown(t)}: give finite times >= 0")
+        last = _MOST_IMPACTS * self.period
+        if not ((times >= 0.0) & (times <= last)).all():
+            raise InputError(f"t = {shown(t)}: give times from 0 to {last:g}, that of {_MOST_IMPACTS:g} impacts")
         at, start = self._unfold(np.ravel(times) * self.disk.rate_unit + self._offset), self._origin
         moving = replace(
             at,
@@ -139,6 +142,8 @@ class LimitMotion(Continuation):
         |phidot| at an impact, A of eq. (7.1), units of the disk.
     chi_per_period : float
         Increase of chi from impact to impact (rad), one jump of side times kappa pi included.
+    missed : float
+        eta_hat of the given state (units of the disk), by which it missed F; 0 to rounding on F.
 
     Examples
     --------
@@ -265,6 +270,8 @@ class PendulumMotion(Continuation):
         |phidot| at an impact, A of eq. (7.1), units of the disk.
     chi_per_period : float
         The jump of chi (rad) at an impact on face +1, side times kappa pi.
+    missed : float
+        eta_hat of the given state (units of the disk), by which it missed F; 0 to rounding on F.
 
     Examples
     --------
@@ -320,8 +327,8 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     Parameters
     ----------
     state_on_f : States
-        One state, of a disk with I3 > 0. By how much it misses F is ignored: its energy and sigma3_bar are taken,
-        and eta on the nearer face is set to 0.
+        One state, of a disk with I3 > 0. One beside F is moved onto it: its energy and sigma3_bar are taken, and
+        eta on the nearer face is set to 0. The result says as `missed` by how much.
     side : int
         Sign of eta from which F is approached, +1 or -1.
 
@@ -335,6 +342,11 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     ------
     InputError
         Where the disk would not fall from that state, for another side, and for more than one state.
+
+    Warns
+    -----
+    StateWarning
+        Where the state is moved by more than rounding.
 
     Notes
     -----
@@ -360,9 +372,26 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     if not bool(where.could_fall[0]):
         raise InputError("limit motion: the disk could not fall from this state; see explorer.falls")
     face = int(where.face[0])
-    q, z, p, _, _ = (row[0] for row in states.rows)
-    start = (float(np.arctan2(q, face * z)), face * float(p))
-    energy, sigma3_bar = float(natural.energy[0]), float(natural.sigma3_bar[0])
+    limit = _made(states, float(natural.energy[0]), float(natural.sigma3_bar[0]), face, side)
+    limit.missed = disk.eta_to_eta_hat(float(natural.eta(np.array([face > 0]))[0])) * disk.rate_unit
+    if not where.on_f[0]:
+        _warn_of_move(limit.missed)
+    return limit
+
+
+def _made(states: States, energy: float, sigma3_bar: float, face: int, side: int) -> AnyLimit:
+    """The motion of one of both kinds; energy and sigma3_bar in natural units."""
+    q, z, p, _, _ = (float(row[0]) for row in states.rows)
     if sigma3_bar == 0.0 and energy > 1.0:
-        return PendulumMotion(disk, energy, side, (float(np.arctan2(q, z)), float(p)))
-    return LimitMotion(disk, energy, sigma3_bar, face, side, start)
+        return PendulumMotion(states.disk, energy, side, (float(np.arctan2(q, z)), p))
+    start = (float(np.arctan2(q, face * z)), face * p)
+    return LimitMotion(states.disk, energy, sigma3_bar, face, side, start)
+
+
+def _warn_of_move(missed: float) -> None:
+    warnings.warn(
+        f"limit motion: the state lies beside F, with eta_hat = {missed:.3g}, and was moved onto it; "
+        "constants_to_states(..., eta_hat=0) gives states on F",
+        StateWarning,
+        stacklevel=3,
+    )

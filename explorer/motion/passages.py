@@ -14,7 +14,7 @@ from explorer.motion.passages_by_integration import LENIENCE, by_integration
 from explorer.motion.passages_by_quadrature import Followed, by_quadrature, fall_from_vertical
 from explorer.motion.plan import Plan, plan
 from explorer.motion.vertical import Starts, starts_at_vertical
-from explorer.phase.arguments import read_columns
+from explorer.phase.arguments import known_keywords, read_columns
 from explorer.phase.disk import Disk
 from explorer.phase.membership import impact_speed
 from explorer.phase.results import Result
@@ -110,6 +110,12 @@ class _Computation(NamedTuple):
     jobs: int = 1
 
 
+def _read(computation: Computation) -> _Computation:
+    """The keywords of `passages`. Raises InputError for one that it does not take."""
+    known_keywords("passages", computation, _Computation._fields)
+    return _Computation(**computation)
+
+
 def passages(
     disk: Disk,
     sigma3_bar: ArrayLike,
@@ -164,7 +170,7 @@ def passages(
     >>> found.race_angle.round(4)
     array([ 7.0248, -7.0248,  7.0248])
     """
-    given = _Computation(**computation)
+    given = _read(computation)
     how = plan(OBSERVABLES, given.accuracy, given.method)
     columns, shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face})
     starts, edge = starts_at_vertical(disk, *columns), _edge_of(window, how.method)

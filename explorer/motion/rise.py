@@ -4,6 +4,8 @@ theta = theta_turn sin(alpha) takes the square root out of the turning point, an
 singular at flat, so time, chi, psi and the centre are smooth in alpha and kept as Chebyshev series.
 """
 
+import math
+
 import numpy as np
 from numpy.polynomial import Chebyshev
 
@@ -26,6 +28,8 @@ _SMALLEST = 1e-300  # a tilt that the kernel can take the logarithm of
 _BESIDE_FLAT = 0.1
 _WELL_POINTS = 512  # tilts looked at, between the vertical and the well, for the barrier
 _XTOL = 1e-15  # of a turning point: rounding
+# Of sigma3_bar over the energy: below, the rate of the race overflows, and no double tells the race from a jump.
+_TINY = 1e-290
 
 
 class Rise:
@@ -130,6 +134,9 @@ class Rise:
 
 def rise(disk: Disk, energy: float, sigma3_bar: float) -> Rise | CrossingRise:
     """The rise with these constants, by the series that can follow it. Raises InputError where there is none."""
+    tiny = _TINY * max(energy, 1.0)
+    if 0.0 < abs(sigma3_bar) < tiny:
+        sigma3_bar = math.copysign(tiny, sigma3_bar)
     if crosses(disk, energy, sigma3_bar) and least_chord(disk, energy, sigma3_bar) < _BESIDE_FLAT:
         return CrossingRise(disk, energy, sigma3_bar)
     return Rise(disk, energy, sigma3_bar)

@@ -16,7 +16,9 @@ from explorer.errors import CoarseTimesWarning, InputError, number, positive, wh
 from explorer.motion import recording
 from explorer.motion.plan import ALGEBRA, QUADRATURE, plan
 from explorer.motion.turning_points import MAX_STEPS
+from explorer.phase.arguments import known_keywords
 from explorer.phase.disk import Disk
+from explorer.phase.results import status_names
 from explorer.phase.states import Array, States, columns_of, require_states
 
 ALL = ("phi", "chi", "psi", "path", "contact")  # what simulate gives where nothing else is asked for
@@ -87,6 +89,16 @@ class Trajectories:
         """The states in which the motions start."""
         return self._followed.states
 
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """Which motions were followed to the accuracy asked."""
+        return np.asarray(self.status == compiled.status.Status.OK)
+
+    @property
+    def status_names(self) -> NDArray[np.str_]:
+        """The status of each motion as a word, such as 'ok' or 'falls'."""
+        return status_names(self.status)
+
     def __len__(self) -> int:
         """Number of motions."""
         return int(self.status.size)
@@ -122,8 +134,7 @@ class Trajectories:
         return self._followed.trajectories(times.reshape(np.shape(t)), self)
 
     def __repr__(self) -> str:
-        names = [code.name.lower() for code in compiled.status.Status]
-        counts = Counter(names[code] for code in self.status)
+        counts = Counter(self.status_names.tolist())
         known = [name for name in (*_RATES, *ALL) if getattr(self, name) is not None]
         return (
             f"Trajectories of {len(self):,} motion(s) to t = {self.t_end:g}, {self.t.shape[-1]:,} times\n"
@@ -209,10 +220,16 @@ def simulate(
     >>> bool(abs(np.diff(motion.chi)).max() < 0.2), motion([2.0, 4.0]).phi.round(4)
     (True, array([[0.2749, 0.5152]]))
     """
-    motion, chi = _follow(states, (t_end, t_eval), observables, _Integration(**integration))
+    motion, chi = _follow(states, (t_end, t_eval), observables, _read(integration))
     if t_eval is not None:
         _warn_of_races(motion, chi)
     return motion
+
+
+def _read(integration: Integration) -> _Integration:
+    """The keywords of `simulate`. Raises InputError for one that it does not take."""
+    known_keywords("simulate", integration, ("states", "t_end", "t_eval", "observables", *_Integration._fields))
+    return _Integration(**integration)
 
 
 def trajectories(

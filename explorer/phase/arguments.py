@@ -7,15 +7,19 @@ and complex numbers are refused. What was given is never changed.
 
 from __future__ import annotations
 
+import inspect
 import math
-from typing import Any
+from collections.abc import Callable, Collection, Iterable
+from functools import wraps
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, double_of, plain_number, shown
+from explorer.errors import InputError, double_of, plain_number, shown, suggest
 
 Array = NDArray[np.float64]
+F = TypeVar("F", bound=Callable[..., Any])
 _LARGEST_TABLE = 10**9  # entries to which arguments may broadcast: 8 GB for each column
 
 
@@ -100,3 +104,28 @@ def _entry(value: Any) -> float | None:
 def _missing(value: Any) -> bool:
     """Whether an entry says that there is no value: None, or NA of pandas."""
     return value is None or type(value).__name__ in ("NAType", "NaTType", "MaskedConstant")
+
+
+def known_keywords(what: str, given: Iterable[str], known: Collection[str]) -> None:
+    """Raise InputError, with the nearest one, for a keyword that `what` does not take."""
+    for name in given:
+        if name not in known:
+            raise InputError(f"{what}: takes no {name!r}; {suggest(name, known)}")
+
+
+def explained(function: F) -> F:
+    """Let a function say as InputError, with its arguments, that it was called with others."""
+    signature = inspect.signature(function)
+    names = [name for name in signature.parameters if name not in ("self", "cls")]
+    name = function.__qualname__.removesuffix(".__init__")
+
+    @wraps(function)
+    def call(*given: Any, **named: Any) -> Any:
+        known_keywords(name, named, names)
+        try:
+            signature.bind(*given, **named)
+        except TypeError as error:
+            raise InputError(f"{name}: {error}; it takes {', '.join(names)}") from None
+        return function(*given, **named)
+
+    return cast(F, call)

@@ -7,7 +7,7 @@ import numpy as np
 
 from explorer.errors import InputError, suggest
 from explorer.phase.columns import ANGLE, COLUMNS, RATE
-from explorer.phase.coordinates import coordinates_to_states, rates_to_states
+from explorer.phase.coordinates import coordinates_to_states, from_rates, warn_of_degrees
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States, phi_to_states, theta_to_states
 
@@ -34,6 +34,8 @@ class Chart(NamedTuple):
     def states(self, disk: Disk, columns: Mapping[str, Array], degrees: bool = False) -> States:
         """The states of a table. degrees: whether angles and rates are in degrees; energies never are."""
         used = {name: columns[name] for name in self.present(columns)}
+        if "tilt" in used and not degrees:
+            warn_of_degrees(used["tilt"])
         if degrees:
             used |= {name: np.radians(used[name]) for name in self.in_radians(used)}
         return self.make(disk, **used)
@@ -41,7 +43,8 @@ class Chart(NamedTuple):
 
 def _from_rates(disk: Disk, tilt: Array, precession: Array, spin: Array, **more: Array) -> States:
     """A disk whose tilt_rate is not said is at the highest or the lowest point of its motion."""
-    return rates_to_states(disk, tilt, more.get("tilt_rate", 0.0), precession, spin, more.get("face", 1))
+    rate, face = more.get("tilt_rate", 0.0 * tilt), more.get("face", np.ones_like(tilt))
+    return from_rates(disk, (tilt, rate, precession, spin), face)
 
 
 # In the order in which they are tried: what says most directly where the disk is comes first. The angle phi may be

@@ -6,7 +6,8 @@ and spin, with constants of motion in place of sigma3 and sigma4, or with the en
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import warnings
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Any, TypedDict, Unpack
 
@@ -17,7 +18,7 @@ from explorer.errors import InputError, flag, shown, suggest
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
 from explorer.phase.lines import line_chart, line_slope, linear_constants
-from explorer.phase.states import Array, States, phi_to_states, theta_to_states
+from explorer.phase.states import Array, States, StateWarning, phi_to_states, theta_to_states
 
 # What may stand for the spins, and for the rate of the tilt, beside the tilt phi itself.
 SPINS = (("sigma3", "sigma4"), ("sigma3_bar", "sigma4_bar"), ("sigma3_bar", "eta_hat"))
@@ -55,10 +56,9 @@ def rates_to_states(
         The disk; with m, r and g in kilograms, metres and seconds, rates are in rad/s.
     tilt : array_like
         Angle between the disk's plane and the table (rad): 0 is flat, pi/2 is upright.
-    tilt_rate : array_like
-        Rate of the tilt (units of the disk), positive where the disk rises.
-    precession : array_like
-        Rate at which the contact point turns about the vertical (units of the disk).
+    tilt_rate, precession : array_like
+        Rates (units of the disk) of the tilt, positive where the disk rises, and at which the contact point turns
+        about the vertical.
     spin : array_like
         Angular velocity about the disk's own axis (units of the disk), as a gyroscope on it reads. A disk
         that does not turn relative to the line of contact has face * precession * cos(tilt).
@@ -77,11 +77,15 @@ def rates_to_states(
     InputError
         Where an argument is not a number, or the shapes do not fit together.
 
+    Warns
+    -----
+    StateWarning
+        Where tilts lie outside 0 to pi, or all of them beyond upright, as degrees that are read as radians do.
+
     Examples
     --------
     >>> import math, explorer as ex
-    >>> coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
-    >>> states = ex.rates_to_states(coin, math.radians(1.0), 0.0, 60.0, 0.5)
+    >>> states = ex.rates_to_states(ex.Disk.uniform(r=12.1e-3, g=9.81), math.radians(1.0), 0.0, 60.0, 0.5)
     >>> print(f"{states.phi[0]:.6f} rad, sigma3 = {states.sigma3[0]:.6f} rad/s")
     1.553343 rad, sigma3 = 0.018275 rad/s
 
@@ -89,15 +93,48 @@ def rates_to_states(
     -----
     sigma3 = sin^2(tilt) * precession and sigma4 = spin: eqs (2.14), (2.31) of Cushman & Duistermaat (2006).
     """
-    require_disk(disk)
     given = {"tilt": tilt, "tilt_rate": tilt_rate, "precession": precession, "spin": spin, "face": face}
     (angle, rate, turn, own, down), shape = read_columns(given)
     if flag("degrees", degrees):
         angle, rate, turn, own = (np.radians(column) for column in (angle, rate, turn, own))
+    _warn_of_tilts(angle, degrees)
+    return replace(from_rates(disk, (angle, rate, turn, own), down), shape=shape)
+
+
+def from_rates(disk: Disk, columns: Sequence[Array], face: Array) -> States:
+    """States of flat columns tilt, tilt_rate, precession and spin (rad)."""
+    angle, rate, turn, own = columns
     with np.errstate(all="ignore"):
         sigma3 = np.sin(angle) ** 2 * turn
-    states = theta_to_states(disk, angle, rate, sigma3, own, down)
-    return replace(states, shape=shape)
+    return theta_to_states(disk, angle, rate, sigma3, own, face)
+
+
+def warn_of_degrees(angle: Array, stacklevel: int = 3) -> bool:
+    """Warn where tilts (rad) are probably degrees that were read as radians; whether that was so."""
+    known = angle[np.isfinite(angle)]
+    suspicious = bool(known.size and (known > 0.5 * np.pi).all())
+    if suspicious:
+        warnings.warn(
+            "tilt: all tilts lie beyond upright (pi/2 rad); where they are degrees, say so: degrees=True, or "
+            "--degrees on the command line",
+            StateWarning,
+            stacklevel=stacklevel,
+        )
+    return suspicious
+
+
+def _warn_of_tilts(angle: Array, degrees: bool) -> None:
+    """Warn of tilts (rad) that are none, and, unless degrees were said, of such as look like them."""
+    if not degrees and warn_of_degrees(angle, 4):
+        return
+    outside = angle[(angle <= 0.0) | (angle >= np.pi)]
+    if outside.size:
+        warnings.warn(
+            f"tilt: {outside.size:,} of {angle.size:,} lie outside 0 to pi, {outside[0]:g} rad for instance, and "
+            "are no states (bad_input); a tilt is above 0, and face=-1 says that the other face would come down",
+            StateWarning,
+            stacklevel=3,
+        )
 
 
 def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> States:

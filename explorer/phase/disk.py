@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, note, number, positive, read_toml, shown, word
+from explorer.phase.arguments import explained
 from explorer.phase.gauss import table_rules
 
 Array = NDArray[np.float64]
@@ -54,7 +55,7 @@ class Description(dict[str, float | str]):
         return "\n  ".join(self._lines)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Disk:
     """A body of revolution rolling on a sharp rim, its centre of mass at the rim's centre.
 
@@ -68,8 +69,9 @@ class Disk:
         Radius of the rim (m).
     g : float
         Gravity (m/s^2).
-    I1, I3 : float
-        Transverse and axial moment of inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3).
+    I1, I3 : float, optional
+        Transverse and axial moment of inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3). I1 is by default that of a
+        uniform disk, m r^2/4, and I3 that of a flat body, 2 I1.
     name : str
         Stands in folders, pictures and tables.
 
@@ -86,18 +88,29 @@ class Disk:
     2.236068 0.0351
     """
 
-    m: float = 1.0
-    r: float = 1.0
-    g: float = 1.0
-    I1: float = 0.25
-    I3: float = 0.5
-    name: str = "custom"
+    m: float
+    r: float
+    g: float
+    I1: float
+    I3: float
+    name: str
 
-    def __post_init__(self) -> None:
-        for key in ("m", "r", "g", "I1"):
-            object.__setattr__(self, key, positive(f"--disk: {key}", getattr(self, key)))
-        object.__setattr__(self, "I3", number("--disk: I3", self.I3, 0.0))
-        word("--disk: name", self.name)
+    @explained
+    def __init__(
+        self,
+        m: float = 1.0,
+        r: float = 1.0,
+        g: float = 1.0,
+        I1: float | None = None,
+        I3: float | None = None,
+        name: str = "custom",
+    ) -> None:
+        mass, radius, gravity = _units(m, r, g)
+        transverse = 0.25 * mass * radius * radius if I1 is None else positive(*_plain("I1", I1))
+        axial = 2.0 * transverse if I3 is None else number(*_plain("I3", I3), 0.0)
+        read = {"m": mass, "r": radius, "g": gravity, "I1": transverse, "I3": axial}
+        for key, value in {**read, "name": word("--disk: name", name)}.items():
+            object.__setattr__(self, key, value)
         if self.I3 > 2.0 * self.I1 * (1.0 + _ROUNDING):
             raise InputError(
                 f"--disk: I3 = {self.I3} exceeds 2 I1 = {2.0 * self.I1}, which no body has; "
@@ -107,24 +120,29 @@ class Disk:
             raise InputError("--disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
 
     @classmethod
+    @explained
     def annulus(cls, inner: float, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop)."""
+        _plain("inner", inner)
         inner = number("--disk: annulus (inner over outer radius, between 0 and 1)", inner, 0.0, 1.0)
         m, r, g = _units(m, r, g)
         axial = 0.5 * m * r * r * (1.0 + inner * inner)
         return cls(m, r, g, 0.5 * axial, axial, f"annulus-{inner:g}")
 
     @classmethod
+    @explained
     def uniform(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The uniform disk, eq. (2.5): m r^2 / I1 = 4."""
         return replace(cls.annulus(0.0, m, r, g), name="uniform")
 
     @classmethod
+    @explained
     def hoop(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The hoop, eq. (2.6): m r^2 / I1 = 2."""
         return replace(cls.annulus(1.0, m, r, g), name="hoop")
 
     @classmethod
+    @explained
     def matching(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The flat body with m r^2 / I1 = 3, for which both one-sided limit motions agree."""
         m, r, g = _units(m, r, g)
@@ -155,7 +173,10 @@ class Disk:
         missing = [key for key in ("I1", "I3") if key not in values]
         if missing:
             raise InputError(f"--disk: {' and '.join(missing)} missing; give I1 and I3 (m, r, g default to 1)")
-        return cls(**{"name": name, **values, "I3": _axial(values["I1"], values["I3"])})
+        values = {**values, "I3": _axial(values["I1"], values["I3"])}
+        read = {key: positive(f"--disk: {key}", values[key]) for key in (*_SCALES, "I1") if key in values}
+        axial = number("--disk: I3", values["I3"], 0.0)
+        return cls(**read, I3=axial, name=values.get("name", name))
 
     @property
     def _inertia_unit(self) -> float:
@@ -260,8 +281,15 @@ class Disk:
 def _units(m: Any, r: Any, g: Any) -> tuple[float, float, float]:
     """Mass, radius and gravity, read. Raises InputError."""
     given = {"m": m, "r": r, "g": g}
-    mass, radius, gravity = (positive(f"--disk: {name}", value) for name, value in given.items())
+    mass, radius, gravity = (positive(*_plain(name, value)) for name, value in given.items())
     return mass, radius, gravity
+
+
+def _plain(name: str, value: Any) -> tuple[str, Any]:
+    """How messages call a quantity, and its value. Raises InputError for text, which `Disk.parse` reads."""
+    if isinstance(value, str):
+        raise InputError(f"--disk: {name} = {shown(value)} is text; give a number, or all of it to Disk.parse")
+    return f"--disk: {name}", value
 
 
 def _can_be_scaled(disk: Disk) -> bool:

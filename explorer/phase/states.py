@@ -24,6 +24,20 @@ COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 _LARGEST = 1e150  # natural units: squares of rates overflow beyond
 
 
+class StateWarning(UserWarning):
+    """A state is probably not what was meant: it is no tilt, looks like degrees, or had to be moved onto F.
+
+    Examples
+    --------
+    >>> import warnings, explorer as ex
+    >>> with warnings.catch_warnings(record=True) as caught:
+    ...     warnings.simplefilter("always")
+    ...     states = ex.rates_to_states(ex.Disk.uniform(), tilt=10.0, tilt_rate=0.0, precession=1.0, spin=0.0)
+    >>> [warning.category.__name__ for warning in caught], states.status.tolist()
+    (['StateWarning'], [2])
+    """
+
+
 class Rows(NamedTuple):
     """What the kernels know of a state, natural units: cos phi, sin phi, -phidot, sigma3/q and sigma4."""
 

@@ -8,6 +8,7 @@ from explorer import compiled
 from explorer.errors import InputError, positive
 from explorer.motion.limit_motions import AnyLimit, LimitState, limit_motion
 from explorer.motion.trajectories import Trajectories, trajectories
+from explorer.phase.arguments import explained
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk
@@ -94,6 +95,7 @@ class BothSides:
         return self.start.disk
 
 
+@explained
 def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
     """The motions on both sides of a point of F, and the limits of each side, through two falls.
 

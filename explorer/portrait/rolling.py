@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import flag, number
 from explorer.phase.arguments import read_columns
-from explorer.phase.coordinates import rates_to_states
+from explorer.phase.coordinates import from_rates, warn_of_degrees
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States
@@ -87,6 +87,11 @@ def steady_motions(
     InputError
         For arguments that are no numbers or do not broadcast, and for a disk with I3 = 0.
 
+    Warns
+    -----
+    StateWarning
+        Where all tilts lie beyond upright, as degrees that are read as radians do.
+
     Notes
     -----
     V' = 0 of eq. (3.8) with sigma3 = cos^2(phi) precession: I1 precession^2 q z - J precession q spin = m g r z,
@@ -106,10 +111,11 @@ def steady_motions(
     True
     """
     require_axial_inertia(disk)
-    given = {"tilt": tilt, "precession": precession, "face": face}
-    (angle, rate, side), shape = read_columns(given)
+    (angle, rate, side), shape = read_columns({"tilt": tilt, "precession": precession, "face": face})
     if flag("degrees", degrees):
         angle, rate = np.radians(angle), np.radians(rate)
+    else:
+        warn_of_degrees(angle)
     flat = _steady(disk, angle, rate, side)
     return replace(flat.reshaped(shape), states=replace(flat.states, shape=shape))
 
@@ -127,7 +133,7 @@ def _steady(disk: Disk, angle: Array, rate: Array, side: Array) -> SteadyMotions
     def known(values: Array) -> Array:
         return np.where(possible, values, np.nan)
 
-    states = rates_to_states(disk, known(angle), 0.0, rate, found.sigma4, side)
+    states = from_rates(disk, (known(angle), np.zeros_like(angle), rate, found.sigma4), side)
     code = compiled.status.Status
     return SteadyMotions(
         tilt=angle,

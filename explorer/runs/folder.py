@@ -152,8 +152,30 @@ def clear(folder: Path) -> None:
         raise RunError(f"--out {folder}: cannot be cleared ({error.strerror})") from None
 
 
-def open_folder(folder: Path, scene: Scene, exist: str) -> None:
-    """Check that the run may be written here and make the folder. Raises InputError; then nothing is written."""
+def take_back(folder: Path, highest: Path) -> None:
+    """Remove what a run that is refused has made: its files, and the folders from `highest` down."""
+    clear(folder)
+    with contextlib.suppress(OSError):  # what is not ours stays, and the folders around it
+        for place in ("chunks", "bad", "figures"):
+            if (folder / place).is_dir():
+                (folder / place).rmdir()
+        (folder / ".lock").unlink(missing_ok=True)
+        while folder.is_relative_to(highest):
+            folder.rmdir()
+            folder = folder.parent
+
+
+def highest_made(folder: Path) -> Path:
+    """The first folder on the way to this one that is not there yet; a place inside it where all are."""
+    ways = [place for place in (folder, *folder.parents) if not os.path.exists(place)]  # noqa: PTH110, since a path may be none
+    return ways[-1] if ways else folder / "chunks"
+
+
+def open_folder(folder: Path, scene: Scene, exist: str) -> bool:
+    """Check that the run may be written here and make the folder; whether there was no run.
+
+    Raises InputError; then nothing is written.
+    """
     record = folder / "run.json"
     try:
         exists = record.exists()
@@ -176,6 +198,7 @@ def open_folder(folder: Path, scene: Scene, exist: str) -> None:
         probe.unlink()
     except OSError as error:
         raise InputError(f"--out {folder}: cannot be written ({error.strerror}); give a folder that can") from None
+    return not exists
 
 
 def _only_begun(folder: Path) -> bool:

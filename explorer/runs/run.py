@@ -16,7 +16,7 @@ from explorer.runs.interrupt import graceful
 from explorer.runs.lock import only_one
 from explorer.runs.progress import Progress
 from explorer.runs.workers import Task, Workers
-from explorer.scenes.base import Scene, Table
+from explorer.scenes.base import NoStateError, Scene, Table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -195,14 +195,18 @@ def execute(scene: Scene, out: Path | str | None, manner: Manner) -> Run:
         run._total()
         return run
     folder = Path(out)
-    folders.open_folder(folder, scene, manner.exist)
+    highest = folders.highest_made(folder)
+    new = folders.open_folder(folder, scene, manner.exist) or manner.exist == "replace"
     with only_one(folder):
         try:
             if manner.exist == "replace":
                 folders.clear(folder)
             return _fill(Part(scene, folder), folder, manner)
         except InputError as error:
-            # Only a run can tell that some input leads nowhere; by then the folder holds it.
+            # Only a run can tell that some input leads nowhere. What it has computed by then is kept, if anything.
+            if new and (isinstance(error, NoStateError) or not any((folder / "chunks").glob("*.parquet"))):
+                folders.take_back(folder, highest)
+                raise
             raise RunError(f"{error} ({folder} holds what was computed)") from error
 
 

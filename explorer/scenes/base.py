@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeAlias, Typ
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, shown, suggest
+from explorer.errors import InputError, RunError, shown, suggest
 from explorer.measure import statistics
 from explorer.motion.plan import Plan, plan
 from explorer.phase.disk import Disk
@@ -55,6 +55,10 @@ MOST_CHUNKS = 20_000_000  # files in one folder
 SMALLEST_CHUNK, LARGEST_CHUNK = 1 << 12, 1 << 20
 
 
+class NoStateError(InputError, RunError):
+    """No sample of a run is a state, so nothing that it computed is of use."""
+
+
 @dataclass(frozen=True)
 class Chunks:
     """The chunks of a scene that are computed, in their order; each of the two can be gone through once.
@@ -79,6 +83,8 @@ class Scene(ABC):
     observables: ClassVar[tuple[str, ...]] = ()
     # What it stores of a sample, by the names of `phase.columns`.
     columns: ClassVar[tuple[str, ...]] = ("status",)
+    # What else it stores where the states are given, and not drawn as it does by itself.
+    columns_of_given: ClassVar[tuple[str, ...]] = ()
 
     class Keywords(TypedDict, total=False):
         """What users may give, by name: its type, and how it is read."""

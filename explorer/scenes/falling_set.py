@@ -69,6 +69,7 @@ class FallingSet(SceneOfStates):
         "status",
         "steps",
     )
+    columns_of_given: ClassVar[tuple[str, ...]] = ("row",)
 
     class Keywords(SceneOfStates.Keywords, total=False):
         box: Annotated[Ranges, BOX]

@@ -30,7 +30,7 @@ from explorer.phase.membership import impact_speed
 from explorer.phase.states import Array, States, constants_to_states
 from explorer.portrait.races import law_rows, ridge_rows
 from explorer.scenes import beside
-from explorer.scenes.base import Chunks, Picture, Table, Tally
+from explorer.scenes.base import Chunks, NoStateError, Picture, Table, Tally
 from explorer.scenes.beside import box_beside, check_eta_hat, describe_beside, draw_beside, eta_hat_option
 from explorer.scenes.of_states import Block, SceneOfStates
 from explorer.scenes.options import Distances, Option, Ranges
@@ -95,6 +95,7 @@ class RaceAngles(SceneOfStates):
     name: ClassVar[str] = "race-angles"
     observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "duration")
     columns: ClassVar[tuple[str, ...]] = ("phidot", "sigma3_bar", "eta_hat", "face", *_FOUND)
+    columns_of_given: ClassVar[tuple[str, ...]] = ("row", "bounce", "phi", "sigma3", "sigma4", "side", "time")
     bytes_per_sample: ClassVar[int] = 1000
 
     class Keywords(SceneOfStates.Keywords, total=False):
@@ -200,7 +201,8 @@ class RaceAngles(SceneOfStates):
     def summarise(self, total: RaceCounts) -> dict[str, Any]:
         limit = self.disk.race_limit
         if not any(total.races(name) for name in SIGNS):
-            raise RunError(self._without_races(total))
+            kind = NoStateError if set(total.status) == {"bad_input"} else RunError
+            raise kind(self._without_races(total))
         summary: dict[str, Any] = {
             "samples": self.samples,
             "limit": limit,
@@ -242,10 +244,12 @@ class RaceAngles(SceneOfStates):
                 f"race-angles: none of {self.samples} states has a race angle ({total.status}; of "
                 f"{total.without_race} bounces the energy is too small to come flat); give other states"
             )
-        return (
-            f"race-angles: none of {self.samples} passages was resolved ({total.status}); "
-            "raise --eta-hat or change --accuracy"
-        )
+        told = ", ".join(f"{count:,} {name}" for name, count in total.status.items())
+        if set(total.status) == {"bad_input"}:
+            remedy = "in --box, give phidot of 0 or more, which leads to flat, and rates below 1e100 natural units"
+        else:
+            remedy = "raise --eta-hat or change --accuracy"
+        return f"race-angles: none of {self.samples:,} passages was resolved ({told}); {remedy}"
 
     def figures(self, summary: dict[str, Any], total: RaceCounts) -> Iterator[tuple[str, Picture]]:
         from explorer import plot

@@ -159,3 +159,20 @@ def test_a_face_is_read_as_any_number_is():
     for wrong in ("0", 2, "plus", float("nan"), None, True):
         with pytest.raises(InputError, match="face"):
             sign("--face", wrong)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [("1,000", "commas are not read, write 1000; "), ("-12,345,678", "write -12345678; "), ("0,5", "not read; ")],
+)
+def test_a_number_with_commas_is_answered_with_how_to_write_it(text, said):
+    with pytest.raises(InputError, match="is not a number; commas are") as refused:
+        whole("--samples", text, 1)
+    assert said in str(refused.value)
+
+
+def test_the_beginning_of_a_name_is_taken_for_it():
+    known = ("face", "race_angle", "eta_hat_plus", "eta_hat")
+    assert suggest("race", known).startswith("did you mean 'race_angle'?")
+    assert suggest("eta", known).startswith("did you mean 'eta_hat'?")
+    assert suggest("fase", known).startswith("did you mean 'face'?")

@@ -55,3 +55,14 @@ def test_chunks_carry_the_same_texts_and_statuses_by_name(tmp_path):
         assert chunk.schema.field(name).metadata[b"meaning"].decode() == COLUMNS[name].meaning
     assert set(chunk["status"].to_pylist()) == {"ok"}
     assert next(iter(run.tables()))["status"].dtype == "int8"
+
+
+@pytest.mark.parametrize("scene", ["race-angles", "falling-set"])
+def test_columns_of_given_states_are_listed_too(scene, capsys):
+    given = {"phi": [0.1, 0.2], "phidot": 1.0, "sigma3": 1.0, "sigma4": 0.5, "batch": ["a", "b"]}
+    table = build_scene(scene, states=given).compute(0)
+    listed = json.loads(said(capsys, scene, "--json"))
+    assert set(table) - {"batch"} == {*listed["columns_with_given_states"], *listed["columns"]}
+    text = said(capsys, scene)
+    assert "your own columns" in text
+    assert "\nstatus [name]\n" in text

@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+import warnings
 
 import pytest
 from matplotlib.figure import Figure
@@ -244,3 +245,13 @@ print("heavy:", *(name for name in heavy if name in sys.modules))
 def test_short_commands_load_no_library_that_they_do_not_use():
     done = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "heavy:"
+
+
+def test_a_warning_is_a_sentence(capsys, tmp_path):
+    path = tmp_path / "coin.csv"
+    path.write_text("tilt,precession,spin\n2,60,-40\n3,60,-40\n")
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        assert main(["run", "race-angles", "--states", str(path), "--out", str(tmp_path / "run"), "--quiet"]) == 0
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if "degrees" in line]
+    assert line.startswith("nearflat run: tilt: all tilts lie beyond upright")

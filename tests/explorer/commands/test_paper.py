@@ -74,7 +74,7 @@ def test_all_statements_leave_the_command_beside_the_pages(tmp_path, monkeypatch
     [
         ([], {"figure-8.png", "figure-8.svg"}),
         (
-            ["--disk", "annulus:0.4", "--eta-hat", "3e-3"],
+            ["--disk", "annulus:0.4", "--eta-hat", "-3e-3"],
             {"figure-8-annulus-0.4-0.003.png", "figure-8-annulus-0.4-0.003.svg"},
         ),
     ],
@@ -90,7 +90,7 @@ def test_one_figure_is_written_for_any_body_and_distance(options, names, tmp_pat
     ("options", "says"),
     [
         (["--figure", "10"], "--figure"),
-        (["--figure", "8", "--eta-hat", "-1e-3"], "--eta-hat"),
+        (["--figure", "8", "--eta-hat", "0"], "--eta-hat"),
         (["--figure", "8", "--only", "LEMMA-5"], "give one of them"),
         (["--disk", "hoop"], "only with --figure"),
         (["--eta-hat", "1e-3"], "only with --figure"),

@@ -207,3 +207,28 @@ def test_anything_but_one_state_is_refused():
 def test_limit_motions_that_rounding_decides_are_refused(state):
     with pytest.raises(ex.InputError, match="rest"):
         ex.limit_motion(ex.phi_to_states(BODIES["uniform"], *state))
+
+
+def test_a_state_beside_f_is_moved_onto_it_and_that_is_told():
+    disk = BODIES["uniform"]
+    on_f = limit_motion(base(disk, 1), 1)
+    assert abs(on_f.missed) < 1e-15
+    beside = ex.constants_to_states(disk, 1.0, 0.01, 1.0)
+    with pytest.warns(ex.StateWarning, match=r"eta_hat = 0\.01, and was moved"):
+        moved = limit_motion(beside, 1)
+    assert moved.missed == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("sigma3_bar", [5e-324, -1e-310, 1e-300])
+def test_the_smallest_numbers_that_are_not_zero_have_a_limit_motion_too(sigma3_bar):
+    disk = BODIES["hoop"]
+    tiny, small = (limit_motion(ex.constants_to_states(disk, s, 0.0, 1.0), 1) for s in (sigma3_bar, 1e-200))
+    assert tiny.period == pytest.approx(small.period, rel=1e-12)
+    assert np.isfinite(tiny([0.5, 2.0, 9.0]).chi).all()
+
+
+def test_times_beyond_all_digits_are_refused():
+    limit = limit_motion(base(BODIES["uniform"], 1), 1)
+    for late in (1e300, np.inf, np.nan, -1.0):
+        with pytest.raises(ex.InputError, match="give times from 0 to"):
+            limit(late)

@@ -296,3 +296,9 @@ def test_finer_times_keep_those_that_there_were():
     fine = finer(t, 4)
     np.testing.assert_array_equal(fine[::4], t)
     np.testing.assert_allclose(np.diff(fine), np.repeat(np.diff(t) / 4.0, 4), rtol=1e-6)
+
+
+def test_trajectories_name_their_statuses_as_other_results_do():
+    motion = ex.simulate(ex.phi_to_states(ex.Disk.uniform(), [0.0, np.nan], 1.0, 1.0, 0.5), 0.5)
+    assert motion.status_names.tolist() == ["ok", "bad_input"]
+    assert motion.ok.tolist() == [True, False]

@@ -84,3 +84,23 @@ def test_an_eta_hat_belongs_to_the_face_that_is_said():
     known = ex.constants(ex.phi_to_states(disk, states.phi, states.phidot, states.sigma3, states.sigma4))
     np.testing.assert_allclose(np.where(face > 0, known.eta_hat_plus, known.eta_hat_minus), eta, rtol=1e-10)
     np.testing.assert_allclose(known.sigma3_bar, 0.6, rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("tilt", "said"),
+    [(10.0, "degrees=True"), ([2.0, 3.0], "degrees=True"), ([0.5, -0.1], "1 of 2 lie outside 0 to pi, -0.1 rad")],
+)
+def test_tilts_that_are_probably_not_meant_are_told(tilt, said):
+    for make in (ex.rates_to_states, lambda *given: ex.steady_motions(*given[:2], given[3])):
+        if "outside" in said and make is not ex.rates_to_states:
+            continue
+        with pytest.warns(ex.StateWarning, match=said):
+            make(ex.Disk.uniform(), tilt, 0.0, 1.0, 1.0)
+
+
+def test_tilts_in_degrees_that_are_said_to_be_are_silent():
+    assert ex.rates_to_states(ex.Disk.uniform(), [10.0, 170.0], 0.0, 1.0, 1.0, degrees=True).status.tolist() == [
+        0,
+        0,
+    ]
+    assert ex.rates_to_states(ex.Disk.uniform(), [0.5, 2.0, np.nan], 0.0, 1.0, 1.0).status.tolist() == [0, 0, 2]

@@ -156,3 +156,25 @@ def test_a_description_is_a_dict_for_files_and_a_text_with_units_for_readers():
     assert "m = 0.00567 kg" in str(described)
     assert str(ex.Disk.hoop().describe()).startswith("hoop, in natural units: m = r = g = 1\n  I1 = 0.5")
     assert str(pickle.loads(pickle.dumps(described))) == repr(described)
+
+
+def test_moments_that_are_left_out_are_those_of_a_flat_uniform_disk():
+    scales = {"m": 5.67e-3, "r": 12.1e-3, "g": 9.81}
+    assert ex.Disk(**scales, name="uniform") == ex.Disk.uniform(**scales)
+    assert ex.Disk(I1=0.3).I3 == 0.6
+    assert ex.Disk(I3=0.4).I1 == 0.25
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: ex.Disk.uniform(m="1"), "m = '1' is text"),
+        (lambda: ex.Disk(I1="0.3"), "I1 = '0.3' is text"),
+        (lambda: ex.Disk.annulus("0.4"), "inner = '0.4' is text"),
+        (lambda: ex.Disk.uniform(mass=1.0), "takes no 'mass'; known: m, r, g"),
+        (lambda: ex.Disk(I_1=1.0), "takes no 'I_1'; did you mean 'I1'"),
+    ],
+)
+def test_text_and_misspelt_names_are_refused_in_words(make, said):
+    with pytest.raises(ex.InputError, match=said):
+        make()

@@ -135,3 +135,27 @@ def test_a_run_describes_itself_in_a_few_lines(finished):
     assert len(repr(finished)) < 600
     assert repr(finished).startswith(f"Run of race-angles, stored in {finished.folder}")
     assert "<li>wrong way: 0; failures: none</li>" in finished._repr_html_()
+
+
+@pytest.mark.parametrize("there", [False, True], ids=["new folder", "empty folder"])
+def test_a_run_whose_states_are_none_leaves_nothing(tmp_path, there):
+    folder = tmp_path / "results" / "races"
+    if there:
+        folder.mkdir(parents=True)
+    wrong = {"phi": [5.0, 6.0], "phidot": 1.0, "sigma3": 1.0, "sigma4": 0.5}
+    with pytest.raises(ex.InputError, match="none of the 2 rows"):
+        ex.run("race-angles", states=wrong, out=folder, figures=False)
+    assert [path.name for path in tmp_path.iterdir()] == (["results"] if there else [])
+    right = {**wrong, "phi": [0.5, 0.6]}
+    assert ex.run("race-angles", states=right, out=folder, exist="error", figures=False).summary["samples"] == 2
+
+
+def test_a_run_that_is_refused_takes_no_other_away(tmp_path):
+    """A finished run, and one that somebody else is computing, stay as they are."""
+    from explorer.runs.lock import only_one
+
+    small = {"samples": 10, "out": tmp_path / "run", "figures": False}
+    before = ex.run("race-angles", **small).summary
+    with only_one(tmp_path / "run"), pytest.raises(ex.InputError, match="another run is at work"):
+        ex.run("race-angles", **small, exist="replace")
+    assert ex.open(tmp_path / "run").summary == before

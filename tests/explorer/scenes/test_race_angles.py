@@ -158,3 +158,8 @@ def test_states_and_starts_beside_f_exclude_each_other():
         build_scene("race-angles", bounces=2, method="rk4")
     with pytest.raises(ex.RunError, match="too small to come flat"):
         summary_of("race-angles", states={"phi": [-1.2543], "phidot": -0.0647, "sigma3": 1.056, "sigma4": -2.2335})
+
+
+def test_starts_that_are_none_are_answered_with_what_can_be_done_about_them():
+    with pytest.raises(ex.RunError, match=r"none of 10 passages was resolved \(10 bad_input\); in box"):
+        ex.run("race-angles", samples=10, box="sigma3=1e120:1e121")
