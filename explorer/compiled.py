@@ -5,21 +5,36 @@ one found first on the path wins. So everything in `explorer` reaches kernels th
 `kernels` is imported on first use, because numba takes a second to load.
 """
 
+import contextlib
 import importlib
 import importlib.util
+import os
 import platform
+import signal
+import sys
 import threading
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 _OURS = Path(__file__).resolve().parent.parent / "kernels"
 _LOCK = threading.RLock()
+# Two processes compile from the two ends of this list of modules: what shares most of its code stands together,
+# and what takes longest stands outside. Others stand where "falling" does.
+_TWO_ENDED = (
+    *("batch", "trajectory", "recording", "variation"),
+    *("counting", "falling", "algebra", "point", "forces", "orbits", "bounces", "passages"),
+)
+_NAMED = 4  # kernels that are named when they are compiled
 
 if TYPE_CHECKING:
+    import subprocess
+
     from kernels import status as status
     from kernels import types as types
+    from kernels._jit import Kernel
     from kernels.disk import algebra as algebra
     from kernels.disk import body as body
     from kernels.disk import chaplygin as chaplygin
@@ -109,20 +124,94 @@ def _has_fma(name: str) -> bool:
     return "vfmadd" in target.create_target_machine(cpu=name).emit_assembly(module)
 
 
-def warmup(say: Callable[[str], None] = lambda text: None) -> int:
-    """Compile every kernel or load it from the cache; returns how many had to be compiled.
+def warmup(names: Iterable[str] | None = None, say: Callable[[str], None] = lambda text: None) -> int:
+    """Compile kernels or load them from the cache; returns how many had to be compiled.
 
-    `say` receives a line before each compilation, which takes a few seconds.
+    names: such as "passages.fall_batch", by default every kernel. `say` receives a line before anything is
+    compiled, which takes from seconds to a minute.
     """
-    for module in _modules().values():
-        _load(module)
+    modules = _modules()
+    for module in modules if names is None else dict.fromkeys(name.partition(".")[0] for name in names):
+        _load(modules[module])
     registry = _load("kernels._jit").KERNELS
+    asked = registry if names is None else dict.fromkeys(names)
     # Those loaded before are not looked for again: a search of the cache takes a while.
-    idle = [kernel for kernel in registry.values() if kernel._compiled is None]
+    idle = [registry[name] for name in sorted(asked, key=_place) if not registry[name].is_loaded]
     fresh = [kernel for kernel in idle if not kernel.is_cached()]
-    for number, kernel in enumerate(fresh, 1):
-        say(f"compiling {kernel.name} ({number} of {len(fresh)}; once for this version, then cached)")
-        kernel.compile()
+    if fresh:
+        called = ", ".join(kernel.function.__name__ for kernel in fresh[:_NAMED])
+        others = f" and {len(fresh) - _NAMED} more" if len(fresh) > _NAMED else ""
+        say(f"compiling {called}{others}; once for this version, then kept")
+        _compile_by_two(fresh)
     for kernel in idle:
         kernel.compile()
     return len(fresh)
+
+
+def _place(name: str) -> tuple[int, str]:
+    """Where a kernel stands in the order in which two processes compile, each from its own end."""
+    module = name.partition(".")[0]
+    return _TWO_ENDED.index(module) if module in _TWO_ENDED else _TWO_ENDED.index("falling"), name
+
+
+def _compile_by_two(kernels: "list[Kernel[Any]]") -> None:
+    """Compile into the cache, with a second process where that helps; what it could not do is left."""
+    left = deque(kernels)
+    helper = _second_process() if len(kernels) > 1 else None
+    try:
+        if helper is not None:
+            others = threading.Thread(target=_give_out, args=(left, helper), daemon=True)
+            others.start()
+        while left:
+            with contextlib.suppress(IndexError):  # the other was faster
+                left.popleft().compile()
+        if helper is not None:
+            others.join()
+    finally:
+        if helper is not None:
+            helper.kill()
+            helper.communicate()
+
+
+def _second_process() -> "subprocess.Popen[str] | None":
+    """A process that compiles kernels by their names, or None where there is no use or no way of having one."""
+    import subprocess
+
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    python = Path(sys.executable or "").stem.lower().startswith("python")  # else another program has Python in it
+    if cores == 1 or not python or _load("kernels._jit").cache_folder() is None:
+        return None
+    path = os.pathsep.join([str(_OURS.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
+    try:
+        return subprocess.Popen(
+            [sys.executable, "-c", "from explorer.compiled import compile_as_told; compile_as_told()"],
+            env={**os.environ, "PYTHONPATH": path},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+    except OSError:  # no memory, no processes left: it takes longer
+        return None
+
+
+def _give_out(left: "deque[Kernel[Any]]", helper: "subprocess.Popen[str]") -> None:
+    """Have the helper compile from the end of the list, for as long as it answers."""
+    assert helper.stdin is not None
+    assert helper.stdout is not None
+    with contextlib.suppress(IndexError, OSError, ValueError):
+        while left:
+            helper.stdin.write(left.pop().name + "\n")
+            helper.stdin.flush()
+            if not helper.stdout.readline():
+                return
+
+
+def compile_as_told() -> None:
+    """Compile the kernels whose names come on stdin, a line each, and answer each with a line."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever started this process ends it
+    for line in sys.stdin:
+        name = line.strip()
+        _load(_modules()[name.partition(".")[0]])
+        _load("kernels._jit").KERNELS[name].compile()
+        print(name, flush=True)

@@ -141,6 +141,11 @@ class Kernel(Generic[P]):
     def __call__(self, *arguments: P.args, **keywords: P.kwargs) -> None:
         (self._compiled or self.compile())(*arguments, **keywords)
 
+    @property
+    def is_loaded(self) -> bool:
+        """True where it is ready in this process."""
+        return self._compiled is not None
+
     def is_cached(self) -> bool:
         """True where an earlier process left compiled code for this source and compiler."""
         folder = cache_folder()

@@ -2,8 +2,6 @@
 
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -11,6 +9,7 @@ from hypothesis import settings
 from matplotlib.figure import Figure
 
 import explorer as ex
+from explorer import compiled
 
 settings.register_profile("nearflat", deadline=None, max_examples=40, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("nearflat")
@@ -24,30 +23,12 @@ BODIES = {
     "coin": ex.Disk.uniform(m=0.0057, r=0.0121, g=9.81),
 }
 
-# Compiles the kernels of some rooms into the cache.
-COMPILE = """
-import importlib, pkgutil, sys
-from kernels._jit import KERNELS
-rooms = [importlib.import_module(f"kernels.{room}") for room in sys.argv[1:]]
-for room in rooms:
-    for module in pkgutil.iter_modules(room.__path__):
-        importlib.import_module(f"{room.__name__}.{module.name}")
-for kernel in KERNELS.values():
-    if kernel.function.__module__.startswith(tuple(room.__name__ for room in rooms)):
-        kernel.compile()
-"""
-
 
 def pytest_sessionstart(session):
-    """Compile the kernels before workers start, who would all compile the same ones.
-
-    Two processes with about the same work; kernels of one room share most of what they compile.
-    """
+    """Compile the kernels before workers start, who would all compile the same ones."""
     workers = getattr(session.config.option, "numprocesses", None)
     if workers and not hasattr(session.config, "workerinput") and not session.config.option.collectonly:
-        command = [sys.executable, "-c", COMPILE]
-        both = [subprocess.Popen([*command, *rooms]) for rooms in (["steps"], ["disk", "integrals"])]
-        assert [process.wait() for process in both] == [0, 0]
+        compiled.warmup(say=print)
 
 
 SAVE = Figure.savefig

@@ -7,13 +7,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from explorer import compiled
 from explorer.commands.common import add_json
 from explorer.commands.gallery import picture_lines
 from explorer.commands.made_by import FILE, command_of, leave_made_by
 from explorer.errors import InputError, note
 from explorer.motion.plan import method_in_words
 from explorer.runs.run import Manner, Run, execute
-from explorer.runs.side_by_side import SideBySide, side_by_side
+from explorer.runs.side_by_side import SideBySide, exact_of, side_by_side
 from explorer.runs.store import write_json
 from explorer.runs.workers import Workers
 from explorer.scenes.base import SampledScene, Scene
@@ -46,6 +47,7 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
     made = [(build_scene(name, seed=seed, **options), title) for name, options, title in _STEPS]
     scenes = [(scene, title_of(scene, title)) for scene, title in made]
     _clear(folder)
+    compiled.warmup(_kernels([scene for scene, _ in scenes]), lambda text: note(text, quiet))
     runs: list[Run] = []
     compared: dict[str, SideBySide] = {}
     for scene, title in scenes:
@@ -66,6 +68,13 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
         _page(folder, runs, [title for _, title in scenes], compared), encoding="utf-8"
     )
     return runs
+
+
+def _kernels(scenes: list[Scene]) -> tuple[str, ...]:
+    """All that the runs, their pictures and their comparisons call, so that everything is compiled at once."""
+    exact = [exact_of(scene) for scene in scenes if scene.name in _BESIDE and isinstance(scene, SampledScene)]
+    names = [name for scene in (*scenes, *exact) for name in scene.kernels]
+    return *names, *(name for scene in scenes for name in scene.kernels_of_figures)
 
 
 def title_of(scene: Scene, title: str) -> str:

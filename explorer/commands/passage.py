@@ -9,9 +9,11 @@ import numpy as np
 
 from explorer import compiled
 from explorer.commands.common import add_json
-from explorer.errors import number, sign
+from explorer.errors import note, number, sign
+from explorer.motion.forces import KERNELS as FORCES
 from explorer.motion.forces import passage_forces
-from explorer.motion.passages import passages
+from explorer.motion.passages import OBSERVABLES, passage_kernels, passages
+from explorer.motion.plan import plan
 from explorer.phase.disk import Disk
 
 _UNITS = {
@@ -135,11 +137,14 @@ def call(options: argparse.Namespace) -> int:
         number("--phidot", options.phidot, 0.0),
         sign("--face", options.face),
     )
+    disk, accuracy = Disk.parse(options.disk), number("--accuracy", options.accuracy)
+    called = (*passage_kernels(plan(OBSERVABLES, accuracy, options.method)), *FORCES)
+    compiled.warmup(called, lambda text: note(text, options.quiet))
     report = passage_report(
-        Disk.parse(options.disk),
+        disk,
         start,
         method=options.method,
-        accuracy=number("--accuracy", options.accuracy),
+        accuracy=accuracy,
         window=None if options.window is None else number("--window", options.window),
     )
     print(json.dumps(report) if options.json else passage_text(report))

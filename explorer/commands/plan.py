@@ -149,6 +149,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def call(options: argparse.Namespace) -> int:
     name, given = given_by(options)
-    planned = _planned(asked(name, {**given, "progress": False}, options.command_line))
+    made = asked(name, {**given, "progress": False}, options.command_line)
+    planned = _planned(made._replace(manner=made.manner._replace(quiet=options.quiet)))
     print(json.dumps({**vars(planned), "estimate": asdict(planned.estimate)}) if options.json else planned)
     return 0

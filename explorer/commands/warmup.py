@@ -11,6 +11,6 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def call(options: argparse.Namespace) -> int:
-    fresh = warmup(lambda text: note(text, options.quiet))
+    fresh = warmup(say=lambda text: note(text, options.quiet))
     print(f"{fresh} kernels compiled; all are ready." if fresh else "All kernels were ready.")
     return 0

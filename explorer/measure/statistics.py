@@ -15,6 +15,10 @@ QUANTILES = (0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
 ONE_SIGMA = (15.865525393145708, 84.13447460685429)
 
 
+# What counts samples, here and in `log_counts`, for `compiled.warmup`.
+KERNELS = ("counting.histogram_batch", "counting.log_count_batch", "counting.sum_batch")
+
+
 def count_status(status: Iterable[NDArray[np.int8]]) -> dict[str, int]:
     """Number of samples that ended in each status, for those that occur; names in lower case."""
     Status = compiled.status.Status

@@ -16,6 +16,7 @@ from explorer.motion.passages_by_integration import LENIENCE
 from explorer.motion.passages_by_quadrature import fall_from_vertical
 from explorer.motion.plan import plan
 from explorer.motion.starts import fallen, held_constants, orbit_starts
+from explorer.phase import membership
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.gauss import packed_rules
@@ -145,6 +146,13 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
         return _pairs(states.at(rows), of_rows, status[rows], how.accuracy)
 
     return _in_turn(states, _in_threads(len(states), jobs, some), count)
+
+
+# The kernels of `bounces`, for `compiled.warmup`; a fall may start below the vertical.
+KERNELS = (
+    *membership.KERNELS,
+    *("bounces.bounce_batch", "falling.line_chart_batch", "passages.fall_batch", "passages.fall_by_rules_batch"),
+)
 
 
 def _in_threads(count: int, jobs: int, call: Callable[[NDArray[np.intp]], _Pairs]) -> _Pairs:

@@ -14,6 +14,8 @@ from explorer.phase.disk import Disk
 from explorer.phase.results import Result
 from explorer.phase.states import Array
 
+KERNELS = ("forces.forces_batch",)  # for `compiled.warmup`
+
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Forces(Result):

@@ -16,7 +16,7 @@ from explorer.motion.plan import Plan, plan
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import known_keywords, read_columns
 from explorer.phase.disk import Disk
-from explorer.phase.membership import impact_speed
+from explorer.phase.membership import KERNELS, impact_speed
 from explorer.phase.results import Result
 from explorer.phase.states import Array
 
@@ -176,6 +176,12 @@ def passages(
     starts, edge = starts_at_vertical(disk, *columns), _edge_of(window, how.method)
     found = _in_parts(disk, starts, how, edge, jobs_of("jobs", given.jobs))
     return _with_arguments(found, *columns).reshaped(shape)
+
+
+def passage_kernels(how: Plan) -> tuple[str, ...]:
+    """The kernels of `passages` by a plan, for `compiled.warmup`; a few starts need another one."""
+    by = ("passages.passage_batch",) if how.method == "quadrature" else (*KERNELS, how.first_event)
+    return *by, "passages.fall_batch"
 
 
 def _with_arguments(found: Passages, sigma3_bar: Array, eta_hat: Array, phidot: Array, face: Array) -> Passages:

@@ -65,6 +65,11 @@ class Plan:
         return {"rk4": steps.RK4, "rk8": steps.RK8, "dopri5": steps.DOPRI5, "dop853": steps.DOP853}[self.method]
 
     @property
+    def first_event(self) -> str:
+        """The name of the kernel that integrates to a first event, for `compiled.warmup`."""
+        return f"batch.first_event_{self.method}"
+
+    @property
     def kernel_depth(self) -> int:
         """The number of components of a state that the kernels carry along for this rung."""
         field = compiled.field

@@ -81,6 +81,11 @@ def followed(
     return out, outcome
 
 
+def tilt_kernels(how: Plan) -> tuple[str, ...]:
+    """The kernels of `smallest_tilt`, for `compiled.warmup`."""
+    return "algebra.constants_batch", "orbits.tilt_batch" if how.method == "quadrature" else how.first_event
+
+
 def smallest_tilt(
     states: States, how: Plan, natural: NaturalConstants | None = None
 ) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:

@@ -164,6 +164,10 @@ def could_fall(states: States, natural: NaturalConstants) -> tuple[NDArray[np.bo
     return members.plus > 0.0, members.minus > 0.0
 
 
+# What this file and the constants of states call, for `compiled.warmup`.
+KERNELS = ("algebra.constants_batch", "falling.barrier_batch", "falling.critical_X2_batch", "falling.falls_batch")
+
+
 def _membership(states: States, natural: NaturalConstants) -> compiled.falling.Membership[Array]:
     disk, out = states.disk, np.empty((3, len(states)))
     constants = natural.sigma3_bar, natural.energy

@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from os import cpu_count
 
+from explorer import compiled
+from explorer.errors import note
 from explorer.runs.settings import Asked
 from explorer.scenes.base import Scene, Table, Tally
 
@@ -56,6 +58,7 @@ def estimate(asked: Asked) -> Estimate:
         if probes == 0:
             # A command starts as this one did; in Python all is loaded by now.
             starting = time.process_time() if manner.command is not None else 0.0
+            compiled.warmup(scene.kernels, lambda text: note(text, manner.quiet))
             scene.process(index)  # loads compiled code and fills caches, which no other chunk has to do
         began = time.thread_time()
         rows, tally = scene.process(index)

@@ -187,7 +187,7 @@ def execute(scene: Scene, out: Path | str | None, manner: Manner) -> Run:
     """
     if out is None:
         part = Part(scene)
-        compiled.warmup(lambda text: note(text, manner.quiet))
+        compiled.warmup(scene.kernels, lambda text: note(text, manner.quiet))
         progress = Progress(scene.chunks(), scene.name, manner.quiet)
         _compute(part, list(range(scene.chunks())), manner, progress)
         progress.close()
@@ -225,7 +225,9 @@ def _fill(part: Part, folder: Path, manner: Manner) -> Run:
     drawn = [] if missing else pictures.there(folder, names, formats)
     how = {**before, "jobs": manner.workers.jobs, "backend": manner.workers.backend, "formats": formats}
     folders.write_record(folder, scene, finished=None, figures=drawn or None, **how)
-    compiled.warmup(lambda text: note(text, manner.quiet))  # which takes long; what is stopped now can be resumed
+    # Compiling takes long; what is stopped now can be resumed.
+    called = (*scene.kernels, *(scene.kernels_of_figures if formats and not drawn else ()))
+    compiled.warmup(called, lambda text: note(text, manner.quiet))
     progress = Progress(scene.chunks(), scene.name, manner.quiet)
     try:
         _compute(part, missing, manner, progress)

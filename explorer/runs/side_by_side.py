@@ -46,9 +46,14 @@ class SideBySide:
         ]
 
 
+def exact_of(scene: SampledScene) -> SampledScene:
+    """The same question to the exact layer."""
+    return replace(scene, method="quadrature", accuracy=min(scene.accuracy, 1e-6))
+
+
 def side_by_side(scene: SampledScene, column: str, *, relative: bool, jobs: int = 2) -> SideBySide:
     """Compute a scene that integrates, and the same samples by quadrature, and compare one column."""
-    exact = replace(scene, method="quadrature", accuracy=min(scene.accuracy, 1e-6))
+    exact = exact_of(scene)
     for each in (scene, exact):  # so that no time is that of loading code
         replace(each, samples=1).compute(0)
     seconds, found = _timed(scene, column, jobs)

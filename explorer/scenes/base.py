@@ -197,6 +197,19 @@ class Scene(ABC):
         """Names the disks in a folder name."""
         return "+".join(disk.name for disk in self.disks)
 
+    @property
+    def kernels(self) -> tuple[str, ...]:
+        """What its chunks and its numbers call of the compiled layer, by the names of `compiled.warmup`.
+
+        A run compiles these before its first chunk, in two processes; others are compiled when they are called.
+        """
+        return ()
+
+    @property
+    def kernels_of_figures(self) -> tuple[str, ...]:
+        """What its pictures call besides."""
+        return ()
+
     @cached_property
     def plan(self) -> Plan:
         """How the observables are computed. Raises InputError where the method cannot give them."""

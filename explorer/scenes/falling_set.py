@@ -18,7 +18,8 @@ from explorer import compiled
 from explorer.errors import one_of, whole
 from explorer.measure import statistics
 from explorer.measure.log_counts import LogCounts
-from explorer.motion.turning_points import smallest_tilt
+from explorer.motion.turning_points import smallest_tilt, tilt_kernels
+from explorer.phase import membership
 from explorer.phase.constants import NaturalConstants, best_constants, constants_of
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import line_slope
@@ -41,6 +42,7 @@ NEAR = {"all": 0.01, "near": 0.001}
 MOST_THETA_MIN = 10_000_000
 LARGE_CHUNK = 1 << 20
 _FIRST = 16_384  # states that say how far the map of all samples must reach
+_OF_SLICES = "dopri5"  # pictures show the motions, not the formula that says where they turn
 _WIDER = 1.0 + 1e-9  # rounding of a distance must not decide what is looked at
 # The map's theta_min as integers: 3000 to the decade above 1e-20.
 _DEEPEST, _CODES_PER_DECADE = -20.0, 3000.0
@@ -117,6 +119,14 @@ class FallingSet(SceneOfStates):
     def tube(self) -> float:
         """|eta_hat| below which a sample is near F, in the units of the disk."""
         return NEAR[self.theta_min] * self.disk.rate_unit
+
+    @property
+    def kernels(self) -> tuple[str, ...]:
+        return *membership.KERNELS, *tilt_kernels(self.plan)
+
+    @property
+    def kernels_of_figures(self) -> tuple[str, ...]:
+        return (f"batch.first_event_{_OF_SLICES}",)
 
     def compute(self, index: int) -> Table:
         return joined([self._table(block) for block in self.blocks(index)])
@@ -238,7 +248,7 @@ class FallingSet(SceneOfStates):
     def _draw_slice(self, where: Slice, **options: Any) -> "Axes":
         from explorer import plot
 
-        return plot.slice_map(slice_map(self.disk, where, points=self.grid, method="dopri5"), **options)
+        return plot.slice_map(slice_map(self.disk, where, points=self.grid, method=_OF_SLICES), **options)
 
     @cached_property
     def _plane_edges(self) -> tuple[Array, Array]:

@@ -17,11 +17,13 @@ from explorer.errors import InputError, one_of, read_range, whole
 from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density, Function
 from explorer.measure.sampling import Box, Range, chunk_stream
+from explorer.motion.turning_points import tilt_kernels
+from explorer.phase import membership
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import COORDINATES, Array
 from explorer.scenes.base import Chunks, Picture, SampledScene, Table, Tally
-from explorer.scenes.measure_zero_draws import PlainDraws, Question, TubeDraws
-from explorer.scenes.measure_zero_summary import FEWEST_HITS, Counted, summarise
+from explorer.scenes.measure_zero_draws import CHECKED_BY, PlainDraws, Question, TubeDraws
+from explorer.scenes.measure_zero_summary import FEWEST_HITS, INVARIANCE, Counted, summarise
 from explorer.scenes.options import BOX, DENSITY, ENERGY, GAUSSIAN, OpenRange, Option, Ranges
 
 SAMPLING = ("random", "sobol")
@@ -149,6 +151,11 @@ class MeasureZero(SampledScene):
 
     def length(self, index: int) -> int:
         return self.piece(index).count
+
+    @property
+    def kernels(self) -> tuple[str, ...]:
+        checked = ("falling.line_chart_batch", f"batch.first_event_{CHECKED_BY}")
+        return *membership.KERNELS, *checked, *tilt_kernels(self.plan), *INVARIANCE
 
     def compute(self, index: int) -> Table:
         return self.piece(index).compute()

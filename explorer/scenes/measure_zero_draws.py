@@ -30,7 +30,8 @@ LAW_LIMIT = 1e-4
 _NEAREST_FLAT = 0.01  # share of the box's distance from flat up to which the law may be tested
 _NARROWEST = 1e-3  # half-width of a tube over the narrowest width of the density, likewise
 ENERGY_BINS = 6
-_CHECKED = 256  # hits per chunk whose race is followed by integration
+_CHECKED = 256  # hits per chunk whose race is followed by integration,
+CHECKED_BY = "dopri5"  # by this method
 # The draws near F that say where the bins of energy end: how many, their stream, and their tilt (rad).
 _EDGE_DRAWS, _EDGE_STREAM, _EDGE_TILT = 4096, 1 << 40, 1e-8
 
@@ -150,7 +151,7 @@ class PlainDraws:
         rows = np.flatnonzero(self.near(table) & (table["theta_min"] > 0.0))[:_CHECKED]
         theta, face, eta_hat = (table[name][rows] for name in ("theta_min", "face", "eta_hat"))
         states = phi_to_states(self.question.disk, **{name: table[name][rows] for name in COORDINATES})
-        natural, how = natural_constants(states), plan(("race_angle",), 1e-4, "dopri5")
+        natural, how = natural_constants(states), plan(("race_angle",), 1e-4, CHECKED_BY)
         counts = {"right": 0, "wrong": 0, "not_resolved": 0}
         for each in (states, states.reversed()):
             turn = turning_points(each, how, natural)

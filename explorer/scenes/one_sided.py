@@ -17,6 +17,7 @@ import numpy as np
 from explorer.errors import InputError, whole
 from explorer.measure import statistics
 from explorer.measure.sampling import Box, Range, chunk_stream
+from explorer.phase import membership
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 from explorer.portrait.both_sides import (
@@ -154,6 +155,15 @@ class OneSided(Scene):
 
     def _count(self, index: int) -> int:
         return min(BLOCK, self.samples - index % self.blocks * BLOCK)
+
+    @property
+    def kernels(self) -> tuple[str, ...]:
+        on_f = ("falling.on_f_batch", "point.point_batch")
+        return *membership.KERNELS, *on_f, "trajectory.trajectory_batch"
+
+    @property
+    def kernels_of_figures(self) -> tuple[str, ...]:
+        return "falling.line_chart_batch", "recording.record_piece", "recording.at_times"
 
     def compute(self, index: int) -> Table:
         disk, starts = self.disks[index // self.blocks], self.starts(index)

@@ -121,6 +121,10 @@ class Portrait(Scene):
         """A sample is a level."""
         return LEVELS
 
+    @property
+    def kernels(self) -> tuple[str, ...]:
+        return "falling.critical_X2_batch", "falling.line_chart_batch"
+
     def compute(self, index: int) -> Table:
         """Points of the levels: energy, number of the piece, whether it falls, phi, phidot (upper half)."""
         potential = list(self.places().values())[index]

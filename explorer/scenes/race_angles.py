@@ -21,8 +21,9 @@ from explorer import compiled
 from explorer.errors import InputError, RunError, whole
 from explorer.measure import statistics
 from explorer.measure.sampling import BLOCK, Range, chunk_stream, gather, log_uniform
+from explorer.motion.bounces import KERNELS as OF_BOUNCES
 from explorer.motion.bounces import MOST, Bounces, bounces
-from explorer.motion.passages import Passages, passages
+from explorer.motion.passages import Passages, passage_kernels, passages
 from explorer.phase.constants import best_constants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart
@@ -130,6 +131,13 @@ class RaceAngles(SceneOfStates):
         if self.eta_hat is None or self.box is None:
             return options
         return {**options, "box": describe_beside(self.box)}
+
+    @property
+    def kernels(self) -> tuple[str, ...]:
+        if self.eta_hat is None:
+            return *OF_BOUNCES, *statistics.KERNELS
+        some = () if self.energy is None else ("algebra.constants_batch",)
+        return *some, *passage_kernels(self.plan), *statistics.KERNELS
 
     def compute(self, index: int) -> Table:
         if self.eta_hat is None:

@@ -1,10 +1,15 @@
 """The door to the kernels keeps their types: what is wrong with a call is seen before it is made."""
 
+import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+
+from explorer import compiled
 
 ROOT = Path(__file__).parents[2]
 
@@ -60,3 +65,56 @@ def complaints(tmp_path_factory):
 def test_mypy_follows_a_call_through_the_door(complaints, name):
     assert MESSAGES[name] in complaints[name]
     assert bool(complaints[name]) == bool(MESSAGES[name])
+
+
+SMALL = ("counting.sum_batch", "falling.critical_X2_batch")
+WARM = f"""
+from explorer import compiled
+print(compiled.warmup({SMALL}, print))
+"""
+
+
+def test_what_is_asked_for_is_compiled_once_and_said_in_one_line(tmp_path):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", WARM]
+    first, again = (
+        subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True).stdout
+        for _ in range(2)
+    )
+    names = ["sum_batch", "critical_X2_batch"]
+    assert first == f"compiling {', '.join(names)}; once for this version, then kept\n2\n"
+    assert again == "0\n"
+    found = {path.name.split(".")[1].rpartition("-")[0] for path in tmp_path.rglob("*.nbi")}
+    assert found == set(names)  # nothing else is compiled
+
+
+@pytest.fixture
+def shared(monkeypatch):
+    """Compiles eight pretended kernels with a helper that runs some code; returns the names that it left."""
+
+    def compile_with(code):
+        helper = subprocess.Popen(
+            [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        monkeypatch.setattr(compiled, "_second_process", lambda: helper)
+        here, slow = [], threading.Event()
+        kernels = [
+            SimpleNamespace(name=f"k{n}", compile=lambda n=n: (slow.wait(0.05), here.append(n))) for n in range(8)
+        ]
+        compiled._compile_by_two(kernels)
+        assert helper.poll() is not None
+        return here
+
+    return compile_with
+
+
+def test_two_processes_share_the_kernels_from_both_ends(shared):
+    here = shared("import sys\nfor line in sys.stdin: print(line, flush=True)")
+    assert here == list(range(len(here)))
+    assert 0 < len(here) < 8
+
+
+def test_a_second_process_that_ends_leaves_its_kernels_to_the_first(shared):
+    here = shared("raise SystemExit(1)")
+    assert here == list(range(len(here)))
+    assert len(here) >= 7  # the one that was given out is compiled when it is loaded

@@ -65,7 +65,7 @@ def main():
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", choices=SHARES, action="append")
     given = parser.parse_args()
-    warmup(lambda text: print(text, file=sys.stderr))
+    warmup(say=lambda text: print(text, file=sys.stderr))
     report = json.loads(OUT.read_text()) if OUT.exists() and given.only else {}
     with tempfile.TemporaryDirectory() as place:
         for kind in given.only or SHARES:

@@ -5,9 +5,12 @@ import json
 import pytest
 
 import explorer as ex
+from explorer.runs.run import Manner, execute
+from explorer.runs.workers import Workers
 from explorer.scenes.base import LARGEST_CHUNK, chunk_size_for, read_memory
 from explorer.scenes.race_angles import RaceAngles
 from explorer.scenes.registry import SCENES, build_scene
+from kernels._jit import Kernel
 
 
 def test_a_budget_decides_the_size_of_chunks_or_is_refused(tmp_path, capsys):
@@ -60,3 +63,37 @@ def test_the_plan_of_a_scene_is_made_once_and_kept():
     scene = build_scene("race-angles", method="dop853", accuracy="1e-4")
     assert scene.plan is scene.plan
     assert (scene.plan.method, scene.plan.accuracy) == ("dop853", 1e-4)
+
+
+# Scenes in the ways that call different kernels, small.
+WAYS = {
+    "falling-set": {"samples": 300, "grid": 9},
+    "falling-set, integrated": {"samples": 300, "grid": 9, "method": "dop853", "accuracy": 1e-3},
+    "race-angles": {"samples": 300},
+    "race-angles, integrated": {"samples": 300, "method": "dop853", "accuracy": 1e-3},
+    "race-angles, energy": {"samples": 300, "energy": "1:5"},
+    "race-angles, states": {"samples": 300, "box": "phi=-0.5:0.5"},
+    "one-sided": {"samples": 1},
+    "portrait": {},
+    "measure-zero": {"samples": 300, "tube": 512},
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_scene_names_the_kernels_that_it_calls_and_no_others(way, monkeypatch):
+    """They are compiled before the first chunk, so one too many costs as long as one too few."""
+    called, call = set(), Kernel.__call__
+
+    def noted(kernel, *arguments):
+        called.add(kernel.name)
+        call(kernel, *arguments)
+
+    monkeypatch.setattr(Kernel, "__call__", noted)
+    disk = ex.Disk(I1=0.3, I3=0.5, name=way)  # what is kept of other bodies has been computed
+    scene = build_scene(way.partition(",")[0], disk=disk, **WAYS[way])
+    run = execute(scene, None, Manner(Workers(1)))
+    assert called == set(scene.kernels)
+    called.clear()
+    for name in run.pictures:
+        run.figure(name)
+    assert set(scene.kernels_of_figures) <= called <= {*scene.kernels, *scene.kernels_of_figures}
