@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from kernels.integrals import passages as passages
     from kernels.integrals import point as point
     from kernels.integrals import quadrature as quadrature
+    from kernels.integrals import races as races
     from kernels.integrals import tables as tables
     from kernels.steps import attempt as attempt
     from kernels.steps import batch as batch

@@ -16,7 +16,7 @@ from explorer.motion.plan import Plan, plan
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import known_keywords, read_columns
 from explorer.phase.disk import Disk
-from explorer.phase.membership import KERNELS, impact_speed
+from explorer.phase.membership import KERNELS
 from explorer.phase.results import Result
 from explorer.phase.states import Array
 
@@ -227,45 +227,35 @@ def _passages(disk: Disk, starts: Starts, how: Plan, edge: float) -> Passages:
 
 def _assemble(disk: Disk, starts: Starts, followed: Followed, how: Plan, edge: float) -> Passages:
     """Results in the units of the disk, with the fall taken out of chi."""
-    code = compiled.status.Status
+    races = compiled.races
     sigma3_bar, eta, _speed = starts.natural(disk)
-    fall = fall_from_vertical(disk, sigma3_bar, followed.energy, edge)
-    # The fall angle is a part of the race angle, and all there is of a fall.
-    unknown = np.isnan(fall.error)
-    both = np.where(unknown, np.inf, np.fmax(followed.error, 2.0 * fall.error))
-    falls = followed.status == code.FALLS
-    error = np.where(falls, fall.error, both)
-    allowed = np.fmax(LENIENCE * how.accuracy, FLOOR * (1.0 + fall.time))
-    missed = (falls | (followed.status == code.OK)) & ~(error <= allowed)
-    status = np.where(missed, code.STEP_LIMIT, followed.status).astype(np.int8)
-    ok, falls = status == code.OK, status == code.FALLS
-    known = ok | falls
-    fall_angle = _only(known, 2.0 * fall.chi)
-    speed = impact_speed(disk, sigma3_bar, followed.energy)
+    status, out = followed.status.copy(), np.empty((12, eta.size))
+    theta_min, chi, psi, time, way, energy, error = map(np.ascontiguousarray, followed[:-1])
+    ways = races.Ways(sigma3_bar, eta, starts.face, theta_min, chi, psi, time, way, energy, error, status)
+    fall = fall_from_vertical(disk, sigma3_bar, followed.energy, edge, how.accuracy)
+    falls, terms = races.Falls(fall.time, fall.chi, fall.error), races.Terms(LENIENCE * how.accuracy, FLOOR)
+    units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
+    races.race_batch(ways, falls, terms, units, disk.natural, out)
+    race = races.RaceRow(*out)
     return Passages(
         disk=disk,
         sigma3_bar=starts.sigma3_bar,
         eta_hat=starts.eta_hat,
         phidot=starts.speed,
         face=starts.face,
-        race_angle=_only(ok, followed.chi - fall_angle),
-        wrong_way=ok & (np.sign(followed.way) != np.sign(eta)),
-        delta_chi=_only(ok, followed.chi),
-        delta_psi=_only(ok, followed.psi * starts.face),
-        fall_angle=fall_angle,
-        theta_min=np.where(falls, 0.0, _only(ok, followed.theta_min)),
-        duration=_only(ok, followed.time) * disk.time_unit,
-        fall_time=np.where(falls, fall.time, np.nan) * disk.time_unit,
-        energy=_only(known, followed.energy) * disk.energy_unit,
-        impact_speed=_only(known, speed) * disk.rate_unit,
-        limit=np.where(status == code.BAD_INPUT, np.nan, np.sign(eta) * disk.race_limit),
-        error_estimate=_only(known, error),
+        race_angle=race.race_angle,
+        wrong_way=race.wrong_way != 0.0,
+        delta_chi=race.delta_chi,
+        delta_psi=race.delta_psi,
+        fall_angle=race.fall_angle,
+        theta_min=race.theta_min,
+        duration=race.duration,
+        fall_time=race.fall_time,
+        energy=race.energy,
+        impact_speed=race.impact_speed,
+        limit=race.limit,
+        error_estimate=race.error_estimate,
         status=status,
         method=how.method,
         model=how.rung,
     )
-
-
-def _only(known: NDArray[np.bool_], values: Array) -> Array:
-    """Values where they are known, NaN elsewhere; most often all are."""
-    return values if known.all() else np.where(known, values, np.nan)

@@ -61,16 +61,17 @@ def chord(phi: float) -> float:
 
 
 def fall_from_vertical(
-    disk: Disk, sigma3_bar: Array, energy: Array, edge: float = 0.0
+    disk: Disk, sigma3_bar: Array, energy: Array, edge: float = 0.0, accuracy: float = 0.0
 ) -> "compiled.quadrature.FallRow[Array]":
     """The fall on F with these constants from the vertical to flat, face +1, natural units.
 
-    edge: phi (rad) at which it begins instead.
+    edge: phi (rad) at which it begins instead. accuracy: of twice the angle, and of the time; 0: the best there
+    is.
     """
     out = np.full((4, sigma3_bar.size), np.nan)
     given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
     if edge == 0.0:
-        compiled.passages.fall_batch(*given, disk.tables, disk.natural, out)
+        compiled.passages.fall_batch(*given, accuracy, disk.tables, disk.natural, out)
     if (np.isnan(out[0]) & np.isfinite(energy)).any():
         compiled.passages.fall_by_rules_batch(*given, chord(edge), packed_rules(), disk.natural, out)
     return compiled.quadrature.FallRow(*out)

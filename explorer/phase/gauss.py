@@ -60,11 +60,13 @@ def packed_rules() -> "compiled.quadrature.Rules":
 
 
 @cache
-def table_rules() -> tuple[_Array, _Array, _Array]:
-    """Rules for kernels.integrals.tables.make_tables: outer, fall and inner.
+def table_rules() -> tuple[tuple[_Array, ...], ...]:
+    """Rules for kernels.integrals.tables.make_tables: outer, fall and inner of its grades, from coarse to fine.
 
-    Orders at which the estimated error is below 1e-11 for all of 12,800 ordinary passages (speeds of
-    0.5 to 2 at the vertical, |sigma3_bar| <= 2, any eta down to 1e-280); the true one is near 1e-13.
+    Fine: orders at which the estimated error is below 1e-11 for all of 12,800 ordinary passages (speeds of
+    0.5 to 2 at the vertical, |sigma3_bar| <= 2, any eta down to 1e-280); the true one is near 1e-13. The others:
+    orders at which few of them miss 1e-3 and 1e-5 and have to be computed again.
     """
-    outer, fall, inner = (np.stack(gauss(n)) for n in (24, 40, 56))
-    return outer, fall, inner
+    return tuple(
+        tuple(np.stack(gauss(n)) for n in orders) for orders in ((10, 10, 10), (15, 15, 16), (24, 40, 56))
+    )

@@ -5,7 +5,7 @@ import math
 from kernels._jit import contracted_device
 from kernels.disk.polynomials import horner, taylor
 
-# Range in y, below the handover, that the nodes cover. What the closed forms leave decays like e^(-2y):
+# Largest range in y, below the handover, that nodes cover. What the closed forms leave decays like e^(-2y):
 # e^-32 of it lies deeper.
 DEEPEST = 16.0
 _SQUARINGS = 3  # so that the polynomial of the exponential covers an eighth of the range

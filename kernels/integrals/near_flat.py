@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from kernels._jit import contracted_device
 from kernels.disk.body import Body
-from kernels.disk.elementary import DEEPEST, arctan, exp_fall, log_ratio
+from kernels.disk.elementary import arctan, exp_fall, log_ratio
 from kernels.disk.falling import contracted_potential_above_flat
 from kernels.disk.polynomials import horner
 from kernels.integrals.point import Motion
@@ -24,7 +24,6 @@ from kernels.integrals.tables import HANDOVER, Low
 
 _LN2 = math.log(2.0)
 _LOG_HANDOVER = math.log(HANDOVER)
-_LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y, or ends at the turning point
 _LONGEST = 0.25  # step of Newton's method, in ln h
 
 
@@ -47,14 +46,13 @@ class Near(NamedTuple):
 class Closed(NamedTuple):
     """Factors of the closed forms.
 
-    cap: (HANDOVER + tau)/2 there; width: in y, of the panel, and below: what lies deeper, as far as it counts;
-    turn2: (h_m/2)^2; race, pull, spin: of the first three integrals; slow: of time; rest0, rest1: of the last two.
+    cap: (HANDOVER + tau)/2 there; width: in y, down to the turning point or as deep as nodes go; turn2: (h_m/2)^2;
+    race, pull, spin: of the first three integrals; slow: of time; rest0, rest1: of the last two.
     """
 
     cap: float
     log_cap: float
     width: float
-    below: float
     turn2: float
     race: float
     pull: float
@@ -129,9 +127,6 @@ def closed_forms(
     # M theta-dot^2 = slope tanh^2 y less 2 (h - h_m) and 2 spin ln(h/h_m), to first order
     spin = b.J * (x * inv_k + at.rise) * b.c * y * inv_k
     pull = y * race / slope
-    wide = y_end if y_end < DEEPEST else DEEPEST
-    below = y_end - wide
-    below = below if below < _LEFT_OUT else _LEFT_OUT
     rest0 = (x + y * (0.5 * b.c * (1.0 - _LN2) + horner(low.dv, -1.0))) * inv_k
     rest1 = y * b.c * inv_k
     fraction = _LOG_HANDOVER - log_h
@@ -142,7 +137,7 @@ def closed_forms(
         + 0.5 * x * slow * tau
     )
     rest = slow * (rest0 * tau + rest1 * (tau * _LOG_HANDOVER - tau + h * gd))
-    factors = Closed(cap, log_cap, wide, below, 0.25 * h * h, race, pull, pull * spin, slow, rest0, rest1)
+    factors = Closed(cap, log_cap, y_end, 0.25 * h * h, race, pull, pull * spin, slow, rest0, rest1)
     return factors, Integrals(chi, rest, slow * tau)
 
 

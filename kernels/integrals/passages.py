@@ -13,12 +13,13 @@ from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import put
 from kernels.integrals import nodes, tabulated
+from kernels.integrals.grades import empty_lines, first_grade, grade_at, line_up, next_grade, take
 from kernels.integrals.point import VERTICAL, Motion, motion_through
 from kernels.integrals.quadrature import FLOOR, FallRow, PassageRow, Rules, Start, fall, passage
-from kernels.integrals.tables import Tables
-from kernels.integrals.tabulated import CHECK, LANES
+from kernels.integrals.tables import MIDDLE, Tables
+from kernels.integrals.tabulated import CHECK, LANES, Goal
 from kernels.status import Status
-from kernels.types import Codes, Matrix, Vector
+from kernels.types import Codes, Longs, Matrix, Vector
 
 _OK = int(Status.OK)
 _FALLS = int(Status.FALLS)
@@ -33,14 +34,13 @@ class Crossings(NamedTuple):
 
 
 @subroutine
-def fill(W: Vector, first: int, crossings: Crossings, status: Codes, b: Body) -> None:
-    """Samples from `first` on into lanes; a lane without one is given numbers that are not used."""
+def fill(W: Vector, group: Longs, n: int, crossings: Crossings, b: Body) -> None:
+    """A group of samples into lanes; a lane without one is given numbers that are not used."""
     for i in range(LANES):
-        j = first + i
-        usable = j < status.size and status[j] == _OK
-        W[tabulated.X * LANES + i] = crossings.sigma3_bar[j] / b.r0 if usable else 0.0
-        W[tabulated.Y * LANES + i] = crossings.eta[j] / b.I1 if usable else 0.0
-        W[tabulated.SPEED * LANES + i] = crossings.speed[j] if usable else 1.0
+        j = group[i]
+        W[tabulated.X * LANES + i] = crossings.sigma3_bar[j] / b.r0 if i < n else 0.0
+        W[tabulated.Y * LANES + i] = crossings.eta[j] / b.I1 if i < n else 0.0
+        W[tabulated.SPEED * LANES + i] = crossings.speed[j] if i < n else 1.0
 
 
 @subroutine
@@ -68,18 +68,29 @@ def passage_batch(
     are skipped; eta = 0 is FALLS. Those that tables do not serve stay OK, with NaN: they are left to
     `passage_by_rules_batch`.
     """
-    b = disk.body
-    lanes = np.ones(tabulated.ROWS * LANES)  # row CHECK above all
-    for i in range(status.size):
-        if i % LANES == 0:
-            fill(lanes, i, crossings, status, b)
-            tabulated.passages(lanes, target, FLOOR, of_body, b)
-        if status[i] == _OK and crossings.eta[i] == 0.0:
-            status[i] = _FALLS
-        if status[i] == _OK and lanes[CHECK * LANES + i % LANES] == 0.0:
-            put(in_lane(lanes, i % LANES, b), out, i)
-        else:
+    lanes, n = np.ones(tabulated.ROWS * LANES), status.size
+    lines, group = empty_lines(), np.zeros(LANES, np.int64)
+    first, goal = first_grade(target), Goal(target, FLOOR)
+    for i in range(n + 1):
+        if i < n:
             out[:, i] = math.nan
+            if status[i] == _OK and crossings.eta[i] == 0.0:
+                status[i] = _FALLS
+            if status[i] == _OK:
+                line_up(lines, first, i)
+        if i < n and lines.counts[first] < LANES:
+            continue
+        grade = next_grade(lines, first, i == n)
+        while grade >= 0:
+            taken = take(lines, grade, group)
+            fill(lanes, group, taken, crossings, disk.body)
+            tabulated.passages(lanes, goal, grade_at(of_body, grade), of_body, disk.body)
+            for k in range(taken):
+                if lanes[CHECK * LANES + k] == 0.0:
+                    put(in_lane(lanes, k, disk.body), out, group[k])
+                else:
+                    line_up(lines, grade + 1, group[k])
+            grade = next_grade(lines, first, i == n)
 
 
 @kernel
@@ -108,10 +119,10 @@ def passage_by_rules_batch(
 
 
 @subroutine
-def fill_falls(W: Vector, first: int, sigma3_bar: Vector, energy: Vector, b: Body) -> None:
-    """Falls from `first` on into lanes; the last one fills those that are left over."""
+def fill_falls(W: Vector, group: Longs, n: int, sigma3_bar: Vector, energy: Vector, b: Body) -> None:
+    """A group of falls into lanes; the first fills those that are left over."""
     for i in range(LANES):
-        j = min(first + i, energy.size - 1)
+        j = group[i] if i < n else group[0]
         X = sigma3_bar[j] / b.r0
         W[tabulated.X * LANES + i] = X
         W[tabulated.LEVEL * LANES + i] = energy[j] - potential_at_flat(X, b)
@@ -130,21 +141,36 @@ def fall_in_lane(W: Vector, i: int) -> FallRow[float]:
 
 
 @kernel
-def fall_batch(sigma3_bar: Vector, energy: Vector, of_body: Tables, disk: Disk, out: Matrix) -> None:
+def fall_batch(
+    sigma3_bar: Vector, energy: Vector, target: float, of_body: Tables, disk: Disk, out: Matrix
+) -> None:
     """The fall on F from the vertical on face +1 of every sample -> out (4, n), rows as FallRow.
 
-    NaN where tables do not serve: those are left to `fall_by_rules_batch`.
+    target: accuracy of there and back, as for passages; below MIDDLE it is the best there is. NaN where tables do
+    not serve: those are left to `fall_by_rules_batch`.
     """
-    b = disk.body
-    lanes = np.ones(tabulated.ROWS * LANES)  # row CHECK above all
-    for i in range(energy.size):
-        if i % LANES == 0:
-            fill_falls(lanes, i, sigma3_bar, energy, b)
-            tabulated.falls(lanes, FLOOR, FLOOR, of_body, b)
-        if lanes[CHECK * LANES + i % LANES] == 0.0:
-            put(fall_in_lane(lanes, i % LANES), out, i)
-        else:
+    b, n = disk.body, energy.size
+    lanes = np.ones(tabulated.ROWS * LANES)
+    lines, group = empty_lines(), np.zeros(LANES, np.int64)
+    first, goal = first_grade(target), Goal(target if target >= MIDDLE else FLOOR, FLOOR)
+    for i in range(n + 1):
+        if i < n:
             out[:, i] = math.nan
+            if energy[i] > potential_at_flat(sigma3_bar[i] / b.r0, b):
+                line_up(lines, first, i)
+        if i < n and lines.counts[first] < LANES:
+            continue
+        grade = next_grade(lines, first, i == n)
+        while grade >= 0:
+            taken = take(lines, grade, group)
+            fill_falls(lanes, group, taken, sigma3_bar, energy, b)
+            tabulated.falls(lanes, goal, grade_at(of_body, grade), of_body, b)
+            for k in range(taken):
+                if lanes[CHECK * LANES + k] == 0.0:
+                    put(fall_in_lane(lanes, k), out, group[k])
+                else:
+                    line_up(lines, grade + 1, group[k])
+            grade = next_grade(lines, first, i == n)
 
 
 @kernel

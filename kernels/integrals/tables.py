@@ -66,42 +66,95 @@ class Low(NamedTuple):
     excess: LowPowers
 
 
-class Tables(NamedTuple):
-    """Tables of one body: vertical (8, 1), outer (10, n), fall (10, n), inner (4, m), low."""
+class Limits(NamedTuple):
+    """What belongs to a grade of rules besides their nodes.
 
-    vertical: Matrix
+    depth: range in y, below the handover, that the inner rule covers. rounds: steps of Newton's method towards
+    the turning point, and settled: the last of them at most. missed: share of what the inner rule adds up that it
+    misses at most; 0 where its last coefficients tell. slowest: share of the energy above V_0 with which a motion
+    must leave the vertical. few: whether the other rules have only some ten nodes.
+    """
+
+    depth: float
+    rounds: int
+    settled: float
+    missed: float
+    slowest: float
+    few: bool
+
+
+class Grade(NamedTuple):
+    """Rules of one accuracy: outer (10, n), fall (10, n), inner (4, m)."""
+
     outer: Matrix
     fall: Matrix
     inner: Matrix
+    limits: Limits
+
+
+class Tables(NamedTuple):
+    """Tables of one body: vertical (8, 1), low, and grades of rules for accuracies of COARSE, MIDDLE and any."""
+
+    vertical: Matrix
     low: Low
+    coarse: Grade
+    middle: Grade
+    fine: Grade
 
 
-def make_tables(disk: Disk, rules: tuple[np.ndarray, ...]) -> Tables:
-    """Tables for passages of a disk. rules: Gauss rules (2, n) on [-1, 1] for outer, fall and inner.
+# The least accuracies that are left to rules with few nodes.
+COARSE, MIDDLE = 1e-3, 1e-5
+# What an inner rule misses of what it adds up hardly depends on the motion: that is a sum of e^(-ky), k = 2, 3
+# and so on, from the handover down. Twice the largest share of 96,000 passages of twelve bodies, of those with
+# I1 >= _ROUND; below that it grows like the power _GROWS, since kappa does.
+_ROUND, _GROWS = 0.05, 1.5
+_GRADES = (
+    Limits(depth=5.5, rounds=3, settled=2e-3, missed=1.2e-3, slowest=1e-2, few=True),
+    Limits(depth=9.0, rounds=4, settled=3e-5, missed=4e-5, slowest=5e-3, few=False),
+    Limits(depth=16.0, rounds=5, settled=1e-8, missed=0.0, slowest=1e-3, few=False),
+)
 
-    The inner rule has an even number of nodes; its positive half is used.
+
+def make_tables(disk: Disk, rules: tuple[tuple[np.ndarray, ...], ...]) -> Tables:
+    """Tables for passages of a disk.
+
+    rules: for each grade Gauss rules (2, n) on [-1, 1] for outer, fall and inner. Inner rules have an even number
+    of nodes; their positive half is used.
     """
+    low = Low(*(tuple(map(float, row)) for row in _low_series(disk.body.c)))
+    vertical = _at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1))
+    coarse, middle, fine = (_grade(disk, each, limits) for each, limits in zip(rules, _GRADES, strict=True))
+    return Tables(vertical, low, coarse, middle, fine)
+
+
+def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
     outer, fall, inner = rules
     handover = 2.0 * math.asin(0.5 * HANDOVER)
-    length = 0.5 * math.pi - handover
     # A slow start makes theta-dot^2 small towards the vertical; there nodes lie close, like u^2.
-    u = 0.5 * (1.0 + outer[0])
-    fixed = _at_tilts(disk, 0.5 * math.pi - length * u * u, length * u * outer[1])
-    # The fall has a logarithm at flat as well: u^2 (3 - 2u) crowds nodes at both ends.
-    u = 0.5 * (1.0 + fall[0])
-    theta = 0.5 * math.pi * u * u * (3.0 - 2.0 * u)
-    fallen = _at_tilts(disk, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
+    far = _towards_vertical(disk, 0.5 * math.pi - handover, outer)
+    if limits.missed > 0.0:
+        fallen = _towards_vertical(disk, 0.5 * math.pi, fall)
+    else:
+        # Where the fall is slow at flat as well, u^2 (3 - 2u) crowds nodes at both ends.
+        u = 0.5 * (1.0 + fall[0])
+        theta = 0.5 * math.pi * u * u * (3.0 - 2.0 * u)
+        fallen = _at_tilts(disk, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
     half, n = inner.shape[1] // 2, inner.shape[1]
     # Of an even function the even coefficients are left, of degrees n - 2 and n - 4.
     last = _coefficients(inner, (n - 2, n - 4))[:, half:]
-    low = Low(*(tuple(map(float, row)) for row in _low_series(disk.body.c)))
-    return Tables(
-        vertical=_at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1)),
-        outer=np.concatenate([fixed, _coefficients(outer, (outer.shape[1] - 1, outer.shape[1] - 2))]),
+    thin = 1.0 + (_ROUND / disk.body.I1) ** _GROWS
+    return Grade(
+        outer=np.concatenate([far, _coefficients(outer, (outer.shape[1] - 1, outer.shape[1] - 2))]),
         fall=np.concatenate([fallen, _coefficients(fall, (fall.shape[1] - 1, fall.shape[1] - 2))]),
         inner=np.concatenate([1.0 - inner[:1, half:], inner[1:, half:], last]),
-        low=low,
+        limits=limits._replace(missed=limits.missed * thin),
     )
+
+
+def _towards_vertical(disk: Disk, length: float, rule: np.ndarray) -> np.ndarray:
+    """Nodes from the vertical on, over `length`, close to it like u^2."""
+    u = 0.5 * (1.0 + rule[0])
+    return _at_tilts(disk, 0.5 * math.pi - length * u * u, length * u * rule[1])
 
 
 def _at_tilts(disk: Disk, theta: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -3,9 +3,10 @@
 The integrals of `quadrature`, for motions that come near flat (h at the turning point <= WIDEST)
 and do not start too slowly. From the vertical to HANDOVER the nodes stand at tilts that are the same
 for all samples (`tables`). From there to the turning point they lie in y, and what the terms of first
-order give is known in closed form (`near_flat`), so twenty nodes serve every |eta|. The last
-coefficients of each panel's Legendre series say how well it has converged; samples that have not, and
-those outside these bounds, are left to `quadrature`.
+order give is known in closed form (`near_flat`), so the same nodes serve every |eta|: five of them at 1e-3,
+28 at 1e-11. The last coefficients of each panel's Legendre series say how well it has converged, or a bound that
+is known beforehand; samples that have not, and those outside these bounds, are left to a finer grade of rules and
+at last to `quadrature`.
 
 Formulas are devices that return tuples; the loops over lanes read, call and write.
 """
@@ -19,15 +20,16 @@ from kernels.disk.falling import contracted_potential_above_flat
 from kernels.integrals import tables
 from kernels.integrals.near_flat import Closed, Integrals, closed_forms, left_at_node, near_flat, newton, slope_of
 from kernels.integrals.point import Motion
-from kernels.integrals.tables import Fixed, Low, Tables, fixed
+from kernels.integrals.tables import Fixed, Grade, Limits, Low, Tables, fixed
 from kernels.types import Matrix, Vector
 
 LANES = 32
 WIDEST = 0.2  # of h_m: well inside HANDOVER
 NARROWEST = 1e-303  # of |Y|: h_m must not be denormal
-SLOWEST = 1e-3  # share of the energy above V_0 with which it must leave the vertical
-_NEWTON = 5  # steps from the guess of first order to rounding, for h_m <= WIDEST
-_SETTLED = 1e-8  # last step after which the next, about its square, would be below rounding
+_LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y, or ends at the turning point
+# The inner rule's error is told by the size of what it adds up, which for single motions nearly cancels.
+_LEAST_SIZE = 0.02
+_TURNED = 40.0  # what an error of the turning point, about the square of Newton's last step, does to the angles
 _PARKED = 0.1  # h_m of lanes that are left to `quadrature`: any number within the bounds
 _EPSILON = 2.2e-16
 _NOISE = 100.0  # units of rounding, as in quadrature
@@ -45,6 +47,13 @@ ROWS = 38
     CHI_SIZE, CHI_LAST, CHI_LAST_BUT_ONE, REST_SIZE, REST_LAST, REST_LAST_BUT_ONE,
     TIME_SIZE, TIME_LAST, TIME_LAST_BUT_ONE,
 ) = range(ROWS)  # fmt: skip
+
+
+class Goal(NamedTuple):
+    """Accuracy of angles (rad) and time (relative), and what rounding allows, relative to chi and to the time."""
+
+    target: float
+    floor: float
 
 
 class Gathered(NamedTuple):
@@ -84,7 +93,9 @@ def start_noise(terms: float, moving: float, ratio: float, sigma4: float, b: Bod
 
 
 @contracted_device
-def departure(x: float, y: float, speed: float, at: Fixed, b: Body) -> tuple[float, float, float, float, bool]:
+def departure(
+    x: float, y: float, speed: float, slowest: float, at: Fixed, b: Body
+) -> tuple[float, float, float, float, bool]:
     """(level, terms of E - V, noise of the start, guess at the turning point, usable) from the vertical."""
     inv_k = 1.0 / b.k
     ratio, rise = x * at.ratio_x + y * at.ratio_y, x * at.rise_x + y * at.rise_y
@@ -98,17 +109,18 @@ def departure(x: float, y: float, speed: float, at: Fixed, b: Body) -> tuple[flo
     first = size * math.sqrt(0.5 * b.I1 / level)
     # Gravity shares the energy at the turning point: one step of q = h.
     left = level - first
-    usable = (moving > SLOWEST * level) & (size > NARROWEST)
+    usable = (moving > slowest * level) & (size > NARROWEST)
     usable = usable & (first < 2.0 * WIDEST) & (left > 0.5 * level)
     return level, terms, noise, size * math.sqrt(0.5 * b.I1 / left), usable
 
 
 @contracted_subroutine
-def start(W: Vector, vertical: Matrix, b: Body) -> None:
+def start(W: Vector, vertical: Matrix, slowest: float, b: Body) -> None:
     """LEVEL from SPEED at the vertical, a guess at the turning point, and NOISE of E - V."""
     at = fixed(vertical, 0)
     for i in range(LANES):
-        level, terms, noise, h, usable = departure(W[X * LANES + i], W[Y * LANES + i], W[SPEED * LANES + i], at, b)
+        x, y, speed = W[X * LANES + i], W[Y * LANES + i], W[SPEED * LANES + i]
+        level, terms, noise, h, usable = departure(x, y, speed, slowest, at, b)
         W[LEVEL * LANES + i], W[NOISE * LANES + i], W[START * LANES + i] = level, terms, noise
         W[H_TURN * LANES + i] = h if usable else _PARKED
         W[CHECK * LANES + i] = 0.0 if usable else 1.0
@@ -123,21 +135,21 @@ def motion_of(W: Vector, i: int) -> Motion:
 
 
 @contracted_subroutine
-def turn(W: Vector, b: Body, low: Low) -> None:
+def turn(W: Vector, limits: Limits, b: Body, low: Low) -> None:
     """H_TURN and LOG_TURN by Newton in ln h; CHECK is raised where that has not converged."""
-    for _ in range(_NEWTON):
+    for _ in range(limits.rounds):
         for i in range(LANES):
             h, log_h, step = newton(W[H_TURN * LANES + i], W[LOG_TURN * LANES + i], motion_of(W, i), b, low)
             W[H_TURN * LANES + i], W[LOG_TURN * LANES + i], W[STEP * LANES + i] = h, log_h, step
     for i in range(LANES):
-        good = (abs(W[STEP * LANES + i]) < _SETTLED) & (W[H_TURN * LANES + i] < WIDEST)
+        good = (abs(W[STEP * LANES + i]) < limits.settled) & (W[H_TURN * LANES + i] < WIDEST)
         W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else 1.0
         W[H_TURN * LANES + i] = W[H_TURN * LANES + i] if good else _PARKED
         W[LOG_TURN * LANES + i] = W[LOG_TURN * LANES + i] if good else math.log(_PARKED)
 
 
 @contracted_subroutine
-def closed(W: Vector, b: Body, low: Low) -> None:
+def closed(W: Vector, depth: float, b: Body, low: Low) -> None:
     """What is known in closed form below the handover goes into CHI, REST, TIME; its factors into rows."""
     for i in range(LANES):
         motion, h, log_h = motion_of(W, i), W[H_TURN * LANES + i], W[LOG_TURN * LANES + i]
@@ -148,8 +160,11 @@ def closed(W: Vector, b: Body, low: Low) -> None:
         good = slope > 0.0
         W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else 1.0
         known, integrals = closed_forms(h, log_h, at, slope if good else 1.0, motion, b, low)
-        W[CAP * LANES + i], W[LOG_CAP * LANES + i], W[WIDTH * LANES + i] = known.cap, known.log_cap, known.width
-        W[BELOW * LANES + i], W[TURN2 * LANES + i], W[RACE * LANES + i] = known.below, known.turn2, known.race
+        W[CAP * LANES + i], W[LOG_CAP * LANES + i] = known.cap, known.log_cap
+        wide = known.width if known.width < depth else depth
+        below = known.width - wide
+        W[WIDTH * LANES + i], W[BELOW * LANES + i] = wide, below if below < _LEFT_OUT else _LEFT_OUT
+        W[TURN2 * LANES + i], W[RACE * LANES + i] = known.turn2, known.race
         W[PULL * LANES + i], W[SPIN * LANES + i], W[SLOW * LANES + i] = known.pull, known.spin, known.slow
         W[REST0 * LANES + i], W[REST1 * LANES + i] = known.rest0, known.rest1
         W[CHI * LANES + i], W[REST * LANES + i], W[TIME * LANES + i] = integrals
@@ -165,7 +180,6 @@ def known_of(W: Vector, i: int) -> Closed:
         cap=W[CAP * LANES + i],
         log_cap=W[LOG_CAP * LANES + i],
         width=W[WIDTH * LANES + i],
-        below=W[BELOW * LANES + i],
         turn2=W[TURN2 * LANES + i],
         race=W[RACE * LANES + i],
         pull=W[PULL * LANES + i],
@@ -207,10 +221,9 @@ def near_panel(W: Vector, inner: Matrix, b: Body, low: Low) -> None:
             gather(W, i, OF_REST, step * node.rest, last, last_but_one)
             gather(W, i, OF_TIME, step * node.time, last, last_but_one)
             # The first node is the deepest; no rule looks further down.
-            left_out = known.below if j == 0 else 0.0
+            left_out = W[BELOW * LANES + i] if j == 0 else 0.0
             W[ANGLE_ERROR * LANES + i] += left_out * (abs(node.chi) + abs(node.rest))
             W[TIME_ERROR * LANES + i] += left_out * abs(node.time)
-    settle(W)
 
 
 @contracted_device
@@ -237,7 +250,6 @@ def far_panel(W: Vector, outer: Matrix, b: Body) -> None:
             gather(W, i, OF_CHI, node.chi, last, last_but_one)
             gather(W, i, OF_REST, node.rest, last, last_but_one)
             gather(W, i, OF_TIME, node.time, last, last_but_one)
-    settle(W)
 
 
 @contracted_device
@@ -249,13 +261,48 @@ def remainder(W: Vector, i: int, rows: Gathered) -> float:
     return tail * (share if share < 1.0 else 1.0)
 
 
+@contracted_device
+def share_of_tail(W: Vector, i: int, rows: Gathered) -> float:
+    """The last coefficients over the sum of sizes, 1 at most."""
+    tail = abs(W[rows.last * LANES + i]) + abs(W[rows.last_but_one * LANES + i])
+    share = tail / (W[rows.size * LANES + i] + 1e-300)
+    return share if share < 1.0 else 1.0
+
+
 @contracted_subroutine
-def settle(W: Vector) -> None:
-    """Add the panel's errors and clear its sums."""
+def told_by_coefficients(W: Vector) -> None:
+    """Add the panel's errors as its last coefficients tell them, and clear its sums."""
     for i in range(LANES):
         chi, rest, time = remainder(W, i, OF_CHI), remainder(W, i, OF_REST), remainder(W, i, OF_TIME)
         W[ANGLE_ERROR * LANES + i] += 2.0 * (chi + rest)
         W[TIME_ERROR * LANES + i] += 2.0 * time
+    clear(W, TAILS)
+
+
+@contracted_subroutine
+def told_by_the_worst(W: Vector, few: bool) -> None:
+    """As `told_by_coefficients` for rules of some ten nodes.
+
+    Two coefficients in turn may vanish by chance there: the largest share of all three integrals serves each.
+    Where they are size * ratio^(n - 3/2), the error is size * ratio^(2n), with few nodes about size * share^(9/4).
+    """
+    for i in range(LANES):
+        chi, rest, time = share_of_tail(W, i, OF_CHI), share_of_tail(W, i, OF_REST), share_of_tail(W, i, OF_TIME)
+        share = max(max(chi, rest), time)
+        missed = share * share * (math.sqrt(math.sqrt(share)) if few else 1.0)
+        W[ANGLE_ERROR * LANES + i] += missed * (W[CHI_SIZE * LANES + i] + W[REST_SIZE * LANES + i])
+        W[TIME_ERROR * LANES + i] += missed * W[TIME_SIZE * LANES + i]
+    clear(W, TAILS)
+
+
+@contracted_subroutine
+def told_by_size(W: Vector, missed: float) -> None:
+    """Add the errors of an inner rule that misses this share of what it adds up, and clear its sums."""
+    for i in range(LANES):
+        size = W[CHI_SIZE * LANES + i] + W[REST_SIZE * LANES + i] + W[TIME_SIZE * LANES + i]
+        error = missed * (size + _LEAST_SIZE) + _TURNED * W[STEP * LANES + i] * W[STEP * LANES + i]
+        W[ANGLE_ERROR * LANES + i] += error
+        W[TIME_ERROR * LANES + i] += error
     clear(W, TAILS)
 
 
@@ -278,18 +325,33 @@ def finish(W: Vector, target: float, floor: float) -> None:
 
 
 @contracted_subroutine
-def passages(W: Vector, target: float, floor: float, of_body: Tables, b: Body) -> None:
+def passages(W: Vector, goal: Goal, grade: Grade, of_body: Tables, b: Body) -> None:
     """Whole passages of the samples in rows X, Y and SPEED."""
-    start(W, of_body.vertical, b)
-    turn(W, b, of_body.low)
-    closed(W, b, of_body.low)
-    near_panel(W, of_body.inner, b, of_body.low)
-    far_panel(W, of_body.outer, b)
-    finish(W, target, floor)
+    limits = grade.limits
+    start(W, of_body.vertical, limits.slowest, b)
+    turn(W, limits, b, of_body.low)
+    closed(W, limits.depth, b, of_body.low)
+    near_panel(W, grade.inner, b, of_body.low)
+    if limits.missed > 0.0:
+        told_by_size(W, limits.missed)
+    else:
+        told_by_coefficients(W)
+    far(W, grade.outer, limits, b)
+    finish(W, goal.target, goal.floor)
+
+
+@contracted_subroutine
+def far(W: Vector, nodes: Matrix, limits: Limits, b: Body) -> None:
+    """A stretch at tilts that all samples share, with its errors."""
+    far_panel(W, nodes, b)
+    if limits.missed > 0.0:
+        told_by_the_worst(W, limits.few)
+    else:
+        told_by_coefficients(W)
 
 
 @contracted_device
-def departure_on_f(x: float, level: float, at: Fixed, b: Body) -> tuple[float, bool]:
+def departure_on_f(x: float, level: float, slowest: float, at: Fixed, b: Body) -> tuple[float, bool]:
     """(noise, usable) of a fall on F from the vertical."""
     ratio, rise = x * at.ratio_x, x * at.rise_x
     gyration = 0.5 * b.I1 * ratio * ratio
@@ -297,18 +359,18 @@ def departure_on_f(x: float, level: float, at: Fixed, b: Body) -> tuple[float, b
     moving = level - gyration - spin - 1.0
     terms = abs(level) + gyration + abs(spin) + 1.0
     noise = start_noise(terms, moving, ratio, x / b.k + rise, b)
-    return _NOISE * _EPSILON * (1.0 + terms / abs(level)) + noise, moving > SLOWEST * level
+    return _NOISE * _EPSILON * (1.0 + terms / abs(level)) + noise, moving > slowest * level
 
 
 @contracted_subroutine
-def falls(W: Vector, target: float, floor: float, of_body: Tables, b: Body) -> None:
+def falls(W: Vector, goal: Goal, grade: Grade, of_body: Tables, b: Body) -> None:
     """Twice the falls on F from the vertical, for rows X and LEVEL; row Y becomes 0."""
     at = fixed(of_body.vertical, 0)
     clear(W, FALLEN)
     for i in range(LANES):
-        noise, usable = departure_on_f(W[X * LANES + i], W[LEVEL * LANES + i], at, b)
+        noise, usable = departure_on_f(W[X * LANES + i], W[LEVEL * LANES + i], grade.limits.slowest, at, b)
         W[NOISE * LANES + i] = noise
         W[LEAST * LANES + i] = 1.0
         W[CHECK * LANES + i] = 0.0 if usable else 1.0
-    far_panel(W, of_body.fall, b)
-    finish(W, target, floor)
+    far(W, grade.fall, grade.limits, b)
+    finish(W, goal.target, goal.floor)

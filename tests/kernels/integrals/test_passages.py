@@ -1,6 +1,7 @@
 """Batches of passages: each sample by itself, a status for every failure."""
 
 import numpy as np
+import pytest
 from conftest import BODIES
 from passing import across, batch, draw
 
@@ -10,15 +11,16 @@ from kernels.integrals.quadrature import PassageRow
 from kernels.status import Status
 
 
-def test_a_sample_does_not_depend_on_its_neighbours_or_its_lane():
+@pytest.mark.parametrize("accuracy", [1e-9, 1e-4, 1e-3])
+def test_a_sample_does_not_depend_on_its_neighbours_or_its_lane(accuracy):
     rng = np.random.default_rng(5)
     samples = draw(rng, 999, True)
-    out, status = batch(BODIES["uniform"], *samples, 1e-9, True)
+    out, status = batch(BODIES["uniform"], *samples, accuracy, True)
     order = rng.permutation(999)
-    again, again_status = batch(BODIES["uniform"], *(column[order] for column in samples), 1e-9, True)
+    again, again_status = batch(BODIES["uniform"], *(column[order] for column in samples), accuracy, True)
     assert np.array_equal(again, out[:, order], equal_nan=True)
     assert np.array_equal(again_status, status[order])
-    one = batch(BODIES["uniform"], *(column[17:18] for column in samples), 1e-9, True)[0]
+    one = batch(BODIES["uniform"], *(column[17:18] for column in samples), accuracy, True)[0]
     assert np.array_equal(one[:, 0], out[:, 17], equal_nan=True)
 
 

@@ -1,0 +1,63 @@
+"""Passages as users get them, from what a method followed."""
+
+import math
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+from kernels.integrals import races
+from kernels.status import Status
+
+N = 6
+
+
+def measured(error, status, eta, allowed=1.0):
+    """Rows of six passages with energies of their own, and their status."""
+    column = np.linspace(1.0, 2.0, N)
+    ways = races.Ways(
+        sigma3_bar=0.3 * column,
+        eta=np.array(eta),
+        face=np.array([1.0, -1.0] * 3),
+        theta_min=0.1 * column,
+        chi=7.0 * column,
+        psi=3.0 * column,
+        time=column,
+        way=np.full(N, 0.5),
+        energy=2.0 * column,
+        error=np.array(error),
+        status=np.array(status, np.int8),
+    )
+    disk, out = BODIES["thick"], np.empty((12, N))
+    terms, units = races.Terms(allowed, 1e-9), races.Units(2.0, 3.0, 5.0, 7.0)
+    falls = races.Falls(time=column, chi=0.1 * column, error=np.full(N, 1e-9))
+    races.race_batch(ways, falls, terms, units, disk.natural, out)
+    return ways, races.RaceRow(*out)
+
+
+def test_a_race_is_chi_less_the_fall_and_units_are_the_users():
+    ways, race = measured([1e-7] * N, [0] * N, [0.1, -0.1] * 3)
+    disk, fall_chi = BODIES["thick"], 0.1 * np.linspace(1.0, 2.0, N)
+    assert (race.fall_angle == 2.0 * fall_chi).all()
+    assert (race.race_angle == ways.chi - 2.0 * fall_chi).all()
+    assert (race.delta_psi == ways.psi * ways.face).all()
+    assert (race.duration, race.energy) == (pytest.approx(2.0 * ways.time), pytest.approx(3.0 * ways.energy))
+    assert (race.limit == [7.0, -7.0] * 3).all()
+    assert (race.wrong_way == [0.0, 1.0] * 3).all()
+    above = ways.energy - disk.energy_at_flat(ways.sigma3_bar)
+    assert race.impact_speed == pytest.approx(5.0 * np.sqrt(2.0 * above / disk.body.M), rel=1e-14)
+
+
+def test_what_misses_is_refused_and_what_is_not_known_is_no_number():
+    ok, falls, bad = int(Status.OK), int(Status.FALLS), int(Status.BAD_INPUT)
+    ways, race = measured(
+        [0.5, 2.0, math.nan, 0.1, math.nan, 0.1], [ok, ok, falls, ok, bad, ok], [0.1] * 4 + [0.0] * 2
+    )
+    assert ways.status.tolist() == [ok, int(Status.STEP_LIMIT), falls, ok, bad, ok]
+    known = np.array([1, 0, 0, 1, 0, 1], bool)
+    for name in ("race_angle", "delta_chi", "delta_psi", "duration"):
+        assert (np.isfinite(getattr(race, name)) == known).all()
+    assert np.isfinite(race.fall_time).tolist() == (ways.status == falls).tolist()
+    assert np.isnan(race.theta_min).tolist() == [False, True, False, False, True, False]
+    assert race.theta_min[2] == 0.0
+    assert np.isnan(race.limit).tolist() == (ways.status == bad).tolist()
