@@ -181,7 +181,7 @@ def passages(
 def passage_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `passages` by a plan, for `compiled.warmup`; a few starts need another one."""
     by = ("passages.passage_batch",) if how.method == "quadrature" else (*KERNELS, how.first_event)
-    return *by, "passages.fall_batch"
+    return *by, "passages.fall_batch", "races.race_batch"
 
 
 def _with_arguments(found: Passages, sigma3_bar: Array, eta_hat: Array, phidot: Array, face: Array) -> Passages:

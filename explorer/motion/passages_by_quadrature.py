@@ -33,9 +33,11 @@ class Followed(NamedTuple):
 def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> Followed:
     """Passages as integrals. edge: the tilt phi (rad) at which they start and stop, 0 for the vertical."""
     crossings = starts.natural(disk)
-    out, status = np.full((8, starts.status.size), np.nan), starts.status.copy()
+    out, status = np.empty((8, starts.status.size)), starts.status.copy()
     if edge == 0.0:
         compiled.passages.passage_batch(crossings, how.accuracy, disk.tables, disk.natural, out, status)
+    else:
+        out.fill(np.nan)
     if (np.isnan(out[0]) & (status == compiled.status.Status.OK)).any():
         compiled.passages.passage_by_rules_batch(
             crossings, chord(edge), how.accuracy, packed_rules(), disk.natural, out, status
@@ -68,10 +70,12 @@ def fall_from_vertical(
     edge: phi (rad) at which it begins instead. accuracy: of twice the angle, and of the time; 0: the best there
     is.
     """
-    out = np.full((4, sigma3_bar.size), np.nan)
+    out = np.empty((4, sigma3_bar.size))
     given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
     if edge == 0.0:
         compiled.passages.fall_batch(*given, accuracy, disk.tables, disk.natural, out)
+    else:
+        out.fill(np.nan)
     if (np.isnan(out[0]) & np.isfinite(energy)).any():
         compiled.passages.fall_by_rules_batch(*given, chord(edge), packed_rules(), disk.natural, out)
     return compiled.quadrature.FallRow(*out)

@@ -28,8 +28,8 @@ class Units(NamedTuple):
 class Terms(NamedTuple):
     """On what terms passages are measured.
 
-    allowed: the error above which a sample is refused; floor: the same where rounding is all that is left, times one
-    plus the time of the fall.
+    allowed: the error above which a sample is refused; floor: the same where rounding is all that is left, times
+    one plus the time of the fall.
     """
 
     allowed: float
