@@ -169,7 +169,14 @@ def chi_panel(disk: Disk, eta_hat: float, turns: float, ax: Axes | None = None) 
     ends: dict[str, Any] = {"arrowstyle": "<->", "color": DARK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", (x, race[0]), xytext=(x, race[-1]), arrowprops=ends)
     text = f"{'+' if sign > 0 else '−'}κπ = {number(sign * disk.race_limit, '+.2f')}"
-    ax.text(x + 0.02 * here.t[-1], 0.5 * (race[0] + race[-1]), text, va="center", fontsize=SMALL)
+    # Clear of the curve, which comes back through the middle of a race to the other side
+    ax.text(
+        x + 0.02 * here.t[-1],
+        race[0] + (0.5 if sign > 0 else 0.05) * (race[-1] - race[0]),
+        text,
+        va="center",
+        fontsize=SMALL,
+    )
     return _dressed(ax, disk, eta_hat, f"t ({times_of(disk)})", r"$\chi$ (rad)")
 
 

@@ -22,7 +22,7 @@ R = TypeVar("R")
 
 DPI = 150
 _EXIF_DESCRIPTION = 0x010E  # ImageDescription, where films other than GIF carry their caption
-_SEEN = 8  # of 255, in any channel: a difference between neighbours that an eye could notice
+_SEEN = 5  # of 255, in any channel: a difference between neighbours that an eye could notice
 _PARTS = "\n"  # between question and caption in a file
 
 

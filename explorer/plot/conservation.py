@@ -43,12 +43,13 @@ def conservation(found: Conservation) -> Figure:
     for (name, each), colour, mark in zip(every.items(), SERIES, MARKERS, strict=False):
         broken = each is found.solver
         look = {"color": colour, "marker": mark, "ls": "--" if broken else "-", "lw": 1.5, "ms": 5}
-        constants.plot(each.passages, each.constants, **look, label=name)
-        angle.plot(each.passages, each.chi, **look)
+        # Ours have no trend that a line could show; lines would hide the points of others
+        constants.plot(each.passages, each.constants, **(look if broken else look | {"ls": ""}))
+        angle.plot(each.passages, each.chi, **look, label=name)
     for ax in (constants, angle):
         ax.set_xscale("log")
         ax.set_yscale("log")
-    handles, names = constants.get_legend_handles_labels()
+    handles, names = angle.get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=2, fontsize=SMALL, frameon=False)
     eta_hat = found.eta_hat / found.disk.rate_unit
     dress(constants, "", "worst of the constants\n(relative)", rf"{found.disk.name}, $\hat\eta$ = {eta_hat:g}")

@@ -4,7 +4,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import Ellipse
 
+from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
 from explorer.plot.style import DARK, SMALL, TEXT, axes_or_new, dress, rates_of, styled
 from explorer.portrait.rotation import RotationMap
@@ -49,6 +51,10 @@ def rotation_map(rotation: RotationMap, ax: Axes | None = None, **look: Any) -> 
     x, y = rotation.sigma3_bar, rotation.sigma4_bar
     style = styled(look, cmap="twilight", vmin=0.0, vmax=1.0, rasterized=True)
     colours = ax.pcolormesh(x, y, np.mod(rotation.turns, 1.0), **style)
+    # Cells at the edge are whole or missing: cut through those that are whole.
+    inner = 2.0 * (1.0 - 1.5 / x.size)
+    rim = Ellipse((0.0, 0.0), inner * _outer(x), inner * _outer(y), transform=ax.transData)
+    colours.set_clip_path(rim)
     bar = ax.figure.colorbar(colours, ax=ax, ticks=[0.0, 0.25, 0.5, 0.75, 1.0])
     bar.set_label("turns per period, without whole ones", fontsize=SMALL)
     # In the corners, not over the jumps that they name: where the lines leave the ellipse of this energy.
@@ -70,3 +76,8 @@ def rotation_map(rotation: RotationMap, ax: Axes | None = None, **look: Any) -> 
     unit = rates_of(rotation.disk)
     words = rf"$\bar\sigma_3$ ({unit})", rf"$\bar\sigma_4$ ({unit})"
     return dress(ax, *words, rf"Turns jump where the disk comes flat ($E$ = {energy:g} $mgr$)")
+
+
+def _outer(middles: Array) -> float:
+    """The end of an axis of which these are the middles of equal cells."""
+    return float(middles[-1] * middles.size / (middles.size - 1))

@@ -12,6 +12,7 @@ from explorer.errors import InputError
 from explorer.phase.disk import Disk
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import well
+from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
     BOUNCES,
@@ -88,7 +89,7 @@ def steady_plane(disk: Disk, ax: Axes | None = None, **look: Any) -> Axes:
     x, y = fold_curve(disk)
     ax.fill(x, y, color=UNSTABLE, lw=0)
     width = 1.7 * max(float(abs(x).max()), float(abs(y).max()))
-    _tilt_curves(ax, disk, look)
+    _tilt_curves(ax, disk, width, look)
     slope, most = line_slope(disk), well(disk).sigma3_bar * disk.rate_unit
     ends, inner = np.array([-3.0, 3.0]) * width, np.array([-most, most])
     for face, names in ((1, (r"$l_+$, $l_-$: falling", "with a well on it")), (-1, (None, None))):
@@ -110,7 +111,7 @@ def steady_plane(disk: Disk, ax: Axes | None = None, **look: Any) -> Axes:
     return dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", rf"$\bar\sigma_4$ ({rates_of(disk)})", title)
 
 
-def _tilt_curves(ax: Axes, disk: Disk, look: dict[str, Any]) -> None:
+def _tilt_curves(ax: Axes, disk: Disk, width: float, look: dict[str, Any]) -> None:
     """Constants with a steady motion of one tilt, in one quadrant: mirror images fill the others."""
     precession = np.geomspace(1e-3, 1e3, 1200) * disk.rate_unit
     for place, tilt in enumerate(TILTS):
@@ -124,8 +125,21 @@ def _tilt_curves(ax: Axes, disk: Disk, look: dict[str, Any]) -> None:
                     if not where.any():
                         continue
                     curve = [np.where(where, v, np.nan) for v in (motions.sigma3_bar, motions.sigma4_bar)]
-                    label = rf"$|\varphi|$ = {tilt:g}" if stable and phi > 0.0 < sign else None
+                    label = f"_tilt {tilt:g}" if stable and phi > 0.0 < sign else None  # named at its end instead
                     ax.plot(*curve, **styled(look, color=grey, ls=style, lw=1.3, label=label))
+                    if stable:
+                        _name_tilt(ax, disk, tilt, (curve[0], curve[1]), width)
+
+
+def _name_tilt(ax: Axes, disk: Disk, tilt: float, curve: tuple[Array, Array], width: float) -> None:
+    """Write the tilt of a curve where it leaves the picture at the right, below l_+."""
+    x, y = curve
+    (out,) = np.nonzero((x[:-1] < width) != (x[1:] < width))
+    for row in out[np.isfinite(x[out] + x[out + 1])]:
+        if y[row] < line_slope(disk) * width:
+            text = rf"$|\varphi|$ = {tilt:g}" if tilt == TILTS[0] else f"{tilt:g}"
+            place: dict[str, Any] = {"xytext": (4, 0), "textcoords": "offset points", "annotation_clip": False}
+            ax.annotate(text, (width, y[row]), va="center", fontsize=SMALL, **place)
 
 
 def _label_places(disk: Disk) -> list[tuple[float, float]]:

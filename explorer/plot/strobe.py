@@ -200,6 +200,6 @@ def hero(shown: Film) -> Figure:
     figure.text(0.5, 0.945, title, ha="center", fontsize=_LARGE, color=DARK)
     for sign, left in ((1, 0.0), (-1, 0.5)):
         _scene(figure.add_axes((left, 0.31, 0.5, 0.635)), shown, sign)
-    figure.text(0.5, 0.885, "the same start, but for a hair", ha="center", fontsize=_TEXT, color=_GREY)
+    figure.text(0.5, 0.885, "two starts, the same but for a hair", ha="center", fontsize=_TEXT, color=DARK)
     _turns(figure.add_axes((0.085, 0.075, 0.895, 0.215)), shown)
     return figure

@@ -141,16 +141,22 @@ def _from_first(places: Array, good: NDArray[np.bool_]) -> tuple[int, NDArray[np
     return int(first), np.where(good, places - first, -1.0).astype(np.int64)
 
 
-def law_constants(disk: Disk, eta_hat: Array, race_angle: Array, speed: Array) -> dict[int, SignedLogCounts]:
+def law_constants(
+    disk: Disk, eta_hat: Array, race_angle: Array, speed: Array, error: Array | None = None
+) -> dict[int, SignedLogCounts]:
     """c of the law of each passage, counted by step of |eta| (natural units), PER_STEP a decade.
 
-    speed: of impact, units of the disk. Where rounding is felt in the deviation nothing is counted.
+    speed: of impact, units of the disk. error: of the race angles (rad), as estimated. Nothing is counted where
+    rounding is felt in the deviation, or nearer to F than where errors move c by more than 1, in all but a
+    hundredth of them: a choice by motions would choose c.
     """
     eta = abs(disk.eta_hat_to_eta(eta_hat / disk.rate_unit))
     scale, side = law_scale(disk, eta_hat, speed), np.sign(eta_hat)
     with np.errstate(divide="ignore", invalid="ignore"):
         constant = np.log(1.0 / eta) - side * (race_angle - side * disk.race_limit) / scale
         good = np.isfinite(constant) & (scale > _ROUNDING)
+        if error is not None and good.any():
+            good &= eta > np.quantile((error * eta / scale)[good], 0.99)
         step = np.floor(PER_STEP * np.log10(eta) + 1e-9)
     first, groups = _from_first(step, good)
     found = SignedLogCounts.by_group(constant, groups, int(groups.max(initial=-1)) + 1)

@@ -30,7 +30,7 @@ class RotationMap:
     slope: float
 
 
-def rotation_map(disk: Disk, energy: float, points: int = 200) -> RotationMap:
+def rotation_map(disk: Disk, energy: float, points: int = 300) -> RotationMap:
     """The rotation number on a grid over all constants of motion that a motion of this energy can have.
 
     Parameters

@@ -39,7 +39,9 @@ def count_races(table: Table, disk: Disk) -> Tally:
         },
         "constants": {
             str(step): counts.state()
-            for step, counts in law_constants(disk, eta_hat, race, table["impact_speed"]).items()
+            for step, counts in law_constants(
+                disk, eta_hat, race, table["impact_speed"], table["error_estimate"]
+            ).items()
         },
         **{name: LogCounts.of(table[name]).state() for name in ("impact_speed", "energy", "error_estimate")},
     }

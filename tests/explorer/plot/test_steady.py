@@ -33,7 +33,7 @@ def test_the_plane_of_constants_has_the_lines_the_wells_and_the_thresholds():
     for bar, spin in zip(x, y, strict=True):
         assert abs(at_constants(COIN, bar, spin).eta) < 1e-15
     for tilt in TILTS:
-        (curve,) = lines(ax, rf"$|\varphi|$ = {tilt:g}")
+        (curve,) = lines(ax, f"_tilt {tilt:g}")
         bar3, bar4 = (np.asarray(v)[300:900:100] for v in curve.get_data())
         for bar, spin in zip(bar3, bar4, strict=True):
             if np.isfinite(bar):
