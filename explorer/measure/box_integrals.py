@@ -6,9 +6,10 @@ so that what is left is smooth and a Gauss rule converges; the outermost, over p
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +26,10 @@ _FINEST = 4  # panels in place of one; the time grows with their square or cube
 _FINEST_CUT = 2  # the same with a bound of the energy, which already adds ends of panels
 _NODES = 12  # of the rule on a panel, so of order 24
 _MOST_PARTS = 100  # of the range of phi: a limit for integrands that are not smooth, whose error then says so
+# Points of the phase space, beyond the first cut of each piece in two, at which the density is asked for in all;
+# the part of what is left that one piece may take; and as how many a call for some tilts counts, whatever it asks
+# for. Smooth densities take a tenth; all take half a minute of one core.
+_MOST_POINTS, _SHARE, _CALL = 300_000_000, 0.25, 50_000
 # A grid tells whether a density vanishes at flat: points a side, distance from flat (rad), and the
 # share of its largest value on the grid below which it counts as zero.
 _GRID, _BESIDE, _VANISHING = 13, 1e-9, 1e-3
@@ -41,20 +46,33 @@ class Integral(NamedTuple):
     error: float
 
 
+@dataclass
+class Work:
+    """Points of the phase space that integrals of one density have asked for; a limit for those that jump."""
+
+    points: int = 0
+
+    @property
+    def left(self) -> int:
+        return max(_MOST_POINTS - self.points, 0)
+
+
 def settled(integral: Callable[[int], Integral], tolerance: float, finest: int = _FINEST) -> Integral:
     """integral(panels) for 1, 2, 4 ... panels in place of one, until its relative change is below `tolerance`.
 
-    The change of the last doubling is added to its error.
+    The change of the last doubling is added to its error; where that is still rough, the largest change.
     """
-    panels, last = 1, integral(1)
+    panels, last, largest = 1, integral(1), 0.0
     if tolerance >= _ROUGH:
         return last
     while True:
         panels *= 2
         now = integral(panels)
         change = abs(now.value - last.value)
+        largest = max(largest, change)
         if change <= tolerance * abs(now.value) or panels >= finest:
-            return Integral(now.value, now.error + change)
+            rough = change > _ROUGH * abs(now.value)
+            return Integral(now.value, now.error + (largest if rough else change))
         last = now
 
 
@@ -66,30 +84,43 @@ def between_energies(below: Callable[[float], Integral], energy: Range) -> Integ
     return Integral(upper.value - lower.value, upper.error + lower.error)
 
 
-def over_tilts(f: Callable[[Array], Array], pieces: Sequence[Range], at_once: int, tolerance: float) -> Integral:
+def over_tilts(
+    f: Callable[[Array], Array], pieces: Sequence[Range], at_once: int, tolerance: float, work: Work | None = None
+) -> Integral:
     """Adaptive integral of f (n) -> (n) over pieces of the range of phi; of a piece that is a point, f there.
 
     at_once: how many values of phi fit into memory together with all nodes of the other coordinates.
+    work: where f counts its points; a piece is cut no further than what is left allows, and its error says so.
     """
     from scipy.integrate import cubature
 
+    work = work or Work()
     total = error = 0.0
     for low, high in pieces:
-        middle, half = 0.5 * (low + high), 0.5 * (high - low)
-
-        # Spaced like a sine: at flat there are logarithms, S ln S and the like.
-        def in_parts(x: Array, middle: float = middle, half: float = half) -> Array:
-            angle = x[:, 0]
-            phi = middle + half * np.sin(angle)
-            parts = [f(phi[i : i + at_once]) for i in range(0, phi.size, at_once)]
-            return np.concatenate(parts) * half * np.cos(angle)
-
         if low == high:
             total += float(f(np.array([low]))[0])
             continue
-        piece = cubature(
-            in_parts, [-_HALF_PI], [_HALF_PI], rtol=tolerance, atol=1e-300, max_subdivisions=_MOST_PARTS
-        )
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        known: dict[bytes, Array] = {}
+
+        # Spaced like a sine: at flat there are logarithms, S ln S and the like.
+        def in_parts(x: Array, middle: float = middle, half: float = half, known: Any = known) -> Array:
+            angle = x[:, 0]
+            name = angle.tobytes()
+            if name not in known:
+                phi = middle + half * np.sin(angle)
+                parts = [f(phi[i : i + at_once]) for i in range(0, phi.size, at_once)]
+                work.points += _CALL * len(parts)
+                known[name] = np.concatenate(parts) * half * np.cos(angle)
+            values: Array = known[name]
+            return values
+
+        over = partial(cubature, in_parts, [-_HALF_PI], [_HALF_PI], rtol=tolerance, atol=1e-300)
+        before = work.points
+        piece = over(max_subdivisions=1)
+        if piece.status != "converged":
+            cost = (work.points - before) * 2 // 3  # of a subdivision: the whole and its halves are known
+            piece = over(max_subdivisions=min(_MOST_PARTS, int(_SHARE * work.left) // cost))
         total, error = total + float(piece.estimate), error + float(piece.error)
     return Integral(total, error)
 
@@ -130,12 +161,13 @@ def mirrored(name: str, ends: Range, face: int) -> Range:
 class NaturalDensity:
     """A density in natural units: what an integral needs of it, and its own integral.
 
-    tolerance: relative error that integrals try for.
+    tolerance: relative error that integrals try for. work: what they have done so far.
     """
 
     disk: Disk
     density: Density
     tolerance: float = TOLERANCE
+    work: Work = field(default_factory=Work, compare=False)
 
     @property
     def energy(self) -> Range:
@@ -192,7 +224,9 @@ class NaturalDensity:
 
     def _below(self, energy: float, panels: int) -> Integral:
         """Integral of the density over energies up to `energy`."""
-        return over_tilts(lambda phi: self._over_rates(phi, energy, panels), self.pieces([]), 1, self.tolerance)
+        return over_tilts(
+            lambda phi: self._over_rates(phi, energy, panels), self.pieces([]), 1, self.tolerance, self.work
+        )
 
     def pieces(self, middle: Sequence[float]) -> list[Range]:
         """The range of phi, cut at the vertical, at Gaussians' middles, and at some more."""
@@ -232,12 +266,14 @@ class NaturalDensity:
         of the density alone.
         """
         if self.even and self.free("phidot"):
+            self.work.points += least.size
             total = np.zeros(least.shape)
             for _, inner, outer in self._halves(least, most):
                 total += outer - inner if gain is None else _root_integral(inner, outer, gain)
             return total * self.shape(others[0], np.zeros(1), *others[1:])
         bend = np.ones(least.shape) if gain is None else np.sqrt(np.maximum(abs(gain), _LEAST_GAIN))
         speed, steps = self.speeds(least, most, bend, panels)
+        self.work.points += speed.size
         f = self.shape(others[0][..., None], speed, others[1][..., None], others[2][..., None])
         if gain is not None:
             f = f * np.sqrt(np.maximum(speed * speed + gain[..., None], 0.0))

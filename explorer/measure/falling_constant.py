@@ -123,7 +123,8 @@ def falling_constant(
 
     Notes
     -----
-    A function that is large in less than a twentieth of the box may be missed: shrink the box to it.
+    A function that is large in less than a twentieth of the box may be missed: shrink the box to it. Of a function
+    that jumps or oscillates the integral ends after some 10^8 points, and `error` says what is lacking.
 
     References
     ----------
@@ -194,7 +195,7 @@ class LineIntegral:
         natural = self.natural
         if not (natural.free("sigma3") or natural.free("sigma4")):
             points = [(x, x) for x in self._crossings()]
-            return over_tilts(lambda phi: self._at(phi, panels), points, 1, natural.tolerance)
+            return over_tilts(lambda phi: self._at(phi, panels), points, 1, natural.tolerance, natural.work)
         middle = [well(natural.disk).phi, *(-math.acos(1.0 - spent) for spent in self._kinetic() if spent < 2.0)]
         if self.energy < 1.0:
             middle += [math.acos(self.energy), -math.acos(self.energy)]
@@ -203,7 +204,7 @@ class LineIntegral:
         given = natural.pieces([self.face * m for m in middle])
         pieces = [(a, b) if self.face > 0 else (-b, -a) for a, b in given]
         at_once = _AT_ONCE if natural.even else 1
-        return over_tilts(lambda phi: self._at(phi, panels), pieces, at_once, natural.tolerance)
+        return over_tilts(lambda phi: self._at(phi, panels), pieces, at_once, natural.tolerance, natural.work)
 
     def _kinetic(self) -> list[float]:
         """Energies of tilting at the ends of the range of phidot."""

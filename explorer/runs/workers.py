@@ -3,6 +3,7 @@
 A chunk that a worker took with it when it was killed is computed again by another.
 """
 
+import contextlib
 import io
 import json
 import os
@@ -229,9 +230,10 @@ def _distributed() -> Any:
     return distributed
 
 
-def _by_dask(workers: Workers, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
+@contextlib.contextmanager
+def _client(workers: Workers) -> Iterator[Any]:
+    """A client of the scheduler, or of one of its own on the loopback. Raises RunError where there is none."""
     distributed = _distributed()
-    shared = task._replace(folder=task.folder and task.folder.resolve())  # workers see the same file system
     cluster = None
     try:
         with withheld():
@@ -240,9 +242,26 @@ def _by_dask(workers: Workers, task: Task, indices: list[int], stop: threading.E
                     n_workers=workers.jobs, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
                 )
             client = distributed.Client(workers.scheduler or cluster, timeout=5)
-    except (OSError, ValueError) as error:
-        raise RunError(f"--scheduler {workers.scheduler}: cannot be reached ({error})") from error
+    except Exception as error:  # of whatever kind: dask's settings for TLS raise nearly any
+        if cluster is not None:
+            cluster.close()
+        what = f"--scheduler {workers.scheduler}" if workers.scheduler else "--backend dask"
+        raise RunError(
+            f"{what}: cannot be reached ({shorten(' '.join(str(error).split()), 200)}); look at the address, and "
+            "whether scheduler, workers and this process have the same settings for TLS"
+        ) from error
     try:
+        yield client
+    finally:
+        client.close()
+        if cluster is not None:
+            cluster.close()
+
+
+def _by_dask(workers: Workers, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
+    distributed = _distributed()
+    shared = task._replace(folder=task.folder and task.folder.resolve())  # workers see the same file system
+    with _client(workers) as client:
         _check_kernels(client, task.kernels)
         source = _until(indices, stop)
         running = distributed.as_completed()
@@ -252,17 +271,14 @@ def _by_dask(workers: Workers, task: Task, indices: list[int], stop: threading.E
             if index is not None:
                 running.add(client.submit(compute_chunk, shared, index, pure=False, retries=2))
 
-        for _ in range(2 * max(1, len(client.scheduler_info()["workers"]) or workers.jobs)):
-            submit_next()
-        for future in running:
-            yield future.result()
-            submit_next()
-    except distributed.KilledWorker as error:
-        raise RunError(f"--backend dask: a chunk killed several workers ({error}); out of memory?") from error
-    finally:
-        client.close()
-        if cluster is not None:
-            cluster.close()
+        try:
+            for _ in range(2 * max(1, len(client.scheduler_info()["workers"]) or workers.jobs)):
+                submit_next()
+            for future in running:
+                yield future.result()
+                submit_next()
+        except distributed.KilledWorker as error:
+            raise RunError(f"--backend dask: a chunk killed several workers ({error}); out of memory?") from error
 
 
 def _check_kernels(client: Any, digest: str) -> None:

@@ -7,9 +7,11 @@ import pytest
 from conftest import BODIES
 from scipy.integrate import nquad, quad
 
+from explorer.measure import box_integrals
 from explorer.measure.box_integrals import (
     Integral,
     NaturalDensity,
+    Work,
     between_energies,
     ends_of_bar,
     mirrored,
@@ -35,6 +37,8 @@ def test_panels_are_doubled_until_the_result_settles():
     asked.clear()
     assert settled(integral, 1e-4) == Integral(1.1, 1e-9)
     assert asked == [1]
+    jumping = {1: 1.0, 2: 1.2, 4: 1.19}
+    assert settled(lambda panels: Integral(jumping[panels], 0.0), 1e-7).error == pytest.approx(0.2)
 
 
 def test_a_range_of_energies_is_a_difference_and_errors_add():
@@ -111,3 +115,28 @@ def test_only_densities_that_do_not_vanish_at_flat_reach_it():
     assert not NaturalDensity(UNIFORM, Density.of(UNIFORM, "phi=0:1")).reaches_flat()
     vanishing = Density.of(UNIFORM, flat, density=lambda phi, *_: np.cos(phi))
     assert not NaturalDensity(UNIFORM, vanishing).reaches_flat()
+
+
+@pytest.mark.parametrize("spent", [0, 299_000_000])
+def test_an_integrand_that_is_never_smooth_ends_and_its_error_says_so(spent):
+    work = Work(spent)
+
+    def noise(phi):
+        work.points += 100_000 * phi.size
+        return abs(np.sin(1e9 * phi))
+
+    found = over_tilts(noise, [(-1.0, 0.0), (0.0, 1.0)], 4, 1e-7, work)
+    assert work.points - spent < (40_000_000 if spent else 300_000_000)
+    assert found.error > 0.01 * found.value
+    assert abs(found.value - 4.0 / math.pi) < 5.0 * found.error
+
+
+def test_the_constant_of_a_density_that_jumps_takes_bounded_work_and_its_error_covers_it(monkeypatch):
+    monkeypatch.setattr(box_integrals, "_MOST_POINTS", 2_000_000)
+    box = "phi=-0.3:0.4,sigma3=-1:1,sigma4=-1:1,phidot=0.5"
+    jump = Density.of(UNIFORM, box, density=lambda phi, phidot, sigma3, sigma4: (sigma3 + phi > 0.3) * 1.0)
+    natural = NaturalDensity(UNIFORM, jump)
+    mass = natural.mass()
+    exact = 2.0 * (0.7 * 0.7 + 0.5 * (0.4**2 - 0.3**2))  # of 1 - (0.3 - phi) over phi
+    assert abs(mass.value - exact) <= mass.error
+    assert natural.work.points < 60_000_000  # a hundred cuts of both pieces would take ten times that

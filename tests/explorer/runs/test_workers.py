@@ -176,6 +176,18 @@ def test_a_scheduler_that_is_not_there_is_named(tmp_path):
     assert "tcp://127.0.0.1:9: cannot be reached" in err.splitlines()[-1]
 
 
+@pytest.mark.parametrize(("protocol", "required"), [("tls", False), ("tcp", True)])
+def test_settings_for_tls_that_do_not_fit_are_told_in_a_sentence(protocol, required, tmp_path):
+    dask = pytest.importorskip("dask")
+    pytest.importorskip("distributed")
+    address = f"{protocol}://127.0.0.1:9"
+    with (
+        dask.config.set({"distributed.comm.require-encryption": required}),
+        pytest.raises(ex.RunError, match=f"{address}: cannot be reached .*settings for TLS"),
+    ):
+        ex.run("race-angles", out=tmp_path / "run", backend="dask", scheduler=address, **SMALL_RACES)
+
+
 def test_a_killed_process_costs_its_chunks_a_second_try_not_the_run(undisturbed, scene, tmp_path):
     done = nearflat("run", scene, "--backend", "processes", "--out", tmp_path / "run", "--json")
     wait_for_chunks(done, tmp_path / "run", 2)
