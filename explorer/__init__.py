@@ -18,9 +18,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from explorer import plot as plot
+    from explorer import portrait as portrait
     from explorer.commands.cite import cite as cite
     from explorer.commands.plan import plan as plan
     from explorer.commands.run import run as run
+    from explorer.commands.trade import trade as trade
     from explorer.compiled import status as _status
     from explorer.errors import CoarseTimesWarning as CoarseTimesWarning
     from explorer.errors import InputError as InputError
@@ -60,7 +62,7 @@ if TYPE_CHECKING:
     __version__: str
 
 # Every public name, with the module it comes from; after a colon, what it is called there if not the same. `plot`
-# is a module itself.
+# and `portrait` are modules themselves.
 _HOMES = {
     "CoarseTimesWarning": "errors",
     "Disk": "phase.disk",
@@ -90,6 +92,7 @@ _HOMES = {
     "phi_to_states": "phase.states",
     "plan": "commands.plan",
     "plot": "plot",
+    "portrait": "portrait",
     "push_forward": "measure.invariance",
     "rates_to_states": "phase.coordinates",
     "register": "scenes.registry",
@@ -99,6 +102,7 @@ _HOMES = {
     "slice_map": "portrait.slices",
     "steady_motions": "portrait.rolling",
     "theta_to_states": "phase.states",
+    "trade": "commands.trade",
     "view": "view.page",
 }
 

@@ -42,7 +42,7 @@ def bifurcation_portraits(found: BifurcationPortraits) -> Figure:
     Parameters
     ----------
     found : BifurcationPortraits
-        From `explorer.portrait.bifurcation_portraits.bifurcation_portraits`.
+        From `explorer.portrait.bifurcation_portraits`.
 
     Returns
     -------
@@ -56,7 +56,7 @@ def bifurcation_portraits(found: BifurcationPortraits) -> Figure:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.bifurcation_portraits import bifurcation_portraits
+    >>> from explorer.portrait import bifurcation_portraits
     >>> figure = plot.bifurcation_portraits(bifurcation_portraits(Disk.uniform(), "line"))
     >>> figure.axes[2].get_title()
     'B: some fall'

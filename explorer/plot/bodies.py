@@ -30,7 +30,7 @@ def race_number(
     Parameters
     ----------
     numbers : RaceNumbers
-        From `explorer.portrait.bodies.race_numbers`.
+        From `explorer.portrait.race_numbers`.
     measured : MeasuredGaps, optional
         Race angles of passages, drawn as circles.
     ax : Axes, optional
@@ -50,7 +50,7 @@ def race_number(
     Examples
     --------
     >>> from explorer import plot
-    >>> from explorer.portrait.bodies import race_numbers
+    >>> from explorer.portrait import race_numbers
     >>> ax = plot.race_number(race_numbers(4.0))
     >>> [text.get_text() for text in ax.texts]
     ['hoop', 'uniform']
@@ -82,7 +82,7 @@ def race_gap(
     Parameters
     ----------
     numbers : RaceNumbers
-        From `explorer.portrait.bodies.race_numbers`.
+        From `explorer.portrait.race_numbers`.
     measured : MeasuredGaps, optional
         Race angles of passages, drawn as circles.
     ax : Axes, optional
@@ -102,7 +102,7 @@ def race_gap(
     Examples
     --------
     >>> from explorer import plot
-    >>> from explorer.portrait.bodies import race_numbers
+    >>> from explorer.portrait import race_numbers
     >>> plot.race_gap(race_numbers(4.0)).get_ylabel()
     'apart after a fall (rad)'
     """
@@ -143,7 +143,7 @@ def race_bodies(numbers: RaceNumbers, measured: MeasuredGaps | None = None) -> F
     Examples
     --------
     >>> from explorer import plot
-    >>> from explorer.portrait.bodies import race_numbers
+    >>> from explorer.portrait import race_numbers
     >>> len(plot.race_bodies(race_numbers(4.0)).axes)
     2
     """

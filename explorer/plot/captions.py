@@ -116,7 +116,7 @@ def caption_of(figure: Figure) -> Caption | None:
     Examples
     --------
     >>> from explorer import plot
-    >>> from explorer.portrait.bodies import race_numbers
+    >>> from explorer.portrait import race_numbers
     >>> figure = plot.figure_of(plot.race_number, race_numbers())
     >>> str(plot.caption_of(figure).question)
     'How far does the contact point race?'
@@ -144,7 +144,7 @@ def save(figure: Figure, path: Path | str, dpi: int = DPI) -> None:
     Examples
     --------
     >>> from explorer import plot
-    >>> from explorer.portrait.bodies import race_numbers
+    >>> from explorer.portrait import race_numbers
     >>> plot.save(plot.figure_of(plot.race_number, race_numbers()), "bodies.png")  # doctest: +SKIP
     """
     caption, kind = caption_of(figure), Path(path).suffix.lower()

@@ -22,7 +22,7 @@ def conservation(found: Conservation) -> Figure:
     Parameters
     ----------
     found : Conservation
-        From `explorer.portrait.conservation.conservation`.
+        From `explorer.portrait.conservation`.
 
     Returns
     -------
@@ -31,7 +31,7 @@ def conservation(found: Conservation) -> Figure:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.conservation import conservation
+    >>> from explorer.portrait import conservation
     >>> figure = plot.conservation(conservation(Disk.uniform(), most=20, most_by_solver=2))
     >>> [ax.get_yscale() for ax in figure.axes]
     ['log', 'log']

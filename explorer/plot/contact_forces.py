@@ -26,7 +26,7 @@ def contact_forces(several: Sequence[ContactForces]) -> Figure:
     Parameters
     ----------
     several : sequence of ContactForces
-        From `explorer.portrait.contact_forces.contact_forces`; four at most.
+        From `explorer.portrait.contact_forces`; four at most.
 
     Returns
     -------
@@ -35,7 +35,7 @@ def contact_forces(several: Sequence[ContactForces]) -> Figure:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.contact_forces import contact_forces
+    >>> from explorer.portrait import contact_forces
     >>> plot.contact_forces(contact_forces(Disk.uniform(), [0.1])).axes[1].get_ylabel()
     'normal force ($m g$)'
     """

@@ -80,7 +80,7 @@ def animate(path: Path | str, disk: Disk, *, frames: int = FRAMES, **options: An
     frames : int
         Between frames time goes on in proportion to cos(phi), so that the race fills many of them.
     **options
-        eta_hat, sigma3_bar, phidot and bounces as for `explorer.portrait.film.film`.
+        eta_hat, sigma3_bar, phidot and bounces as for `explorer.portrait.film`.
 
     Returns
     -------

@@ -24,7 +24,7 @@ def missed_races(solved: GeneralSolvers) -> Figure:
     Parameters
     ----------
     solved : GeneralSolvers
-        From `explorer.portrait.general_solvers.general_solvers`.
+        From `explorer.portrait.general_solvers`.
 
     Returns
     -------
@@ -37,7 +37,7 @@ def missed_races(solved: GeneralSolvers) -> Figure:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.general_solvers import general_solvers
+    >>> from explorer.portrait import general_solvers
     >>> len(plot.missed_races(general_solvers(Disk.uniform(), [1e-2])).axes)
     4
     """

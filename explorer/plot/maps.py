@@ -58,7 +58,7 @@ def constants_plane(plane: ConstantsPlane, ax: Axes | None = None, **look: Any) 
     Parameters
     ----------
     plane : ConstantsPlane
-        From a run of scene falling-set, or `explorer.portrait.slices.flattest_per_cell`.
+        From `explorer.portrait.flattest_per_cell`; a run of scene falling-set draws its own by `figure`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -71,11 +71,10 @@ def constants_plane(plane: ConstantsPlane, ax: Axes | None = None, **look: Any) 
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from explorer import Disk, plot
-    >>> from explorer.portrait.slices import ConstantsPlane
-    >>> edges = np.linspace(-2.0, 2.0, 4)
-    >>> plane = ConstantsPlane(Disk.uniform(), edges, edges, np.full((3, 3), 0.1), 0.7286, "quadrature")
+    >>> import numpy as np, explorer as ex
+    >>> from explorer import plot
+    >>> draw = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 500))
+    >>> plane = ex.portrait.flattest_per_cell(ex.phi_to_states(ex.Disk.uniform(), 0.0, *draw), cells=10)
     >>> [text.get_text() for text in plot.constants_plane(plane).texts]
     ['$l_+$', '$l_-$']
     """
@@ -126,10 +125,9 @@ def slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
 
     Examples
     --------
-    >>> from explorer import Disk, plot
-    >>> from explorer.portrait.slices import Slice, slice_map
-    >>> disk = Disk.uniform()
-    >>> ax = plot.slice_map(slice_map(disk, Slice.defaults(disk)[0], points=21))
+    >>> import explorer as ex
+    >>> cut = ex.slice_map(ex.Disk.uniform(), "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2", points=21)
+    >>> ax = ex.plot.slice_map(cut)
     >>> ax.figure.axes[1].get_ylabel().rpartition(", ")[2]
     'by quadrature'
     """
@@ -184,7 +182,7 @@ def theta_min_distribution(
     Parameters
     ----------
     theta : LogCounts or array_like
-        theta_min (rad) of samples, or counts of it.
+        theta_min (rad) of samples, of `explorer.periods` for instance, or counts of it.
     samples : int, optional
         Number of all samples, also of those whose theta_min was not computed; by default as many as `theta` has.
     ax : Axes, optional

@@ -36,7 +36,7 @@ def limit_paths(several: Sequence[BothSides]) -> Figure:
     Parameters
     ----------
     several : sequence of BothSides
-        From `explorer.portrait.near_flat.toward_limits`.
+        From `explorer.portrait.toward_limits`.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def limit_paths(several: Sequence[BothSides]) -> Figure:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.near_flat import toward_limits
+    >>> from explorer.portrait import toward_limits
     >>> len(plot.limit_paths(toward_limits(Disk.uniform(), [0.1])).axes)
     4
     """
@@ -117,7 +117,7 @@ def race_collapse(several: Sequence[NearFlat], ax: Axes | None = None, **look: A
     Parameters
     ----------
     several : sequence of NearFlat
-        From `explorer.portrait.near_flat.near_flat`.
+        From `explorer.portrait.near_flat`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -134,7 +134,7 @@ def race_collapse(several: Sequence[NearFlat], ax: Axes | None = None, **look: A
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.near_flat import near_flat
+    >>> from explorer.portrait import near_flat
     >>> plot.race_collapse(near_flat(Disk.uniform(), [1e-6])).get_ylabel()
     'race from its middle / $\\kappa$ (rad)'
     """
@@ -177,7 +177,7 @@ def blow_up(several: Sequence[NearFlat]) -> Figure:
     Parameters
     ----------
     several : sequence of NearFlat
-        From `explorer.portrait.near_flat.near_flat`.
+        From `explorer.portrait.near_flat`.
 
     Returns
     -------
@@ -190,7 +190,7 @@ def blow_up(several: Sequence[NearFlat]) -> Figure:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.near_flat import near_flat
+    >>> from explorer.portrait import near_flat
     >>> len(plot.blow_up(near_flat(Disk.uniform(), [1e-2])).axes)
     1
     """

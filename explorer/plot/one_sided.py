@@ -103,7 +103,7 @@ def one_sided_phi(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     Parameters
     ----------
     both : BothSides
-        From `both_sides`.
+        From `explorer.both_sides`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -148,7 +148,7 @@ def one_sided_chi(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     Parameters
     ----------
     both : BothSides
-        From `both_sides`.
+        From `explorer.both_sides`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -207,7 +207,7 @@ def contact_paths(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     Parameters
     ----------
     both : BothSides
-        From `both_sides`.
+        From `explorer.both_sides`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look

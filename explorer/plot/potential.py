@@ -25,7 +25,8 @@ from explorer.plot.style import (
     number,
     rates_of,
 )
-from explorer.portrait.potential import CENTRE, SADDLE, Potential, level_energies
+from explorer.portrait.potential import CENTRE, SADDLE, Potential
+from explorer.portrait.potentials import level_energies
 
 # Curves of the potential: beside the line, the wider the further from it; on it, and where it ends at flat.
 _WIDTHS = (1.1, 1.9, 2.8)
@@ -53,7 +54,7 @@ def phase_portrait(
     Parameters
     ----------
     potential : Potential
-        From `explorer.portrait.potential.on_line` or `at_constants`.
+        From `explorer.portrait.on_line` or `explorer.portrait.at_constants`.
     energies : (float, float), optional
         Range of the levels, units of the disk; by default from the bottom of V to above all saddles.
     ax : Axes, optional
@@ -73,7 +74,7 @@ def phase_portrait(
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.potential import on_line
+    >>> from explorer.portrait import on_line
     >>> plot.phase_portrait(on_line(Disk.uniform(), 0.25)).get_xlabel()
     '$\\\\varphi$ (rad); flat at ±π/2'
     """
@@ -212,7 +213,7 @@ def potential_curves(
     Parameters
     ----------
     potentials : sequence of Potential
-        Of one disk and one sigma3_bar.
+        From `explorer.portrait.on_line` or `explorer.portrait.at_constants`, of one disk and one sigma3_bar.
     near_flat : bool
         Draw over the tilt from the flat state of their face, on a logarithmic axis, where the wall rises.
     ax : Axes, optional
@@ -232,7 +233,7 @@ def potential_curves(
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.potential import on_line
+    >>> from explorer.portrait import on_line
     >>> ax = plot.potential_curves([on_line(Disk.uniform(), 0.25, eta_hat) for eta_hat in (0.0, 0.01)])
     >>> ax.get_title()
     'uniform: amended potential at $\\\\bar\\\\sigma_3$ = 0.25'

@@ -38,7 +38,7 @@ def race_histogram(
     Parameters
     ----------
     races : mapping or RaceRidges
-        The summary of a run of scene race-angles, or what `explorer.portrait.races.race_ridges` counts.
+        The summary of a run of scene race-angles, or what `explorer.portrait.race_ridges` counts.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     bins : int
@@ -58,7 +58,7 @@ def race_histogram(
     Examples
     --------
     >>> import explorer as ex
-    >>> from explorer.portrait.races import race_ridges
+    >>> from explorer.portrait import race_ridges
     >>> disk, eta_hat = ex.Disk.uniform(), [1e-3, -2e-3, 1e-5]
     >>> found = race_ridges(disk, eta_hat, ex.passages(disk, 1.0, eta_hat, 1.0).race_angle)
     >>> ax = ex.plot.race_histogram(found, bins=4)
@@ -195,7 +195,7 @@ def race_deviation(
     Parameters
     ----------
     races : mapping or sequence of mappings
-        The summary of a run of scene race-angles, or the rows of `explorer.portrait.races.race_law`.
+        The summary of a run of scene race-angles, or the rows of `explorer.portrait.race_law`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -210,7 +210,7 @@ def race_deviation(
     Examples
     --------
     >>> import explorer as ex
-    >>> from explorer.portrait.races import race_law
+    >>> from explorer.portrait import race_law
     >>> disk, eta_hat = ex.Disk.uniform(), [1e-6, 1e-4]
     >>> found = ex.passages(disk, 1.0, eta_hat, 1.0, accuracy=1e-9)
     >>> ax = ex.plot.race_deviation(race_law(disk, eta_hat, found.race_angle, found.impact_speed))

@@ -24,7 +24,7 @@ def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None, **look: Any
     Parameters
     ----------
     bodies : sequence of Rocking
-        From `explorer.portrait.rocking.rocking`, one for each disk.
+        From `explorer.portrait.rocking`, one for each disk.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -44,7 +44,7 @@ def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None, **look: Any
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.rocking import rocking
+    >>> from explorer.portrait import rocking
     >>> ax = plot.rocking_turns([rocking(Disk.uniform(), [1.1, 10.0, 100.0])])
     >>> ax.lines[0].get_label()
     'uniform'

@@ -25,7 +25,7 @@ def rotation_map(rotation: RotationMap, ax: Axes | None = None, **look: Any) -> 
     Parameters
     ----------
     rotation : RotationMap
-        From `explorer.portrait.rotation.rotation_map`.
+        From `explorer.portrait.rotation_map`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -42,7 +42,7 @@ def rotation_map(rotation: RotationMap, ax: Axes | None = None, **look: Any) -> 
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.rotation import rotation_map
+    >>> from explorer.portrait import rotation_map
     >>> figure = plot.figure_of(plot.rotation_map, rotation_map(Disk.uniform(), 2.0, points=20))
     >>> figure.axes[1].get_ylabel()
     'turns per period, without whole ones'

@@ -22,7 +22,8 @@ from explorer.plot.style import (
     number,
     rates_of,
 )
-from explorer.portrait.potential import Component, Potential, level_energies
+from explorer.portrait.potential import Component, Potential
+from explorer.portrait.potentials import level_energies
 
 _OF_SIDES = 4  # levels of a portrait of both sides
 
@@ -42,7 +43,7 @@ def portrait_of_sides(
     Parameters
     ----------
     plus, minus : Potential
-        From `explorer.portrait.potential.on_line`, with one sigma3_bar and eta_hat of either sign.
+        From `explorer.portrait.on_line`, with one sigma3_bar and eta_hat of either sign.
     energies : (float, float), optional
         Range of the levels, units of the disk; by default from the bottom of V to above all saddles.
     **look
@@ -60,7 +61,7 @@ def portrait_of_sides(
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.potential import on_line
+    >>> from explorer.portrait import on_line
     >>> figure = plot.portrait_of_sides(*(on_line(Disk.uniform(), 0.25, eta) for eta in (0.01, -0.01)))
     >>> [ax.get_title() for ax in figure.axes]
     ['The tilt: both sides alike', 'The race: opposite ways']

@@ -70,10 +70,9 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
 
     Examples
     --------
-    >>> from explorer import Disk, plot
-    >>> from explorer.portrait.slices import Slice, slice_map
-    >>> disk = Disk.uniform()
-    >>> plot.race_slice_map(slice_map(disk, Slice.defaults(disk)[0], points=21)).get_xlabel()
+    >>> import explorer as ex
+    >>> cut = ex.slice_map(ex.Disk.uniform(), "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2", points=21)
+    >>> ex.plot.race_slice_map(cut).get_xlabel()
     '$\\\\sigma_3$ ($\\\\sqrt{g/r}$)'
     """
     ax = axes_or_new(ax)

@@ -28,7 +28,8 @@ from explorer.plot.style import (
     rates_of,
     styled,
 )
-from explorer.portrait.potential import CENTRE, SADDLE, at_constants
+from explorer.portrait.potential import CENTRE, SADDLE
+from explorer.portrait.potentials import at_constants
 from explorer.portrait.steady import (
     PATHS,
     Branch,
@@ -233,7 +234,7 @@ def bifurcations(
     ----------
     disk : Disk
     path : str
-        "spinning", "rolling" or "line", as for `explorer.portrait.steady.bifurcation`.
+        "spinning", "rolling" or "line", as for `explorer.portrait.bifurcation`.
     branches : sequence of Branch
         From that function.
     marks : sequence of float
@@ -251,7 +252,7 @@ def bifurcations(
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.steady import bifurcation
+    >>> from explorer.portrait import bifurcation
     >>> disk = Disk.uniform()
     >>> branches = bifurcation(disk, "line", [0.1, 0.2, 0.3])
     >>> plot.bifurcations(disk, "line", branches, [0.34]).get_title()

@@ -176,7 +176,7 @@ def hero(shown: Film) -> Figure:
     Parameters
     ----------
     shown : Film
-        One bounce, from `explorer.portrait.film.film`.
+        One bounce, from `explorer.portrait.film`.
 
     Returns
     -------
@@ -190,7 +190,7 @@ def hero(shown: Film) -> Figure:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.film import film
+    >>> from explorer.portrait import film
     >>> figure = plot.hero(film(Disk.uniform(), eta_hat=0.01))
     >>> len(figure.axes)
     3

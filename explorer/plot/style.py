@@ -65,7 +65,7 @@ def figure_of(draw: Callable[..., Any] | Figure, *arguments: Any) -> Figure:
     Examples
     --------
     >>> from explorer import plot
-    >>> from explorer.portrait.bodies import race_numbers
+    >>> from explorer.portrait import race_numbers
     >>> figure = plot.figure_of(plot.race_number, race_numbers())
     >>> figure.axes[0].get_xlabel()
     '$m r^2/I_1$'
@@ -93,7 +93,7 @@ def stacked(*draws: Callable[[Axes], Axes], height: float = 6.4) -> Figure:
     Examples
     --------
     >>> from explorer import plot
-    >>> from explorer.portrait.bodies import race_numbers
+    >>> from explorer.portrait import race_numbers
     >>> numbers = race_numbers()
     >>> draw = [lambda ax: plot.race_number(numbers, ax=ax), lambda ax: plot.race_gap(numbers, ax=ax)]
     >>> figure = plot.stacked(*draw)

@@ -30,7 +30,7 @@ def falling_surface(surface: FallingSurface) -> Figure:
     Parameters
     ----------
     surface : FallingSurface
-        From `explorer.portrait.falling_surface.falling_surface`.
+        From `explorer.portrait.falling_surface`.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def falling_surface(surface: FallingSurface) -> Figure:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.falling_surface import falling_surface
+    >>> from explorer.portrait import falling_surface
     >>> plot.falling_surface(falling_surface(Disk.uniform())).axes[0].get_xlabel()
     '$\\varphi$ (rad)'
     """
@@ -88,7 +88,7 @@ def zoom_on_f(zoomed: Zoom) -> Figure:
     Parameters
     ----------
     zoomed : Zoom
-        From `explorer.portrait.falling_surface.zoom`.
+        From `explorer.portrait.zoom`.
 
     Returns
     -------
@@ -97,7 +97,7 @@ def zoom_on_f(zoomed: Zoom) -> Figure:
     Examples
     --------
     >>> from explorer import Disk, plot
-    >>> from explorer.portrait.falling_surface import zoom
+    >>> from explorer.portrait import zoom
     >>> len(plot.zoom_on_f(zoom(Disk.uniform(), [0.3, 3e-5], points=4)).axes)
     2
     """

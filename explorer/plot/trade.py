@@ -21,7 +21,7 @@ def work_precision(rows: Sequence[Any], ax: Axes | None = None, **look: Any) -> 
     Parameters
     ----------
     rows : sequence of Row
-        From `explorer.commands.trade.trade`.
+        From `explorer.trade`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -34,9 +34,8 @@ def work_precision(rows: Sequence[Any], ax: Axes | None = None, **look: Any) -> 
 
     Examples
     --------
-    >>> from explorer import Disk, plot
-    >>> from explorer.commands.trade import trade
-    >>> ax = plot.work_precision(trade(Disk.uniform(), 1024))  # doctest: +SKIP
+    >>> import explorer as ex
+    >>> ax = ex.plot.work_precision(ex.trade(ex.Disk.uniform(), 1024))  # doctest: +SKIP
     """
     ax = axes_or_new(ax)
     front = sorted((row.p99, row.nanoseconds) for row in rows if row.on_front)

@@ -27,7 +27,7 @@ def wander_path(path: WanderPath, ax: Axes | None = None, **look: Any) -> Axes:
     Parameters
     ----------
     path : WanderPath
-        From `explorer.portrait.wander.wander_path`.
+        From `explorer.portrait.wander_path`.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -42,7 +42,7 @@ def wander_path(path: WanderPath, ax: Axes | None = None, **look: Any) -> Axes:
     Examples
     --------
     >>> from explorer import Disk, constants_to_states, plot
-    >>> from explorer.portrait.wander import wander_path
+    >>> from explorer.portrait import wander_path
     >>> disk = Disk.uniform()
     >>> ax = plot.wander_path(wander_path(constants_to_states(disk, 0.7, 0.05, 1.0), 2))
     >>> [line.get_label() for line in ax.lines][:2]
@@ -72,7 +72,7 @@ def rosette_and_resonance(generic: WanderPath, resonant: WanderPath) -> Figure:
     Parameters
     ----------
     generic, resonant : WanderPath
-        From `explorer.portrait.wander.wander_path`.
+        From `explorer.portrait.wander_path`.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def rosette_and_resonance(generic: WanderPath, resonant: WanderPath) -> Figure:
     Examples
     --------
     >>> from explorer import Disk, constants_to_states, plot
-    >>> from explorer.portrait.wander import wander_path
+    >>> from explorer.portrait import wander_path
     >>> path = wander_path(constants_to_states(Disk.uniform(), 0.7, 0.05, 1.0), 2)
     >>> len(plot.rosette_and_resonance(path, path).axes)
     2
@@ -115,7 +115,7 @@ def wander_distance(named: Mapping[str, WanderPath], ax: Axes | None = None, **l
     Parameters
     ----------
     named : mapping of str to WanderPath
-        Motions and what the legend calls them.
+        Motions from `explorer.portrait.wander_path`, by what the legend calls them.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -129,7 +129,7 @@ def wander_distance(named: Mapping[str, WanderPath], ax: Axes | None = None, **l
     Examples
     --------
     >>> from explorer import Disk, constants_to_states, plot
-    >>> from explorer.portrait.wander import wander_path
+    >>> from explorer.portrait import wander_path
     >>> path = wander_path(constants_to_states(Disk.uniform(), 0.7, 0.05, 1.0), 2)
     >>> plot.wander_distance({"generic": path}).lines[0].get_label()
     'generic'
@@ -173,7 +173,7 @@ def wander_radius(
     sigma3_bar : array (n)
         Of the motions, units of the disk, increasing.
     wander : Wander
-        From `explorer.portrait.wander.wander`, of the same motions.
+        From `explorer.portrait.wander`, of the same motions.
     resonances : mapping of int to float, optional
         sigma3_bar at which chi(tau) is that many whole turns, drawn as vertical lines.
     ax : Axes, optional
@@ -190,7 +190,7 @@ def wander_radius(
     --------
     >>> import numpy as np
     >>> from explorer import Disk, constants_to_states, plot
-    >>> from explorer.portrait.wander import wander
+    >>> from explorer.portrait import wander
     >>> disk, bars = Disk.uniform(), np.array([0.6, 0.7])
     >>> ax = plot.wander_radius(disk, bars, wander(constants_to_states(disk, bars, 0.05, 1.0)))
     >>> ax.get_ylabel()

@@ -35,6 +35,13 @@ class BifurcationPortraits:
         Values of the parameter and energies, units of the disk.
     potentials : tuple of Potential
         At each place.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.portrait.bifurcation_portraits(ex.Disk.uniform(), "line")
+    >>> len(found.potentials) == len(found.places)
+    True
     """
 
     disk: Disk
@@ -56,7 +63,7 @@ def bifurcation_portraits(
     ----------
     disk : Disk
     path : str
-        "spinning", "rolling" or "line", as for `explorer.portrait.steady.bifurcation`.
+        "spinning", "rolling" or "line", as for `explorer.portrait.bifurcation`.
     places : sequence of (float, float), optional
         Values of the path's parameter and energies, units of the disk; by default one in each region of the plane.
 
@@ -72,7 +79,7 @@ def bifurcation_portraits(
     Examples
     --------
     >>> import explorer as ex
-    >>> from explorer.portrait.bifurcation_portraits import bifurcation_portraits
+    >>> from explorer.portrait import bifurcation_portraits
     >>> found = bifurcation_portraits(ex.Disk.uniform(), "line")
     >>> len(found.places), round(found.threshold, 5)
     (4, 0.34456)

@@ -22,8 +22,22 @@ _SAME = 1e-8  # turns; rounding and the law leave less of a gap of zero, which m
 class RaceNumbers:
     """Race number and gap against the body; arrays (n).
 
-    ratio: m r^2/I1. kappa: sqrt(1 + ratio), eq. (7.9). gap: 2 kappa pi mod 2 pi (rad), from 0 up to 2 pi.
-    matching: the ratios l^2 - 1 up to the largest, where the gap is zero (section 7.2 of the paper).
+    Attributes
+    ----------
+    ratio : array
+        m r^2/I1.
+    kappa : array
+        sqrt(1 + ratio), eq. (7.9).
+    gap : array
+        2 kappa pi mod 2 pi (rad), from 0 up to 2 pi.
+    matching : array
+        The ratios l^2 - 1 up to the largest, where the gap is zero (section 7.2 of the paper).
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.portrait.race_numbers(16.0).matching
+    array([ 0.,  3.,  8., 15.])
     """
 
     ratio: Array
@@ -33,7 +47,34 @@ class RaceNumbers:
 
 
 def race_numbers(most: float = MOST, points: int = 1601) -> RaceNumbers:
-    """kappa and gap for m r^2/I1 from 0 to `most`; the matching bodies are among the points."""
+    """The race number kappa and the gap between the limits for all bodies.
+
+    Parameters
+    ----------
+    most : float
+        Largest m r^2/I1, up to 1e6; from 0 on.
+    points : int
+        How many, evenly spaced; the matching bodies are among them as well.
+
+    Returns
+    -------
+    RaceNumbers
+
+    Raises
+    ------
+    InputError
+        Where `most` is not above 0 and up to 1e6, or there are fewer than 2 points.
+
+    References
+    ----------
+    Eq. (7.9) of the paper.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.portrait.race_numbers(4.0, points=5).kappa.round(4)
+    array([1.    , 1.4142, 1.7321, 2.    , 2.2361])
+    """
     largest, points = _ratio("most", most), whole("points", points, 2)
     turns = np.arange(1.0, math.floor(math.sqrt(1.0 + largest)) + 1.0)
     matching = turns * turns - 1.0
@@ -44,7 +85,28 @@ def race_numbers(most: float = MOST, points: int = 1601) -> RaceNumbers:
 
 
 def flat_body(ratio: float) -> Disk:
-    """The flat body (I3 = 2 I1) with this m r^2/I1, in natural units."""
+    """The flat body (I3 = 2 I1) with this m r^2/I1, in natural units.
+
+    Parameters
+    ----------
+    ratio : float
+        m r^2/I1, above 0 and up to 1e6; 4 is the uniform disk, 2 the hoop.
+
+    Returns
+    -------
+    Disk
+
+    Raises
+    ------
+    InputError
+        For another ratio.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.portrait.flat_body(8.0).kappa
+    3.0
+    """
     value = _ratio("ratio", ratio)
     return Disk(I1=1.0 / value, I3=2.0 / value, name=f"ratio-{value:g}")
 
@@ -58,10 +120,22 @@ def _ratio(name: str, value: float) -> float:
 
 @dataclass(frozen=True)
 class MeasuredGaps:
-    """Race angles beside F by quadrature; arrays (n). ratio: m r^2/I1.
+    """Race angles beside F by quadrature; arrays (n).
 
-    kappa: half the difference of the race angles on both sides of F, over pi. gap: that difference less
-    the whole turns nearest to it, modulo 2 pi (rad).
+    Attributes
+    ----------
+    ratio : array
+        m r^2/I1.
+    kappa : array
+        Half the difference of the race angles on both sides of F, over pi.
+    gap : array
+        That difference less the whole turns nearest to it, modulo 2 pi (rad).
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.portrait.measured_gaps([ex.Disk.matching()]).gap.round(8)
+    array([0.])
     """
 
     ratio: Array
@@ -70,7 +144,29 @@ class MeasuredGaps:
 
 
 def measured_gaps(disks: Sequence[Disk]) -> MeasuredGaps:
-    """Race numbers of bodies from passages at eta_hat = +-1e-12 natural units, sigma3_bar = phidot = 1."""
+    """Race numbers of bodies as passages beside F have them.
+
+    Parameters
+    ----------
+    disks : sequence of Disk
+        One body or more, with I3 > 0.
+
+    Returns
+    -------
+    MeasuredGaps
+        At eta_hat = +-1e-12, sigma3_bar = phidot = 1 natural units.
+
+    Raises
+    ------
+    InputError
+        Where no disk is given, or something else.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.portrait.measured_gaps([ex.Disk.hoop(), ex.Disk.uniform()]).kappa.round(6)
+    array([1.732051, 2.236068])
+    """
     if not disks:
         raise InputError("disks: none were given; give at least one Disk")
     kappa = []

@@ -20,8 +20,27 @@ _ACCURACY = 1e-9
 class ContactForces:
     """Forces at the contact over one period.
 
-    t: time from the vertical, units of the disk. theta: tilt from flat (rad). normal: normal force in m g.
-    friction: the coefficient of friction that rolling needs, NaN where the normal force is not positive.
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    eta_hat : float
+        Distance of the motion from F, units of the disk.
+    t : (nt,) array
+        Time from the vertical, units of the disk.
+    theta : (nt,) array
+        Tilt from flat (rad).
+    normal : (nt,) array
+        Normal force, in m g.
+    friction : (nt,) array
+        The coefficient of friction that rolling needs, NaN where the normal force is not positive.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> one, = ex.portrait.contact_forces(ex.Disk.uniform(), [0.1])
+    >>> 0.0 < one.airborne < 1.0
+    True
     """
 
     disk: Disk
@@ -65,6 +84,13 @@ def contact_forces(
     Notes
     -----
     Mass times the acceleration of the centre, whose velocity is eq. (2.33), plus the weight.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> one, = ex.portrait.contact_forces(ex.Disk.uniform(), [0.3])
+    >>> print(f"{one.normal[0]:.2f} m g at the vertical")
+    0.00 m g at the vertical
     """
     starts = constants_to_states(disk, sigma3_bar, list(eta_hat), phidot)
     found = periods(starts)

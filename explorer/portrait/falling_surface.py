@@ -20,7 +20,19 @@ _EDGE = 1.5  # rad of phi: the sheets are drawn to there, flat is pi/2
 class FallingSurface:
     """The two sheets of F in (phi, sigma3, sigma4), where the disk has speed enough to reach flat.
 
-    phi, sigma3, sigma4: by face, (n, n) arrays; phi in rad, the others rad per unit of time.
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    phi, sigma3, sigma4 : dict of int to (n, n) array
+        By the face, +1 and -1; phi in rad, the others rad per unit of time.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> sheets = ex.portrait.falling_surface(ex.Disk.uniform(), points=5)
+    >>> bool((sheets.sigma4[-1] == -sheets.sigma4[1]).all())
+    True
     """
 
     disk: Disk
@@ -44,9 +56,20 @@ def falling_surface(disk: Disk, size: float = 1.0, points: int = 41) -> FallingS
     -------
     FallingSurface
 
+    Raises
+    ------
+    InputError
+        For a size that is not above 0, and fewer than 2 points.
+
     References
     ----------
     Eqs (3.5), (6.1) of the paper; face -1 by the symmetry (3.2).
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.portrait.falling_surface(ex.Disk.uniform(), size=2.0, points=7).phi[1].shape
+    (7, 7)
     """
     count = whole("points", points, 2, _MOST_POINTS)
     phi = np.linspace(-_EDGE, _EDGE, count)
@@ -63,9 +86,26 @@ def falling_surface(disk: Disk, size: float = 1.0, points: int = 41) -> FallingS
 class Zoom:
     """Squares round one point of F, each smaller than the one before.
 
-    half (k): half the side of each square, rad per unit of time. offset (n): the places in a square, in halves.
-    race_angle (k, n, n): of the passage that starts there (rad), by eta_hat and sigma3_bar; NaN where none does.
-    falls: how many of all these motions fall.
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    sigma3_bar : float
+        Where they lie, rad per unit of time.
+    half : (k,) array
+        Half the side of each square, rad per unit of time.
+    offset : (n,) array
+        The places in a square, in halves.
+    race_angle : (k, n, n) array
+        Of the passage that starts there (rad), by eta_hat and sigma3_bar; NaN where none does.
+    falls : int
+        How many of all these motions fall.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.portrait.zoom(ex.Disk.uniform(), [0.1], points=4).race_angle.shape
+    (1, 4, 4)
     """
 
     disk: Disk
@@ -94,6 +134,17 @@ def zoom(
     Returns
     -------
     Zoom
+
+    Raises
+    ------
+    InputError
+        For an odd number of points, halves that are not above 0, and a disk with I3 = 0.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.portrait.zoom(ex.Disk.uniform(), [0.1, 1e-9], points=4).falls
+    0
     """
     require_axial_inertia(disk)
     count = whole("points", points, 2, _MOST_POINTS)

@@ -51,7 +51,7 @@ class Film:
     Examples
     --------
     >>> import explorer as ex
-    >>> from explorer.portrait.film import film
+    >>> from explorer.portrait import film
     >>> made = film(ex.Disk.uniform(), eta_hat=0.05, frames=3)
     >>> made.t[made.frames[[0, 2]]].round(3), float(made.phi[1].max().round(3))
     (array([-1.122,  1.122]), 1.535)
@@ -95,10 +95,8 @@ def film(
         At the vertical, where both start in the same place with chi = 0; units of the disk. With more than
         one bounce the motion with eta < 0 has another phidot, for which both have the same period: they lie
         down together every time.
-    frames : int
-        How many rows are frames.
-    bounces : int
-        How often they come to lie nearly flat on face +1.
+    frames, bounces : int
+        How many rows are frames, and how often the disks come to lie nearly flat on face +1.
 
     Returns
     -------
@@ -110,9 +108,12 @@ def film(
     InputError
         Where there is no passage, or an argument cannot be used.
 
-    References
-    ----------
-    Section 7 of the paper.
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> made = ex.portrait.film(ex.Disk.hoop(), eta_hat=0.1, frames=4)
+    >>> made.frames.size, sorted(made.phi)
+    (4, [-1, 1])
     """
     require_axial_inertia(disk)
     frames, bounces = whole("frames", frames, 2, _MOST_FRAMES), whole("bounces", bounces, 1, _MOST_BOUNCES)

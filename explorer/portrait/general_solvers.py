@@ -1,5 +1,7 @@
 """What general solvers make of passages near flat, on the equations as they stand in the paper."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 
@@ -22,8 +24,23 @@ _MOST_EVALUATIONS = 30_000
 class GeneralSolvers:
     """Race angles (rad) of the same passages by several solvers.
 
-    eta_hat (n): with its sign, rad per unit of time. race_angle: (n) by the solver's name, NaN where it gave up.
-    beyond: (n) by the solver's name, whether its disk went through the table.
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    eta_hat : (n,) array
+        With its sign, rad per unit of time.
+    race_angle : dict of str to (n,) array
+        By the solver's name, NaN where it gave up.
+    beyond : dict of str to (n,) array
+        By the solver's name, whether its disk went through the table.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.portrait.general_solvers(ex.Disk.uniform(), [0.1])
+    >>> [str(name) for name in found.race_angle]
+    ['RK45', 'DOP853', 'LSODA', 'nearflat']
     """
 
     disk: Disk
@@ -85,6 +102,13 @@ def general_solvers(
     Notes
     -----
     The solvers get the equations of the paper in (phi, phidot, sigma3, sigma4), rtol = 1e-3 and atol = 1e-6.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.portrait.general_solvers(ex.Disk.uniform(), [0.1, -1e-6])
+    >>> found.wrong("nearflat").tolist()
+    [False, False]
     """
     signed = columns_of(eta_hat=eta_hat)[0]
     ours = passages(disk, sigma3_bar, signed, phidot)

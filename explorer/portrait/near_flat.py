@@ -1,5 +1,7 @@
 """Passages seen from near flat: where the race of the contact point is one and the same curve."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -23,9 +25,27 @@ _SMALLEST = 1e-10
 class NearFlat:
     """One passage from the vertical to nearly flat and back, on face +1.
 
-    eta_hat: with its sign, rad per unit of time. theta, chi (nt): tilt from flat and contact angle (rad). p (nt):
-    its rate dtheta/dt, and rho (nt): sigma3 / sin(theta), both rad per unit of time; rho is bounded where
-    dchi/dt is not. theta_min: the smallest tilt. impact_speed: A of eq. (7.1), rad per unit of time.
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    eta_hat : float
+        With its sign, rad per unit of time.
+    theta, chi : (nt,) array
+        Tilt from flat and contact angle (rad).
+    p, rho : (nt,) array
+        dtheta/dt, and sigma3 / sin(theta), both rad per unit of time; rho is bounded where dchi/dt is not.
+    theta_min : float
+        The smallest tilt (rad).
+    impact_speed : float
+        A of eq. (7.1), rad per unit of time.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> one, = ex.portrait.near_flat(ex.Disk.uniform(), [1e-6])
+    >>> print(f"{one.theta_min:.3g} rad at the flattest")
+    7.24e-07 rad at the flattest
     """
 
     disk: Disk
@@ -76,6 +96,13 @@ def near_flat(
     References
     ----------
     Lemma 6 of the paper.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> both = ex.portrait.near_flat(ex.Disk.uniform(), [1e-3, -1e-3])
+    >>> [round(one.theta_min, 6) for one in both]
+    [0.000723, 0.000725]
     """
     sizes = columns_of(eta_hat=eta_hat)[0]
     if not (abs(sizes) >= _SMALLEST * disk.rate_unit).all():
@@ -99,6 +126,32 @@ def near_flat(
 def toward_limits(
     disk: Disk, eta_hat: Sequence[float], sigma3_bar: float = 1.0, phidot: float = 1.0
 ) -> tuple[BothSides, ...]:
-    """Motions beside one point of F at several distances (natural units), each beside both limits."""
+    """Motions beside one point of F at several distances, each beside both limits.
+
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    eta_hat : sequence of float
+        Distances from F, above 0, natural units.
+    sigma3_bar, phidot : float
+        At the vertical, units of the disk.
+
+    Returns
+    -------
+    tuple of BothSides
+        One for each distance, as `explorer.both_sides` gives it.
+
+    Raises
+    ------
+    InputError
+        For distances that are not above 0, and where no motion falls from there.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> [round(both.eta_hat, 3) for both in ex.portrait.toward_limits(ex.Disk.uniform(), [0.1, 0.01])]
+    [0.1, 0.01]
+    """
     start = constants_to_states(disk, sigma3_bar, 0.0, phidot)
     return tuple(both_sides(start, size * disk.rate_unit) for size in eta_hat)

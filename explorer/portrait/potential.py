@@ -6,6 +6,8 @@ l_+- it ends at V_0 on that face, eq. (6.9), and the disk falls. All roots are s
 the logarithm of the tilt near flat, so that a wall at eta_hat = 1e-100 is as far away as any other.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,10 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, number, sign
+from explorer.errors import InputError
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
-from explorer.phase.membership import require_well
+from explorer.phase.lines import line_chart, line_slope, other_eta_hat
 from explorer.phase.states import Array
 
 _STEP = 0.02  # of y, in which V is smooth on the scale 1: no two zeros of V'' share a step
@@ -26,7 +27,6 @@ _FLAT = 1e-8  # tilt (rad), at rates of order 1, below which V' keeps its sign w
 _WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall is far above all else
 _SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
 _POINTS = 400  # of a curve, and some more where it runs to flat
-_LARGEST = 1e100  # of a constant of motion; squares of larger ones overflow
 CENTRE, SADDLE, DEGENERATE = "centre", "saddle", "degenerate"
 TURNING, FLAT = "turning point", "flat"
 
@@ -103,9 +103,25 @@ class Terms(NamedTuple):
 
 @dataclass(frozen=True)
 class Potential:
-    """V(phi; sigma3_bar, eta); make one with `on_line` or `at_constants`. Methods speak the units of the disk.
+    """The amended potential V(phi; sigma3_bar, eta); `on_line` and `at_constants` make one.
 
-    bar, eta: sigma3_bar and eta_hat of `face` in natural units. Face -1 is the mirror image, eq. (3.2).
+    Its methods V, dV and d2V take phi (rad); `equilibria`, `components` and `separatrices` tell its motions.
+
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    bar, eta : float
+        sigma3_bar and eta_hat of `face` in natural units.
+    face : int
+        +1, or -1 for the mirror image, eq. (3.2).
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> falling = ex.portrait.on_line(ex.Disk.uniform(), 0.25)
+    >>> [piece.falls for piece in falling.components(1.0)], round(float(falling.V(0.0)), 4)
+    ([False, True], 1.0327)
     """
 
     disk: Disk
@@ -335,62 +351,8 @@ class Potential:
         return np.sqrt(2.0 * np.maximum(highest - V, 0.0) / self.disk.body.M) * self.disk.rate_unit
 
 
-def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) -> Potential:
-    """V at eta_hat beside the line l_+ (face -1: l_-), on it where eta_hat = 0. In units of the disk."""
-    bar, eta = _constant("sigma3_bar", sigma3_bar), _constant("eta_hat", eta_hat)
-    return Potential(disk, bar / disk.rate_unit, eta / disk.rate_unit, sign("face", face))
-
-
-def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
-    """V at given sigma3_bar, sigma4_bar (units of the disk), seen from the nearer line.
-
-    Constants on that line to rounding count as on it; `on_line` takes any distance.
-    """
-    bar = _constant("sigma3_bar", sigma3_bar) / disk.rate_unit
-    spin = _constant("sigma4_bar", sigma4_bar) / disk.rate_unit
-    slope = line_slope(disk)
-    face = 1 if nearer_plus(np.array(slope * bar - spin), np.array(slope * bar + spin)) else -1
-    eta = slope * bar - face * spin
-    return Potential(disk, bar, 0.0 if abs(eta) <= 4.0 * _EPS * abs(spin) else eta, face)
-
-
-def well_separatrix(disk: Disk, sigma3_bar: float, face: int = 1) -> Separatrix:
-    """The separatrix that parts the non-falling well on l_+- from the falling motions, section 6.2.
-
-    Raises InputError where there is no well: |sigma3_bar| must be below sigma3_bar* (`membership.well`).
-    """
-    require_well(disk, sigma3_bar)
-    return on_line(disk, sigma3_bar, 0.0, face).separatrices()[0]
-
-
-def level_energies(potential: Potential, energies: tuple[float, float] | None = None, count: int = 9) -> Array:
-    """Energies of level curves (units of the disk), from the bottom of V to above all saddles unless given.
-
-    Raises InputError where the range is empty or no motion has an energy in it.
-    """
-    bottom, unit = potential.bottom, potential.disk.energy_unit
-    if energies is None:
-        tops = [at.energy for at in potential.equilibria] + [float(potential.V(0.0))]
-        low, high = bottom, max(tops) + 0.5 * unit
-    else:
-        low, high = energies
-        if not (math.isfinite(low) and math.isfinite(high) and low < high):
-            raise InputError(f"energies {low:g}:{high:g} are an empty range; give LOW:HIGH, the smaller first")
-        if not high > bottom:
-            raise InputError(
-                f"energies {low:g}:{high:g}: with eta_hat = {potential.eta_hat:g} no motion has an energy below "
-                f"{bottom:.6g}; give a HIGH above that"
-            )
-    # The bottom itself is no curve; a range that begins above it keeps its lower end
-    return np.linspace(low, high, count) if low > bottom else np.linspace(bottom, high, count + 1)[1:]
-
-
 def _phi(y: float, end: str = TURNING) -> float:
     return math.copysign(0.5 * math.pi, y) if end == FLAT else math.atan(math.sinh(y))
-
-
-def _constant(name: str, value: float) -> float:
-    return number(name, value, -_LARGEST, _LARGEST)
 
 
 def _changes(values: Array) -> NDArray[np.intp]:

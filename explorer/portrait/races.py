@@ -4,6 +4,8 @@ Beside F a race angle is sgn(eta) kappa pi + K eta (ln(1/|eta|) - c) + ..., with
 impact speed A. The constant c depends on the motion and, for small eta, no longer on eta.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -48,7 +50,7 @@ class RaceRidges:
     Examples
     --------
     >>> import explorer as ex
-    >>> from explorer.portrait.races import race_ridges
+    >>> from explorer.portrait import race_ridges
     >>> disk, eta_hat = ex.Disk.uniform(), [1e-3, -2e-3, 1e-5]
     >>> found = race_ridges(disk, eta_hat, ex.passages(disk, 1.0, eta_hat, 1.0).race_angle)
     >>> sorted(found.ridges)
@@ -61,7 +63,7 @@ class RaceRidges:
     edges: Array = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
-    def of_summary(cls, summary: Mapping[str, Any]) -> "RaceRidges":
+    def of_summary(cls, summary: Mapping[str, Any]) -> RaceRidges:
         """From the summary of a run of scene race-angles."""
         histogram = summary["histogram"]
         angles = {
@@ -100,7 +102,7 @@ def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, bins: int
     Examples
     --------
     >>> import explorer as ex
-    >>> from explorer.portrait.races import race_ridges
+    >>> from explorer.portrait import race_ridges
     >>> disk = ex.Disk.hoop()
     >>> found = race_ridges(disk, [1e-4, -1e-4], ex.passages(disk, 1.0, [1e-4, -1e-4], 1.0).race_angle)
     >>> found.ridges[-4][1].total, found.ridges[-4][-1].total
@@ -203,12 +205,12 @@ def race_law(
     Examples
     --------
     >>> import explorer as ex
-    >>> from explorer.portrait.races import race_law
+    >>> from explorer.portrait import race_law
     >>> disk = ex.Disk.uniform()
     >>> found = ex.passages(disk, 1.0, 1e-6, 1.0, accuracy=1e-9)
     >>> row, = race_law(disk, 1e-6, found.race_angle, found.impact_speed)
     >>> round(row["constant"]["0.5"], 1)
-    8.5
+    6.0
     """
     eta, race, speed = columns_of(eta_hat=eta_hat, race_angle=race_angle, impact_speed=impact_speed)
     return law_rows(disk, law_constants(disk, eta, race, speed))

@@ -4,6 +4,8 @@ At small eta and E - V_0 of order theta_0 = (eta^2/(I1 m g r))^(1/3) the motion 
 the centrifugal wall eta^2/(2 I1 theta^2) and gravity m g r theta, and never comes near the vertical.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 
@@ -29,9 +31,27 @@ _BETWEEN = 0.5
 class Rocking:
     """Motions that rock near flat, one entry per energy; arrays (n).
 
-    excess: (E - V_0)/(3/2 m g r theta_0) as the motion has it, 1 at the bottom. chi: turn of the contact
-    point per bounce (rad). theta_min: smallest tilt of the bounce (rad). period: of one bounce, units of the
-    disk. theta_0: tilt of the bottom (rad).
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    excess : array
+        (E - V_0)/(3/2 m g r theta_0) as the motion has it, 1 at the bottom.
+    chi : array
+        Turn of the contact point per bounce (rad).
+    theta_min : array
+        Smallest tilt of the bounce (rad).
+    period : array
+        Of one bounce, units of the disk.
+    theta_0 : float
+        Tilt of the bottom (rad).
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.portrait.rocking(ex.Disk.uniform(), excess=[1.001])
+    >>> print(f"{found.chi[0]:.4f} rad, the smallest oscillation {found.slowest:.4f} rad")
+    8.1109 rad, the smallest oscillation 8.1116 rad
     """
 
     disk: Disk
@@ -47,15 +67,42 @@ class Rocking:
         return 2.0 * math.pi * math.sqrt(self.disk.body.M / (3.0 * self.disk.body.I1))
 
 
-def rocking(disk: Disk, excess: ArrayLike = EXCESS, eta_hat: float = ETA_HAT) -> Rocking:
-    """Turn of chi per bounce at energies V_0 + excess 3/2 m g r theta_0, by quadrature (eqs 3.12, 3.13).
+def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HAT) -> Rocking:
+    """The turn of chi per bounce of a disk that rocks beside flat, from the Euler disk to the race.
 
-    excess above 1; eta_hat: units of the disk, not 0, so small that the motions stay within 0.1 rad.
-    sigma3_bar is of the size of eta_hat ln(eta_hat): the limit curve does not depend on it.
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    excess : array_like, optional
+        Energies, (E - V_0)/(3/2 m g r theta_0): above 1, which is the bottom of the well; by default up to 1e4.
+    eta_hat : float
+        Units of the disk; not 0, and so small that the motions stay within 0.1 rad. sigma3_bar is of the size of
+        eta_hat ln(eta_hat): the limit curve does not depend on it.
+
+    Returns
+    -------
+    Rocking
+
+    Raises
+    ------
+    InputError
+        For an excess up to 1, and an eta_hat that is 0 or too large.
+
+    Notes
+    -----
+    By quadrature, eqs (3.12) and (3.13) of the paper. theta_0 = (eta^2/(I1 m g r))^(1/3).
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.portrait.rocking(ex.Disk.uniform(), excess=[100.0])
+    >>> print(f"{found.chi[0]:.3f} of {found.disk.race_limit:.3f}")
+    7.032 of 7.025
     """
     require_axial_inertia(disk)
     b, unit = disk.body, disk.rate_unit
-    ratio = columns_of(excess=excess)[0]
+    ratio = columns_of(excess=EXCESS if excess is None else excess)[0]
     eta = disk.eta_hat_to_eta(columns_of(eta_hat=eta_hat)[0][0] / unit)
     if ratio.size == 0 or not (np.isfinite(ratio).all() and (ratio > 1.0).all()):
         raise InputError(f"excess = {excess!r}: give finite numbers above 1; the bottom of the well is at 1")

@@ -18,8 +18,24 @@ _ACCURACY = 1e-4  # rad: a hundredth of what a colour shows
 class RotationMap:
     """chi(tau)/2pi of motions through the vertical, at one energy.
 
-    sigma3_bar, sigma4_bar (n): the sides of the grid, rad per unit of time. turns (n, n): by sigma4_bar and by
-    sigma3_bar, NaN where no motion of this energy passes the vertical. slope: sigma4_bar/sigma3_bar on l_+.
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    energy : float
+        In its unit of energy.
+    sigma3_bar, sigma4_bar : (n,) array
+        The sides of the grid, rad per unit of time.
+    turns : (n, n) array
+        By sigma4_bar and by sigma3_bar, NaN where no motion of this energy passes the vertical.
+    slope : float
+        sigma4_bar/sigma3_bar on l_+.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.portrait.rotation_map(ex.Disk.uniform(), 2.0, points=4).turns.shape
+    (4, 4)
     """
 
     disk: Disk
@@ -53,6 +69,13 @@ def rotation_map(disk: Disk, energy: float, points: int = 300) -> RotationMap:
     References
     ----------
     Eq. (3.13) of the paper; Borisov, Mamaev & Kilin 2003.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.portrait.rotation_map(ex.Disk.uniform(), 2.0, points=4)
+    >>> int((found.turns > 0.0).sum())
+    6
     """
     require_axial_inertia(disk)
     count = whole("points", points, 2, _MOST_POINTS)

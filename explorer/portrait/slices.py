@@ -245,10 +245,27 @@ def slice_map(
 
 @dataclass(frozen=True)
 class ConstantsPlane:
-    """The flattest of a run's samples over the plane of constants of motion.
+    """The flattest of many samples over the plane of constants of motion.
 
-    sigma3_edges, sigma4_edges: edges of the cells (units of the disk). smallest: least theta_min in each cell
-    (rad), NaN where there is none. slope: sigma4_bar / sigma3_bar on l_+. method: as in `SliceMap`.
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    sigma3_edges, sigma4_edges : array
+        Edges of the cells, units of the disk.
+    smallest : (ny, nx) array
+        Least theta_min in each cell (rad), NaN where there is none.
+    slope : float
+        sigma4_bar / sigma3_bar on l_+.
+    method : str
+        As in `SliceMap`.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, [0.5, 1.0], [0.5, 1.0], [-0.5, 0.7])
+    >>> ex.portrait.flattest_per_cell(states, cells=4).method
+    'quadrature'
     """
 
     disk: Disk
@@ -283,7 +300,7 @@ def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") ->
     Examples
     --------
     >>> import numpy as np, explorer as ex
-    >>> from explorer.portrait.slices import flattest_per_cell
+    >>> from explorer.portrait import flattest_per_cell
     >>> draw = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 500))
     >>> plane = flattest_per_cell(ex.phi_to_states(ex.Disk.uniform(), 0.0, *draw), cells=10)
     >>> plane.smallest.shape

@@ -5,6 +5,8 @@ sigma4 then. So all of them are a surface over (phi, precession), but for straig
 They are stable iff V'' > 0. Rates in units of the disk, angles in rad, lengths in the units of the disk.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,7 +21,8 @@ from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope
 from explorer.phase.membership import well
 from explorer.phase.states import Array, columns_of
-from explorer.portrait.potential import DEGENERATE, Equilibrium, Potential, at_constants, curvature_of, on_line
+from explorer.portrait.potential import DEGENERATE, Equilibrium, Potential, curvature_of
+from explorer.portrait.potentials import at_constants, on_line
 
 _CIRCLE = 0.25 * math.pi, 2.0  # lean (rad) and radius (radii of the disk) at which `thresholds` rolls
 
@@ -203,7 +206,26 @@ def thresholds(disk: Disk) -> dict[str, dict[str, float]]:
 
 @dataclass(frozen=True)
 class Branch:
-    """Equilibria that follow each other along a path: its parameter, phi (rad), energies, and their kind."""
+    """Equilibria that follow each other along a path through the constants of motion.
+
+    Attributes
+    ----------
+    parameter : array
+        Of the path, units of the disk.
+    phi : array
+        Tilts (rad).
+    energy : array
+        Units of the disk.
+    kind : str
+        "centre" or "saddle".
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> branch, *_ = ex.portrait.bifurcation(ex.Disk.uniform(), "line", [0.1, 0.2, 0.3])
+    >>> branch.parameter
+    array([0.1, 0.2, 0.3])
+    """
 
     parameter: Array
     phi: Array
@@ -220,13 +242,38 @@ PATHS: dict[str, Callable[[Disk, float], Potential]] = {
 
 
 def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ...]:
-    """Steady motions along a path in the plane of constants: "spinning" (sigma4_bar = 0), "rolling"
-    (sigma3_bar = 0) or "line" (on l_+). parameter: increasing values of the other constant.
+    """Steady motions along a path in the plane of constants of motion.
 
-    Equilibria are joined while neither their number nor their kinds change.
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    path : str
+        "spinning" (sigma4_bar = 0), "rolling" (sigma3_bar = 0) or "line" (on l_+).
+    parameter : array_like
+        Increasing values of the other constant, units of the disk.
+
+    Returns
+    -------
+    tuple of Branch
+        Equilibria are joined while neither their number nor their kinds change.
+
+    Raises
+    ------
+    InputError
+        For an unknown path, and values that are no numbers.
+
+    References
+    ----------
+    Eqs (3.8) and (6.2) of the paper.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> [branch.kind for branch in ex.portrait.bifurcation(ex.Disk.uniform(), "line", [0.1, 0.2])]
+    ['centre', 'saddle']
     """
-    if path not in PATHS:
-        raise InputError(f"path {shown(path)} is not known; choose {' or '.join(PATHS)}")
+    _known_path(path)
     (values,) = columns_of(parameter=parameter)
     rows = [(value, _regular(PATHS[path](disk, float(value)))) for value in values]
     branches: list[Branch] = []
@@ -237,6 +284,11 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
             phi, energy = np.array([(each[number].phi, each[number].energy) for _, each in members]).T
             branches.append(Branch(at, phi, energy, kind))
     return tuple(branches)
+
+
+def _known_path(path: str) -> None:
+    if not isinstance(path, str) or path not in PATHS:
+        raise InputError(f"path {shown(path)} is not known; choose {' or '.join(PATHS)}")
 
 
 def _regular(potential: Potential) -> list[Equilibrium]:
@@ -252,7 +304,33 @@ def whole_path(disk: Disk, path: str) -> tuple[tuple[Branch, ...], tuple[float, 
 
 
 def path_values(disk: Disk, path: str) -> tuple[Array, tuple[float, ...]]:
-    """Values of a path's parameter, dense where branches meet or reach flat, and the thresholds on it."""
+    """Values of a path's parameter, dense where branches meet or reach flat, and the thresholds on it.
+
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    path : str
+        "spinning", "rolling" or "line", as for `bifurcation`.
+
+    Returns
+    -------
+    array, tuple of float
+        Values and thresholds, units of the disk.
+
+    Raises
+    ------
+    InputError
+        For an unknown path.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> values, thresholds = ex.portrait.path_values(ex.Disk.uniform(), "line")
+    >>> [round(edge, 5) for edge in thresholds]
+    [0.34456, -0.34456]
+    """
+    _known_path(path)
     if path == "line":
         edge = well(disk).sigma3_bar * disk.rate_unit
     else:

@@ -27,9 +27,26 @@ _MOST_TURNS = 1_000_000  # of chi in a period, far beyond any body's race
 class Wander:
     """The shift of the disk in one period, one entry per motion; arrays (n), units of the disk.
 
-    period: time. chi: turn per period (rad). step: a(tau) - a(0) as a1 + i a2, where chi(0) = 0. radius:
-    of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|), infinite at a
-    resonance. status: where it is not OK, the other columns are NaN.
+    Attributes
+    ----------
+    period : array
+        Time.
+    chi : array
+        Turn per period (rad).
+    step : array of complex
+        a(tau) - a(0) as a1 + i a2, where chi(0) = 0.
+    radius : array
+        Of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|); infinite at a resonance.
+    status : array of int8
+        `Status` of each motion; where it is not OK, the other columns are NaN.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> beside = ex.constants_to_states(ex.Disk.uniform(), 0.7, 0.05, 1.0)
+    >>> found = ex.portrait.wander(beside)
+    >>> bool(abs(found.after(1)[0, 1]) == abs(found.step[0]))
+    True
     """
 
     period: Array
@@ -47,7 +64,34 @@ class Wander:
 
 
 def wander(states: States) -> Wander:
-    """Wander of motions: period and chi by quadrature (3.12), (3.13), the step by integration of (2.33)."""
+    """By how much motions shift the disk over the table in one period.
+
+    Parameters
+    ----------
+    states : States
+        One or more, of a disk with I3 > 0.
+
+    Returns
+    -------
+    Wander
+        Period and chi are by quadrature, eqs (3.12), (3.13), the step by integration of (2.33).
+
+    Raises
+    ------
+    InputError
+        Where something else than States is given, and for a disk with I3 = 0.
+
+    References
+    ----------
+    Borisov, Mamaev & Kilin, Regul. Chaotic Dyn. 8 (2003) 201-212.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.portrait.wander(ex.constants_to_states(ex.Disk.uniform(), 0.7, [0.05, -0.05], 1.0))
+    >>> bool(found.radius[0] != found.radius[1]), found.status
+    (True, array([0, 0], dtype=int8))
+    """
     require_axial_inertia(states.disk)
     each = _periods(states)
     step = np.full(len(states), np.nan, np.complex128)
@@ -73,10 +117,38 @@ def _periods(states: States) -> Periods:
 def resonance(
     disk: Disk, eta_hat: float, phidot: float, turns: int, between: tuple[float, float]
 ) -> tuple[float, States]:
-    """sigma3_bar in `between` for which chi(tau) is `turns` whole turns, and the state at the vertical.
+    """The motion that walks away: sigma3_bar for which chi(tau) is a whole number of turns.
 
-    eta_hat (on face +1), phidot at the vertical, sigma3_bar: units of the disk. Root-finding (Brent) on
-    chi(tau) by quadrature; the two ends must lie on different sides of the resonance.
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    eta_hat : float
+        Distance from F on face +1, units of the disk.
+    phidot : float
+        At the vertical, units of the disk.
+    turns : int
+        chi(tau) in turns.
+    between : (float, float)
+        Two values of sigma3_bar, units of the disk, with chi(tau) on different sides of the resonance.
+
+    Returns
+    -------
+    float, States
+        sigma3_bar by Brent's method on chi(tau), eq. (3.13), and the state at the vertical.
+
+    Raises
+    ------
+    InputError
+        Where the resonance does not lie between them, or there is no period.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> bar, start = ex.portrait.resonance(ex.Disk.uniform(), 0.01, 1.0, turns=2, between=(0.1, 0.3))
+    >>> chi = ex.periods(start).chi[0]
+    >>> print(f"{bar:.3f}: {chi / 6.283185307179586:.6f} turns")
+    0.201: 2.000000 turns
     """
 
     from scipy.optimize import brentq
@@ -107,8 +179,25 @@ def resonance(
 class WanderPath:
     """The path of one motion over whole periods, units of the disk.
 
-    t (nt); contact, centre: (nt, 2), the contact point and the shadow of the centre on the table, which
-    starts at the origin with chi = 0. wander: the shift in one period. count: number of periods.
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    t : (nt,) array
+        Times.
+    contact, centre : (nt, 2) array
+        The contact point and the shadow of the centre on the table, which starts at the origin with chi = 0.
+    wander : Wander
+        The shift in one period.
+    count : int
+        Number of periods.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> path = ex.portrait.wander_path(ex.constants_to_states(ex.Disk.uniform(), 0.7, 0.05, 1.0), 3)
+    >>> path.contact.shape == path.centre.shape == (path.t.size, 2)
+    True
     """
 
     disk: Disk
@@ -120,7 +209,31 @@ class WanderPath:
 
 
 def wander_path(states: States, count: int) -> WanderPath:
-    """Follow one motion over `count` periods by integration, at times that are dense where it races."""
+    """Follow one motion over whole periods by integration, at times that are dense where it races.
+
+    Parameters
+    ----------
+    states : States
+        One state, of a disk with I3 > 0.
+    count : int
+        Number of periods, up to 10,000.
+
+    Returns
+    -------
+    WanderPath
+
+    Raises
+    ------
+    InputError
+        For several states, and for one without a period.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> path = ex.portrait.wander_path(ex.constants_to_states(ex.Disk.uniform(), 0.7, 0.05, 1.0), 3)
+    >>> print(f"{path.t[-1] / path.wander.period[0]:.1f} periods")
+    3.0 periods
+    """
     if len(states) != 1:
         raise InputError(f"states: wander follows one motion, {len(states)} were given")
     count = whole("count", count, 1, _MOST_PERIODS)

@@ -15,14 +15,8 @@ from explorer.errors import InputError, flag, number, read_range
 from explorer.measure.sampling import Range
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.membership import require_well, well
-from explorer.portrait.potential import (
-    Component,
-    Potential,
-    at_constants,
-    level_energies,
-    on_line,
-    well_separatrix,
-)
+from explorer.portrait.potential import Component, Potential
+from explorer.portrait.potentials import at_constants, level_energies, on_line, well_separatrix
 from explorer.portrait.steady import PATHS, thresholds, whole_path
 from explorer.scenes.base import Chunks, Picture, Scene, Table, Tally
 from explorer.scenes.options import Distances, OpenRange, Option

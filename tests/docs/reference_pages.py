@@ -96,7 +96,7 @@ def misprints():
 
 def described(home, names):
     """A table of names with their first sentences, and the full text of each for the site."""
-    objects = {name: getattr(home, name) for name in sorted(names) if name != "plot"}
+    objects = {name: getattr(home, name) for name in sorted(names) if not inspect.ismodule(getattr(home, name))}
     firsts = [(f"`{name}`", (inspect.getdoc(value) or "").partition("\n\n")[0]) for name, value in objects.items()]
     kinds = {name: "autoclass" if inspect.isclass(value) else "autofunction" for name, value in objects.items()}
     # Sphinx takes `explorer.view` for the room of the same name.
@@ -108,7 +108,11 @@ def described(home, names):
 def python():
     """All public names."""
     functions, pictures = described(ex, ex.__all__), described(ex.plot, ex.plot.__all__)
-    return f"## Functions and classes\n\n{functions}\n## Pictures\n\n{pictures}"
+    data = described(ex.portrait, ex.portrait.__all__)
+    return (
+        f"## Functions and classes\n\n{functions}\n## Pictures: explorer.plot\n\n{pictures}\n"
+        f"## The data of pictures: explorer.portrait\n\n{data}"
+    )
 
 
 MAKERS = {

@@ -13,8 +13,8 @@ import pytest
 import explorer as ex
 
 
-def test_every_public_name_is_there_and_only_plot_is_a_module():
-    assert {name for name in ex.__all__ if isinstance(getattr(ex, name), ModuleType)} == {"plot"}
+def test_every_public_name_is_there_and_only_two_are_modules():
+    assert {name for name in ex.__all__ if isinstance(getattr(ex, name), ModuleType)} == {"plot", "portrait"}
     assert dir(ex) == sorted({*ex.__all__, "__version__"})
     with pytest.raises(AttributeError, match="no attribute 'passage'"):
         _ = ex.passage
@@ -23,10 +23,10 @@ def test_every_public_name_is_there_and_only_plot_is_a_module():
 def test_no_file_or_room_has_a_public_name_that_its_import_would_replace():
     """Importing `explorer.x` sets `x` on the package, so a function of that name would turn into a module.
 
-    `plot` is meant as one; the package keeps `view` from it.
+    `plot` and `portrait` are meant as such; the package keeps `view` from it.
     """
     rooms = {module.name for module in pkgutil.iter_modules(ex.__path__)}
-    assert rooms & set(ex.__all__) == {"plot", "view"}
+    assert rooms & set(ex.__all__) == {"plot", "portrait", "view"}
 
 
 @pytest.mark.parametrize(
@@ -59,9 +59,26 @@ def test_names_mean_the_same_in_whichever_order_they_are_touched(order):
         "    getattr(ex, name)\n"
         "for name in ex.__all__:\n"
         "    value = getattr(ex, name)\n"
-        "    assert isinstance(value, ModuleType) == (name == 'plot'), name\n"
-        "    assert value.__name__ in (name, 'explorer.plot'), name\n"
+        "    room = name in ('plot', 'portrait')\n"
+        "    assert isinstance(value, ModuleType) == room, name\n"
+        "    assert value.__name__ == ('explorer.' * room + name), name\n"
         "assert inspect.isfunction(ex.view)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("room", ["plot", "portrait"])
+def test_names_of_a_room_are_functions_though_files_have_the_same_names(room):
+    """Whatever of its files was imported before, and after."""
+    code = (
+        "import importlib, inspect, pkgutil\n"
+        f"first = importlib.import_module('explorer.{room}.near_flat')\n"
+        f"import explorer as ex\nroom = ex.{room}\n"
+        "for file in pkgutil.iter_modules(room.__path__):\n"
+        "    importlib.import_module(f'{room.__name__}.{file.name}')\n"
+        "assert all(inspect.isfunction(getattr(room, name)) for name in room.__all__)\n"
+        "assert {*room.__all__} <= {*dir(room)}\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

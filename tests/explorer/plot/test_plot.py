@@ -6,7 +6,7 @@ import re
 import matplotlib
 import numpy as np
 import pytest
-from conftest import BODIES, computed
+from conftest import BODIES
 from matplotlib.artist import Artist
 from matplotlib.colors import is_color_like, to_hex
 from matplotlib.figure import Figure
@@ -15,72 +15,55 @@ from matplotlib.text import Text
 
 import explorer as ex
 from explorer import plot
-from explorer.commands.trade import trade
-from explorer.phase.states import constants_to_states
 from explorer.plot.style import BEYOND, SIGN_COLOURS
-from explorer.portrait.bodies import race_numbers
-from explorer.portrait.both_sides import both_sides
-from explorer.portrait.near_flat import near_flat
-from explorer.portrait.potential import on_line
-from explorer.portrait.rocking import rocking
-from explorer.portrait.rotation import rotation_map
-from explorer.portrait.slices import Slice, slice_map
-from explorer.portrait.steady import bifurcation
-from explorer.portrait.wander import wander, wander_path
-from explorer.scenes.registry import build_scene
 
 UNIFORM = BODIES["uniform"]
 
 
-def made(name, **options):
-    scene = build_scene(name, **options)
-    total = computed(scene)
-    return scene, total, scene.summarise(total)
-
-
-def measure_zero(folder):
-    options = {"samples": 2000, "tube": 1024, "disk": "hoop"}
-    return ex.run("measure-zero", out=folder / "run", **options).summary
+OF_THE_LAW = ("falling_ladder", "ladder_ratio", "constant_convergence", "tilt_density")
 
 
 @pytest.fixture(scope="module")
 def pictures(tmp_path_factory):
-    _, _, race_summary = made("race-angles", samples=500)
-    falling, states, _ = made("falling-set", samples=500)
-    _, _, sides = made("one-sided", samples=1, disk="hoop")
-    both = both_sides(constants_to_states(BODIES["hoop"], 1.0, 0.0, 1.0))
-    law = measure_zero(tmp_path_factory.mktemp("law"))
+    """What each picture draws, all of it from public calls."""
+    races = ex.run("race-angles", samples=500).summary
+    states = ex.phi_to_states(UNIFORM, *np.random.default_rng(0).uniform(-1.0, 1.0, (4, 500)))
+    both = ex.both_sides(ex.constants_to_states(BODIES["hoop"], 1.0, 0.0, 1.0))
+    law = ex.run("measure-zero", samples=2000, tube=1024, disk="hoop", out=tmp_path_factory.mktemp("law") / "run")
     beside = ex.constants_to_states(UNIFORM, 0.7, 0.01, 1.0)
-    walk = wander_path(beside, 2)
-    cut = slice_map(UNIFORM, Slice.defaults(UNIFORM)[1], points=41)
+    walk = ex.portrait.wander_path(beside, 2)
+    cut = ex.slice_map(UNIFORM, "phi=-1.35:1.35,phidot=0.05,sigma3=0.15,sigma4=-0.8:0.8", points=41)
+    upright = ex.slice_map(UNIFORM, "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2", points=41)
+    numbers, line = ex.portrait.race_numbers(), ex.portrait.on_line(UNIFORM, 0.25)
+    branches = ex.portrait.bifurcation(UNIFORM, "line", [0.1, 0.2, 0.3, 0.4])
     return {
-        "race_histogram": (race_summary,),
-        "race_deviation": (race_summary,),
-        "constants_plane": (falling.plane(states.plane),),
-        "theta_min_distribution": (states.theta_min, 500),
+        "race_histogram": (races,),
+        "race_deviation": (races,),
+        "constants_plane": (ex.portrait.flattest_per_cell(states),),
+        "theta_min_distribution": (ex.scan(states, "theta_min")["theta_min"], 500),
         "slice_map": (cut,),
-        "rotation_map": (rotation_map(UNIFORM, 2.0, points=10),),
-        "race_collapse": (near_flat(UNIFORM, [1e-2, -1e-2]),),
+        "rotation_map": (ex.portrait.rotation_map(UNIFORM, 2.0, points=10),),
+        "race_collapse": (ex.portrait.near_flat(UNIFORM, [1e-2, -1e-2]),),
         "observable_map": (cut,),
-        "race_angle_histogram": ({"race_angle": [7.0, -7.0], "side": [1, -1]},),
-        "race_number": (race_numbers(),),
-        "race_gap": (race_numbers(),),
-        "rocking_turns": ([rocking(UNIFORM)],),
+        "race_angle_histogram": (ex.passages(UNIFORM, 1.0, [1e-2, -1e-2], 1.0),),
+        "race_number": (numbers,),
+        "race_gap": (numbers, ex.portrait.measured_gaps([UNIFORM])),
+        "rocking_turns": ([ex.portrait.rocking(UNIFORM)],),
         "wander_path": (walk,),
         "wander_distance": ({"generic": walk},),
-        "wander_radius": (UNIFORM, np.array([0.7]), wander(beside)),
-        "race_slice_map": (slice_map(UNIFORM, Slice.defaults(UNIFORM)[0], points=41),),
-        "one_sided_distance": (sides,),
+        "wander_radius": (UNIFORM, np.array([0.7]), ex.portrait.wander(beside)),
+        "race_slice_map": (upright,),
+        "one_sided_distance": (ex.run("one-sided", samples=1, disk="hoop").summary,),
         "one_sided_phi": (both,),
         "one_sided_chi": (both,),
         "contact_paths": (both,),
-        "phase_portrait": (on_line(UNIFORM, 0.25),),
-        "potential_curves": ([on_line(UNIFORM, 0.25, eta) for eta in (0.0, 0.01)],),
+        "phase_portrait": (line,),
+        "potential_curves": ([line, ex.portrait.on_line(UNIFORM, 0.25, 0.01)],),
         "steady_plane": (UNIFORM,),
         "steady_map": (UNIFORM,),
-        "bifurcations": (UNIFORM, "line", bifurcation(UNIFORM, "line", [0.1, 0.2, 0.3, 0.4]), (0.34,)),
-        "work_precision": (trade(UNIFORM, 1024),),
-        **dict.fromkeys(("falling_ladder", "ladder_ratio", "constant_convergence", "tilt_density"), (law,)),
+        "bifurcations": (UNIFORM, "line", branches, (0.34,)),
+        "work_precision": (ex.trade(UNIFORM, 1024),),
+        **dict.fromkeys(OF_THE_LAW, (law.summary,)),
     }
 
 
@@ -211,3 +194,17 @@ def test_keywords_are_taken_by_matplotlib(name, pictures):
     assert parameters["look"].kind is inspect.Parameter.VAR_KEYWORD
     figure = plot.figure_of(lambda *data: getattr(plot, name)(*data, alpha=0.4321), *pictures[name])
     assert [artist for artist in figure.findobj(Artist) if artist.get_alpha() == 0.4321]
+
+
+@pytest.mark.parametrize("name", [name for name in plot.__all__ if name not in TOOLS])
+def test_each_picture_says_which_public_call_its_data_come_from(name):
+    """Its example gets them so; examples that run are run with all others, and those that take long are above."""
+    text = inspect.getdoc(getattr(plot, name))
+    parameters = text.split("Parameters\n")[1].split("Returns\n")[0]
+    rooms = {"explorer": ex.__all__, "explorer.portrait": ex.portrait.__all__}
+    calls = [name.rpartition(".") for name in re.findall(r"`(explorer(?:\.\w+)+)`", parameters)]
+    assert all(call in rooms[room] for room, _, call in calls)
+    given = "of a run of scene|summary of a run|disk : Disk|As for `race_number`|Bounces, Passages"
+    assert calls or re.search(given, parameters, re.IGNORECASE)
+    for line in re.findall(r"^>>> (from \S+ import .+|import .+)$", text, re.MULTILINE):
+        assert re.match(r"from explorer(\.portrait)? import |import (numpy as np|explorer as ex)", line), line

@@ -7,7 +7,8 @@ import pytest
 from conftest import BODIES
 
 from explorer import plot
-from explorer.portrait.potential import CENTRE, SADDLE, on_line
+from explorer.portrait.potential import CENTRE, SADDLE
+from explorer.portrait.potentials import on_line
 
 UNIFORM = BODIES["uniform"]
 

@@ -6,7 +6,7 @@ from conftest import BODIES
 
 from explorer import plot
 from explorer.plot.style import SIGN_COLOURS
-from explorer.portrait.potential import on_line
+from explorer.portrait.potentials import on_line
 
 UNIFORM = BODIES["uniform"]
 

@@ -7,7 +7,8 @@ from conftest import BODIES
 from explorer import plot
 from explorer.phase.membership import well
 from explorer.plot.steady import TILTS
-from explorer.portrait.potential import CENTRE, at_constants
+from explorer.portrait.potential import CENTRE
+from explorer.portrait.potentials import at_constants
 from explorer.portrait.steady import (
     measured_thresholds,
     stability_edges,

@@ -8,18 +8,8 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer.phase.membership import impact_speed, well
-from explorer.portrait.potential import (
-    CENTRE,
-    FLAT,
-    SADDLE,
-    TURNING,
-    Potential,
-    Terms,
-    at_constants,
-    level_energies,
-    on_line,
-    well_separatrix,
-)
+from explorer.portrait.potential import CENTRE, FLAT, SADDLE, TURNING, Potential, Terms
+from explorer.portrait.potentials import at_constants, level_energies, on_line, well_separatrix
 
 UNIFORM, COIN = BODIES["uniform"], BODIES["coin"]
 # Natural units: sigma3_bar, eta_hat, side. On the lines, beside them, far away, and the upright cases.

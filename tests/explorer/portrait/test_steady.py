@@ -9,7 +9,8 @@ from scipy.optimize import brentq
 
 import explorer as ex
 from explorer.phase.membership import well
-from explorer.portrait.potential import CENTRE, SADDLE, at_constants
+from explorer.portrait.potential import CENTRE, SADDLE
+from explorer.portrait.potentials import at_constants
 from explorer.portrait.steady import (
     bifurcation,
     circular_rolling,
