@@ -8,9 +8,10 @@ import { A1, A2, CHI, CLOCK, P, Z, tiltOf } from "./physics.js";
 const TRAIL_STEP = 0.02;
 const TAIL = 0.9; // units of the clock that the bright end of a trail is long
 const TAIL_PIECES = 6;
-// Share of the way to a new aim per frame: soft where the camera follows, quick where a slider is dragged.
-const FOLLOW = 0.045;
-const CATCH_UP = 0.2;
+// Seconds in which most of the way to a new aim is done: soft where the camera follows, quick where a slider is dragged.
+const FOLLOW = 0.36;
+const CATCH_UP = 0.075;
+const LONGEST_FRAME = 0.25; // s: after a pause the camera goes on, rather than jump
 // What the camera keeps in sight: both disks and this much around them.
 const AROUND = 1.85;
 
@@ -83,16 +84,20 @@ export class Scene {
 
   /** The camera follows both disks; where the page should not move it sees the whole table instead. */
   follow(poses) {
-    for (const key of ["x", "y", "radius"]) this.table[key] += CATCH_UP * (this.extent[key] - this.table[key]);
+    const now = 1e-3 * performance.now(), frame = Math.min(now - (this.drawn ?? now - 1 / 60), LONGEST_FRAME);
+    this.drawn = now;
+    const share = (seconds) => 1 - Math.exp(-frame / seconds);
+    for (const key of ["x", "y", "radius"]) this.table[key] += share(CATCH_UP) * (this.extent[key] - this.table[key]);
     if (this.still) {
-      this.camera.follow({ ...this.extent, z: 0.4 }, CATCH_UP);
+      this.camera.follow({ ...this.extent, z: 0.4 }, share(CATCH_UP));
       return;
     }
     const [a, b] = [poses[0], poses[1] ?? poses[0]].map((pose) => pose.centre);
     const apart = 0.5 * Math.hypot(a[0] - b[0], a[1] - b[1]);
     // The disk is nearly flat for a while and upright for a while; the aim is between.
-    const z = 0.1 + 0.25 * (a[2] + b[2]);
-    this.camera.follow({ x: 0.5 * (a[0] + b[0]), y: 0.5 * (a[1] + b[1]), z, radius: AROUND + 0.75 * apart }, FOLLOW);
+    const z = 0.1 + 0.4 * (a[2] + b[2]);
+    const aim = { x: 0.5 * (a[0] + b[0]), y: 0.5 * (a[1] + b[1]), z, radius: AROUND + 0.75 * apart };
+    this.camera.follow(aim, share(FOLLOW));
   }
 
   /** states: [shown, ghost]; ghost null where it is switched off. look: colours, `sides` as [r, g, b] pairs. */

@@ -43,7 +43,7 @@ def test_pages_name_only_files_that_exist(page):
 
 
 def test_the_results_stay_small():
-    assert sum(path.stat().st_size for path in RESULTS.rglob("*") if path.is_file()) < 12_000_000
+    assert sum(path.stat().st_size for path in RESULTS.rglob("*") if path.is_file()) < 10_000_000
 
 
 def test_the_page_has_the_command_of_every_folder_and_picture(tmp_path):
