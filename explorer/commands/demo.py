@@ -54,7 +54,7 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
     compared: dict[str, SideBySide] = {}
     for scene, title in scenes:
         note(f"\n{title}", quiet)
-        run = execute(scene, folder / scene.name, Manner(workers, "error", quiet))
+        run = execute(scene, folder / scene.name, Manner(workers, "error", quiet, ("png",)))
         for line in scene.headline(run.summary):
             note(f"  {line}", quiet)
         if scene.name in _BESIDE and isinstance(scene, SampledScene):

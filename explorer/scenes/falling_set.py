@@ -42,7 +42,6 @@ NEAR = {"all": 0.01, "near": 0.001}
 MOST_THETA_MIN = 10_000_000
 LARGE_CHUNK = 1 << 20
 _FIRST = 16_384  # states that say how far the map of all samples must reach
-_OF_SLICES = "dopri5"  # pictures show the motions, not the formula that says where they turn
 _WIDER = 1.0 + 1e-9  # rounding of a distance must not decide what is looked at
 # The map's theta_min as integers: 3000 to the decade above 1e-20.
 _DEEPEST, _CODES_PER_DECADE = -20.0, 3000.0
@@ -126,7 +125,12 @@ class FallingSet(SceneOfStates):
 
     @property
     def kernels_of_figures(self) -> tuple[str, ...]:
-        return (f"batch.first_event_{_OF_SLICES}",)
+        return (f"batch.first_event_{self._method_of_slices}",)
+
+    @property
+    def _method_of_slices(self) -> str:
+        """Pictures show the motions, not the formula that says where they turn; by what integrates here anyway."""
+        return "dopri5" if self.plan.method == "quadrature" else self.plan.method
 
     def compute(self, index: int) -> Table:
         return joined([self._table(block) for block in self.blocks(index)])
@@ -248,7 +252,7 @@ class FallingSet(SceneOfStates):
     def _draw_slice(self, where: Slice, **options: Any) -> "Axes":
         from explorer import plot
 
-        return plot.slice_map(slice_map(self.disk, where, points=self.grid, method=_OF_SLICES), **options)
+        return plot.slice_map(slice_map(self.disk, where, points=self.grid, method=self._method_of_slices), **options)
 
     @cached_property
     def _plane_edges(self) -> tuple[Array, Array]:

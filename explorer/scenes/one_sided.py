@@ -188,8 +188,9 @@ class OneSided(Scene):
         }
         for name in QUANTITIES:
             columns[f"distance_{name}"] = np.empty(eta_hat.size)
+        limits = {side: both[side](times) for side in (1, -1)}  # every rung of a side has the same
         for row, value in enumerate(eta_hat):
-            limit = both[1 if value > 0 else -1](times)
+            limit = limits[1 if value > 0 else -1]
             for name in QUANTITIES:
                 difference = getattr(motion, name)[row] - getattr(limit, name)
                 columns[f"distance_{name}"][row] = abs(difference).max() / _unit(disk, name)
