@@ -42,7 +42,9 @@ if TYPE_CHECKING:
     from kernels.disk import counting as counting
     from kernels.disk import falling as falling
     from kernels.disk import field as field
+    from kernels.disk import philox as philox
     from kernels.disk import polynomials as polynomials
+    from kernels.disk import sifting as sifting
     from kernels.integrals import bounces as bounces
     from kernels.integrals import forces as forces
     from kernels.integrals import orbits as orbits

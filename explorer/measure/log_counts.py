@@ -12,7 +12,7 @@ from explorer.measure.statistics import ONE_SIGMA, QUANTILES
 from explorer.phase.states import Array
 
 PER_DECADE = 400  # bins of logarithmic counts: a quantile is good to half a bin, 0.3 %
-_FURTHEST = 330 * PER_DECADE  # bins from that of 1, which no double reaches
+LOWEST_BIN = -330 * PER_DECADE  # which no double reaches
 _WIDTHS = ("<u1", "<u2", "<u4", "<u8")
 
 
@@ -32,7 +32,7 @@ class LogCounts:
             self.zeros = state["zeros"]
             self.smallest, self.largest = state["range"]
             if bins.size:
-                if max(-bins[0], bins[-1]) > _FURTHEST:
+                if max(-bins[0], bins[-1]) > -LOWEST_BIN:
                     raise ValueError("counts in bins beyond those of doubles")
                 self.first = int(bins[0])
                 self.counts = np.zeros(bins[-1] - bins[0] + 1, np.int64)
@@ -55,7 +55,7 @@ class LogCounts:
         return made
 
     @classmethod
-    def _of_row(cls, first: int, row: NDArray[np.int32], zeros: np.int64, ends: Array) -> "LogCounts":
+    def of_row(cls, first: int, row: NDArray[np.int32], zeros: int | np.int64, ends: Array) -> "LogCounts":
         """Counts of bins from `first` on, most of which may hold nothing."""
         made, filled = cls(), np.flatnonzero(row)
         made.zeros = int(zeros)
@@ -151,7 +151,7 @@ class SignedLogCounts:
         rows, zeros = np.zeros((2 * count, width), np.int32), np.zeros(2 * count, np.int64)
         ends = np.tile([np.inf, -np.inf], (2 * count, 1))
         compiled.counting.log_count_batch(values, places, groups, first, rows.reshape(-1), zeros, ends)
-        made = [LogCounts._of_row(first, *row) for row in zip(rows, zeros, ends, strict=True)]
+        made = [LogCounts.of_row(first, *row) for row in zip(rows, zeros, ends, strict=True)]
         both = []
         for below, above in zip(made[::2], made[1::2], strict=True):
             both.append(cls())

@@ -16,19 +16,20 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import one_of, whole
-from explorer.measure import statistics
+from explorer.measure import sifting, statistics
 from explorer.measure.log_counts import LogCounts
+from explorer.measure.sifting import Chunk, in_lanes, sift
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import membership
 from explorer.phase.constants import NaturalConstants, best_constants, constants_of
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import could_fall, falls_of
-from explorer.phase.states import COORDINATES, Array, States
+from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.portrait.slices import ConstantsPlane, Slice, slice_map
 from explorer.scenes.base import Chunks, Picture, Table, Tally
 from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_faces, joined, nearer, no_cells
-from explorer.scenes.of_states import Block, SceneOfStates
+from explorer.scenes.of_states import BLOCK, Block, SceneOfStates
 from explorer.scenes.options import BOX, Option, Ranges, read_slices
 
 if TYPE_CHECKING:
@@ -121,7 +122,7 @@ class FallingSet(SceneOfStates):
 
     @property
     def kernels(self) -> tuple[str, ...]:
-        return *membership.KERNELS, *tilt_kernels(self.plan)
+        return *membership.KERNELS, *(sifting.KERNELS if self._in_lanes else ()), *tilt_kernels(self.plan)
 
     @property
     def kernels_of_figures(self) -> tuple[str, ...]:
@@ -136,6 +137,8 @@ class FallingSet(SceneOfStates):
         return joined([self._table(block) for block in self.blocks(index)])
 
     def process(self, index: int) -> tuple[Table, Tally]:
+        if self._in_lanes:
+            return self._sifted(index)
         # Block by block: what is not kept never leaves the processor's cache.
         counts, kept = FallingCounts(), []
         for block in self.blocks(index):
@@ -147,6 +150,28 @@ class FallingSet(SceneOfStates):
             counts.add(of_block)
             kept.append(self.kept(index, table))
         return joined(kept), counts.tally()
+
+    @cached_property
+    def _in_lanes(self) -> bool:
+        """Whether drawing, counting and sifting are one compiled pass."""
+        sifted = self.theta_min == "near" and self.keep != "all"
+        plain = self.box is not None and self.states is None and self.source.plain
+        return sifted and plain and in_lanes(self.disk, self.source.box)
+
+    def _sifted(self, index: int) -> tuple[Table, Tally]:
+        """As `process`, in one pass."""
+        n = self.length(index)
+        found = sift(self.disk, self.source.box, Chunk(self.seed, index, n, BLOCK), self.tube * _WIDER)
+        table = self._table(Block(phi_to_states(self.disk, **found.columns), found.columns, {}))
+        counts = FallingCounts(faces=found.faces, could_fall=found.could_fall, distance=found.distance)
+        good = sum(found.faces.values())
+        counts.status = {"ok": good, "bad_input": n - good}
+        near = nearer(table)[table["could_fall"]]
+        if near.size:
+            # The last digits of what cancels depend on how sums are rounded: the table says what is stored.
+            counts.distance.smallest = float(near.min())
+        self._add_near(counts, table)
+        return self.kept(index, table), counts.tally()
 
     def _sift(self, block: Block) -> tuple[FallingCounts, Table]:
         """Counts of all states of a block, and all about those near F, the only ones with a theta_min."""
@@ -162,13 +187,15 @@ class FallingSet(SceneOfStates):
         counts = FallingCounts(could_fall=int(could.sum()), distance=LogCounts.of(distance[could]))
         counts.faces = count_faces(near_plus, eta)
         counts.status = statistics.count_status([states.status])
-        # Which states are on F to rounding, or have a theta_min, is known of those near F only.
-        counts.status = statistics.add_counts([counts.status, statistics.count_status([table["status"]])])
-        for name, count in statistics.count_status([states.status[near]]).items():
-            counts.status[name] -= count
+        self._add_near(counts, table)
+        return counts, table
+
+    def _add_near(self, counts: FallingCounts, table: Table) -> None:
+        """What is known of those near F only, all of which are good states: on F to rounding, and theta_min."""
+        found = statistics.count_status([table["status"]])
+        counts.status = statistics.add_counts([counts.status, found, {"ok": -table["status"].size}])
         counts.status = {name: count for name, count in counts.status.items() if count}
         counts.theta_min, counts.plane = LogCounts.of(table["theta_min"]), self._cells(table)
-        return counts, table
 
     def _table(self, block: Block) -> Table:
         """Everything about a few states, so few that intermediate arrays stay in the processor's cache."""

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from kernels._jit import contracted_device, contracted_subroutine, kernel, subroutine
+from kernels._jit import contracted_device, contracted_subroutine, device, kernel, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Whole, whole_solutions
 from kernels.disk.constants import Constants, constants_of, contracted_from_solutions
@@ -25,28 +25,40 @@ _ROOT_HALF = math.sqrt(0.5)
 # Bits of a double: the fraction, the exponent of 1, and that of 2^52, which makes an integer a double.
 FRACTION, ONE, SHIFTER = 0x000FFFFFFFFFFFFF, 0x3FF0000000000000, 0x4330000000000000
 OFFSET = 2.0**52 + 1023.0
-_SMALLEST = 2.3e-308  # below, the exponent's bits are zero
+SMALLEST = 2.3e-308  # below, the exponent's bits are zero
 
 
-@contracted_subroutine
-def split(bits: Longs) -> None:
-    """Exponent and mantissa of row _Q into their rows; `bits` is the work array seen as integers."""
+@device
+def split(bits: Longs, row: int, exponent: int, mantissa: int) -> None:
+    """Exponent and mantissa of one row into two others; `bits` is the work array seen as integers."""
     for i in range(LANES):
-        word = bits[_Q * LANES + i]
-        bits[_EXPONENT * LANES + i] = (word >> 52) + SHIFTER
-        bits[_MANTISSA * LANES + i] = (word & FRACTION) + ONE
+        word = bits[row * LANES + i]
+        bits[exponent * LANES + i] = (word >> 52) + SHIFTER
+        bits[mantissa * LANES + i] = (word & FRACTION) + ONE
+
+
+@subroutine
+def split_q(bits: Longs) -> None:
+    """Exponent and mantissa of row _Q."""
+    split(bits, _Q, _EXPONENT, _MANTISSA)
+
+
+@contracted_device
+def logarithm(m: float, e: float) -> float:
+    """ln of m 2^e with 1 <= m < 2, by a short series."""
+    # m between sqrt(1/2) and sqrt 2, so that ln m is short.
+    large = m > 2.0 * _ROOT_HALF
+    m, e = (0.5 * m if large else m), (e + 1.0 if large else e)
+    return e * _LN2 + log_ratio((m - 1.0) / (m + 1.0))
 
 
 @contracted_device
 def depth(x: State, m: float, e: float) -> tuple[float, float]:
     """(S, ln S) as `depth_below_vertical`, where q = m 2^e, by short series."""
-    # m between sqrt(1/2) and sqrt 2, so that ln m is short.
-    large = m > 2.0 * _ROOT_HALF
-    m, e = (0.5 * m if large else m), (e + 1.0 if large else e)
     larger = 1.0 + abs(x.z)
     # larger is 1 ... 2: ln(larger) = ln(larger / sqrt 2) + ln 2 / 2
     s = (larger * _ROOT_HALF - 1.0) / (larger * _ROOT_HALF + 1.0)
-    log_S = 2.0 * (e * _LN2 + log_ratio((m - 1.0) / (m + 1.0))) - log_ratio(s) - 0.5 * _LN2
+    log_S = 2.0 * logarithm(m, e) - log_ratio(s) - 0.5 * _LN2
     return x.q * (x.q / larger), log_S
 
 
@@ -94,11 +106,11 @@ def constants_batch(states: Matrix, whole: Whole, disk: Disk, out: Matrix) -> No
         for row in range(5):
             for i in range(count):
                 W[row * LANES + i] = states[row, first + i]
-        split(bits)
+        split_q(bits)
         lanes(W, whole, disk.body)
         for row in range(6):
             for i in range(count):
                 out[row, first + i] = W[(_OUT + row) * LANES + i]
         for i in range(count):
-            if not W[_Q * LANES + i] > _SMALLEST:
+            if not W[_Q * LANES + i] > SMALLEST:
                 one(states, first + i, disk, out)

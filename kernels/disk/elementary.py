@@ -10,9 +10,13 @@ from kernels.disk.polynomials import horner, taylor
 DEEPEST = 16.0
 _SQUARINGS = 3  # so that the polynomial of the exponential covers an eighth of the range
 
-# exp(-d) on 0 <= d <= DEEPEST / 8, squared three times; atanh(s)/s in s^2 up to 1/9; atan(x)/x in x^2.
+# exp(-d) on 0 <= d <= DEEPEST / 8, squared three times; sin(x)/x in x^2; atanh(s)/s in s^2 up to 1/9; atan(x)/x
+# in x^2.
 _SHORT = DEEPEST / 2.0**_SQUARINGS
 _STEEPEST = 0.2  # of (h_m / tau)^2 at the handover
+_QUARTER = 0.5 * math.pi
+_QUARTER_REST = 6.123233995736766e-17  # what pi/2 has beyond its double
+_SINE = taylor(lambda n: (-1.0) ** n * _QUARTER ** (2 * n) / math.factorial(2 * n + 1), 11)
 _EXP = taylor(lambda n: (-_SHORT) ** n / math.factorial(n), 14)
 _ATANH = taylor(lambda n: 9.0**-n / (2 * n + 1), 10)
 _ATAN = taylor(lambda n: (-_STEEPEST) ** n / (2 * n + 1), 12)
@@ -37,3 +41,16 @@ def log_ratio(s: float) -> float:
 def arctan(x: float) -> float:
     """atan(x) for x^2 <= _STEEPEST."""
     return x * horner(_ATAN, 2.0 / _STEEPEST * x * x - 1.0)
+
+
+@contracted_device
+def sine(x: float) -> float:
+    """sin(x) for |x| <= pi/2."""
+    share = x / _QUARTER
+    return x * horner(_SINE, 2.0 * share * share - 1.0)
+
+
+@contracted_device
+def cosine(x: float) -> float:
+    """cos(x) for |x| <= pi/2, with all its digits also near pi/2."""
+    return sine((_QUARTER - abs(x)) + _QUARTER_REST)

@@ -14,6 +14,7 @@ from numba import types as nb
 from kernels._jit import both_devices, device, kernel, subroutine
 from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
+from kernels.disk.chaplygin import Solutions
 from kernels.disk.constants import depth_below_vertical
 from kernels.disk.polynomials import horner
 from kernels.disk.rows import Entry, put
@@ -115,19 +116,23 @@ def potential_at_flat(X: float, b: Body) -> float:
     return V
 
 
+def _rates_on_f(X: float, q: float, z: float, f: Solutions, b: Body) -> tuple[float, float]:
+    """(sigma3/q^2, sigma4) with eta_+ = 0 where cos phi = q, sin phi = z; f: the solutions there. Eq. (5.9)."""
+    # eta_- = 2 I1 r'(0) sigma3_bar where eta_+ = 0
+    sigma3, sigma4 = chaplygin.sigma_from_constants(-1.0, X, 2.0 * b.dr0 * b.r0 * X, f, b.k)
+    north = z >= 0.0
+    return X * f.rho_over_S / (1.0 + z) if north else sigma3 / (q * q), X * f.drho / b.k if north else sigma4
+
+
+rates_on_f, contracted_rates_on_f = both_devices(_rates_on_f)
+
+
 @subroutine
 def on_f(q: float, z: float, X: float, disk: Disk) -> OnF[float]:
     """The motion with eta_+ = 0 where cos phi = q, sin phi = z. Needs I3 > 0. Eqs (3.8), (5.9)."""
     b = disk.body
     S, log_S = depth_below_vertical(q, z)
-    f = chaplygin.solutions(S, log_S, b.c, disk.series)
-    if z >= 0.0:
-        turn = X * f.rho_over_S / (1.0 + z)
-        sigma4 = X * f.drho / b.k
-    else:
-        # eta_- = 2 I1 r'(0) sigma3_bar where eta_+ = 0
-        sigma3, sigma4 = chaplygin.sigma_from_constants(-1.0, X, 2.0 * b.dr0 * b.r0 * X, f, b.k)
-        turn = sigma3 / (q * q)
+    turn, sigma4 = rates_on_f(X, q, z, chaplygin.solutions(S, log_S, b.c, disk.series), b)
     gyration = b.I1 * turn * turn * q
     V, _spin = potential_above_flat(0.5 * gyration * q, sigma4, 0.0, q, b)
     dV = gyration * z - b.J * turn * q * sigma4 - z
@@ -169,20 +174,14 @@ def barrier_angle(X: float, well_phi: float, disk: Disk) -> float:
 
 @device
 def passes_barrier(z: float, energy: float, X: float, o: Obstacle) -> int:
-    """Whether a start at sin phi = z < 0 is beyond the barrier, or passes over it: by its series."""
+    """Whether a start at sin phi = z < 0 is beyond the barrier, or passes over it: by its series, in lanes too."""
     share = abs(X) / o.X
-    if share > 1.0 + _MERGING:
-        return PASSES
-    if not share < 1.0 - _MERGING:
-        return UNDECIDED
-    t = 2.0 * math.sqrt(1.0 - share) - 1.0
-    behind = z - horner(o.sine, t)
-    if behind > o.slack:
-        return PASSES
-    V = horner(o.V, t)
-    if not (behind < -o.slack and abs(energy - V) > o.slack * V):
-        return UNDECIDED
-    return PASSES if energy > V else FALLS_BACK
+    t = 2.0 * math.sqrt(max(1.0 - share, 0.0)) - 1.0
+    behind, V = z - horner(o.sine, t), horner(o.V, t)
+    there = share < 1.0 - _MERGING
+    beyond = share > 1.0 + _MERGING or (there and behind > o.slack)
+    told = there and behind < -o.slack and abs(energy - V) > o.slack * V
+    return PASSES if beyond or (told and energy > V) else FALLS_BACK if told else UNDECIDED
 
 
 @device

@@ -113,8 +113,10 @@ def turning_point_outward(h0: float, motion: Motion, disk: Disk) -> float:
     level, X, Y = motion.level, motion.X, motion.Y
     inside = math.log(h0)
     slope_inside = point(h0, X, Y, disk).slope
-    for i in range(1, _SCAN + 1):
-        h = h0 + (VERTICAL - h0) * i / _SCAN
+    # At the vertical, but for the rounding of h, there is one place to look at.
+    tried = _SCAN if VERTICAL - h0 > 8.0 * _EPSILON else 1
+    for i in range(1, tried + 1):
+        h = h0 + (VERTICAL - h0) * i / tried
         at = point(h, X, Y, disk)
         here = math.log(h)
         edge = here

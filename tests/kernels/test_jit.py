@@ -196,6 +196,7 @@ from explorer.phase.lines import line_chart
 from explorer.phase.membership import barrier
 from explorer.phase.states import constants_to_states
 from explorer.measure.log_counts import SignedLogCounts
+from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.race_angles import RaceAngles
 called, compiled_call = set(), compiled._load("kernels._jit").Kernel.__call__
 def call(kernel, *arguments, **keywords):
@@ -207,6 +208,7 @@ state = {"phi": -0.4, "phidot": 0.5, "sigma3": 0.05, "sigma4": -0.3}
 states = ex.phi_to_states(disk, **state)
 scene = RaceAngles.of({"samples": 8, "eta_hat": "1e-4:9e-4"})
 tally = scene.tally(0, scene.compute(0))
+faces = FallingSet.of({"samples": 70, "theta_min": "near", "box": "phi=-1:1"}).process(0)[1]["faces"]
 numbers = [
     ex.passages(disk, [1.0, 0.3], [1e-3, -1e-9], [1.0, 1e-3]).race_angle,
     *(
@@ -224,6 +226,7 @@ numbers = [
     (motion := ex.simulate(states, t_end=2.0, accuracy=1e-6)).phi[..., -1],
     motion([0.5, 1.7]).chi,
     ex.simulate(states, t_eval=[0.0, 1.0, 2.0], accuracy=1e-6).phi,
+    list(faces.values()),
     tally["plus"]["bins"], tally["minus"]["sum"], SignedLogCounts(tally["decades"]["-4"]["plus"]).quantile(0.5),
 ]
 print(json.dumps([float(x) for row in numbers for x in np.ravel(row)]))

@@ -16,6 +16,7 @@ ARRAYS = {
     types.Codes: np.empty(2, np.int8),
     types.Counts: np.empty(2, np.int32),
     types.Longs: np.empty(2, np.int64),
+    types.Words: np.empty(2, np.uint64),
 }
 
 

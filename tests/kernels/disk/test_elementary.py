@@ -15,3 +15,9 @@ def test_the_elementary_functions_are_at_rounding():
     )
     x = np.linspace(0.0, 0.44, 200)
     np.testing.assert_allclose([elementary.arctan(v) for v in x], np.arctan(x), rtol=4e-16, atol=0)
+
+
+def test_sines_and_cosines_keep_their_digits_where_they_vanish():
+    phi = np.concatenate([np.linspace(-0.5 * np.pi, 0.5 * np.pi, 501), 0.5 * np.pi - np.geomspace(1e-15, 0.1, 50)])
+    np.testing.assert_allclose([elementary.sine(x) for x in phi], np.sin(phi), rtol=6e-16, atol=0)
+    np.testing.assert_allclose([elementary.cosine(x) for x in phi], np.cos(phi), rtol=8e-16, atol=0)

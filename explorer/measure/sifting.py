@@ -1,0 +1,74 @@
+"""States drawn evenly from a box, counted and sifted by one compiled pass: only those near F leave it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from explorer import compiled
+from explorer.measure.log_counts import LOWEST_BIN, PER_DECADE, LogCounts
+from explorer.measure.sampling import Box, chunk_stream
+from explorer.phase.disk import Disk
+from explorer.phase.membership import obstacle
+from explorer.phase.states import COORDINATES, Array
+
+# All states by nearer face and sign of eta, in the order of the compiled pass.
+FACES = tuple(f"face_{face}_eta_{sign}" for face in ("minus", "plus") for sign in ("negative", "zero", "positive"))
+KERNELS = ("sifting.sift_batch",)  # of `sift`, for `compiled.warmup`
+_LARGEST = 1e100  # natural units of rates, whose squares the lanes must not overflow
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Which states: a chunk of a run, and how many of them are drawn at once."""
+
+    seed: int
+    index: int
+    count: int
+    block: int
+
+
+@dataclass(frozen=True)
+class Sifted:
+    """What became of the states of a chunk.
+
+    faces: counts by FACES; a state that is none is in no face. could_fall, distance: of those that could fall on
+    the nearer face. columns: coordinates of those of them that are near, in their order.
+    """
+
+    faces: dict[str, int]
+    could_fall: int
+    distance: LogCounts
+    columns: dict[str, Array]
+
+
+def in_lanes(disk: Disk, box: Box) -> bool:
+    """Whether the pass takes this box: squares of its rates are numbers."""
+    rates = np.array([getattr(box, name) for name in COORDINATES[1:]]) / disk.rate_unit
+    return bool(np.max(abs(rates)) < _LARGEST)
+
+
+def sift(disk: Disk, box: Box, chunk: Chunk, near: float) -> Sifted:
+    """Draw, judge and count the states of a chunk, which are those of `Box.draw` from its stream.
+
+    near: |eta_hat|, units of the disk.
+    """
+    low, high = np.array([getattr(box, name) for name in COORDINATES]).T.copy()
+    keys = compiled.philox.round_keys(chunk_stream(chunk.seed, chunk.index).bit_generator.state["state"]["key"])
+    draw = compiled.sifting.Draw(keys, low, high - low, chunk.block, disk.rate_unit)
+    eta_unit = disk.eta_hat_to_eta(1.0)
+    sieve = compiled.sifting.Sieve(obstacle(disk), eta_unit, near, float(PER_DECADE), -LOWEST_BIN)
+    found = compiled.sifting.Found(
+        faces=np.zeros(len(FACES), np.int64),
+        bins=np.zeros(-2 * LOWEST_BIN, np.int32),
+        ends=np.array([np.inf, -np.inf]),
+        totals=np.zeros(3, np.int64),
+        columns=np.empty((len(COORDINATES), chunk.count)),
+    )
+    compiled.sifting.sift_batch(draw, chunk.count, sieve, disk.natural, disk.whole, found)
+    could, zeros, kept = found.totals.tolist()
+    return Sifted(
+        faces=dict(zip(FACES, found.faces.tolist(), strict=True)),
+        could_fall=could,
+        distance=LogCounts.of_row(LOWEST_BIN, found.bins, zeros, found.ends),
+        columns=dict(zip(COORDINATES, found.columns[:, :kept].copy(), strict=True)),
+    )
