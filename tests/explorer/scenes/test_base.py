@@ -68,6 +68,7 @@ def test_the_plan_of_a_scene_is_made_once_and_kept():
 # Scenes in the ways that call different kernels, small.
 WAYS = {
     "falling-set": {"samples": 300, "grid": 9},
+    "falling-set, in one pass": {"samples": 300, "grid": 9, "theta_min": "near"},
     "falling-set, integrated": {"samples": 300, "grid": 9, "method": "dop853", "accuracy": 1e-3},
     "race-angles": {"samples": 300},
     "race-angles, integrated": {"samples": 300, "method": "dop853", "accuracy": 1e-3},
