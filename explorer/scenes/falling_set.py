@@ -279,7 +279,9 @@ class FallingSet(SceneOfStates):
     def _draw_slice(self, where: Slice, **options: Any) -> "Axes":
         from explorer import plot
 
-        return plot.slice_map(slice_map(self.disk, where, points=self.grid, method=self._method_of_slices), **options)
+        return plot.slice_map(
+            slice_map(self.disk, where, points=self.grid, method=self._method_of_slices), **options
+        )
 
     @cached_property
     def _plane_edges(self) -> tuple[Array, Array]:
