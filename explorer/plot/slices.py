@@ -9,6 +9,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
@@ -33,6 +34,7 @@ _SIDES = LinearSegmentedColormap.from_list(
     "sides", [(0.0, "#FBEDE2"), (0.5, MINUS), (0.5, PLUS), (1.0, "#E6F1F8")], N=512
 ).with_extremes(bad="#A8A8A8")
 _HATCH = "#00000030"
+_NAMED = 0.03  # of the picture: smaller parts have no room for a name
 
 
 def signed_tilt(cut: SliceMap) -> Array:
@@ -77,8 +79,10 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
     """
     ax = axes_or_new(ax)
     shade: dict[str, Any] = {"cmap": _SIDES, "vmin": -1.0, "vmax": 1.0, "rasterized": True}
-    mesh = ax.pcolormesh(cut.x, cut.y, signed_tilt(cut), **(shade | look))
+    signed = signed_tilt(cut)
+    mesh = ax.pcolormesh(cut.x, cut.y, signed, **(shade | look))
     _tilt_bar(ax, mesh)
+    _name_sides(ax, cut, signed)
     handles: list[Artist] = []
     never = cut.side == 0
     if never.any() and not never.all():
@@ -96,6 +100,23 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
         legend_below(ax, handles=handles)
     first, second = (coordinate_label(name, cut.disk) for name in cut.slice.axes)
     return dress(ax, first, second, f"$F$ is where the strong colours meet: {values_label(cut.slice.fixed)}")
+
+
+def _name_sides(ax: Axes, cut: SliceMap, signed: Array) -> None:
+    """Write the side into the middle of each large part: in grey both colours are the same."""
+    from scipy.ndimage import distance_transform_edt, label
+
+    for side, name in ((1, r"$\eta > 0$"), (-1, r"$\eta < 0$")):
+        parts, count = label(np.sign(signed) == side)
+        for part in range(1, count + 1):
+            inside = parts == part
+            if inside.mean() > _NAMED:
+                depth = distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
+                row, column = np.unravel_index(int(np.argmax(depth)), depth.shape)
+                text = ax.text(
+                    cut.x[column], cut.y[row], name, ha="center", va="center", fontsize=SMALL, color=DARK
+                )
+                text.set_path_effects([withStroke(linewidth=2.5, foreground="#FFFFFFB0")])
 
 
 def _tilt_bar(ax: Axes, mesh: ScalarMappable) -> None:

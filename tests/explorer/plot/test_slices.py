@@ -33,3 +33,13 @@ def test_colours_tell_side_and_tilt_everywhere_and_hatches_hide_neither(slice_of
     assert (np.diff(abs(values[known])[flat]) >= 0.0).all()
     (hatched,) = [each for each in ax.collections if any(getattr(each, "hatches", None) or [])]
     assert hatched.get_facecolor().size == 0 or hatched.get_facecolor()[..., 3].max() == 0.0
+
+
+def test_sides_are_named_where_they_are_so_that_grey_tells_them_too(slice_of_uniform):
+    ax = plot.race_slice_map(slice_of_uniform)
+    cut, values = slice_of_uniform, signed_tilt(slice_of_uniform)
+    names = {"$\\eta > 0$": 1.0, "$\\eta < 0$": -1.0}
+    found = [(text.get_position(), names[text.get_text()]) for text in ax.texts if text.get_text() in names]
+    assert {side for _, side in found} == {1.0, -1.0}
+    for (x, y), side in found:
+        assert np.sign(values[np.argmin(abs(cut.y - y)), np.argmin(abs(cut.x - x))]) == side
