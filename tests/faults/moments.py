@@ -1,6 +1,7 @@
 """Runs that are stopped at random moments, and whether they keep their promises. One JSON line for each.
 
-    python tests/faults/moments.py FOLDER BACKEND COUNT SEED      # Linux
+    python tests/faults/moments.py FOLDER BACKEND COUNT SEED >> LINES    # serial, threads, processes, dask; Linux
+    python tests/faults/moments.py --table LINES                         # writes results/faults/moments.md
 
 Every run is a fork of this process, which has loaded and compiled everything: a moment costs half a second.
 Promised are the exit status; silence about anything but the stop; that no process is left after 30 s; that every
@@ -12,10 +13,12 @@ import json
 import os
 import pty
 import random
+import shutil
 import signal
 import sys
 import termios
 import time
+from collections import Counter
 from pathlib import Path
 
 import pandas  # noqa: F401 - these are loaded before the fork
@@ -26,6 +29,7 @@ import scipy.stats  # noqa: F401
 from explorer import compiled
 from explorer.commands import run, runs  # noqa: F401 - before the fork
 from explorer.commands.main import main
+from explorer.scenes.registry import build_scene
 
 # How a run is stopped, and the exit statuses that are promised; all may also be done before, with status 0.
 PROMISED = {
@@ -39,6 +43,7 @@ PROMISED = {
     "terminal closed": 130,
     "SIGKILL": -signal.SIGKILL,
 }
+OUT = Path(__file__).parents[2] / "results" / "faults" / "moments.md"
 OPTIONS = {"scene": "race-angles", "samples": 20_000, "chunk_size": 2_000, "keep": "all"}
 _UGLY = ("Traceback", "Fatal Python", "Exception ignored", "terminate called", "Warning", "leaked")
 _ORPHANS, _ENDS = 30.0, 60.0  # seconds
@@ -171,22 +176,63 @@ def moments(place, backend, count, seed):
     scene.write_text("".join(f"{key} = {value!r}\n" for key, value in OPTIONS.items()))
     asked = ["run", scene, "--no-figures", "--resume", "--out"]
     began = time.monotonic()
-    digest = json.loads(to_the_end(*asked, place / "whole", "--json", "--backend", backend)[1])["digest"]
+    by = ["--backend", "threads", "--jobs", 1] if backend == "serial" else ["--backend", backend]
+    digest = json.loads(to_the_end(*asked, place / "whole", "--json", *by)[1])["digest"]
     longest, draw = time.monotonic() - began, random.Random(seed)
     for trial in range(count):
         how = list(PROMISED)[(seed + trial) % len(PROMISED)]
         moment = draw.uniform(0.0, longest)
         folder = place / f"{backend}-{trial}"
         words = [*asked, folder]
-        status, before, broken = stopped([*words, "--backend", backend], folder, how, moment)
+        status, before, broken = stopped([*words, *by], folder, how, moment)
         chunks = len(list(folder.glob("chunks/chunk-*.parquet")))
         broken += look(words, folder, digest)
-        row = {"how": how, "moment": round(moment, 3), "status": status, "before": before, "chunks": chunks}
+        shutil.rmtree(folder, ignore_errors=True)
+        row = {
+            "backend": backend,
+            "how": how,
+            "moment": round(moment, 3),
+            "status": status,
+            "before": before,
+            "chunks": chunks,
+        }
         print(json.dumps({**row, "broken": broken}), flush=True)
 
 
+def table(lines):
+    """A row for each backend and way to stop: how many runs, how they ended, and broken promises."""
+    found = [json.loads(line) for line in lines.read_text(encoding="utf-8").splitlines()]
+    what = f"race-angles, {OPTIONS['samples']:,} samples in chunks of {OPTIONS['chunk_size']:,}"
+    text = [
+        "# Runs stopped at random moments",
+        "",
+        "Made by `python tests/faults/moments.py`. Each run is stopped at a random moment between its start and",
+        f"its end, and then continued. The run: {what}.",
+        "A promise is broken where the exit status is another than the promised one or 0, where anything ugly is",
+        f"said, where a process is alive after {_ORPHANS:.0f} s, where a file is left that is no chunk, or where",
+        "going on ends with another digest.",
+        "",
+        "| backend | stopped by | runs | ended before | exit status | promised | chunks left | promises broken |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for backend in dict.fromkeys(row["backend"] for row in found):
+        for how, promised in PROMISED.items():
+            rows = [row for row in found if (row["backend"], row["how"]) == (backend, how)]
+            if not rows:
+                continue
+            ends = Counter(row["status"] for row in rows)
+            ends = ", ".join(f"{status} ({count})" for status, count in sorted(ends.items(), key=str))
+            chunks = sorted(row["chunks"] for row in rows)
+            before, broken = (sum(bool(row[name]) for row in rows) for name in ("before", "broken"))
+            cells = (backend, how, len(rows), before, ends, promised, f"{chunks[0]} to {chunks[-1]}", broken)
+            text.append("| " + " | ".join(map(str, cells)) + " |")
+    OUT.write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
 if __name__ == "__main__":
-    compiled.warmup()
+    if sys.argv[1] == "--table":
+        sys.exit(table(Path(sys.argv[2])))
+    compiled.warmup(build_scene("race-angles").kernels)
     try:
         moments(Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
     except Child as child:

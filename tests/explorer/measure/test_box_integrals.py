@@ -1,6 +1,8 @@
 """Integrals over boxes against closed forms and against scipy."""
 
 import math
+import signal
+import time
 
 import numpy as np
 import pytest
@@ -140,3 +142,26 @@ def test_the_constant_of_a_density_that_jumps_takes_bounded_work_and_its_error_c
     exact = 2.0 * (0.7 * 0.7 + 0.5 * (0.4**2 - 0.3**2))  # of 1 - (0.3 - phi) over phi
     assert abs(mass.value - exact) <= mass.error
     assert natural.work.points < 60_000_000  # a hundred cuts of both pieces would take ten times that
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="there are no such timers")
+def test_a_long_integral_is_interrupted_within_a_second():
+    begun = []
+
+    def ring(number, frame):
+        begun.append(time.monotonic())
+        raise KeyboardInterrupt
+
+    def noise(phi, phidot, sigma3, sigma4):
+        return abs(np.sin(1e8 * (phi + phidot + sigma3 + sigma4)))
+
+    natural = NaturalDensity(UNIFORM, Density.of(UNIFORM, "phi=-1:1", density=noise))
+    before = signal.signal(signal.SIGALRM, ring)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        with pytest.raises(KeyboardInterrupt):
+            natural.mass()  # some ten seconds
+        assert time.monotonic() - begun[0] < 1.0
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)

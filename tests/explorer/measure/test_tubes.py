@@ -54,6 +54,23 @@ def test_draws_of_a_tube_are_states_with_the_eta_they_claim(box, face):
     np.testing.assert_allclose(theta[status == 0], found.theta_min[rows][status == 0], rtol=1e-6)
 
 
+@pytest.mark.parametrize("delta", [1e-100, 1e-12, 1.0])
+@pytest.mark.parametrize(
+    "box", ["phi=1.57,sigma3=-1e-9:1e-9", "phi=-1.5707963:1.5707963,phidot=-1e4:1e4", "phidot=0,sigma4=-1e-300:1"]
+)
+def test_any_tube_ends_with_a_finite_weight_and_a_status_for_every_draw(box, delta):
+    disk = ex.Disk.uniform()
+    density = Density.of(disk, box, ":1e9")
+    unit = np.random.default_rng(4).random((200, dimensions(density)))
+    for face in (1, -1):
+        found = draw_tube(disk, density, 1.0, face, delta, unit)
+        assert np.isfinite(found.weight).all()
+        assert (found.weight >= 0.0).all()
+        counted = found.weight > 0.0
+        assert np.isfinite(found.theta_min[counted & (found.status == 0)]).all()
+        assert set(found.status) <= set(map(int, ex.Status))
+
+
 def test_intervals_cover_over_four_hundred_small_runs():
     """Between 92 % and 98 % of the 95 % intervals of C, of the slope and of a rung contain the truth."""
     disk = ex.Disk.uniform()
