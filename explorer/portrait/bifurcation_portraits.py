@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from explorer.errors import InputError, one_of
-from explorer.phase.disk import Disk
+from explorer.errors import InputError, number, one_of, shown
+from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 from explorer.portrait.potential import Potential
 from explorer.portrait.steady import PATHS, Branch, bifurcation, path_values
@@ -84,9 +84,10 @@ def bifurcation_portraits(
     >>> len(found.places), round(found.threshold, 5)
     (4, 0.34456)
     """
+    require_axial_inertia(disk)
     one_of("path", path, list(PATHS))
     threshold = max(path_values(disk, path)[1])
-    chosen = tuple(_one_in_each_region(disk, path, threshold) if places is None else places)
+    chosen = tuple(_one_in_each_region(disk, path, threshold) if places is None else _pairs(places))
     if not chosen:
         raise InputError("places: give at least one (parameter, energy)")
     potentials = tuple(PATHS[path](disk, at) for at, _ in chosen)
@@ -99,6 +100,14 @@ def bifurcation_portraits(
     branches = bifurcation(disk, path, parameter)
     floor = _floor(disk, path, parameter, branches)
     return BifurcationPortraits(disk, path, parameter, floor, branches, threshold, chosen, potentials)
+
+
+def _pairs(places: object) -> list[tuple[float, float]]:
+    """The places that a user gives. Raises InputError."""
+    try:
+        return [(number("places", at), number("places", energy)) for at, energy in list(places)]  # type: ignore[call-overload]
+    except (TypeError, ValueError, ArithmeticError):
+        raise InputError(f"places = {shown(places)}: give pairs (parameter, energy)") from None
 
 
 def _levels(potential: Potential) -> list[float]:

@@ -8,12 +8,13 @@ import numpy as np
 
 from explorer.errors import InputError, positive, shown, whole
 from explorer.motion.passages import passages
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 
 MOST = 16.0  # of m r^2/I1; a hoop has 2, a uniform disk 4
 # Where the gap is measured, natural units of eta_hat: the law eta ln(1/eta) leaves 1e-10 rad there.
 _BESIDE = 1e-12
+_MOST_POINTS = 1_000_000
 _LARGEST = 1e6  # of m r^2/I1: a body a thousand times smaller than its rim
 _SAME = 1e-8  # turns; rounding and the law leave less of a gap of zero, which must not become 2 pi
 
@@ -75,7 +76,7 @@ def race_numbers(most: float = MOST, points: int = 1601) -> RaceNumbers:
     >>> ex.portrait.race_numbers(4.0, points=5).kappa.round(4)
     array([1.    , 1.4142, 1.7321, 2.    , 2.2361])
     """
-    largest, points = _ratio("most", most), whole("points", points, 2)
+    largest, points = _ratio("most", most), whole("points", points, 2, _MOST_POINTS)
     turns = np.arange(1.0, math.floor(math.sqrt(1.0 + largest)) + 1.0)
     matching = turns * turns - 1.0
     ratio = np.union1d(np.linspace(0.0, largest, points), matching)
@@ -167,15 +168,17 @@ def measured_gaps(disks: Sequence[Disk]) -> MeasuredGaps:
     >>> ex.portrait.measured_gaps([ex.Disk.hoop(), ex.Disk.uniform()]).kappa.round(6)
     array([1.732051, 2.236068])
     """
-    if not disks:
-        raise InputError("disks: none were given; give at least one Disk")
+    given = list(disks) if isinstance(disks, list | tuple) else []
+    if not given:
+        raise InputError(f"disks = {shown(disks)}: give a list of one Disk or more")
     kappa = []
-    for disk in disks:
+    for disk in given:
+        require_axial_inertia(disk)
         unit = disk.rate_unit
         angle = passages(disk, unit, [_BESIDE * unit, -_BESIDE * unit], unit, accuracy=1e-9).race_angle
         kappa.append((angle[0] - angle[1]) / (2.0 * math.pi))
     measured = np.array(kappa)
     near = measured - np.round(measured)
     gap = 2.0 * math.pi * np.where(abs(near) < _SAME, near, measured % 1.0)
-    ratio = np.array([disk.m * disk.r**2 / disk.I1 for disk in disks])
+    ratio = np.array([disk.m * disk.r**2 / disk.I1 for disk in given])
     return MeasuredGaps(ratio, measured, gap)

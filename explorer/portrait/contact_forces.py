@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError
+from explorer.errors import InputError, number
 from explorer.motion.periods import periods
 from explorer.motion.trajectories import finer, trajectories
-from explorer.phase.disk import Disk
-from explorer.phase.states import Array, constants_to_states
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.states import Array, columns_of, constants_to_states
 
 _PARTS = 4  # of a step of the record, for 0.05 rad of chi between two times: a race has some hundred of them
 _ACCURACY = 1e-9
@@ -92,12 +92,15 @@ def contact_forces(
     >>> print(f"{one.normal[0]:.2f} m g at the vertical")
     0.00 m g at the vertical
     """
-    starts = constants_to_states(disk, sigma3_bar, list(eta_hat), phidot)
+    require_axial_inertia(disk)
+    sizes = columns_of(eta_hat=eta_hat)[0]
+    bar, speed = number("sigma3_bar", sigma3_bar), number("phidot", phidot)
+    starts = constants_to_states(disk, bar, sizes, speed)
     found = periods(starts)
     if not found.ok.all():
         raise InputError(f"eta_hat = {eta_hat!r}: {found.status_names[~found.ok][0]}; give numbers other than 0")
     every = []
-    for row, (size, period) in enumerate(zip(eta_hat, found.period, strict=True)):
+    for row, (size, period) in enumerate(zip(sizes, found.period, strict=True)):
         names = ("phi", "phidot", "sigma3", "sigma4")
         motion = trajectories(starts[row], float(period), observables=names, accuracy=_ACCURACY)
         at = motion(finer(motion.t[0], _PARTS))

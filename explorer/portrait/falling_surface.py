@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError, positive, whole
+from explorer.errors import InputError, number, positive, whole
 from explorer.motion.passages import passages
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart
-from explorer.phase.states import Array
+from explorer.phase.states import Array, columns_of
 
 _MOST_POINTS = 2001
 _EDGE = 1.5  # rad of phi: the sheets are drawn to there, flat is pi/2
@@ -71,11 +71,12 @@ def falling_surface(disk: Disk, size: float = 1.0, points: int = 41) -> FallingS
     >>> ex.portrait.falling_surface(ex.Disk.uniform(), size=2.0, points=7).phi[1].shape
     (7, 7)
     """
-    count = whole("points", points, 2, _MOST_POINTS)
+    require_axial_inertia(disk)
+    count, most = whole("points", points, 2, _MOST_POINTS), positive("size", size)
     phi = np.linspace(-_EDGE, _EDGE, count)
     chart = line_chart(disk, np.cos(phi), np.sin(phi))
     longer = np.maximum(abs(chart.bar_to_sigma3), abs(chart.bar_to_sigma4))
-    along = np.linspace(-positive("size", size), size, count)
+    along = np.linspace(-most, most, count)
     sigma3, sigma4 = ((rate / longer)[:, None] * along for rate in (chart.bar_to_sigma3, chart.bar_to_sigma4))
     tilts = np.repeat(phi[:, None], count, axis=1)
     # (phi, sigma3, sigma4) -> (-phi, sigma3, -sigma4) takes face +1 to face -1.
@@ -151,9 +152,10 @@ def zoom(
     if count % 2:
         raise InputError(f"points = {points!r}: give an even number, so that no point lies on F itself")
     offset = np.asarray((np.arange(count) - 0.5 * (count - 1)) / (0.5 * count), np.float64)
-    half = np.array([positive("halves", size) for size in halves])
-    bars = sigma3_bar + half[:, None, None] * offset[None, None, :]
-    found = passages(disk, bars, half[:, None, None] * offset[None, :, None], phidot)
+    half = np.array([positive("halves", size) for size in columns_of(halves=halves)[0]])
+    bar, speed = number("sigma3_bar", sigma3_bar), number("phidot", phidot)
+    bars = bar + half[:, None, None] * offset[None, None, :]
+    found = passages(disk, bars, half[:, None, None] * offset[None, :, None], speed)
     return Zoom(
-        disk, sigma3_bar, half, offset, found.race_angle, int((found.status == compiled.status.Status.FALLS).sum())
+        disk, bar, half, offset, found.race_angle, int((found.status == compiled.status.Status.FALLS).sum())
     )

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from explorer.errors import InputError
+from explorer.errors import InputError, number, positive
 from explorer.motion.passages import passages
 from explorer.motion.trajectories import finer, trajectories
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, columns_of, constants_to_states
 from explorer.portrait.both_sides import BothSides, both_sides
 
@@ -104,7 +104,9 @@ def near_flat(
     >>> [round(one.theta_min, 6) for one in both]
     [0.000723, 0.000725]
     """
+    require_axial_inertia(disk)
     sizes = columns_of(eta_hat=eta_hat)[0]
+    sigma3_bar, phidot = number("sigma3_bar", sigma3_bar), number("phidot", phidot)
     if not (abs(sizes) >= _SMALLEST * disk.rate_unit).all():
         raise InputError(f"eta_hat = {eta_hat!r}: give numbers of size {_SMALLEST:g} sqrt(g/r) and above")
     ways = passages(disk, sigma3_bar, sizes, phidot)
@@ -153,5 +155,6 @@ def toward_limits(
     >>> [round(both.eta_hat, 3) for both in ex.portrait.toward_limits(ex.Disk.uniform(), [0.1, 0.01])]
     [0.1, 0.01]
     """
-    start = constants_to_states(disk, sigma3_bar, 0.0, phidot)
-    return tuple(both_sides(start, size * disk.rate_unit) for size in eta_hat)
+    sizes = [positive("eta_hat", size) for size in columns_of(eta_hat=eta_hat)[0]]
+    start = constants_to_states(disk, number("sigma3_bar", sigma3_bar), 0.0, number("phidot", phidot))
+    return tuple(both_sides(start, size * disk.rate_unit) for size in sizes)

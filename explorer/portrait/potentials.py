@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from explorer.errors import InputError, number, sign
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_slope, nearer_plus
 from explorer.phase.membership import require_well
 from explorer.phase.states import Array
@@ -49,6 +49,7 @@ def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) 
     >>> [at.kind for at in beside.equilibria]
     ['centre', 'saddle', 'centre']
     """
+    require_axial_inertia(disk)
     bar, eta = _constant("sigma3_bar", sigma3_bar), _constant("eta_hat", eta_hat)
     return Potential(disk, bar / disk.rate_unit, eta / disk.rate_unit, sign("face", face))
 
@@ -83,6 +84,7 @@ def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
     >>> [(at.kind, round(at.phi, 6)) for at in upright.equilibria]
     [('centre', 0.0)]
     """
+    require_axial_inertia(disk)
     bar = _constant("sigma3_bar", sigma3_bar) / disk.rate_unit
     spin = _constant("sigma4_bar", sigma4_bar) / disk.rate_unit
     slope = line_slope(disk)

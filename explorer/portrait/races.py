@@ -13,14 +13,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from explorer.errors import whole
 from explorer.measure.log_counts import PER_DECADE, LogCounts, SignedLogCounts
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_disk
 from explorer.phase.states import Array, columns_of
 
 SIDES = {"plus": 1, "minus": -1}
 BINS = 40  # a decade of the deviation, in a summary: a picture joins some of them
 PER_STEP = 3  # steps of |eta_hat| a decade, at which the law is looked at
 _SHARES = (0.05, 0.25, 0.5, 0.75, 0.95)
+_MOST_BINS = 1_000_000
 _ROUNDING = 1e-12  # rad; a deviation is known to some 1e-15, and its law to a percent from here on
 
 
@@ -28,7 +30,8 @@ def law_scale(disk: Disk, eta_hat: Array, impact_speed: Array) -> Array:
     """|K eta| of passages, K = 2 m g r/(I1 M A^3), dimensionless; eta_hat and A in the units of the disk."""
     b, unit = disk.body, disk.rate_unit
     eta = abs(disk.eta_hat_to_eta(eta_hat / unit))
-    scale: Array = 2.0 / (b.I1 * b.M * (impact_speed / unit) ** 3) * eta
+    with np.errstate(all="ignore"):  # a speed of a user's own may be anything
+        scale: Array = 2.0 / (b.I1 * b.M * (impact_speed / unit) ** 3) * eta
     return scale
 
 
@@ -108,7 +111,9 @@ def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, bins: int
     >>> found.ridges[-4][1].total, found.ridges[-4][-1].total
     (1, 1)
     """
+    require_disk(disk)
     eta, race = columns_of(eta_hat=eta_hat, race_angle=race_angle)
+    bins = whole("bins", bins, 1, _MOST_BINS)
     limit = disk.race_limit
     deviation = race - np.sign(eta) * limit
     edges = np.linspace(-1.5 * limit, 1.5 * limit, bins + 1)
@@ -154,7 +159,7 @@ def law_constants(
     """
     eta = abs(disk.eta_hat_to_eta(eta_hat / disk.rate_unit))
     scale, side = law_scale(disk, eta_hat, speed), np.sign(eta_hat)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
         constant = np.log(1.0 / eta) - side * (race_angle - side * disk.race_limit) / scale
         good = np.isfinite(constant) & (scale > _ROUNDING)
         if error is not None and good.any():
@@ -212,6 +217,7 @@ def race_law(
     >>> round(row["constant"]["0.5"], 1)
     6.0
     """
+    require_disk(disk)
     eta, race, speed = columns_of(eta_hat=eta_hat, race_angle=race_angle, impact_speed=impact_speed)
     return law_rows(disk, law_constants(disk, eta, race, speed))
 

@@ -20,7 +20,7 @@ from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import Falls, falls_of
 from explorer.phase.results import Table
-from explorer.phase.states import COORDINATES, Array, States, phi_to_states
+from explorer.phase.states import COORDINATES, Array, States, phi_to_states, require_states
 
 _MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128 MB
 _NAMES = tuple(name for name in Coordinates.__annotations__ if name != "face")
@@ -306,6 +306,7 @@ def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") ->
     >>> plane.smallest.shape
     (10, 10)
     """
+    require_states(states)
     cells = whole("cells", cells, 2, _MOST_POINTS)
     how = plan(("theta_min",), SLICE_ACCURACY, method)
     constants = natural_constants(states)

@@ -273,7 +273,7 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     >>> [branch.kind for branch in ex.portrait.bifurcation(ex.Disk.uniform(), "line", [0.1, 0.2])]
     ['centre', 'saddle']
     """
-    _known_path(path)
+    _check(disk, path)
     (values,) = columns_of(parameter=parameter)
     rows = [(value, _regular(PATHS[path](disk, float(value)))) for value in values]
     branches: list[Branch] = []
@@ -286,7 +286,9 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     return tuple(branches)
 
 
-def _known_path(path: str) -> None:
+def _check(disk: Disk, path: str) -> None:
+    """Raise InputError for a path that is not known, and a disk that has no lines."""
+    require_axial_inertia(disk)
     if not isinstance(path, str) or path not in PATHS:
         raise InputError(f"path {shown(path)} is not known; choose {' or '.join(PATHS)}")
 
@@ -330,7 +332,7 @@ def path_values(disk: Disk, path: str) -> tuple[Array, tuple[float, ...]]:
     >>> [round(edge, 5) for edge in thresholds]
     [0.34456, -0.34456]
     """
-    _known_path(path)
+    _check(disk, path)
     if path == "line":
         edge = well(disk).sigma3_bar * disk.rate_unit
     else:

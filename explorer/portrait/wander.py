@@ -5,17 +5,17 @@ rotation about a fixed centre unless chi(tau) is a multiple of 2 pi (Borisov, Ma
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, shown, whole
+from explorer.errors import InputError, number, shown, whole
 from explorer.motion.periods import Periods, periods
 from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.states import Array, States, columns_of, constants_to_states
+from explorer.phase.states import Array, States, columns_of, constants_to_states, require_states
 
 # Errors of chi per period add up over the periods of a path: 1e-9 leaves 1e-5 rad after the most of them.
 _ACCURACY = 1e-9
@@ -92,7 +92,8 @@ def wander(states: States) -> Wander:
     >>> bool(found.radius[0] != found.radius[1]), found.status
     (True, array([0, 0], dtype=int8))
     """
-    require_axial_inertia(states.disk)
+    require_axial_inertia(require_states(states).disk)
+    states = replace(states, shape=(len(states),))
     each = _periods(states)
     step = np.full(len(states), np.nan, np.complex128)
     for row in np.flatnonzero(each.status == compiled.status.Status.OK):
@@ -150,7 +151,6 @@ def resonance(
     >>> print(f"{bar:.3f}: {chi / 6.283185307179586:.6f} turns")
     0.201: 2.000000 turns
     """
-
     from scipy.optimize import brentq
 
     def excess(sigma3_bar: float) -> float:
@@ -160,6 +160,8 @@ def resonance(
             raise InputError(f"resonance: no period at sigma3_bar = {sigma3_bar:g}: {sentence} Move `between`")
         return float(period.chi[0]) / (2.0 * math.pi) - whole_turns
 
+    require_axial_inertia(disk)
+    eta_hat, phidot = number("eta_hat", eta_hat), number("phidot", phidot)
     whole_turns = whole("turns", turns, -_MOST_TURNS, _MOST_TURNS)
     ends = columns_of(between=between)[0]
     if ends.size != 2:
@@ -234,7 +236,7 @@ def wander_path(states: States, count: int) -> WanderPath:
     >>> print(f"{path.t[-1] / path.wander.period[0]:.1f} periods")
     3.0 periods
     """
-    if len(states) != 1:
+    if len(require_states(states)) != 1:
         raise InputError(f"states: wander follows one motion, {len(states)} were given")
     count = whole("count", count, 1, _MOST_PERIODS)
     each = wander(states)

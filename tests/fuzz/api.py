@@ -2,6 +2,7 @@
 
 import inspect
 import random
+import re
 import typing
 from types import ModuleType
 
@@ -9,13 +10,16 @@ import explorer as ex
 from explorer.scenes.registry import SCENES, build_scene
 
 from .judge import judge
-from .values import nasty, sensible
+from .values import DISKS, nasty, sensible
 
 # Public names that are not called here: they write or read folders, and command lines try them.
 FOLDERS = {"run", "open", "merge", "register", "plan"}
+# Names that take seconds each time; their arguments are read by the same readers as those of all others.
+LONG = {"trade", "portrait.conservation", "portrait.general_solvers"}
 # How often a function is tried, where it takes long: the others count as 1.
 SELDOM = {"falling_constant": 0.004, "push_forward": 0.02, "slice_map": 0.1, "both_sides": 0.2}
 SELDOM |= {"view": 0.3, "simulate": 0.3, "limit_motion": 0.3}
+SELDOM_OF_PORTRAITS = 0.03  # several periods of several motions each
 
 
 def functions():
@@ -24,8 +28,10 @@ def functions():
     found = {
         name: value
         for name, value in public.items()
-        if inspect.isfunction(value) and not isinstance(value, ModuleType) and name not in FOLDERS
+        if inspect.isfunction(value) and not isinstance(value, ModuleType) and name not in FOLDERS | LONG
     }
+    makers_of_data = {f"portrait.{name}": getattr(ex.portrait, name) for name in ex.portrait.__all__}
+    found |= {name: value for name, value in makers_of_data.items() if name not in LONG}
     makers = ("annulus", "uniform", "hoop", "matching", "parse")
     found |= {f"Disk.{name}": getattr(ex.Disk, name) for name in makers}
     return found | {"Disk": ex.Disk} | {f"scene {name}": scene_maker(name) for name in SCENES}
@@ -80,6 +86,10 @@ def case(name, function, rng):
     given = {argument: sensible(argument, rng) for argument in chosen if argument != "text"}
     if name == "Disk.parse":
         given["text"] = rng.choice(("uniform", "annulus:0.4", "m=1,r=2,I1=1,I3=flat", "hoop:m=2"))
+    if name.startswith("portrait."):  # bodies whose races have a thousand turns, and methods for them, take long
+        quick = {"disk": rng.choice(DISKS[:6]), "method": "auto"}
+        given = {"points": 4, **given} if "points" in known else given
+        given |= {word: value for word, value in quick.items() if word in given}
     if name.startswith("Disk"):
         given = {argument: abs(value) if isinstance(value, float) else value for argument, value in given.items()}
     spoilt = rng.choices((0, 1, 2), (0.25, 0.6, 0.15))[0]
@@ -91,7 +101,8 @@ def case(name, function, rng):
 def run(cases, seed=0, only=None):
     """(name, arguments, verdict) of so many calls, the same for the same seed."""
     table = {name: function for name, function in functions().items() if only is None or name in only}
-    weights = [SELDOM.get(name, 0.2 if name.startswith("scene ") else 1.0) for name in table]
+    rooms = {"scene": 0.2, "portrait": SELDOM_OF_PORTRAITS}
+    weights = [SELDOM.get(name, rooms.get(re.split(r"\W", name)[0], 1.0)) for name in table]
     rng = random.Random(seed)
     for _ in range(cases):
         name = rng.choices(list(table), weights)[0]

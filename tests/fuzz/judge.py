@@ -47,6 +47,8 @@ def image(value):
         return value.describe()
     if isinstance(value, dict):
         return {name: image(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [image(each) for each in value]
     if isinstance(value, np.ma.MaskedArray):
         return value.data.tobytes(), np.ma.getmaskarray(value).tobytes()
     if hasattr(value, "to_numpy") and getattr(value, "ndim", 0):  # objects of pandas cache what they are asked

@@ -34,7 +34,8 @@ def test_every_public_function_is_among_the_cases():
     public = {
         name for name in ex.__all__ if callable(getattr(ex, name)) and not isinstance(getattr(ex, name), type)
     }
-    assert public - called - api.FOLDERS <= {"plot", "view"}
+    assert public - called - api.FOLDERS - api.LONG <= {"plot", "view"}
+    assert {f"portrait.{name}" for name in ex.portrait.__all__} - called <= api.LONG
 
 
 def test_kernels_return_whatever_doubles_they_get():

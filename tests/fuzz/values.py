@@ -202,6 +202,18 @@ SENSIBLE = {
     "energy": lambda r: r.choice((None, (None, 3.0), 3.0)),
     "points": lambda r: r.choice((3, 5)),
     "width": lambda r: 0.1,
+    "disks": lambda r: [r.choice(DISKS)],
+    "eta_hat": lambda r: r.choice((column(r), [0.1, -0.01])),
+    "path": lambda r: r.choice(("line", "spinning", "rolling")),
+    "parameter": lambda r: [0.1, 0.2],
+    "places": lambda r: r.choice((None, [(0.2, 2.0)])),
+    "halves": lambda r: [0.1, 1e-6],
+    "frames": lambda r: r.choice((2, 10)),
+    "bounces": lambda r: r.choice((1, 2)),
+    "cells": lambda r: r.choice((2, 10)),
+    "turns": lambda r: r.choice((1, 2)),
+    "between": lambda r: (0.1, 0.3),
+    "excess": lambda r: r.choice((None, [1.1, 20.0])),
 }
 
 
