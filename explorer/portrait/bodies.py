@@ -170,7 +170,7 @@ def measured_gaps(disks: Sequence[Disk]) -> MeasuredGaps:
     """
     given = list(disks) if isinstance(disks, list | tuple) else []
     if not given:
-        raise InputError(f"disks = {shown(disks)}: give a list of one Disk or more")
+        raise InputError(f"disks: none in {shown(disks)}; give a list of one Disk or more")
     kappa = []
     for disk in given:
         require_axial_inertia(disk)

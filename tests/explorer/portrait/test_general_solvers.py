@@ -34,7 +34,7 @@ def test_far_from_f_all_agree_and_near_it_the_disk_of_general_solvers_goes_throu
 
 
 def test_a_solver_that_gives_up_is_counted_as_wrong(monkeypatch):
-    monkeypatch.setattr("explorer.portrait.general_solvers._MOST_EVALUATIONS", 10)
+    monkeypatch.setitem(general_solvers.__globals__, "_MOST_EVALUATIONS", 10)
     solved = general_solvers(HOOP, [0.1])
     assert np.isnan(solved.race_angle["RK45"]).all()
     assert solved.wrong("RK45").all()
