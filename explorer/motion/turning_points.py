@@ -104,8 +104,20 @@ def smallest_tilt(
         starts = orbit_starts(states, natural.linear)
         compiled.orbits.tilt_batch(starts, how.accuracy, disk.natural, theta, status)
     else:
-        forward = turning_points(states, how, natural)
-        backward = turning_points(states.reversed(), how, natural)
-        theta, steps = np.minimum(forward.theta, backward.theta), forward.steps + backward.steps
-        status = np.where(forward.status == code.OK, backward.status, forward.status)
+        theta, status, steps = _both_ways(states, how, natural)
     return np.where(status == code.OK, theta, np.nan), status, steps
+
+
+def _both_ways(
+    states: States, how: Plan, natural: NaturalConstants
+) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
+    """The smaller tilt at the next turning point and at the one before, integrated in one call, which saves time."""
+    n, row = len(states), compiled.field.ROW
+    status, held = held_constants(states, natural)
+    both = States(states.disk, np.hstack([states.natural, states.reversed().natural]), np.tile(states.status, 2))
+    integration = how.integration(np.full(2 * n, how.control_for(1.0)), MAX_STEPS)
+    out, outcome = followed(both, integration, np.tile(status, 2), np.tile(np.stack(held), 2))
+    tilts = np.arctan2(out[row.q], abs(out[row.z])).reshape(2, n)
+    forward, backward = outcome.status.reshape(2, n)
+    found = np.where(forward == compiled.status.Status.OK, backward, forward)
+    return tilts.min(axis=0), found, outcome.steps.reshape(2, n).sum(axis=0, dtype=np.int32)
