@@ -111,7 +111,7 @@ def smallest_tilt(
 def _both_ways(
     states: States, how: Plan, natural: NaturalConstants
 ) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
-    """The smaller tilt at the next turning point and at the one before, integrated in one call, which saves time."""
+    """The smaller tilt at the next turning point and at the one before, integrated in one call."""
     n, row = len(states), compiled.field.ROW
     status, held = held_constants(states, natural)
     both = States(states.disk, np.hstack([states.natural, states.reversed().natural]), np.tile(states.status, 2))

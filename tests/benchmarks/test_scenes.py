@@ -1,0 +1,71 @@
+"""What a stored run takes beside what it computes: pairs of the same work in one group, to be read as ratios.
+
+    python -m pytest tests/benchmarks/test_scenes.py --benchmark-enable
+
+Without that option each runs once, and the two of a pair are checked to give the same.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+from explorer import compiled
+from explorer.measure.sifting import Chunk, sift
+from explorer.phase.constants import natural_constants
+from explorer.phase.membership import obstacle
+from explorer.phase.states import phi_to_states
+from explorer.runs.workers import Task, compute_chunk
+from explorer.scenes.registry import build_scene
+from kernels.disk import falling
+
+STATES = 1 << 20
+
+
+@pytest.mark.benchmark(group="could it fall")
+@pytest.mark.parametrize("by", ["series", "bisection"])
+def test_verdicts_beyond_the_vertical(benchmark, by):
+    disk, random = BODIES["uniform"], np.random.default_rng(3)
+    states = phi_to_states(disk, random.uniform(-1.5, 1.5, 4096), *random.uniform(-2.0, 2.0, (3, 4096)))
+    constants, exact = natural_constants(states), obstacle(disk)._replace(slack=math.inf)
+    call = states.natural, constants.sigma3_bar, constants.energy
+    found, expected = np.empty((3, 4096)), np.empty((3, 4096))
+    benchmark(falling.falls_batch, *call, obstacle(disk) if by == "series" else exact, disk.natural, found)
+    falling.falls_batch(*call, exact, disk.natural, expected)
+    np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.benchmark(group="falling-set, a chunk")
+@pytest.mark.parametrize("what", ["one pass", "with theta_min near F", "stored", "block by block"])
+def test_a_chunk_of_a_large_run(benchmark, what, tmp_path):
+    scene = build_scene("falling-set", samples=STATES, chunk_size=STATES, theta_min="near")
+    (tmp_path / "chunks").mkdir()
+    task = Task(scene, "0" * 16, tmp_path, compiled.source_digest())
+    counts = scene.process(0)[1]
+    if what == "one pass":
+        found = benchmark(sift, scene.disk, scene.box, Chunk(0, 0, STATES, 1 << 14), scene.tube)
+        assert found.could_fall == counts["could_fall"]
+        return
+    if what == "stored":
+        benchmark(compute_chunk, task, 0)
+        assert len(list((tmp_path / "chunks").iterdir())) == 1
+        return
+    if what == "block by block":
+        vars(scene)["_in_lanes"] = False
+    _, tally = benchmark(scene.process, 0)
+    assert tally["theta_min"] == counts["theta_min"]
+    assert tally["faces"] == counts["faces"]
+
+
+@pytest.mark.benchmark(group="falling-set, theta_min of every state")
+@pytest.mark.parametrize("method", ["quadrature", "rk4", "rk8", "dopri5", "dop853"])
+def test_every_theta_min(benchmark, method):
+    options = {"samples": 4096, "accuracy": 1e-3, "keep": "all"}
+    scene = build_scene("falling-set", method=method, **options)
+    table = benchmark(scene.compute, 0)
+    exact = build_scene("falling-set", method="quadrature", **options).compute(0)
+    error = float(np.nanpercentile(abs(table["theta_min"] - exact["theta_min"]), 99))
+    assert error <= 1e-3
+    assert (table["status"] == 0).all()
+    benchmark.extra_info["p99 error"] = error
