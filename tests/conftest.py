@@ -2,11 +2,13 @@
 
 import json
 import os
+import pickle
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 from matplotlib.figure import Figure
+from typed_calls import complaints
 
 import explorer as ex
 from explorer import compiled
@@ -31,6 +33,33 @@ def pytest_sessionstart(session):
         compiled.warmup(say=print)
 
 
+@pytest.fixture(scope="session")
+def made_once(tmp_path_factory, worker_id):
+    """`made_once(name, make)`: what `make()` gives, from the process of the suite that asked for it first."""
+    own = tmp_path_factory.getbasetemp()
+    folder, mine = own if worker_id == "master" else own.parent, {}
+
+    def once(name, make):
+        kept = folder / f"{name}.pickle"
+        if name not in mine:
+            if kept.exists():
+                mine[name] = pickle.loads(kept.read_bytes())
+            else:
+                mine[name] = make()
+                written = own / kept.name
+                written.write_bytes(pickle.dumps(mine[name]))
+                written.replace(kept)
+        return mine[name]
+
+    return once
+
+
+@pytest.fixture(scope="session")
+def mypy_says(made_once, tmp_path_factory):
+    """What mypy says about the packages, and about calls that are right or wrong."""
+    return made_once("mypy", lambda: complaints(tmp_path_factory.mktemp("calls")))
+
+
 SAVE = Figure.savefig
 
 
@@ -44,9 +73,17 @@ def quick_pictures():
 
 @pytest.fixture(autouse=True)
 def rendered_pictures(request, monkeypatch):
-    """Tests marked `rendered` get the pictures that a user gets."""
-    if request.node.get_closest_marker("rendered"):
-        monkeypatch.setattr(Figure, "savefig", SAVE)
+    """Tests marked `rendered` get the PNG pictures that a user gets, or those of the kinds that the mark names."""
+    mark = request.node.get_closest_marker("rendered")
+    if mark:
+
+        def saved(figure, path, **options):
+            if Path(path).suffix.lstrip(".") in (mark.args or ("png",)):
+                SAVE(figure, path, **options)
+            else:
+                Path(path).touch()
+
+        monkeypatch.setattr(Figure, "savefig", saved)
 
 
 @pytest.fixture(params=BODIES, scope="session")

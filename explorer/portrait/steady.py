@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import groupby
 
 import numpy as np
@@ -275,7 +275,9 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     """
     _check(disk, path)
     (values,) = columns_of(parameter=parameter)
-    rows = [(value, _regular(PATHS[path](disk, float(value)))) for value in values]
+    # The potential is quadratic in the constants of a path, the same where both change their signs.
+    steady = cache(lambda size: _regular(PATHS[path](disk, size)))
+    rows = [(value, steady(abs(float(value)))) for value in values]
     branches: list[Branch] = []
     for kinds, group in groupby(rows, key=lambda row: tuple(at.kind for at in row[1])):
         members = list(group)

@@ -13,7 +13,7 @@ HOOP = ex.Disk.hoop()
 RENDERED = ("hero", "phase", "race", "bounces", "paths")
 
 
-@pytest.mark.rendered
+@pytest.mark.rendered("png", "svg", "pdf")
 @pytest.mark.parametrize("group", RENDERED)
 def test_each_group_of_pictures_is_one_command(group, tmp_path):
     written = portrait(tmp_path / "pictures", HOOP, only=group)

@@ -1,4 +1,4 @@
-"""Rows of the paper, each checked once for all tests that read it."""
+"""Rows of the paper, each checked once for all tests that read it, whichever process they run in."""
 
 import pytest
 from paper_rows import forget
@@ -8,16 +8,9 @@ from explorer.paper.statement import STATEMENTS
 
 
 @pytest.fixture(scope="session")
-def checked():
+def checked(made_once):
     """The checked row of a number."""
-    rows = {}
-
-    def row(number):
-        if number not in rows:
-            rows[number] = pages.check_row(STATEMENTS[number])
-        return rows[number]
-
-    return row
+    return lambda number: made_once(f"statement-{number}", lambda: pages.check_row(STATEMENTS[number]))
 
 
 @pytest.fixture

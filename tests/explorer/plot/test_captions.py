@@ -65,7 +65,7 @@ def test_a_function_with_a_caption_keeps_its_name_and_what_it_returns():
         del CAPTIONS["number_of_nothing"]
 
 
-@pytest.mark.rendered
+@pytest.mark.rendered("png", "svg", "pdf")
 def test_a_file_carries_the_caption_of_its_figure(tmp_path):
     figure = Figure(figsize=(1, 1))
     caption = Caption(Question.WHERE_TO, "κ and η̂ — in Greek.")

@@ -9,7 +9,7 @@ import pytest
 from conftest import computed
 
 import explorer as ex
-from explorer.scenes import measure_zero_summary
+from explorer.scenes import measure_zero_draws, measure_zero_summary
 from explorer.scenes.registry import build_scene
 
 SMALL = {"samples": 40_000, "tube": 2048}
@@ -21,10 +21,15 @@ def summary_of(**options):
 
 
 @pytest.fixture(scope="module", autouse=True)
-def pushed_once():
-    """States pushed forward depend on the disk and the seed alone, so scenes that share these share the answer."""
+def computed_once():
+    """Scenes share what does not depend on their draws.
+
+    States pushed forward depend on the disk and the seed alone, the constant on the disk and the density.
+    """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(measure_zero_summary, "push_forward", functools.cache(measure_zero_summary.push_forward))
+        for home, name in ((measure_zero_summary, "push_forward"), (measure_zero_summary, "constant_of"),
+                           (measure_zero_draws, "constant_of")):  # fmt: skip
+            patch.setattr(home, name, functools.cache(getattr(home, name)))
         yield
 
 
