@@ -12,6 +12,7 @@ from typed_calls import complaints
 
 import explorer as ex
 from explorer import compiled
+from explorer.commands.trade import trade
 
 settings.register_profile("nearflat", deadline=None, max_examples=40, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("nearflat")
@@ -52,6 +53,12 @@ def made_once(tmp_path_factory, worker_id):
         return mine[name]
 
     return once
+
+
+@pytest.fixture(scope="session")
+def traded(made_once):
+    """Every method measured on the hoop."""
+    return made_once("traded", lambda: trade(BODIES["hoop"], 1024))
 
 
 @pytest.fixture(scope="session")

@@ -23,9 +23,9 @@ def private(tmp_path, monkeypatch):
     calibration.current.cache_clear()
 
 
-@pytest.fixture(scope="module")
-def rows():
-    return trade.trade(BODIES["hoop"], 1024)
+@pytest.fixture
+def rows(traded):
+    return traded
 
 
 def test_every_method_is_measured_over_many_decades(rows):

@@ -24,7 +24,7 @@ OF_THE_LAW = ("falling_ladder", "ladder_ratio", "constant_convergence", "tilt_de
 
 
 @pytest.fixture(scope="module")
-def pictures(tmp_path_factory):
+def pictures(tmp_path_factory, traded):
     """What each picture draws, all of it from public calls."""
     races = ex.run("race-angles", samples=500).summary
     states = ex.phi_to_states(UNIFORM, *np.random.default_rng(0).uniform(-1.0, 1.0, (4, 500)))
