@@ -29,6 +29,7 @@ _HALF_PI = 0.5 * np.pi
 _MOST_IMPACTS = 1e8  # their times take 0.8 GB, and a double has 8 digits left for the place between two
 # |e^(i turn) - 1| below which a whole number of turns is meant: the sum of a geometric series loses all digits.
 _WHOLE_TURN = 1e-12
+_MEANT = 1e-12  # |eta_hat|, of the rates, that is left where a state on F was computed: by rounding
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -346,7 +347,7 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     Warns
     -----
     StateWarning
-        Where the state is moved by more than rounding.
+        Where the state is moved by more than rounding of its rates, 1e-12 of them.
 
     Notes
     -----
@@ -374,7 +375,8 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     face = int(where.face[0])
     limit = _made(states, float(natural.energy[0]), float(natural.sigma3_bar[0]), face, side)
     limit.missed = disk.eta_to_eta_hat(float(natural.eta(np.array([face > 0]))[0])) * disk.rate_unit
-    if not where.on_f[0]:
+    size = max(disk.rate_unit, abs(limit.sigma3_bar))
+    if not where.on_f[0] and abs(limit.missed) > _MEANT * size:
         _warn_of_move(limit.missed)
     return limit
 

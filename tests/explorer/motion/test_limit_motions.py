@@ -217,6 +217,8 @@ def test_a_state_beside_f_is_moved_onto_it_and_that_is_told():
     with pytest.warns(ex.StateWarning, match=r"eta_hat = 0\.01, and was moved"):
         moved = limit_motion(beside, 1)
     assert moved.missed == pytest.approx(0.01)
+    rounded = limit_motion(ex.constants_to_states(disk, 1.0, 1e-14, 1.0), 1)  # warnings are errors here
+    assert rounded.missed == pytest.approx(1e-14, rel=0.1)
 
 
 @pytest.mark.parametrize("sigma3_bar", [5e-324, -1e-310, 1e-300])
