@@ -22,7 +22,8 @@ R = TypeVar("R")
 
 DPI = 150
 _EXIF_DESCRIPTION = 0x010E  # ImageDescription, where films other than GIF carry their caption
-_SEEN = 5  # of 255, in any channel: a difference between neighbours that an eye could notice
+_SEEN = 2  # of 255, in any channel: more makes steps of a smooth change of colour
+_MANY = 0.008  # of all pixels; of our pictures of lines 0.0066 at most move by more, of maps 0.009 at least
 _PARTS = "\n"  # between question and caption in a file
 
 
@@ -162,9 +163,9 @@ def save(figure: Figure, path: Path | str, dpi: int = DPI) -> None:
 def few_colours(path: Path) -> None:
     """Write a PNG again with a palette of 256 colours, a third of its size, where the eye sees no difference.
 
-    A picture of lines has few colours, and the shades between them at edges. One of so many colours that more than
-    a pixel in a hundred would move by more than _SEEN keeps them all, as do transparent ones. What is no picture
-    is left alone.
+    A picture of lines has few colours, and the shades between them at edges. A map, whose colours change smoothly,
+    would get steps: where too many pixels would move by more than _SEEN all colours are kept, as in transparent
+    pictures. What is no picture is left alone.
     """
     try:
         with Image.open(path) as picture:
@@ -176,7 +177,7 @@ def few_colours(path: Path) -> None:
     red, green, blue = ImageChops.difference(few.convert("RGB"), plain).split()
     moved = ImageChops.lighter(ImageChops.lighter(red, green), blue).histogram()
     clear = full.getchannel("A").histogram()[255] < full.width * full.height
-    if clear or sum(moved[_SEEN + 1 :]) > 0.01 * full.width * full.height:
+    if clear or sum(moved[_SEEN + 1 :]) > _MANY * full.width * full.height:
         return
     inside = PngInfo()
     for key, text in found.items():
