@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, read_range, shown
+from explorer.errors import InputError, number, read_range, shown
 from explorer.measure.sampling import BLOCK, Box, Range, gather, parse_ranges
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
@@ -92,7 +92,7 @@ class Density:
             box = Box.parse(box, Box.default(disk)) if box else Box.default(disk)
         elif not isinstance(box, Box):
             raise InputError(f'--box {shown(box)}: write "phi=0,sigma3=-2:2"; what is left out keeps its range')
-        bells = parse_ranges(gaussian, "--gaussian") if isinstance(gaussian, str) else gaussian or {}
+        bells = _bells(gaussian)
         for name, reach in zip(COORDINATES[1:], (box.phidot, box.sigma3, box.sigma4), strict=True):
             if max(map(abs, reach)) > _FASTEST * disk.rate_unit:
                 raise InputError(f"--box {name}: rates beyond {_FASTEST:g} sqrt(g/r) are not sampled; narrow it")
@@ -231,3 +231,16 @@ class Density:
                 "sha256_of_values": digest,
             }
         return described
+
+
+def _bells(gaussian: Any) -> dict[str, Range]:
+    """Means and deviations by coordinate, from text or a mapping. Raises InputError."""
+    if gaussian is None or isinstance(gaussian, str):
+        return {} if gaussian is None else parse_ranges(gaussian, "--gaussian")
+    pairs = gaussian if isinstance(gaussian, Mapping) else {"": None}
+    if not all(isinstance(pair, list | tuple) and len(pair) == 2 for pair in pairs.values()):
+        raise InputError(f'--gaussian {shown(gaussian)}: write "phidot=0.5:0.1", MEAN:DEVIATION of a coordinate')
+    return {
+        str(name): (number(f"--gaussian {name}", mean), number(f"--gaussian {name}", deviation))
+        for name, (mean, deviation) in pairs.items()
+    }

@@ -182,5 +182,6 @@ def circular_rolling(disk: Disk, lean: float, radius: float) -> SteadyMotions:
     >>> print(f"{2.0 * math.pi / motion.precession[0]:.3f} s, spin {motion.spin[0]:.1f} rad/s")
     1.051 s, spin 32.6 rad/s
     """
-    rate = steady.circular_rolling(disk, number("lean", lean), number("radius", radius))
-    return steady_motions(disk, 0.5 * np.pi - lean, rate, face=-1)
+    inward = number("lean", lean)
+    rate = steady.circular_rolling(disk, inward, number("radius", radius))
+    return steady_motions(disk, 0.5 * np.pi - inward, rate, face=-1)

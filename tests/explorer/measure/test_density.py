@@ -94,6 +94,8 @@ def test_a_density_says_what_it_is_and_tells_functions_apart():
         ({"energy": (2.0, 1.0)}, "is empty"),
         ({"energy": "some"}, "is not a range"),
         ({"gaussian": "sigma3=0:1"}, "the box fixes it"),
+        ({"gaussian": 0.5}, "write .phidot=0.5:0.1."),
+        ({"gaussian": {"phi": 0.5}}, "write .phidot=0.5:0.1."),
         ({"gaussian": "phi=0:0"}, "MEAN:DEVIATION"),
         ({"gaussian": "phi=0:1e-9"}, "is a point"),
         ({"gaussian": "phi=50:1"}, "more than 37 deviations"),

@@ -51,3 +51,10 @@ def test_circular_rolling_goes_round_the_circle_that_was_asked_for(paper_body):
         ex.circular_rolling(paper_body, 1.0, 0.1)
     with pytest.raises(ex.InputError, match="lean = x"):
         ex.circular_rolling(paper_body, "x", 0.1)
+
+
+def test_numbers_of_any_kind_are_read():
+    from decimal import Decimal
+
+    found = ex.circular_rolling(ex.Disk.uniform(), Decimal("0.25"), np.array([2.0]))
+    assert found.precession == ex.circular_rolling(ex.Disk.uniform(), 0.25, 2.0).precession
