@@ -10,7 +10,7 @@ from kernels.disk.field import ANGLES, REDUCED, State, field, shift
 from kernels.disk.rows import Entry
 from kernels.status import Status
 from kernels.steps.adaptive import LONGEST_STEP, dopri5_step, error_norm, path_error_norm, step_factor
-from kernels.steps.eighth import combined_error, eighth_order_step, eighth_step_factor
+from kernels.steps.eighth import combined_error, eighth_order_step, eighth_step_factor, longest_step
 from kernels.steps.events import Stop, level, level_rate
 from kernels.steps.fixed import rk4_step
 from kernels.types import Codes, Counts, Matrix, Vector
@@ -108,7 +108,7 @@ def dop853_attempt(
 ) -> tuple[State, bool, float]:
     y, fifth, third = eighth_order_step(x, h, b)
     error = combined_error(norm(x, fifth, unit, b, depth), norm(x, third, unit, b, depth)) / control
-    return to_depth(y, depth), error <= 1.0, limited(h * eighth_step_factor(error), unit)
+    return to_depth(y, depth), error <= 1.0, limited(h * eighth_step_factor(error), longest_step(control) / unit)
 
 
 @device
@@ -117,13 +117,12 @@ def dopri5_attempt(
 ) -> tuple[State, bool, float]:
     y, e = dopri5_step(x, h, b)
     error = norm(x, e, unit, b, depth) / control
-    return to_depth(y, depth), error <= 1.0, limited(h * step_factor(error), unit)
+    return to_depth(y, depth), error <= 1.0, limited(h * step_factor(error), LONGEST_STEP / unit)
 
 
 @device
-def limited(step: float, unit: float) -> float:
+def limited(step: float, longest: float) -> float:
     """The step to try next, no longer than any may be."""
-    longest = LONGEST_STEP / unit
     return step if step < longest else longest
 
 
@@ -178,7 +177,7 @@ def first_guess(x: State, end: State, h: float, stop: Stop, b: Body) -> float:
         low, high = u if before else low, high if before else u
         guess = u - value / slope
         # A slope of zero makes it infinite or NaN, which is not between.
-        u = guess if (low < guess) & (guess < high) else 0.5 * (low + high)
+        u = guess if (low <= guess) & (guess <= high) else 0.5 * (low + high)
     return h * u
 
 

@@ -10,7 +10,7 @@ import math
 from kernels._jit import device
 from kernels.disk.body import Body
 from kernels.disk.field import ORIGIN, State, field, shift
-from kernels.steps.adaptive import SAFETY, SMALLEST_ERROR
+from kernels.steps.adaptive import LONGEST_STEP, SAFETY, SMALLEST_ERROR
 from kernels.steps.tableaux import DORMAND_PRINCE_853
 
 Weights = tuple[float, ...]
@@ -21,6 +21,8 @@ _E5 = DORMAND_PRINCE_853.fifth
 _E3 = DORMAND_PRINCE_853.third
 # Narrower than for order five: the eighth power of such a change is 1e4 and more.
 _SHRINK, _GROW = 0.3, 4.0
+# Where the longest step begins to grow with the tolerance, and how far: beyond, the energy is lost.
+_LOOSE, _LONGER = 1e-3, 1.5
 
 
 @device
@@ -74,3 +76,14 @@ def eighth_step_factor(error: float) -> float:
     # In this order: a NaN fails the first comparison and shrinks the step.
     factor = factor if factor > _SHRINK else _SHRINK
     return factor if factor < _GROW else _GROW
+
+
+@device
+def longest_step(tolerance: float) -> float:
+    """The longest step in units of 1/speed: one, where the tolerance is above _LOOSE up to half as much again.
+
+    A step of one unit errs by 1e-4 at most, which a looser tolerance need not pay for.
+    """
+    grown = math.sqrt(math.sqrt(math.sqrt(tolerance / _LOOSE)))
+    grown = grown if grown > 1.0 else 1.0
+    return LONGEST_STEP * (grown if grown < _LONGER else _LONGER)

@@ -122,8 +122,7 @@ def test_the_accuracy_asked_is_the_accuracy_paid_for(name, method, accuracy):
     apart = _largest_error(exact, other)[ok]
     p99 = np.percentile(apart, 99)
     assert p99 <= accuracy
-    # The longest step of order eight that does not hide a turning point is finer than 1e-2 needs.
-    if p99 < 0.01 * accuracy and not (method == "dop853" and accuracy == 1e-2):
+    if p99 < 0.01 * accuracy:
         # Nothing but rounding may be left: a finer setting, at a third of the accuracy, does not lower it.
         finer = ex.passages(body, *start, method=method, accuracy=accuracy / 3)
         both = (exact.status == 0) & (finer.status == 0)

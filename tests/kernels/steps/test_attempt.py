@@ -14,6 +14,7 @@ from kernels.steps.attempt import (
     RK8,
     ConstantsError,
     all_finite,
+    first_guess,
     locate,
     to_depth,
     verdict,
@@ -79,3 +80,10 @@ def test_one_component_that_is_not_finite_is_enough():
         for bad in (np.nan, np.inf, -np.inf):
             assert not all_finite(State(*np.where(np.arange(10) == place, bad, 1.0)))
     assert all_finite(start())
+
+
+@pytest.mark.parametrize("value", [0.25, 0.5, 1.0])
+def test_a_guess_that_is_right_at_once_is_kept(value):
+    """Of an upright disk at rest, whose time grows like s: halving the bracket would leave it again."""
+    x = State(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    assert first_guess(x, x._replace(t=1.0), 1.0, Stop(events.TIME, value), UNIFORM.body) == value

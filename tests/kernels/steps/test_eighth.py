@@ -6,7 +6,7 @@ from conftest import BODIES
 from steppers import summed_errors
 
 from kernels.steps.attempt import RK8
-from kernels.steps.eighth import combined_error, eighth_step_factor
+from kernels.steps.eighth import combined_error, eighth_step_factor, longest_step
 
 
 @pytest.mark.parametrize("name", ["uniform", "hoop", "thick"])
@@ -26,3 +26,12 @@ def test_the_combined_error_lies_below_that_of_order_five_and_keeps_a_nan():
         assert 0.0 < combined_error(fifth, third) <= fifth
     assert np.isnan(combined_error(np.nan, 1.0))
     assert np.isnan(combined_error(1.0, np.nan))
+
+
+def test_a_loose_tolerance_allows_longer_steps_but_no_jump():
+    tolerances = 10.0 ** np.linspace(-12, 0, 241)
+    longest = np.array([longest_step(tolerance) for tolerance in tolerances])
+    assert (longest[tolerances <= 1e-3] == 1.0).all()
+    assert longest[-1] == 1.5
+    assert (np.diff(longest) >= 0.0).all()
+    assert np.diff(longest).max() < 0.03
