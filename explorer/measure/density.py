@@ -237,7 +237,7 @@ def _bells(gaussian: Any) -> dict[str, Range]:
     """Means and deviations by coordinate, from text or a mapping. Raises InputError."""
     if gaussian is None or isinstance(gaussian, str):
         return {} if gaussian is None else parse_ranges(gaussian, "--gaussian")
-    pairs = gaussian if isinstance(gaussian, Mapping) else {"": None}
+    pairs: Mapping[str, Any] = gaussian if isinstance(gaussian, Mapping) else {"": None}
     if not all(isinstance(pair, list | tuple) and len(pair) == 2 for pair in pairs.values()):
         raise InputError(f'--gaussian {shown(gaussian)}: write "phidot=0.5:0.1", MEAN:DEVIATION of a coordinate')
     return {
