@@ -8,7 +8,7 @@ fork of a process that has loaded all libraries. First the tests beside the chan
 changes, then for those that none of these noticed the tests of the room, then those of the rooms above. Asked are
 tests that reach the changed function, quick ones first, up to a budget of processor time; what a test reaches, and
 how long it takes, is found out when its file is first needed. A change is killed by a test that fails, and by
-processor time that grows tenfold.
+processor time that grows fivefold.
 """
 
 import argparse
@@ -198,7 +198,7 @@ def tried(mutant, chosen):
     before = path.read_text(encoding="utf-8")
     path.write_text(changed(mutant, before), encoding="utf-8")
     try:
-        seconds = 10.0 + 10.0 * sum(chosen.values())
+        seconds = 5.0 + 5.0 * sum(chosen.values())
         status = in_a_fork(lambda: pytest.main([*PYTEST, *chosen]), seconds) if chosen else 0
     finally:
         path.write_text(before, encoding="utf-8")
