@@ -344,6 +344,8 @@ def main():
         "| fault | what became of it |",
         "|---|---|",
         *(f"| {fault} | {found} |" for fault, found in rows),
+        "",
+        "[moments.md](moments.md): runs stopped by signals, by backend. `fuzz.json`: nasty input of every kind.",
     ]
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     leave_made_by(OUT, "python tests/faults/report_faults.py")

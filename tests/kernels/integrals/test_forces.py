@@ -31,3 +31,25 @@ def test_a_batch_gives_the_extremes_and_nan_where_nothing_turns():
     assert found.normal[0] <= at_vertical.normal
     assert found.friction[0] >= at_vertical.friction
     assert np.isnan(out).any(axis=0).tolist() == [False, False, True]
+
+
+@pytest.mark.parametrize(("sigma3_bar", "eta", "speed"), [(0.3, 0.1, 1.0), (1.4, 0.05, 0.2), (-0.9, 0.3, 0.6)])
+def test_the_extremes_are_those_of_a_fine_grid_between_the_vertical_and_the_turning_point(sigma3_bar, eta, speed):
+    disk = BODIES["uniform"]
+    out = np.empty((2, 1))
+    forces_batch(Crossings(np.array([sigma3_bar]), np.array([eta]), np.array([speed])), disk.natural, out)
+    motion = motion_through(VERTICAL, speed, sigma3_bar / disk.body.r0, eta / disk.body.I1, disk.natural)
+    h = np.geomspace(VERTICAL, 1e-3, 4001)
+    moves = np.array([kinetic(each, motion, disk.natural) >= 0.0 for each in h])
+    passed = h[: np.argmin(moves)]
+    found = np.array([forces(each, motion, disk.natural) for each in passed])
+    assert passed.size > 500
+    np.testing.assert_allclose(out[:, 0], [found[:, 0].min(), found[:, 1].max()], rtol=2e-3)
+
+
+def test_where_the_disk_is_not_pressed_down_no_friction_is_enough():
+    disk = BODIES["uniform"]
+    motion = motion_through(VERTICAL, 3.0, 0.2, 0.1, disk.natural)
+    at = forces(VERTICAL, motion, disk.natural)
+    assert at.normal < 0.0
+    assert at.friction == np.inf
