@@ -132,11 +132,16 @@ def to_the_end(*words):
     return status, fork.text[1].decode(), fork.text[2].decode()
 
 
-def stopped(words, folder, how, moment):
-    """Start a run, stop it so many seconds after the command began, and list every broken promise."""
+def stopped(words, folder, how, moment, chunks):
+    """Start a run, stop it so many seconds after the command began and that many chunks were there.
+
+    Returns the exit status, whether it had ended before, and every broken promise.
+    """
     fork = Fork(words, terminal=how.startswith("terminal"))
     while not fork.ended() and not fork.began():
         time.sleep(0.001)
+    while not fork.ended() and len(list(folder.glob("chunks/chunk-*.parquet"))) < chunks:
+        time.sleep(0.002)
     fork.wait(moment)
     before, family = fork.status is not None, []
     if not before:
@@ -181,10 +186,12 @@ def moments(place, backend, count, seed):
     longest, draw = time.monotonic() - began, random.Random(seed)
     for trial in range(count):
         how = list(PROMISED)[(seed + trial) % len(PROMISED)]
-        moment = draw.uniform(0.0, longest)
+        # Half of them while chunks are made, half at any time: most of a short run is its beginning and its end.
+        late = trial % 2
+        least, moment = (draw.randrange(10), draw.uniform(0.0, 0.02)) if late else (0, draw.uniform(0.0, longest))
         folder = place / f"{backend}-{trial}"
         words = [*asked, folder]
-        status, before, broken = stopped([*words, *by], folder, how, moment)
+        status, before, broken = stopped([*words, *by], folder, how, moment, least)
         chunks = len(list(folder.glob("chunks/chunk-*.parquet")))
         broken += look(words, folder, digest)
         shutil.rmtree(folder, ignore_errors=True)
@@ -206,8 +213,8 @@ def table(lines):
     text = [
         "# Runs stopped at random moments",
         "",
-        "Made by `python tests/faults/moments.py`. Each run is stopped at a random moment between its start and",
-        f"its end, and then continued. The run: {what}.",
+        "Made by `python tests/faults/moments.py`. Each run is stopped at a random moment, half of them while",
+        f"chunks are made, and then continued. The run: {what}.",
         "A promise is broken where the exit status is another than the promised one or 0, where anything ugly is",
         f"said, where a process is alive after {_ORPHANS:.0f} s, where a file is left that is no chunk, or where",
         "going on ends with another digest.",
