@@ -237,10 +237,10 @@ def _bells(gaussian: Any) -> dict[str, Range]:
     """Means and deviations by coordinate, from text or a mapping. Raises InputError."""
     if gaussian is None or isinstance(gaussian, str):
         return {} if gaussian is None else parse_ranges(gaussian, "--gaussian")
-    pairs: Mapping[str, Any] = gaussian if isinstance(gaussian, Mapping) else {"": None}
-    if not all(isinstance(pair, list | tuple) and len(pair) == 2 for pair in pairs.values()):
+    pairs: list[Any] = list(gaussian.values()) if isinstance(gaussian, Mapping) else [None]
+    if not all(isinstance(pair, list | tuple) and len(pair) == 2 for pair in pairs):
         raise InputError(f'--gaussian {shown(gaussian)}: write "phidot=0.5:0.1", MEAN:DEVIATION of a coordinate')
     return {
         str(name): (number(f"--gaussian {name}", mean), number(f"--gaussian {name}", deviation))
-        for name, (mean, deviation) in pairs.items()
+        for name, (mean, deviation) in gaussian.items()
     }
