@@ -26,6 +26,7 @@ ABSENT = {
     "Trajectories": {"constants_error"},  # one row for each constant, not for each motion
     "Bounces": {"fall_angle", "race_angle"},
     "Falls": {"theta_min_estimate"},
+    "Wander": {"radius"},  # infinite at a resonance
 }
 NEEDS_AXIAL_INERTIA = {"sigma4_bar", "eta_hat_plus", "eta_hat_minus"}
 
