@@ -133,13 +133,17 @@ class Kernel(Generic[P]):
     def __init__(self, function: Callable[P, None]) -> None:
         self.name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
         self.function = function
-        hints = get_type_hints(function, include_extras=True)
-        self.signature = numba.void(*(numba_type(hints[name]) for name in hints if name != "return"))
         self.__doc__ = function.__doc__
         self._compiled: Callable | None = None
 
     def __call__(self, *arguments: P.args, **keywords: P.kwargs) -> None:
         (self._compiled or self.compile())(*arguments, **keywords)
+
+    @cached_property
+    def signature(self) -> Any:
+        """The types of the arguments; most kernels of a room are not called, so it is made when it is needed."""
+        hints = get_type_hints(self.function, include_extras=True)
+        return numba.void(*(numba_type(hints[name]) for name in hints if name != "return"))
 
     @property
     def is_loaded(self) -> bool:
@@ -155,6 +159,7 @@ class Kernel(Generic[P]):
         """Load the kernel from the cache or compile it. Thread-safe."""
         with _LOCK:
             if self._compiled is None:
+                _spare_blas()
                 self._compiled = self._build()
             return self._compiled
 
@@ -182,6 +187,27 @@ class Kernel(Generic[P]):
             return numba.njit(self.signature, nogil=True, cache=True, **_OPTIONS)(self.function)
         finally:
             config.CACHE_DIR = before
+
+
+def _spare_blas() -> None:
+    """Keep numba from loading SciPy's linear algebra, a third of the start of a command, for products of matrices.
+
+    numba looks for it once, when it first compiles or loads anything, and again where a product is compiled:
+    that second look still takes place, for whoever uses numba in this process.
+    """
+    if "numba.np.arraymath" in sys.modules:
+        return
+    from numba.np import linalg
+
+    look = getattr(linalg, "ensure_blas", None)
+    if look is None:  # another numba, which goes about it in another way
+        return
+    linalg.ensure_blas = lambda: None
+    try:
+        from numba.np import arraymath
+    finally:
+        linalg.ensure_blas = look
+    arraymath.ensure_blas = look
 
 
 @cache

@@ -8,6 +8,7 @@ the exit status.
 
 import argparse
 import contextlib
+import gc
 import os
 import re
 import shlex
@@ -36,6 +37,9 @@ def _runs() -> ModuleType:
     return import_module("explorer.commands.runs")
 
 
+# Objects after which Python looks for garbage: loading makes many that stay, and to look through them again and
+# again is a tenth of the start of a command.
+_COLLECTED = 50_000
 _PIPE_CLOSED = 141  # as a shell reports a program that SIGPIPE ended
 _STORED = "results/race-angles-uniform-0"
 COMMANDS = {
@@ -144,6 +148,8 @@ class _CommandParser(_Parser):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit status."""
     _open_what_is_closed()
+    if arguments is None:
+        gc.set_threshold(_COLLECTED)
     try:
         with as_interrupts():
             status = _to_the_end(sys.argv[1:] if arguments is None else list(arguments))

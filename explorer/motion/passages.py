@@ -191,11 +191,11 @@ def _with_arguments(found: Passages, sigma3_bar: Array, eta_hat: Array, phidot: 
 
 def _in_parts(disk: Disk, starts: Starts, how: Plan, edge: float, jobs: int) -> Passages:
     """Passages, a part of them by each of so many threads."""
-    from joblib import Parallel, delayed
-
     n = starts.status.size
     if min(jobs, n) <= 1:
         return _passages(disk, starts, how, edge)
+    from joblib import Parallel, delayed
+
     parts = [starts.at(rows) for rows in np.array_split(np.arange(n), min(jobs, n))]
     done = Parallel(n_jobs=jobs, backend="threading")(delayed(_passages)(disk, part, how, edge) for part in parts)
     first: Passages = done[0]

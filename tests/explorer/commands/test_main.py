@@ -237,7 +237,7 @@ from explorer.commands.main import main
 passage = ["passage", "--sigma3-bar", "1", "--eta-hat", "-1e-6", "--phidot", "1", "--quiet"]
 for words in (passage, ["plan", "race-angles", "--samples", "1e4"]):
     assert main(words) == 0
-heavy = ("scipy.stats", "scipy.optimize", "matplotlib", "pyarrow", "pandas")
+heavy = ("scipy.stats", "scipy.optimize", "scipy.linalg", "numpy.f2py", "matplotlib", "pyarrow", "pandas")
 print("heavy:", *(name for name in heavy if name in sys.modules))
 """
 
