@@ -62,6 +62,18 @@ def test_passages_by_quadrature(benchmark, work):
     benchmark.extra_info["p99 error"] = p99
 
 
+@pytest.mark.benchmark(group="passages by accuracy")
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-5, 1e-11])
+def test_passages_by_accuracy(benchmark, work, accuracy):
+    """The public call from loose to tight, to be read as ratios."""
+    got = benchmark(ex.passages, work.disk, *work.start, accuracy=accuracy)
+    exact = ex.passages(work.disk, *work.start, accuracy=1e-11)
+    settled = (got.status == 0) & (exact.status == 0)
+    p99 = float(np.percentile(abs(got.race_angle - exact.race_angle)[settled], 99))
+    assert p99 <= accuracy
+    benchmark.extra_info["p99 error"] = p99
+
+
 def test_constants_of_motion(benchmark, work):
     """In lanes, against one state at a time."""
     disk, states = work.disk, np.ascontiguousarray(work.states.natural)
