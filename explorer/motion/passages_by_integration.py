@@ -11,7 +11,7 @@ import numpy as np
 
 from explorer import compiled
 from explorer.motion.passages_by_quadrature import Followed
-from explorer.motion.plan import Plan
+from explorer.motion.plan import FIXED, Plan
 from explorer.motion.turning_points import turning_points
 from explorer.motion.vertical import Starts
 from explorer.phase.constants import natural_constants
@@ -37,8 +37,9 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> Followed:
     states = constants_to_states(disk, starts.sigma3_bar, starts.eta_hat, face * starts.speed, face)
     natural = natural_constants(states)
     slow = slowness(disk, starts)
-    # Where little happens in the first steps, an adaptive method would take them too long.
-    turn = turning_points(states, how, natural, slow**-2.0 if how.adaptive else 1.0)
+    # Where little happens in the first steps, an adaptive method would take them too long. Fixed ones are as much
+    # shorter as takes back what is amplified.
+    turn = turning_points(states, how, natural, slow ** (-2.0 if how.adaptive else -1.0 / FIXED[how.method]))
     error = slow * (_DRIFTS * turn.drift + _ROUNDING) + _SHARE * (1.0 + _SHORT * turn.theta) * how.accuracy
     status = np.where(starts.eta_hat == 0.0, code.FALLS, turn.status)
     status = np.where(starts.status == code.OK, status, starts.status).astype(np.int8)

@@ -23,7 +23,7 @@ from explorer.phase.states import Array
 
 ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH = "algebra", "quadrature", "reduced", "angles", "path"
 RUNGS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
-FIXED, ADAPTIVE = ("rk4", "rk8"), ("dopri5", "dop853")
+FIXED, ADAPTIVE = {"rk4": 4, "rk8": 8}, ("dopri5", "dop853")  # fixed steps with their orders
 METHODS = ("auto", *FIXED, *ADAPTIVE, "quadrature")
 
 _OF_RUNG = {

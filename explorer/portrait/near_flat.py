@@ -60,9 +60,8 @@ class NearFlat:
     @property
     def stretched(self) -> Array:
         """A t / theta_min, t from the flattest moment, as theta^2 = theta_min^2 + A^2 t^2 has it."""
-        flattest = int(np.argmin(self.theta))
         size = np.sqrt(np.maximum((self.theta / self.theta_min) ** 2 - 1.0, 0.0))
-        return np.asarray(np.where(np.arange(size.size) < flattest, -size, size))
+        return np.asarray(np.copysign(size, self.p))
 
     @property
     def raced(self) -> Array:

@@ -16,7 +16,7 @@ _LARGEST = 1e100  # of a constant of motion; squares of larger ones overflow
 
 
 def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) -> Potential:
-    """The potential V at a distance eta_hat from a line l_+-, on which the disk falls.
+    """The potential V at a distance eta_hat from a line l±, on which the disk falls.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) 
     eta_hat : float
         Signed distance to the line, units of the disk; on it where 0.
     face : int
-        +1 for the line l_+, -1 for l_-.
+        +1 for the line l₊, -1 for l₋.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) 
 
 
 def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
-    """The potential V at given constants of motion, seen from the nearer line l_+-.
+    """The potential V at given constants of motion, seen from the nearer line l±.
 
     Parameters
     ----------

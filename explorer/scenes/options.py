@@ -147,8 +147,8 @@ def _one_disk(flag: str, value: Any) -> Disk:
     if isinstance(value, Mapping):
         try:
             return Disk(**value)
-        except TypeError as error:
-            raise InputError(f"{flag} {dict(value)}: {error}; give m, r, g, I1, I3 and name") from None
+        except (TypeError, InputError) as error:
+            raise InputError(f"{flag} {shown(dict(value))}: {error}; give m, r, g, I1, I3 and name") from None
     if not isinstance(value, str):
         raise InputError(f"{flag} {shown(value)} is not a disk; give a Disk or a name")
     return Disk.parse(value)
