@@ -1,10 +1,9 @@
 """The two one-sided limit motions, to which motions that approach F from one side converge (section 7).
 
-Between impacts the disk moves on F. At an impact phidot changes sign and chi jumps by
-sgn(eta) kappa pi (eq. 7.16), psi by face times that (7.11); the motion is then the same fall run
-backwards. So one rise, from flat to its turning point, holds the whole motion (`rise`). Where
-sigma3_bar = sigma4_bar = 0 the disk may swing over the vertical and fall to both flat states in turn
-(`pendulum`).
+Between impacts the disk moves on F. At an impact phidot changes sign and chi jumps by sgn(eta) kappa pi
+(eq. 7.16), psi by face times that (7.11); the motion is then the same fall run backwards. So one rise, from flat to
+its turning point, holds the whole motion (`rise`). Where sigma3_bar = sigma4_bar = 0 the disk may swing over the
+vertical and fall to both flat states in turn (`pendulum`).
 """
 
 from __future__ import annotations
@@ -375,10 +374,14 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     face = int(where.face[0])
     limit = _made(states, float(natural.energy[0]), float(natural.sigma3_bar[0]), face, side)
     limit.missed = disk.eta_to_eta_hat(float(natural.eta(np.array([face > 0]))[0])) * disk.rate_unit
-    size = max(disk.rate_unit, abs(limit.sigma3_bar))
-    if not where.on_f[0] and abs(limit.missed) > _MEANT * size:
-        _warn_of_move(limit.missed)
+    if misses_f(limit):
+        warn_of_move(limit, 3)
     return limit
+
+
+def misses_f(limit: AnyLimit) -> bool:
+    """Whether its state was meant to lie beside F: on it, rounding of the rates leaves some eta_hat."""
+    return abs(limit.missed) > _MEANT * max(limit.disk.rate_unit, abs(limit.sigma3_bar))
 
 
 def _made(states: States, energy: float, sigma3_bar: float, face: int, side: int) -> AnyLimit:
@@ -390,10 +393,8 @@ def _made(states: States, energy: float, sigma3_bar: float, face: int, side: int
     return LimitMotion(states.disk, energy, sigma3_bar, face, side, start)
 
 
-def _warn_of_move(missed: float) -> None:
-    warnings.warn(
-        f"limit motion: the state lies beside F, with eta_hat = {missed:.3g}, and was moved onto it; "
-        "constants_to_states(..., eta_hat=0) gives states on F",
-        StateWarning,
-        stacklevel=3,
-    )
+def warn_of_move(limit: AnyLimit, level: int) -> None:
+    """Say at the caller's line, `level` calls up, that a state was moved onto F."""
+    moved = f"the state lies beside F, with eta_hat = {limit.missed:.3g}, and was moved onto it; "
+    remedy = "constants_to_states(..., eta_hat=0) gives states on F"
+    warnings.warn(moved + remedy, StateWarning, stacklevel=level)

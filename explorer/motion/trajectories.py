@@ -136,8 +136,9 @@ class Trajectories:
     def __repr__(self) -> str:
         counts = Counter(self.status_names.tolist())
         known = [name for name in (*_RATES, *ALL) if getattr(self, name) is not None]
+        times = np.atleast_1d(self.t).shape[-1]
         return (
-            f"Trajectories of {len(self):,} motion(s) to t = {self.t_end:g}, {self.t.shape[-1]:,} times\n"
+            f"Trajectories of {len(self):,} motion(s) to t = {self.t_end:g}, {times:,} time(s)\n"
             f"  status: {', '.join(f'{name} {count:,}' for name, count in counts.items()) or 'no motions'}\n"
             f"  observables: {', '.join(known)}"
         )

@@ -1,18 +1,19 @@
 """The motions on both sides of a point of F, beside the two limit motions that they approach."""
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
 
 from explorer import compiled
 from explorer.errors import InputError, positive
-from explorer.motion.limit_motions import AnyLimit, LimitState, limit_motion
+from explorer.motion.limit_motions import AnyLimit, LimitState, limit_motion, misses_f, warn_of_move
 from explorer.motion.trajectories import Trajectories, trajectories
 from explorer.phase.arguments import explained
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, States, constants_to_states
+from explorer.phase.states import Array, States, StateWarning, constants_to_states, require_states
 
 FALLS = 3  # impacts that each motion passes
 TIMES = 240  # at which distances are taken: some 80 to a period
@@ -102,7 +103,7 @@ def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
     Parameters
     ----------
     state : States
-        One state on F, of a disk with I3 > 0. By how much it misses F is ignored.
+        One state, of a disk with I3 > 0. One beside F is moved onto it: phi, phidot and sigma3_bar are kept.
     eta_hat : float, optional
         Distance of the motions from F, above 0, in the units of the disk; by default 0.01 natural units.
 
@@ -115,6 +116,11 @@ def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
     ------
     InputError
         Where the disk would not fall from the state, for more than one state, and where eta_hat is not above 0.
+
+    Warns
+    -----
+    StateWarning
+        Where the state is moved by more than rounding of its rates, 1e-12 of them.
 
     Notes
     -----
@@ -129,23 +135,33 @@ def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
     >>> bool(np.all(np.abs(apart) < 1e-4))
     True
     """
-    limits = {side: limit_motion(state, side) for side in (1, -1)}
-    disk, limit = state.disk, limits[1]
-    size = 0.01 * disk.rate_unit if eta_hat is None else positive("eta_hat", eta_hat)
+    size = 0.01 * require_states(state).disk.rate_unit if eta_hat is None else positive("eta_hat", eta_hat)
+    with warnings.catch_warnings(action="ignore", category=StateWarning):
+        given = limit_motion(state)
+    if misses_f(given):
+        warn_of_move(given, 4)  # beyond `explained`
+    beside = _at_distances(state, given.face, [0.0, size, -size])
+    start = beside[0] if misses_f(given) else state
+    limits = {side: limit_motion(start, side) for side in (1, -1)}
+    limit = limits[1]
     impacts = limit.impacts(100.0 * limit.period)[:2]
-    beside = coordinates_to_states(
-        disk,
-        phi=state.phi,
-        phidot=state.phidot,
-        sigma3_bar=constants(state).sigma3_bar,
-        eta_hat=[size, -size],
-        face=limit.face,
-    )
-    motion = trajectories(beside, float(impacts[-1]) + 0.6 * limit.period, observables=QUANTITIES)
+    motion = trajectories(beside[1:], float(impacts[-1]) + 0.6 * limit.period, observables=QUANTITIES)
     if not motion.lengths.all():
         code = compiled.status.Status(int(motion.status.max()))
         raise InputError(f"eta_hat = {size:g}: {code.sentence} {code.remedy}")
     t = np.unique(motion.t)
     at = motion(t)
     rows = {sign: {name: getattr(at, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
-    return BothSides(state, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})
+    return BothSides(start, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})
+
+
+def _at_distances(state: States, face: int, eta_hat: list[float]) -> States:
+    """States that differ from one in their distances from F only."""
+    return coordinates_to_states(
+        state.disk,
+        phi=state.phi,
+        phidot=state.phidot,
+        sigma3_bar=constants(state).sigma3_bar,
+        eta_hat=eta_hat,
+        face=face,
+    )

@@ -289,6 +289,7 @@ def test_a_motion_ends_where_it_was_followed_to(t_eval):
         motion("x")
     assert motion(0.0).phi == pytest.approx(0.1, abs=1e-15)
     assert repr(motion).startswith("Trajectories of 1 motion")
+    assert " 1 time(s)" in repr(motion(0.5 * motion.t_end))
 
 
 def test_finer_times_keep_those_that_there_were():
