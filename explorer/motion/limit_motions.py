@@ -1,9 +1,9 @@
 """The two one-sided limit motions, to which motions that approach F from one side converge (section 7).
 
 Between impacts the disk moves on F. At an impact phidot changes sign and chi jumps by sgn(eta) kappa pi
-(eq. 7.16), psi by face times that (7.11); the motion is then the same fall run backwards. So one rise, from flat to
-its turning point, holds the whole motion (`rise`). Where sigma3_bar = sigma4_bar = 0 the disk may swing over the
-vertical and fall to both flat states in turn (`pendulum`).
+(eq. 7.16), psi by face times that (7.11); the motion is then the same fall run backwards. So one rise, from flat
+to its turning point, holds the whole motion (`rise`). Where sigma3_bar = sigma4_bar = 0 the disk may swing over
+the vertical and fall to both flat states in turn (`pendulum`).
 """
 
 from __future__ import annotations

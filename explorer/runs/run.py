@@ -3,6 +3,7 @@
 import time
 from collections import deque
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -248,21 +249,21 @@ def _compute(part: Part, missing: list[int], manner: Manner, progress: Progress)
     """Compute the chunks that are missing."""
     scene, folder, done = part.scene, part.folder, 0
     progress.already(scene.chunks() - len(missing))
+    task = Task(scene, folders.digest_of_identity(scene), folder, compiled.source_digest())
     with graceful(folder, manner.quiet) as stop:
-        try:
-            task = Task(scene, folders.digest_of_identity(scene), folder, compiled.source_digest())
-            chunks = manner.workers.compute(task, missing, stop)
-            for chunk in chunks:
-                done += 1
-                if chunk.held is not None:
-                    part.held[chunk.number] = chunk.held
-                progress.advance(chunk.status)
-        except KeyboardInterrupt:
-            stop.set()
-        except OSError:  # nobody reads what the run says; what is being computed is finished first
-            stop.set()
-            deque(chunks, maxlen=0)
-            raise
+        with closing(manner.workers.compute(task, missing, stop)) as chunks:
+            try:
+                for chunk in chunks:
+                    done += 1
+                    if chunk.held is not None:
+                        part.held[chunk.number] = chunk.held
+                    progress.advance(chunk.status)
+            except KeyboardInterrupt:
+                stop.set()
+            except OSError:  # nobody reads what the run says; what is being computed is finished first
+                stop.set()
+                deque(chunks, maxlen=0)
+                raise
         if stop.is_set() and done < len(missing):
             there = scene.chunks() - len(missing) + done
             how = f"continue with: nearflat resume {folder}" if folder else "nothing is kept without --out"

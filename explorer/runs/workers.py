@@ -11,7 +11,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import lru_cache
@@ -97,6 +97,9 @@ class Done(NamedTuple):
     held: HeldChunk | None
 
 
+Made = Generator[Done, None, None]
+
+
 @dataclass(frozen=True)
 class Workers:
     """How many, of which kind; scheduler: address of a dask scheduler, or None for one of its own."""
@@ -113,10 +116,11 @@ class Workers:
         if self.backend == "dask":
             _distributed()
 
-    def compute(self, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
+    def compute(self, task: Task, indices: list[int], stop: threading.Event) -> Made:
         """Compute and store chunks, in any order, and yield each as it is done.
 
-        Starts no further chunk once `stop` is set.
+        Starts no further chunk once `stop` is set. Close what is not read to its end: processes are shared with
+        later runs, and joblib would end them whenever it is collected.
         """
         if self.backend == "dask":
             yield from _by_dask(self, task.packed(), indices, stop)
@@ -181,7 +185,7 @@ def _by_threads(jobs: int, task: Task, indices: list[int], stop: threading.Event
             running |= {pool.submit(compute_chunk, task, index) for index in islice(source, len(done))}
 
 
-def _by_joblib(jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
+def _by_joblib(jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Made:
     from joblib import Parallel, delayed
 
     pool = Parallel(
@@ -205,9 +209,10 @@ def _by_processes(jobs: int, task: Task, indices: list[int], stop: threading.Eve
     missing, idle, there = indices, 0, set[int]()
     while missing and not stop.is_set():
         try:
-            for done in _by_joblib(jobs, task, missing, stop):
-                there.add(done.number)
-                yield done
+            with contextlib.closing(_by_joblib(jobs, task, missing, stop)) as chunks:
+                for done in chunks:
+                    there.add(done.number)
+                    yield done
             return
         except TerminatedWorkerError as error:
             # joblib gives up the whole call; what is on disk counts.

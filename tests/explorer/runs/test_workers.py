@@ -1,5 +1,7 @@
 """Workers of every kind, killed and stopped, give the numbers of an undisturbed run."""
 
+import gc
+import inspect
 import json
 import os
 import runpy
@@ -121,6 +123,20 @@ def test_a_scene_of_a_user_has_workers_of_every_kind(backend, own_scene, request
     store.found_chunks(run.folder)[1].unlink()
     assert ex.open(run.folder).resume().summary == run.summary
     assert ex.merge(run, ex.run("periods", rng=1, **options)).summary["known"] == 600
+
+
+def test_a_run_that_broke_off_lets_the_processes_go_before_the_next_one_uses_them(tmp_path, monkeypatch):
+    def broken(progress, status):
+        raise ArithmeticError
+
+    with monkeypatch.context() as patch, pytest.raises(ArithmeticError) as held:
+        patch.setattr("explorer.runs.progress.Progress.advance", broken)
+        ex.run("race-angles", out=tmp_path / "run", backend="processes", jobs=2, **SMALL_RACES)
+    made = [each for each in gc.get_objects() if inspect.isgenerator(each) and each.__name__ == "_by_joblib"]
+    assert [each for each in made if each.gi_frame is not None] == []
+    del held
+    resumed = ex.run("race-angles", out=tmp_path / "run", backend="processes", jobs=2, **SMALL_RACES)
+    assert resumed.summary["digest"] == ex.run("race-angles", out=None, **SMALL_RACES).summary["digest"]
 
 
 def test_a_cluster_of_its_own_listens_on_the_loopback_only(tmp_path, monkeypatch):
