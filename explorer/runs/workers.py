@@ -11,6 +11,7 @@ import signal
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -203,13 +204,23 @@ def _by_joblib(jobs: int, task: Task, indices: list[int], stop: threading.Event)
     yield from made
 
 
+@contextlib.contextmanager
+def _let_go(chunks: Made) -> Iterator[Made]:
+    """End what was begun and is not wanted, without joblib's word on it: whoever stopped the run says it."""
+    try:
+        yield chunks
+    finally:
+        with warnings.catch_warnings(action="ignore", category=UserWarning):
+            chunks.close()
+
+
 def _by_processes(jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
     from joblib.externals.loky.process_executor import TerminatedWorkerError
 
     missing, idle, there = indices, 0, set[int]()
     while missing and not stop.is_set():
         try:
-            with contextlib.closing(_by_joblib(jobs, task, missing, stop)) as chunks:
+            with _let_go(_by_joblib(jobs, task, missing, stop)) as chunks:
                 for done in chunks:
                     there.add(done.number)
                     yield done

@@ -129,12 +129,13 @@ def test_a_run_that_broke_off_lets_the_processes_go_before_the_next_one_uses_the
     def broken(progress, status):
         raise ArithmeticError
 
-    with monkeypatch.context() as patch, pytest.raises(ArithmeticError) as held:
-        patch.setattr("explorer.runs.progress.Progress.advance", broken)
+    monkeypatch.setattr("explorer.runs.progress.Progress.advance", broken)
+    with pytest.raises(ArithmeticError) as held:
         ex.run("race-angles", out=tmp_path / "run", backend="processes", jobs=2, **SMALL_RACES)
     made = [each for each in gc.get_objects() if inspect.isgenerator(each) and each.__name__ == "_by_joblib"]
     assert [each for each in made if each.gi_frame is not None] == []
     del held
+    monkeypatch.undo()
     resumed = ex.run("race-angles", out=tmp_path / "run", backend="processes", jobs=2, **SMALL_RACES)
     assert resumed.summary["digest"] == ex.run("race-angles", out=None, **SMALL_RACES).summary["digest"]
 
