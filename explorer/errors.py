@@ -251,9 +251,9 @@ def whole(name: str, value: Any, low: int = 0, high: int | None = None) -> int:
 
 def sign(name: str, value: Any) -> int:
     """Read +1 or -1, a face or a side, written as any number is. Raises InputError."""
-    read = number(name, value)
+    read = double_of(plain_number(value))
     if read not in (1.0, -1.0):
-        raise InputError(f"{said(name, value)} must be 1 or -1")
+        raise InputError(f"{said(name, value)} must be +1 or -1")
     return int(read)
 
 

@@ -20,5 +20,6 @@ def show(run: "Run", as_json: bool) -> int:
         return 0
     for line in run.scene.headline(run.summary):
         print(line)
-    print(f"Samples, numbers and pictures are in {run.folder}.")
+    drawn = run.folder is not None and any((run.folder / "figures").glob("*"))
+    print(f"{'Samples, numbers and pictures' if drawn else 'Samples and numbers'} are in {run.folder}.")
     return 0

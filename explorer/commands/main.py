@@ -229,7 +229,8 @@ def _say_warning(command: str, message: Warning | str, *_place: Any) -> None:
 
 
 def _interrupted(options: argparse.Namespace) -> int:
-    hint = "; finished chunks are kept: nearflat resume DIR goes on" if options.command == "run" else ""
+    folder = getattr(options, "out", None) or "DIR"
+    hint = f"; finished chunks are kept: nearflat resume {folder} goes on" if options.command == "run" else ""
     return _complain(options, f"interrupted{hint}", STATUS)
 
 

@@ -138,7 +138,7 @@ def add_existing(command: argparse.ArgumentParser) -> None:
 
 def add_figures(command: argparse.ArgumentParser) -> None:
     """Add the option that leaves pictures out."""
-    text = "draw no pictures into the folder"
+    text = "draw no pictures into the folder; a later resume without this draws them"
     command.add_argument("--no-figures", dest="figures", action="store_const", const=False, help=text)
 
 

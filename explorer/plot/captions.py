@@ -17,6 +17,8 @@ from matplotlib.figure import Figure
 from PIL import Image, ImageChops, UnidentifiedImageError
 from PIL.PngImagePlugin import PngInfo
 
+from explorer.plot.drawn import require_drawable
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -78,6 +80,8 @@ def captioned(question: Question, text: str) -> Callable[[Callable[P, R]], Calla
 
         @wraps(draw)
         def drawn(*arguments: P.args, **keywords: P.kwargs) -> R:
+            for value in arguments[:1]:
+                require_drawable(draw, value)
             made = draw(*arguments, **keywords)
             figure = made.figure if isinstance(made, Axes) else made
             if isinstance(figure, Figure):

@@ -147,7 +147,7 @@ def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist
     out = said.get("out")
     if out is None and (command is not None or not _fits_in_memory(scene)):
         out = default_folder(scene)
-        note(f"--out was not given: the run is stored in {out}", quiet or command is not None)
+        note(f"a run above {MOST_IN_MEMORY:,} samples is stored: it is in {out}", quiet or command is not None)
     formats = said.get("format") if said.get("figures", True) else ()
     return Asked(scene, out, Manner(workers, said.get("exist", exist), quiet, formats, command))
 

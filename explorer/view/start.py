@@ -74,7 +74,7 @@ def start_at_vertical(disk: Disk, given: AtVertical) -> Start:
     rates = {name: natural(name) for name in _PASSAGE}
     facing = whole("face", _USUAL.face if given.face is None else given.face, -1, 1)
     if facing == 0:
-        raise InputError(f"face = {shown(given.face)} must be 1 or -1")
+        raise InputError(f"face = {shown(given.face)} must be +1 or -1")
     _require_side(rates["eta_hat"], "eta_hat")
     return Start(rates["sigma3_bar"], rates["eta_hat"], rates["phidot"], facing)
 

@@ -72,6 +72,12 @@ def test_bounds_of_a_number_are_in_the_message():
         whole("jobs", 0, 1)
 
 
+@pytest.mark.parametrize("value", ["up", 0, 2.0, None, True])
+def test_a_sign_is_plus_or_minus_one_whatever_else_is_given(value):
+    with pytest.raises(InputError, match=r"side = .* must be \+1 or -1$"):
+        sign("side", value)
+
+
 def test_a_positive_number_is_above_zero():
     assert positive("m", "1e-300") == 1e-300
     with pytest.raises(InputError, match=r"m = 0\.0 must be a finite number above 0"):

@@ -19,13 +19,17 @@ def test_workers_and_json_have_the_same_flags_everywhere():
         assert set(vars(command.parse_args([])).values()) == {None, False}
 
 
-def test_a_finished_run_is_shown_as_lines_or_as_one_object(capsys):
+def test_a_finished_run_is_shown_as_lines_or_as_one_object(capsys, tmp_path):
     run = SimpleNamespace(
         summary={"samples": 3},
-        folder="here",
+        folder=tmp_path,
         scene=SimpleNamespace(headline=lambda summary: [str(summary["samples"])]),
     )
     assert show(run, as_json=False) == 0
-    assert capsys.readouterr().out == "3\nSamples, numbers and pictures are in here.\n"
+    assert capsys.readouterr().out == f"3\nSamples and numbers are in {tmp_path}.\n"
+    (tmp_path / "figures").mkdir()
+    (tmp_path / "figures" / "one.png").touch()
+    assert show(run, as_json=False) == 0
+    assert capsys.readouterr().out == f"3\nSamples, numbers and pictures are in {tmp_path}.\n"
     assert show(run, as_json=True) == 0
     assert json.loads(capsys.readouterr().out) == {"samples": 3}

@@ -159,3 +159,13 @@ def test_a_run_that_is_refused_takes_no_other_away(tmp_path):
     with only_one(tmp_path / "run"), pytest.raises(ex.InputError, match="another run is at work"):
         ex.run("race-angles", **small, exist="replace")
     assert ex.open(tmp_path / "run").summary == before
+
+
+def test_a_run_stopped_while_it_draws_says_the_folder_to_continue_with(tmp_path, monkeypatch):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("explorer.runs.pictures.save_all", stop)
+    with pytest.raises(ex.Interrupted) as told:
+        ex.run("race-angles", samples=100, out=tmp_path / "run", progress=False)
+    assert str(told.value).endswith(f'all samples are stored; continue with: ex.open("{tmp_path}/run").resume()')

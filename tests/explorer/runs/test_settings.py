@@ -27,7 +27,7 @@ def test_small_runs_of_python_have_no_folder_and_those_of_the_command_line_have(
     small, large = {"samples": MOST_IN_MEMORY}, {"samples": MOST_IN_MEMORY + 1}
     assert asked("race-angles", small).out is None
     assert asked("race-angles", large).out.name == "race-angles-uniform-0"
-    assert "out was not given: the run is stored in results" in capsys.readouterr().err
+    assert "a run above 1,000,000 samples is stored: it is in results" in capsys.readouterr().err
     assert asked("race-angles", small, "nearflat run race-angles").out.name == "race-angles-uniform-0"
 
 
