@@ -24,12 +24,15 @@ from explorer.scenes.registry import SCENES
 
 # 30 chunks, a second or two of work: long enough to be stopped in the middle.
 OPTIONS = {"samples": 600_000, "chunk_size": 20_000, "seed": 3, "keep": "all"}
-# The command without the pixels of its pictures, which take longer than its numbers.
+# The command without the pixels of its pictures, which take longer than its numbers. It hears Ctrl-C also where
+# the suite runs in the background, where it would inherit that it is ignored.
 PROGRAM = """
+import signal
 import sys
 from pathlib import Path
 from matplotlib.figure import Figure
 from explorer.commands.main import main
+signal.signal(signal.SIGINT, signal.default_int_handler)
 Figure.savefig = lambda _, path, **options: Path(path).touch()
 sys.exit(main())
 """
