@@ -8,7 +8,7 @@ import json
 import os
 import platform
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -64,11 +64,12 @@ class Curve:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Curves by method, and where they come from, in words."""
+    """Curves by method, for passages and for motions in time, and where they come from, in words."""
 
     origin: str
     curves: dict[str, Curve]
     quadrature: float  # nanoseconds per passage
+    motions: dict[str, Curve] = field(default_factory=dict)  # empty where only passages were measured
 
     def cheapest(self, methods: tuple[str, ...], target: float) -> str:
         """The method that takes least time for an error of `target`, among those that reach it."""
@@ -97,11 +98,20 @@ def current() -> Calibration:
 
 def parse(table: dict[str, Any], origin: str) -> Calibration:
     """A calibration from its JSON form."""
+    curves = _curves(table["methods"])
+    quadrature = float(table["quadrature"])
+    if not 0.0 < quadrature < np.inf:
+        raise ValueError(f"quadrature = {quadrature} is no time")
+    return Calibration(origin, curves, quadrature, _curves(table["motions"]) if "motions" in table else {})
+
+
+def _curves(rows_of: dict[str, Any]) -> dict[str, Curve]:
+    """The curves of all methods. Raises ValueError for rows that cannot be such."""
     curves = {}
-    missing = {"rk4", "rk8", "dopri5", "dop853"} - set(table["methods"])
+    missing = {"rk4", "rk8", "dopri5", "dop853"} - set(rows_of)
     if missing:
         raise ValueError(f"{', '.join(sorted(missing))} missing")
-    for name, rows in table["methods"].items():
+    for name, rows in rows_of.items():
         columns = np.array(rows, dtype=np.float64).T
         if columns.shape[0] != 4 or not (np.isfinite(columns).all() and (columns > 0.0).all()):
             raise ValueError(f"rows of {name} must be four positive numbers each")
@@ -110,10 +120,7 @@ def parse(table: dict[str, Any], origin: str) -> Calibration:
         if not columns[1][-1] < columns[1][0]:
             raise ValueError(f"errors of {name} do not fall")
         curves[name] = Curve(*columns)
-    quadrature = float(table["quadrature"])
-    if not 0.0 < quadrature < np.inf:
-        raise ValueError(f"quadrature = {quadrature} is no time")
-    return Calibration(origin, curves, quadrature)
+    return curves
 
 
 def store(table: dict[str, Any]) -> Path:

@@ -51,12 +51,16 @@ _STRICTER = 10.0
 
 @dataclass(frozen=True)
 class Plan:
-    """The way a question will be answered: the rung, the method, and the reason in words."""
+    """The way a question will be answered: the rung, the method, and the reason in words.
+
+    setting: the integrator's step or tolerance where that is what is tried; else the calibration says it.
+    """
 
     rung: str
     method: str
     accuracy: float
     reason: str
+    setting: float | None = None
 
     @property
     def kernel_method(self) -> int:
@@ -100,6 +104,8 @@ class Plan:
 
     def control_for(self, share: Any) -> Any:
         """That times a share, which may be an array, but no tolerance that rounding would refuse."""
+        if self.setting is not None:
+            return self._at_least(share * self.setting)
         return self._at_least(share * calibration.current().curves[self.method].at(self.accuracy))
 
     def _at_least(self, setting: Any) -> Any:
@@ -108,6 +114,8 @@ class Plan:
     @property
     def held_control(self) -> float:
         """Tolerance or step for trajectories that are held to their constants: eta cannot drift."""
+        if self.setting is not None:
+            return self.setting
         return float(self._at_least(calibration.current().curves[self.method].at(self.accuracy / _STRICTER)))
 
     @property

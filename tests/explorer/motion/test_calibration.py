@@ -43,6 +43,7 @@ def test_the_shipped_table_is_used_and_named_where_nothing_was_measured(private)
         lambda table: [1],
         lambda table: {**table, "methods": {"rk4": table["methods"]["rk4"]}},
         lambda table: {**table, "methods": []},
+        lambda table: {**table, "motions": {"rk4": table["methods"]["rk4"]}},
         lambda table: {**table, "quadrature": float("nan")},
         lambda table: {**table, "methods": {k: [[1, 2, 3]] for k in table["methods"]}},
         lambda table: {**table, "methods": {k: rows[:1] for k, rows in table["methods"].items()}},
@@ -54,6 +55,14 @@ def test_a_damaged_table_is_named_not_used(private, spoil):
     private.write_text(json.dumps(spoil(shipped())))
     with pytest.raises(ex.InputError, match="calibration"):
         plan(("chi",), 1e-6)
+
+
+def test_motions_in_time_have_curves_of_their_own_where_they_were_measured(private):
+    passages = {name: rows for name, rows in shipped().items() if name != "motions"}
+    assert calibration.parse(passages, "").motions == {}
+    coarser = {name: [[2.0 * s, *rest] for s, *rest in rows] for name, rows in passages["methods"].items()}
+    both = calibration.parse({**passages, "motions": coarser}, "")
+    assert both.motions["rk8"].at(1e-6) == pytest.approx(2.0 * both.curves["rk8"].at(1e-6))
 
 
 def test_a_table_of_other_kernels_is_not_used(private):

@@ -1,5 +1,7 @@
 """The ladder of models: which rung and which method a question gets."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -32,6 +34,12 @@ def test_the_setting_falls_with_the_accuracy_and_is_finer_for_motions_in_time():
         loose, tight = plan(("chi",), 1e-3, method), plan(("chi",), 1e-9, method)
         assert 0.0 < tight.control < loose.control
         assert loose.held_control < loose.control
+
+
+def test_a_plan_may_name_its_setting():
+    given = replace(plan(("chi",), 1e-6, "rk8"), setting=0.25)
+    assert given.control == given.held_control == 0.25
+    assert (given.control_for(np.array([1.0, 0.5])) == [0.25, 0.125]).all()
 
 
 @pytest.mark.parametrize("accuracy", [0.0, -1.0, 1.0, np.nan, 1e-30])
