@@ -94,7 +94,7 @@ class GivenStates:
                 chart = recognise(names, what)
                 columns = read_csv(path, dict.fromkeys(chart.present(names)), what)
                 rows = next(iter(columns.values())).size
-        except (OSError, pa.ArrowException) as error:
+        except (OSError, UnicodeDecodeError, pa.ArrowException) as error:
             raise InputError(f"{what}: cannot be read ({_in_one_line(error)}); give Parquet or CSV") from None
         if rows == 0:
             raise InputError(f"{what}: holds no states; give a table with one row for each")
@@ -174,7 +174,7 @@ class GivenStates:
         assert self.chart is not None
         try:
             found = self.columns.read(first, count)
-        except (OSError, pa.ArrowException) as error:
+        except (OSError, UnicodeDecodeError, pa.ArrowException) as error:
             raise InputError(f"{self.what}: cannot be read ({_in_one_line(error)}); put the file back") from None
         numbers = self.chart.present(found)
         return {

@@ -115,6 +115,14 @@ def test_a_damaged_file_is_told_in_one_sentence(content, message, tmp_path):
     assert "\n" not in str(caught.value)
 
 
+def test_a_damaged_name_of_a_column_is_told_in_one_sentence(columns, tmp_path):
+    path = tmp_path / "states.parquet"
+    pyarrow.parquet.write_table(pyarrow.table(columns), path, store_schema=False)
+    path.write_bytes(path.read_bytes().replace(b"phidot", b"ph\xe8dot"))
+    with pytest.raises(ex.InputError, match="cannot be read"):
+        GivenStates.of("--states", path)
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
