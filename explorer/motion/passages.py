@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, number, shown
 from explorer.motion.passages_by_integration import LENIENCE, by_integration
-from explorer.motion.passages_by_quadrature import Followed, by_quadrature, fall_from_vertical
+from explorer.motion.passages_by_quadrature import Followed, by_quadrature, by_rules, fall_from_vertical
 from explorer.motion.plan import Plan, plan
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import known_keywords, read_columns
@@ -176,6 +176,17 @@ def passages(
     starts, edge = starts_at_vertical(disk, *columns), _edge_of(window, how.method)
     found = _in_parts(disk, starts, how, edge, jobs_of("jobs", given.jobs))
     return _with_arguments(found, *columns).reshaped(shape)
+
+
+def passages_by(disk: Disk, starts: Starts, how: Plan) -> Passages:
+    """As `passages`, by a plan that was made, which may name its setting."""
+    return _passages(disk, starts, how, 0.0)
+
+
+def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-12) -> Passages:
+    """Passages by adaptive rules: by quadrature, but by none of the tables of the body."""
+    how = plan(OBSERVABLES, accuracy, "quadrature")
+    return _assemble(disk, starts, by_rules(disk, starts, how), how, 0.0)
 
 
 def passage_kernels(how: Plan) -> tuple[str, ...]:

@@ -42,6 +42,22 @@ def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> Followe
         compiled.passages.passage_by_rules_batch(
             crossings, chord(edge), how.accuracy, packed_rules(), disk.natural, out, status
         )
+    return _of_rows(disk, crossings, out, status)
+
+
+def by_rules(disk: Disk, starts: Starts, how: Plan) -> Followed:
+    """As `by_quadrature` from the vertical, all by adaptive rules, without tables of the body."""
+    crossings = starts.natural(disk)
+    out, status = np.full((8, starts.status.size), np.nan), starts.status.copy()
+    compiled.passages.passage_by_rules_batch(
+        crossings, chord(0.0), how.accuracy, packed_rules(), disk.natural, out, status
+    )
+    return _of_rows(disk, crossings, out, status)
+
+
+def _of_rows(
+    disk: Disk, crossings: "compiled.passages.Crossings", out: Array, status: NDArray[np.int8]
+) -> Followed:
     passage = compiled.quadrature.PassageRow(*out)
     energy, on_f = passage.energy, crossings.eta == 0.0
     if on_f.any():  # the kernel skips what lies on F

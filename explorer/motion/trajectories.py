@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import CoarseTimesWarning, InputError, number, positive, whole
 from explorer.motion import recording
-from explorer.motion.plan import ALGEBRA, QUADRATURE, plan
+from explorer.motion.plan import ALGEBRA, QUADRATURE, Plan, plan
 from explorer.motion.turning_points import MAX_STEPS
 from explorer.phase.arguments import known_keywords
 from explorer.phase.disk import Disk
@@ -257,20 +257,41 @@ def _follow(
     given: _Integration,
 ) -> tuple[Trajectories, Array]:
     """The motions, and their chi. until: the end and the times, as they were given."""
-    disk = require_states(states).disk
+    require_states(states)
     end, times = _times(*until)
     how = plan(observables, given.accuracy, given.method)
     if how.rung in (ALGEBRA, QUADRATURE):
         raise InputError("observables: simulate needs one of the motion, such as 'phi' or 'chi'")
-    start = recording.motions(states, how, number("chi0", given.chi0), whole("max_steps", given.max_steps, 1))
-    jobs, names = whole("jobs", given.jobs, 1), tuple(observables)
+    given = given._replace(
+        chi0=number("chi0", given.chi0),
+        max_steps=whole("max_steps", given.max_steps, 1),
+        jobs=whole("jobs", given.jobs, 1),
+    )
+    return _by_plan(states, how, (end, times), tuple(observables), given)
+
+
+def trajectories_by(states: States, how: Plan, times: Array, observables: Sequence[str] = ALL) -> Trajectories:
+    """As `simulate` at given times, by a plan that was made, which may name its setting."""
+    return _by_plan(states, how, (float(times[-1]), times), tuple(observables), _Integration())[0]
+
+
+def _by_plan(
+    states: States,
+    how: Plan,
+    until: tuple[float, Array | None],
+    names: tuple[str, ...],
+    given: _Integration,
+) -> tuple[Trajectories, Array]:
+    """The motions, and their chi, by a plan. until: the end, and the times where these are given."""
+    disk, (end, times) = states.disk, until
+    start = recording.motions(states, how, given.chi0, given.max_steps)
     rows, records = compiled.field.ROW, None
     if times is None:
-        records = recording.record(start, end * disk.rate_unit, jobs)
+        records = recording.record(start, end * disk.rate_unit, given.jobs)
         found, lengths, outcome = records.padded(), records.lengths, records.outcome
         times = found[..., rows.t] * disk.time_unit
     else:
-        found, outcome = recording.sample(start, times * disk.rate_unit, jobs)
+        found, outcome = recording.sample(start, times * disk.rate_unit, given.jobs)
         lengths = np.where(outcome.status == compiled.status.Status.OK, times.size, 0)
     motion = Trajectories(
         times,
@@ -278,7 +299,7 @@ def _follow(
         **outcome._asdict(),
         lengths=lengths,
         t_end=end,
-        _followed=_Followed(states, start, records, names, jobs),
+        _followed=_Followed(states, start, records, names, given.jobs),
     )
     return motion, found[..., rows.chi]
 

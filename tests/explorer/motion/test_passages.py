@@ -5,6 +5,9 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
+from explorer.motion.passages import passages_by, reference_passages
+from explorer.motion.plan import plan
+from explorer.motion.vertical import starts_at_vertical
 from explorer.phase.states import constants_to_states, phi_to_states
 
 
@@ -116,3 +119,15 @@ def test_a_passage_that_turns_before_flat_is_refused_by_all_methods():
 def test_wrong_arguments_are_named(call, named):
     with pytest.raises(ex.InputError, match=named.replace("[", r"\[")):
         call(BODIES["uniform"])
+
+
+def test_tables_and_adaptive_rules_give_the_same_passages():
+    rng = np.random.default_rng(4)
+    eta_hat = rng.choice([-1.0, 1.0], 40) * 10.0 ** rng.uniform(-8, 0, 40)
+    start = starts_at_vertical(BODIES["hoop"], rng.uniform(-2, 2, 40), eta_hat, rng.uniform(0.5, 2, 40))
+    rules = reference_passages(BODIES["hoop"], start)
+    tables = passages_by(BODIES["hoop"], start, plan(("race_angle",), 1e-11, "quadrature"))
+    assert rules.ok.all()
+    assert tables.ok.all()
+    for name in ("race_angle", "delta_psi", "duration", "theta_min"):
+        assert getattr(tables, name) == pytest.approx(getattr(rules, name), rel=1e-11, abs=1e-11)
