@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, number, shown
 from explorer.motion.passages_by_integration import LENIENCE, by_integration
-from explorer.motion.passages_by_quadrature import Followed, by_quadrature, by_rules, fall_from_vertical
+from explorer.motion.passages_by_quadrature import by_quadrature, by_rules, fall_from_vertical
 from explorer.motion.plan import Plan, plan
+from explorer.motion.recording import in_parts
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import known_keywords, read_columns
 from explorer.phase.disk import Disk
@@ -173,9 +174,8 @@ def passages(
     given = _read(computation)
     how = plan(OBSERVABLES, given.accuracy, given.method)
     columns, shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face})
-    starts, edge = starts_at_vertical(disk, *columns), _edge_of(window, how.method)
-    found = _in_parts(disk, starts, how, edge, jobs_of("jobs", given.jobs))
-    return _with_arguments(found, *columns).reshaped(shape)
+    edge, jobs = _edge_of(window, how.method), jobs_of("jobs", given.jobs)
+    return _in_parts(disk, columns, how, edge, jobs).reshaped(shape)
 
 
 def passages_by(disk: Disk, starts: Starts, how: Plan) -> Passages:
@@ -195,25 +195,18 @@ def passage_kernels(how: Plan) -> tuple[str, ...]:
     return *by, "passages.fall_batch", "races.race_batch"
 
 
-def _with_arguments(found: Passages, sigma3_bar: Array, eta_hat: Array, phidot: Array, face: Array) -> Passages:
-    """Passages with the numbers as they were given, also where a placeholder stood for them."""
-    return replace(found, sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
-
-
-def _in_parts(disk: Disk, starts: Starts, how: Plan, edge: float, jobs: int) -> Passages:
+def _in_parts(disk: Disk, given: list[Array], how: Plan, edge: float, jobs: int) -> Passages:
     """Passages, a part of them by each of so many threads."""
-    n = starts.status.size
+    starts = starts_at_vertical(disk, *given)
+    n, columns = starts.status.size, dict[str, Any]()
     if min(jobs, n) <= 1:
-        return _passages(disk, starts, how, edge)
-    from joblib import Parallel, delayed
-
-    parts = [starts.at(rows) for rows in np.array_split(np.arange(n), min(jobs, n))]
-    done = Parallel(n_jobs=jobs, backend="threading")(delayed(_passages)(disk, part, how, edge) for part in parts)
-    first: Passages = done[0]
-    merged: dict[str, Any] = {
-        name: np.concatenate([part.columns[name] for part in done]) for name in first.columns
-    }
-    return replace(first, **merged)
+        found = _passages(disk, starts, how, edge)
+    else:
+        found, *others = in_parts(jobs, n, lambda rows: _passages(disk, starts.at(rows), how, edge))
+        for name, first in found.columns.items():
+            columns[name] = np.concatenate([first, *(part.columns[name] for part in others)])
+    # The numbers as they were given, also where a placeholder stood for them.
+    return replace(found, **(columns | dict(zip(Passages._GIVEN, given, strict=True))))
 
 
 def _edge_of(window: float | None, method: str) -> float:
@@ -229,44 +222,28 @@ def _edge_of(window: float | None, method: str) -> float:
 
 
 def _passages(disk: Disk, starts: Starts, how: Plan, edge: float) -> Passages:
-    if how.method == "quadrature":
-        followed = by_quadrature(disk, starts, how, edge)
-    else:
-        followed = by_integration(disk, starts, how)
-    return _assemble(disk, starts, followed, how, edge)
+    by_integrals = how.method == "quadrature"
+    ways = by_quadrature(disk, starts, how, edge) if by_integrals else by_integration(disk, starts, how)
+    return _assemble(disk, starts, ways, how, edge)
 
 
-def _assemble(disk: Disk, starts: Starts, followed: Followed, how: Plan, edge: float) -> Passages:
+def _assemble(disk: Disk, starts: Starts, ways: compiled.races.Ways, how: Plan, edge: float) -> Passages:
     """Results in the units of the disk, with the fall taken out of chi."""
     races = compiled.races
-    sigma3_bar, eta, _speed = starts.natural(disk)
-    status, out = followed.status.copy(), np.empty((12, eta.size))
-    theta_min, chi, psi, time, way, energy, error = map(np.ascontiguousarray, followed[:-1])
-    ways = races.Ways(sigma3_bar, eta, starts.face, theta_min, chi, psi, time, way, energy, error, status)
-    fall = fall_from_vertical(disk, sigma3_bar, followed.energy, edge, how.accuracy)
+    fall = fall_from_vertical(disk, ways.sigma3_bar, ways.energy, edge, how.accuracy)
     falls, terms = races.Falls(fall.time, fall.chi, fall.error), races.Terms(LENIENCE * how.accuracy, FLOOR)
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
+    out = np.empty((12, ways.status.size))
     races.race_batch(ways, falls, terms, units, disk.natural, out)
-    race = races.RaceRow(*out)
+    found = races.RaceRow(*out)._asdict()
     return Passages(
         disk=disk,
         sigma3_bar=starts.sigma3_bar,
         eta_hat=starts.eta_hat,
         phidot=starts.speed,
         face=starts.face,
-        race_angle=race.race_angle,
-        wrong_way=race.wrong_way != 0.0,
-        delta_chi=race.delta_chi,
-        delta_psi=race.delta_psi,
-        fall_angle=race.fall_angle,
-        theta_min=race.theta_min,
-        duration=race.duration,
-        fall_time=race.fall_time,
-        energy=race.energy,
-        impact_speed=race.impact_speed,
-        limit=race.limit,
-        error_estimate=race.error_estimate,
-        status=status,
+        **(found | {"wrong_way": found["wrong_way"] != 0.0}),
+        status=ways.status,
         method=how.method,
         model=how.rung,
     )

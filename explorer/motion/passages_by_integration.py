@@ -10,7 +10,6 @@ file and of `passages`).
 import numpy as np
 
 from explorer import compiled
-from explorer.motion.passages_by_quadrature import Followed
 from explorer.motion.plan import FIXED, Plan
 from explorer.motion.turning_points import turning_points
 from explorer.motion.vertical import Starts
@@ -31,7 +30,7 @@ _ROUNDING = 3e-12
 _SLOW, _LEAST_SPEED = 0.15, 5e-5
 
 
-def by_integration(disk: Disk, starts: Starts, how: Plan) -> Followed:
+def by_integration(disk: Disk, starts: Starts, how: Plan) -> "compiled.races.Ways":
     """Passages from the vertical to the turning point, doubled: the second half is the first run backwards."""
     code, face = compiled.status.Status, starts.face
     states = constants_to_states(disk, starts.sigma3_bar, starts.eta_hat, face * starts.speed, face)
@@ -47,9 +46,9 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> Followed:
     status[ok & ~(error <= LENIENCE * how.accuracy)] = code.STEP_LIMIT
     # A passage ends at the flat state it was sent to; one that turns elsewhere was never near it.
     status[ok & (turn.face != face)] = code.BAD_INPUT
-    return Followed(
-        turn.theta, 2.0 * turn.chi, 2.0 * turn.psi * face, 2.0 * turn.time, turn.way, natural.energy, error, status
-    )
+    bar, eta, _ = starts.natural(disk)
+    followed = turn.theta, 2.0 * turn.chi, 2.0 * turn.psi * face, 2.0 * turn.time, turn.way
+    return compiled.races.Ways(bar, eta, face, *followed, natural.energy, error, status)
 
 
 def slowness(disk: Disk, starts: Starts) -> Array:

@@ -1,7 +1,5 @@
 """Passages and falls as integrals between turning points: eta is what was given, and no step is taken."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,24 +11,7 @@ from explorer.phase.gauss import packed_rules
 from explorer.phase.states import Array
 
 
-class Followed(NamedTuple):
-    """Passages as a method followed them, columns in natural units, angles as on face +1.
-
-    way: sigma3/q at the flattest moment, whose sign is the direction of the race. error: as
-    `Passages.error_estimate`.
-    """
-
-    theta_min: Array
-    chi: Array
-    psi: Array
-    time: Array
-    way: Array
-    energy: Array
-    error: Array
-    status: NDArray[np.int8]
-
-
-def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> Followed:
+def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> "compiled.races.Ways":
     """Passages as integrals. edge: the tilt phi (rad) at which they start and stop, 0 for the vertical."""
     crossings = starts.natural(disk)
     out, status = np.empty((8, starts.status.size)), starts.status.copy()
@@ -42,28 +23,27 @@ def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> Followe
         compiled.passages.passage_by_rules_batch(
             crossings, chord(edge), how.accuracy, packed_rules(), disk.natural, out, status
         )
-    return _of_rows(disk, crossings, out, status)
+    return _ways(disk, starts, out, status)
 
 
-def by_rules(disk: Disk, starts: Starts, how: Plan) -> Followed:
+def by_rules(disk: Disk, starts: Starts, how: Plan) -> "compiled.races.Ways":
     """As `by_quadrature` from the vertical, all by adaptive rules, without tables of the body."""
-    crossings = starts.natural(disk)
     out, status = np.full((8, starts.status.size), np.nan), starts.status.copy()
     compiled.passages.passage_by_rules_batch(
-        crossings, chord(0.0), how.accuracy, packed_rules(), disk.natural, out, status
+        starts.natural(disk), chord(0.0), how.accuracy, packed_rules(), disk.natural, out, status
     )
-    return _of_rows(disk, crossings, out, status)
+    return _ways(disk, starts, out, status)
 
 
-def _of_rows(
-    disk: Disk, crossings: "compiled.passages.Crossings", out: Array, status: NDArray[np.int8]
-) -> Followed:
-    passage = compiled.quadrature.PassageRow(*out)
-    energy, on_f = passage.energy, crossings.eta == 0.0
+def _ways(disk: Disk, starts: Starts, out: Array, status: NDArray[np.int8]) -> "compiled.races.Ways":
+    """What a kernel wrote: rows of PassageRow."""
+    found, (bar, eta, speed) = compiled.quadrature.PassageRow(*out), starts.natural(disk)
+    energy, on_f = found.energy, eta == 0.0
     if on_f.any():  # the kernel skips what lies on F
-        energy = np.where(on_f, energy_on_f(disk, crossings.sigma3_bar, crossings.speed), energy)
-    error = np.fmax(passage.angle_error, passage.time_error)
-    return Followed(passage.theta_min, passage.chi, passage.psi, passage.time, passage.way, energy, error, status)
+        energy = np.where(on_f, energy_on_f(disk, bar, speed), energy)
+    error = np.fmax(found.angle_error, found.time_error)
+    followed = found.theta_min, found.chi, found.psi, found.time, found.way
+    return compiled.races.Ways(bar, eta, starts.face, *followed, energy, error, status)
 
 
 def energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
