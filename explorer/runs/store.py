@@ -85,7 +85,7 @@ def write_chunk(folder: Path, note: Note, table: Table) -> Path:
             stream.flush()
             os.fsync(stream.fileno())
         content_digest = _sha(temporary.read_bytes())
-        if pq.read_metadata(temporary).num_rows != arrow.num_rows:
+        if pq.read_metadata(parquet_file(temporary)).num_rows != arrow.num_rows:
             raise RunError(f"{temporary}: the file read back differs from what was written")
         path = place / f"chunk-{note.index:06d}-{content_digest[:16]}.parquet"
         temporary.replace(path)

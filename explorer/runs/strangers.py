@@ -34,14 +34,17 @@ def plain_file(path: Path, largest: float = float("inf")) -> Path:
 
 
 def parquet_file(path: Path) -> Path:
-    """`path`, where it looks like Parquet at both ends: zeros of any length are refused at once."""
+    """The file's absolute path, where it looks like Parquet at both ends: zeros of any length are refused at once.
+
+    Arrow would read a relative path with a colon as an address.
+    """
     with plain_file(path).open("rb") as stream:
         begins = stream.read(len(_ENDS))
         stream.seek(0, 2)
         stream.seek(max(0, stream.tell() - len(_ENDS)))
         if begins != _ENDS or stream.read() != _ENDS:
             raise StrangeError("it is no Parquet file")
-    return path
+    return path.absolute()
 
 
 def parse_json(text: str | bytes) -> dict[str, Any]:

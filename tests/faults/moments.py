@@ -212,9 +212,7 @@ def moments(place, backend, count, seed):
 def table(lines):
     """A row for each backend and way to stop: how many runs, how they ended, and broken promises."""
     found = [json.loads(line) for line in lines.read_text(encoding="utf-8").splitlines()]
-    what = "race-angles by {method} at {accuracy}, {samples:,} samples in chunks of {chunk_size:,}".format(
-        **OPTIONS
-    )
+    what = "race-angles by {method} at {accuracy}, {samples:,} samples in chunks of {chunk_size:,}"
     text = [
         "# Runs stopped at random moments",
         "",

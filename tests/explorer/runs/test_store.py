@@ -63,3 +63,10 @@ def test_strangers_among_the_chunks_are_put_aside(finished, capsys):
     assert pyarrow.dataset.dataset(chunks).to_table().num_rows == 3000
     assert "x.parquet: is no chunk of a run" in capsys.readouterr().err
     assert json.loads((finished.folder / "run.json").read_text())["chunks_computed"] == 0
+
+
+def test_a_relative_folder_with_a_colon_is_a_folder_and_no_address(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run = ex.run("race-angles", out="uniform:m=1", **SMALL_RACES)
+    assert verify(run.folder) == []
+    assert ex.open("uniform:m=1").summary == run.summary
