@@ -178,9 +178,10 @@ def passages(
     return _in_parts(disk, columns, how, edge, jobs).reshaped(shape)
 
 
-def passages_by(disk: Disk, starts: Starts, how: Plan) -> Passages:
-    """As `passages`, by a plan that was made, which may name its setting."""
-    return _passages(disk, starts, how, 0.0)
+def passages_by(disk: Disk, starts: Starts, how: Plan) -> tuple[Passages, NDArray[np.int32] | None]:
+    """As `passages`, by a plan that was made, which may name its setting; and the steps of an integrator."""
+    ways, steps = _ways(disk, starts, how, 0.0)
+    return _assemble(disk, starts, ways, how, 0.0), steps
 
 
 def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-12) -> Passages:
@@ -222,9 +223,16 @@ def _edge_of(window: float | None, method: str) -> float:
 
 
 def _passages(disk: Disk, starts: Starts, how: Plan, edge: float) -> Passages:
-    by_integrals = how.method == "quadrature"
-    ways = by_quadrature(disk, starts, how, edge) if by_integrals else by_integration(disk, starts, how)
-    return _assemble(disk, starts, ways, how, edge)
+    return _assemble(disk, starts, _ways(disk, starts, how, edge)[0], how, edge)
+
+
+def _ways(
+    disk: Disk, starts: Starts, how: Plan, edge: float
+) -> tuple[compiled.races.Ways, NDArray[np.int32] | None]:
+    """The ways of the passages by either kind of method, and the steps of an integrator."""
+    if how.method == "quadrature":
+        return by_quadrature(disk, starts, how, edge), None
+    return by_integration(disk, starts, how)
 
 
 def _assemble(disk: Disk, starts: Starts, ways: compiled.races.Ways, how: Plan, edge: float) -> Passages:

@@ -8,6 +8,7 @@ file and of `passages`).
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.plan import FIXED, Plan
@@ -30,8 +31,11 @@ _ROUNDING = 3e-12
 _SLOW, _LEAST_SPEED = 0.15, 5e-5
 
 
-def by_integration(disk: Disk, starts: Starts, how: Plan) -> "compiled.races.Ways":
-    """Passages from the vertical to the turning point, doubled: the second half is the first run backwards."""
+def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.races.Ways, NDArray[np.int32]]":
+    """Passages from the vertical to the turning point, doubled: the second half is the first run backwards.
+
+    Also how many steps were attempted for each.
+    """
     code, face = compiled.status.Status, starts.face
     states = constants_to_states(disk, starts.sigma3_bar, starts.eta_hat, face * starts.speed, face)
     natural = natural_constants(states)
@@ -48,7 +52,7 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> "compiled.races.Way
     status[ok & (turn.face != face)] = code.BAD_INPUT
     bar, eta, _ = starts.natural(disk)
     followed = turn.theta, 2.0 * turn.chi, 2.0 * turn.psi * face, 2.0 * turn.time, turn.way
-    return compiled.races.Ways(bar, eta, face, *followed, natural.energy, error, status)
+    return compiled.races.Ways(bar, eta, face, *followed, natural.energy, error, status), turn.steps
 
 
 def slowness(disk: Disk, starts: Starts) -> Array:
