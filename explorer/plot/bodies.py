@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, SERIES, SMALL, axes_or_new, dress, legend_below, stacked
+from explorer.plot.style import DARK, SERIES, SMALL, axes_or_new, dress, legend_below, stacked, styled
 from explorer.portrait.bodies import MeasuredGaps, RaceNumbers
 
 NAMED = {2.0: "hoop", 4.0: "uniform"}
@@ -56,17 +56,17 @@ def race_number(
     ['hoop', 'uniform']
     """
     ax = axes_or_new(ax)
-    style: dict[str, Any] = {"color": DARK, "lw": 1.8, "label": r"$\kappa = \sqrt{1 + m r^2/I_1}$"} | look
+    style = styled(look, color=DARK, lw=1.8, label=r"$\kappa = \sqrt{1 + m r^2/I_1}$")
     ax.plot(numbers.ratio, numbers.kappa, **style)
     _matching(ax, numbers, np.sqrt(1.0 + numbers.matching))
     if measured is not None:
         _measured(ax, measured.ratio, measured.kappa)
     _named(ax, numbers, np.sqrt)
     ax.set_ylim(0.8, 1.08 * numbers.kappa[-1])
-    ax.grid(alpha=0.3)
-    handle = ax.lines[0]
-    ax.legend(handles=[handle], fontsize=SMALL, loc="lower right", frameon=False)
-    return dress(ax, _RATIO, r"race number $\kappa$ (half turns)", r"The contact point races by $\pm\kappa\pi$")
+    ax.legend(handles=ax.lines[:1], fontsize=SMALL, loc="lower right", frameon=False)
+    return dress(
+        ax, _RATIO, r"race number $\kappa$ (half turns)", r"The contact point races by $\pm\kappa\pi$", grid=True
+    )
 
 
 @captioned(
@@ -107,18 +107,20 @@ def race_gap(
     'apart after a fall (rad)'
     """
     ax = axes_or_new(ax)
-    style: dict[str, Any] = {"color": DARK, "lw": 1.8} | look
-    ax.plot(numbers.ratio, _on_circle(numbers.gap), **style)
+    ax.plot(numbers.ratio, _on_circle(numbers.gap), **styled(look, color=DARK, lw=1.8))
     _matching(ax, numbers, 0.0 * numbers.matching)
     if measured is not None:
         _measured(ax, measured.ratio, _on_circle(measured.gap))
     _named(ax, numbers, lambda square: float(_on_circle(np.array(2.0 * np.pi * np.sqrt(square)))))
     ax.set_ylim(-0.2, np.pi + 0.45)
     ax.set_yticks([0.0, 0.5 * np.pi, np.pi], ["0", "π/2", "π"])
-    ax.grid(alpha=0.3)
     legend_below(ax, ncols=2, bbox_to_anchor=(0.5, -0.2))
     return dress(
-        ax, _RATIO, "apart after a fall (rad)", "How far the two limit motions part in a fall, on the circle"
+        ax,
+        _RATIO,
+        "apart after a fall (rad)",
+        "How far the two limit motions part in a fall, on the circle",
+        grid=True,
     )
 
 

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, SIGN_COLOURS, SMALL, TEXT, rates_of
+from explorer.plot.style import DARK, SIGN_COLOURS, SMALL, TEXT, open_frame, rates_of
 from explorer.portrait.general_solvers import OURS, GeneralSolvers
 
 _MOST = 1.7  # kappa pi, beyond which a race is only marked at the edge
@@ -77,5 +77,4 @@ def _panel(ax: Axes, solved: GeneralSolvers, name: str) -> None:
     ax.set_title(words, fontsize=TEXT, color=DARK, weight=weight)
     ax.set_xscale("log")
     ax.tick_params(labelsize=SMALL)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
+    open_frame(ax)

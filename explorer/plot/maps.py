@@ -24,7 +24,7 @@ from explorer.plot.style import (
     coordinate_label,
     dress,
     legend_below,
-    rates_of,
+    styled,
     values_label,
 )
 from explorer.portrait.slices import ConstantsPlane, SliceMap
@@ -38,8 +38,8 @@ _FEWEST = 100  # samples that a guide of slope one is drawn through
 def _colour_tilt(ax: Axes, x: Array, y: Array, theta: Array, method: str, **look: Any) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
         tilt = np.log10(theta)
-    shade: dict[str, Any] = {"cmap": TILT_COLOURS, "vmin": _FLATTEST, "vmax": np.log10(0.5 * np.pi)}
-    mesh = ax.pcolormesh(x, y, tilt, **({**shade, "rasterized": True} | look))
+    shade = styled(look, cmap=TILT_COLOURS, vmin=_FLATTEST, vmax=np.log10(0.5 * np.pi), rasterized=True)
+    mesh = ax.pcolormesh(x, y, tilt, **shade)
     bar = ax.figure.colorbar(mesh, ax=ax, extend="min")
     bar.set_ticks(np.log10(_TILTS).tolist(), labels=[f"{tilt:g}" for tilt in _TILTS])
     bar.set_label(rf"$\theta_{{\min}}$ (rad), {method_in_words(method)}", fontsize=TEXT)
@@ -90,13 +90,8 @@ def constants_plane(plane: ConstantsPlane, ax: Axes | None = None, **look: Any) 
         box: dict[str, Any] = {"facecolor": "white", "alpha": 0.85, "lw": 0, "pad": 1.5}
         place: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": TEXT, "bbox": box}
         ax.text(0.62 * reach, face * (0.62 * reach * plane.slope + 0.09 * (high - low)), name, **place)
-    unit = rates_of(plane.disk)
-    return dress(
-        ax,
-        rf"$\bar\sigma_3$ ({unit})",
-        rf"$\bar\sigma_4$ ({unit})",
-        f"Only motions on two lines come flat, {plane.disk.name} disk",
-    )
+    x, y = (coordinate_label(name, plane.disk) for name in ("sigma3_bar", "sigma4_bar"))
+    return dress(ax, x, y, f"Only motions on two lines come flat, {plane.disk.name} disk")
 
 
 @captioned(
@@ -211,7 +206,7 @@ def theta_min_distribution(
     values, below = counts.cumulative()
     samples = samples if samples is not None else counts.total
     share = below / samples
-    ax.loglog(values, share, **({"color": ACCENT, "lw": 2, "label": "samples"} | look))
+    ax.loglog(values, share, **styled(look, color=ACCENT, lw=2, label="samples"))
     low, high = poisson_interval(below)
     ax.fill_between(values, low / samples, high / samples, color=ACCENT, alpha=0.25, lw=0, label="95 %")
     if counts.total > _FEWEST:
@@ -221,7 +216,10 @@ def theta_min_distribution(
         ax.loglog(guide, share[middle] * guide / values[middle], color=LAW, ls="--", lw=1.2, label=label)
         ax.set_ylim(0.5 / samples, 1.5)
     legend_below(ax, ncols=3)
-    ax.grid(alpha=0.3)
     return dress(
-        ax, r"$\delta$ (rad)", r"share of samples with $\theta_{\min} < \delta$", "The flatter, the rarer"
+        ax,
+        r"$\delta$ (rad)",
+        r"share of samples with $\theta_{\min} < \delta$",
+        "The flatter, the rarer",
+        grid=True,
     )

@@ -8,15 +8,7 @@ from matplotlib.ticker import NullLocator
 
 from explorer.measure.laws import OFF, PLATEAU, SHAPE_BINS, wrong_laws
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import (
-    DARK,
-    SERIES,
-    SMALL,
-    axes_or_new,
-    dress,
-    legend_below,
-    mark_beyond,
-)
+from explorer.plot.style import DARK, SERIES, SMALL, axes_or_new, dress, legend_below, mark_beyond, styled
 
 _SHARE = r"$P(\theta_{\min} < \delta)$"
 _TUBES, _PLAIN = SERIES[1], SERIES[2]
@@ -77,8 +69,9 @@ def falling_ladder(summary: dict[str, Any], ax: Axes | None = None, **look: Any)
     if constant > 0.0:
         ax.set_ylim(0.1 * constant * delta[-1], 3.0)
     legend_below(ax, ncols=2)
-    ax.grid(alpha=0.3)
-    return dress(ax, r"$\delta$ (rad)", _SHARE, f"Falling has measure zero, {summary['disks'][0]['name']} disk")
+    return dress(
+        ax, r"$\delta$ (rad)", _SHARE, f"Falling has measure zero, {summary['disks'][0]['name']} disk", grid=True
+    )
 
 
 @captioned(
@@ -128,8 +121,9 @@ def ladder_ratio(summary: dict[str, Any], ax: Axes | None = None, **look: Any) -
     x, y = (np.array([row[place] for row in beyond]) for place in (0, 1))
     mark_beyond(ax, x, y, _TUBES, texts)
     legend_below(ax, ncols=2)
-    ax.grid(alpha=0.3)
-    return dress(ax, r"$\delta$ (rad)", r"$P / (C\,\delta)$", "The same over the law; tested where shaded")
+    return dress(
+        ax, r"$\delta$ (rad)", r"$P / (C\,\delta)$", "The same over the law; tested where shaded", grid=True
+    )
 
 
 def _points(ax: Axes, rows: list[Any], colour: str, marker: str, label: str, look: dict[str, Any]) -> None:
@@ -139,21 +133,12 @@ def _points(ax: Axes, rows: list[Any], colour: str, marker: str, label: str, loo
     x, y, ends = (np.array(column) for column in zip(*rows, strict=True))
     shown = y > 0.0
     spread = np.maximum(np.stack([y - ends[:, 0], ends[:, 1] - y]), 0.0)[:, shown]
-    style: dict[str, Any] = {
-        "fmt": marker,
-        "color": colour,
-        "ms": 5,
-        "mfc": "none",
-        "mew": 1.3,
-        "capsize": 2,
-        "lw": 1.2,
-    } | look
+    style = styled(look, fmt=marker, color=colour, ms=5, mfc="none", mew=1.3, capsize=2, lw=1.2)
     ax.errorbar(x[shown], y[shown], spread, label=label, **style)
 
 
 def _bars(ax: Axes, x: Any, y: Any, spread: Any, label: str, look: dict[str, Any]) -> None:
-    style: dict[str, Any] = {"fmt": "o", "color": _TUBES, "ms": 5, "lw": 1.4, "capsize": 3, "label": label} | look
-    ax.errorbar(x, y, spread, **style)
+    ax.errorbar(x, y, spread, **styled(look, fmt="o", color=_TUBES, ms=5, lw=1.4, capsize=3, label=label))
 
 
 @captioned(
@@ -201,9 +186,10 @@ def constant_convergence(summary: dict[str, Any], ax: Axes | None = None, **look
     )
     ax.xaxis.set_minor_locator(NullLocator())
     legend_below(ax)
-    ax.grid(alpha=0.3)
     title = "The constant $C$ settles on its prediction"
-    return dress(ax, "draws beside $F$, from the first on (thousands)", "$C$ from draws / predicted − 1", title)
+    return dress(
+        ax, "draws beside $F$, from the first on (thousands)", "$C$ from draws / predicted − 1", title, grid=True
+    )
 
 
 @captioned(
@@ -241,8 +227,7 @@ def tilt_density(summary: dict[str, Any], ax: Axes | None = None, **look: Any) -
     ax.axhline(1.0, color=DARK, lw=1.2, label="the law: even")
     _bars(ax, middle, share, 1.96 * error, "draws, 95 %", look)
     legend_below(ax)
-    ax.grid(alpha=0.3)
     p = summary.get("splits", {}).get("tilt", {}).get("p_value")
     told = "" if p is None else f" ($p$ = {p:.2g})"
     title = f"Tilts below δ are spread evenly{told}"
-    return dress(ax, r"$\theta_{\min}/\delta$", "density", title)
+    return dress(ax, r"$\theta_{\min}/\delta$", "density", title, grid=True)

@@ -20,6 +20,7 @@ from explorer.plot.style import (
     dress,
     legend_below,
     number,
+    styled,
     times_of,
 )
 from explorer.portrait.both_sides import BothSides
@@ -72,7 +73,7 @@ def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None, **look: 
             for what in ("median", "largest")
         )
         colour = SERIES[index % len(SERIES)]
-        style: dict[str, Any] = {"color": colour, "marker": MARKERS[index % len(MARKERS)], "lw": 1.6} | look
+        style = styled(look, color=colour, marker=MARKERS[index % len(MARKERS)], lw=1.6)
         ax.plot(eta, median, label=name, **style)
         ax.fill_between(eta, median, np.maximum(largest, median), color=colour, alpha=0.13, lw=0)
         anchors.append((eta.min(), median[eta.argmin()]))
@@ -83,12 +84,12 @@ def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None, **look: 
         label = r"$\propto \hat\eta\,\ln(1/\hat\eta)$"
         ax.plot(eta, 0.5 * height * law / law[0], color=LAW, lw=1.4, ls="--", label=label)
     legend_below(ax, ncols=4)
-    ax.grid(alpha=0.3)
     return dress(
         ax,
         r"$|\hat\eta|$ ($\sqrt{g/r}$ of each disk)",
         "distance (rad; of paths, r)",
         "Each side of $F$ tends to its own limit motion",
+        grid=True,
     )
 
 
@@ -123,7 +124,7 @@ def one_sided_phi(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     """
     ax = axes_or_new(ax)
     for sign, colour in SIGN_COLOURS.items():
-        style: dict[str, Any] = {"color": colour, "lw": 1.8, "ls": "-" if sign > 0 else (0, (4, 4))} | look
+        style = styled(look, color=colour, lw=1.8, ls="-" if sign > 0 else (0, (4, 4)))
         ax.plot(both.t, both.motions[sign]["phi"], **style)
     limit = both.limits[1].phi
     ax.plot(both.t, limit, color=LAW, lw=0.9, ls=":")
@@ -168,7 +169,7 @@ def one_sided_chi(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     """
     ax = axes_or_new(ax)
     for sign, colour in SIGN_COLOURS.items():
-        style: dict[str, Any] = {"color": colour, "lw": 1.8, "label": _side_label(both, sign)} | look
+        style = styled(look, color=colour, lw=1.8, label=_side_label(both, sign))
         ax.plot(both.t, both.motions[sign]["chi"], **style)
         label = "limit of each side" if sign > 0 else None
         ax.plot(both.t, both.limits[sign].chi, color=LAW, lw=0.9, ls=":", label=label)
@@ -230,7 +231,7 @@ def contact_paths(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     r = both.disk.r
     for sign, colour in SIGN_COLOURS.items():
         path = both.motions[sign]["contact"][:, :2] / r
-        style: dict[str, Any] = {"color": colour, "lw": 1.8, "label": _side_label(both, sign)} | look
+        style = styled(look, color=colour, lw=1.8, label=_side_label(both, sign))
         ax.plot(*path.T, **style)
         for row in (*_in_race(both, sign), len(path) - 1):
             arrow(ax, path, row, colour)

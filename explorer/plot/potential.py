@@ -23,6 +23,7 @@ from explorer.plot.style import (
     dress,
     legend_below,
     number,
+    open_frame,
     rates_of,
 )
 from explorer.portrait.potential import CENTRE, SADDLE, Potential
@@ -124,8 +125,7 @@ def small_portrait(ax: Axes, potential: Potential, energy: float) -> float:
     ax.set_xlim(-1.68, 1.68)
     ax.set_xticks([-HALF_PI, 0.0, HALF_PI], ["−π/2", "0", "π/2"])
     ax.tick_params(labelsize=SMALL)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
+    open_frame(ax)
     return float(fastest)
 
 

@@ -12,7 +12,7 @@ from matplotlib.ticker import NullLocator
 from explorer.measure.log_counts import SignedLogCounts
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import LAW, SIGN_COLOURS, SMALL, axes_or_new, dress, legend_below, number
+from explorer.plot.style import LAW, SIGN_COLOURS, SMALL, axes_or_new, dress, legend_below, number, styled
 from explorer.portrait.races import RaceRidges, binned
 
 _BINS = 12  # a decade of the deviation: 21 % wide
@@ -94,11 +94,7 @@ def _ridges(ax: Axes, found: RaceRidges, edges: Array, least: float, look: dict[
         for side, height in heights.items():
             where = "above: $\\eta > 0$, about +κπ" if side > 0 else "below: $\\eta < 0$, about −κπ"
             values = row + side * _TALLEST * height / tallest
-            style: dict[str, Any] = {
-                "fill": True,
-                "color": SIGN_COLOURS[side],
-                "label": where if row == 0 else None,
-            } | look
+            style = styled(look, fill=True, color=SIGN_COLOURS[side], label=where if row == 0 else None)
             ax.stairs(values, edges, baseline=row, **style)
         ax.axhline(row, color=LAW, lw=0.6)
     return names
@@ -233,14 +229,14 @@ def race_deviation(
         constant = float(np.median([row["constant"]["0.5"] for row in counted[: max(1, len(counted) // 2)]]))
         law = rf"$\ln(1/|\eta|) - {constant:.2f}$"
         ax.plot(eta_hat, logarithm - constant, color=LAW, lw=1.6, ls="--", label=law)
-        style: dict[str, Any] = {"color": LAW, "marker": "o", "ls": "", "ms": 5, "mfc": "white", "label": "median"}
-        ax.plot(eta_hat, left["0.5"], **(style | look))
+        style = styled(look, color=LAW, marker="o", ls="", ms=5, mfc="white", label="median")
+        ax.plot(eta_hat, left["0.5"], **style)
         ax.axhline(0.0, color=LAW, lw=0.6)
         legend_below(ax, ncols=4)
-    ax.grid(alpha=0.3)
     return dress(
         ax,
         r"$|\hat\eta|$ ($\sqrt{g/r}$)",
         r"$\pm$(race angle $\mp\,\kappa\pi$) / $K|\eta|$",
         r"Distance from $\kappa\pi$: $K\eta\,(\ln(1/|\eta|) - c)$, $K = 2mgr/I_1MA^3$",
+        grid=True,
     )

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from explorer.errors import InputError
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, SERIES, SMALL, axes_or_new, dress, legend_below
+from explorer.plot.style import DARK, SERIES, SMALL, axes_or_new, dress, legend_below, styled
 from explorer.portrait.rocking import Rocking
 
 
@@ -56,7 +56,7 @@ def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None, **look: Any
         colour, disk = SERIES[number % len(SERIES)], body.disk
         x = body.excess - 1.0
         shown = x > 0.0
-        style: dict[str, Any] = {"color": colour, "lw": 2, "label": disk.name, "zorder": 3} | look
+        style = styled(look, color=colour, lw=2, label=disk.name, zorder=3)
         ax.semilogx(x[shown], abs(body.chi[shown]) / np.pi, **style)
         ends = x[shown][[0, -1]]
         ax.plot(ends, [body.slowest / np.pi] * 2, color=colour, lw=1, ls=":")

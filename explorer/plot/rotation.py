@@ -8,7 +8,7 @@ from matplotlib.patches import Ellipse
 
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, SMALL, TEXT, axes_or_new, dress, rates_of, styled
+from explorer.plot.style import DARK, SMALL, TEXT, axes_or_new, coordinate_label, dress, styled
 from explorer.portrait.rotation import RotationMap
 
 
@@ -73,8 +73,7 @@ def rotation_map(rotation: RotationMap, ax: Axes | None = None, **look: Any) -> 
                 arrowprops=how,
             )
     energy = rotation.energy / rotation.disk.energy_unit
-    unit = rates_of(rotation.disk)
-    words = rf"$\bar\sigma_3$ ({unit})", rf"$\bar\sigma_4$ ({unit})"
+    words = (coordinate_label(name, rotation.disk) for name in ("sigma3_bar", "sigma4_bar"))
     return dress(ax, *words, rf"Turns jump where the disk comes flat ($E$ = {energy:g} $mgr$)")
 
 

@@ -18,6 +18,7 @@ from explorer.plot.style import (
     SMALL,
     TEXT,
     arrow,
+    coordinate_label,
     dress,
     number,
     rates_of,
@@ -69,13 +70,13 @@ def portrait_of_sides(
     figure = Figure(figsize=(1.45 * SIZE[0], SIZE[1]), layout="constrained")
     tilt, race = figure.subplots(1, 2, sharey=True)
     handles = [_levels(tilt, race, potential, energies, look) for potential in (plus, minus)]
-    unit = rates_of(plus.disk)
+    rate, unit = coordinate_label("phidot", plus.disk), rates_of(plus.disk)
     for face in (-1, 1):
         tilt.axvline(face * HALF_PI, color=DARK, lw=3.0)
     race.axvline(0.0, color=DARK, lw=0.6)
     tilt.set_xlim(-1.68, 1.68)
     tilt.set_xticks(*FLAT_TICKS)
-    dress(tilt, r"$\varphi$ (rad); flat at ±π/2", rf"$\dot\varphi$ ({unit})", "The tilt: both sides alike")
+    dress(tilt, r"$\varphi$ (rad); flat at ±π/2", rate, "The tilt: both sides alike")
     dress(race, rf"contact point along the rim, $\rho$ ({unit})", "", "The race: opposite ways")
     figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=SMALL, frameon=False)
     figure.suptitle(

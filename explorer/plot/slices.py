@@ -23,6 +23,7 @@ from explorer.plot.style import (
     coordinate_label,
     dress,
     legend_below,
+    styled,
     values_label,
 )
 from explorer.portrait.slices import SliceMap
@@ -78,9 +79,8 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
     '$\\\\sigma_3$ ($\\\\sqrt{g/r}$)'
     """
     ax = axes_or_new(ax)
-    shade: dict[str, Any] = {"cmap": _SIDES, "vmin": -1.0, "vmax": 1.0, "rasterized": True}
     signed = signed_tilt(cut)
-    mesh = ax.pcolormesh(cut.x, cut.y, signed, **(shade | look))
+    mesh = ax.pcolormesh(cut.x, cut.y, signed, **styled(look, cmap=_SIDES, vmin=-1.0, vmax=1.0, rasterized=True))
     _tilt_bar(ax, mesh)
     _name_sides(ax, cut, signed)
     handles: list[Artist] = []

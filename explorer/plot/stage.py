@@ -12,7 +12,7 @@ from PIL import Image
 
 from explorer.phase.states import Array
 from explorer.plot import solid
-from explorer.plot.style import DARK, SIGN_COLOURS
+from explorer.plot.style import DARK, SIGN_COLOURS, open_frame
 from explorer.portrait.film import Film
 
 SIZE, DPI = (12.8, 7.2), 100
@@ -55,8 +55,7 @@ class _Curve:
             ax.plot(t, value, color=SIGN_COLOURS[sign], lw=1.6, alpha=_FAINT)
         ax.set_xlim(t[0], t[-1])
         ax.tick_params(labelsize=_SMALL)
-        for side in ("top", "right"):
-            ax.spines[side].set_visible(False)
+        open_frame(ax)
 
     def paint(self, row: int) -> None:
         """Add what row `row` shows."""

@@ -23,6 +23,7 @@ from explorer.plot.style import (
     SMALL,
     UNSTABLE,
     axes_or_new,
+    coordinate_label,
     dress,
     legend_below,
     rates_of,
@@ -109,7 +110,7 @@ def steady_plane(disk: Disk, ax: Axes | None = None, **look: Any) -> Axes:
     handles, labels = ax.get_legend_handles_labels()
     legend_below(ax, ncols=2, handles=handles, labels=labels)
     title = f"Falling lines, and how many steady motions there are: {disk.name}"
-    return dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", rf"$\bar\sigma_4$ ({rates_of(disk)})", title)
+    return dress(ax, coordinate_label("sigma3_bar", disk), coordinate_label("sigma4_bar", disk), title)
 
 
 def _tilt_curves(ax: Axes, disk: Disk, width: float, look: dict[str, Any]) -> None:
@@ -264,12 +265,7 @@ def bifurcations(
     seen: set[str] = set()
     for branch in branches:
         line, name = looks[branch.kind]
-        style: dict[str, Any] = {
-            "color": DARK,
-            "ls": line,
-            "lw": 2.0,
-            "label": None if name in seen else name,
-        } | look
+        style = styled(look, color=DARK, ls=line, lw=2.0, label=None if name in seen else name)
         ax.plot(branch.parameter, branch.phi, **style)
         seen.add(name)
     _thresholds(ax, disk, path, marks)

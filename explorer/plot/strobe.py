@@ -11,7 +11,7 @@ from matplotlib.patches import Polygon
 from explorer.phase.states import Array
 from explorer.plot import solid
 from explorer.plot.captions import DPI, Question, captioned
-from explorer.plot.style import DARK, SIGN_COLOURS
+from explorer.plot.style import DARK, SIGN_COLOURS, open_frame
 from explorer.portrait.film import Film
 from explorer.portrait.pose import Pose
 
@@ -159,8 +159,7 @@ def _turns(ax: Axes, shown: Film) -> None:
     ax.set_xlabel(r"time ($\sqrt{r/g}$)", fontsize=_SMALL, labelpad=0)
     ax.tick_params(labelsize=_SMALL - 1)
     ax.set_xlim(t[0], t[-1])
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
+    open_frame(ax)
 
 
 @captioned(

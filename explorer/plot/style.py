@@ -108,16 +108,22 @@ def stacked(*draws: Callable[[Axes], Axes], height: float = 6.4) -> Figure:
     return figure
 
 
-def dress(ax: Axes, x: str, y: str, title: str = "") -> Axes:
+def dress(ax: Axes, x: str, y: str, title: str = "", grid: bool = False) -> Axes:
     """Label the axes, with units, in sizes that survive a small picture."""
     ax.set_xlabel(x, fontsize=TEXT)
     ax.set_ylabel(y, fontsize=TEXT)
     if title:
         ax.set_title(title, fontsize=TEXT)
     ax.tick_params(labelsize=SMALL)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
+    if grid:
+        ax.grid(alpha=0.3)
+    open_frame(ax)
     return ax
+
+
+def open_frame(ax: Axes) -> None:
+    """Leave out the lines of the frame that carry no axis."""
+    ax.spines[["top", "right"]].set_visible(False)
 
 
 def rates_of(disk: Disk) -> str:

@@ -10,7 +10,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, HALF_PI, SIGN_COLOURS, SMALL, TEXT, rates_of
+from explorer.plot.style import DARK, HALF_PI, SIGN_COLOURS, SMALL, TEXT, coordinate_label
 from explorer.portrait.falling_surface import FallingSurface, Zoom
 
 # Faces, not sides of F.
@@ -61,10 +61,8 @@ def falling_surface(surface: FallingSurface) -> Figure:
     every = np.concatenate(pieces)
     ax.add_collection3d(Poly3DCollection(every, facecolors=colours, edgecolors="white", lw=0.2, shade=True))
     ax.set(**{f"{name}lim": (every[..., k].min(), every[..., k].max()) for k, name in enumerate("xyz")})
-    unit = rates_of(surface.disk)
-    ax.set_xlabel(r"$\varphi$ (rad)", fontsize=TEXT)
-    ax.set_ylabel(rf"$\sigma_3$ ({unit})", fontsize=TEXT)
-    ax.set_zlabel(rf"$\sigma_4$ ({unit})", fontsize=TEXT)
+    for label, name in ((ax.set_xlabel, "phi"), (ax.set_ylabel, "sigma3"), (ax.set_zlabel, "sigma4")):
+        label(coordinate_label(name, surface.disk), fontsize=TEXT)
     ax.set_xticks([-HALF_PI, 0.0, HALF_PI], ["−π/2", "0", "π/2"])
     ax.yaxis.set_major_locator(MaxNLocator(4, prune="lower"))  # in the corner it would touch that of phi
     ax.zaxis.set_major_locator(MaxNLocator(4))

@@ -51,9 +51,12 @@ def work_precision(rows: Sequence[Any], ax: Axes | None = None, **look: Any) -> 
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.invert_xaxis()
-    ax.grid(alpha=0.3)
     ax.text(0.98, 0.03, "better ↘", ha="right", va="bottom", fontsize=SMALL, transform=ax.transAxes)
     legend_below(ax, ncols=3)
     return dress(
-        ax, "error, 99th percentile (rad; of times, relative)", "time per passage (ns)", "Speed against accuracy"
+        ax,
+        "error, 99th percentile (rad; of times, relative)",
+        "time per passage (ns)",
+        "Speed against accuracy",
+        grid=True,
     )

@@ -10,7 +10,17 @@ from matplotlib.figure import Figure
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, SERIES, SIZE, SMALL, axes_or_new, dress, legend_below, rates_of, styled
+from explorer.plot.style import (
+    DARK,
+    SERIES,
+    SIZE,
+    SMALL,
+    axes_or_new,
+    coordinate_label,
+    dress,
+    legend_below,
+    styled,
+)
 from explorer.portrait.wander import Wander, WanderPath
 
 _BOUNDED = 1e6  # radii; a larger circle is straight in any picture, so none is drawn
@@ -211,7 +221,7 @@ def wander_radius(
     ax.set_yticks([tick for tick in ax.get_yticks() if tick <= top])
     _turns_above(ax, fine, between, resonances or {})
     title = "The rosette has no bound where a period is whole turns"
-    dress(ax, rf"$\bar\sigma_3$ ({rates_of(disk)})", "radius of the rosette (r)", title)
+    dress(ax, coordinate_label("sigma3_bar", disk), "radius of the rosette (r)", title)
     ax.yaxis.set_label_coords(-0.075, 0.29)  # beside its own part of the axis; a new label would be in the middle
     return ax
 
