@@ -62,7 +62,7 @@ def limit_paths(several: Sequence[BothSides]) -> Figure:
             _path(ax, both.motions[sign]["contact"][:, :2] / both.disk.r, colour)
             if row == 0:
                 ax.set_title(_size_label(both.eta_hat, both.disk), fontsize=TEXT)
-        _path(grid[row, -1], _limit_path(several[-1], sign), colour)
+        _path(grid[row, -1], several[-1].limit_path(sign) / several[-1].disk.r, colour)
         grid[row, 0].set_ylabel(rf"$\eta {'>' if sign > 0 else '<'} 0$", fontsize=TEXT + 2, color=colour)
     grid[0, -1].set_title("limit", fontsize=TEXT)
     for ax in grid.ravel():
@@ -87,22 +87,6 @@ def _path(ax: Axes, path: Array, colour: str) -> None:
     back = int(np.searchsorted(-np.linalg.norm(path - path[-1], axis=1), -0.3))
     how = {"arrowstyle": "-|>", "color": colour, "lw": 1.5, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 14}
     ax.annotate("", path[-1], path[min(back, len(path) - 2)], arrowprops=how)
-
-
-def _limit_path(both: BothSides, sign: int) -> Array:
-    """The limit's path with its races, which take no time, as circles round where the disk lies: (n, 2)."""
-    limit, r, t = both.limits[sign], both.disk.r, both.t
-    pieces, last = [], 0
-    for at in both.impacts:
-        after = int(np.searchsorted(t, at))
-        middle = 0.5 * (limit.path[after - 1] + limit.path[after])[:2]
-        chi = 0.5 * (limit.chi[after - 1] + limit.chi[after])
-        half = 0.5 * sign * both.disk.race_limit
-        turned = np.linspace(chi - half, chi + half, 120)
-        circle = middle + r * np.stack([np.cos(turned), np.sin(turned)], axis=-1)
-        pieces += [limit.contact[last:after, :2], circle]
-        last = after
-    return np.concatenate([*pieces, limit.contact[last:, :2]]) / r
 
 
 @captioned(

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
     LAW,
@@ -27,7 +26,6 @@ from explorer.portrait.both_sides import BothSides
 
 _SIDES = {1: r"\eta > 0", -1: r"\eta < 0"}
 _LAW_ENDS = 0.02  # natural units; the law is of small eta
-_RACE_POINTS = 120
 _BODY_NAMES = {"matching": r"flat body with $mr^2/I_1 = 3$"}
 
 
@@ -241,7 +239,7 @@ def contact_paths(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
             away = path[np.argmax([np.hypot(*(other - point).T).min() for point in path])]
             name = r"$\eta > 0$" if sign > 0 else r"$\eta < 0$"
             ax.annotate(name, away, (6, 6), textcoords="offset points", color=colour, fontsize=SMALL)
-        limit = _limit_with_races(both, sign) / r
+        limit = both.limit_path(sign) / r
         ax.plot(*limit.T, color=LAW, lw=0.9, ls=":", label="limit of each side" if sign > 0 else None)
     ax.plot(0.0, 0.0, marker="o", ls="", color=LAW, ms=6, label="start")
     ax.set_aspect("equal", adjustable="box")
@@ -268,19 +266,6 @@ def _in_race(both: BothSides, sign: int) -> Iterator[int]:
             near = abs(chi - chi[middle] - share * race)
             around = np.arange(max(middle - len(chi) // 8, 0), min(middle + len(chi) // 8, len(chi)))
             yield int(around[near[around].argmin()])
-
-
-def _limit_with_races(both: BothSides, sign: int) -> Array:
-    """The limit's contact point (n, 2), with the circle that it runs through in no time at each impact."""
-    limit = both.limits[sign]
-    pieces, first = [], 0
-    for row in np.searchsorted(both.t, both.impacts):
-        centre = limit.path[row - 1, :2]
-        turn = np.exp(1j * np.linspace(0.0, limit.chi[row] - limit.chi[row - 1], _RACE_POINTS))
-        circle = turn * complex(*(limit.contact[row - 1, :2] - centre))
-        pieces += [limit.contact[first:row, :2], centre + np.stack([circle.real, circle.imag], axis=1)]
-        first = row
-    return np.concatenate([*pieces, limit.contact[first:, :2]])
 
 
 def _named(both: BothSides) -> str:

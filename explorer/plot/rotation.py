@@ -73,8 +73,8 @@ def rotation_map(rotation: RotationMap, ax: Axes | None = None, **look: Any) -> 
                 arrowprops=how,
             )
     energy = rotation.energy / rotation.disk.energy_unit
-    words = (coordinate_label(name, rotation.disk) for name in ("sigma3_bar", "sigma4_bar"))
-    return dress(ax, *words, rf"Turns jump where the disk comes flat ($E$ = {energy:g} $mgr$)")
+    across, up = (coordinate_label(name, rotation.disk) for name in ("sigma3_bar", "sigma4_bar"))
+    return dress(ax, across, up, rf"Turns jump where the disk comes flat ($E$ = {energy:g} $mgr$)")
 
 
 def _outer(middles: Array) -> float:

@@ -20,6 +20,7 @@ TIMES = 240  # at which distances are taken: some 80 to a period
 # Share of a period that is cut out on either side of an impact: there the limits jump and motions do not.
 MARGIN = 0.1
 QUANTITIES = ("phi", "chi", "psi", "path", "contact")
+_RACE_POINTS = 120  # of the circle of a race
 
 
 def point_of_f(disk: Disk, start: tuple[float, float, int]) -> States:
@@ -94,6 +95,18 @@ class BothSides:
     def disk(self) -> Disk:
         """The body."""
         return self.start.disk
+
+    def limit_path(self, side: int) -> Array:
+        """The limit's contact point (n, 2), with the circle that it runs through in no time at each impact."""
+        limit = self.limits[side]
+        pieces, first = [], 0
+        for row in np.searchsorted(self.t, self.impacts):
+            centre = limit.path[row - 1, :2]
+            turn = np.exp(1j * np.linspace(0.0, limit.chi[row] - limit.chi[row - 1], _RACE_POINTS))
+            circle = turn * complex(*(limit.contact[row - 1, :2] - centre))
+            pieces += [limit.contact[first:row, :2], centre + np.stack([circle.real, circle.imag], axis=1)]
+            first = row
+        return np.concatenate([*pieces, limit.contact[first:, :2]])
 
 
 @explained

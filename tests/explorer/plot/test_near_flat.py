@@ -4,7 +4,6 @@ import numpy as np
 from conftest import BODIES
 
 from explorer import plot
-from explorer.plot.near_flat import _limit_path
 from explorer.plot.style import SIGN_COLOURS
 from explorer.portrait.near_flat import near_flat, toward_limits
 
@@ -14,7 +13,7 @@ HOOP = BODIES["hoop"]
 def test_the_path_of_the_limit_with_its_races_is_that_of_a_motion_beside_it():
     (both,) = toward_limits(HOOP, [1e-4])
     for sign in (1, -1):
-        whole, beside = _limit_path(both, sign), both.motions[sign]["contact"][:, :2]
+        whole, beside = both.limit_path(sign), both.motions[sign]["contact"][:, :2]
         # Each point of one lies on the other: the races as well.
         apart = np.linalg.norm(beside[:, None] - whole[None], axis=2)
         assert apart.min(axis=1).max() < 0.05
