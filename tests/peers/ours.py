@@ -1,22 +1,54 @@
-"""nearflat on the same work: the lanes' integrators, and the quadrature kernel."""
+"""nearflat on the same work: what a user calls, and the kernels inside."""
 
 import numpy as np
 from peers.problem import COUNT, DISK, T_END, work
 
+import explorer as ex
 from explorer import compiled
 
-COPIES = 32  # of the 256 trajectories in one call, so that the lanes' filling and draining do not count
+COPIES = 80  # of the 256 trajectories in one call, so that its fixed cost does not count
 METHODS = {"rk4": 0, "dopri5": 1, "rk8": 2, "dop853": 3}
 
 
-def integrator(name, whole):
-    """chi at t = 1.6 (whole), or twice chi at the turning point: half the way, by the symmetry of a passage."""
+def passages(method):
+    """`explorer.passages`: chi over a whole passage, vertical to vertical."""
+    eta_hat = np.tile(work().eta_hat, COPIES)
+
+    def make(accuracy):
+        def solve(_n):
+            found = ex.passages(DISK, 1.0, eta_hat, 1.0, method=method, accuracy=accuracy)
+            return found.delta_chi[:COUNT]  # NaN where it is not resolved
+
+        return solve
+
+    return make
+
+
+def simulate():
+    """`explorer.simulate`: chi at t = 1.6, by the method that it chooses."""
+    states = ex.constants_to_states(DISK, 1.0, np.tile(work().eta_hat, COPIES), 1.0)
+
+    def make(accuracy):
+        def solve(_n):
+            found = ex.simulate(states, t_eval=[T_END], observables=("chi",), accuracy=accuracy)
+            return found.chi[:COUNT, 0]
+
+        return solve
+
+    return make
+
+
+def integrator(name, whole, held=True):
+    """chi at t = 1.6 (whole), or twice chi at the turning point: half the way, by the symmetry of a passage.
+
+    held: put back onto sigma3_bar and eta after every step, as `passages` does.
+    """
     n = COUNT * COPIES
     initial = np.zeros((8, n))
     initial[:5] = np.tile(work().regular[:5], COPIES)
     event, value = (compiled.events.TIME, T_END) if whole else (compiled.events.TURNING_POINT, 0.0)
     eta = np.tile(work().eta_hat, COPIES) * DISK.body.I3 * DISK.body.r0
-    pinned = np.stack([np.ones(n), eta, 2.0 * DISK.body.I1 * DISK.body.dr0 - eta])
+    pinned = np.stack([np.full(n, 1.0 if held else np.nan), eta, 2.0 * DISK.body.I1 * DISK.body.dr0 - eta])
     out, constants_error, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
 
     def make(control):

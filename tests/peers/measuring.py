@@ -1,0 +1,141 @@
+"""Every solver on the same work: its errors once, then its times in rounds, one solver after another."""
+
+import time
+from typing import Any, NamedTuple
+
+import numpy as np
+from peers import cpp, ours, solvers
+from peers.problem import COUNT, work
+
+TIGHT = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
+FINE = tuple(share * tolerance for tolerance in TIGHT[:9] for share in (1.0, 0.3))
+METHODS = ("rk4", "rk8", "dopri5", "dop853")
+ASKED = (1e-3, 1e-6, 1e-9)
+WRONG = 3.0  # rad: a race the other way round is off by 2 kappa pi = 14
+ROUNDS = 7
+LEAST = 0.02  # seconds of a measurement; quick solvers are called more often
+SLOW = 0.25  # seconds of a call, above which two rounds are enough
+
+PUBLIC, KERNEL, PEER = "public call", "kernel", "peer"
+
+
+class Solver(NamedTuple):
+    """name, setting, who it belongs to; solve(n) gives chi of the first n trajectories; count: of one call."""
+
+    name: str
+    setting: float
+    kind: str
+    solve: Any
+    exact: np.ndarray
+    count: int
+
+
+class Row(NamedTuple):
+    """What was measured of a solver; rate: trajectories per second of one core."""
+
+    name: str
+    setting: float
+    kind: str
+    median: float
+    p99: float
+    wrong: int
+    unresolved: int
+    rate: float
+
+
+def peers():
+    """name, a function that gives the maker, tolerances, how many trajectories are worth the time."""
+    for regular in (False, True):
+        on = "regularised" if regular else "plain"
+        coarse = (1e-2, 3e-3) if regular else ()
+        for name, make, settings, n in (
+            ("heyoka batch", solvers.heyoka_batch, (*coarse, *FINE, *TIGHT[9:]), COUNT),
+            ("heyoka", solvers.heyoka_scalar, TIGHT[::2], COUNT),
+            ("numbalsoda dop853", lambda regular: solvers.numbalsoda_on("dop853", regular), TIGHT[1:], COUNT),
+            ("numbalsoda lsoda", lambda regular: solvers.numbalsoda_on("lsoda", regular), TIGHT[3::2], COUNT),
+            ("CyRK DOP853", solvers.cyrk_on, TIGHT[1::2], COUNT),
+            ("SciPy RK45", lambda regular: solvers.scipy_on("RK45", regular), (1e-3, 1e-6, 1e-9), 32),
+            ("SciPy DOP853", lambda regular: solvers.scipy_on("DOP853", regular), (1e-4, 1e-7, 1e-10, 1e-13), 32),
+            ("diffrax Dopri8", solvers.diffrax_on, (1e-4, 1e-7, 1e-10), COUNT),
+        ):
+            yield f"{name}, {on}", lambda make=make, regular=regular: make(regular), settings, n
+
+
+def loops():
+    """The same of the loop in C++, strict and with products and sums rounded together."""
+    lengths = {"rk4": (0.2, 0.1, 0.05, 0.025, 0.0125, 0.006, 0.003), "rk8": (0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.07)}
+    for contracted in (False, True):
+        for name, settings in lengths.items():
+            how = "contracted" if contracted else "strict"
+            yield f"C++ {name} {how}, regularised", lambda name=name, c=contracted: cpp.loop(name, c), settings
+
+
+def mine():
+    """name, kind, maker, settings, what is exact."""
+    steps4, steps8 = (0.5, 0.4, 0.3, 0.2, 0.1, 0.05), (1.2, 1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2, 0.15)
+    whole, end = work().passage, work().chi
+    for method in METHODS:
+        yield f"passages, {method}", PUBLIC, ours.passages(method), ASKED, whole
+    yield "passages, quadrature", PUBLIC, ours.passages("quadrature"), (1e-3, 1e-6, 1e-11), whole
+    yield "simulate", PUBLIC, ours.simulate(), ASKED, end
+    for half, what, exact in ((False, "to t = 1.6", end), (True, "half, doubled", whole)):
+        yield f"rk4, {what}", KERNEL, ours.integrator("rk4", not half), steps4, exact
+        yield f"rk8, {what}", KERNEL, ours.integrator("rk8", not half), steps8, exact
+        yield f"dopri5, {what}", KERNEL, ours.integrator("dopri5", not half), TIGHT[1:9], exact
+        yield f"dop853, {what}", KERNEL, ours.integrator("dop853", not half), TIGHT, exact
+    yield "quadrature", KERNEL, ours.quadrature(), (1e-3, 1e-6, 1e-11), whole
+
+
+def all_solvers():
+    """Solvers, ready to be called, and sentences on those that are not here."""
+    found, missing = [], []
+    for name, kind, make, settings, exact in mine():
+        found += [Solver(name, at, kind, make(at), exact, COUNT * ours.COPIES) for at in settings]
+    for name, maker, settings, n in peers():
+        try:
+            make = maker()
+        except ImportError as error:
+            missing.append(f"{name}: {error.name} is not installed.")
+            continue
+        found += [Solver(name, at, PEER, make(at), work().chi[:n], n) for at in settings]
+    if cpp.compiler() is None:
+        return found, [*missing, f"C++: {cpp.NO_COMPILER}."]
+    for name, maker, settings in loops():
+        make = maker()
+        found += [Solver(name, at, PEER, make(at), work().chi, COUNT) for at in settings]
+    return found, missing
+
+
+def errors(solver):
+    """Median and 99th percentile of the error, how many go the wrong way, how many are not resolved."""
+    n = min(solver.count, COUNT)
+    error = np.abs(solver.solve(n) - solver.exact[:n]).astype(float)
+    resolved = np.isfinite(error)
+    median, p99 = np.percentile(error[resolved], (50, 99)) if resolved.any() else (np.nan, np.nan)
+    return float(median), float(p99), int((error > WRONG).sum()), int((~resolved).sum())
+
+
+def seconds(solver, calls):
+    """Time of one call of several in turn: of the processor, so that other programs do not count."""
+    start = time.process_time()
+    for _ in range(calls):
+        solver.solve(min(solver.count, COUNT))
+    return (time.process_time() - start) / calls
+
+
+def measured(found, rounds=ROUNDS, say=print):
+    """A row for each solver; its time is the least of all rounds."""
+    accuracy = []
+    for solver in found:
+        accuracy.append(errors(solver))
+        say(f"{solver.name}, {solver.setting:g}: median {accuracy[-1][0]:.1e}, p99 {accuracy[-1][1]:.1e}")
+    best = np.array([seconds(solver, 1) for solver in found])
+    for number in range(rounds):
+        say(f"round {number + 1} of {rounds}")
+        for i, solver in enumerate(found):
+            if number < 2 or best[i] < SLOW:
+                best[i] = min(best[i], seconds(solver, 1 + int(LEAST / max(best[i], 1e-6))))
+    return [
+        Row(solver.name, solver.setting, solver.kind, *of, solver.count / least)
+        for solver, of, least in zip(found, accuracy, best, strict=True)
+    ]

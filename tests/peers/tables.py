@@ -1,0 +1,153 @@
+"""What the rows of a run say, as Markdown: nothing is in them that was not measured."""
+
+import numpy as np
+from peers import cpp
+from peers.counting import counted
+from peers.measuring import ASKED, COUNT, KERNEL, METHODS, PEER, PUBLIC, seconds
+
+INTEGRATED = tuple(f"passages, {method}" for method in METHODS)
+KERNELS = tuple(f"{method}, to t = 1.6" for method in METHODS)
+QUADRATURE = "passages, quadrature"
+REST = 1e-9  # the least error at which most peers have a row at all
+
+
+def reaching(rows, names, target):
+    """The fastest row of these with a 99th percentile within the target and every trajectory right, or None."""
+    good = [row for row in rows if row.name in names and row.p99 <= target and row.wrong == row.unresolved == 0]
+    return max(good, key=lambda row: row.rate, default=None)
+
+
+def most_accurate(rows, name):
+    """The row of a solver with the least 99th percentile, every trajectory right, or None."""
+    good = [row for row in rows if row.name == name and row.wrong == row.unresolved == 0]
+    return min(good, key=lambda row: row.p99, default=None)
+
+
+def times(row, other):
+    """How many times as fast one row is as another, in words; - where one of them is missing."""
+    if row is None or other is None:
+        return "-"
+    ratio = row.rate / other.rate
+    return f"{ratio:.1f}" if ratio < 100 else f"{ratio:,.0f}"
+
+
+def asked_at(rows, name, accuracy):
+    """The row of a public call at the accuracy asked, if it holds it with every trajectory right, or None."""
+    return reaching([row for row in rows if row.setting == accuracy], (name,), accuracy)
+
+
+def best_asked(rows, names, accuracy):
+    """The fastest of several public calls at that accuracy, or None."""
+    held = [asked_at(rows, name, accuracy) for name in names]
+    return max(filter(None, held), key=lambda row: row.rate, default=None)
+
+
+def names_of(rows, kind):
+    """Solvers of a kind, in their order."""
+    return list(dict.fromkeys(row.name for row in rows if row.kind == kind))
+
+
+def _table(heads, lines):
+    return [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|", *(f"| {' | '.join(line)} |" for line in lines)]
+
+
+def public_calls(rows):
+    """What was asked of each call, what it gave, and how many times as fast as heyoka in batches it is."""
+    heads = ("call", "accuracy asked", "99th percentile", "not resolved", "wrong way", "passages/s")
+    heads += ("× heyoka batch, plain", "× heyoka batch, regularised")
+    heyoka = [f"heyoka batch, {kind}" for kind in ("plain", "regularised")]
+    lines = []
+    for row in rows:
+        if row.kind == PUBLIC:
+            own = row if row.p99 <= row.setting and row.wrong == row.unresolved == 0 else None
+            peers = [reaching(rows, (name,), row.setting) for name in heyoka]
+            if row.name == QUADRATURE and row.setting < REST:
+                peers = [most_accurate(rows, name) for name in heyoka]
+            said = (f"{row.setting:g}", f"{row.p99:.0e}", f"{row.unresolved}", f"{row.wrong}", f"{row.rate:,.0f}")
+            lines.append((row.name, *said, *(times(own, peer) for peer in peers)))
+    return _table(heads, lines)
+
+
+def ratios(rows):
+    """How many times as fast as each peer: the best integrator of `passages`, `simulate`, and quadrature."""
+    heads = ["peer"]
+    heads += [f"{call}, {accuracy:g}" for call in ("integrated", "simulate") for accuracy in ASKED]
+    heads += ["quadrature, 0.001", "quadrature, 1e-06", "quadrature, 1e-11, peer at 1e-09", "peer at its best"]
+    lines = []
+    exact = asked_at(rows, QUADRATURE, 1e-11)
+    for name in names_of(rows, PEER):
+        peers = [reaching(rows, (name,), accuracy) for accuracy in ASKED]
+        cells = [times(best_asked(rows, INTEGRATED, at), peer) for at, peer in zip(ASKED, peers, strict=True)]
+        cells += [times(asked_at(rows, "simulate", at), peer) for at, peer in zip(ASKED, peers, strict=True)]
+        cells += [times(asked_at(rows, QUADRATURE, at), peer) for at, peer in zip(ASKED[:2], peers, strict=False)]
+        cells += [times(exact, peers[2]), times(exact, most_accurate(rows, name))]
+        lines.append((name, *cells))
+    return _table(heads, lines)
+
+
+def kernels(rows):
+    """The same of the kernels inside, followed to t = 1.6 as the peers are."""
+    heads = ("peer", *(f"kernel, p99 <= {target:g}" for target in ASKED))
+    lines = []
+    for name in names_of(rows, PEER):
+        cells = [times(reaching(rows, KERNELS, at), reaching(rows, (name,), at)) for at in ASKED]
+        lines.append((name, *cells))
+    return _table(heads, lines)
+
+
+def every(rows):
+    """All rows."""
+    heads = ("solver", "setting", "median error", "99th percentile", "wrong way", "unresolved", "trajectories/s")
+    lines = [
+        (row.name, f"{row.setting:g}", f"{row.median:.0e}", f"{row.p99:.0e}", f"{row.wrong}", f"{row.unresolved}",
+         f"{row.rate:,.0f}")
+        for row in rows
+    ]  # fmt: skip
+    return _table(heads, lines)
+
+
+def shares_of_steps(limits, steppers):
+    """How near the limit of strict arithmetic fixed steps run; steppers: (name, method, solver)."""
+    counts = counted()["steps"]
+    strict = limits.strict / limits.multiply_adds
+    yield (
+        f"Products and sums that this core can make: {limits.multiply_adds:.1e}/s rounded together,"
+        f" {limits.strict:.1e}/s apart ({strict:.0%}), which is the ceiling of strict arithmetic."
+    )
+    yield ""
+    heads = ("fixed steps, short ones", "million steps/s", "additions and multiplications", "share of the ceiling")
+    lines = []
+    for name, method, solver in steppers:
+        solver.solve(COUNT)
+        rate = solver.solve.steps() * solver.count / min(seconds(solver, 1) for _ in range(15))
+        share = rate * counts[method] / limits.strict
+        lines.append((name, f"{rate / 1e6:.0f}", f"{counts[method]}", f"{share:.0%}"))
+    yield from _table(heads, lines)
+
+
+def shares_of_quadrature(rows, limits):
+    """Roots and divisions of a passage, and the share of the time that these alone would take."""
+    yield f"Roots and divisions that this core can make: {limits.roots:.1e}/s and {limits.divisions:.1e}/s."
+    yield ""
+    heads = ("quadrature", "accuracy", "roots", "divisions", "ns of these alone", "ns in all", "share")
+    lines = []
+    for name, parts in (("quadrature", ("passage",)), (QUADRATURE, ("passage", "fall"))):
+        for row in (row for row in rows if row.name == name):
+            of = counted()["quadrature"][f"{row.setting:g}"]
+            roots, divisions = np.sum([of[part] for part in parts], axis=0)
+            alone, whole = roots / limits.roots + divisions / limits.divisions, 1.0 / row.rate
+            said = (f"{row.setting:g}", f"{roots:.0f}", f"{divisions:.0f}", f"{1e9 * alone:.0f}")
+            what = "the kernel" if row.kind == KERNEL else name
+            lines.append((what, *said, f"{1e9 * whole:.0f}", f"{alone / whole:.0%}"))
+    yield from _table(heads, lines)
+
+
+def loop_in_words():
+    """What the loop in C++ is, or why it is not here."""
+    if cpp.compiler() is None:
+        return f"C++: {cpp.NO_COMPILER}."
+    return (
+        "C++: `tests/peers/fixed_steps.cpp`, the same tableaux and field in lanes, compiled with"
+        f" `{' '.join(cpp.options(False)[1:])}` (strict; its steps are ours to the last bit) or"
+        " `-ffp-contract=fast`. It locates no event and holds no constant: each motion is told at which s it ends."
+    )

@@ -1,0 +1,138 @@
+"""The comparison with other solvers: its loop in C++, its counts, and that its tables hold what was measured."""
+
+import numpy as np
+import pytest
+from peers import cpp, figure, measuring, tables
+from peers.counting import counted
+from peers.measuring import KERNEL, PEER, PUBLIC, Row, Solver
+from peers.problem import DISK
+
+from explorer import compiled
+
+LONG = 1e6  # so that neither the angle nor the time shortens a step
+
+
+def recorded(method, control):
+    """(states (8, n) before each step, states after it, steps (n)) of our kernel, one motion that runs free."""
+    x = np.zeros((10, 1))
+    x[:5, 0] = 1.0, 0.0, -1.0, 1.0, 0.65
+    kernels, how = compiled.recording, compiled.attempt.Integration(method, 8, np.full(1, control), 10_000, 1e-2)
+    start = kernels.Start(x, np.full((3, 1), np.nan))
+    going = kernels.Going(np.zeros((10, 1)), *np.zeros((4, 1)), *np.zeros((3, 1), np.int64))
+    outcome = compiled.attempt.Outcome(np.zeros(1, np.int8), np.zeros(1, np.int32), np.zeros((3, 1)))
+    rows = np.empty((4096, 11))
+    kernels.record_piece(how, kernels.Curve(LONG, LONG, 12.0), start, DISK.natural, going, rows, outcome)
+    rows = rows[: going.rows[0] - 1]  # the last record is a part of a step, up to the end
+    return rows[:-1, :8].T, rows[1:, :8].T, rows[:-1, 10]
+
+
+@pytest.mark.skipif(cpp.compiler() is None, reason=cpp.NO_COMPILER)
+@pytest.mark.parametrize(("name", "method", "control"), [("rk4", 0, 0.05), ("rk8", 2, 0.3)])
+def test_the_loop_in_cpp_makes_our_steps_to_the_last_bit(name, method, control):
+    before, after, steps = recorded(method, control)
+    count = steps.size // cpp.LANES * cpp.LANES
+    assert count > 2 * cpp.LANES
+    states = np.ascontiguousarray(before[:, :count])
+    assert cpp.follow(name, False, states, np.ascontiguousarray(steps[:count]), LONG) == count
+    np.testing.assert_array_equal(states, after[:, :count])
+
+
+@pytest.mark.skipif(cpp.compiler() is None, reason=cpp.NO_COMPILER)
+def test_the_loop_in_cpp_takes_as_many_steps_as_its_longest_lane_needs():
+    before, _after, _steps = recorded(0, 0.05)
+    together = np.ascontiguousarray(before[:, : cpp.LANES])
+    alone, s_end = together.copy(), np.resize([1.0, 0.25], cpp.LANES)
+    assert cpp.follow("rk4", False, together, s_end, 0.13) == 8 * cpp.LANES
+    for _ in range(8):
+        assert cpp.follow("rk4", False, alone, s_end / 8.0, 1.0) == cpp.LANES
+    np.testing.assert_array_equal(together, alone)
+    with pytest.raises(ValueError, match="multiple of"):
+        cpp.follow("rk4", False, together, s_end[:3], 0.1)
+
+
+def test_a_fall_takes_one_root_at_each_node_and_a_coarse_passage_fewer_than_a_fine_one():
+    found = counted()
+    # and one at the start
+    assert found["quadrature"]["1e-11"]["fall"][0] == DISK.tables.fine.fall.shape[1] + 1
+    roots = {accuracy: found["quadrature"][accuracy]["passage"][0] for accuracy in ("0.001", "1e-11")}
+    nodes = DISK.tables.fine.outer.shape[1] + DISK.tables.fine.inner.shape[1]
+    assert nodes <= roots["1e-11"] < 2 * nodes
+    assert roots["0.001"] < 0.5 * roots["1e-11"]
+    # A field takes 21 of them with time and angles, a shift two for each of eight components.
+    assert found["steps"]["rk4"] >= 4 * 21 + 7 * 2 * 8
+
+
+def row(name, setting, kind, p99, rate, wrong=0, unresolved=0):
+    return Row(name, setting, kind, p99 / 3.0, p99, wrong, unresolved, rate)
+
+
+ROWS = [
+    row("passages, rk4", 1e-3, PUBLIC, 2e-4, 4000.0),
+    row("passages, rk8", 1e-3, PUBLIC, 1e-4, 6000.0),
+    row("passages, rk8", 1e-6, PUBLIC, 2e-6, 5000.0),  # misses what was asked
+    row("passages, dop853", 1e-6, PUBLIC, 2e-7, 9000.0, unresolved=1),
+    row("passages, dopri5", 1e-6, PUBLIC, 2e-7, 3000.0),
+    row("passages, quadrature", 1e-11, PUBLIC, 4e-14, 90000.0),
+    row("heyoka batch, plain", 1e-3, PEER, 7.0, 9000.0, wrong=11),
+    row("heyoka batch, plain", 1e-4, PEER, 3e-4, 2000.0),
+    row("heyoka batch, plain", 1e-7, PEER, 1e-7, 1500.0),
+    row("heyoka batch, plain", 1e-12, PEER, 1e-10, 100.0),
+    row("rk8, to t = 1.6", 0.5, KERNEL, 1e-4, 8000.0),
+]
+
+
+def cells(lines, name):
+    (line,) = (line for line in lines if line.startswith(f"| {name} |"))
+    return [cell.strip() for cell in line.strip("|").split("|")][1:]
+
+
+def test_ratios_are_of_rows_that_were_measured_and_hold_the_error_with_every_trajectory_right():
+    found = cells(tables.ratios(ROWS), "heyoka batch, plain")
+    integrated, simulated, quadrature = found[:3], found[3:6], found[6:]
+    assert integrated == ["3.0", "2.0", "-"]
+    assert simulated == ["-", "-", "-"]
+    assert quadrature == ["-", "-", "900", "900"]
+    assert cells(tables.kernels(ROWS), "heyoka batch, plain") == ["4.0", "-", "-"]
+    assert len(tables.ratios(ROWS)) == 3  # a head, a rule and the one peer that was there
+    assert len(tables.every(ROWS)) == 2 + len(ROWS)
+
+
+def test_public_calls_show_what_was_asked_and_what_was_given():
+    lines = tables.public_calls(ROWS)
+    assert len(lines) == 2 + sum(row.kind == PUBLIC for row in ROWS)
+    missed = next(line for line in lines if "| 2e-06 |" in line)
+    assert missed.endswith("| - | - |")
+    assert cells(lines, "passages, quadrature") == ["1e-11", "4e-14", "0", "0", "90,000", "900", "-"]
+
+
+def test_what_is_not_installed_is_said_and_has_no_row(monkeypatch):
+    def absent():
+        raise ImportError("no such peer", name="heyoka")
+
+    monkeypatch.setattr(measuring, "mine", lambda: [])
+    monkeypatch.setattr(measuring, "peers", lambda: [("heyoka, plain", absent, (1e-3,), 4)])
+    monkeypatch.setattr(cpp, "compiler", lambda: None)
+    found, missing = measuring.all_solvers()
+    assert found == []
+    assert missing == ["heyoka, plain: heyoka is not installed.", f"C++: {cpp.NO_COMPILER}."]
+    assert cpp.NO_COMPILER in tables.loop_in_words()
+
+
+def test_errors_races_the_wrong_way_and_failures_are_counted():
+    exact = np.array([7.0, 7.0, -7.0, 7.0])
+    solver = Solver("a solver", 0.1, PEER, lambda _n: np.array([7.001, 7.002, 7.0, np.nan]), exact, 4)
+    (found,) = measuring.measured([solver], rounds=1, say=lambda _line: None)
+    assert (found.name, found.setting, found.kind) == ("a solver", 0.1, PEER)
+    assert (found.wrong, found.unresolved) == (1, 1)
+    assert found.median == pytest.approx(2e-3)
+    assert found.rate > 0.0
+
+
+def test_the_picture_names_what_it_draws_and_leaves_out_wrong_races():
+    drawn = figure.draw(ROWS)
+    above, below = drawn.axes
+    names = [text.get_text().replace("\n", " ") for text in above.texts]
+    assert sorted(names) == ["heyoka batch", "passages, integrated", "passages, quadrature"]
+    assert "heyoka batch" not in [text.get_text() for text in below.texts]
+    (heyoka,) = (line for line in above.lines if line.get_label() == "heyoka batch")
+    assert heyoka.get_xdata().max() < 1.0
