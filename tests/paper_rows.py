@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import pytest
+
 from explorer.paper import eight_dimensions, four_dimensions, pages
 from explorer.paper.statement import STATEMENTS
 
@@ -21,6 +23,22 @@ def assert_holds(row):
     assert row.findings
     assert [(f.computed, f.error, f.tolerance, f.printed) for f in row.findings if not f.passed] == []
     assert all(f.reason and f.computed for f in row.findings)
+
+
+class Statements:
+    """What holds of every section of the paper, by the NUMBERS and DAMAGES of the file that derives from this."""
+
+    def test_the_statement_holds(self, number, checked):
+        assert_holds(checked(number))
+
+    def test_every_statement_has_a_damage(self, request):
+        assert [row[0] for row in request.module.DAMAGES] == list(request.module.NUMBERS)
+
+    @pytest.mark.usefixtures("fresh")
+    def test_the_row_notices_damage(self, monkeypatch, damaged):
+        number, home, name, damage = damaged
+        monkeypatch.setattr(home, name, damage(getattr(home, name)))
+        assert fails(number)
 
 
 def forget():

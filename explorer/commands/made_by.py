@@ -1,6 +1,6 @@
 """made_by.json: which command made a folder of results, and each picture in it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from explorer.errors import InputError, RunError
@@ -18,6 +18,18 @@ def leave_made_by(folder: Path, command: str, pictures: Mapping[str, str] | None
     written.
     """
     store.write_json(folder / FILE, {"made_by": command, "pictures": dict(pictures or {})})
+
+
+def leave_page(
+    folder: Path,
+    lines: Iterable[str],
+    command: str,
+    pictures: Mapping[str, str] | None = None,
+    name: str = "README.md",
+) -> None:
+    """Write a page into a folder, with what made both."""
+    (folder / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    leave_made_by(folder, command, pictures)
 
 
 def command_of(folder: Path, picture: str | None = None) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from explorer.commands import pictures
 from explorer.commands.gallery import picture_lines
-from explorer.commands.made_by import leave_made_by
+from explorer.commands.made_by import leave_page
 from explorer.errors import InputError, note, one_of
 from explorer.phase.disk import Disk
 from explorer.phase.states import constants_to_states
@@ -141,9 +141,8 @@ def portrait(
             else:
                 written[name] = _write(folder, GROUPS[name].draw(disk, options))
         command = "nearflat portrait" if only is None else f"nearflat portrait --only {only}"
-        (folder / "README.md").write_text(_page(written, disk, command), encoding="utf-8")
         each = {path.name: f"nearflat portrait --only {name}" for name, paths in written.items() for path in paths}
-        leave_made_by(folder, command, each)
+        leave_page(folder, _page(written, disk, command), command, each)
     except OSError as error:
         raise InputError(f"--out {folder}: cannot be written ({error.strerror})") from None
     return [path for paths in written.values() for path in paths]
@@ -170,14 +169,14 @@ def _film(folder: Path, disk: Disk) -> list[Path]:
     return [small]
 
 
-def _page(written: dict[str, list[Path]], disk: Disk, command: str) -> str:
+def _page(written: dict[str, list[Path]], disk: Disk, command: str) -> list[str]:
     lines = [f"# Portraits of the {disk.name} disk", "", f"Made by `{command}`."]
     for name, paths in written.items():
         text = GROUPS[name].text if name in GROUPS else "nearly falling flat on both sides of F, slower near flat"
         lines += ["", f"## {text[0].upper()}{text[1:]}", "", f"`nearflat portrait --only {name}`"]
         for path in paths:
             lines += ["", *picture_lines(path, path.parent)]
-    return "\n".join(lines) + "\n"
+    return lines
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from explorer import compiled
 from explorer.commands.common import add_json
-from explorer.commands.made_by import leave_made_by
+from explorer.commands.made_by import leave_page
 from explorer.errors import InputError, note, whole
 from explorer.motion import calibration
 from explorer.motion.passages import passages
@@ -272,9 +272,8 @@ def report(disk: Disk, rows: list[Row], out: Path, command: str, where: Path | N
     ]
     if where is not None:
         lines += ["", "Stored for this machine; `--accuracy` and `--method auto` read it."]
-    (out / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     save(figure_of(work_precision, rows), out / "trade.png")
-    leave_made_by(out, command)
+    leave_page(out, lines, command)
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:

@@ -22,7 +22,7 @@ import psutil
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from explorer.commands.made_by import leave_made_by
+from explorer.commands.made_by import leave_page
 from explorer.runs import store
 
 OUT = Path(__file__).parents[2] / "results" / "faults"
@@ -347,8 +347,7 @@ def main():
         "",
         "[moments.md](moments.md): runs stopped by signals, by backend. `fuzz.json`: nasty input of every kind.",
     ]
-    (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    leave_made_by(OUT, "python tests/faults/report_faults.py")
+    leave_page(OUT, lines, "python tests/faults/report_faults.py")
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import many_digits
 import numpy as np
 
 import explorer as ex
-from explorer.commands.made_by import leave_made_by
+from explorer.commands.made_by import leave_page
 
 HERE = Path(__file__).parent
 OUT = HERE.parents[1] / "results" / "extremes"
@@ -149,8 +149,7 @@ def main():
         "|---|---|---|---|---|---|---|---|---|",
         *table(rows),
     ]
-    (OUT / "corners.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    leave_made_by(OUT, "python tests/reference/report_corners.py")
+    leave_page(OUT, lines, "python tests/reference/report_corners.py", name="corners.md")
 
 
 if __name__ == "__main__":

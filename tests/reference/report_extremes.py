@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import explorer as ex
-from explorer.commands.made_by import leave_made_by
+from explorer.commands.made_by import leave_page
 
 HERE = Path(__file__).parent
 OUT = HERE.parents[1] / "results" / "extremes"
@@ -121,8 +121,7 @@ def main():
     for method, eta, ratio in costs():
         pairs = ", ".join(f"{e:.0e}: {r:.2f}" for e, r in zip(eta, ratio, strict=True))
         lines.append(f"- {method}: {pairs}")
-    (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    leave_made_by(OUT, "python tests/reference/report_extremes.py")
+    leave_page(OUT, lines, "python tests/reference/report_extremes.py")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 import explorer as ex
-from explorer.commands.made_by import leave_made_by
+from explorer.commands.made_by import leave_page
 from explorer.measure.density import Density
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -80,9 +80,8 @@ def main():
                     shutil.copy(run.folder / "figures" / f"{name}.png", OUT / f"{name}.png")
     lines += ["", "## The ladder of the first row", "", "![ladder](ladder.png)", ""]
     lines += [*ladder_lines(first), *power_lines(first), *split_lines(first)]
-    lines += ["", "![convergence](convergence.png)", "", "![tilt](tilt.png)", "", *coverage_lines(), ""]
-    (OUT / "README.md").write_text("\n".join(lines), encoding="utf-8")
-    leave_made_by(OUT, "python tests/reference/report_measure_zero.py")
+    lines += ["", "![convergence](convergence.png)", "", "![tilt](tilt.png)", "", *coverage_lines()]
+    leave_page(OUT, lines, "python tests/reference/report_measure_zero.py")
 
 
 def ladder_lines(summary):

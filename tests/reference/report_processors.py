@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from explorer.commands.made_by import leave_made_by
+from explorer.commands.made_by import leave_page
 
 OUT = Path(__file__).parents[2] / "results" / "processors"
 SCENES = {
@@ -149,8 +149,7 @@ def main():
         "|---|---|" + "---|" * len(SCENES),
         *rows,
     ]
-    (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    leave_made_by(OUT, "python tests/reference/report_processors.py")
+    leave_page(OUT, lines, "python tests/reference/report_processors.py")
 
 
 if __name__ == "__main__":

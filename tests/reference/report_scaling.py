@@ -18,7 +18,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from explorer.commands.made_by import leave_made_by
+from explorer.commands.made_by import leave_page
 from explorer.plot.captions import Question, captioned, save
 from explorer.plot.style import DARK, MARKERS, SERIES, dress, legend_below
 
@@ -214,8 +214,7 @@ def main():
     eta_rows = against_eta()
     save(draw_cost(eta_rows), OUT / "cost.png")
     lines += eta_lines(eta_rows)
-    (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    leave_made_by(OUT, "python tests/reference/report_scaling.py")
+    leave_page(OUT, lines, "python tests/reference/report_scaling.py")
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from paper_rows import assert_holds, fails, scaled
+from paper_rows import Statements, scaled
 
 from explorer.paper import eight_dimensions as plain
 from explorer.paper import section_3_4
@@ -24,20 +24,8 @@ DAMAGES = [
 ]
 
 
-@pytest.mark.parametrize("number", NUMBERS)
-def test_the_statement_holds(number, checked):
-    assert_holds(checked(number))
-
-
-def test_every_statement_has_a_damage():
-    assert [row[0] for row in DAMAGES] == list(NUMBERS)
-
-
-@pytest.mark.parametrize(("number", "home", "name", "damage"), DAMAGES, ids=[str(row[0]) for row in DAMAGES])
-@pytest.mark.usefixtures("fresh")
-def test_the_row_notices_damage(monkeypatch, number, home, name, damage):
-    monkeypatch.setattr(home, name, damage(getattr(home, name)))
-    assert fails(number)
+class TestStatements(Statements):
+    """Those of NUMBERS, each with its damage."""
 
 
 def test_the_slope_of_the_scaled_potential_is_its_derivative():

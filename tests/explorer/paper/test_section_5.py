@@ -1,8 +1,7 @@
 """Section 5 of the paper holds, and every row fails once something in it is damaged."""
 
 import numpy as np
-import pytest
-from paper_rows import assert_holds, fails, findings, scaled
+from paper_rows import Statements, findings, scaled
 
 from explorer.paper import section_5
 
@@ -46,20 +45,8 @@ DAMAGES = [
 ]
 
 
-@pytest.mark.parametrize("number", NUMBERS)
-def test_the_statement_holds(number, checked):
-    assert_holds(checked(number))
-
-
-def test_every_statement_has_a_damage():
-    assert [row[0] for row in DAMAGES] == list(NUMBERS)
-
-
-@pytest.mark.parametrize(("number", "home", "name", "damage"), DAMAGES, ids=[str(row[0]) for row in DAMAGES])
-@pytest.mark.usefixtures("fresh")
-def test_the_row_notices_damage(monkeypatch, number, home, name, damage):
-    monkeypatch.setattr(home, name, damage(getattr(home, name)))
-    assert fails(number)
+class TestStatements(Statements):
+    """Those of NUMBERS, each with its damage."""
 
 
 def test_lemma_2_gives_the_known_numbers():

@@ -3,8 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
-from paper_rows import assert_holds, fails, field, second
+from paper_rows import Statements, fails, field, second
 
 from explorer.paper import section_6_2
 
@@ -16,20 +15,8 @@ DAMAGES = [
 ]
 
 
-@pytest.mark.parametrize("number", NUMBERS)
-def test_the_statement_holds(number, checked):
-    assert_holds(checked(number))
-
-
-def test_every_statement_has_a_damage():
-    assert [row[0] for row in DAMAGES] == list(NUMBERS)
-
-
-@pytest.mark.parametrize(("number", "home", "name", "damage"), DAMAGES, ids=[str(row[0]) for row in DAMAGES])
-@pytest.mark.usefixtures("fresh")
-def test_the_row_notices_damage(monkeypatch, number, home, name, damage):
-    monkeypatch.setattr(home, name, damage(getattr(home, name)))
-    assert fails(number)
+class TestStatements(Statements):
+    """Those of NUMBERS, each with its damage."""
 
 
 def test_row_33_notices_a_layer_that_says_all_fall(monkeypatch):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from paper_rows import assert_holds, fails, first, upwards
+from paper_rows import Statements, first, upwards
 
 from explorer.paper import closed_forms, section_6_3
 from explorer.paper import eight_dimensions as plain
@@ -16,20 +16,8 @@ DAMAGES = [
 ]
 
 
-@pytest.mark.parametrize("number", NUMBERS)
-def test_the_statement_holds(number, checked):
-    assert_holds(checked(number))
-
-
-def test_every_statement_has_a_damage():
-    assert [row[0] for row in DAMAGES] == list(NUMBERS)
-
-
-@pytest.mark.parametrize(("number", "home", "name", "damage"), DAMAGES, ids=[str(row[0]) for row in DAMAGES])
-@pytest.mark.usefixtures("fresh")
-def test_the_row_notices_damage(monkeypatch, number, home, name, damage):
-    monkeypatch.setattr(home, name, damage(getattr(home, name)))
-    assert fails(number)
+class TestStatements(Statements):
+    """Those of NUMBERS, each with its damage."""
 
 
 def test_limits_and_orders_of_a_known_function():

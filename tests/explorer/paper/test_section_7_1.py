@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from paper_rows import assert_holds, fails, field, first, scaled
+from paper_rows import Statements, field, first, scaled
 
 from explorer.paper import closed_forms, section_7_1
 from explorer.paper.checks import UNIFORM
@@ -32,20 +32,8 @@ DAMAGES = [
 ]
 
 
-@pytest.mark.parametrize("number", NUMBERS)
-def test_the_statement_holds(number, checked):
-    assert_holds(checked(number))
-
-
-def test_every_statement_has_a_damage():
-    assert [row[0] for row in DAMAGES] == list(NUMBERS)
-
-
-@pytest.mark.parametrize(("number", "home", "name", "damage"), DAMAGES, ids=[str(row[0]) for row in DAMAGES])
-@pytest.mark.usefixtures("fresh")
-def test_the_row_notices_damage(monkeypatch, number, home, name, damage):
-    monkeypatch.setattr(home, name, damage(getattr(home, name)))
-    assert fails(number)
+class TestStatements(Statements):
+    """Those of NUMBERS, each with its damage."""
 
 
 def test_the_times_of_a_level_are_where_the_rate_says():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from paper_rows import assert_holds, fails, field, first
+from paper_rows import Statements, field, first
 
 from explorer.paper import closed_forms, section_7_3
 from explorer.paper.checks import UNIFORM
@@ -34,20 +34,8 @@ DAMAGES = [
 ]
 
 
-@pytest.mark.parametrize("number", NUMBERS)
-def test_the_statement_holds(number, checked):
-    assert_holds(checked(number))
-
-
-def test_every_statement_has_a_damage():
-    assert [row[0] for row in DAMAGES] == list(NUMBERS)
-
-
-@pytest.mark.parametrize(("number", "home", "name", "damage"), DAMAGES, ids=[str(row[0]) for row in DAMAGES])
-@pytest.mark.usefixtures("fresh")
-def test_the_row_notices_damage(monkeypatch, number, home, name, damage):
-    monkeypatch.setattr(home, name, damage(getattr(home, name)))
-    assert fails(number)
+class TestStatements(Statements):
+    """Those of NUMBERS, each with its damage."""
 
 
 def test_the_printed_angle_of_the_contact_point_is_wrong_on_the_upper_side():
