@@ -21,7 +21,7 @@ from types import ModuleType
 from typing import Any, NamedTuple, NoReturn, Self
 
 from explorer.errors import InputError, Interrupted, RunError, shorten, words_of_the_command
-from explorer.runs.interrupt import STATUS, as_interrupts, ignore, was_told
+from explorer.runs.interrupt import STATUS, as_interrupts, ignore, leave_lost_terminal, was_told
 from explorer.version import installed_version
 
 
@@ -172,7 +172,10 @@ def _to_the_end(words: list[str]) -> int:
         _close_quietly()
         return _PIPE_CLOSED
     except OSError as error:
+        lost = leave_lost_terminal()  # its signal may come later than the error, and nobody is left to tell
         _close_quietly()
+        if lost or was_told():
+            return STATUS
         print(f"nearflat: cannot be read or written: {error}", file=sys.stderr)
         return 1
 

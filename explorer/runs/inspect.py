@@ -12,7 +12,8 @@ from explorer.measure import statistics
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.chunks import Part, summary_of
-from explorer.runs.pictures import there
+from explorer.runs.pictures import KNOWN, there
+from explorer.runs.strangers import plain_names
 from explorer.scenes.base import Scene
 
 
@@ -69,8 +70,8 @@ def _missing(folder: Path, record: dict[str, Any]) -> Iterator[str]:
     if not (folder / "summary.json").is_file():
         yield "summary"
     # Before `formats` were written, a run was finished only when its figures were drawn.
-    formats, figures = record.get("formats", ()), record.get("figures")
-    if formats and not there(folder, figures, formats) and figures != []:
+    formats, figures = plain_names(record.get("formats", []), KNOWN), plain_names(record.get("figures"))
+    if formats is None or (formats and not there(folder, figures, formats) and figures != []):
         yield "figures"
 
 

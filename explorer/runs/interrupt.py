@@ -5,6 +5,7 @@ stays ignored.
 """
 
 import contextlib
+import errno
 import os
 import signal
 import sys
@@ -31,7 +32,7 @@ def graceful(folder: Path | None, quiet: bool) -> Iterator[threading.Event]:
         stop.set()
 
     def handle(number: int, frame: FrameType | None) -> None:
-        _leave_lost_terminal()
+        leave_lost_terminal()
         if stop.is_set():
             # Threads may be deep in compiled code: leave without asking them. Chunks are whole or not there.
             how = f"; continue with: nearflat resume {folder}" if folder else ""
@@ -53,7 +54,7 @@ def as_interrupts() -> Iterator[None]:
     _command.set()
 
     def handle(number: int, frame: FrameType | None) -> None:
-        _leave_lost_terminal()
+        leave_lost_terminal()
         if _told.is_set():
             _leave("stopped")
         _told.set()
@@ -122,13 +123,16 @@ def _leave(text: str) -> NoReturn:
     os._exit(STATUS)
 
 
-def _leave_lost_terminal() -> None:
-    """Where the terminal was closed, let what is still said go nowhere: writing to it is an error."""
+def leave_lost_terminal() -> bool:
+    """Where the terminal was closed, let what is still said go nowhere, and say that it was."""
+    lost = False
     for handle in (1, 2):
         try:
             os.write(handle, b"")
         except BrokenPipeError:
             continue
-        except OSError:
+        except OSError as error:
+            lost = lost or error.errno == errno.EIO
             with contextlib.suppress(OSError):
                 os.dup2(os.open(os.devnull, os.O_WRONLY), handle)
+    return lost

@@ -231,6 +231,17 @@ def test_a_closed_pipe_ends_the_command_silently(words):
         assert command.wait() in (0, 141)  # the parser itself swallows the error of its --help
 
 
+@pytest.mark.skipif(os.name != "posix", reason="terminals are those of Unix")
+def test_a_terminal_that_is_gone_ends_the_command_as_a_hang_up_does():
+    outer, inner = os.openpty()
+    words = [sys.executable, "-m", "explorer.commands.main", "plan", "race-angles"]
+    with subprocess.Popen(words, stdout=inner, stderr=subprocess.PIPE) as command:
+        os.close(inner)
+        os.close(outer)
+        assert command.stderr.read() == b""
+        assert command.wait() == 130
+
+
 LOADED = """
 import sys
 from explorer.commands.main import main

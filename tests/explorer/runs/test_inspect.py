@@ -25,6 +25,13 @@ def test_status_counts_what_is_there(finished):
     assert sum(far.status.values()) == 2300
 
 
+@pytest.mark.parametrize("formats", [5, ["exe"], {"png": 1}, "png"])
+def test_a_record_that_is_damaged_about_its_pictures_has_them_drawn_again(finished, formats):
+    record = finished.folder / "run.json"
+    record.write_text(json.dumps({**json.loads(record.read_text()), "formats": formats}))
+    assert status(finished.folder).missing == ("figures",)
+
+
 def test_a_summary_of_other_chunks_is_a_fault(finished):
     path = finished.folder / "summary.json"
     content = json.loads(path.read_text())
