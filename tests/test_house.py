@@ -81,8 +81,8 @@ def test_circles_are_found_where_they_are():
 
 
 def test_imports_can_be_followed_by_tools():
-    """Only the public names and the door compute what they import, and both list it for type checkers."""
-    allowed = {"explorer", "explorer.compiled"}
+    """Only public names and the door compute what they import, and all list it for type checkers."""
+    allowed = {"explorer", "explorer.compiled", "explorer.portrait"}
     found = {module for module in MODULES if unreadable(path_of(module))} - allowed
     assert not found
 

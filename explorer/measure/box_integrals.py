@@ -198,9 +198,10 @@ class NaturalDensity:
 
     def mass(self) -> Integral:
         """Integral of the density."""
+        known = self.product()
+        if known is not None:
+            return Integral(known, 0.0)
         unbounded = self.density.energy == ANY_ENERGY
-        if self.density.function is None and unbounded:
-            return Integral(math.prod(self.factor_mass(name) for name in COORDINATES if self.free(name)), 0.0)
 
         def below(energy: float) -> Integral:
             finest = _FINEST if unbounded else _FINEST_CUT
@@ -208,14 +209,20 @@ class NaturalDensity:
 
         return between_energies(below, self.energy)
 
+    def product(self) -> float | None:
+        """Integral of a density that is a product of factors of one coordinate; None where it is not."""
+        if self.density.function is not None or self.density.energy != ANY_ENERGY:
+            return None
+        return math.prod(self.factor_mass(name) for name in COORDINATES if self.free(name))
+
     def factor_mass(self, name: str) -> float:
         """Integral of the factor of one coordinate over the box."""
-        from scipy.special import ndtr
-
         low, high = self.range(name)
         pairs = dict(self.density.gaussian)
         if name not in pairs:
             return high - low
+        from scipy.special import ndtr
+
         mean, deviation = (value / self.unit(name) for value in pairs[name])
         ends = (low - mean) / deviation, (high - mean) / deviation
         # Of the two tails the smaller: no cancellation far from the middle.

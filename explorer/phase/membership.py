@@ -15,6 +15,7 @@ from explorer import compiled
 from explorer.errors import InputError, number
 from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.peak import peak
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 
@@ -94,15 +95,13 @@ def well(disk: Disk) -> Well:
     For |sigma3_bar| below sigma3_bar* the line also carries a well whose motions never fall.
     """
 
-    from scipy.optimize import minimize_scalar
-
-    def minus_critical(phi: float) -> float:
+    def critical(phi: float) -> float:
         out = np.empty(1)
         compiled.falling.critical_X2_batch(np.array([phi]), disk.natural, out)
-        return -float(out[0])
+        return float(out[0])
 
-    peak = minimize_scalar(minus_critical, bounds=_BEYOND_VERTICAL, method="bounded", options={"xatol": _XATOL})
-    return Well(float(peak.x), float(np.sqrt(-peak.fun)) * disk.body.r0)
+    phi, X2 = peak(critical, *_BEYOND_VERTICAL, _XATOL)
+    return Well(phi, float(np.sqrt(X2)) * disk.body.r0)
 
 
 def require_well(disk: Disk, sigma3_bar: float) -> None:

@@ -1,6 +1,6 @@
-"""What a run will cost: time, memory and room on the disk, from a few of its own chunks.
+"""What a run will cost: time, memory and room on the disk, from parts of a few of its own chunks.
 
-Chunks from all over the run are computed and thrown away, the middle one first, until they took long enough. Time
+Chunks from all over the run are begun and thrown away, the middle one first, until they took long enough. Time
 is that of the processor, so that other programs do not count. What Parquet would write is told from how far some
 rows can be compressed: its library, with those that it loads, takes longer to start than all the rest.
 """
@@ -18,7 +18,8 @@ from explorer.errors import note
 from explorer.runs.settings import Asked
 from explorer.scenes.base import Scene, Table, Tally
 
-_SECONDS = 0.1
+_SECONDS = 0.05
+_PARTS = 16  # of a chunk, one of which is computed
 _MOST_PROBES = 16
 _MOST_COUNTED = 100_000  # chunks whose lengths are added up one by one
 _DRAWING = 90e6  # memory that drawing takes, measured
@@ -36,7 +37,7 @@ class Estimate:
 
     seconds: from its start to its last picture, where the cores are free and the kernels are compiled;
     seconds_for_figures: those of them that the pictures take. memory: of the whole process, bytes. disk: of the
-    folder, bytes; 0 where there is none. probed: how many chunks were computed to say so.
+    folder, bytes; 0 where there is none. probed: of how many chunks a part was computed to say so.
     """
 
     chunks: int
@@ -53,22 +54,22 @@ def estimate(asked: Asked) -> Estimate:
     scene, manner = asked.scene, asked.manner
     base = _memory_now()
     count = scene.chunks()
-    starting, seconds, written, largest, probes, probed = 0.0, 0.0, 0.0, 0.0, 0, 0
+    starting, seconds, written, largest, probes, probed, stood = 0.0, 0.0, 0.0, 0.0, 0, 0, 0
     for index in _spread(count):
         if probes == 0:
             # A command starts as this one did; in Python all is loaded by now.
             starting = time.process_time() if manner.command is not None else 0.0
             compiled.warmup(scene.kernels, lambda text: note(text, manner.quiet))
-            scene.process(index)  # loads compiled code and fills caches, which no other chunk has to do
+            scene.begin(index, _PARTS)  # loads compiled code and fills caches, which no other chunk has to do
         began = time.thread_time()
-        rows, tally = scene.process(index)
+        rows, tally, length = scene.begin(index, _PARTS)
         seconds += time.thread_time() - began
-        plain = float(sum(column.nbytes for column in rows.values()))
+        plain, times = float(sum(column.nbytes for column in rows.values())), scene.length(index) / length
         if asked.out is not None:
             seconds += plain * _SECONDS_PER_BYTE
-            written += bytes_stored(rows, tally)
-        largest = max(largest, plain)
-        probes, probed = probes + 1, probed + scene.length(index)
+            written += bytes_stored(rows, tally, times)
+        largest = max(largest, plain * times)
+        probes, probed, stood = probes + 1, probed + length, stood + scene.length(index)
         if seconds > _SECONDS or probes == _MOST_PROBES:
             break
     pictures = _PICTURES.get(scene.name, 0) if manner.formats != () and asked.out is not None else 0
@@ -82,18 +83,18 @@ def estimate(asked: Asked) -> Estimate:
         starting + seconds * share / lanes + drawing,
         drawing,
         base + min(manner.workers.jobs, count) * _bytes_at_work(scene, largest) + (_DRAWING if pictures else 0.0),
-        (written * share + pictures * _BYTES_PER_PICTURE) if asked.out is not None else 0.0,
+        (written * samples / stood + pictures * _BYTES_PER_PICTURE) if asked.out is not None else 0.0,
         probes,
     )
 
 
-def bytes_stored(rows: Table, tally: Tally) -> float:
-    """What a chunk with these rows and counts takes as a Parquet file, about."""
+def bytes_stored(rows: Table, tally: Tally, times: float = 1.0) -> float:
+    """What a chunk with these counts, and so many times these rows, takes as a Parquet file, about."""
     size = 2.33 * len(json.dumps(json.dumps(tally)))  # as text, and once more in the schema in base 64
     for values in rows.values():
         some = values[:_PACKED_ROWS]
         text = some.tobytes() if some.dtype.kind in "biuf" else "\n".join(map(str, some)).encode()
-        size += _FOOTER + len(zlib.compress(text, 1)) * max(1.0, len(values) / _PACKED_ROWS)
+        size += _FOOTER + len(zlib.compress(text, 1)) * times * max(1.0, len(values) / _PACKED_ROWS)
     return size
 
 

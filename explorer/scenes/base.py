@@ -9,6 +9,7 @@ It knows nothing of files, workers or where pictures are kept.
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
@@ -53,6 +54,7 @@ BASE_MEMORY = 450e6
 SHARERS = 4
 MOST_CHUNKS = 20_000_000  # files in one folder
 SMALLEST_CHUNK, LARGEST_CHUNK = 1 << 12, 1 << 20
+_SMALLEST_PART = 1 << 11  # samples, below which what every call costs would tell
 
 
 class NoStateError(InputError, RunError):
@@ -157,6 +159,13 @@ class Scene(ABC):
         table = self.compute(index)
         return self.kept(index, table), self.tally(index, table)
 
+    def begin(self, index: int, parts: int) -> tuple[Table, Tally, int]:
+        """As `process`, of one of so many parts of the chunk where it can be parted; and how many samples that is.
+
+        Tells what the chunk costs. What is drawn may differ from what the chunk draws.
+        """
+        return *self.process(index), self.length(index)
+
     def add_up(self, chunks: Chunks) -> Any:
         """All chunks together: what `summarise` and `figures` need, in one pass; by default all tallies."""
         return list(chunks.tallies)
@@ -247,6 +256,13 @@ class SampledScene(Scene):
         """How many samples chunk `index` stands for; only the last is shorter."""
         return min(self.chunk_size, self.samples - index * self.chunk_size)
 
+    def begin(self, index: int, parts: int) -> tuple[Table, Tally, int]:
+        size = part_of(self.chunk_size, parts)
+        smaller, first = copy(self), index * (self.chunk_size // size)
+        # Nothing that follows from the options depends on it, so it is not checked again.
+        object.__setattr__(smaller, "chunk_size", size)
+        return *smaller.process(first), smaller.length(first)
+
     def together(self, others: Sequence[Scene]) -> Scene:
         return together(self, others)
 
@@ -259,6 +275,11 @@ class SampledScene(Scene):
             return table
         rows = self.near(index, table) if self.keep == "near" else np.zeros(table["status"].size, dtype=bool)
         return {name: values[rows] for name, values in table.items()}
+
+
+def part_of(length: int, parts: int) -> int:
+    """The length of one of so many parts of a chunk, or of all of it where parts would be too small."""
+    return length // min(parts, max(1, length // _SMALLEST_PART))
 
 
 def together(first: S, others: Sequence[Scene]) -> S:

@@ -21,7 +21,7 @@ from explorer.motion.turning_points import tilt_kernels
 from explorer.phase import membership
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import COORDINATES, Array
-from explorer.scenes.base import Chunks, Picture, SampledScene, Table, Tally
+from explorer.scenes.base import Chunks, Picture, SampledScene, Table, Tally, part_of
 from explorer.scenes.measure_zero_draws import CHECKED_BY, PlainDraws, Question, TubeDraws
 from explorer.scenes.measure_zero_summary import FEWEST_HITS, INVARIANCE, Counted, summarise
 from explorer.scenes.options import BOX, DENSITY, ENERGY, GAUSSIAN, OpenRange, Option, Ranges
@@ -159,6 +159,12 @@ class MeasureZero(SampledScene):
 
     def compute(self, index: int) -> Table:
         return self.piece(index).compute()
+
+    def begin(self, index: int, parts: int) -> tuple[Table, Tally, int]:
+        piece = self.piece(index)
+        piece = replace(piece, count=part_of(piece.count, parts))
+        table = piece.compute()
+        return self.kept(index, table), piece.tally(table), piece.count
 
     def tally(self, index: int, table: Table) -> Tally:
         return self.piece(index).tally(table)

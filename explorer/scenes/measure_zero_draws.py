@@ -70,8 +70,14 @@ class Question:
 
     @cached_property
     def constant(self) -> FallingConstant:
-        """C by quadrature."""
+        """C by quadrature. Raises InputError where the density is zero in all of the box."""
         return constant_of(self.disk, self.source)
+
+    @cached_property
+    def mass(self) -> float:
+        """Integral of the density, natural units: all that draws need of C. Raises InputError where it is zero."""
+        natural = NaturalDensity(self.disk, self.source)
+        return natural.product() or self.constant.mass
 
     @cached_property
     def energy_edges(self) -> Array:
@@ -90,9 +96,7 @@ class Question:
 
     def draw(self, face: int, delta: float, points: Array) -> Draws:
         """Draws in the tube of tilt delta beside the line of one face, from points of the unit cube."""
-        return draw_tube(
-            self.disk, self.source, self.constant.mass, face, float(delta), points, self.plan.accuracy
-        )
+        return draw_tube(self.disk, self.source, self.mass, face, float(delta), points, self.plan.accuracy)
 
 
 @dataclass(frozen=True)

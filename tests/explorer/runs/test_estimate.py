@@ -2,6 +2,7 @@
 
 import time
 
+import pytest
 from small_runs import SMALL_RACES
 
 from explorer.runs import estimate as estimates
@@ -37,3 +38,16 @@ def test_a_run_in_memory_takes_no_room_on_the_disk(monkeypatch):
     monkeypatch.setattr(estimates, "_SECONDS", 0.0)
     found = estimate(asked("race-angles", SMALL_RACES))
     assert (found.disk, found.seconds_for_figures, found.probed) == (0.0, 0.0, 1)
+
+
+@pytest.mark.parametrize("scene", ["race-angles", "falling-set", "measure-zero"])
+def test_a_part_of_a_chunk_stands_for_the_chunk(scene):
+    """It has a sixteenth of the samples, fewer rows, and the columns and counts of the whole."""
+    made = asked(scene, {"samples": 2 << 16, "keep": "all"}).scene
+    index = made.chunks() - 1
+    rows, tally, length = made.begin(index, 16)
+    assert length == made.length(index) // 16
+    assert sum(tally["status"].values()) == length
+    few, all_tally = made.process(index)
+    assert (rows.keys(), tally.keys()) == (few.keys(), all_tally.keys())
+    assert len(rows["status"]) == pytest.approx(len(few["status"]) / 16, rel=0.2)
