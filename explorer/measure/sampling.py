@@ -7,13 +7,14 @@ in the run, never on the number of workers.
 """
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, double_of, shown, suggest
+from explorer.errors import InputError, double_of, plain_number, shown, suggest
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array
 
@@ -79,28 +80,34 @@ class Box:
         return {name: list(getattr(self, name)) for name in COORDINATES}
 
 
-def parse_ranges(text: str, option: str, known: Collection[str] = COORDINATES) -> dict[str, Range]:
-    """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2". Raises InputError naming the option."""
+def parse_ranges(given: Any, option: str, known: Collection[str] = COORDINATES) -> dict[str, Range]:
+    """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2" or a mapping. Raises InputError naming the option."""
+    if not isinstance(given, str | Mapping):
+        raise InputError(f'{option} {shown(given)} is no text; write "phi=0,phidot=-2:2"')
     ranges: dict[str, Range] = {}
-    for item in text.split(","):
-        name, equals, value = (part.strip() for part in item.partition("="))
+    for name, value in _pairs(given) if isinstance(given, str) else given.items():
         if name not in known:
             raise InputError(f"{option}: unknown coordinate {shown(name)}; {suggest(name, known)}")
-        if not equals or name in ranges:
-            raise InputError(
-                f"{option}: {shown(item.strip())}; write each coordinate once, NAME=VALUE or LOW:HIGH"
-            )
+        if value is None or name in ranges:
+            raise InputError(f"{option}: {shown(name)}; write each coordinate once, NAME=VALUE or LOW:HIGH")
         ranges[name] = parse_range(value, f"{option} {name}")
     return ranges
 
 
-def parse_range(text: str, option: str) -> Range:
-    """(low, high) from "LOW:HIGH" or one number. Raises InputError naming the option."""
-    low, colon, high = text.partition(":")
-    ends = double_of(low), double_of(high) if colon else double_of(low)
-    if ends[0] is None or ends[1] is None:
-        raise InputError(f"{option} = {shown(text)} is not a number or a range LOW:HIGH")
-    return ends[0], ends[1]
+def _pairs(text: str) -> Iterator[tuple[str, str | None]]:
+    """Names and what stands behind them, None where nothing does."""
+    for item in text.split(","):
+        name, equals, value = (part.strip() for part in item.partition("="))
+        yield name, value if equals else None
+
+
+def parse_range(given: Any, option: str) -> Range:
+    """(low, high) from "LOW:HIGH", one number, or a pair. Raises InputError naming the option."""
+    parts = given.split(":") if isinstance(given, str) else given if isinstance(given, list | tuple) else [given]
+    ends = [double_of(plain_number(part)) for part in parts]
+    if not 1 <= len(ends) <= 2 or ends[0] is None or ends[-1] is None:
+        raise InputError(f"{option} = {shown(given)} is not a number or a range LOW:HIGH")
+    return ends[0], ends[-1]
 
 
 def chunk_stream(seed: int, index: int) -> np.random.Generator:

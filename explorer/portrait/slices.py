@@ -34,26 +34,19 @@ class Slice:
     ranges: tuple[tuple[str, Range], ...]
 
     @classmethod
-    def of(cls, value: Any, option: str = "--slice") -> Slice:
-        """From text as `parse` takes, or a mapping of numbers and pairs. Raises InputError naming the option."""
-        if isinstance(value, Slice):
-            return value
-        if not isinstance(value, Mapping):
-            return cls.parse(value, option)
-        texts = {name: _ends(option, name, ends) for name, ends in value.items()}
-        return cls.parse(",".join(f"{name}={ends}" for name, ends in texts.items()), option)
+    def of(cls, given: Any, option: str = "--slice") -> Slice:
+        """From "sigma3=-2:2,sigma4=-2:2,phi=0,phidot=1" or a mapping of numbers and pairs.
 
-    @classmethod
-    def parse(cls, text: Any, option: str = "--slice") -> Slice:
-        """From "sigma3=-2:2,sigma4=-2:2,phi=0,phidot=1". Raises InputError naming the option."""
-        if not isinstance(text, str):
-            raise InputError(f'{option} {shown(text)}: write "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"')
-        ranges = parse_ranges(text, option, _NAMES)
+        Raises InputError naming the option.
+        """
+        if isinstance(given, Slice):
+            return given
+        ranges = parse_ranges(given, option, _NAMES)
         free = [name for name, (low, high) in ranges.items() if low < high]
-        spins, speed = complete_set(ranges, f"{option} {text!r}")
+        spins, speed = complete_set(ranges, f"{option} {shown(given)}")
         if len(free) != 2 or "phi" not in ranges:
             raise InputError(
-                f"{option} {shown(text)}: give all of phi, {speed}, {', '.join(spins)}, two as LOW:HIGH and two "
+                f"{option} {shown(given)}: give all of phi, {speed}, {', '.join(spins)}, two as LOW:HIGH and two "
                 "as numbers"
             )
         fixed = dict.fromkeys(COORDINATES, (0.0, 0.0))
@@ -98,17 +91,6 @@ class Slice:
         columns = {name: np.full(X.size, value) for name, value in self.fixed.items()}
         columns.update({self.axes[0]: X.ravel(), self.axes[1]: Y.ravel()})
         return x, y, columns
-
-
-def _ends(option: str, name: Any, ends: Any) -> str:
-    """A number or a pair as `Slice.parse` takes it, with all digits."""
-    try:
-        values = [ends] if np.ndim(ends) == 0 else list(ends)
-        if isinstance(ends, str):
-            return ends
-        return ":".join(repr(float(value)) for value in values)
-    except (TypeError, ValueError):
-        raise InputError(f"{option} {name} = {shown(ends)} is not a number or a pair of numbers") from None
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -156,7 +156,11 @@ def _one_disk(flag: str, value: Any) -> Disk:
 
 def read_ranges(flag: str, value: Any) -> dict[str, Range]:
     """Read ranges of coordinates: "phi=0,phidot=-2:2", a mapping, or a Box. Raises InputError."""
-    return parse_ranges(_as_text(flag, value), flag)
+    given = as_json(value)
+    for name, ends in given.items() if isinstance(given, Mapping) else ():
+        if not isinstance(ends, str | list):
+            raise InputError(f"{flag} {name} = {shown(ends)} is not a range; give LOW:HIGH or a pair of numbers")
+    return parse_ranges(given, flag)
 
 
 def read_slices(flag: str, value: Any) -> tuple[Slice, ...]:
@@ -165,22 +169,6 @@ def read_slices(flag: str, value: Any) -> tuple[Slice, ...]:
     if not isinstance(several, list | tuple) or not several:
         raise InputError(f"{flag} {shown(value)} is not a slice or a list of slices")
     return tuple(Slice.of(each, flag) for each in several)
-
-
-def _as_text(flag: str, value: Any) -> str:
-    """Ranges of coordinates as a user writes them; the digits of the numbers are all kept."""
-    if isinstance(value, str):
-        return value
-    ranges = as_json(value)
-    if not isinstance(ranges, Mapping):
-        raise InputError(f'{flag} {shown(value)} is no text; write "phi=0,phidot=-2:2"')
-    texts = []
-    for name, ends in ranges.items():
-        if not isinstance(ends, str | list) or len(ends) == 0:
-            raise InputError(f"{flag} {name} = {shown(ends)} is not a range; give LOW:HIGH or a pair of numbers")
-        plain = ends if isinstance(ends, str) else ":".join(repr(number(f"{flag} {name}", end)) for end in ends)
-        texts.append(f"{name}={plain}")
-    return ",".join(texts)
 
 
 def read_density(flag: str, value: Any) -> Function:

@@ -154,7 +154,7 @@ def test_disks_are_names_mappings_or_disks():
 
 def test_slices_are_text_mappings_or_slices():
     text = "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"
-    one = Slice.parse(text)
+    one = Slice.of(text)
     assert (
         read_slices("--slice", text)
         == read_slices("--slice", [one.describe()])
