@@ -19,8 +19,8 @@ def nodes(degree: int) -> Array:
     return 0.5 * HALF_PI * (1.0 + np.cos(np.pi * (np.arange(degree) + 0.5) / degree))
 
 
-def primitive(values: Any) -> Chebyshev:
-    """The integral from 0 of a function that is given at the nodes, real or complex.
+def primitive(values: Any, low: float = 0.0, high: float = HALF_PI) -> Chebyshev:
+    """The integral from `low` of a function that is given at the nodes between both ends, real or complex.
 
     By a cosine transform: numpy's own interpolation solves with a dense matrix, half a gigabyte at degree 8192.
     """
@@ -28,7 +28,7 @@ def primitive(values: Any) -> Chebyshev:
 
     coefficients = dct(values, type=2) / values.size
     coefficients[0] *= 0.5
-    return Chebyshev(coefficients, domain=[0.0, HALF_PI]).integ(lbnd=0.0)
+    return Chebyshev(coefficients, domain=[low, high]).integ(lbnd=low)
 
 
 def settled(series: Callable[[int], list[Chebyshev]], degree: int, most: int) -> list[Chebyshev] | None:

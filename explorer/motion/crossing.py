@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError
-from explorer.motion.chebyshev import HALF_PI
+from explorer.motion.chebyshev import HALF_PI, primitive
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
@@ -104,23 +104,16 @@ class CrossingRise:
 
     def _piece(self, crossed: bool, low: float, high: float, degree: int) -> Piece:
         """Series between low and high, all from 0 at low and chi = 0 there."""
-        from scipy.fft import dct
-
         nodes = 0.5 * (low + high) + 0.5 * (high - low) * np.cos(np.pi * (np.arange(degree) + 0.5) / degree)
         at = self._along(crossed, nodes)
 
-        def primitive(values: NDArray[np.complex128] | Array) -> Chebyshev:
-            coefficients = dct(values, type=2) / degree
-            coefficients[0] *= 0.5
-            return Chebyshev(coefficients, domain=[low, high]).integ(lbnd=low)
-
-        chi = primitive(at.dt * at.turn)
+        chi = primitive(at.dt * at.turn, low, high)
         # eq. (2.33): d(a1 + i a2)/dt = (thetadot cos phi - i sigma4) e^(i chi). Behind the turning point, where
         # v > 0, the disk falls.
         thetadot = np.where(crossed & (nodes > 0.0), -at.speed, at.speed)
-        centre = primitive(at.dt * (thetadot * at.q - 1j * at.sigma4) * np.exp(1j * chi(nodes)))
-        psi = primitive(at.dt * (np.cos(at.theta) * at.turn - at.sigma4))
-        return Piece(crossed, low, high, 0.0, primitive(at.dt), chi, psi, centre)
+        centre = primitive(at.dt * (thetadot * at.q - 1j * at.sigma4) * np.exp(1j * chi(nodes)), low, high)
+        psi = primitive(at.dt * (np.cos(at.theta) * at.turn - at.sigma4), low, high)
+        return Piece(crossed, low, high, 0.0, primitive(at.dt, low, high), chi, psi, centre)
 
     def _along(self, crossed: bool, v: Array) -> Along:
         b, sign = self._disk.body, -1.0 if crossed else 1.0

@@ -85,7 +85,7 @@ def bifurcation_portraits(
     (4, 0.34456)
     """
     require_axial_inertia(disk)
-    one_of("path", path, list(PATHS))
+    one_of("path", path, PATHS)
     threshold = max(path_values(disk, path)[1])
     chosen = tuple(_one_in_each_region(disk, path, threshold) if places is None else _pairs(places))
     if not chosen:

@@ -16,7 +16,7 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, shown
+from explorer.errors import InputError, one_of
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope
 from explorer.phase.membership import well
@@ -273,7 +273,8 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     >>> [branch.kind for branch in ex.portrait.bifurcation(ex.Disk.uniform(), "line", [0.1, 0.2])]
     ['centre', 'saddle']
     """
-    _check(disk, path)
+    require_axial_inertia(disk)
+    one_of("path", path, PATHS)
     (values,) = columns_of(parameter=parameter)
     # The potential is quadratic in the constants of a path, the same where both change their signs.
     steady = cache(lambda size: _regular(PATHS[path](disk, size)))
@@ -286,13 +287,6 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
             phi, energy = np.array([(each[number].phi, each[number].energy) for _, each in members]).T
             branches.append(Branch(at, phi, energy, kind))
     return tuple(branches)
-
-
-def _check(disk: Disk, path: str) -> None:
-    """Raise InputError for a path that is not known, and a disk that has no lines."""
-    require_axial_inertia(disk)
-    if not isinstance(path, str) or path not in PATHS:
-        raise InputError(f"path {shown(path)} is not known; choose {' or '.join(PATHS)}")
 
 
 def _regular(potential: Potential) -> list[Equilibrium]:
@@ -334,7 +328,8 @@ def path_values(disk: Disk, path: str) -> tuple[Array, tuple[float, ...]]:
     >>> [round(edge, 5) for edge in thresholds]
     [0.34456, -0.34456]
     """
-    _check(disk, path)
+    require_axial_inertia(disk)
+    one_of("path", path, PATHS)
     if path == "line":
         edge = well(disk).sigma3_bar * disk.rate_unit
     else:

@@ -282,6 +282,11 @@ def part_of(length: int, parts: int) -> int:
     return length // min(parts, max(1, length // _SMALLEST_PART))
 
 
+def joined(tables: Sequence[Table]) -> Table:
+    """Tables with the same columns, one below the other."""
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+
 def together(first: S, others: Sequence[Scene]) -> S:
     """A scene with the `samples` of all, which must differ in nothing but samples, seeds and chunks."""
     more: Any = {"samples": sum(getattr(scene, "samples", 0) for scene in (first, *others))}

@@ -33,11 +33,6 @@ def count_faces(on_plus: NDArray[np.bool_], eta: Array) -> dict[str, int]:
     return counts
 
 
-def joined(tables: list[Table]) -> Table:
-    """Tables one after another."""
-    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
-
-
 def no_cells() -> NDArray[np.uint16]:
     """A map with nothing in it."""
     return np.full(MAP_CELLS * MAP_CELLS, NO_CODE, np.uint16)

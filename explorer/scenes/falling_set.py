@@ -27,8 +27,8 @@ from explorer.phase.lines import line_slope
 from explorer.phase.membership import could_fall, falls_of
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.portrait.slices import ConstantsPlane, Slice, slice_map
-from explorer.scenes.base import Chunks, Picture, Table, Tally
-from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_faces, joined, nearer, no_cells
+from explorer.scenes.base import Chunks, Picture, Table, Tally, joined
+from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_faces, nearer, no_cells
 from explorer.scenes.of_states import BLOCK, Block, SceneOfStates
 from explorer.scenes.options import BOX, Option, Ranges, read_slices
 

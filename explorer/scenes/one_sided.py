@@ -29,7 +29,7 @@ from explorer.portrait.both_sides import (
     point_of_f,
     sample_times,
 )
-from explorer.scenes.base import Chunks, Picture, Scene, Table, together
+from explorer.scenes.base import Chunks, Picture, Scene, Table, joined, together
 from explorer.scenes.beside import (
     BOX,
     Beside,
@@ -169,7 +169,7 @@ class OneSided(Scene):
         disk, starts = self.disks[index // self.blocks], self.starts(index)
         first = BLOCK * (index % self.blocks)
         parts = [self._approach(disk, first + i, starts.at(i)) for i in range(starts.speed.size)]
-        return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
+        return joined(parts)
 
     def _approach(self, disk: Disk, base: int, start: tuple[float, float, int]) -> Table:
         """All rungs of the ladder, both signs, beside one point of F."""
@@ -206,8 +206,7 @@ class OneSided(Scene):
     def add_up(self, chunks: Chunks) -> Approach:
         tables = {}
         for disk in self.disks:
-            parts = list(islice(chunks.tables, self.blocks))
-            tables[disk.name] = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
+            tables[disk.name] = joined(list(islice(chunks.tables, self.blocks)))
         return Approach(tables, statistics.add_counts(tally["status"] for tally in chunks.tallies))
 
     def together(self, others: Sequence[Scene]) -> Scene:
@@ -216,10 +215,7 @@ class OneSided(Scene):
     def add_up_several(self, parts: Sequence[tuple[Scene, Chunks]]) -> Approach:
         """Every run has its chunks disk by disk, so each is added up alone first."""
         totals = [scene.add_up(chunks) for scene, chunks in parts]
-        tables = {
-            name: {key: np.concatenate([total.tables[name][key] for total in totals]) for key in table}
-            for name, table in totals[0].tables.items()
-        }
+        tables = {name: joined([total.tables[name] for total in totals]) for name in totals[0].tables}
         return Approach(tables, statistics.add_counts(total.status for total in totals))
 
     def summarise(self, total: Approach) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from explorer.phase.membership import require_well, well
 from explorer.portrait.potential import Component, Potential
 from explorer.portrait.potentials import at_constants, level_energies, on_line, well_separatrix
 from explorer.portrait.steady import PATHS, thresholds, whole_path
-from explorer.scenes.base import Chunks, Picture, Scene, Table, Tally
+from explorer.scenes.base import Chunks, Picture, Scene, Table, Tally, joined
 from explorer.scenes.options import Distances, OpenRange, Option
 
 LEVELS = 9
@@ -129,7 +129,7 @@ class Portrait(Scene):
                 fixed = {"energy": energy, "piece": place, "falls": piece.falls}
                 parts.append({key: np.full(phi.size, value) for key, value in fixed.items()})
                 parts[-1] |= {"phi": phi, "phidot": phidot, "status": np.zeros(phi.size, np.int8)}
-        return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
+        return joined(parts)
 
     def tally(self, index: int, table: Table) -> Tally:
         return {"status": {"ok": int(np.unique(table["energy"]).size)}}

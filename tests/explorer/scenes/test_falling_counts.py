@@ -4,7 +4,8 @@ import json
 
 import numpy as np
 
-from explorer.scenes.falling_counts import NO_CODE, FallingCounts, count_faces, joined, nearer, no_cells
+from explorer.scenes.base import joined
+from explorer.scenes.falling_counts import NO_CODE, FallingCounts, count_faces, nearer, no_cells
 from explorer.scenes.registry import build_scene
 
 
