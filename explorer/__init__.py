@@ -9,12 +9,9 @@
 Names are loaded on first use, so that importing this package is cheap.
 """
 
-import sys
-from collections.abc import Callable
-from importlib import import_module
-from operator import attrgetter
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
+
+from explorer.lazy import make_lazy
 
 if TYPE_CHECKING:
     from explorer import plot as plot
@@ -61,86 +58,17 @@ if TYPE_CHECKING:
     Status = _status.Status
     __version__: str
 
-# Every public name, with the module it comes from; after a colon, what it is called there if not the same. `plot`
-# and `portrait` are modules themselves.
-_HOMES = {
-    "CoarseTimesWarning": "errors",
-    "Disk": "phase.disk",
-    "InputError": "errors",
-    "Interrupted": "errors",
-    "Run": "runs.run",
-    "RunError": "errors",
-    "StateWarning": "phase.states",
-    "States": "phase.states",
-    "Status": "compiled:status.Status",
-    "both_sides": "portrait.both_sides",
-    "bounces": "motion.bounces",
-    "circular_rolling": "portrait.rolling",
-    "cite": "commands.cite",
-    "constants": "phase.constants",
-    "constants_to_states": "phase.states",
-    "coordinates_to_states": "phase.coordinates",
-    "falling_constant": "measure.falling_constant",
-    "falls": "phase.membership",
-    "flow_stretch": "measure.invariance",
-    "limit_motion": "motion.limit_motions",
-    "merge": "runs.merge",
-    "open": "runs.run",
-    "passage_forces": "motion.forces",
-    "passages": "motion.passages",
-    "periods": "motion.periods",
-    "phi_to_states": "phase.states",
-    "plan": "commands.plan",
-    "plot": "plot",
-    "portrait": "portrait",
-    "push_forward": "measure.invariance",
-    "rates_to_states": "phase.coordinates",
-    "register": "scenes.registry",
-    "run": "commands.run",
-    "scan": "motion.scan",
-    "simulate": "motion.trajectories",
-    "slice_map": "portrait.slices",
-    "steady_motions": "portrait.rolling",
-    "theta_to_states": "phase.states",
-    "trade": "commands.trade",
-    "view": "view.page",
-}
 
-__all__ = [*_HOMES]
+def _made_status() -> Any:
+    from explorer import compiled
+
+    return compiled.status.Status
 
 
-def __getattr__(name: str) -> Any:
-    if name == "__version__":
-        from explorer.version import installed_version
+def _made_version() -> str:
+    from explorer.version import installed_version
 
-        value: Any = installed_version() or "0+unknown"
-    elif name in _HOMES:
-        home, _, path = _HOMES[name].partition(":")
-        module = import_module(f"explorer.{home}")
-        value = module if name == home else attrgetter(path or name)(module)
-    else:
-        raise AttributeError(f"module 'explorer' has no attribute {name!r}")
-    globals()[name] = value
-    return value
+    return installed_version() or "0+unknown"
 
 
-def __dir__() -> list[str]:
-    return [*__all__, "__version__"]
-
-
-class _Package(ModuleType):
-    """This package, whose room `view` never takes the place of the function of that name.
-
-    The import system sets each room on its package as an attribute. Without one, `__getattr__` gives the function.
-    """
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if name != "view" or not isinstance(value, ModuleType):
-            super().__setattr__(name, value)
-
-    def __reduce__(self) -> tuple[Callable[[str], ModuleType], tuple[str]]:
-        """Packed by its name, like any module, for code of a user that travels to other processes."""
-        return import_module, (self.__name__,)
-
-
-sys.modules[__name__].__class__ = _Package
+__all__ = make_lazy(__name__, Status=_made_status, __version__=_made_version)
