@@ -2,7 +2,7 @@
 
 import argparse
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from textwrap import fill, indent
 from typing import Any, Literal, Unpack, overload
@@ -96,9 +96,9 @@ def _entry(option: Option, text: str) -> str:
     return f"{option.word} : {type_words(option.kind)}\n{indent(fill(f'{text}.', 110), '    ')}"
 
 
-def document(function: Callable[..., Any]) -> None:
-    """Let help() and inspect.signature() of `run` or `plan` name settings and the options of all scenes."""
-    entries = {option.word: _entry(option, option.help_for(Settings)) for option in SETTINGS}
+def document(function: Callable[..., Any], settings: Sequence[Option] = SETTINGS, kind: type = Settings) -> None:
+    """Let help() and inspect.signature() of `run` and its like name settings and the options of all scenes."""
+    entries = {option.word: _entry(option, option.help_for(kind)) for option in settings}
     entries |= {option.word: _entry(option, text) for option, text in described(SCENES.values())}
     signature = inspect.signature(function)
     scene, _ = signature.parameters.values()
@@ -123,7 +123,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 def add_question(command: argparse.ArgumentParser) -> None:
     """Add the scene, the settings of its run, and the options of all scenes."""
     _add_settings(command)
-    _add_options(command, SCENES.values())
+    add_options(command, SCENES.values())
 
 
 def add_existing(command: argparse.ArgumentParser) -> None:
@@ -143,11 +143,14 @@ def add_figures(command: argparse.ArgumentParser) -> None:
 
 
 def _add_settings(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "scene", metavar="SCENE", help=f"{', '.join(SCENES)}, or a TOML file that names a scene and sets options"
-    )
+    add_scene(command, f"{', '.join(SCENES)}, or a TOML file that names a scene and sets options")
     add_settings(command)
     add_json(command)
+
+
+def add_scene(command: argparse.ArgumentParser, text: str, count: str | None = None) -> None:
+    """Add the scene that a command is about."""
+    command.add_argument("scene", metavar="SCENE", nargs=count, help=text)
 
 
 def add_settings(command: argparse.ArgumentParser, words: Iterable[str] | None = None) -> None:
@@ -158,12 +161,18 @@ def add_settings(command: argparse.ArgumentParser, words: Iterable[str] | None =
             command.add_argument(option.flag, metavar=option.metavar, help=text)
 
 
-def _add_options(command: argparse.ArgumentParser, kinds: Iterable[type[Scene]]) -> None:
-    """Add the options of some scenes, each flag once; its help says for which scenes it is, unless for all."""
+def add_options(
+    command: argparse.ArgumentParser, kinds: Iterable[type[Scene]], hidden: Sequence[str] = ()
+) -> None:
+    """Add the options of some scenes, each flag once; its help says for which scenes it is, unless for all.
+
+    hidden: words of options that are read, but not for this command, which says so where they are given.
+    """
     for option, text in described(kinds):
         if not option.flag.startswith("--"):
             continue
-        how: dict[str, Any] = {"dest": option.word, "help": text.replace("%", "%%")}
+        shown = argparse.SUPPRESS if option.word in hidden else text.replace("%", "%%")
+        how: dict[str, Any] = {"dest": option.word, "help": shown}
         if not option.metavar:
             how |= {"action": "store_const", "const": True}
         else:
@@ -182,19 +191,22 @@ class _Help(argparse.Action):
             parser = argparse.ArgumentParser(parser.prog, None, text, example, add_help=False)
             _add_settings(parser)
             add_existing(parser)
-            _add_options(parser.add_argument_group(f"options of {kind.name}"), [kind])
+            add_options(parser.add_argument_group(f"options of {kind.name}"), [kind])
         parser.print_help()
         parser.exit()
 
 
-def given_by(options: argparse.Namespace) -> tuple[str, dict[str, Any]]:
-    """Scene and keywords from a command line, and from a TOML file where one is named; the command line wins."""
+def given_by(options: argparse.Namespace, apart: Sequence[str] = ()) -> tuple[Any, dict[str, Any]]:
+    """Scene and keywords from a command line, and from a TOML file where one is named; the command line wins.
+
+    apart: options that are no keywords.
+    """
     given: dict[str, Any] = {"scene": options.scene}
-    if options.scene.endswith(".toml"):
+    if str(options.scene).endswith(".toml"):
         given = read_scene_file(Path(options.scene))
         if given.pop("resume", None):
             given.setdefault("exist", "resume")
-    apart = ("scene", "command", "command_line", "call", "arithmetic", "json", "quiet")
+    apart = (*apart, "scene", "command", "command_line", "call", "arithmetic", "json", "quiet")
     given |= {key: value for key, value in vars(options).items() if key not in apart and value is not None}
     if options.quiet:
         given["progress"] = False

@@ -1,244 +1,288 @@
-"""`nearflat trade`: speed against accuracy, measured: every method at every setting, on passages of a body."""
+"""`nearflat trade`, and `ex.trade` for Python: speed against accuracy, measured on the samples of a scene."""
 
 import argparse
 import json
-import platform
-import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
-
-import numpy as np
+from typing import Annotated, Any, Literal, NamedTuple, TypedDict, Unpack, overload
 
 from explorer import compiled
+from explorer.commands import trade_report
 from explorer.commands.common import add_json
-from explorer.commands.made_by import leave_page
-from explorer.errors import InputError, note, whole
+from explorer.commands.run import add_options, add_scene, document, given_by
+from explorer.errors import InputError, flag, note, positive, whole
 from explorer.motion import calibration
-from explorer.motion.passages import passages
-from explorer.motion.turning_points import followed
+from explorer.motion.trade import Errors, Measured, Row, curves, largest_errors, measure, only_errors
+from explorer.motion.trials import Trial
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, constants_to_states
+from explorer.runs.settings import SETTINGS
+from explorer.scenes.base import Scene
+from explorer.scenes.falling_set import FallingSet
+from explorer.scenes.measure_zero import MeasureZero
+from explorer.scenes.one_sided import OneSided
+from explorer.scenes.options import Option, options_of
+from explorer.scenes.race_angles import RaceAngles
+from explorer.scenes.registry import SCENES, build_scene
 
-# Steps in units of 1/speed and tolerances, from coarse to fine.
-SETTINGS = {
-    "rk4": (0.5, 0.35, 0.25, 0.18, 0.12, 0.08, 0.05, 0.03, 0.02, 0.012, 0.007, 0.004, 0.002),
-    "rk8": (1.6, 1.4, 1.2, 1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.22, 0.16, 0.12, 0.08, 0.05),
-    "dopri5": tuple(10.0 ** -np.arange(2.5, 11.6, 0.5)),
-    "dop853": tuple(10.0 ** -np.arange(1.0, 15.1, 0.5)),
-}
-# Of |eta_hat|, natural units.
-DECADES = (-8.0, 0.0)
-FEWEST, MOST = 1024, 1_000_000  # samples; with fewer, overheads are measured
-STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
-_MOST_STEPS, _ANY_ERROR = 200_000, 1.0  # errors are what is measured, so no sample is refused for its own
-# Errors are calibrated on all of these, so that they hold for bodies nobody measured.
+# With fewer passages or tilts, overheads are measured.
+FEWEST, MOTIONS, MOST_MOTIONS = 256, 128, 100_000
+# Without a scene: passages at all these distances from F, natural units.
+PLAIN, ALL_DISTANCES = "race-angles", (1e-8, 1.0)
+# Errors are calibrated on all of these too, so that they hold for bodies nobody measured.
 BODIES = (Disk.uniform(), Disk.hoop(), Disk(I1=0.02, I3=0.04), Disk(I1=0.5, I3=0.3))
+_OF_EACH_BODY = 1024, 64  # passages, motions
+_LEFT_OUT = ("method", "accuracy")  # what is measured
 
-Answer = TypeVar("Answer")
+
+class Trading(TypedDict, total=False):
+    """Keywords of `trade` beside those of the scene."""
+
+    motions: Annotated[
+        int,
+        Option(
+            "--motions",
+            partial(whole, low=0, high=MOST_MOTIONS),
+            "N",
+            "motions in time, from the first samples, that are measured too; 0: none",
+            default=str(MOTIONS),
+        ),
+    ]
+    t_end: Annotated[
+        float,
+        Option(
+            "--t-end",
+            positive,
+            "T",
+            "end of these motions, in the units of the disk",
+            default="2.5 natural units, about a passage; in one-sided the times of the scene",
+        ),
+    ]
+    progress: Annotated[bool | None, Option("progress", flag, "", "False prints nothing")]
+
+
+TRADING = options_of(Trading)
+
+
+class TradeFallingSet(FallingSet.Keywords, Trading, total=False):
+    """Keywords of `trade("falling-set")`."""
+
+
+class TradeMeasureZero(MeasureZero.Keywords, Trading, total=False):
+    """Keywords of `trade("measure-zero")`."""
+
+
+class TradeOneSided(OneSided.Keywords, Trading, total=False):
+    """Keywords of `trade("one-sided")`."""
+
+
+class TradeRaceAngles(RaceAngles.Keywords, Trading, total=False):
+    """Keywords of `trade("race-angles")`."""
 
 
 @dataclass(frozen=True)
-class Row:
-    """One method at one setting: its errors, and what a passage costs.
+class Trade:
+    """Speed against accuracy on the samples of a scene: what `trade` returns.
 
     Attributes
     ----------
-    method : str
-        "quadrature" or the name of an integrator.
-    setting : float
-        Step in units of 1/speed, or tolerance.
-    median, p99 : float
-        Quantiles of the error (rad; of times, relative).
-    evaluations : float
-        Of the vector field, for a passage.
-    nanoseconds : float
-        For a passage, on one core.
-    unresolved : float
-        Share of the samples.
-    on_front : bool
-        Whether no other integrator is both faster and more accurate.
+    scene : Scene
+        Whose samples were measured.
+    parts : list of Measured
+        What the scene computes, passages or smallest tilts, and its motions in time.
 
     Examples
     --------
     >>> import explorer as ex
-    >>> rows = ex.trade(ex.Disk.uniform(), 1024)  # doctest: +SKIP
-    >>> print(min(row.nanoseconds for row in rows if row.p99 < 1e-6))  # doctest: +SKIP
+    >>> found = ex.trade("race-angles", disk="hoop", samples=1024)  # doctest: +SKIP
+    >>> print(min(row.nanoseconds for row in found.rows if row.p99 < 1e-6))  # doctest: +SKIP
     """
 
-    method: str
-    setting: float
-    median: float
-    p99: float
-    evaluations: float
-    nanoseconds: float
-    unresolved: float  # share of samples
-    on_front: bool = False
+    scene: Scene
+    parts: list[Measured]
+
+    @property
+    def rows(self) -> list[Row]:
+        """Every method at every setting, of all parts."""
+        return [row for part in self.parts for row in part.rows]
+
+    @property
+    def asked(self) -> list[Row]:
+        """Every method at every accuracy asked, of all parts."""
+        return [row for part in self.parts for row in part.asked]
+
+    def store(self) -> Path:
+        """Keep it as the calibration of this machine, which `accuracy` and `method="auto"` use from then on.
+
+        Costs are as measured here; errors are the largest of those measured here and on four other bodies.
+
+        Returns
+        -------
+        Path
+            The file, which may be deleted.
+
+        Raises
+        ------
+        InputError
+            Where these samples do not let a method's error fall with its setting.
+        RunError
+            Where it cannot be written.
+        """
+        return calibration.store(calibrate(self))
+
+    def __str__(self) -> str:
+        return "\n".join(trade_report.tables(self.parts))
 
 
-def trade(disk: Disk, samples: int = 4096, seed: int = 0, say: Any = lambda text: None) -> list[Row]:
-    """Measure error and cost of every method over its range of settings, on passages of a body; some ten seconds.
+@overload
+def trade(scene: Literal["falling-set"], **options: Unpack[TradeFallingSet]) -> Trade: ...
+@overload
+def trade(scene: Literal["measure-zero"], **options: Unpack[TradeMeasureZero]) -> Trade: ...
+@overload
+def trade(scene: Literal["one-sided"], **options: Unpack[TradeOneSided]) -> Trade: ...
+@overload
+def trade(scene: Literal["race-angles"] | None = None, **options: Unpack[TradeRaceAngles]) -> Trade: ...
+@overload
+def trade(scene: type[Scene], **options: Any) -> Trade: ...
+def trade(scene: str | type[Scene] | None = None, **options: Any) -> Trade:
+    """Measure error and cost of every method on the samples that a scene draws, and on its motions in time.
 
-    Starts are as race-angles draws them, |eta_hat| from 1e-8 to 1. Errors are the largest of delta chi, delta psi
-    (rad), duration and theta_min (relative), against quadrature at 1e-11. Compile time is not counted.
+    Passages are compared with adaptive quadrature, smallest tilts with quadrature, motions in time with far finer
+    steps. Costs are of the calls that the scene and `simulate` make, on one core, without compile time.
 
     Parameters
     ----------
-    disk : Disk
-        The body.
-    samples : int
-        Passages, 1024 to a million.
-    seed : int
-        Of the random starts.
-    say : callable, optional
-        Called with a line of progress for each method.
+    scene : str or type, optional
+        As for `run`; by default passages as race-angles draws them, with |eta_hat| from 1e-8 to 1 natural units.
+        `samples` is 4096 unless it is given.
 
     Returns
     -------
-    list of Row
-        For `explorer.plot.work_precision`.
+    Trade
+        For `explorer.plot.work_precision`; `store` lets `accuracy` use it.
 
     Raises
     ------
     InputError
-        For another number of samples, and for a body whose exact answers are not known.
+        For an option that the scene does not take, a scene in which no method is chosen, and too few samples.
 
     Examples
     --------
     >>> import explorer as ex
-    >>> rows = ex.trade(ex.Disk.uniform(), 1024)  # doctest: +SKIP
+    >>> found = ex.trade("race-angles", disk="hoop", samples=1024, motions=0)  # doctest: +SKIP
     """
-    work = Work(disk, whole("--samples", samples, FEWEST, MOST), whole("--seed", seed))
-    if not (work.exact.status == compiled.status.Status.OK).mean() > 0.99:
-        raise InputError(
-            f"--disk {disk.name}: quadrature does not reach 1e-11 for this body; nothing to compare with"
-        )
-    rows = [work.quadrature()]
-    for method, settings in SETTINGS.items():
-        say(f"measuring {method}")
-        rows += [work.measure(method, setting) for setting in settings]
-    return mark_front(rows)
+    return _asked(scene, options).measured()
 
 
-def mark_front(rows: list[Row]) -> list[Row]:
-    """The rows with those integrators marked that no other integrator beats in both error and time."""
-    integrators = [row for row in rows if row.method != "quadrature"]
-    return [
-        replace(row, on_front=row in integrators and not any(_beats(other, row) for other in integrators))
-        for row in rows
-    ]
+document(trade, TRADING, Trading)
 
 
-def _beats(other: Row, row: Row) -> bool:
-    as_good = other.p99 <= row.p99 and other.nanoseconds <= row.nanoseconds
-    return as_good and (other.p99 < row.p99 or other.nanoseconds < row.nanoseconds)
+class _Asked(NamedTuple):
+    """What is to be measured; nothing was computed yet but the true answers."""
+
+    scene: Scene
+    trials: list[Trial]
+    quiet: bool
+
+    def measured(self) -> Trade:
+        return Trade(self.scene, [measure(trial, lambda text: note(text, self.quiet)) for trial in self.trials])
 
 
-def calibrate(rows: list[Row], samples: int = 1024) -> dict[str, Any]:
-    """The table for `calibration`: costs as measured in `rows`, errors the largest over BODIES too."""
-    errors = {(row.method, row.setting): row.p99 for row in rows}
-    for number, disk in enumerate(BODIES):
-        work = Work(disk, samples, number)
-        for method, settings in SETTINGS.items():
-            for setting in settings:
-                row = work.measure(method, setting, repeats=1)
-                errors[method, setting] = max(errors[method, setting], row.p99)
-    methods = {
-        name: [
-            [row.setting, max(errors[row.method, row.setting], 1e-16), row.evaluations, row.nanoseconds]
-            for row in rows
-            if row.method == name
-        ]
-        for name in SETTINGS
+def _asked(scene: str | type[Scene] | None, options: dict[str, Any]) -> _Asked:
+    """What options ask for. Raises InputError."""
+    read = {option.word: option for option in TRADING}
+    said = {
+        word: read[word].read(read[word].flag, options[word]) for word in read if options.get(word) is not None
     }
-    quadrature = next(row.nanoseconds for row in rows if row.method == "quadrature")
-    return {"kernels": compiled.source_digest(), "quadrature": quadrature, "methods": methods}
+    made = scene_of(scene, {word: value for word, value in options.items() if word not in read})
+    count = said.get("motions", MOTIONS)
+    in_time = None if count == 0 else made.motions(count, said.get("t_end"))
+    trials: list[Trial] = [trial for trial in (made.trial(), in_time) if trial is not None]
+    if not trials:
+        raise InputError(f"{made.name}: {_why_none(made, count)}")
+    for trial in trials:
+        _check(made, trial)
+    return _Asked(made, trials, said.get("progress") is False)
 
 
-class Work:
-    """A body's passages, drawn once, with their exact answers."""
+def scene_of(scene: str | type[Scene] | None, options: dict[str, Any]) -> Scene:
+    """The scene whose samples are measured. Raises InputError."""
+    for word in _LEFT_OUT:
+        if options.get(word) is not None:
+            raise InputError(f"--{word} {options[word]}: trade measures all of them; leave it out")
+    made = build_scene(scene or PLAIN, **options)
+    if (
+        scene is None
+        and options.get("eta_hat") is None
+        and isinstance(made, RaceAngles)
+        and made.eta_hat is not None
+    ):
+        low, high = (size * made.disk.rate_unit for size in ALL_DISTANCES)
+        made = replace(made, eta_hat=(low, high))
+    if hasattr(made, "samples") and options.get("samples") is None:
+        made = replace(made, samples=min(made.samples, made.tried))  # type: ignore[call-arg]
+    return made
 
-    def __init__(self, disk: Disk, samples: int, seed: int) -> None:
-        rng = np.random.default_rng(seed)
-        unit = disk.rate_unit
-        eta_hat = rng.choice([-1.0, 1.0], samples) * 10.0 ** rng.uniform(*DECADES, samples)
-        self.disk = disk
-        self.start = (rng.uniform(-2, 2, samples) * unit, eta_hat * unit, rng.uniform(0.5, 2, samples) * unit)
-        self.states = constants_to_states(disk, *self.start, 1.0)
-        self.exact = passages(disk, *self.start, accuracy=1e-11)
 
-    def quadrature(self) -> Row:
-        """Quadrature; its error is what it says of itself."""
-        best, _ = _fastest(lambda: passages(self.disk, *self.start, accuracy=1e-11), 5)
-        errors = self.exact.error_estimate
-        median, p99 = np.nanpercentile(errors, (50, 99))
-        count = len(self.exact)
-        unresolved = float(np.mean(self.exact.status != compiled.status.Status.OK))
-        return Row("quadrature", 1e-11, float(median), float(p99), 0.0, best / count * 1e9, unresolved)
+def _why_none(scene: Scene, count: int) -> str:
+    if count == 0 and scene.motions(1, None) is not None:
+        return "computes nothing but motions in time by a method of choice; leave --motions 0 out"
+    names = ", ".join(name for name in SCENES if name != "portrait")
+    return f"no method is chosen in this scene, so there is nothing to trade; measure {names}"
 
-    def measure(self, method: str, setting: float, repeats: int = 3) -> Row:
-        """An integrator at one setting, to the turning point and doubled."""
-        best, (out, outcome) = _fastest(lambda: self.solve(method, setting), repeats)
-        median, p99 = np.nanpercentile(self.errors(out), (50, 99))
-        evaluations = STAGES[method] * float(outcome.steps.mean())
-        unresolved = float(np.mean(outcome.status != compiled.status.Status.OK))
-        return Row(
-            method,
-            float(setting),
-            float(median),
-            float(p99),
-            evaluations,
-            best / len(self.exact) * 1e9,
-            unresolved,
+
+def _check(scene: Scene, trial: Trial) -> None:
+    """Raise InputError where there is too little to measure, or no answer to compare with."""
+    known = int(trial.known.sum())
+    if not trial.in_time and known < FEWEST:
+        raise InputError(
+            f"--samples {getattr(scene, 'samples', '')}: gives {known} {trial.kind} with a known answer, and "
+            f"overheads are measured with fewer than {FEWEST}; give more samples, or another box or disk"
         )
-
-    def solve(self, method: str, setting: float) -> "tuple[Array, compiled.attempt.Outcome]":
-        """Every sample at its turning point, by one method at one setting."""
-        n, number = len(self.exact), int(getattr(compiled.attempt, method.upper()))
-        how = compiled.attempt.Integration(
-            number, compiled.field.ANGLES, np.full(n, setting), _MOST_STEPS, _ANY_ERROR
-        )
-        assert self.states.exact is not None  # made from constants
-        return followed(self.states, how, np.zeros(n, np.int8), np.stack(self.states.exact))
-
-    def errors(self, out: Array) -> Array:
-        """Largest error of delta chi, delta psi (rad), duration and theta_min (relative) of every sample."""
-        exact, unit, row = self.exact, self.disk.time_unit, compiled.field.ROW
-        errors = (
-            2.0 * out[row.chi] - exact.delta_chi,
-            2.0 * out[row.psi] - exact.delta_psi,
-            2.0 * out[row.t] * unit / exact.duration - 1.0,
-            np.arctan2(out[row.q], abs(out[row.z])) / exact.theta_min - 1.0,
-        )
-        largest: Array = np.max(np.abs(errors), axis=0)
-        return largest
+    if known == 0:
+        raise InputError(f"{scene.name}: none of these motions could be followed; give another box or disk")
 
 
-def _fastest(call: Callable[[], Answer], repeats: int) -> tuple[float, Answer]:
-    """Least processor time (s) of several runs after one that compiles and warms, and what that one returned."""
-    answer = call()
-    best = np.inf
-    for _ in range(repeats):
-        begin = time.thread_time()  # others may be at work on this machine
-        call()
-        best = min(best, time.thread_time() - begin)
-    return best, answer
+def _plain(disk: Disk, samples: int, seed: int) -> Scene:
+    return scene_of(None, {"disk": disk, "samples": samples, "seed": seed})
 
 
-def table(rows: list[Row]) -> list[str]:
-    """The rows as a Markdown table, from accurate to coarse in each method; the front is marked."""
-    lines = [
-        "| method | setting | median error | 99th percentile | evaluations | ns per passage | unresolved | * |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    for row in rows:
-        evaluations = f"{row.evaluations:.0f}" if row.evaluations else "-"
-        lines.append(
-            f"| {row.method} | {row.setting:.2g} | {row.median:.0e} | {row.p99:.0e} | {evaluations} "
-            f"| {row.nanoseconds:.0f} | {row.unresolved:.1%} | {'*' if row.on_front else ''} |"
-        )
-    return lines
+def calibrate(measured: Trade) -> dict[str, Any]:
+    """The table for `calibration`: costs as measured, errors the largest over BODIES too. Raises InputError."""
+    by_kind = {part.kind: part for part in measured.parts}
+    passages, motions = _OF_EACH_BODY
+    bodies = [_plain(disk, passages, number) for number, disk in enumerate(BODIES)]
+    plain = by_kind.get("passages") or _measure(_plain(measured.scene.disk, measured.scene.tried, 0).trial())
+    in_time = by_kind.get("motions") or _measure(bodies[0].motions(2 * motions, None))
+    own = [part.rows for part in measured.parts if part.kind != "motions"]
+    errors = largest_errors([*own, plain.rows], _errors(body.trial() for body in bodies))
+    errors_in_time = largest_errors([in_time.rows], _errors(body.motions(motions, None) for body in bodies))
+    quadrature = [row.nanoseconds for row in plain.rows if row.method == "quadrature"]
+    table = {
+        "kernels": compiled.source_digest(),
+        "measured_on": measured.scene.options(),
+        "quadrature": quadrature[-1],
+        "methods": curves(plain, errors),
+        "motions": curves(in_time, errors_in_time),
+    }
+    try:
+        calibration.parse(table, "")
+    except ValueError as error:
+        raise InputError(
+            f"{measured.scene.name}: {error} on these samples, so they cannot calibrate; --no-store keeps what is "
+            "there"
+        ) from None
+    return table
+
+
+def _measure(trial: Trial | None) -> Measured:
+    assert trial is not None  # race-angles beside F has both
+    return measure(trial)
+
+
+def _errors(trials: Iterable[Trial | None]) -> list[Errors]:
+    return [only_errors(trial) for trial in trials if trial is not None]
 
 
 def folder_for(out: Path) -> Path:
@@ -250,54 +294,31 @@ def folder_for(out: Path) -> Path:
     return out
 
 
-def report(disk: Disk, rows: list[Row], out: Path, command: str, where: Path | None) -> None:
-    """README.md and trade.png in the folder `out`."""
-    from explorer.plot import figure_of, save, work_precision
-
-    lines = [
-        f"# Speed against accuracy: {disk.name}",
-        "",
-        f"Made by `{command}` on {platform.machine()}, {platform.system()}.",
-        "Passages from vertical to vertical as race-angles draws them, |eta_hat| from 1e-8 to 1. Error: the",
-        "largest of delta chi, delta psi (rad), duration and theta_min (relative) against quadrature; for",
-        "quadrature its own estimate. Integrators are held to sigma3_bar and eta, go to the turning point and",
-        "double. Processor time of one core, without compile time. Rows marked * are the Pareto front of the",
-        "integrators: none beats them in both error and time. Quadrature gives",
-        "passages and periods only; where the motion in time is asked for, an integrator must follow it. Compare",
-        "times within this table only.",
-        "",
-        *table(rows),
-        "",
-        "![error and time of all methods](trade.png)",
-    ]
-    if where is not None:
-        lines += ["", "Stored for this machine; `--accuracy` and `--method auto` read it."]
-    save(figure_of(work_precision, rows), out / "trade.png")
-    leave_page(out, lines, command)
-
-
 def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Add the options of `nearflat trade`."""
-    command.add_argument("--disk", default="uniform", metavar="DISK", help="as for run (default uniform)")
-    command.add_argument("--samples", default=4096, metavar="N", help="passages (default 4096)")
-    command.add_argument("--seed", default=0, metavar="S", help="seed of the random streams (default 0)")
-    command.add_argument("--out", default="results/trade", metavar="DIR", help="folder (default results/trade)")
+    """Add the options of `nearflat trade`: those of the scenes, and its own."""
+    add_scene(command, f"{', '.join(SCENES)}, or a TOML file; by default passages as race-angles draws them", "?")
+    add_options(command, SCENES.values(), hidden=_LEFT_OUT)
+    for option in TRADING:
+        if option.metavar:
+            command.add_argument(option.flag, metavar=option.metavar, help=option.help_for(Trading))
+    command.add_argument("--out", metavar="DIR", help="folder (default results/trade, or results/trade-SCENE)")
     command.add_argument("--no-store", action="store_true", help="do not keep the result for this machine")
     add_json(command)
 
 
 def call(options: argparse.Namespace) -> int:
-    disk, out = Disk.parse(options.disk), folder_for(Path(options.out))
-    samples, seed = whole("--samples", options.samples, FEWEST, MOST), whole("--seed", options.seed)
-    rows = trade(disk, samples, seed, lambda text: note(text, options.quiet))
-    command = f"nearflat trade --disk {options.disk} --samples {samples} --seed {seed}"
-    where = None if options.no_store else calibration.stored_at()
-    report(disk, rows, out, command, where)
-    if where is not None:
-        calibration.store(calibrate(rows))
+    scene, given = given_by(options, apart=("no_store",))
+    of_runs = {option.word for option in SETTINGS} - {"out", "progress"}  # a TOML file may have them
+    given = {word: value for word, value in given.items() if word not in of_runs}
+    out = given.pop("out", None) or ("results/trade" if scene is None else f"results/trade-{scene}")
+    asked = _asked(scene, given)
+    folder = folder_for(Path(out))
+    found = asked.measured()
+    where = None if options.no_store else found.store()
+    trade_report.write(found.scene, found.parts, folder, options.command_line, where)
     if options.json:
-        print(json.dumps({"disk": disk.describe(), "rows": [vars(row) for row in rows]}))
+        print(json.dumps({"scene": found.scene.options(), "parts": [asdict(part) for part in found.parts]}))
         return 0
-    print("\n".join(table(rows)))
-    print(f"Table and picture are in {options.out}." + (f" Calibration kept in {where}." if where else ""))
+    print(found)
+    print(f"Tables and picture are in {folder}." + (f" Calibration kept in {where}." if where else ""))
     return 0

@@ -6,22 +6,34 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from explorer.motion.trade import Measured, Row, best_of
 from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, MARKERS, SERIES, SMALL, axes_or_new, dress, legend_below
+from explorer.plot.style import DARK, MARKERS, SERIES, SMALL, axes_or_new, dress
+
+_LIMITS = (3e-2, 1e-15)  # of the error; the names of the methods stand in the last decades
+_APART = 1.35  # ratio of the heights of two names
+_TITLES = {
+    "passages": "Passages: time against error",
+    "tilts": "Smallest tilts: time against error",
+    "motions": "Motions in time: time against error",
+}
 
 
 @captioned(
     Question.HOW_GOOD,
-    "Time of one passage against its error, for all methods at many settings. Lower and further right is "
-    "better; quadrature is the star, and the band joins the integrators that no other beats.",
+    "What accuracy costs, for each method at many settings: the time of a sample on one core against the 99th "
+    "percentile of its error. Lower and further right is better. The band joins the integrators that no other "
+    "beats; the stars are quadrature at its grades.",
 )
-def work_precision(rows: Sequence[Any], ax: Axes | None = None, **look: Any) -> Axes:
-    """Draw time per passage against the 99th percentile of the error, a line per method, the front in grey.
+def work_precision(measured: Measured, ax: Axes | None = None, **look: Any) -> Axes:
+    """Draw time per sample against the 99th percentile of the error, a line per method, the front in grey.
+
+    Settings that are no better than a coarser one of the same method are left out.
 
     Parameters
     ----------
-    rows : sequence of Row
-        From `explorer.trade`.
+    measured : Measured
+        One of the `parts` of what `explorer.trade` returns.
     ax : Axes, optional
         Where to draw; by default on a new figure.
     **look
@@ -30,33 +42,62 @@ def work_precision(rows: Sequence[Any], ax: Axes | None = None, **look: Any) -> 
     Returns
     -------
     Axes
-        Error (rad; of times, relative), falling to the right, and nanoseconds, both logarithmic.
+        Error, falling to the right, and nanoseconds, both logarithmic.
 
     Examples
     --------
     >>> import explorer as ex
-    >>> ax = ex.plot.work_precision(ex.trade(ex.Disk.uniform(), 1024))  # doctest: +SKIP
+    >>> found = ex.trade("race-angles", disk="hoop", samples=1024)  # doctest: +SKIP
+    >>> ax = ex.plot.work_precision(found.parts[0])  # doctest: +SKIP
     """
     ax = axes_or_new(ax)
-    front = sorted((row.p99, row.nanoseconds) for row in rows if row.on_front)
-    ax.plot(*np.array(front).T, color="0.85", lw=9, solid_capstyle="round", zorder=0, label="best integrators")
-    for k, method in enumerate(dict.fromkeys(row.method for row in rows)):
-        chosen = [row for row in rows if row.method == method]
-        style: dict[str, Any] = {"marker": MARKERS[(k - 1) % 8], "ms": 6, "color": SERIES[k % 8], "ls": "-"}
-        if method == "quadrature":
-            style = {"marker": "*", "ms": 14, "color": DARK, "ls": "none"}
-        ax.plot(
-            [row.p99 for row in chosen], [row.nanoseconds for row in chosen], **(style | {"label": method} | look)
-        )
+    front = sorted(_place(row) for row in measured.rows if row.on_front)
+    if front:
+        ax.plot(*np.array(front).T, color="0.85", lw=9, solid_capstyle="round", zorder=0, label="best integrators")
+    names: list[tuple[float, float, str, str]] = []
+    for k, method in enumerate(dict.fromkeys(row.method for row in measured.rows)):
+        chosen = best_of([row for row in measured.rows if row.method == method])
+        if not chosen:
+            continue
+        by_quadrature = method == "quadrature"
+        colour = DARK if by_quadrature else SERIES[1 + list(MARKERS).index(_marker(method))]
+        style: dict[str, Any] = {"marker": _marker(method), "ms": 6, "color": colour, "ls": "-", "zorder": 2 + k}
+        if by_quadrature:
+            style |= {"marker": "*", "ms": 13, "lw": 1.0}
+        ax.plot(*np.array([_place(row) for row in chosen]).T, **(style | {"label": method} | look))
+        names.append((*_place(chosen[-1]), method, colour))
     ax.set_xscale("log")
     ax.set_yscale("log")
-    ax.invert_xaxis()
+    ax.set_xlim(*_LIMITS)
+    ax.set_xticks([10.0**-k for k in range(2, 14, 2)])
+    _write(ax, names)
     ax.text(0.98, 0.03, "better ↘", ha="right", va="bottom", fontsize=SMALL, transform=ax.transAxes)
-    legend_below(ax, ncols=3)
-    return dress(
-        ax,
-        "error, 99th percentile (rad; of times, relative)",
-        "time per passage (ns)",
-        "Speed against accuracy",
-        grid=True,
-    )
+    x = "error, 99th percentile (rad; times and tilts relative)"
+    return dress(ax, x, f"time per {measured.unit}, one core (ns)", _TITLES[measured.kind], grid=True)
+
+
+def _marker(method: str) -> str:
+    """Each method has its own marker, also where others are missing."""
+    known: Sequence[str] = ("rk4", "rk8", "dopri5", "dop853")
+    return MARKERS[known.index(method) if method in known else len(known)]
+
+
+def _place(row: Row) -> tuple[float, float]:
+    return row.p99, row.nanoseconds
+
+
+def _write(ax: Axes, names: list[tuple[float, float, str, str]]) -> None:
+    """The names of the methods beside the fine ends of their lines, apart from each other."""
+    lowest = 0.0
+    for error, nanoseconds, name, colour in sorted(names, key=lambda each: each[1]):
+        height = max(nanoseconds, lowest * _APART)
+        lowest = height
+        ax.annotate(
+            name,
+            (error, height),
+            (9, 0),
+            textcoords="offset points",
+            va="center",
+            color=colour,
+            fontsize=SMALL,
+        )

@@ -52,9 +52,14 @@ def follow(
     disk: Disk, start: tuple[float, float, int], eta_hat: Array, times: Array, accuracy: float, method: str
 ) -> Trajectories:
     """Motions that start beside a point of F at the distances eta_hat."""
-    sigma3_bar, phidot, face = start
-    states = constants_to_states(disk, sigma3_bar, eta_hat, phidot, face)
+    states = beside(disk, start, eta_hat)
     return trajectories(states, t_eval=times, observables=QUANTITIES, method=method, accuracy=accuracy)
+
+
+def beside(disk: Disk, start: tuple[float, float, int], eta_hat: Array) -> States:
+    """The states beside a point of F, (sigma3_bar, phidot, face), at the distances eta_hat."""
+    sigma3_bar, phidot, face = start
+    return constants_to_states(disk, sigma3_bar, eta_hat, phidot, face)
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from explorer.errors import InputError, RunError, shown, suggest
 from explorer.measure import statistics
 from explorer.motion.plan import Plan, plan
+from explorer.motion.trials import MotionTrial, Trial
 from explorer.phase.disk import Disk
 from explorer.scenes.options import (
     ACCURACY,
@@ -85,6 +86,8 @@ class Scene(ABC):
     observables: ClassVar[tuple[str, ...]] = ()
     # What it stores of a sample, by the names of `phase.columns`.
     columns: ClassVar[tuple[str, ...]] = ("status",)
+    # How many samples `trade` draws unless it is said.
+    tried: ClassVar[int] = 4096
     # What else it stores where the states are given, and not drawn as it does by itself.
     columns_of_given: ClassVar[tuple[str, ...]] = ()
 
@@ -195,6 +198,14 @@ class Scene(ABC):
     def headline(self, summary: dict[str, Any]) -> list[str]:
         """The summary in a few lines of text."""
         return []
+
+    def trial(self) -> Trial | None:
+        """Its samples as `trade` tries methods on them; None where it computes nothing by a method of choice."""
+        return None
+
+    def motions(self, count: int, t_end: float | None) -> MotionTrial | None:
+        """Motions in time from its first `count` starts, likewise. t_end: units of the disk; None: its own."""
+        return None
 
     @property
     def disk(self) -> Disk:

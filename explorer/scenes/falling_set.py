@@ -19,6 +19,7 @@ from explorer.errors import one_of, whole
 from explorer.measure import sifting, statistics
 from explorer.measure.log_counts import LogCounts
 from explorer.measure.sifting import Chunk, in_lanes, sift
+from explorer.motion.trials import TiltTrial
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import membership
 from explorer.phase.constants import NaturalConstants, best_constants, constants_of
@@ -136,6 +137,18 @@ class FallingSet(SceneOfStates):
     def compute(self, index: int) -> Table:
         return joined([self._table(block) for block in self.blocks(index)])
 
+    def trial(self) -> TiltTrial:
+        states = (block.states for index in range(self.chunks()) for block in self.blocks(index))
+        return TiltTrial([self._to_follow(each, best_constants(each)) for each in states])
+
+    def _to_follow(self, states: States, natural: NaturalConstants) -> tuple[States, NaturalConstants]:
+        """Those states whose theta_min is computed."""
+        if self.theta_min == "all":
+            return states, natural
+        could, distance, _ = self._distances(states, natural)
+        rows = np.flatnonzero((distance <= self.tube) & could)
+        return states.at(rows), natural.at(rows)
+
     def process(self, index: int) -> tuple[Table, Tally]:
         if self._in_lanes:
             return self._sifted(index)
@@ -175,20 +188,22 @@ class FallingSet(SceneOfStates):
 
     def _sift(self, block: Block) -> tuple[FallingCounts, Table]:
         """Counts of all states of a block, and all about those near F, the only ones with a theta_min."""
-        disk, states = self.disk, block.states
-        natural = best_constants(states)
-        could_plus, could_minus = could_fall(states, natural)
-        near_plus = natural.nearer_plus
-        eta = natural.eta(near_plus)
-        could = np.where(near_plus, could_plus, could_minus)
-        distance = disk.eta_to_eta_hat(abs(eta)) * disk.rate_unit
+        natural = best_constants(block.states)
+        could, distance, eta = self._distances(block.states, natural)
         near = np.flatnonzero((distance <= self.tube * _WIDER) & could)
         table = self._table(block.at(near))
         counts = FallingCounts(could_fall=int(could.sum()), distance=LogCounts.of(distance[could]))
-        counts.faces = count_faces(near_plus, eta)
-        counts.status = statistics.count_status([states.status])
+        counts.faces = count_faces(natural.nearer_plus, eta)
+        counts.status = statistics.count_status([block.states.status])
         self._add_near(counts, table)
         return counts, table
+
+    def _distances(self, states: States, natural: NaturalConstants) -> tuple[NDArray[np.bool_], Array, Array]:
+        """Whether states could fall on the nearer face, and |eta_hat| (units of the disk) and eta there."""
+        near_plus = natural.nearer_plus
+        eta = natural.eta(near_plus)
+        could = np.where(near_plus, *could_fall(states, natural))
+        return could, self.disk.eta_to_eta_hat(abs(eta)) * self.disk.rate_unit, eta
 
     def _add_near(self, counts: FallingCounts, table: Table) -> None:
         """What is known of those near F only, all of which are good states: on F to rounding, and theta_min."""

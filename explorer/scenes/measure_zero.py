@@ -17,6 +17,7 @@ from explorer.errors import InputError, one_of, read_range, whole
 from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density, Function
 from explorer.measure.sampling import Box, Range, chunk_stream
+from explorer.motion.trials import MotionTrial, TiltTrial, through_time
 from explorer.motion.turning_points import tilt_kernels
 from explorer.phase import membership
 from explorer.phase.disk import require_axial_inertia
@@ -48,6 +49,7 @@ class MeasureZero(SampledScene):
     sampling: str = "random"
 
     name: ClassVar[str] = "measure-zero"
+    tried: ClassVar[int] = 1 << 15  # of which one in ten is followed
     observables: ClassVar[tuple[str, ...]] = ("theta_min", "face", "could_fall")
     columns: ClassVar[tuple[str, ...]] = (
         *COORDINATES,
@@ -156,6 +158,18 @@ class MeasureZero(SampledScene):
     def kernels(self) -> tuple[str, ...]:
         checked = ("falling.line_chart_batch", f"batch.first_event_{CHECKED_BY}")
         return *membership.KERNELS, *checked, *tilt_kernels(self.plan), *INVARIANCE
+
+    def trial(self) -> TiltTrial:
+        """The plain draws that are followed; those in tubes have their tilt from a formula."""
+        return TiltTrial([plain.followed()[1:] for plain in self._plain()])
+
+    def motions(self, count: int, t_end: float | None) -> MotionTrial:
+        states = next(self._plain()).followed()[1]
+        return through_time(states.at(np.arange(min(count, len(states)))), t_end)
+
+    def _plain(self) -> Iterator[PlainDraws]:
+        pieces = (self.piece(index) for index in range(self.chunks()))
+        return (piece for piece in pieces if isinstance(piece, PlainDraws))
 
     def compute(self, index: int) -> Table:
         return self.piece(index).compute()

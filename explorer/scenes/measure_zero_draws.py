@@ -20,9 +20,9 @@ from explorer.measure.sampling import chunk_stream
 from explorer.measure.tubes import Draws, dimensions, draw_tube, widest_eta
 from explorer.motion.plan import Plan, plan
 from explorer.motion.turning_points import smallest_tilt, turning_points
-from explorer.phase.constants import natural_constants
+from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk
-from explorer.phase.states import COORDINATES, Array, phi_to_states
+from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.base import Table, Tally
 
 # The next term of the law is of order delta: 1e-4 of C here, and rungs above only measure it.
@@ -110,25 +110,30 @@ class PlainDraws:
     def compute(self) -> Table:
         """The draws that are followed; theta_min is 0 for those that fall."""
         disk = self.question.disk
-        columns = self.question.source.draw(disk, chunk_stream(self.question.seed, self.index), self.count)
-        states = phi_to_states(disk, **columns)
-        natural = natural_constants(states)
-        plus = natural.nearer_plus
-        eta_hat = disk.eta_to_eta_hat(natural.eta(plus))
-        rows = np.flatnonzero(abs(eta_hat) <= widest_eta(natural.energy, self.question.deltas[0], disk))
-        known = natural.at(rows)
-        theta, status, _ = smallest_tilt(states.at(rows), self.question.plan, known)
+        columns, states, known = self.followed()
+        plus = known.nearer_plus
+        theta, status, _ = smallest_tilt(states, self.question.plan, known)
         return {
-            **{name: values[rows] for name, values in columns.items()},
+            **columns,
             "sigma3_bar": known.sigma3_bar * disk.rate_unit,
-            "eta_hat": eta_hat[rows] * disk.rate_unit,
+            "eta_hat": disk.eta_to_eta_hat(known.eta(plus)) * disk.rate_unit,
             "energy": known.energy * disk.energy_unit,
-            "face": np.where(plus[rows], 1, -1).astype(np.int8),
-            "delta": np.full(rows.size, np.nan),
-            "weight": np.ones(rows.size),
+            "face": np.where(plus, 1, -1).astype(np.int8),
+            "delta": np.full(plus.size, np.nan),
+            "weight": np.ones(plus.size),
             "theta_min": np.where(status == compiled.status.Status.FALLS, 0.0, theta),
             "status": status.astype(np.int8),
         }
+
+    def followed(self) -> tuple[Table, States, NaturalConstants]:
+        """The draws that are followed: their coordinates, states and constants."""
+        disk = self.question.disk
+        columns = self.question.source.draw(disk, chunk_stream(self.question.seed, self.index), self.count)
+        states = phi_to_states(disk, **columns)
+        natural = natural_constants(states)
+        eta_hat = disk.eta_to_eta_hat(natural.eta(natural.nearer_plus))
+        rows = np.flatnonzero(abs(eta_hat) <= widest_eta(natural.energy, self.question.deltas[0], disk))
+        return {name: values[rows] for name, values in columns.items()}, states.at(rows), natural.at(rows)
 
     def near(self, table: Table) -> NDArray[np.bool_]:
         """Rows flatter than the first rung."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from explorer.errors import InputError
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, Range, chunk_stream
+from explorer.motion.trials import MotionTrial, through_time
 from explorer.phase.states import States, phi_to_states
 from explorer.scenes.base import SampledScene, Table
 from explorer.scenes.given_states import Given, GivenStates, with_own
@@ -116,6 +117,10 @@ class SceneOfStates(SampledScene):
         if self.states is not None:
             return self.states.read(self.disk, 0, min(count, self.samples), self.degrees).states
         return phi_to_states(self.disk, **self._drawn(chunk_stream(0, 0), count))
+
+    def motions(self, count: int, t_end: float | None) -> MotionTrial:
+        first = next(self.blocks(0)).states
+        return through_time(first.at(np.arange(min(count, len(first)))), t_end)
 
     def _drawn(self, random: np.random.Generator, count: int) -> Table:
         # Where nothing is rejected no draw is wasted: the box is drawn from directly.

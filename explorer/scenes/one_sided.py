@@ -17,12 +17,14 @@ import numpy as np
 from explorer.errors import InputError, whole
 from explorer.measure import statistics
 from explorer.measure.sampling import Box, Range, chunk_stream
+from explorer.motion.trials import MotionTrial, even_times
 from explorer.phase import membership
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 from explorer.portrait.both_sides import (
     QUANTITIES,
     BothSides,
+    beside,
     both_sides,
     follow,
     limits_at,
@@ -79,6 +81,7 @@ class OneSided(Scene):
     eta_hat: Range | None = None
 
     name: ClassVar[str] = "one-sided"
+    tried: ClassVar[int] = 4
     observables: ClassVar[tuple[str, ...]] = QUANTITIES
     columns: ClassVar[tuple[str, ...]] = (
         "base",
@@ -171,10 +174,24 @@ class OneSided(Scene):
         parts = [self._approach(disk, first + i, starts.at(i)) for i in range(starts.speed.size)]
         return joined(parts)
 
+    def motions(self, count: int, t_end: float | None) -> MotionTrial:
+        """All its motions beside its first `count` starts, at the times of the scene unless `t_end` is given."""
+        groups = []
+        for index in range(self.chunks()):
+            disk, starts = self.disks[index // self.blocks], self.starts(index)
+            for start in map(starts.at, range(min(count, starts.speed.size))):
+                states = beside(disk, start, self._distances(disk))
+                times = sample_times(limits_at(disk, start)[1])[0] if t_end is None else even_times(t_end)
+                groups.append((states, times))
+        return MotionTrial(groups)
+
+    def _distances(self, disk: Disk) -> Array:
+        ladder = self.ladder(disk)
+        return np.concatenate([ladder, -ladder])
+
     def _approach(self, disk: Disk, base: int, start: tuple[float, float, int]) -> Table:
         """All rungs of the ladder, both signs, beside one point of F."""
-        ladder = self.ladder(disk)
-        eta_hat = np.concatenate([ladder, -ladder])
+        eta_hat = self._distances(disk)
         both = limits_at(disk, start)
         times, middle = sample_times(both[1])
         motion = follow(disk, start, eta_hat, times, self.accuracy, self.method)

@@ -24,6 +24,8 @@ from explorer.measure.sampling import BLOCK, Range, chunk_stream, gather, log_un
 from explorer.motion.bounces import KERNELS as OF_BOUNCES
 from explorer.motion.bounces import MOST, Bounces, bounces
 from explorer.motion.passages import Passages, passage_kernels, passages
+from explorer.motion.trials import MotionTrial, PassageTrial, through_time
+from explorer.motion.vertical import starts_at_vertical
 from explorer.phase.constants import best_constants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart
@@ -154,9 +156,24 @@ class RaceAngles(SceneOfStates):
         return {**drawn, "face": drawn["face"].astype(np.int8), **found}
 
     def _passages(self, drawn: Table) -> Passages:
-        s3, eta_hat, face = drawn["sigma3_bar"], drawn["eta_hat"], drawn["face"]
-        speed = face * drawn["phidot"]
-        return passages(self.disk, s3, eta_hat, speed, face, method=self.method, accuracy=self.accuracy)
+        return passages(self.disk, *_start(drawn), method=self.method, accuracy=self.accuracy)
+
+    def trial(self) -> PassageTrial | None:
+        if self.eta_hat is None:  # bounces are by quadrature only
+            return None
+        return PassageTrial(self.disk, starts_at_vertical(self.disk, *_start(self._first(self.samples))))
+
+    def motions(self, count: int, t_end: float | None) -> MotionTrial:
+        if self.eta_hat is None:
+            return super().motions(count, t_end)
+        states = constants_to_states(self.disk, **self._first(min(count, self.samples)))
+        return through_time(states, t_end)
+
+    def _first(self, count: int) -> Table:
+        """The first starts at the vertical, as its chunks draw them."""
+        chunks = range(-(-count // self.chunk_size))
+        parts = [self._drawn_beside(chunk_stream(self.seed, k), self.length(k)) for k in chunks]
+        return {name: np.concatenate([part[name] for part in parts])[:count] for name in parts[0]}
 
     def _drawn(self, random: np.random.Generator, count: int) -> Table:
         return super()._drawn(random, count) if self.eta_hat is None else self._drawn_beside(random, count)
@@ -296,6 +313,12 @@ class RaceAngles(SceneOfStates):
                 f"{row['median_deviation']:.2g} rad"
             )
         return lines
+
+
+def _start(drawn: Table) -> tuple[Array, Array, Array, Array]:
+    """Drawn starts at the vertical as `passages` takes them."""
+    face = drawn["face"]
+    return drawn["sigma3_bar"], drawn["eta_hat"], face * drawn["phidot"], face
 
 
 def motion_constants(states: States, found: Bounces) -> Table:

@@ -1,0 +1,211 @@
+"""Samples whose answers are known, on which any method can be tried at any setting: passages, tilts, motions."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer import compiled
+from explorer.motion.passages import OBSERVABLES as OF_PASSAGES
+from explorer.motion.passages import Passages, passages_by, reference_passages
+from explorer.motion.plan import TIGHTEST, Plan, plan
+from explorer.motion.trajectories import Trajectories, trajectories_by
+from explorer.motion.turning_points import smallest_tilt
+from explorer.motion.vertical import Starts
+from explorer.phase.constants import NaturalConstants
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, States
+
+IN_TIME = ("phi", "chi", "psi", "path")
+# What motions in time are compared with: by far finer than any accuracy that can be asked, and no setting tried.
+_FINEST = ("rk8", 0.04)
+# Tilt (rad) below which chi races, and errors of the time count many times in it; no error is taken there.
+_RACING = 0.1
+# Median duration of a passage as race-angles draws them (natural units), and times at which motions are compared.
+_PASSAGE, _TIMES = 2.5, 8
+# Settings are tried at this accuracy: errors are what is measured, so no sample is refused for its own.
+ANY_ERROR = 1.0
+
+
+class Tried(NamedTuple):
+    """What a method made of the samples.
+
+    errors (n): the largest of each sample, of angles in rad, of times and tilts relative, of the path in radii;
+    NaN where there is none. wrong_way: it came out on the other side of F. steps: attempted, by an integrator.
+    """
+
+    errors: Array
+    status: NDArray[np.int8]
+    wrong_way: NDArray[np.bool_]
+    steps: NDArray[np.int32] | None
+
+
+class Trial(ABC):
+    """Samples with their true answers.
+
+    kind: what they are. unit: what a cost is the cost of. error: what the error is, in words. in_time: whether
+    they are motions in time, so that quadrature gives no answer.
+    """
+
+    kind: ClassVar[str]
+    unit: ClassVar[str]
+    error: ClassVar[str]
+    observables: ClassVar[tuple[str, ...]]
+    in_time: ClassVar[bool] = False
+
+    @abstractmethod
+    def call(self, how: Plan) -> Any:
+        """What users or scenes call, by a plan; this is what is timed."""
+
+    @abstractmethod
+    def compare(self, found: Any, accuracy: float) -> Tried:
+        """What `call` returned beside the true answers; ANY_ERROR: only what the integrator itself gives."""
+
+    @property
+    @abstractmethod
+    def known(self) -> NDArray[np.bool_]:
+        """Samples whose true answer is known."""
+
+    def plan(self, method: str, accuracy: float, setting: float | None = None) -> Plan:
+        """How they are computed by a method, at an accuracy or at a setting."""
+        asked = plan(self.observables, TIGHTEST["rk4"] if accuracy == ANY_ERROR else accuracy, method)
+        return replace(asked, accuracy=accuracy, setting=setting)
+
+
+class PassageTrial(Trial):
+    """Passages from starts at the vertical, as `passages` computes them."""
+
+    kind = "passages"
+    unit = "passage"
+    error = "the largest of race angle, delta chi, delta psi (rad), duration and theta_min (relative)"
+    observables = OF_PASSAGES
+
+    def __init__(self, disk: Disk, starts: Starts) -> None:
+        self.disk, self.starts = disk, starts
+
+    @cached_property
+    def exact(self) -> Passages:
+        """The passages by adaptive rules, without tables."""
+        return reference_passages(self.disk, self.starts)
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        return self.exact.ok
+
+    def call(self, how: Plan) -> tuple[Passages, NDArray[np.int32] | None]:
+        return passages_by(self.disk, self.starts, how)
+
+    def compare(self, found: tuple[Passages, NDArray[np.int32] | None], accuracy: float) -> Tried:
+        (made, steps), exact = found, self.exact
+        differences = [
+            made.delta_chi - exact.delta_chi,
+            made.delta_psi - exact.delta_psi,
+            made.duration / exact.duration - 1.0,
+            made.theta_min / exact.theta_min - 1.0,
+        ]
+        if accuracy < ANY_ERROR:  # the fall is found to the accuracy asked, by whatever method the passage is
+            differences.append(made.race_angle - exact.race_angle)
+        return Tried(np.max(np.abs(differences), axis=0), made.status, made.wrong_way, steps)
+
+
+class TiltTrial(Trial):
+    """Smallest tilts of states, block by block, as scenes compute them."""
+
+    kind = "tilts"
+    unit = "state"
+    error = "of theta_min (relative)"
+    observables = ("theta_min",)
+
+    def __init__(self, blocks: Sequence[tuple[States, NaturalConstants]]) -> None:
+        self.blocks = blocks
+
+    @cached_property
+    def exact(self) -> tuple[Array, NDArray[np.int8]]:
+        """theta_min and status by quadrature, as exactly as it can."""
+        found = self.call(self.plan("quadrature", TIGHTEST["quadrature"]))
+        return found[0], found[1]
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        return np.asarray(self.exact[1] == compiled.status.Status.OK)
+
+    def call(self, how: Plan) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
+        parts = [smallest_tilt(states, how, natural) for states, natural in self.blocks]
+        theta, status, steps = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+        return theta, status, steps
+
+    def compare(self, found: tuple[Array, NDArray[np.int8], NDArray[np.int32]], accuracy: float) -> Tried:
+        theta, status, steps = found
+        with np.errstate(divide="ignore", invalid="ignore"):
+            errors = abs(theta / self.exact[0] - 1.0)
+        return Tried(errors, status, np.zeros(status.size, bool), steps)
+
+
+class MotionTrial(Trial):
+    """Motions in time, as `simulate` follows them: some states of a disk at times of their own, group by group."""
+
+    kind = "motions"
+    unit = "motion"
+    error = "the largest of phi, chi, psi (rad) and path (r), at times at which the disk does not race"
+    observables = IN_TIME
+    in_time = True
+
+    def __init__(self, groups: Sequence[tuple[States, Array]]) -> None:
+        self.groups = groups
+
+    @cached_property
+    def exact(self) -> list[Trajectories]:
+        """The motions by far finer steps."""
+        method, setting = _FINEST
+        return self.call(self.plan(method, ANY_ERROR, setting))
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        return np.concatenate([motion.ok for motion in self.exact])
+
+    def call(self, how: Plan) -> list[Trajectories]:
+        return [trajectories_by(states, how, times, IN_TIME) for states, times in self.groups]
+
+    def compare(self, found: list[Trajectories], accuracy: float) -> Tried:
+        pairs = list(zip(self.groups, found, self.exact, strict=True))
+        errors = [_difference(states.disk, made, exact) for (states, _), made, exact in pairs]
+        limits = [np.full(len(states), states.disk.race_limit) for states, _ in self.groups]
+
+        def together(of: Callable[[Trajectories], NDArray[Any]]) -> NDArray[Any]:
+            return np.concatenate([of(made) for made in found])
+
+        largest = np.concatenate([np.nanmax(error, axis=(0, 2), initial=0.0) for error in errors])
+        turned = np.concatenate([np.nanmax(error[1], axis=1, initial=0.0) for error in errors])
+        ok = together(lambda made: made.ok)
+        wrong = ok & (turned > np.concatenate(limits))
+        return Tried(np.where(ok, largest, np.nan), together(lambda made: made.status), wrong, together(_steps))
+
+
+def _steps(motion: Trajectories) -> NDArray[np.int32]:
+    return motion.steps
+
+
+def _difference(disk: Disk, made: Trajectories, exact: Trajectories) -> Array:
+    """How far motions are apart (4, n, nt) in phi, chi, psi and path; NaN while they race."""
+    assert made.path is not None
+    assert exact.path is not None
+    assert exact.phi is not None
+    angles = [abs(getattr(made, name) - getattr(exact, name)) for name in ("phi", "chi", "psi")]
+    path = np.linalg.norm(made.path - exact.path, axis=-1) / disk.r
+    racing = 0.5 * np.pi - abs(exact.phi) < _RACING
+    return np.where(racing, np.nan, np.stack([*angles, path]))
+
+
+def through_time(states: States, t_end: float | None) -> MotionTrial:
+    """Motions from states of one disk up to `t_end`, by default about as long as a passage takes."""
+    last = _PASSAGE * states.disk.time_unit if t_end is None else t_end
+    return MotionTrial([(states, even_times(last))])
+
+
+def even_times(t_end: float) -> Array:
+    """Times up to `t_end` at which motions are compared."""
+    return t_end * np.arange(1, _TIMES + 1) / _TIMES
