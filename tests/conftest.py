@@ -57,8 +57,9 @@ def made_once(tmp_path_factory, worker_id):
 
 @pytest.fixture(scope="session")
 def traded(made_once):
-    """Every method measured on the hoop."""
-    return made_once("traded", lambda: trade(BODIES["hoop"], 1024))
+    """Every method measured on a few passages and motions of the hoop."""
+    few = {"samples": 300, "motions": 8, "eta_hat": (1e-8, 1.0), "progress": False}
+    return made_once("traded", lambda: trade("race-angles", disk=BODIES["hoop"], **few))
 
 
 @pytest.fixture(scope="session")

@@ -212,12 +212,8 @@ def scene_of(scene: str | type[Scene] | None, options: dict[str, Any]) -> Scene:
         if options.get(word) is not None:
             raise InputError(f"--{word} {options[word]}: trade measures all of them; leave it out")
     made = build_scene(scene or PLAIN, **options)
-    if (
-        scene is None
-        and options.get("eta_hat") is None
-        and isinstance(made, RaceAngles)
-        and made.eta_hat is not None
-    ):
+    plain = scene is None and options.get("eta_hat") is None
+    if plain and isinstance(made, RaceAngles) and made.eta_hat is not None:
         low, high = (size * made.disk.rate_unit for size in ALL_DISTANCES)
         made = replace(made, eta_hat=(low, high))
     if hasattr(made, "samples") and options.get("samples") is None:
@@ -237,8 +233,8 @@ def _check(scene: Scene, trial: Trial) -> None:
     known = int(trial.known.sum())
     if not trial.in_time and known < FEWEST:
         raise InputError(
-            f"--samples {getattr(scene, 'samples', '')}: gives {known} {trial.kind} with a known answer, and "
-            f"overheads are measured with fewer than {FEWEST}; give more samples, or another box or disk"
+            f"--samples {getattr(scene, 'samples', '')}, --disk {scene.label}: {known} {trial.kind} have a known "
+            f"answer, and overheads are measured with fewer than {FEWEST}; give more, or another box or disk"
         )
     if known == 0:
         raise InputError(f"{scene.name}: none of these motions could be followed; give another box or disk")

@@ -117,7 +117,8 @@ def _curves(rows_of: dict[str, Any]) -> dict[str, Curve]:
             raise ValueError(f"rows of {name} must be four positive numbers each")
         if not ((np.diff(columns[0]) < 0.0).all() and (columns[1] > _ROUNDING).sum() >= _FEWEST):
             raise ValueError(f"rows of {name} must go from coarse to fine, {_FEWEST} or more above rounding")
-        if not columns[1][-1] < columns[1][0]:
+        resolved = columns[1][columns[1] > _ROUNDING]
+        if not (columns[1][-1] < columns[1][0] and resolved[-1] < resolved[:-2].min()):
             raise ValueError(f"errors of {name} do not fall")
         curves[name] = Curve(*columns)
     return curves

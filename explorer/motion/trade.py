@@ -24,8 +24,8 @@ STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
 # What quadrature is measured at, one of each grade of its tables and its best; and what all methods are asked for.
 GRADES = (1e-3, 1e-4, 1e-6, 1e-11)
 ASKED = tuple(10.0 ** -np.arange(2.0, 10.1, 2.0))
-# Errors nearer to each other than this ratio are the same: two samplings differ by a fifth, and at rounding a finer
-# setting gains as little.
+# Errors nearer to each other than this ratio are the same: two samplings differ by a fifth, and at rounding a
+# finer setting gains as little.
 _SAME = 1.5
 _ROUNDS = 4
 _LEAST = 1e-16  # an error of 0 is one of rounding
@@ -238,12 +238,17 @@ def largest_errors(measured: Iterable[list[Row]], others: Iterable[Errors]) -> E
 
 
 def curves(costs: Measured, errors: Errors) -> dict[str, list[list[float]]]:
-    """The table of one kind for `calibration`: setting, error, evaluations and nanoseconds, by method."""
-    return {
-        method: [
-            [row.setting, errors[method, row.setting], row.evaluations, row.nanoseconds]
+    """The table of one kind for `calibration`: setting, error, evaluations and nanoseconds, by method.
+
+    Settings finer than the last that gains are left out: there the error is one of rounding.
+    """
+    table = {}
+    for method in SETTINGS:
+        rows = [
+            replace(row, p99=errors[method, row.setting])
             for row in costs.rows
             if row.method == method and (method, row.setting) in errors
         ]
-        for method in SETTINGS
-    }
+        last = rows.index(best_of(rows)[-1]) if best_of(rows) else -1
+        table[method] = [[row.setting, row.p99, row.evaluations, row.nanoseconds] for row in rows[: last + 1]]
+    return table

@@ -14,8 +14,9 @@ from passing import batch
 
 import explorer as ex
 from explorer import compiled
-from explorer.commands.trade import STAGES, Work
+from explorer.motion.trade import STAGES
 from explorer.motion.trajectories import trajectories
+from explorer.motion.turning_points import followed
 from explorer.phase.states import constants_to_states
 from kernels.disk.constants import constants_of
 from kernels.disk.field import column
@@ -30,9 +31,38 @@ INTEGRATORS = [
 ]
 
 
+class Work:
+    """Passages of the uniform disk, and how they are integrated to the turning point at one setting."""
+
+    def __init__(self):
+        rng = np.random.default_rng(1)
+        eta_hat = rng.choice([-1.0, 1.0], SAMPLES) * 10.0 ** rng.uniform(-8.0, 0.0, SAMPLES)
+        self.disk = BODIES["uniform"]
+        self.start = (rng.uniform(-2, 2, SAMPLES), eta_hat, rng.uniform(0.5, 2, SAMPLES))
+        self.states = constants_to_states(self.disk, *self.start, 1.0)
+        self.exact = ex.passages(self.disk, *self.start, accuracy=1e-11)
+
+    def solve(self, method, setting):
+        number = getattr(compiled.attempt, method.upper())
+        control = np.full(SAMPLES, setting)
+        how = compiled.attempt.Integration(number, compiled.field.ANGLES, control, 200_000, 1.0)
+        return followed(self.states, how, np.zeros(SAMPLES, np.int8), np.stack(self.states.exact))
+
+    def errors(self, out):
+        """The largest of delta chi, delta psi (rad), duration and theta_min (relative)."""
+        exact, row = self.exact, compiled.field.ROW
+        apart = (
+            2.0 * out[row.chi] - exact.delta_chi,
+            2.0 * out[row.psi] - exact.delta_psi,
+            2.0 * out[row.t] / exact.duration - 1.0,
+            np.arctan2(out[row.q], abs(out[row.z])) / exact.theta_min - 1.0,
+        )
+        return np.max(np.abs(apart), axis=0)
+
+
 @pytest.fixture(scope="module")
 def work():
-    return Work(BODIES["uniform"], SAMPLES, 1)
+    return Work()
 
 
 @pytest.mark.parametrize(("method", "setting", "steps", "error"), INTEGRATORS)

@@ -65,7 +65,7 @@ def options():
     known = {}
     for name, parser in parsers().items():
         for action in parser._actions:
-            for flag in action.option_strings:
+            for flag in action.option_strings if action.help is not argparse.SUPPRESS else ():
                 known.setdefault(flag, []).append(name)
     rows = [
         (f"`{flag}`", ", ".join(names)) for flag, names in sorted(known.items()) if flag not in ("-h", "--help")

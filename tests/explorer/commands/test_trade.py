@@ -1,4 +1,4 @@
-"""The measured trade of speed for accuracy, and what is chosen from it."""
+"""The trade of a scene: on the very samples that the scene draws; stored, it decides what an accuracy means."""
 
 import json
 
@@ -6,76 +6,129 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
+import explorer as ex
 from explorer.commands import main as cli
 from explorer.commands import trade
 from explorer.motion import calibration
 from explorer.motion.plan import plan
-from explorer.plot import work_precision
+from explorer.motion.trade import ASKED
+from explorer.scenes.registry import build_scene
 
 
 @pytest.fixture
 def private(tmp_path, monkeypatch):
-    """A calibration file of the test's own, which does not exist yet."""
+    """A calibration file of the test's own, which does not exist yet; and only few samples of other bodies."""
     path = tmp_path / "calibration.json"
     monkeypatch.setenv("NEARFLAT_CALIBRATION", str(path))
+    monkeypatch.setattr(trade, "BODIES", (BODIES["uniform"],))
+    monkeypatch.setattr(trade, "_OF_EACH_BODY", (64, 2))
     calibration.current.cache_clear()
     yield path
     calibration.current.cache_clear()
 
 
-@pytest.fixture
-def rows(traded):
-    return traded
+def test_passages_of_a_trade_are_those_of_the_run():
+    given = {"disk": "hoop", "samples": 500, "seed": 3, "eta_hat": "1e-7:1e-1", "box": "phidot=0.3:1"}
+    trial = trade.scene_of("race-angles", given).trial()
+    run = ex.run("race-angles", keep="all", **given).frame()
+    found, _ = trial.call(trial.plan("quadrature", 1e-6))
+    assert np.array_equal(found.eta_hat, run["eta_hat"])
+    assert np.array_equal(found.face * found.phidot, run["phidot"])
+    assert np.array_equal(found.race_angle, run["race_angle"])
 
 
-def test_every_method_is_measured_over_many_decades(rows):
-    for method in trade.SETTINGS:
-        errors = [row.p99 for row in rows if row.method == method]
-        assert min(errors) < 1e-9 < 1e-5 < max(errors)
+@pytest.mark.parametrize("more", [{}, {"theta_min": "near", "keep": "near"}])
+def test_tilts_of_a_trade_are_those_of_the_run(more):
+    given = {"disk": "hoop", "samples": 2000, "seed": 3, "gaussian": "phidot=1:0.3"} | more
+    trial = trade.scene_of("falling-set", given).trial()
+    run = ex.run("falling-set", **{"keep": "all"} | given).frame()
+    theta, _, _ = trial.call(trial.plan("quadrature", 1e-6))
+    assert theta.size > 0
+    assert np.array_equal(theta, run["theta_min"], equal_nan=True)
 
 
-def test_finer_settings_cost_more_evaluations_and_err_less(rows):
-    for method in trade.SETTINGS:
-        chosen = [row for row in rows if row.method == method]
-        evaluations = [row.evaluations for row in chosen]
-        assert evaluations == sorted(evaluations)
-        errors = np.array([row.p99 for row in chosen])
-        coarse = errors > 1e-12
-        assert (np.diff(np.log(errors[coarse])) < 0.05).all()
+def test_tilts_of_measure_zero_are_those_of_its_plain_draws():
+    scene = build_scene("measure-zero", samples=3000, seed=5)
+    plain = next(scene.piece(index) for index in range(scene.chunks()) if index == scene.chunks() - 1)
+    trial = scene.trial()
+    theta, _, _ = trial.call(trial.plan("quadrature", 1e-6))
+    assert np.array_equal(theta, plain.compute()["theta_min"])
 
 
-def test_field_evaluations_are_exactly_reproducible(rows):
-    again = trade.trade(BODIES["hoop"], 1024)
-    assert [row.evaluations for row in again] == [row.evaluations for row in rows]
-    assert [row.p99 for row in again] == [row.p99 for row in rows]
+def test_motions_of_a_trade_are_those_of_the_scene():
+    scene = build_scene("one-sided", disk=["uniform", "hoop"], samples=2, eta_hat="1e-4:1e-2")
+    trial = scene.motions(2, None)
+    found = trial.call(trial.plan("dop853", 1e-6))
+    tables = [scene.compute(index) for index in range(scene.chunks())]
+    for table, both in zip(tables, (found[:2], found[2:]), strict=True):
+        assert np.array_equal(table["status"], np.concatenate([motion.status for motion in both]))
+        sigma3_bar = np.concatenate([ex.constants(motion.states).sigma3_bar for motion in both])
+        assert sigma3_bar == pytest.approx(table["sigma3_bar"])
+        middle = [motion.chi[row] for motion in both for row in range(len(motion))]
+        assert all(chi in line for chi, line in zip(table["chi_between"], middle, strict=True))
 
 
-def test_the_front_holds_what_nothing_beats():
-    def row(method, p99, nanoseconds):
-        return trade.Row(method, 1.0, p99, p99, 1.0, nanoseconds, 0.0)
-
-    rows = [
-        row("rk4", 1e-3, 100.0),
-        row("rk8", 1e-6, 200.0),
-        row("rk8", 1e-4, 250.0),
-        row("quadrature", 1e-9, 1.0),
-    ]
-    assert [found.on_front for found in trade.mark_front(rows)] == [True, True, False, False]
+def test_states_of_the_user_are_measured(tmp_path):
+    rng = np.random.default_rng(1)
+    states = ex.phi_to_states(BODIES["hoop"], *rng.uniform(-1, 1, (4, 700)))
+    scene = trade.scene_of("falling-set", {"states": states})
+    assert scene.samples == 700
+    assert np.array_equal(scene.trial().blocks[0][0].natural, states.natural)
+    assert np.array_equal(scene.motions(5, None).groups[0][0].natural, states.natural[:, :5])
 
 
-def test_a_stored_table_is_read_back_and_decides(private, rows):
-    table = trade.calibrate(rows, samples=64)
+def test_without_a_scene_passages_at_all_distances_are_measured():
+    scene = trade.scene_of(None, {"disk": "uniform:m=5.67e-3,r=12.1e-3,g=9.81"})
+    assert (scene.name, scene.samples) == ("race-angles", 4096)
+    assert scene.eta_hat == pytest.approx((1e-8 * scene.disk.rate_unit, scene.disk.rate_unit))
+    assert trade.scene_of(None, {"eta_hat": "1e-3:1e-2"}).eta_hat == (1e-3, 1e-2)
+
+
+def test_a_stored_trade_decides_what_an_accuracy_means(private, traded):
+    before = {kind: plan((kind,), 1e-6, "rk8").control for kind in ("race_angle", "chi")}
+    start = {"sigma3_bar": 1.0, "eta_hat": [1e-3, -1e-6], "phidot": 1.0}
+    found = ex.passages(BODIES["hoop"], **start, method="rk8")
+    table = trade.calibrate(traded)
+    # a machine on which every setting errs a thousand times more
+    for rows in table["methods"].values():
+        for entry in rows:
+            entry[1] *= 1e3
     assert calibration.store(table) == private
     assert "this machine" in plan(("chi",), 1e-6).reason
-    # a machine on which order eight is absurdly dear
-    for entry in table["methods"]["dop853"]:
-        entry[3] *= 1e6
+    assert plan(("race_angle",), 1e-6, "rk8").control < 0.6 * before["race_angle"]
+    finer = ex.passages(BODIES["hoop"], **start, method="rk8")
+    assert (found.race_angle != finer.race_angle).all()
+    assert np.allclose(found.race_angle, finer.race_angle, rtol=0.0, atol=1e-6)
+
+
+def test_a_stored_trade_decides_which_method_is_chosen(private, traded):
+    table = trade.calibrate(traded)
+    rows = [*table["methods"]["dop853"], *table["motions"]["dop853"]]
+    for entry in rows:
+        entry[3] *= 1e6  # a machine on which order eight is absurdly dear
     calibration.store(table)
     assert plan(("chi",), 1e-9).method == "dopri5"
-    for entry in table["methods"]["dop853"]:
+    for entry in rows:
         entry[3] /= 1e9
     calibration.store(table)
     assert plan(("chi",), 1e-3).method == "dop853"
+
+
+def test_a_calibration_has_curves_of_motions_and_says_what_it_was_measured_on(private, traded):
+    traded.store()
+    assert set(calibration.current().motions) == set(calibration.current().curves)
+    stored = json.loads(private.read_text())
+    assert stored["measured_on"]["scene"] == "race-angles"
+
+
+def test_samples_on_which_errors_do_not_fall_calibrate_nothing(private, traded):
+    from dataclasses import replace
+
+    passages, motions = traded.parts
+    stuck = replace(passages, rows=[replace(row, p99=0.1) for row in passages.rows])
+    with pytest.raises(ex.InputError, match="cannot calibrate"):
+        replace(traded, parts=[stuck, motions]).store()
+    assert not private.exists()
 
 
 @pytest.mark.parametrize(
@@ -84,39 +137,47 @@ def test_a_stored_table_is_read_back_and_decides(private, rows):
         (["--seed", "-1"], "--seed -1"),
         (["--disk", "m=1,r=1,g=1,I1=0.5,I3=1e-9"], "--disk"),
         (["--samples", "x"], "--samples"),
+        (["--samples", "3"], "--samples 3, --disk uniform: 3 passages have"),
+        (["portrait"], "portrait: no method is chosen in this scene"),
+        (["race-angles", "--bounces", "2", "--motions", "0"], "leave --motions 0 out"),
+        (["one-sided", "--motions", "0"], "leave --motions 0 out"),
+        (["race-angles", "--method", "rk4"], "--method rk4: trade measures all of them"),
+        (["race-angles", "--accuracy", "1e-3"], "--accuracy 1e-3: trade measures"),
+        (["race-angle"], "did you mean 'race-angles'"),
+        (["race-angles", "--grid", "3"], "--grid: race-angles takes no such option"),
+        (["--t-end", "0"], "--t-end 0"),
+        (["--motions", "-1"], "--motions -1"),
     ],
 )
 def test_bad_arguments_are_named_before_anything_is_measured(private, arguments, message, capsys, tmp_path):
-    assert cli.main(["trade", "--no-store", "--out", str(tmp_path / "t"), "--quiet", *arguments]) == 2
+    out = tmp_path / "t"
+    assert cli.main(["trade", *arguments, "--no-store", "--out", str(out), "--quiet"]) == 2
     assert message in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_a_folder_that_cannot_be_written_is_named(private, tmp_path, capsys):
     (tmp_path / "file").write_text("")
-    assert cli.main(["trade", "--no-store", "--out", str(tmp_path / "file")]) == 2
+    assert cli.main(["trade", "--samples", "300", "--no-store", "--out", str(tmp_path / "file")]) == 2
     assert "cannot be written" in capsys.readouterr().err
 
 
-def test_the_picture_shows_every_method_and_the_front(rows):
-    ax = work_precision(rows)
-    labels = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert labels == ["best integrators", "quadrature", *trade.SETTINGS]
-    drawn = {line.get_label(): line.get_xydata() for line in ax.get_lines()}
-    rk8 = [(row.p99, row.nanoseconds) for row in rows if row.method == "rk8"]
-    assert np.array_equal(drawn["rk8"], rk8)
+def test_python_speaks_python():
+    with pytest.raises(ex.InputError, match="samples 3, disk uniform: 3 passages"):
+        ex.trade("race-angles", samples=3)
+    with pytest.raises(ex.InputError, match="no such option"):
+        ex.trade("race-angles", tend=3)
 
 
 @pytest.mark.rendered
 def test_the_command_prints_writes_and_stores(private, tmp_path, capsys):
     out = tmp_path / "out"
-    common = ["trade", "--samples", "1024", "--out", str(out), "--quiet"]
-    assert cli.main([*common, "--disk", "hoop", "--no-store"]) == 0
-    assert not private.exists()
-    assert "| rk8 |" in capsys.readouterr().out
-    assert (out / "trade.png").stat().st_size > 10_000
-    assert "Pareto" in (out / "README.md").read_text()
-    assert cli.main([*common, "--json"]) == 0
+    common = ["trade", "race-angles", "--samples", "300", "--motions", "2", "--out", str(out), "--quiet"]
+    assert cli.main([*common, "--disk", "hoop", "--json"]) == 0
     assert private.exists()
-    assert json.loads(capsys.readouterr().out)["disk"]["name"] == "uniform"
-
-
-def test_too_few_samples_are_refused(capsys):
-    assert cli.main(["trade", "--samples", "3"]) == 2
-    assert "--samples 3" in capsys.readouterr().err
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["scene"]["disks"][0]["name"] == "hoop"
+    assert [part["kind"] for part in printed["parts"]] == ["passages", "motions"]
+    assert len(printed["parts"][0]["asked"]) == 5 * len(ASKED)
+    assert (out / "trade.png").stat().st_size > 10_000
+    assert "Stored for this machine" in (out / "README.md").read_text("utf-8")

@@ -62,7 +62,7 @@ def pictures(tmp_path_factory, traded):
         "steady_plane": (UNIFORM,),
         "steady_map": (UNIFORM,),
         "bifurcations": (UNIFORM, "line", branches, (0.34,)),
-        "work_precision": (ex.trade(UNIFORM, 1024),),
+        "work_precision": (traded.parts[0],),
         **dict.fromkeys(OF_THE_LAW, (law.summary,)),
     }
 

@@ -1,0 +1,105 @@
+"""Samples on which methods are tried: they are computed as users' calls do, and compared with true answers."""
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer.motion.passages import passages
+from explorer.motion.trajectories import trajectories
+from explorer.motion.trials import (
+    ANY_ERROR,
+    IN_TIME,
+    MotionTrial,
+    PassageTrial,
+    TiltTrial,
+    even_times,
+    through_time,
+)
+from explorer.motion.vertical import starts_at_vertical
+from explorer.phase.constants import best_constants
+from explorer.phase.states import constants_to_states
+
+DISK = BODIES["hoop"]
+
+
+@pytest.fixture(scope="module")
+def start():
+    rng = np.random.default_rng(7)
+    eta_hat = rng.choice([-1.0, 1.0], 24) * 10.0 ** rng.uniform(-8, 0, 24)
+    return rng.uniform(-2, 2, 24), eta_hat, rng.uniform(0.5, 2, 24)
+
+
+@pytest.mark.parametrize("method", ["quadrature", "rk8"])
+def test_passages_are_those_of_the_public_call(start, method):
+    trial = PassageTrial(DISK, starts_at_vertical(DISK, *start))
+    found, _ = trial.call(trial.plan(method, 1e-6))
+    called = passages(DISK, *start, method=method, accuracy=1e-6)
+    for name in ("race_angle", "theta_min", "duration", "error_estimate", "status"):
+        assert np.array_equal(getattr(found, name), getattr(called, name))
+
+
+def test_a_setting_is_what_is_integrated_with_and_refuses_nothing(start):
+    trial = PassageTrial(DISK, starts_at_vertical(DISK, *start))
+    coarse, fine = (
+        trial.compare(trial.call(trial.plan("rk4", ANY_ERROR, step)), ANY_ERROR) for step in (0.5, 0.1)
+    )
+    assert (coarse.status == ex.Status.OK).all()
+    assert 4.5 < fine.steps.sum() / coarse.steps.sum() < 5.5
+    assert np.median(coarse.errors) > 100.0 * np.median(fine.errors) > 0.0
+
+
+def test_a_passage_on_the_other_side_is_on_the_wrong_way(start):
+    sigma3_bar, eta_hat, speed = start
+    trial = PassageTrial(DISK, starts_at_vertical(DISK, *start))
+    mirrored = PassageTrial(DISK, starts_at_vertical(DISK, sigma3_bar, -eta_hat, speed))
+    how = trial.plan("quadrature", 1e-6)
+    near = abs(eta_hat) < 1e-3
+    wrong = trial.compare(mirrored.call(how), 1e-6)
+    # Each races as its own eta says, and by 2 kappa pi away from the passage that was meant.
+    assert np.allclose(wrong.errors[near], 2.0 * DISK.race_limit, atol=0.05)
+
+
+def test_tilts_are_those_that_scenes_compute_block_by_block(start):
+    states = constants_to_states(DISK, *start)
+    trial = TiltTrial(
+        [(each, best_constants(each)) for each in (states.at(np.arange(10)), states.at(np.arange(10, 24)))]
+    )
+    tried = trial.compare(trial.call(trial.plan("dop853", ANY_ERROR, 1e-12)), ANY_ERROR)
+    assert trial.known.all()
+    assert tried.errors.max() < 1e-10
+    assert trial.exact[0] == pytest.approx(passages(DISK, *start).theta_min, rel=1e-9)
+
+
+def test_motions_are_those_of_the_public_call(start):
+    states = constants_to_states(DISK, *start)
+    trial = through_time(states, 2.0)
+    (found,) = trial.call(trial.plan("dopri5", 1e-6))
+    called = trajectories(states, t_eval=even_times(2.0), observables=IN_TIME, method="dopri5", accuracy=1e-6)
+    assert np.array_equal(found.chi, called.chi)
+    assert np.array_equal(found.path, called.path)
+
+
+def test_the_truth_of_motions_is_that_of_passages_where_the_time_is_one(start):
+    exact = passages(DISK, *start, accuracy=1e-11)
+    for i in range(6):
+        states = constants_to_states(DISK, *(column[i : i + 1] for column in start))
+        trial = MotionTrial([(states, exact.duration[i : i + 1])])
+        assert trial.exact[0].chi[0, 0] == pytest.approx(exact.delta_chi[i], abs=1e-11)
+        assert trial.exact[0].psi[0, 0] == pytest.approx(exact.delta_psi[i], abs=1e-11)
+
+
+def test_a_motion_on_the_other_side_is_counted_and_races_are_left_out(start):
+    sigma3_bar, eta_hat, speed = start
+    trial = through_time(constants_to_states(DISK, *start), 2.5)
+    other = through_time(constants_to_states(DISK, sigma3_bar, -eta_hat, speed), 2.5)
+    how = trial.plan("rk8", 1e-6)
+    assert not trial.compare(trial.call(how), 1e-6).wrong_way.any()
+    crossed = trial.exact[0].phi.min(axis=1) < 0.0  # those that have been near flat and come back
+    near = abs(eta_hat) < 1e-3
+    assert trial.compare(other.call(how), 1e-6).wrong_way[near & crossed].all()
+    assert (near & crossed).any()
+    racing = MotionTrial(
+        [(constants_to_states(DISK, 1.0, 1e-6, 1.0), passages(DISK, 1.0, 1e-6, 1.0).duration / 2.0)]
+    )
+    assert racing.compare(racing.call(how), 1e-6).errors == [0.0]
