@@ -74,8 +74,8 @@ COMMANDS = {
     ),
     "trade": Command(
         lambda: import_module("explorer.commands.trade"),
-        "Measure error and cost of every method on this machine; `--accuracy` and `--method auto` use it.",
-        "--disk hoop",
+        "Measure error and cost of every method on a scene's samples; `--accuracy` and `--method auto` use it.",
+        "race-angles --disk hoop --eta-hat 1e-8:1",
     ),
     "paper": Command(
         lambda: import_module("explorer.commands.paper"),

@@ -34,6 +34,7 @@ PLAIN, ALL_DISTANCES = "race-angles", (1e-8, 1.0)
 BODIES = (Disk.uniform(), Disk.hoop(), Disk(I1=0.02, I3=0.04), Disk(I1=0.5, I3=0.3))
 _OF_EACH_BODY = 1024, 64  # passages, motions
 _LEFT_OUT = ("method", "accuracy")  # what is measured
+_IDLE = ("keep", "slice", "grid")  # which change no sample
 
 
 class Trading(TypedDict, total=False):
@@ -293,7 +294,9 @@ def folder_for(out: Path) -> Path:
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the options of `nearflat trade`: those of the scenes, and its own."""
     add_scene(command, f"{', '.join(SCENES)}, or a TOML file; by default passages as race-angles draws them", "?")
-    add_options(command, SCENES.values(), hidden=_LEFT_OUT)
+    add_options(command, SCENES.values(), hidden=(*_LEFT_OUT, *_IDLE))
+    default = f"{Scene.tried}; measure-zero {MeasureZero.tried} draws; one-sided {OneSided.tried} points per disk"
+    command.add_argument("--samples", metavar="N", help=f"samples that are measured (default {default})")
     for option in TRADING:
         if option.metavar:
             command.add_argument(option.flag, metavar=option.metavar, help=option.help_for(Trading))
