@@ -16,7 +16,10 @@ import explorer as ex
 from explorer.errors import words_of_the_command
 
 FAULTS = ("traceback", "warning", "too long a message", "hang", "not finite", "changed argument")
-LONGEST, SLOWEST = 300, 10.0  # characters; seconds
+LONGEST = 300  # characters of a message
+# Seconds of processor time that a call may take, and those that it may take more for each sample. Where other
+# programs slow a machine down it has a tenth of a processor at least.
+SLOWEST, EACH, SHARE = 10.0, 1e-4, 0.1
 STUCK = 300.0  # seconds after which the process ends with the stack of the call that does not return
 
 # Numbers that do not exist for some samples that are otherwise ok; their docstrings say so.
@@ -33,11 +36,12 @@ NEEDS_AXIAL_INERTIA = {"sigma4_bar", "eta_hat_plus", "eta_hat_minus"}
 
 @dataclass
 class Verdict:
-    """What became of a call. kind: 'value', 'refused' or one of FAULTS."""
+    """What became of a call. kind: 'value', 'refused' or one of FAULTS; samples: how many the value has."""
 
     kind: str
     text: str = ""
     seconds: float = 0.0
+    samples: int = 0
 
 
 def image(value):
@@ -82,15 +86,15 @@ def not_finite(value):
 def judge(call, arguments):
     """Call with keyword arguments and say what became of it."""
     before = image(arguments)
-    start = time.monotonic()
+    start, began = time.process_time(), time.monotonic()
     faulthandler.dump_traceback_later(STUCK, exit=True)
     try:
         verdict = _called(call, arguments)
     finally:
         faulthandler.cancel_dump_traceback_later()
-    verdict.seconds = time.monotonic() - start
+    verdict.seconds = max(time.process_time() - start, SHARE * (time.monotonic() - began))
     if verdict.kind in ("value", "refused"):
-        if verdict.seconds > SLOWEST:
+        if verdict.seconds > SLOWEST + EACH * verdict.samples:
             return Verdict("hang", f"{verdict.seconds:.0f} s", verdict.seconds)
         if image(arguments) != before:
             return Verdict("changed argument", "", verdict.seconds)
@@ -118,7 +122,8 @@ def _called(call, arguments):
             place = place.tb_next
         where = f"{place.tb_frame.f_code.co_filename}:{place.tb_lineno}"
         return Verdict("traceback", f"{type(error).__name__}: {str(error)[:200]} ({where})")
-    return Verdict("not finite", ", ".join(bad)) if bad else Verdict("value")
+    samples = getattr(getattr(value, "status", None), "size", 0)
+    return Verdict("not finite", ", ".join(bad)) if bad else Verdict("value", samples=samples)
 
 
 def judge_command(words):

@@ -60,8 +60,14 @@ def changes(phi):
     phi[0] = 2.0
 
 
+def works(phi):
+    end = time.process_time() + 0.05
+    while time.process_time() < end:
+        pass
+
+
 def sleeps(phi):
-    time.sleep(0.05)
+    time.sleep(0.5)
 
 
 def warns(phi):
@@ -90,6 +96,7 @@ def gives_nan(phi):
         (fails, "traceback"),
         (warns, "warning"),
         (tells_a_story, "too long a message"),
+        (works, "hang"),
         (sleeps, "hang"),
         (gives_nan, "not finite"),
         (changes, "changed argument"),
