@@ -189,9 +189,10 @@ def _bins_of(state: dict[str, Any]) -> tuple[NDArray[np.int64], NDArray[np.int64
     if "bins" in state:
         return np.array(state["bins"], np.int64), np.array(state["counts"], np.int64)
     counts = _read(state["counts"])
-    bins = np.full(counts.size, state["first"], np.int64)
-    bins[1:] += np.cumsum(_read(state["gaps"]))
-    return bins, counts
+    bins = np.empty(counts.size, np.int64)
+    bins[:1] = state["first"]
+    bins[1:] = _read(state["gaps"])
+    return bins.cumsum(), counts
 
 
 def _written(values: NDArray[np.int64]) -> str:

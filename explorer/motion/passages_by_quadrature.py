@@ -23,27 +23,30 @@ def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> "compil
         compiled.passages.passage_by_rules_batch(
             crossings, chord(edge), how.accuracy, packed_rules(), disk.natural, out, status
         )
-    return _ways(disk, starts, out, status)
+    return _ways(disk, starts.face, crossings, out, status)
 
 
 def by_rules(disk: Disk, starts: Starts, how: Plan) -> "compiled.races.Ways":
     """As `by_quadrature` from the vertical, all by adaptive rules, without tables of the body."""
+    crossings = starts.natural(disk)
     out, status = np.full((8, starts.status.size), np.nan), starts.status.copy()
     compiled.passages.passage_by_rules_batch(
-        starts.natural(disk), chord(0.0), how.accuracy, packed_rules(), disk.natural, out, status
+        crossings, chord(0.0), how.accuracy, packed_rules(), disk.natural, out, status
     )
-    return _ways(disk, starts, out, status)
+    return _ways(disk, starts.face, crossings, out, status)
 
 
-def _ways(disk: Disk, starts: Starts, out: Array, status: NDArray[np.int8]) -> "compiled.races.Ways":
+def _ways(
+    disk: Disk, face: Array, crossings: "compiled.passages.Crossings", out: Array, status: NDArray[np.int8]
+) -> "compiled.races.Ways":
     """What a kernel wrote: rows of PassageRow."""
-    found, (bar, eta, speed) = compiled.quadrature.PassageRow(*out), starts.natural(disk)
+    found, (bar, eta, speed) = compiled.quadrature.PassageRow(*out), crossings
     energy, on_f = found.energy, eta == 0.0
     if on_f.any():  # the kernel skips what lies on F
         energy = np.where(on_f, energy_on_f(disk, bar, speed), energy)
     error = np.fmax(found.angle_error, found.time_error)
     followed = found.theta_min, found.chi, found.psi, found.time, found.way
-    return compiled.races.Ways(bar, eta, starts.face, *followed, energy, error, status)
+    return compiled.races.Ways(bar, eta, face, *followed, energy, error, status)
 
 
 def energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:

@@ -11,7 +11,7 @@ to their next approaches to flat.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -23,7 +23,8 @@ from explorer.measure import statistics
 from explorer.measure.sampling import BLOCK, Range, chunk_stream, gather, log_uniform
 from explorer.motion.bounces import KERNELS as OF_BOUNCES
 from explorer.motion.bounces import MOST, Bounces, bounces
-from explorer.motion.passages import Passages, passage_kernels, passages
+from explorer.motion.passages import OBSERVABLES, Passages, passage_kernels, passages_by
+from explorer.motion.plan import Plan, plan
 from explorer.motion.trials import MotionTrial, PassageTrial, through_time
 from explorer.motion.vertical import starts_at_vertical
 from explorer.phase.constants import best_constants, natural_constants
@@ -145,8 +146,7 @@ class RaceAngles(SceneOfStates):
         if self.eta_hat is None:
             tables = [self._bounces(block) for block in self.blocks(index)]
             return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
-        drawn = self._drawn_beside(chunk_stream(self.seed, index), self.length(index))
-        found: Table = {}
+        drawn, found = self._drawn_beside(chunk_stream(self.seed, index), self.length(index)), Table()
         for first in range(0, self.length(index), _AT_ONCE):
             rows = slice(first, first + _AT_ONCE)
             made = self._passages({name: values[rows] for name, values in drawn.items()})
@@ -156,7 +156,11 @@ class RaceAngles(SceneOfStates):
         return {**drawn, "face": drawn["face"].astype(np.int8), **found}
 
     def _passages(self, drawn: Table) -> Passages:
-        return passages(self.disk, *_start(drawn), method=self.method, accuracy=self.accuracy)
+        return passages_by(self.disk, starts_at_vertical(self.disk, *_start(drawn)), self._how)[0]
+
+    @cached_property
+    def _how(self) -> Plan:
+        return plan(OBSERVABLES, self.accuracy, self.method)
 
     def trial(self) -> PassageTrial | None:
         if self.eta_hat is None:  # bounces are by quadrature only
