@@ -34,7 +34,7 @@ def draw(rows: list) -> Figure:
     panels = figure.subplots(2, 1, sharex=True, sharey=True)
     for ax, kind in zip(panels, ("plain", "regularised"), strict=True):
         lines = [_line(ax, points, look) for points, look in _series(rows, kind)]
-        dress(ax, "", "trajectories per second and core", f"nearflat (black) and peers on the {kind} equations")
+        dress(ax, "", "trajectories per second and core", f"Peers on the {kind} equations")
         ax.set(xscale="log", yscale="log")
         ax.grid(alpha=0.25)
         _name(ax, [line for line in lines if line])
@@ -85,11 +85,12 @@ def _name(ax, lines):
             if close > 0.0:
                 heights[i] -= 0.5 * close
                 heights[i + 1] += 0.5 * close
+    heights -= max(0.0, heights[-1] + 0.5 * gaps[-1] - np.log10(ax.get_ylim()[1]))
     for height, (_, line) in zip(heights, ends, strict=True):
         own = line.get_color() == DARK
         ax.annotate(
             line.get_label(), (line.get_xdata()[-1], line.get_ydata()[-1]), (1.03, 10.0**height),
             xycoords="data", textcoords=ax.get_yaxis_transform(), va="center", fontsize=0.875 * TEXT, color=DARK,
             fontweight="bold" if own else "normal", annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "color": line.get_color(), "lw": 0.7, "shrinkB": 4},
+            arrowprops={"arrowstyle": "-", "color": line.get_color(), "lw": 0.7, "shrinkB": 4, "relpos": (0, 0.5)},
         )  # fmt: skip

@@ -86,21 +86,25 @@ def mine():
     yield "quadrature", KERNEL, ours.quadrature(), (1e-3, 1e-6, 1e-11), whole
 
 
-def all_solvers():
-    """Solvers, ready to be called, and sentences on those that are not here."""
+def all_solvers(begin=""):
+    """Ours and the peers whose names begin so, ready to be called, and sentences on those that are not here."""
     found, missing = [], []
     for name, kind, make, settings, exact in mine():
         found += [Solver(name, at, kind, make(at), exact, COUNT * ours.COPIES) for at in settings]
     for name, maker, settings, n in peers():
+        if not name.startswith(begin):
+            continue
         try:
             make = maker()
         except ImportError as error:
             missing.append(f"{name}: {error.name} is not installed.")
             continue
         found += [Solver(name, at, PEER, make(at), work().chi[:n], n) for at in settings]
-    if cpp.compiler() is None:
+    if cpp.compiler() is None and not begin:
         return found, [*missing, f"C++: {cpp.NO_COMPILER}."]
     for name, maker, settings in loops():
+        if not name.startswith(begin):
+            continue
         make = maker()
         found += [Solver(name, at, PEER, make(at), work().chi, COUNT) for at in settings]
     return found, missing

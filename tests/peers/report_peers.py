@@ -1,13 +1,21 @@
-"""Writes results/peers/: nearflat and its peers on the same work, in one run on one core.
+"""Writes results/peers/, and the row of README.md on speed: nearflat and its peers on the same work, in one run.
 
     pip install "nearflat[peers]"      # a peer that is not there is left out, and so is the loop in C++
     OMP_NUM_THREADS=1 taskset -c 0 python -m peers.report_peers      # in tests/; some minutes
 
+On code of 256 bits, against heyoka alone (without the features numba would take those of the machine):
+
+    NUMBA_CPU_NAME=haswell NUMBA_CPU_FEATURES=+avx2,+fma python -m peers.report_peers \\
+        --peers "heyoka batch" --out ../results/peers/256-bit
+
 Rates are trajectories per second of the processor's time; compiling is not in them. Compare within one run only.
 """
 
+import argparse
 import os
 import platform
+import shlex
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -20,22 +28,30 @@ from peers.problem import COUNT, work
 from explorer.commands.made_by import leave_made_by
 from explorer.plot.captions import save
 
-OUT = Path(__file__).parents[2] / "results" / "peers"
-COMMAND = "python -m peers.report_peers"
+ROOT = Path(__file__).parents[2]
+OUT = ROOT / "results" / "peers"
 SHORT = {"rk4": 0.01, "rk8": 0.05}
 
 
+def command():
+    """How this run was asked for, with what it was told about the processor."""
+    told = [
+        f"{name}={os.environ[name]}" for name in ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES") if name in os.environ
+    ]
+    return " ".join([*told, "python -m peers.report_peers", *map(shlex.quote, sys.argv[1:])])
+
+
 def machine():
-    """The processor, what our kernels are compiled for, and how busy the machine was."""
+    """The processor, and what our kernels are compiled for."""
     names = [line.partition(":")[2].strip() for line in _lines("/proc/cpuinfo") if line.startswith("model name")]
     target = os.environ.get("NUMBA_CPU_NAME")
-    compiled = f", our kernels and the loop in C++ compiled for {target}" if target else ""
+    compiled = (
+        f"; our kernels and the loop in C++ are compiled for {target}, heyoka for the machine" if target else ""
+    )
     flags = next((line for line in _lines("/proc/cpuinfo") if line.startswith("flags")), "")
     vectors = "AVX-512" if "avx512f" in flags else "256-bit vectors" if "avx2" in flags else platform.machine()
     name = names[0] if names else platform.processor() or platform.machine()
-    family = [line.partition(":")[2].strip() for line in _lines("/proc/cpuinfo") if line.startswith("cpu family")]
-    model = f" (family {family[0]})" if family else ""
-    return f"one core of {name}{model}, {vectors}{compiled}"
+    return f"one core of an {name} with {vectors}{compiled}"
 
 
 def _lines(path):
@@ -65,7 +81,7 @@ def page(rows, missing, limits, busy):
     return [
         "# nearflat and its peers",
         "",
-        f"Made by `{COMMAND}` in `tests/`, all rows in one run on {machine()};",
+        f"Made by `{command()}` in `tests/`, all rows in one run on {machine()};",
         f"load of the machine {busy[0]:.1f} before and {busy[1]:.1f} after. Each solver's time is the least of",
         f"{ROUNDS} rounds, in which all take turns, in seconds of the processor. The work is in",
         "`tests/peers/problem.py`: chi at t = 1.6, just after the first passage, of 256 trajectories with",
@@ -113,16 +129,31 @@ def page(rows, missing, limits, busy):
     ]
 
 
+def read_arguments():
+    """Where the page goes, and which peers are in the run."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, default=OUT, help="folder of a page alone, without README.md's row")
+    parser.add_argument("--peers", default="", metavar="NAME", help="only peers whose name begins so")
+    return parser.parse_args()
+
+
 def main():
-    OUT.mkdir(parents=True, exist_ok=True)
+    asked = read_arguments()
+    asked.out.mkdir(parents=True, exist_ok=True)
     before = os.getloadavg()[0] if hasattr(os, "getloadavg") else np.nan
-    found, missing = all_solvers()
+    found, missing = all_solvers(asked.peers)
     rows = measured(found, say=lambda line: print(line, flush=True))
     after = os.getloadavg()[0] if hasattr(os, "getloadavg") else np.nan
     lines = page(rows, missing, peak(), (before, after))
+    if asked.out != OUT:
+        lines = [line for line in lines if not line.startswith("![")]
+    (asked.out / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    leave_made_by(asked.out, command())
+    if asked.out != OUT or asked.peers:
+        return
     save(draw(rows), OUT / "peers.png")
-    (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    leave_made_by(OUT, COMMAND)
+    front = ROOT / "README.md"
+    front.write_text(tables.with_quoted(front.read_text("utf-8"), rows, machine()), encoding="utf-8")
 
 
 if __name__ == "__main__":

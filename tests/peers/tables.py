@@ -1,5 +1,7 @@
 """What the rows of a run say, as Markdown: nothing is in them that was not measured."""
 
+import re
+
 import numpy as np
 from peers import cpp
 from peers.counting import counted
@@ -8,6 +10,8 @@ from peers.measuring import ASKED, COUNT, KERNEL, METHODS, PEER, PUBLIC, seconds
 INTEGRATED = tuple(f"passages, {method}" for method in METHODS)
 KERNELS = tuple(f"{method}, to t = 1.6" for method in METHODS)
 QUADRATURE = "passages, quadrature"
+FRONT = "| passages per second and core as a user calls them, error below 10⁻⁶"
+ORIGIN = "The times are from one run on "
 REST = 1e-9  # the least error at which most peers have a row at all
 
 
@@ -95,6 +99,25 @@ def kernels(rows):
     return _table(heads, lines)
 
 
+def quoted(rows):
+    """The row of the front page: the public calls at 1e-6 against heyoka in batches, plain and regularised."""
+    peers = [reaching(rows, (f"heyoka batch, {kind}",), 1e-6) for kind in ("plain", "regularised")]
+    exact, integrated = asked_at(rows, QUADRATURE, 1e-6), best_asked(rows, INTEGRATED, 1e-6)
+    plain, regular = (times(exact, peer) for peer in peers)
+    stepped = " and ".join(times(integrated, peer) for peer in peers)
+    said = f"{plain} times heyoka in batches on the plain equations, {regular} on our regularised ones"
+    return f"{FRONT} | {said}; by Runge–Kutta {stepped} | 1 |"
+
+
+def with_quoted(text, rows, where):
+    """The front page with the row of this run and the machine that it ran on; all else is left as it is."""
+    lines = text.split("\n")
+    for begin, line in ((FRONT, quoted(rows)), (ORIGIN, None)):
+        (place,) = (i for i, old in enumerate(lines) if old.startswith(begin))
+        lines[place] = line or re.sub(rf"^{ORIGIN}.*? \(", f"{ORIGIN}{where} (", lines[place])
+    return "\n".join(lines)
+
+
 def every(rows):
     """All rows."""
     heads = ("solver", "setting", "median error", "99th percentile", "wrong way", "unresolved", "trajectories/s")
@@ -109,10 +132,11 @@ def every(rows):
 def shares_of_steps(limits, steppers):
     """How near the limit of strict arithmetic fixed steps run; steppers: (name, method, solver)."""
     counts = counted()["steps"]
-    strict = limits.strict / limits.multiply_adds
+    together = 2.0 * limits.multiply_adds
     yield (
-        f"Products and sums that this core can make: {limits.multiply_adds:.1e}/s rounded together,"
-        f" {limits.strict:.1e}/s apart ({strict:.0%}), which is the ceiling of strict arithmetic."
+        f"Additions and multiplications of this core: {together:.1e}/s where a product and a sum are rounded"
+        f" together, {limits.strict:.1e}/s where they are not ({limits.strict / together:.0%}): the ceiling of"
+        " strict arithmetic."
     )
     yield ""
     heads = ("fixed steps, short ones", "million steps/s", "additions and multiplications", "share of the ceiling")

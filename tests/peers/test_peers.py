@@ -1,7 +1,10 @@
 """The comparison with other solvers: its loop in C++, its counts, and that its tables hold what was measured."""
 
+import re
+
 import numpy as np
 import pytest
+from imports import ROOT
 from peers import cpp, figure, measuring, tables
 from peers.counting import counted
 from peers.measuring import KERNEL, PEER, PUBLIC, Row, Solver
@@ -103,6 +106,26 @@ def test_public_calls_show_what_was_asked_and_what_was_given():
     missed = next(line for line in lines if "| 2e-06 |" in line)
     assert missed.endswith("| - | - |")
     assert cells(lines, "passages, quadrature") == ["1e-11", "4e-14", "0", "0", "90,000", "900", "-"]
+
+
+def test_the_front_page_quotes_the_run_and_nothing_else_of_it_is_touched():
+    text = "# Title\n" + tables.FRONT + " | 9 | 1 |\n\n" + tables.ORIGIN + "a machine (`here`). More (words).\n"
+    made = tables.with_quoted(text, ROWS, "one core of another").split("\n")
+    assert made[0] == "# Title"
+    assert made[1].startswith(tables.FRONT + " | - times heyoka in batches on the plain equations, - on our")
+    assert "by Runge–Kutta 2.0 and - | 1 |" in made[1]
+    assert made[2:] == ["", tables.ORIGIN + "one core of another (`here`). More (words).", ""]
+
+
+def test_what_the_readme_quotes_is_what_the_results_say():
+    front = next(line for line in (ROOT / "README.md").read_text("utf-8").splitlines() if tables.FRONT in line)
+    page = (ROOT / "results" / "peers" / "README.md").read_text("utf-8").splitlines()
+    plain, regular = (
+        cells([line for line in page if line.count("|") > 10], f"heyoka batch, {kind}")
+        for kind in ("plain", "regularised")
+    )
+    said = re.findall(r"\d+(?:\.\d+)?", front.removeprefix(tables.FRONT))[:4]
+    assert said == [plain[7], regular[7], plain[1], regular[1]]
 
 
 def test_what_is_not_installed_is_said_and_has_no_row(monkeypatch):
