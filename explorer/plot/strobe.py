@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from explorer.errors import InputError
 from explorer.phase.states import Array
 from explorer.plot import solid
 from explorer.plot.captions import DPI, Question, captioned
@@ -44,6 +45,11 @@ def _rows(shown: Film, sign: int) -> _Rows:
     fall = [int(np.argmin(abs(phi[: flat + 1] - tilt))) for tilt in _FALL]
     rise = [flat + int(np.argmin(abs(phi[flat:] - tilt))) for tilt in _RISE]
     flats = np.flatnonzero(phi > _FLAT)
+    if flats.size == 0:
+        raise InputError(
+            f"shown: the disk comes within {90.0 - phi[flat]:.2g} degrees of flat only, not {90.0 - _FLAT:g}; "
+            "make the film with a smaller eta_hat"
+        )
     return _Rows(fall, rise[::-1], flat, int(flats[0]), int(flats[-1]))
 
 
@@ -181,6 +187,11 @@ def hero(shown: Film) -> Figure:
     -------
     Figure
         1600 by 900 pixels where `explorer.plot.save` writes it.
+
+    Raises
+    ------
+    InputError
+        Where the disk does not come within 2 degrees of flat.
 
     References
     ----------

@@ -47,13 +47,13 @@ def axes_or_new(ax: Axes | None) -> Axes:
     return ax if ax is not None else Figure(figsize=SIZE, layout="constrained").subplots()
 
 
-def figure_of(draw: Callable[..., Any] | Figure, *arguments: Any) -> Figure:
+def figure_of(draw: Callable[..., Any] | Axes | Figure, *arguments: Any) -> Figure:
     """The figure that one picture makes for itself.
 
     Parameters
     ----------
-    draw : callable or Figure
-        A function of `explorer.plot`; a figure is returned as it is.
+    draw : callable, Axes or Figure
+        A function of `explorer.plot`, or what one returned; a figure is returned as it is.
     *arguments
         What it is called with.
 
@@ -70,7 +70,7 @@ def figure_of(draw: Callable[..., Any] | Figure, *arguments: Any) -> Figure:
     >>> figure.axes[0].get_xlabel()
     '$m r^2/I_1$'
     """
-    drawn = draw if isinstance(draw, Figure) else draw(*arguments)
+    drawn = draw if isinstance(draw, Axes | Figure) else draw(*arguments)
     figure = drawn if isinstance(drawn, Figure) else drawn.figure
     assert isinstance(figure, Figure)
     return figure

@@ -28,7 +28,6 @@ _SECONDS_PER_BYTE, _FOOTER = 0.5e-8, 800.0
 _PACKED_ROWS = 4096  # of a column are compressed
 # Of one picture in PNG and SVG, measured over all scenes; slices and maps take more, and histograms less.
 _SECONDS_PER_PICTURE, _BYTES_PER_PICTURE = 1.2, 250_000
-_PICTURES = {"falling-set": 4, "measure-zero": 3, "one-sided": 7, "portrait": 10, "race-angles": 2}
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ def estimate(asked: Asked) -> Estimate:
         probes, probed, stood = probes + 1, probed + length, stood + scene.length(index)
         if seconds > _SECONDS or probes == _MOST_PROBES:
             break
-    pictures = _PICTURES.get(scene.name, 0) if manner.formats != () and asked.out is not None else 0
+    pictures = scene.figure_count if manner.formats != () and asked.out is not None else 0
     drawing = pictures * _SECONDS_PER_PICTURE
     lanes = max(1, min(manner.workers.jobs, cpu_count() or 1, count))
     samples = sum(map(scene.length, range(min(count, _MOST_COUNTED)))) * max(1, count // _MOST_COUNTED)

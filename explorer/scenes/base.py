@@ -195,6 +195,11 @@ class Scene(ABC):
         """Named pictures; each is drawn when it is called."""
         return ()
 
+    @property
+    def figure_count(self) -> int:
+        """How many pictures `figures` has, for the estimate of what a run costs."""
+        return 0
+
     def headline(self, summary: dict[str, Any]) -> list[str]:
         """The summary in a few lines of text."""
         return []

@@ -283,6 +283,10 @@ class FallingSet(SceneOfStates):
             "status": total.status,
         }
 
+    @property
+    def figure_count(self) -> int:
+        return 2 + len(self.slices)
+
     def figures(self, summary: dict[str, Any], total: FallingCounts) -> Iterator[tuple[str, Picture]]:
         from explorer import plot
 

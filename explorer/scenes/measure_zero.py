@@ -192,6 +192,10 @@ class MeasureZero(SampledScene):
     def summarise(self, total: Counted) -> dict[str, Any]:
         return summarise(self.question, total)
 
+    @property
+    def figure_count(self) -> int:
+        return 3
+
     def figures(self, summary: dict[str, Any], total: Counted) -> Iterator[tuple[str, Picture]]:
         from explorer import plot
 

@@ -278,6 +278,10 @@ class OneSided(Scene):
             "at_eta_hat": float(smallest),
         }
 
+    @property
+    def figure_count(self) -> int:
+        return 1 + 2 * len(self.disks)
+
     def figures(self, summary: dict[str, Any], total: Approach) -> Iterator[tuple[str, Picture]]:
         from explorer import plot
 

@@ -173,6 +173,10 @@ class Portrait(Scene):
             "left_end": rim.branches[0].low,
         }
 
+    @property
+    def figure_count(self) -> int:
+        return 7 + min(2, len(self.places()))  # both sides are in one picture
+
     def figures(self, summary: dict[str, Any], total: list[Table]) -> Iterator[tuple[str, Picture]]:
         return self.pictures()
 

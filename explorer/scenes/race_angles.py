@@ -280,6 +280,10 @@ class RaceAngles(SceneOfStates):
             remedy = "raise --eta-hat or change --accuracy"
         return f"race-angles: none of {self.samples:,} passages was resolved ({told}); {remedy}"
 
+    @property
+    def figure_count(self) -> int:
+        return 2
+
     def figures(self, summary: dict[str, Any], total: RaceCounts) -> Iterator[tuple[str, Picture]]:
         from explorer import plot
 

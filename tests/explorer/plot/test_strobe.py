@@ -8,6 +8,7 @@ from conftest import BODIES
 from matplotlib.figure import Figure
 
 from explorer import plot
+from explorer.errors import InputError
 from explorer.plot.strobe import _band, _rows
 from explorer.portrait.film import film
 
@@ -45,3 +46,8 @@ def test_the_hero_says_how_many_turns_and_draws_both_sides(shown):
     words = " ".join(text.get_text() for ax in figure.axes for text in ax.texts)
     assert words.count(f"{HOOP.race_limit / (2.0 * math.pi):.2f} turns") == 2
     figure.canvas.draw()
+
+
+def test_a_film_that_stays_far_from_flat_is_refused_with_the_remedy():
+    with pytest.raises(InputError, match="smaller eta_hat"):
+        plot.hero(film(HOOP, 0.3, frames=20))

@@ -42,3 +42,5 @@ def test_stacked_pictures_share_the_lowest_name_of_the_axis():
 
 def test_figure_of_gives_the_figure_of_a_picture():
     assert isinstance(plot.figure_of(lambda text: dress(axes_or_new(None), text, "y"), "x"), Figure)
+    ax = axes_or_new(None)
+    assert plot.figure_of(ax) is plot.figure_of(ax.figure) is ax.figure

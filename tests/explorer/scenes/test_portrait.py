@@ -68,7 +68,8 @@ def test_every_figure_of_the_scene_is_drawn(tmp_path):
             assert ax.get_xlabel()
             assert ax.get_ylabel()
     assert names[:2] == ["portrait-on", "portrait-beside"]
-    assert len(names) == len(set(names)) == 9
+    assert len(names) == len(set(names)) == scene.figure_count == scene_of().figure_count == 9
+    assert scene_of(eta_hat=0.0).figure_count == 8
 
 
 def test_a_run_stores_its_levels_and_goes_on(tmp_path):

@@ -86,7 +86,7 @@ def test_every_chunk_footer_is_read_once_for_summary_and_pictures(tmp_path, monk
     monkeypatch.setattr(store, "read_note", counted)
     total, digest = add_up(run.parts)
     summary = run.scene.summarise(total)
-    assert len(list(run.scene.figures(summary, total))) == 2
+    assert len(list(run.scene.figures(summary, total))) == run.scene.figure_count == 2
     assert sorted(read) == sorted(store.found_chunks(run.folder).values())
     assert digest == run.summary["digest"]
     assert summary["histogram"] == run.summary["histogram"]
