@@ -10,8 +10,8 @@ from explorer.motion.trade import Measured, Row
 from explorer.scenes.base import Scene
 
 _REFERENCE = {
-    "passages": "quadrature by adaptive rules at 1e-12, which shares no table with what is measured",
-    "tilts": "quadrature at 1e-13, so its own rows tell how its accuracies differ",
+    "passages": "quadrature by adaptive rules at 1e-11, which shares no table with what is measured",
+    "tilts": "quadrature at 1e-13; quadrature itself against rk8 with steps far finer than any accuracy needs",
     "motions": "rk8 with steps far finer than any accuracy needs",
 }
 

@@ -184,7 +184,7 @@ def passages_by(disk: Disk, starts: Starts, how: Plan) -> tuple[Passages, NDArra
     return _assemble(disk, starts, ways, how, 0.0), steps
 
 
-def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-12) -> Passages:
+def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-11) -> Passages:
     """Passages by adaptive rules: by quadrature, but by none of the tables of the body."""
     how = plan(OBSERVABLES, accuracy, "quadrature")
     return _assemble(disk, starts, by_rules(disk, starts, how), how, 0.0)

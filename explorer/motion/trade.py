@@ -28,7 +28,8 @@ ASKED = tuple(10.0 ** -np.arange(2.0, 10.1, 2.0))
 # finer setting gains as little.
 _SAME = 1.5
 _ROUNDS = 4
-_LEAST = 1e-16  # an error of 0 is one of rounding
+_LEAST = 1e-16  # an error of 0 is one of rounding,
+ROUNDING = 1e-14  # and below this all are
 Errors = dict[tuple[str, float], float]  # by method and setting
 _LONG = 0.5  # seconds for a call, which is then repeated once only
 
@@ -203,14 +204,14 @@ def mark_front(rows: list[Row]) -> list[Row]:
 
 def _beats(other: Row, row: Row) -> bool:
     """Whether another is faster and errs as little, within what the errors are known to."""
-    return other.p99 <= _SAME * row.p99 and other.nanoseconds < row.nanoseconds
+    return other.p99 <= _SAME * max(row.p99, ROUNDING) and other.nanoseconds < row.nanoseconds
 
 
 def best_of(rows: list[Row]) -> list[Row]:
     """Of one method, from coarse to fine: the settings with an error that are better than all coarser ones."""
     best: list[Row] = []
     for row in rows:
-        if np.isfinite(row.p99) and row.p99 > 0.0 and (not best or row.p99 * _SAME < best[-1].p99):
+        if np.isfinite(row.p99) and (not best or max(row.p99, ROUNDING) * _SAME < best[-1].p99):
             best.append(row)
     return best
 

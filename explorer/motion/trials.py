@@ -21,7 +21,8 @@ from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 
 IN_TIME = ("phi", "chi", "psi", "path")
-# What motions in time are compared with: by far finer than any accuracy that can be asked, and no setting tried.
+# What motions in time, and tilts by quadrature, are compared with: by far finer than any accuracy that can be asked,
+# and no setting that is tried.
 _FINEST = ("rk8", 0.04)
 # Tilt (rad) below which chi races, and errors of the time count many times in it; no error is taken there.
 _RACING = 0.1
@@ -133,6 +134,12 @@ class TiltTrial(Trial):
     def known(self) -> NDArray[np.bool_]:
         return np.asarray(self.exact[1] == compiled.status.Status.OK)
 
+    @cached_property
+    def integrated(self) -> Array:
+        """theta_min by far finer steps than any accuracy needs, for quadrature to be compared with."""
+        method, setting = _FINEST
+        return self.call(self.plan(method, ANY_ERROR, setting))[0]
+
     def call(self, how: Plan) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
         parts = [smallest_tilt(states, how, natural) for states, natural in self.blocks]
         theta, status, steps = (np.concatenate(columns) for columns in zip(*parts, strict=True))
@@ -140,8 +147,9 @@ class TiltTrial(Trial):
 
     def compare(self, found: tuple[Array, NDArray[np.int8], NDArray[np.int32]], accuracy: float) -> Tried:
         theta, status, steps = found
+        truth = self.exact[0] if steps.any() else self.integrated
         with np.errstate(divide="ignore", invalid="ignore"):
-            errors = abs(theta / self.exact[0] - 1.0)
+            errors = abs(theta / truth - 1.0)
         return Tried(errors, status, np.zeros(status.size, bool), steps)
 
 

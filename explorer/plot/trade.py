@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from explorer.motion.trade import Measured, Row, best_of
+from explorer.motion.trade import ROUNDING, Measured, Row, best_of
 from explorer.plot.captions import Question, captioned
 from explorer.plot.style import DARK, MARKERS, SERIES, SMALL, axes_or_new, dress
 
-_LIMITS = (3e-2, 1e-15)  # of the error; the names of the methods stand in the last decades
+_LIMITS = (3e-2, 3e-17)  # of the error; the names of the methods stand in the last decades
 _APART = 1.35  # ratio of the heights of two names
 _TITLES = {
     "passages": "Passages: time against error",
@@ -69,7 +69,7 @@ def work_precision(measured: Measured, ax: Axes | None = None, **look: Any) -> A
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_xlim(*_LIMITS)
-    ax.set_xticks([10.0**-k for k in range(2, 14, 2)])
+    ax.set_xticks([10.0**-k for k in range(2, 15, 2)])
     _write(ax, names)
     ax.text(0.98, 0.03, "better ↘", ha="right", va="bottom", fontsize=SMALL, transform=ax.transAxes)
     x = "error, 99th percentile (rad; times and tilts relative)"
@@ -83,7 +83,7 @@ def _marker(method: str) -> str:
 
 
 def _place(row: Row) -> tuple[float, float]:
-    return row.p99, row.nanoseconds
+    return max(row.p99, ROUNDING), row.nanoseconds
 
 
 def _write(ax: Axes, names: list[tuple[float, float, str, str]]) -> None:

@@ -72,14 +72,25 @@ def test_the_front_holds_what_nothing_beats():
         row("rk8", 1e-4, 250.0),
         row("dop853", 0.9e-6, 220.0),  # as accurate, but for the luck of the samples
         row("dopri5", np.nan, 1.0),
+        row("rk8", 1e-15, 300.0),
+        row("dop853", 1e-16, 400.0),  # more accurate than rounding lets it be
         row("quadrature", 1e-9, 1.0),
     ]
-    assert [found.on_front for found in trade.mark_front(rows)] == [True, True, False, False, False, False]
+    assert [found.on_front for found in trade.mark_front(rows)] == [
+        True,
+        True,
+        False,
+        False,
+        False,
+        True,
+        False,
+        False,
+    ]
 
 
 def test_a_line_is_drawn_through_settings_that_gain():
-    rows = [row("rk8", error, 1.0) for error in (1e-2, 1e-2, 1e-4, np.nan, 0.9e-4, 1e-8, 0.0)]
-    assert [found.p99 for found in trade.best_of(rows)] == [1e-2, 1e-4, 1e-8]
+    rows = [row("rk8", error, 1.0) for error in (1e-2, 1e-2, 1e-4, np.nan, 0.9e-4, 1e-8, 0.0, 0.0)]
+    assert [found.p99 for found in trade.best_of(rows)] == [1e-2, 1e-4, 1e-8, 0.0]
 
 
 def test_settings_that_gain_nothing_calibrate_nothing(part):

@@ -69,6 +69,8 @@ def test_tilts_are_those_that_scenes_compute_block_by_block(start):
     assert trial.known.all()
     assert tried.errors.max() < 1e-10
     assert trial.exact[0] == pytest.approx(passages(DISK, *start).theta_min, rel=1e-9)
+    own = trial.compare(trial.call(trial.plan("quadrature", 1e-6)), 1e-6).errors
+    assert 0.0 < own.max() < 1e-12  # it is not its own measure
 
 
 def test_motions_are_those_of_the_public_call(start):
