@@ -21,8 +21,8 @@ from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 
 IN_TIME = ("phi", "chi", "psi", "path")
-# What motions in time, and tilts by quadrature, are compared with: by far finer than any accuracy that can be asked,
-# and no setting that is tried.
+# What motions in time, and tilts by quadrature, are compared with: by far finer than any accuracy there is, and no
+# setting that is tried.
 _FINEST = ("rk8", 0.04)
 # Tilt (rad) below which chi races, and errors of the time count many times in it; no error is taken there.
 _RACING = 0.1
