@@ -20,10 +20,17 @@ from explorer.phase.states import Array, columns_of
 
 SIDES = {"plus": 1, "minus": -1}
 BINS = 40  # a decade of the deviation, in a summary: a picture joins some of them
+# Of race angles between -1.5 and 1.5 kappa pi: 0 and +-kappa pi are middles of bins, also of five joined ones.
+ANGLE_BINS, _REACH = 585, 1.5
 PER_STEP = 3  # steps of |eta_hat| a decade, at which the law is looked at
 _SHARES = (0.05, 0.25, 0.5, 0.75, 0.95)
 _MOST_BINS = 1_000_000
 _ROUNDING = 1e-12  # rad; a deviation is known to some 1e-15, and its law to a percent from here on
+
+
+def angle_edges(limit: float, bins: int = ANGLE_BINS) -> Array:
+    """Edges of the bins of race angles. limit: kappa pi."""
+    return np.linspace(-_REACH * limit, _REACH * limit, bins + 1)
 
 
 def law_scale(disk: Disk, eta_hat: Array, impact_speed: Array) -> Array:
@@ -80,7 +87,7 @@ class RaceRidges:
         return cls(float(summary["limit"]), ridges, angles, np.array(histogram["edges"]))
 
 
-def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, bins: int = 585) -> RaceRidges:
+def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, bins: int = ANGLE_BINS) -> RaceRidges:
     """Count race angles of one's own for `plot.race_histogram`.
 
     Parameters
@@ -116,7 +123,7 @@ def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, bins: int
     bins = whole("bins", bins, 1, _MOST_BINS)
     limit = disk.race_limit
     deviation = race - np.sign(eta) * limit
-    edges = np.linspace(-1.5 * limit, 1.5 * limit, bins + 1)
+    edges = angle_edges(limit, bins)
     angles = {}
     for side in (1, -1):
         chosen = race[(side * eta > 0.0) & np.isfinite(race)]

@@ -32,13 +32,13 @@ from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart
 from explorer.phase.membership import impact_speed
 from explorer.phase.states import Array, States, constants_to_states
-from explorer.portrait.races import law_rows, ridge_rows
+from explorer.portrait.races import angle_edges, law_rows, ridge_rows
 from explorer.scenes import beside
-from explorer.scenes.base import Chunks, NoStateError, Picture, Table, Tally
+from explorer.scenes.base import Chunks, NoStateError, Picture, Table, Tally, joined
 from explorer.scenes.beside import box_beside, check_eta_hat, describe_beside, draw_beside, eta_hat_option
 from explorer.scenes.of_states import Block, SceneOfStates
 from explorer.scenes.options import Distances, Option, Ranges
-from explorer.scenes.race_counts import SIGNS, RaceCounts, count_bounces, count_races, histogram_edges
+from explorer.scenes.race_counts import SIGNS, RaceCounts, count_bounces, count_races
 
 # What is stored of a passage, as fields of `Passages`.
 _FOUND = (
@@ -144,8 +144,7 @@ class RaceAngles(SceneOfStates):
 
     def compute(self, index: int) -> Table:
         if self.eta_hat is None:
-            tables = [self._bounces(block) for block in self.blocks(index)]
-            return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+            return joined([self._bounces(block) for block in self.blocks(index)])
         drawn, found = self._drawn_beside(chunk_stream(self.seed, index), self.length(index)), Table()
         for first in range(0, self.length(index), _AT_ONCE):
             rows = slice(first, first + _AT_ONCE)
@@ -177,7 +176,7 @@ class RaceAngles(SceneOfStates):
         """The first starts at the vertical, as its chunks draw them."""
         chunks = range(-(-count // self.chunk_size))
         parts = [self._drawn_beside(chunk_stream(self.seed, k), self.length(k)) for k in chunks]
-        return {name: np.concatenate([part[name] for part in parts])[:count] for name in parts[0]}
+        return {name: values[:count] for name, values in joined(parts).items()}
 
     def _drawn(self, random: np.random.Generator, count: int) -> Table:
         return super()._drawn(random, count) if self.eta_hat is None else self._drawn_beside(random, count)
@@ -241,7 +240,7 @@ class RaceAngles(SceneOfStates):
         }
         if self.eta_hat is None:
             summary |= {"approaches": total.bounces, "without_race": total.without_race}
-        histogram: dict[str, Any] = {"edges": histogram_edges(limit).tolist()}
+        histogram: dict[str, Any] = {"edges": angle_edges(limit).tolist()}
         for name, sign in total.signs.items():
             histogram[f"counts_{name}"], histogram[f"outside_{name}"] = sign.bins.tolist(), sign.outside
             summary[f"races_{name}"] = total.races(name)

@@ -11,19 +11,10 @@ from explorer.measure import statistics
 from explorer.measure.log_counts import LogCounts, SignedLogCounts
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
-from explorer.portrait.races import SIDES, by_decade, law_constants
+from explorer.portrait.races import ANGLE_BINS, SIDES, angle_edges, by_decade, decades_of, law_constants
 from explorer.scenes.base import Table, Tally
 
-# Bins of the histogram between -1.5 and 1.5 kappa pi: 0 and +-kappa pi are middles of bins, also
-# where a picture joins five of them.
-BINS = 585
-REACH = 1.5
 SIGNS = SIDES
-
-
-def histogram_edges(limit: float) -> Array:
-    """Edges of the bins. limit: kappa pi."""
-    return np.linspace(-REACH * limit, REACH * limit, BINS + 1)
 
 
 def count_races(table: Table, disk: Disk) -> Tally:
@@ -50,7 +41,7 @@ def count_races(table: Table, disk: Disk) -> Tally:
 def count_bounces(table: Table) -> Tally:
     """What is counted besides where any state may be: bounces, those without a race, sums by decade."""
     race, eta_hat = table["race_angle"], table["eta_hat"]
-    known, decade = np.isfinite(race), _decade(eta_hat)
+    known, decade = np.isfinite(race), np.nan_to_num(decades_of(eta_hat), neginf=-400.0).astype(np.int64)
     sums: dict[str, dict[str, list[float]]] = {}
     for exponent in sorted(set(decade[known].tolist())):
         sums[str(exponent)] = {}
@@ -61,25 +52,19 @@ def count_bounces(table: Table) -> Tally:
     return {"bounces": int(race.size), "without_race": int(without.sum()), "sums": sums}
 
 
-def _decade(eta_hat: Array) -> NDArray[np.int64]:
-    """n where 10^n <= |eta_hat| < 10^(n + 1)."""
-    with np.errstate(divide="ignore"):
-        return np.floor(np.nan_to_num(np.log10(abs(eta_hat)), neginf=-400.0) + 1e-12).astype(np.int64)
-
-
 def _signs(race: Array, deviation: Array, eta_hat: Array, limit: float) -> Tally:
     """Histograms of race angles by the sign of eta_hat, and sums of their deviations."""
     groups = (eta_hat < 0.0).astype(np.int64)  # as in SIGNS
     groups[~(abs(eta_hat) > 0.0)] = -1
-    counts = statistics.histograms(race, groups, histogram_edges(limit), len(SIGNS))
+    counts = statistics.histograms(race, groups, angle_edges(limit), len(SIGNS))
     sums = statistics.sums(deviation, groups, len(SIGNS))
     tally = {}
     for group, name in enumerate(SIGNS):
-        filled = np.flatnonzero(counts[group, :BINS])
+        filled = np.flatnonzero(counts[group, :ANGLE_BINS])
         tally[name] = {
             "bins": filled.tolist(),
             "counts": counts[group, filled].tolist(),
-            "outside": int(counts[group, BINS]),
+            "outside": int(counts[group, ANGLE_BINS]),
             "sum": sums[group],
         }
     return tally
@@ -89,7 +74,7 @@ def _signs(race: Array, deviation: Array, eta_hat: Array, limit: float) -> Tally
 class OneSign:
     """Race angles of one sign of eta, counted: a histogram, and deviations from the limit."""
 
-    bins: NDArray[np.int64] = field(default_factory=lambda: np.zeros(BINS, np.int64))
+    bins: NDArray[np.int64] = field(default_factory=lambda: np.zeros(ANGLE_BINS, np.int64))
     outside: int = 0
     deviation: SignedLogCounts = field(default_factory=SignedLogCounts)
     sums: list[float] = field(default_factory=list)  # of the deviations, one a chunk
