@@ -105,7 +105,7 @@ def target() -> tuple[str, bool]:
     if platform.machine().lower() not in ("x86_64", "amd64"):
         return name, True  # all others that numba compiles for do
     chosen = config.CPU_FEATURES
-    if chosen is None and config.CPU_NAME is None:
+    if chosen is None:  # numba adds all that the machine has to whatever kind is named
         return name, bool(binding.get_host_cpu_features().get("fma"))
     if chosen and "fma" in chosen:
         return name, "+fma" in chosen.split(",")

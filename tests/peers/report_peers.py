@@ -30,6 +30,7 @@ from explorer.plot.captions import save
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "results" / "peers"
+NARROW = OUT / "256-bit"
 SHORT = {"rk4": 0.01, "rk8": 0.05}
 
 
@@ -81,11 +82,11 @@ def page(rows, missing, limits, busy):
     return [
         "# nearflat and its peers",
         "",
-        f"Made by `{command()}` in `tests/`, all rows in one run on {machine()};",
-        f"load of the machine {busy[0]:.1f} before and {busy[1]:.1f} after. Each solver's time is the least of",
-        f"{ROUNDS} rounds, in which all take turns, in seconds of the processor. The work is in",
-        "`tests/peers/problem.py`: chi at t = 1.6, just after the first passage, of 256 trajectories with",
-        "|eta_hat| from 1e-6 to 1e-1. Machines differ: the ratios are what counts.",
+        f"Made by `{command()}` in `tests/`, all rows in one run on",
+        f"{machine()}; load of the machine {busy[0]:.1f} before and {busy[1]:.1f} after.",
+        f"Each solver's time is the least of {ROUNDS} rounds, in which all take turns, in seconds of the",
+        "processor. The work is in `tests/peers/problem.py`: chi at t = 1.6, just after the first passage, of 256",
+        "trajectories with |eta_hat| from 1e-6 to 1e-1. Machines differ: the ratios are what counts.",
         "",
         *(f"Not in this run: {sentence}" for sentence in missing),
         "## What a user calls",
@@ -145,7 +146,12 @@ def main():
     rows = measured(found, say=lambda line: print(line, flush=True))
     after = os.getloadavg()[0] if hasattr(os, "getloadavg") else np.nan
     lines = page(rows, missing, peak(), (before, after))
-    if asked.out != OUT:
+    if asked.out == OUT and NARROW.exists():
+        lines += [
+            "",
+            f"The same on code of 256 bits, against heyoka alone: [{NARROW.name}]({NARROW.name}/README.md).",
+        ]
+    elif asked.out != OUT:
         lines = [line for line in lines if not line.startswith("![")]
     (asked.out / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     leave_made_by(asked.out, command())

@@ -32,15 +32,22 @@ _NO_FMA = {
     "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR",
     "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512DQ,-AVX512BW,-AVX512CD,-AVX2,-FMA,-FMA4",
 }
+
+
+def _kernels_for(name):
+    """What numba is told to compile for a kind of processor; else it adds all that this one has."""
+    return {"NUMBA_CPU_NAME": name, "NUMBA_CPU_FEATURES": ""}
+
+
 KINDS = {
     "this one": {},
-    "x86-64-v3 (haswell: AVX2, fused), numpy and libm too": {"NUMBA_CPU_NAME": "haswell", **_NO_512},
+    "x86-64-v3 (haswell: AVX2, fused), numpy and libm too": {**_kernels_for("haswell"), **_NO_512},
     "this one, numpy without AVX-512": {"NPY_DISABLE_CPU_FEATURES": _NO_512["NPY_DISABLE_CPU_FEATURES"]},
     "this one, libm without fused products": {"GLIBC_TUNABLES": _NO_FMA["GLIBC_TUNABLES"]},
     "this one, numpy without AVX2 and fused products": {
         "NPY_DISABLE_CPU_FEATURES": _NO_FMA["NPY_DISABLE_CPU_FEATURES"]
     },
-    "x86-64 (generic: nothing fused), numpy and libm too": {"NUMBA_CPU_NAME": "x86-64", **_NO_FMA},
+    "x86-64 (generic: nothing fused), numpy and libm too": {**_kernels_for("x86-64"), **_NO_FMA},
 }
 _UNITS = {"angles": "rad", "others": "(relative)", "error estimates": "(relative)"}
 _ANGLES = ("delta_chi", "delta_psi", "race_angle", "fall_angle", "chi", "psi")

@@ -22,9 +22,11 @@ def test_the_arithmetic_is_that_of_the_kind_that_is_compiled_for():
     here = machine()
     if here["processor"] != "x86_64":
         return
-    old = asked(NUMBA_CPU_NAME="x86-64", NPY_DISABLE_CPU_FEATURES="")
+    old = asked(NUMBA_CPU_NAME="x86-64", NUMBA_CPU_FEATURES="", NPY_DISABLE_CPU_FEATURES="")
     assert (old["compiled_for"], "products not fused" in old["arithmetic"]) == ("x86-64", True)
     assert old["arithmetic"].replace("not fused", "fused") == here["arithmetic"].replace("not fused", "fused")
+    named = asked(NUMBA_CPU_NAME="x86-64", NPY_DISABLE_CPU_FEATURES="")
+    assert (named["compiled_for"], named["arithmetic"]) == ("x86-64", here["arithmetic"])
     assert "products fused" in asked(NUMBA_CPU_NAME="haswell", NUMBA_CPU_FEATURES="+avx2,+fma")["arithmetic"]
 
 
