@@ -4,8 +4,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import Chebyshev
 
+from explorer.phase.series import Series
 from explorer.phase.states import Array
 
 HALF_PI = 0.5 * np.pi
@@ -19,7 +19,7 @@ def nodes(degree: int) -> Array:
     return 0.5 * HALF_PI * (1.0 + np.cos(np.pi * (np.arange(degree) + 0.5) / degree))
 
 
-def primitive(values: Any, low: float = 0.0, high: float = HALF_PI) -> Chebyshev:
+def primitive(values: Any, low: float = 0.0, high: float = HALF_PI) -> Series:
     """The integral from `low` of a function that is given at the nodes between both ends, real or complex.
 
     By a cosine transform: numpy's own interpolation solves with a dense matrix, half a gigabyte at degree 8192.
@@ -28,10 +28,10 @@ def primitive(values: Any, low: float = 0.0, high: float = HALF_PI) -> Chebyshev
 
     coefficients = dct(values, type=2) / values.size
     coefficients[0] *= 0.5
-    return Chebyshev(coefficients, domain=[low, high]).integ(lbnd=low)
+    return Series(coefficients, domain=[low, high]).integ(lbnd=low)
 
 
-def settled(series: Callable[[int], list[Chebyshev]], degree: int, most: int) -> list[Chebyshev] | None:
+def settled(series: Callable[[int], list[Series]], degree: int, most: int) -> list[Series] | None:
     """`series` of the least degree, by doubling up to `most`, whose coefficients have fallen to rounding.
 
     None where they have not fallen enough to be of use, or are not finite.

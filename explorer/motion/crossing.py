@@ -10,13 +10,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion.chebyshev import HALF_PI, primitive
 from explorer.phase.disk import Disk
+from explorer.phase.series import Series
 from explorer.phase.states import Array
 
 _DEGREE = 24  # of a piece: its coefficients fall by a digit or so each on pieces of length about one
@@ -48,10 +48,10 @@ class Piece(NamedTuple):
     low: float
     high: float
     start: float
-    time: Chebyshev
-    chi: Chebyshev
-    psi: Chebyshev
-    centre: Chebyshev
+    time: Series
+    chi: Series
+    psi: Series
+    centre: Series
 
 
 class CrossingRise:

@@ -7,7 +7,6 @@ singular at flat, so time, chi, psi and the centre are smooth in alpha and kept 
 import math
 
 import numpy as np
-from numpy.polynomial import Chebyshev
 
 from explorer import compiled
 from explorer.errors import InputError
@@ -15,6 +14,7 @@ from explorer.motion.chebyshev import HALF_PI, nodes, primitive, settled
 from explorer.motion.crossing import CrossingRise, Rising, least_chord
 from explorer.phase.disk import Disk
 from explorer.phase.membership import well
+from explorer.phase.series import Series
 from explorer.phase.states import Array
 
 # Most rises are at rounding at degree 32 or 64; those that end beside an equilibrium take more.
@@ -98,7 +98,7 @@ class Rise:
         speed = np.sqrt(2.0 / self._disk.body.M * np.maximum(self._energy - here.V, 0.0))
         return theta, speed, here
 
-    def _series(self, degree: int) -> list[Chebyshev]:
+    def _series(self, degree: int) -> list[Series]:
         """time, chi and psi as series in alpha."""
         alpha = nodes(degree)
         theta, speed, here = self._along(alpha)
@@ -106,7 +106,7 @@ class Rise:
         dpsi = np.cos(theta) * here.turn - here.sigma4
         return [primitive(dt), primitive(dt * here.turn), primitive(dt * dpsi)]
 
-    def _centre_series(self, degree: int) -> Chebyshev:
+    def _centre_series(self, degree: int) -> Series:
         """a1 + i a2 as a series in alpha: its rate is (thetadot cos phi - i sigma4) e^(i chi), eq. (2.33)."""
         alpha = nodes(degree)
         theta, speed, here = self._along(alpha)
