@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -15,6 +14,7 @@ from explorer.motion.passages import FLOOR
 from explorer.motion.passages_by_integration import LENIENCE
 from explorer.motion.passages_by_quadrature import fall_from_vertical
 from explorer.motion.plan import plan
+from explorer.motion.recording import in_parts
 from explorer.motion.starts import fallen, held_constants, orbit_starts
 from explorer.phase import membership
 from explorer.phase.constants import natural_constants
@@ -145,7 +145,7 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
         of_rows = LinearConstants(*(c[rows] for c in linear))
         return _pairs(states.at(rows), of_rows, status[rows], how.accuracy)
 
-    return _in_turn(states, _in_threads(len(states), jobs, some), count)
+    return _in_turn(states, _joined(in_parts(jobs, len(states), some)), count)
 
 
 # The kernels of `bounces`, for `compiled.warmup`; a fall may start below the vertical.
@@ -153,14 +153,6 @@ KERNELS = (
     *membership.KERNELS,
     *("bounces.bounce_batch", "falling.line_chart_batch", "passages.fall_batch", "passages.fall_by_rules_batch"),
 )
-
-
-def _in_threads(count: int, jobs: int, call: Callable[[NDArray[np.intp]], _Pairs]) -> _Pairs:
-    from joblib import Parallel, delayed
-
-    parts = np.array_split(np.arange(count), max(1, min(jobs, count)))
-    done = Parallel(n_jobs=jobs, backend="threading")(delayed(call)(rows) for rows in parts)
-    return _Pairs(*(np.concatenate(columns, axis=-1) for columns in zip(*done, strict=True)))
 
 
 class _Pairs(NamedTuple):
@@ -180,6 +172,10 @@ class _Pairs(NamedTuple):
     between: Array
     fall_angle: Array
     status: NDArray[np.int8]
+
+
+def _joined(parts: list[_Pairs]) -> _Pairs:
+    return _Pairs(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
 
 
 def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], accuracy: float) -> _Pairs:

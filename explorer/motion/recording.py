@@ -77,11 +77,11 @@ def motions(states: States, how: Plan, chi0: float, max_steps: int) -> Motions:
 
 def in_parts(jobs: int, count: int, call: Callable[[NDArray[np.intp]], Done]) -> list[Done]:
     """`call` on the numbers of up to `jobs` parts of `count` motions, in as many threads."""
-    from joblib import Parallel, delayed
-
     parts = np.array_split(np.arange(count), max(1, min(jobs, count)))
     if len(parts) == 1:
         return [call(parts[0])]
+    from joblib import Parallel, delayed
+
     return list(Parallel(n_jobs=len(parts), backend="threading")(delayed(call)(rows) for rows in parts))
 
 
