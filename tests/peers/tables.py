@@ -143,7 +143,7 @@ def shares_of_steps(limits, steppers):
     lines = []
     for name, method, solver in steppers:
         solver.solve(COUNT)
-        rate = solver.solve.steps() * solver.count / min(seconds(solver, 1) for _ in range(15))
+        rate = solver.solve.steps() * solver.count / seconds(solver, 15)
         share = rate * counts[method] / limits.strict
         lines.append((name, f"{rate / 1e6:.0f}", f"{counts[method]}", f"{share:.0%}"))
     yield from _table(heads, lines)
