@@ -22,6 +22,7 @@ import psutil
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+import explorer as ex
 from explorer.commands.made_by import leave_page
 from explorer.runs import store
 
@@ -54,11 +55,11 @@ def wrap(owner, attribute, before, after):
         return got
     setattr(owner, attribute, outer)
 if point and not point.startswith("error"):
-    wrap(store.pq, "write_table", "before write", "after write")
+    wrap(store, "write_parquet", "before write", "after write")
     wrap(os, "fsync", "before fsync", "after fsync")
     wrap(Path, "replace", "before rename", "after rename")
 if point.startswith("error"):
-    target = {"write": (store.pq, "write_table"), "close": (os, "fsync"), "rename": (Path, "replace")}
+    target = {"write": (store, "write_parquet"), "close": (os, "fsync"), "rename": (Path, "replace")}
     owner, attribute = target[point.split()[1]]
     inner = getattr(owner, attribute)
     def failing(*a, **k):
@@ -272,13 +273,13 @@ def bad_states(place):
             "--out", place / name,
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
-        tables.append(pa.concat_tables(pq.read_table(p) for p in store.found_chunks(place / name).values()))
+        chunks = [store.read_chunk(path) for path in store.found_chunks(place / name).values()]
+        tables.append({key: np.concatenate([chunk[key] for chunk in chunks]) for key in chunks[0]})
     good, got = tables
-    flagged = np.flatnonzero(np.asarray(got["status"]) == 2)
+    flagged = np.flatnonzero(got["status"] == ex.Status.BAD_INPUT)
     rest = np.setdiff1d(np.arange(n), bad)
     same = all(
-        np.array_equal(np.asarray(good[name])[rest], np.asarray(got[name])[rest], equal_nan=True)
-        for name in good.column_names
+        np.array_equal(good[name][rest], got[name][rest], equal_nan=good[name].dtype.kind == "f") for name in good
     )
     exactly = set(flagged) == set(bad)
     return f"{len(flagged)} of {len(bad)} flagged, exactly those: {exactly}; neighbours identical: {same}"
