@@ -130,8 +130,8 @@ class Plan:
         nanoseconds, evaluations = measured.curves[self.method].cost(self.accuracy)
         work = f"about {evaluations:.0f} evaluations of the field and {nanoseconds / 1000:.1f} microseconds"
         return (
-            f"{work} per passage in lanes, the same at every distance from F ({measured.origin}); several times "
-            "that for motions in time"
+            f"{work} per passage in lanes, more near F, like the logarithm of the distance ({measured.origin}); "
+            "several times that for motions in time"
         )
 
 

@@ -25,7 +25,7 @@ def require_drawable(draw: Callable[..., Any], value: Any) -> None:
 def _first(draw: Callable[..., Any]) -> tuple[str, tuple[Any, ...]]:
     """The name of the first argument, and its kinds; none where it is something else than results."""
     name = next(iter(inspect.signature(draw).parameters))
-    kind = get_type_hints(draw)[name]
+    kind = get_type_hints(draw).get(name, Any)
     kinds = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
     return name, kinds if all(map(_can_tell, kinds)) else ()
 

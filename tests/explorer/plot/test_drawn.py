@@ -40,3 +40,10 @@ def test_a_sequence_is_refused_for_one_entry_of_another_kind():
 def test_what_has_a_reader_of_its_own_is_left_to_it():
     require_drawable(ex.plot.definitions, 3)
     require_drawable(ex.plot.race_angle_histogram, 3)
+
+
+def test_a_picture_of_a_user_may_say_nothing_of_its_argument():
+    def draw(rows):
+        return rows
+
+    require_drawable(draw, [1.0])
