@@ -9,7 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from explorer.measure import laws, statistics
-from explorer.measure.falling_constant import constant_of
+from explorer.measure.falling_constant import weight_on_f
 from explorer.measure.invariance import flow_stretch, push_forward
 from explorer.measure.laws import SHAPE_BINS, Estimate, Ladder, Law, wrong_laws
 from explorer.measure.sampling import chunk_stream
@@ -306,8 +306,8 @@ def _by_energy(question: Question, tubes: Tubes, rungs: NDArray[np.intp]) -> lis
     low, high = question.source.energy
     below = [0.0]
     for edge in edges:
-        part = constant_of(question.disk, replace(question.source, energy=(low, float(edge))), _ROUGHLY)
-        below.append(part.value * part.mass / (question.constant.value * question.constant.mass))
+        part = weight_on_f(question.disk, replace(question.source, energy=(low, float(edge))), _ROUGHLY)
+        below.append(part / (question.constant.value * question.constant.mass))
     ends = [low, *map(float, edges), high]
     return [
         {

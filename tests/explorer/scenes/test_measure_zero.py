@@ -27,7 +27,7 @@ def computed_once():
     States pushed forward depend on the disk and the seed alone, the constant on the disk and the density.
     """
     with pytest.MonkeyPatch.context() as patch:
-        for home, name in ((measure_zero_summary, "push_forward"), (measure_zero_summary, "constant_of"),
+        for home, name in ((measure_zero_summary, "push_forward"), (measure_zero_summary, "weight_on_f"),
                            (measure_zero_draws, "constant_of")):  # fmt: skip
             patch.setattr(home, name, functools.cache(getattr(home, name)))
         yield
