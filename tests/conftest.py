@@ -9,10 +9,12 @@ import pytest
 from hypothesis import settings
 from matplotlib.figure import Figure
 from typed_calls import complaints
+from wandering import resonant_and_paths
 
 import explorer as ex
 from explorer import compiled
 from explorer.commands.trade import trade
+from explorer.motion import calibration
 
 settings.register_profile("nearflat", deadline=None, max_examples=40, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("nearflat")
@@ -53,6 +55,28 @@ def made_once(tmp_path_factory, worker_id):
         return mine[name]
 
     return once
+
+
+@pytest.fixture(scope="session")
+def resonant(made_once):
+    """Where a motion of the uniform disk walks away, and its start."""
+    return made_once("wanders", lambda: resonant_and_paths(BODIES["uniform"]))[0]
+
+
+@pytest.fixture(scope="session")
+def wanders(made_once):
+    """Paths of a generic motion of the uniform disk and of the resonant one."""
+    return made_once("wanders", lambda: resonant_and_paths(BODIES["uniform"]))[1]
+
+
+@pytest.fixture
+def private(tmp_path, monkeypatch):
+    """A calibration file of the test's own, which does not exist yet."""
+    path = tmp_path / "calibration.json"
+    monkeypatch.setenv("NEARFLAT_CALIBRATION", str(path))
+    calibration.current.cache_clear()
+    yield path
+    calibration.current.cache_clear()
 
 
 @pytest.fixture(scope="session")

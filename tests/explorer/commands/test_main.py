@@ -9,19 +9,10 @@ import warnings
 
 import pytest
 from matplotlib.figure import Figure
+from told import said
 
 from explorer.commands import demo as demo_module
 from explorer.commands.main import main
-
-
-def run(capsys, *arguments):
-    try:
-        status = main([str(a) for a in arguments])
-    except SystemExit as stop:
-        status = stop.code
-    captured = capsys.readouterr()
-    return status, captured.out, captured.err
-
 
 BAD = [
     (["run", "falling-set", "--disk", "m=1,r=1,g=1,I1=0.25,I3=0.6"], "I3 = 0.6"),
@@ -56,7 +47,7 @@ def test_bad_input_gets_two_lines_at_most_and_status_2_and_writes_nothing(
     arguments, message, capsys, tmp_path, monkeypatch
 ):
     monkeypatch.chdir(tmp_path)
-    status, out, err = run(capsys, *arguments)
+    status, out, err = said(capsys, *arguments)
     assert status == 2
     assert out == ""
     assert 1 <= len(err.strip().splitlines()) <= 2
@@ -67,23 +58,23 @@ def test_bad_input_gets_two_lines_at_most_and_status_2_and_writes_nothing(
 
 def test_an_unwritable_out_is_named(capsys, tmp_path):
     (tmp_path / "file").write_text("")
-    status, _, err = run(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / "file" / "x")
+    status, _, err = said(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / "file" / "x")
     assert status == 2
     assert "cannot be written" in err
 
 
 def test_an_existing_run_is_refused_with_both_remedies(capsys, tmp_path):
     command = ("run", "race-angles", "--samples", 200, "--out", tmp_path / "run", "--quiet")
-    assert run(capsys, *command)[0] == 0
-    status, _, err = run(capsys, *command)
+    assert said(capsys, *command)[0] == 0
+    status, _, err = said(capsys, *command)
     assert status == 2
     assert "--resume" in err
     assert "another folder" in err
-    assert run(capsys, *command, "--resume")[0] == 0
+    assert said(capsys, *command, "--resume")[0] == 0
 
 
 def test_json_prints_one_object_and_nothing_else(capsys, tmp_path):
-    status, out, _ = run(capsys, "run", "race-angles", "--samples", 300, "--out", tmp_path / "r", "--json")
+    status, out, _ = said(capsys, "run", "race-angles", "--samples", 300, "--out", tmp_path / "r", "--json")
     assert status == 0
     assert json.loads(out) == json.loads((tmp_path / "r" / "summary.json").read_text())
 
@@ -91,7 +82,7 @@ def test_json_prints_one_object_and_nothing_else(capsys, tmp_path):
 def test_a_scene_file_sets_options_and_the_command_line_wins(capsys, tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text('scene = "race-angles"\ndisk = "hoop"\nsamples = 900\neta-hat = "1e-4:1e-3"\n')
-    status, out, _ = run(capsys, "run", scene, "--samples", "400", "--out", tmp_path / "r", "--json", "--quiet")
+    status, out, _ = said(capsys, "run", scene, "--samples", "400", "--out", tmp_path / "r", "--json", "--quiet")
     assert status == 0
     found = json.loads(out)
     assert found["samples"] == 400
@@ -110,7 +101,7 @@ def test_a_scene_file_sets_options_and_the_command_line_wins(capsys, tmp_path):
 def test_a_wrong_scene_file_is_refused_in_words(content, message, capsys, tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(content)
-    status, _, err = run(capsys, "run", scene, "--out", tmp_path / "r")
+    status, _, err = said(capsys, "run", scene, "--out", tmp_path / "r")
     assert status == 2
     assert message in err
 
@@ -125,7 +116,7 @@ def small_demo(monkeypatch):
 @pytest.mark.rendered
 def test_the_demo_runs_again_in_its_own_folder_and_in_no_other(capsys, tmp_path, small_demo, monkeypatch):
     out = tmp_path / "demo"
-    status, printed, err = run(capsys, "demo", "--out", out)
+    status, printed, err = said(capsys, "demo", "--out", out)
     assert status == 0
     assert "README.md" in printed
     assert "wrong way: 0" in err
@@ -135,12 +126,12 @@ def test_the_demo_runs_again_in_its_own_folder_and_in_no_other(capsys, tmp_path,
     assert all((out / picture).stat().st_size > 5000 for picture in pictures)
     monkeypatch.setattr(Figure, "savefig", lambda _, path, **options: None)
     first = json.loads((out / "race-angles" / "summary.json").read_text())
-    status, printed, _ = run(capsys, "demo", "--out", out, "--json", "--quiet")
+    status, printed, _ = said(capsys, "demo", "--out", out, "--json", "--quiet")
     assert status == 0
     assert json.loads(printed)["race-angles"] == first
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "letter.txt").write_text("")
-    status, _, err = run(capsys, "demo", "--out", tmp_path / "other")
+    status, _, err = said(capsys, "demo", "--out", tmp_path / "other")
     assert status == 2
     assert "holds no earlier demo" in err
 
@@ -173,7 +164,7 @@ def test_an_interrupt_ends_with_status_130_and_says_how_to_go_on(capsys, tmp_pat
         raise KeyboardInterrupt
 
     monkeypatch.setattr(workers, "compute_chunk", interrupted)
-    status, _, err = run(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / "r", "--jobs", 1)
+    status, _, err = said(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / "r", "--jobs", 1)
     assert status == 130
     assert "continue with: nearflat resume" in err
 
@@ -193,7 +184,7 @@ def test_an_interrupt_ends_with_status_130_and_says_how_to_go_on(capsys, tmp_pat
 def test_wrong_types_in_a_scene_file_are_refused_and_nothing_is_written(content, capsys, tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(content + "\n")
-    status, out, err = run(capsys, "run", scene, "--out", tmp_path / "r")
+    status, out, err = said(capsys, "run", scene, "--out", tmp_path / "r")
     assert (status, out) == (2, "")
     assert len(err.strip().splitlines()) <= 2
     assert not (tmp_path / "r").exists()
@@ -202,20 +193,20 @@ def test_wrong_types_in_a_scene_file_are_refused_and_nothing_is_written(content,
 def test_a_scene_file_may_set_the_number_of_workers(capsys, tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text('scene = "race-angles"\nsamples = 50\njobs = 1\n')
-    assert run(capsys, "run", scene, "--out", tmp_path / "r", "--quiet")[0] == 0
+    assert said(capsys, "run", scene, "--out", tmp_path / "r", "--quiet")[0] == 0
     assert json.loads((tmp_path / "r" / "run.json").read_text())["jobs"] == 1
 
 
 @pytest.mark.parametrize("content", ["[]", '{"identity": 3}', "{"])
 def test_a_damaged_record_is_refused_in_words(content, capsys, tmp_path):
     (tmp_path / "run.json").write_text(content)
-    status, _, err = run(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path, "--resume")
+    status, _, err = said(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path, "--resume")
     assert status == 2
     assert "is damaged" in err
 
 
 def test_a_path_that_is_too_long_is_refused(capsys, tmp_path):
-    status, _, err = run(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / ("x" * 300))
+    status, _, err = said(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / ("x" * 300))
     assert status == 2
     assert "no usable path" in err
 

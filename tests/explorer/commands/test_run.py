@@ -3,18 +3,9 @@
 import json
 
 import pytest
+from told import said
 
 import explorer as ex
-from explorer.commands.main import main
-
-
-def said(capsys, *words):
-    try:
-        status = main([str(word) for word in words])
-    except SystemExit as stop:
-        status = stop.code
-    captured = capsys.readouterr()
-    return status, captured.out, captured.err
 
 
 def test_help_for_a_scene_shows_its_options_and_those_of_no_other(capsys):

@@ -16,15 +16,11 @@ from explorer.scenes.registry import build_scene
 
 
 @pytest.fixture
-def private(tmp_path, monkeypatch):
-    """A calibration file of the test's own, which does not exist yet; and only few samples of other bodies."""
-    path = tmp_path / "calibration.json"
-    monkeypatch.setenv("NEARFLAT_CALIBRATION", str(path))
+def private(private, monkeypatch):
+    """A calibration file of the test's own, and only few samples of other bodies."""
     monkeypatch.setattr(trade, "BODIES", (BODIES["uniform"],))
     monkeypatch.setattr(trade, "_OF_EACH_BODY", (64, 2))
-    calibration.current.cache_clear()
-    yield path
-    calibration.current.cache_clear()
+    return private
 
 
 def test_passages_of_a_trade_are_those_of_the_run():

@@ -15,16 +15,6 @@ from explorer.phase.constants import natural_constants
 from explorer.phase.states import constants_to_states
 
 
-@pytest.fixture
-def private(tmp_path, monkeypatch):
-    """A calibration file of the test's own, which does not exist yet."""
-    path = tmp_path / "calibration.json"
-    monkeypatch.setenv("NEARFLAT_CALIBRATION", str(path))
-    calibration.current.cache_clear()
-    yield path
-    calibration.current.cache_clear()
-
-
 def shipped():
     table = json.loads((Path(calibration.__file__).parent / "calibration.json").read_text())
     return {**table, "kernels": compiled.source_digest()}

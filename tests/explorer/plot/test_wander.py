@@ -3,27 +3,12 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from wandering import start
 
-import explorer as ex
 from explorer import plot
-from explorer.portrait.wander import resonance, wander, wander_path
+from explorer.portrait.wander import wander
 
 UNIFORM = BODIES["uniform"]
-
-
-def start(disk, sigma3_bar, eta_hat, phidot=1.0):
-    unit = disk.rate_unit
-    return ex.constants_to_states(disk, np.multiply(sigma3_bar, unit), np.multiply(eta_hat, unit), phidot * unit)
-
-
-@pytest.fixture(scope="module")
-def resonant():
-    return resonance(UNIFORM, 0.01, 1.0, 2, (0.15, 0.3))
-
-
-@pytest.fixture(scope="module")
-def wanders(resonant):
-    return {"generic": wander_path(start(UNIFORM, 1.0, 0.01), 30), "resonance": wander_path(resonant[1], 8)}
 
 
 def test_the_pictures_of_paths_show_places_and_circle(wanders):

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import pytest
+from told import said
 
 import explorer as ex
-from explorer.commands.main import main
 from explorer.runs import folder as folders
 from explorer.runs.folder import scene_of
 from explorer.scenes import registry
@@ -78,15 +78,6 @@ def toy(tmp_path, monkeypatch):
     spec.loader.exec_module(module)
     monkeypatch.setitem(SCENES, "toy", module.Toy)
     return module.Toy
-
-
-def said(capsys, *words):
-    try:
-        status = main([str(word) for word in words])
-    except SystemExit as stop:
-        status = stop.code
-    captured = capsys.readouterr()
-    return status, captured.out, captured.err
 
 
 def test_a_new_scene_has_its_help_on_the_command_line(toy, capsys):
