@@ -66,6 +66,11 @@ def device(function: F) -> F:
     return _callee(function, forceinline=True, **_OPTIONS)
 
 
+def strict_device(function: F) -> F:
+    """As `device`; strict also where arithmetic is relaxed, for what rounds on purpose."""
+    return _callee(function, forceinline=True, error_model="numpy")
+
+
 def subroutine(function: F) -> F:
     """A function called from compiled code but not inlined, where inlining only costs compile time."""
     return _callee(function, **_OPTIONS)

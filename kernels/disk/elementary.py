@@ -2,8 +2,8 @@
 
 import math
 
-from kernels._jit import contracted_device
-from kernels.disk.polynomials import horner, taylor
+from kernels._jit import contracted_device, strict_device
+from kernels.disk.polynomials import horner, strict_horner, taylor
 
 # Largest range in y, below the handover, that nodes cover. What the closed forms leave decays like e^(-2y):
 # e^-32 of it lies deeper.
@@ -16,6 +16,12 @@ _SHORT = DEEPEST / 2.0**_SQUARINGS
 _STEEPEST = 0.2  # of (h_m / tau)^2 at the handover
 _QUARTER = 0.5 * math.pi
 _QUARTER_REST = 6.123233995736766e-17  # what pi/2 has beyond its double
+# Of pi/2 the first 33 bits, so that whole multiples up to 2^20 are exact, and the rest.
+_RIGHT, _RIGHT_REST, _INV_RIGHT = 1.57079632673412561417, 6.07710050650619224932e-11, 2.0 / math.pi
+_WHOLE = 1.5 * 2.0**52  # added and taken away, it leaves whole numbers: functions that round are calls
+# Powers of x^2 in sin(x)/x and cos(x) for |x| <= pi/4: what is left out is below rounding.
+_SINES = tuple((-1.0) ** n / math.factorial(2 * n + 1) for n in range(8))
+_COSINES = tuple((-1.0) ** n / math.factorial(2 * n) for n in range(9))
 _SINE = taylor(lambda n: (-1.0) ** n * _QUARTER ** (2 * n) / math.factorial(2 * n + 1), 11)
 _EXP = taylor(lambda n: (-_SHORT) ** n / math.factorial(n), 14)
 _ATANH = taylor(lambda n: 9.0**-n / (2 * n + 1), 10)
@@ -54,3 +60,20 @@ def sine(x: float) -> float:
 def cosine(x: float) -> float:
     """cos(x) for |x| <= pi/2, with all its digits also near pi/2."""
     return sine((_QUARTER - abs(x)) + _QUARTER_REST)
+
+
+@strict_device
+def sine_cosine(x: float) -> tuple[float, float]:
+    """(sin x, cos x) to rounding and to what x itself is known to; not contracted, so alike in and out of lanes."""
+    turns = (x * _INV_RIGHT + _WHOLE) - _WHOLE
+    rest = (x - turns * _RIGHT) - turns * _RIGHT_REST
+    quarter = turns - 4.0 * (((0.25 * turns - 0.375) + _WHOLE) - _WHOLE)
+    square = rest * rest
+    s = rest * strict_horner(_SINES, square)
+    c = strict_horner(_COSINES, square)
+    odd = (quarter == 1.0) | (quarter == 3.0)
+    sine_of, cosine_of = c if odd else s, s if odd else c
+    return (
+        -sine_of if quarter >= 2.0 else sine_of,
+        -cosine_of if (quarter == 1.0) | (quarter == 2.0) else cosine_of,
+    )

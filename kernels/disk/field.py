@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from kernels._jit import both_devices, device, subroutine
 from kernels.disk.body import Body
+from kernels.disk.elementary import sine_cosine
 from kernels.types import Matrix
 
 
@@ -91,7 +92,7 @@ def angles(x: State) -> tuple[float, float, float]:
 @device
 def path(x: State) -> tuple[float, float]:
     """d/ds of (a1, a2): eq. (2.33)."""
-    sine, cosine = math.sin(x.chi), math.cos(x.chi)
+    sine, cosine = sine_cosine(x.chi)
     slide = x.p * x.q
     return (x.q * (x.sigma4 * sine + slide * cosine), x.q * (slide * sine - x.sigma4 * cosine))
 

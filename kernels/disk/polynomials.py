@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kernels._jit import contracted_device, kernel
+from kernels._jit import contracted_device, kernel, strict_device
 from kernels.types import Matrix, Vector
 
 _TERMS = 60  # of a Taylor series on an interval where it gains a digit per term or more
@@ -42,6 +42,15 @@ def _powers(chebyshev: Vector) -> Vector:
 @contracted_device
 def horner(coefficients: tuple[float, ...], x: float) -> float:
     """The polynomial with the given ascending powers."""
+    total = coefficients[len(coefficients) - 1]
+    for k in range(len(coefficients) - 2, -1, -1):
+        total = total * x + coefficients[k]
+    return total
+
+
+@strict_device
+def strict_horner(coefficients: tuple[float, ...], x: float) -> float:
+    """As `horner`, never contracted."""
     total = coefficients[len(coefficients) - 1]
     for k in range(len(coefficients) - 2, -1, -1):
         total = total * x + coefficients[k]

@@ -206,16 +206,17 @@ def locate(method: int, x: State, end: State, h: float, stop: Stop, b: Body) -> 
     there, found = land(y, h, stop, b)
     if found:
         return there
-    return settle(method, x, h, length, y, stop, b)
+    return settle(method, x, h, length, stop, b)
 
 
 @subroutine
-def settle(method: int, x: State, h: float, length: float, y: State, stop: Stop, b: Body) -> State:
-    """The state where the event takes its value, from y, which is x a partial step of `length` later.
+def settle(method: int, x: State, h: float, length: float, stop: Stop, b: Body) -> State:
+    """The state where the event takes its value, about a partial step of `length` after x, within a step of h.
 
     Newton's method. What is left to go is so short that a lower order adds less than rounding, so the
     located state has the accuracy of the method itself, with no interpolation error.
     """
+    y = partial_step(method, x, length, b)
     low, high = 0.0, h
     below = level(x, stop.event) < stop.value
     for _ in range(LOCATE_LIMIT):

@@ -27,7 +27,7 @@ from kernels.steps.attempt import (
     to_depth,
 )
 from kernels.steps.events import TIME, Stop
-from kernels.steps.trajectory import attempt_any, begin, hold, judge, rate
+from kernels.steps.trajectory import Ending, attempt_any, begin, hold, judge, rate
 from kernels.types import Longs, Matrix, Vector
 
 _OK = int(Status.OK)
@@ -135,7 +135,7 @@ def piece(
             write(to_depth(end, how.depth), 0.0, out, row + 1)
             going.rows[0] = row + 2
             going.stage[0] = ENDED
-        x, excess = hold(y, pinned, going.total[0], disk)
+        x, excess = hold(x, y, pinned, going.total[0], disk)
         going.removed[0] += excess
         if going.stage[0] == ENDED:
             break
@@ -168,8 +168,9 @@ def record_piece(
         going.stage[0] = ENDED
     if going.stage[0] == ENDED:
         held = not math.isnan(to.sigma3_bar)
-        bound, removed = how.constants_bound, going.removed[0]
-        outcome.status[0], errors = judge(code, constants_of(first, disk), x, removed, held, bound, disk)
+        end = Ending(code, x.t, going.removed[0], held, how.constants_bound)
+        start_constants, last = constants_of(first, disk), constants_of(x, disk)
+        outcome.status[0], errors = judge(end, start_constants, last, disk.body)
         put(errors, outcome.errors, 0)
 
 

@@ -1,10 +1,19 @@
-"""One trajectory after another, recorded at a list of events. The plain reference of `batch`."""
+"""One trajectory after another, recorded at a list of events. The plain reference of `batch` and `motions`."""
 
 import math
+from typing import NamedTuple
 
 from kernels._jit import kernel, subroutine
 from kernels.disk.body import Body, Disk
-from kernels.disk.constants import Constants, Pinned, constants_of, nearer_plus, onto_constants, onto_energy
+from kernels.disk.constants import (
+    Constants,
+    Pinned,
+    constants_of,
+    fastest_within,
+    nearer_plus,
+    onto_constants,
+    onto_energy,
+)
 from kernels.disk.field import ANGLES, PATH, State, column, energy, speed
 from kernels.disk.rows import put
 from kernels.status import Status
@@ -54,31 +63,46 @@ def rate(x: State, depth: int, b: Body) -> float:
 
 
 @subroutine
-def hold(y: State, pinned: Pinned[float], total: float, disk: Disk) -> tuple[State, float]:
-    """The state after a step, put back onto its constants and its energy, and what was taken out of that."""
+def hold(x: State, y: State, pinned: Pinned[float], total: float, disk: Disk) -> tuple[State, float]:
+    """The state y after a step from x, put back onto its constants, and what was taken out of its energy.
+
+    The energy is put back once in each swing, at its fastest: what a step does to the energy on the way down is
+    mostly undone on the way up, and p would take up an error of the tilt.
+    """
     if math.isnan(pinned.sigma3_bar):
         return y, 0.0
-    return onto_energy(onto_constants(y, pinned, disk), total, disk.body)
+    y = onto_constants(y, pinned, disk)
+    if fastest_within(x, y, disk.body):
+        return onto_energy(y, total, disk.body)
+    return y, 0.0
+
+
+class Ending(NamedTuple):
+    """How a motion ended: its status so far, its time, the energy taken out on the way, whether it was held to
+    its constants, and how far these may move."""
+
+    code: int
+    t: float
+    removed: float
+    held: bool
+    bound: float
 
 
 @subroutine
 def judge(
-    code: int, start: Constants[float], last: State, removed: float, held: bool, bound: float, disk: Disk
+    end: Ending, start: Constants[float], last: Constants[float], b: Body
 ) -> tuple[int, ConstantsError[float]]:
-    """The status of a motion that came to `last` with the status `code`, and the errors of its constants.
-
-    start: its constants at the beginning; removed: the energy taken out on the way.
-    """
+    """The status of a motion with these constants at its start and at its end, and their errors."""
     # It may come to both faces; whichever is nearer decides whether the direction of its races is known.
-    plus = nearer_plus(start.eta_plus, start.eta_minus)
-    moved = constants_error(start, constants_of(last, disk), plus)
-    energy_error = moved.energy + removed / start.energy
-    if code == _OK and held:
+    plus, code = nearer_plus(start.eta_plus, start.eta_minus), end.code
+    moved = constants_error(start, last, plus)
+    energy_error = moved.energy + end.removed / start.energy
+    if code == _OK and end.held:
         # The accuracy is per passage, which takes about two units of time; errors add up.
-        code = _OK if abs(energy_error) <= bound * max(1.0, 0.5 * last.t) else _DRIFT
+        code = _OK if abs(energy_error) <= end.bound * max(1.0, 0.5 * end.t) else _DRIFT
     elif code == _OK:
         eta = start.eta_plus if plus else start.eta_minus
-        code = verdict(moved, eta, math.sqrt(2.0 * start.energy / disk.body.I1), bound)
+        code = verdict(moved, eta, math.sqrt(2.0 * start.energy / b.I1), end.bound)
     return code, ConstantsError(energy_error, moved.sigma3_bar, moved.eta)
 
 
@@ -113,7 +137,7 @@ def trajectory(
                 done += 1
                 if again:
                     break
-            x, excess = hold(y, pinned, total, disk)
+            x, excess = hold(x, y, pinned, total, disk)
             removed += excess
             if done == values.size:
                 return _OK, step + 1, x, removed
@@ -141,5 +165,6 @@ def trajectory_batch(
         x, to = column(states, i), Pinned(pinned[0, i], pinned[1, i], pinned[2, i])
         start, held = constants_of(x, disk), not math.isnan(to.sigma3_bar)
         code, outcome.steps[i], last, removed = trajectory(how, stops, x, to, how.control[i], disk, out[i])
-        status[i], errors = judge(code, start, last, removed, held, bound, disk)
+        end = Ending(code, last.t, removed, held, bound)
+        status[i], errors = judge(end, start, constants_of(last, disk), disk.body)
         put(errors, outcome.errors, i)
