@@ -24,7 +24,7 @@ _LOCK = threading.RLock()
 # Two processes compile from the two ends of this list of modules: what shares most of its code stands together,
 # and what takes longest stands outside. Others stand where "falling" does.
 _TWO_ENDED = (
-    *("batch", "trajectory", "recording", "variation"),
+    *("batch", "motions", "trajectory", "recording", "variation"),
     *("counting", "falling", "algebra", "point", "forces", "orbits", "bounces", "passages"),
 )
 _NAMED = 4  # kernels that are named when they are compiled
@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from kernels.steps import attempt as attempt
     from kernels.steps import batch as batch
     from kernels.steps import events as events
+    from kernels.steps import motions as motions
     from kernels.steps import recording as recording
     from kernels.steps import trajectory as trajectory
     from kernels.steps import variation as variation

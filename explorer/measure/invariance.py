@@ -16,6 +16,7 @@ from explorer.errors import InputError, number, whole
 from explorer.measure.density import Density
 from explorer.measure.sampling import Box, chunk_stream
 from explorer.measure.statistics import either_p
+from explorer.motion.plan import plan
 from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
@@ -205,6 +206,11 @@ def push_forward(
     }
     p_values["cells"] = _cells_p(first, pushed)
     return Pushed(first, pushed, p_values, either_p(*p_values.values()), int((~good).sum()))
+
+
+def kernels() -> tuple[str, ...]:
+    """The kernels of `flow_stretch` and `push_forward`, for `compiled.warmup`."""
+    return "variation.variation_batch", *plan(COORDINATES, _ACCURACY).motions
 
 
 def energy_density(disk: Disk, energy: float) -> Density:

@@ -74,6 +74,12 @@ class Plan:
         return f"batch.first_event_{self.method}"
 
     @property
+    def motions(self) -> tuple[str, ...]:
+        """The names of the kernels that follow motions to given times, for `compiled.warmup`."""
+        depth = PATH if self.rung == PATH else ANGLES
+        return "algebra.constants_batch", f"motions.motions_{self.method}_{depth}", "motions.judge_batch"
+
+    @property
     def kernel_depth(self) -> int:
         """The number of components of a state that the kernels carry along for this rung."""
         field = compiled.field

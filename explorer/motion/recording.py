@@ -87,6 +87,8 @@ def in_parts(jobs: int, count: int, call: Callable[[NDArray[np.intp]], Done]) ->
 
 def sample(given: Motions, times: Array, jobs: int = 1) -> tuple[Array, Outcome]:
     """States (n, nt, 10) at increasing times >= 0, NaN where a motion is not OK."""
+    if min(jobs, given.number) <= 1:
+        return _sample(given._replace(status=given.status.copy()), times)
     parts = in_parts(jobs, given.number, lambda rows: _sample(given.at(rows), times))
     states = np.concatenate([part for part, _ in parts])
     columns = zip(*(outcome for _, outcome in parts), strict=True)
@@ -96,20 +98,26 @@ def sample(given: Motions, times: Array, jobs: int = 1) -> tuple[Array, Outcome]
 def _sample(given: Motions, times: Array) -> tuple[Array, Outcome]:
     n, later = given.number, times[times > 0.0]  # the kernel takes times above 0; the state at 0 is known
     outcome = Outcome(given.status, np.empty(n, np.int32), np.empty((3, n)))
-    out = np.empty((n, later.size, 10))
-    compiled.trajectory.trajectory_batch(
-        given.how(n),
-        compiled.events.Stops(compiled.events.TIME, later),
-        given.initial,
-        np.stack(given.held),
-        given.disk.natural,
-        out,
-        compiled.attempt.Outcome(*outcome),
-    )
+    out, last, disk = np.empty((n, later.size, 10)), np.empty((10, n)), given.disk
+    how, pinned, reached = given.how(n), np.stack(given.held), compiled.attempt.Outcome(*outcome)
+    work = compiled.motions.Motions(how, later, given.initial, pinned, out, last, np.empty(n), reached)
+    if later.size == 0:
+        outcome.steps[:] = 0
+        outcome.constants_error[:] = np.where(given.status == compiled.status.Status.OK, 0.0, np.nan)
+    else:
+        compiled.motions.MOTIONS[how.method, how.depth](work, disk.natural, disk.whole)
+        compiled.motions.judge_batch(work, _constants(disk, given.initial), _constants(disk, last), disk.natural)
     if later.size < times.size:
         out = np.concatenate([given.initial.T[:, None], out], axis=1)
     out[outcome.status != compiled.status.Status.OK] = np.nan
     return out, outcome
+
+
+def _constants(disk: Disk, states: Array) -> Array:
+    """Constants of motion of states (5 or more, n), rows as `kernels.disk.constants.Constants`."""
+    found = np.empty((6, states.shape[1]))
+    compiled.algebra.constants_batch(states[:5], disk.whole, disk.natural, found)
+    return found
 
 
 class Records(NamedTuple):

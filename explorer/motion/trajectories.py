@@ -349,9 +349,11 @@ def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, A
     """The observables `names` of states (..., 10) in the units of the disk, and None for all others."""
     q, z, p, rho, sigma4, _t, chi, psi, a1, a2 = np.moveaxis(states, -1, 0)
     r, unit = disk.r, disk.rate_unit
-    # An integration keeps q^2 + z^2 = 1 to its own error; the rim is r away from the centre whatever that is.
-    norm = np.hypot(q, z)
-    height, shadow = q / norm, z / norm
+    height = shadow = q
+    if "path" in names or "contact" in names:
+        # An integration keeps q^2 + z^2 = 1 to its own error; the rim is r away from the centre whatever that is.
+        norm = np.hypot(q, z)
+        height, shadow = q / norm, z / norm
     values: dict[str, Callable[[], Array]] = {
         "phi": lambda: np.arctan2(z, q),
         "phidot": lambda: -p * unit,

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, one_of, read_range, whole
+from explorer.measure import invariance
 from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density, Function
 from explorer.measure.sampling import Box, Range, chunk_stream
@@ -24,7 +25,7 @@ from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import COORDINATES, Array
 from explorer.scenes.base import Chunks, Picture, SampledScene, Table, Tally, part_of
 from explorer.scenes.measure_zero_draws import CHECKED_BY, PlainDraws, Question, TubeDraws
-from explorer.scenes.measure_zero_summary import FEWEST_HITS, INVARIANCE, Counted, summarise
+from explorer.scenes.measure_zero_summary import FEWEST_HITS, Counted, summarise
 from explorer.scenes.options import BOX, DENSITY, ENERGY, GAUSSIAN, OpenRange, Option, Ranges
 
 SAMPLING = ("random", "sobol")
@@ -157,7 +158,7 @@ class MeasureZero(SampledScene):
     @property
     def kernels(self) -> tuple[str, ...]:
         checked = ("falling.line_chart_batch", f"batch.first_event_{CHECKED_BY}")
-        return *membership.KERNELS, *checked, *tilt_kernels(self.plan), *INVARIANCE
+        return *membership.KERNELS, *checked, *tilt_kernels(self.plan), *invariance.kernels()
 
     def trial(self) -> TiltTrial:
         """The plain draws that are followed; those in tubes have their tilt from a formula."""

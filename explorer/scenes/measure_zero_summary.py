@@ -20,8 +20,7 @@ from explorer.scenes.measure_zero_draws import Question
 FEWEST_HITS = 50  # worth of equal weight in a rung; with fewer its interval is not to be trusted
 _MANY = 25  # plain hits, enough for a normal distribution
 _ROUGHLY = 1e-4  # relative error of the predicted shares of energies, below those of the draws
-# For the invariance of the measure: kernels; states, their stream, and a time in natural units.
-INVARIANCE = ("trajectory.trajectory_batch", "variation.variation_batch")
+# For the invariance of the measure: states, their stream, and a time in natural units.
 _FOLLOWED, _INVARIANCE, _LATER = 256, (1 << 40) + 1, 5.0
 
 

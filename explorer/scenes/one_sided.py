@@ -17,6 +17,7 @@ import numpy as np
 from explorer.errors import InputError, whole
 from explorer.measure import statistics
 from explorer.measure.sampling import Box, Range, chunk_stream
+from explorer.motion.plan import plan
 from explorer.motion.trials import MotionTrial, even_times
 from explorer.phase import membership
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -162,7 +163,7 @@ class OneSided(Scene):
     @property
     def kernels(self) -> tuple[str, ...]:
         on_f = ("falling.on_f_batch", "point.point_batch")
-        return *membership.KERNELS, *on_f, "trajectory.trajectory_batch"
+        return *membership.KERNELS, *on_f, *plan(QUANTITIES, self.accuracy, self.method).motions
 
     @property
     def kernels_of_figures(self) -> tuple[str, ...]:

@@ -164,7 +164,7 @@ def send(W: Vector, i: int, time: float, landing: Vector, k: int) -> None:
 
 @subroutine
 def collect(W: Vector, times: Vector, landing: Vector, waiting: int) -> int:
-    """Send steps to the landing, once for each time that they met, until it is full; returns how many wait there."""
+    """Send steps to the landing, once for each time they met, until it is full; returns how many wait there."""
     for i in range(LANES):
         if W[NOTE * LANES + i] == HIT:
             met, now = int(W[MET * LANES + i]), W[(NOW + 5) * LANES + i]

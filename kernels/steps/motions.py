@@ -177,7 +177,10 @@ def follow(attempt_by: Any, work: Motions, disk: Disk, whole: Whole) -> None:
 
 @kernel
 def judge_batch(work: Motions, before: Matrix, after: Matrix, disk: Disk) -> None:
-    """Statuses and errors of the constants, from those at the starts and ends, rows as Constants."""
+    """Statuses and errors of the constants, from those at the starts and ends, rows as Constants.
+
+    The error of the energy includes what was taken out on the way. Errors are NaN of motions that were skipped.
+    """
     outcome = work.outcome
     for i in range(outcome.status.size):
         held = not math.isnan(work.pinned[0, i])
@@ -187,6 +190,8 @@ def judge_batch(work: Motions, before: Matrix, after: Matrix, disk: Disk) -> Non
         ending = Ending(outcome.status[i], work.last[5, i], work.removed[i], held, bound)
         outcome.status[i], errors = judge(ending, first, last, disk.body)
         put(errors, outcome.errors, i)
+        if math.isnan(work.removed[i]):
+            outcome.errors[:, i] = math.nan
 
 
 @device

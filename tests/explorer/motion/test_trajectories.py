@@ -303,3 +303,23 @@ def test_trajectories_name_their_statuses_as_other_results_do():
     motion = ex.simulate(ex.phi_to_states(ex.Disk.uniform(), [0.0, np.nan], 1.0, 1.0, 0.5), 0.5)
     assert motion.status_names.tolist() == ["ok", "bad_input"]
     assert motion.ok.tolist() == [True, False]
+
+
+@pytest.mark.parametrize("method", ["rk4", "dop853"])
+def test_motions_at_given_times_do_not_depend_on_jobs_or_on_who_else_is_followed(method):
+    eta_hat = np.array([1e-8, -1e-3, 0.5, -1e-5, 1e-2, 0.1, -1e-7] * 5)
+    states = constants_to_states(BODIES["uniform"], 1.0, eta_hat, np.linspace(0.5, 2.0, eta_hat.size))
+    given = {"t_eval": [0.7, 2.0, 4.0], "observables": ("chi", "path"), "method": method, "accuracy": 1e-5}
+    one, three = (ex.simulate(states, **given, jobs=jobs) for jobs in (1, 3))
+    np.testing.assert_array_equal(one.path, three.path)
+    np.testing.assert_array_equal(one.constants_error, three.constants_error)
+    alone = ex.simulate(constants_to_states(states.disk, 1.0, eta_hat[-1:], 2.0), **given)
+    np.testing.assert_array_equal(one.chi[-1], alone.chi[0])
+
+
+def test_at_time_zero_alone_nothing_is_integrated():
+    got = ex.simulate(ex.phi_to_states(BODIES["uniform"], [0.1, np.nan], 0.2, 0.3, 0.4), t_eval=[0.0])
+    assert got.phi[0, 0] == pytest.approx(0.1, abs=1e-15)
+    assert got.status_names.tolist() == ["ok", "bad_input"]
+    assert (got.steps == 0).all()
+    np.testing.assert_array_equal(got.constants_error.T, [[0.0] * 3, [np.nan] * 3])

@@ -21,3 +21,15 @@ def test_sines_and_cosines_keep_their_digits_where_they_vanish():
     phi = np.concatenate([np.linspace(-0.5 * np.pi, 0.5 * np.pi, 501), 0.5 * np.pi - np.geomspace(1e-15, 0.1, 50)])
     np.testing.assert_allclose([elementary.sine(x) for x in phi], np.sin(phi), rtol=6e-16, atol=0)
     np.testing.assert_allclose([elementary.cosine(x) for x in phi], np.cos(phi), rtol=8e-16, atol=0)
+
+
+def test_sine_and_cosine_of_any_angle_are_those_of_the_library():
+    """To rounding; of large angles to what their own rounding leaves."""
+    rng = np.random.default_rng(5)
+    angles = rng.uniform(-1.0, 1.0, 2000) * 10.0 ** rng.uniform(-8, 6, 2000)
+    found = np.array([elementary.sine_cosine(angle) for angle in angles]).T
+    allowed = 2.3e-16 + 1.2e-16 * abs(angles)
+    assert (abs(found - [np.sin(angles), np.cos(angles)]) <= allowed).all()
+    multiples = np.arange(-8, 9) * (0.5 * np.pi)
+    found = np.array([elementary.sine_cosine(angle) for angle in multiples]).T
+    np.testing.assert_allclose(found, [np.sin(multiples), np.cos(multiples)], rtol=0.0, atol=3e-16)
