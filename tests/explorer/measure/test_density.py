@@ -35,6 +35,11 @@ def test_beyond_its_reach_a_gaussian_is_below_rounding():
     assert density.reach("phi") == (-1.0, 1.0)
 
 
+def test_a_wide_gaussian_may_lie_far_from_the_box():
+    """What counts is the distance in its own deviations."""
+    assert Density.of(UNIFORM, box=BOX, gaussian="phi=50:2").gaussian
+
+
 def test_draws_follow_the_gaussian_and_the_function():
     bell = Density.of(UNIFORM, BOX, gaussian="phidot=0.5:0.3").draw(UNIFORM, chunk_stream(1, 0), 5000)
     ends = (-1.0 - 0.5) / 0.3, (3.0 - 0.5) / 0.3
@@ -99,6 +104,7 @@ def test_a_density_says_what_it_is_and_tells_functions_apart():
         ({"gaussian": "phi=0:0"}, "MEAN:DEVIATION"),
         ({"gaussian": "phi=0:1e-9"}, "is a point"),
         ({"gaussian": "phi=50:1"}, "more than 37 deviations"),
+        ({"gaussian": "phi=15:0.25"}, "more than 37 deviations"),
         ({"density": 3.0}, "cannot be called"),
         ({"box": "phidot=-1e9:1e9"}, "narrow it"),
         ({"disk": ex.Disk(I1=1e-6, I3=2e-6)}, "too steep"),

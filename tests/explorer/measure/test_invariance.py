@@ -63,3 +63,5 @@ def test_bad_input_is_named():
         ex.push_forward(disk, 1.0, energy=0.5)
     with pytest.raises(ex.InputError, match="steps = 0 must be a whole number from 1"):
         ex.flow_stretch(ex.phi_to_states(disk, 0.0, 1.0, 1.0, 1.0), steps=0)
+    with pytest.raises(ex.InputError, match="for 200 states; give up to 1,000,000,000 steps in all"):
+        ex.flow_stretch(ex.phi_to_states(disk, np.zeros(200), 1.0, 1.0, 1.0), steps=10**7)

@@ -22,6 +22,8 @@ def test_a_calm_passage_stays_on_the_table():
 
 
 def test_what_is_no_passage_has_no_forces():
-    found = ex.passage_forces(BODIES["uniform"], 1.0, [1e-3, 1e-3, 5e-324], [1.0, -1.0, 1.0])
-    assert np.isnan(found.max_friction).tolist() == [False, True, True]
-    assert np.isnan(found.min_normal_force).tolist() == [False, True, True]
+    found = ex.passage_forces(BODIES["uniform"], 1.0, [1e-3, 1e-3, 5e-324, 0.0], [1.0, -1.0, 1.0, 1.0])
+    assert np.isnan(found.max_friction).tolist() == [False, True, True, True]
+    assert np.isnan(found.min_normal_force).tolist() == [False, True, True, True]
+    assert [found.status[place] for place in (0, 1, 3)] == [ex.Status.OK, ex.Status.BAD_INPUT, ex.Status.FALLS]
+    assert found.status[2] != ex.Status.OK

@@ -4,10 +4,11 @@ import numpy as np
 from conftest import BODIES
 
 import explorer as ex
-from explorer.motion.starts import held_constants, orbit_starts, status_at_start
+from explorer.motion.starts import fallen, held_constants, orbit_starts, status_at_start
 from explorer.phase.constants import natural_constants
 from explorer.phase.lines import line_slope
 from explorer.phase.states import constants_to_states, phi_to_states, theta_to_states
+from kernels.integrals.orbits import Orbits
 
 
 def test_a_state_on_the_line_to_rounding_falls_or_does_not_know_its_side():
@@ -29,6 +30,14 @@ def test_constants_that_were_given_are_held_and_zero_falls():
     status, held = held_constants(states, natural_constants(states))
     assert status.tolist() == [ex.Status.OK, ex.Status.FALLS]
     assert held.eta_plus.tolist() == [disk.eta_hat_to_eta(1e-280), 0.0]
+
+
+def test_an_eta_of_zero_on_either_side_is_a_fall_and_no_other_is():
+    known = np.array([[0.0, 1.0, 1.0, 1.0, 0.0], [1.0, 0.0, 1.0, 5e-324, 0.0]])
+    starts = Orbits(*np.ones((3, 5)), *known)
+    fall, ok, bad = ex.Status.FALLS, ex.Status.OK, ex.Status.BAD_INPUT
+    status = np.array([ok, ok, ok, ok, bad], dtype=np.int8)
+    assert fallen(starts, status).tolist() == [fall, fall, ok, ok, bad]
 
 
 def test_without_axial_inertia_nothing_is_held():

@@ -24,6 +24,8 @@ def test_arrow_fields_say_meaning_unit_and_equation():
     assert b"kappa pi" in table.schema.field("race_angle").metadata[b"meaning"]
     assert table.schema.field("race_angle").metadata[b"equation"] == b"(7.9)"
     assert pa.types.is_dictionary(table.schema.field("status").type)
+    moments = to_arrow({"race_angle_plus": np.ones(3)}).schema.field("race_angle_plus")
+    assert moments.metadata == table.schema.field("race_angle").metadata
 
 
 def test_columns_that_nobody_described_are_columns_all_the_same():
@@ -35,6 +37,7 @@ def test_a_description_is_a_few_lines_however_many_samples_there_are():
     assert len(repr(many).splitlines()) <= 8
     assert repr(many).startswith("Bounces of 500 (500 x 1)\n  status: ok")
     assert "<table>" in many._repr_html_()
+    assert "bad_input 2 (numbers below: of the 4 ok)" in repr(BOUNCES)
 
 
 def test_every_column_of_a_result_is_described():

@@ -21,6 +21,13 @@ def test_the_least_force_is_that_of_the_integrals_over_the_passage(disk):
         assert each.normal.min() == pytest.approx(least, abs=2e-3)
 
 
+def test_the_friction_needed_is_that_of_the_integrals_over_the_passage():
+    """Where the disk never lifts off, so that there is a largest one."""
+    wanted = ex.passage_forces(BODIES["uniform"], 0.2, -0.3, 0.3)
+    (found,) = contact_forces(BODIES["uniform"], [-0.3], 0.2, 0.3)
+    assert found.friction.max() == pytest.approx(wanted.max_friction[0], abs=1e-4)
+
+
 def test_the_table_carries_the_weight_on_average():
     """Over a period the centre gains no upward speed, so the normal force averages to the weight."""
     (each,) = contact_forces(COIN, [0.3 * COIN.rate_unit], 20.0, 25.0)
