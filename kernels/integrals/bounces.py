@@ -10,8 +10,10 @@ from kernels.disk.body import Disk
 from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
 from kernels.integrals.orbits import Orbits, orbit
-from kernels.integrals.point import Motion, motion_through
-from kernels.integrals.quadrature import Rules, Start, passage
+from kernels.integrals.point import Motion, met
+from kernels.integrals.quadrature import PassageRow, Rules, Start, passage
+from kernels.integrals.wells import WIDEST, Well, find_well, guess
+from kernels.integrals.wobbles import parted_wobble, time_to_flattest_of_wobble
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
 
@@ -67,11 +69,23 @@ def time_to_flattest(
     return status, 0.5 * lead.time
 
 
+@subroutine
+def by_series(
+    rate: float, well: Well, motion: Motion, target: float, rules: Rules, disk: Disk, W: Vector
+) -> tuple[int, PassageRow[float], PassageRow[float], float]:
+    """Status, the passages of both faces and the time to flattest, by the series of `wells`."""
+    status, here, there = parted_wobble(well, motion, target, rules, disk, W)
+    if status != _OK:
+        return status, here, there, math.nan
+    status, lead = time_to_flattest_of_wobble(rate, well, target, rules, disk, W)
+    return status, here, there, lead
+
+
 @kernel
 def bounce_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Matrix, status: Codes) -> None:
     """The bounces of a period for every sample -> out (13, n), rows as BounceRow.
 
-    status (n): samples that come in as not OK are skipped.
+    status (n): samples that come in as not OK are skipped. Series and rules take turns as in `orbits.orbit_batch`.
     """
     b = disk.body
     W = np.zeros(nodes.ROWS * nodes.ROOM)
@@ -79,11 +93,18 @@ def bounce_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: M
         out[:, i] = math.nan
         if status[i] != _OK:
             continue
-        h, rate, X = orbits.h[i], orbits.rate[i], orbits.sigma3_bar[i] / b.r0
-        motion = motion_through(h, rate, X, orbits.near[i] / b.I1, disk)
-        code, here, there = orbit(h, motion, orbits.far[i] / b.I1, target, rules, disk, W)
-        lead_code, lead = time_to_flattest(h, rate, motion, target, rules, disk, W)
-        status[i] = max(code, lead_code)
+        h, rate = orbits.h[i], orbits.rate[i]
+        at, motion = met(h, rate, orbits.sigma3_bar[i] / b.r0, orbits.near[i] / b.I1, disk)
+        well = find_well(h, rate, at, motion, guess(h, rate, at, b), disk, W)
+        code, here, there, lead = by_series(rate, well, motion, target, rules, disk, W)
+        if code != _OK:
+            code, here, there = orbit(h, motion, orbits.far[i] / b.I1, target, rules, disk, W)
+            lead_code, lead = time_to_flattest(h, rate, motion, target, rules, disk, W)
+            code = max(code, lead_code)
+        if code != _OK:
+            well = find_well(h, rate, at, motion, WIDEST, disk, W)
+            code, here, there, lead = by_series(rate, well, motion, target, rules, disk, W)
+        status[i] = code
         crosses = there.theta_min > 0.0
         first, first_here = first_approach(rate, lead, here.time, there.time if crosses else math.nan)
         bounces = BounceRow(

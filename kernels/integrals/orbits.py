@@ -10,17 +10,22 @@ from kernels.disk.body import Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
-from kernels.integrals.point import VERTICAL, Motion, motion_through
-from kernels.integrals.quadrature import PassageRow, Rules, Start, passage
+from kernels.integrals.point import VERTICAL, Motion, met, point
+from kernels.integrals.quadrature import FLOOR, PassageRow, Rules, Start, magnitude, passage
 from kernels.integrals.turning import turning_point, turning_point_outward
+from kernels.integrals.wells import WIDEST, find_well, guess
+from kernels.integrals.wobbles import NOT_THERE, least_tilt, whole_wobble
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
 
 _OK = int(Status.OK)
 _LIMIT = int(Status.STEP_LIMIT)
 # V is measured from V_0; where V_0 exceeds the energy by more (I3 near 0), its rounding is felt.
-_ROUNDING = 20.0 * 2.2e-16
-_NOT_THERE = PassageRow(math.nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+_ROUNDING_AT_FLAT = 20.0 * 2.2e-16
+_SOON = 0.15  # of sin(phi) at the other turning point
+_SHARP = 1e-8  # an accuracy that a soon return does not reach by rules
+_SMALL = 0.02  # in x: turning points of larger wobbles are as sharp without their series
+_ROUNDING = 8.0 * 2.2e-16  # of E - V at the vertical, for each unit of its terms
 
 
 class Orbits(NamedTuple):
@@ -51,6 +56,44 @@ class OrbitRow(NamedTuple, Generic[Entry]):
 
 
 @subroutine
+def from_vertical(
+    motion: Motion, target: float, rules: Rules, disk: Disk, W: Vector
+) -> tuple[int, PassageRow[float]]:
+    """The passage of a motion that crosses the vertical, with its status.
+
+    A difference tells how fast it is there. Where it is slow or soon back rules lose some digits to that, or do
+    not settle: the series of `departure` carry this number on, whose rounding is then all that is lost.
+    """
+    status, row = _LIMIT, NOT_THERE
+    if target >= _SHARP:
+        status, row = passage(Start(VERTICAL, False, 0.0), motion, target, rules, disk, W)
+        if status == _OK:
+            return status, row
+    at = point(VERTICAL, motion.X, motion.Y, disk)
+    moving = motion.level - at.V
+    # E - V = moving + slope/2 sin(phi) + ...
+    if target < _SHARP and not 0.0 < 2.0 * moving < -_SOON * at.slope:
+        status, row = passage(Start(VERTICAL, False, 0.0), motion, target, rules, disk, W)
+    if status == _OK or not moving > 0.0:
+        return status, row
+    doubt = _ROUNDING * magnitude(at, motion, disk.body) / moving
+    status, row = passage(Start(VERTICAL, False, moving), motion, target, rules, disk, W)
+    angle_doubt = doubt * (1.0 + abs(row.chi) + abs(row.psi))
+    if not max(doubt, angle_doubt) <= max(target, FLOOR):
+        status = _LIMIT
+    return status, PassageRow(
+        theta_min=row.theta_min,
+        chi=row.chi,
+        psi=row.psi,
+        time=row.time,
+        energy=row.energy,
+        angle_error=row.angle_error + angle_doubt,
+        time_error=row.time_error + doubt,
+        way=row.way,
+    )
+
+
+@subroutine
 def orbit(
     h0: float, motion: Motion, far: float, target: float, rules: Rules, disk: Disk, W: Vector
 ) -> tuple[int, PassageRow[float], PassageRow[float]]:
@@ -62,18 +105,18 @@ def orbit(
     outer = turning_point_outward(h0, motion, disk)
     if outer > 0.0:
         status, here = passage(Start(outer, True, 0.0), motion, target, rules, disk, W)
-        return status, here, _NOT_THERE
-    mirrored = Motion(motion.X, far, motion.level)
-    status, here = passage(Start(VERTICAL, False, 0.0), motion, target, rules, disk, W)
-    other_status, there = passage(Start(VERTICAL, False, 0.0), mirrored, target, rules, disk, W)
+        return status, here, NOT_THERE
+    status, here = from_vertical(motion, target, rules, disk, W)
+    other_status, there = from_vertical(Motion(motion.X, far, motion.level), target, rules, disk, W)
     return max(status, other_status), here, there
 
 
 @kernel
 def orbit_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Matrix, status: Codes) -> None:
-    """`orbit` for every sample -> out (8, n), rows as OrbitRow.
+    """The period of every sample -> out (8, n), rows as OrbitRow.
 
-    status (n): samples that come in as not OK are skipped.
+    status (n): samples that come in as not OK are skipped. Series first, where they hold the motion: they are
+    faster, and know a wobble to rounding; again at the end, where they may hold what the rules did not settle.
     """
     b = disk.body
     W = np.zeros(nodes.ROWS * nodes.ROOM)
@@ -81,9 +124,16 @@ def orbit_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Ma
         out[:, i] = math.nan
         if status[i] != _OK:
             continue
-        X, Y = orbits.sigma3_bar[i] / b.r0, orbits.near[i] / b.I1
-        motion = motion_through(orbits.h[i], orbits.rate[i], X, Y, disk)
-        status[i], here, there = orbit(orbits.h[i], motion, orbits.far[i] / b.I1, target, rules, disk, W)
+        h, rate = orbits.h[i], orbits.rate[i]
+        at, motion = met(h, rate, orbits.sigma3_bar[i] / b.r0, orbits.near[i] / b.I1, disk)
+        well = find_well(h, rate, at, motion, guess(h, rate, at, b), disk, W)
+        code, here, there = whole_wobble(well, motion, target, rules, disk, W)
+        if code != _OK:
+            code, here, there = orbit(h, motion, orbits.far[i] / b.I1, target, rules, disk, W)
+        if code != _OK:
+            well = find_well(h, rate, at, motion, WIDEST, disk, W)
+            code, here, there = whole_wobble(well, motion, target, rules, disk, W)
+        status[i] = code
         period = OrbitRow(
             theta_here=here.theta_min,
             theta_there=there.theta_min,
@@ -111,12 +161,18 @@ def tilt_batch(orbits: Orbits, target: float, disk: Disk, out: Vector, status: C
         if status[i] != _OK:
             continue
         h, rate, X, Y = orbits.h[i], orbits.rate[i], orbits.sigma3_bar[i] / b.r0, orbits.near[i] / b.I1
-        motion = motion_through(h, rate, X, Y, disk)
+        at, motion = met(h, rate, X, Y, disk)
+        far = guess(h, rate, at, b)
+        if far <= _SMALL:
+            well = find_well(h, rate, at, motion, far, disk, W)
+            if well.outer >= well.inner and well.shift <= target:
+                out[i] = least_tilt(well, W)
+                continue
         least = turning_point(h, rate == 0.0, motion, disk, W)
         if not turning_point_outward(h, motion, disk) > 0.0:
             mirrored = Motion(X, orbits.far[i] / b.I1, motion.level)
             least = min(least, turning_point(VERTICAL, False, mirrored, disk, W))
         out[i] = 2.0 * math.asin(0.5 * least)
         scale = potential_at_flat(X, b)
-        if not (least > 0.0 and _ROUNDING * scale <= target * abs(motion.level + scale)):
+        if not (least > 0.0 and _ROUNDING_AT_FLAT * scale <= target * abs(motion.level + scale)):
             status[i] = _LIMIT

@@ -59,9 +59,16 @@ def point(h: float, X: float, Y: float, disk: Disk) -> Point[float]:
 
 
 @subroutine
+def met(h: float, rate: float, X: float, Y: float, disk: Disk) -> tuple[Point[float], Motion]:
+    """(point at h, motion) with constants X, Y whose theta-dot is +-`rate` there."""
+    at = point(h, X, Y, disk)
+    return at, Motion(X, Y, 0.5 * disk.body.M * rate * rate + at.V)
+
+
+@subroutine
 def motion_through(h: float, rate: float, X: float, Y: float, disk: Disk) -> Motion:
     """The motion with constants X, Y whose theta-dot is +-`rate` at h."""
-    return Motion(X, Y, 0.5 * disk.body.M * rate * rate + point(h, X, Y, disk).V)
+    return met(h, rate, X, Y, disk)[1]
 
 
 @subroutine

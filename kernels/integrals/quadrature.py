@@ -47,6 +47,8 @@ _EPSILON = 2.2e-16
 FLOOR = 1e-11  # an accuracy below this is met as far as rounding allows
 _NOISE = 100.0  # units of rounding: 30 nodes, sixteen in an exponential, the solutions
 _LEAST = 1e-300  # of what is divided by
+# Units of rounding of E - V at a slow start: a turning point is off by some too, and all nodes alike.
+_DOUBT = 8.0
 
 _OK = int(Status.OK)
 _BAD = int(Status.BAD_INPUT)
@@ -157,7 +159,7 @@ def slow_noise(slow: float, distance: float, rounding: float, at: Point, b: Body
 def end_scale(
     h_turn: float, y_end: float, length: float, begin: Start, motion: Motion, disk: Disk
 ) -> tuple[float, float]:
-    """(scale, noise): where a slow start at y_end stops being slow, and what rounding does there."""
+    """(scale, rounding): where a slow start at y_end stops being slow, and the rounding of E - V there."""
     b, level = disk.body, motion.level
     last = point(h_turn * math.cosh(y_end), motion.X, motion.Y, disk)
     start = begin.moving if begin.moving > 0.0 else max(level - last.V, 0.0)
@@ -166,9 +168,8 @@ def end_scale(
     other = level - point(h_turn * math.cosh(y_end - length), motion.X, motion.Y, disk).V
     bend = max(other - start - slope * length, 0.0) / (length * length)
     rounding = _EPSILON * magnitude(last, motion, b)
-    scale, slow = slow_start(start, slope, bend, length, begin.rest, rounding)
-    tilt = h_turn * math.sinh(y_end) / last.shape  # d theta / dy
-    return scale, slow_noise(slow, scale * tilt, rounding, last, b)
+    scale, _least = slow_start(start, slope, bend, length, begin.rest, rounding)
+    return scale, rounding
 
 
 @subroutine
@@ -256,10 +257,8 @@ def passage(
     """
     b = disk.body
     energy = motion.level + potential_at_flat(motion.X, b)
-    rounding = 0.0
     if start.moving > 0.0:
         departs = point(start.h, motion.X, motion.Y, disk)
-        rounding = _EPSILON * magnitude(departs, motion, b)
         expand_start(W, start.moving, departs, b)
         u_turn = first_return(W)
         if u_turn > 0.0:
@@ -275,7 +274,7 @@ def passage(
     closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * b.inv_M, _LEAST)))
     race = closed * motion.Y / h_turn * 2.0 * math.atan(math.tanh(0.5 * y_cut))
     noise = rounding_noise(start, turn, y_cut, motion, disk)
-    scale, slow = end_scale(h_turn, y_end, length, start, motion, disk)
+    scale, rounding = end_scale(h_turn, y_end, length, start, motion, disk)
     panels = Panels(y_end, length, scale, closed)
     angle_error = time_error = math.inf
     status, first = _LIMIT, 0
@@ -292,9 +291,9 @@ def passage(
         psi = chi - 2.0 * nodes.total(W, nodes.REST, n)
         time = 2.0 * nodes.total(W, nodes.TIME, n)
         angle_error, time_error = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
-        slow_angles, slow_time = slow, slow
-        if start.moving > 0.0:
-            slow_angles, slow_time = known_noise(W, n // 2, n, 4.0 * rounding, motion.level)
+        if math.isnan(angle_error):
+            continue  # nothing yet to compare the first rule with
+        slow_angles, slow_time = known_noise(W, n // 2, n, _DOUBT * rounding, motion.level)
         angle_noise = noise * (abs(race) + abs(chi) + abs(psi)) + slow_angles
         time_noise = noise + slow_time / time
         if good_enough(angle_error, angle_noise, target, FLOOR * max(1.0, abs(chi))) and good_enough(

@@ -129,6 +129,68 @@ def test_a_bad_state_is_a_status_and_its_neighbours_are_as_without_it():
     np.testing.assert_array_equal(bounces.delta_chi[0], bounces.delta_chi[2])
 
 
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-8, 1e-10])
+def test_a_cloud_about_steady_motion_is_known_to_any_accuracy(accuracy):
+    """A coin at 10 +- 1 degrees; among them swings of a thousandth of a degree, and the steady motion itself."""
+    coin, random = DISKS["coin"], np.random.default_rng(6)
+    spin = ex.steady_motions(coin, np.radians(10.0), 60.0).spin[0]
+    spread = np.append(10.0 ** random.uniform(-6.0, 0.0, 199), 0.0)
+    normal = random.normal(0.0, 1.0, (4, 200)) * spread
+    tilt = np.radians(10.0 + normal[0])
+    states = ex.rates_to_states(coin, tilt, 0.5 * normal[1], 60.0 + normal[2], spin + 0.5 * normal[3])
+    bounces, periods, best = (
+        ex.bounces(states, 2, accuracy),
+        ex.periods(states, accuracy),
+        ex.periods(states, 1e-12),
+    )
+    assert bounces.ok.all()
+    assert periods.ok.all()
+    assert best.ok.all()
+    np.testing.assert_allclose(periods.period, best.period, rtol=accuracy)
+    np.testing.assert_allclose(bounces.duration[:, 1], best.period, rtol=accuracy)
+    np.testing.assert_allclose(bounces.delta_chi[:, 0], best.chi, atol=accuracy)
+    np.testing.assert_allclose(np.diff(bounces.time)[:, 0], best.period, rtol=accuracy)
+
+
+def test_a_disk_that_spins_upright_comes_down_on_both_faces_in_turn():
+    """It wobbles about the vertical: half a period on either face, while the wobble can be told from none."""
+    disk = DISKS["hoop"]
+    bounces = ex.bounces(ex.phi_to_states(disk, 0.0, [1e-1, 1e-3, 1e-6], 2.0, 0.0), 2)
+    periods = ex.periods(ex.phi_to_states(disk, 0.0, [1e-1, 1e-3, 1e-6, 1e-12, 0.0], 2.0, 0.0), 1e-10)
+    assert bounces.ok.all()
+    assert periods.ok.all()
+    assert bounces.face.tolist() == [[1, -1]] * 3
+    np.testing.assert_allclose(bounces.duration.sum(axis=1), periods.period[:3], rtol=1e-6)
+    np.testing.assert_allclose(bounces.duration[:, 0], 0.5 * periods.period[:3], rtol=1e-6)
+    np.testing.assert_allclose(periods.period[3:], periods.period[2], rtol=1e-10)
+    still = ex.bounces(ex.phi_to_states(disk, 0.0, 0.0, 2.0, 0.0))
+    assert still.ok.all()
+    assert still.theta_min[0, 0] == pytest.approx(0.5 * np.pi)
+    assert still.duration[0, 0] == pytest.approx(periods.period[4])
+
+
+@pytest.mark.parametrize("disk", [*DISKS.values(), ex.Disk.annulus(0.4), ex.Disk(I1=0.5, I3=0.3)], ids=str)
+def test_bounces_meet_the_accuracy_asked(disk):
+    """99th percentile of true errors of the angles and durations, of the motions whose status is ok."""
+    states = anywhere(disk, 200, 7)
+    best = ex.bounces(states, 2, 1e-12)
+    for accuracy in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10):
+        found = ex.bounces(states, 2, accuracy)
+        both = found.ok & best.ok
+        assert found.ok.mean() > 0.9
+        errors = (
+            found.delta_chi - best.delta_chi,
+            found.delta_psi - best.delta_psi,
+            np.nan_to_num(found.race_angle - best.race_angle),
+            found.duration / best.duration - 1.0,
+            found.theta_min / best.theta_min - 1.0,
+        )
+        for error in errors:
+            assert np.percentile(abs(error[both]), 99) <= accuracy
+        worst = np.max([abs(error[both]) for error in errors], axis=0)
+        assert (worst <= 10.0 * found.error_estimate[both]).all()
+
+
 @pytest.mark.filterwarnings("ignore:t_eval")  # only the two ends of the stretch are asked for
 def test_turns_of_a_wobbling_coin_are_those_of_the_integrated_equations():
     """From turning point to turning point, within a degree of flat: chi by dop853 against the quadrature."""

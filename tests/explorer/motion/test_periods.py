@@ -8,6 +8,7 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer.phase.states import constants_to_states, phi_to_states
+from explorer.portrait.steady import steady_motions
 
 ROWS = {  # mathematics, section 10
     ("uniform", 0.01): (3.5309125568, 10.16442885, 4.88619430),
@@ -78,3 +79,31 @@ def test_any_number_of_threads_gives_the_same_periods():
     for name, values in one.columns.items():
         np.testing.assert_array_equal(values, three.columns[name])
     assert len(ex.periods(phi_to_states(BODIES["hoop"], [], 0.3, 0.4, 0.2), jobs=2)) == 0
+
+
+@pytest.mark.parametrize("name", ["uniform", "hoop", "thick", "coin"])
+def test_periods_of_steady_motions_are_those_of_the_linear_wobble(name):
+    """2 pi sqrt(M / V'') of the portrait, from almost flat to upright, and what the angles gain in that time."""
+    disk = BODIES[name]
+    tilt = np.repeat(np.radians([0.01, 1.0, 10.0, 45.0, 89.0, 90.0]), 2)
+    rate = np.tile([1.5, -4.0], 6) * np.sqrt(np.maximum(1.0, 1.0 / tilt)) * disk.rate_unit
+    steady = ex.steady_motions(disk, tilt, rate, face=np.tile([1, 1, -1, -1], 3))
+    portrait = steady_motions(disk, steady.states.phi, steady.precession)
+    found = ex.periods(steady.states, 1e-10)
+    assert steady.stable.all()
+    assert steady.ok.all()
+    assert found.ok.all()
+    M = disk.I1 + disk.m * disk.r**2
+    expected = 2.0 * np.pi * np.sqrt(M / portrait.curvature)
+    np.testing.assert_allclose(found.period, expected, rtol=1e-9)
+    np.testing.assert_allclose(found.chi, expected * steady.precession, rtol=1e-9)
+    turn = expected * (np.sin(steady.states.phi) * steady.precession - steady.states.sigma4)
+    np.testing.assert_allclose(found.psi, turn, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found.theta_min, tilt, rtol=1e-10)
+    # Smaller and smaller pushes lead there: the period changes like the square of the amplitude.
+    for push in (1e-2, 1e-4, 1e-9, 1e-300):
+        rates = push * tilt * disk.rate_unit * np.sqrt(np.maximum(1.0, 1.0 / tilt))
+        pushed = ex.phi_to_states(disk, steady.states.phi, rates, steady.states.sigma3, steady.states.sigma4)
+        wobble = ex.periods(pushed, 1e-10)
+        assert wobble.ok.all()
+        np.testing.assert_allclose(wobble.period, expected, rtol=10.0 * push**2 + 1e-9)
