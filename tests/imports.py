@@ -43,7 +43,8 @@ def unreadable(path: Path) -> list[str]:
 
 
 def _imports(call: ast.Call) -> bool:
-    return ast.unparse(call.func).rpartition(".")[2] in ("import_module", "__import__")
+    name = call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
+    return name in ("import_module", "__import__")
 
 
 @cache
