@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
@@ -17,11 +18,19 @@ def economise(coefficients: Vector, degree: int) -> Vector:
     S^n = 2^(1-2n) sum' C(2n, n-j) T_j(2S - 1) has positive weights only: nothing cancels, where a
     fit through points would lose a digit.
     """
-    chebyshev = np.empty(degree + 1)
-    for j in range(degree + 1):
-        terms = (a * math.comb(2 * n, n - j) / 4**n for n, a in enumerate(coefficients) if n >= j)
-        chebyshev[j] = math.fsum(terms) * (1.0 if j == 0 else 2.0)
+    parts = np.asarray(coefficients)[:, None] * _weights(len(coefficients), degree)
+    chebyshev = np.array([math.fsum(terms) for terms in parts.T.tolist()])
     return _powers(chebyshev)
+
+
+@cache
+def _weights(terms: int, degree: int) -> Matrix:
+    """Share of T_j(2S - 1) in S^n, rows n and columns j: the same for every body, and slow to work out."""
+    shares = np.zeros((terms, degree + 1))
+    for n in range(terms):
+        for j in range(min(n, degree) + 1):
+            shares[n, j] = math.comb(2 * n, n - j) / 4**n * (1.0 if j == 0 else 2.0)
+    return shares
 
 
 def taylor(term: Callable[[int], float], degree: int) -> tuple[float, ...]:
