@@ -76,13 +76,17 @@ def _teach():
 
 
 def steps():
-    """Additions and multiplications in one step of each method, with time and angles."""
+    """Additions and multiplications in a step of each method, with time and angles; of rk8 without its errors."""
     from kernels.disk import field
+    from kernels.steps import eighth
     from kernels.steps.adaptive import dopri5_step
     from kernels.steps.eighth import eighth_order_step
     from kernels.steps.fixed import rk4_step
 
     path, field.path = field.path, lambda _x: (Silent(0.0), Silent(0.0))
+    outcome = eighth._outcome
+    # Nobody asks a fixed step for its errors, and the compiler drops them.
+    eighth._outcome = lambda x, h, w, stages: outcome(x, h, w, stages) if w is eighth._B else x
     body = _disk().body._make(map(Number, _disk().body))
     counts = {}
     for name, step in (("rk4", rk4_step), ("dopri5", dopri5_step), ("rk8", eighth_order_step)):
@@ -90,7 +94,7 @@ def steps():
         start = (*map(Number, (0.8, 0.6, -0.5, 0.4, 0.3, 0, 0, 0)), Silent(0.0), Silent(0.0))
         step(field.State(*start), Number(0.1), body)
         counts[name] = Number.made["flop"]
-    field.path = path
+    field.path, eighth._outcome = path, outcome
     return counts
 
 

@@ -12,7 +12,7 @@ FINE = tuple(share * tolerance for tolerance in TIGHT[:9] for share in (1.0, 0.3
 METHODS = ("rk4", "rk8", "dopri5", "dop853")
 ASKED = (1e-3, 1e-6, 1e-9)
 WRONG = 3.0  # rad: a race the other way round is off by 2 kappa pi = 14
-ROUNDS = 7
+ROUNDS = 5
 LEAST = 0.03  # seconds of a measurement; quick solvers are called more often
 SLOW = 0.25  # seconds of a call, above which two rounds are enough
 
