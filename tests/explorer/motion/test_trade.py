@@ -24,7 +24,8 @@ def test_every_method_is_measured_over_many_decades(part):
     for method in trade.SETTINGS:
         errors = [row.p99 for row in part.rows if row.method == method]
         assert min(errors) < 1e-10
-        assert max(errors) > 1e-5
+        # Motions that are recorded at given times never take very long steps.
+        assert max(errors) > {"passages": 1e-5, "motions": 1e-6}[part.kind]
 
 
 def test_finer_settings_cost_more_evaluations_and_err_less(part):
