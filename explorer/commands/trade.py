@@ -27,7 +27,7 @@ from explorer.scenes.race_angles import RaceAngles
 from explorer.scenes.registry import SCENES, build_scene
 
 # With fewer passages or tilts, overheads are measured.
-FEWEST, MOTIONS, MOST_MOTIONS = 256, 128, 100_000
+FEWEST, MOTIONS, MOST_MOTIONS = 256, 1024, 100_000
 # Without a scene: passages at all these distances from F, natural units.
 PLAIN, ALL_DISTANCES = "race-angles", (1e-8, 1.0)
 # Errors are calibrated on all of these too, so that they hold for bodies nobody measured.
