@@ -39,7 +39,8 @@ class Bounces(Result):
     row, bounce : array of int
         Which state, and which of its approaches to flat, both counted from 0.
     time : array
-        Time from the state to the flattest moment.
+        Time from the state to the flattest moment. In a motion that is steady to rounding every moment is one:
+        the tilt at this time differs from theta_min by rounding only.
     face : array of int8
         Which face came down, +1 or -1; 0 where that is not known.
     side : array of int8

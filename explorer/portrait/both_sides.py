@@ -62,7 +62,7 @@ def beside(disk: Disk, start: tuple[float, float, int], eta_hat: Array) -> State
     return constants_to_states(disk, sigma3_bar, eta_hat, phidot, face)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BothSides:
     """Motions beside one point of F and both limits, on one time axis, in the units of the disk.
 
@@ -95,6 +95,13 @@ class BothSides:
     impacts: Array
     motions: dict[int, dict[str, Array]]
     limits: dict[int, LimitState]
+
+    def __repr__(self) -> str:
+        impacts = " and ".join(f"{time:.6g}" for time in self.impacts)
+        return (
+            f"BothSides of the disk {self.disk.name}: eta_hat +-{self.eta_hat:.6g}\n"
+            f"  t: {self.t.size:,} times up to {self.t[-1]:.6g}; limits come flat at {impacts}"
+        )
 
     @property
     def disk(self) -> Disk:

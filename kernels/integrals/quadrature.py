@@ -47,8 +47,6 @@ _EPSILON = 2.2e-16
 FLOOR = 1e-11  # an accuracy below this is met as far as rounding allows
 _NOISE = 100.0  # units of rounding: 30 nodes, sixteen in an exponential, the solutions
 _LEAST = 1e-300  # of what is divided by
-# Units of rounding of E - V at a slow start: a turning point is off by some too, and all nodes alike.
-_DOUBT = 8.0
 
 _OK = int(Status.OK)
 _BAD = int(Status.BAD_INPUT)
@@ -293,7 +291,7 @@ def passage(
         angle_error, time_error = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
         if math.isnan(angle_error):
             continue  # nothing yet to compare the first rule with
-        slow_angles, slow_time = known_noise(W, n // 2, n, _DOUBT * rounding, motion.level)
+        slow_angles, slow_time = known_noise(W, n // 2, n, 4.0 * rounding, motion.level)
         angle_noise = noise * (abs(race) + abs(chi) + abs(psi)) + slow_angles
         time_noise = noise + slow_time / time
         if good_enough(angle_error, angle_noise, target, FLOOR * max(1.0, abs(chi))) and good_enough(

@@ -32,6 +32,14 @@ def test_the_race_is_sampled_finely(both):
         assert abs(np.diff(both.motions[sign]["chi"])).max() < 0.2 + 1e-9
 
 
+def test_the_description_fits_on_a_screen(both):
+    """Hundreds of times, two motions and two limits are no text."""
+    assert repr(both).startswith(
+        f"BothSides of the disk hoop: eta_hat +-{both.eta_hat:g}\n  t: {both.t.size:,} times"
+    )
+    assert len(repr(both)) < 200
+
+
 def test_distances_are_taken_away_from_the_impacts():
     limit = limits_at(HOOP, START)[1]
     times, middle = sample_times(limit)
