@@ -15,7 +15,7 @@ from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Whole
 from kernels.disk.constants import Constants
-from kernels.disk.field import ANGLES, PATH, State, column, energy
+from kernels.disk.field import ANGLES, PATH, State, column, energy, speed
 from kernels.disk.rows import put
 from kernels.status import Status
 from kernels.steps import attempt as by
@@ -24,7 +24,7 @@ from kernels.steps.attempt import DOP853, DOPRI5, RK4, RK8, Integration, Outcome
 from kernels.steps.events import TIME, Stop
 from kernels.steps.lanes import BROKEN, NOTHING, STUCK, onto_circle
 from kernels.steps.motion_lanes import BEFORE, LANES, NOW, read, work_array, write
-from kernels.steps.trajectory import Ending, judge, rate
+from kernels.steps.trajectory import Ending, judge
 from kernels.types import Matrix, Table, Vector
 
 _OK = int(Status.OK)
@@ -94,11 +94,11 @@ def prepare(work: Motions, W: Vector, upcoming: int, disk: Disk, whole: Whole) -
             load(work, upcoming, W, i, b)
             upcoming += 1
     lanes.hold(W, W.view(np.int64), whole, b)
-    method, depth = work.how.method, work.how.depth
+    method = work.how.method
     for i in range(LANES):
         if W[lanes.SAMPLE * LANES + i] >= 0.0:
             x = read(W, NOW, i)
-            unit = rate(x, depth, b)
+            unit = speed(x, b)
             W[lanes.ENERGY * LANES + i], W[lanes.UNIT * LANES + i] = energy(x, b), unit
             W[lanes.STEP * LANES + i] = first_step(method, W[lanes.CONTROL * LANES + i], unit)
             W[lanes.REMOVED * LANES + i] = 0.0

@@ -27,7 +27,7 @@ from kernels.steps.attempt import (
     to_depth,
 )
 from kernels.steps.events import TIME, Stop
-from kernels.steps.trajectory import Ending, attempt_any, begin, hold, judge, rate
+from kernels.steps.trajectory import Ending, attempt_any, begin, hold, judge
 from kernels.types import Longs, Matrix, Vector
 
 _OK = int(Status.OK)
@@ -156,7 +156,7 @@ def record_piece(
     if going.stage[0] == FRESH:
         x = begin(first, to, disk)
         going.total[0], going.removed[0] = energy(x, disk.body), 0.0
-        going.unit[0] = rate(x, how.depth, disk.body)
+        going.unit[0] = speed(x, disk.body)
         going.h[0] = first_step(how.method, how.control[0], going.unit[0])
         going.stage[0] = UNDERWAY
     else:

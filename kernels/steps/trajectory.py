@@ -57,12 +57,6 @@ def begin(x: State, pinned: Pinned[float], disk: Disk) -> State:
 
 
 @subroutine
-def rate(x: State, depth: int, b: Body) -> float:
-    """The rate by which steps are measured; sin chi turns at up to kappa times the speed."""
-    return speed(x, b) * b.kappa if depth == PATH else speed(x, b)
-
-
-@subroutine
 def hold(x: State, y: State, pinned: Pinned[float], total: float, disk: Disk) -> tuple[State, float]:
     """The state y after a step from x, put back onto its constants, and what was taken out of its energy.
 
@@ -119,7 +113,7 @@ def trajectory(
     removed = 0.0
     x = begin(x, pinned, disk)
     total = energy(x, b)
-    unit = rate(x, how.depth, b)
+    unit = speed(x, b)
     h = first_step(how.method, control, unit)
     done = 0
     for step in range(how.max_steps):
