@@ -23,6 +23,10 @@ from explorer.phase.states import Array
 # The measured 99th percentile may take a fifth of the accuracy asked: other bodies, boxes and energies err more
 # than those measured.
 SAFETY = 5.0
+# Of motions in time, that share: bodies differ less in them, and more would be paid for than is asked.
+SAFETY_IN_TIME = 3.5
+# Where only passages were measured: as twice the way to the turning point, while a motion is followed throughout.
+_STRICTER = 10.0
 _ROUNDING = 1e-12  # errors below it are those of rounding, which a finer setting does not lower
 _FEWEST = 4  # rows above rounding; the method's order is taken from the last three
 
@@ -37,8 +41,8 @@ class Curve:
     evaluations: Array
     nanoseconds: Array
 
-    def at(self, target: Any) -> Array:
-        """The setting whose error is `target` over SAFETY.
+    def at(self, target: Any, safety: float = SAFETY) -> Array:
+        """The setting whose error is `target` over `safety`.
 
         Beyond the finest setting whose error is above rounding the method's order is continued, as far as
         settings have been measured; beyond the coarsest it is that one.
@@ -48,7 +52,7 @@ class Curve:
         # A coarser setting that happened to err less must not be preferred to a finer one.
         log_error = np.minimum.accumulate(log_error)
         slope = (log_setting[-1] - log_setting[-3]) / (log_error[-1] - log_error[-3])
-        wanted = np.log(np.maximum(target, 1e-300) / SAFETY)
+        wanted = np.log(np.maximum(target, 1e-300) / safety)
         measured = np.interp(wanted, log_error[::-1], log_setting[::-1])
         continued = measured + slope * np.minimum(wanted - log_error[-1], 0.0)
         settings: Array = np.exp(np.maximum(continued, np.log(self.setting[-1])))
@@ -72,9 +76,16 @@ class Calibration:
     motions: dict[str, Curve] = field(default_factory=dict)  # empty where only passages were measured
 
     def cheapest(self, methods: tuple[str, ...], target: float) -> str:
-        """The method that takes least time for an error of `target`, among those that reach it."""
-        able = [m for m in methods if self.curves[m].error.min() * SAFETY <= target] or list(methods)
-        return min(able, key=lambda method: self.curves[method].cost(target)[0])
+        """The method that follows motions in least time to an error of `target`, among those that can."""
+        curves = self.motions or self.curves
+        able = [m for m in methods if curves[m].error.min() * SAFETY <= target] or list(methods)
+        return min(able, key=lambda method: curves[method].cost(target)[0])
+
+    def in_time(self, method: str, target: float) -> float:
+        """The setting of a method with which motions in time err by `target`."""
+        if method in self.motions:
+            return float(self.motions[method].at(target, SAFETY_IN_TIME))
+        return float(self.curves[method].at(target / _STRICTER))
 
 
 @cache

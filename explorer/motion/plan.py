@@ -44,9 +44,6 @@ TIGHTEST = {"quadrature": 1e-13, "rk4": 1e-11, "rk8": 1e-11, "dopri5": 1e-11, "d
 
 # Tolerances below some units in the last place of a number of order 1 only shorten the steps.
 _TOLERANCE_FLOOR = 1e-15
-# The calibration measured passages as twice the way to the turning point. A trajectory is followed throughout, so
-# its target is ten times stricter.
-_STRICTER = 10.0
 
 
 @dataclass(frozen=True)
@@ -122,7 +119,7 @@ class Plan:
         """Tolerance or step for trajectories that are held to their constants: eta cannot drift."""
         if self.setting is not None:
             return self.setting
-        return float(self._at_least(calibration.current().curves[self.method].at(self.accuracy / _STRICTER)))
+        return float(self._at_least(calibration.current().in_time(self.method, self.accuracy)))
 
     @property
     def cost(self) -> str:
