@@ -82,7 +82,7 @@ class TradeRaceAngles(RaceAngles.Keywords, Trading, total=False):
     """Keywords of `trade("race-angles")`."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Trade:
     """Speed against accuracy on the samples of a scene: what `trade` returns.
 
@@ -131,6 +131,10 @@ class Trade:
             Where it cannot be written.
         """
         return calibration.store(calibrate(self))
+
+    def __repr__(self) -> str:
+        parts = ", ".join(f"{part.samples:,} {part.kind}" for part in self.parts)
+        return f"Trade of {self.scene.name}, {self.scene.label}: {parts}; print it for its tables"
 
     def __str__(self) -> str:
         return "\n".join(trade_report.tables(self.parts))
