@@ -42,8 +42,9 @@ ZOOM = (-0.15, 0.2)  # both axes, the ticks of Fig. 3
 _ACCURACY = 1e-9
 _WIDTH, _HEIGHT = 8.4, 5.0
 _RACE_POINTS = 200
-# Of a step of the record, for 0.05 rad of chi between two points: circles look round at the size of a page.
-_PARTS = 4
+# Of a step of the record, for less than 0.05 rad of chi between two points, though parts of a step are uneven:
+# circles look round at the size of a page.
+_PARTS = 5
 _BODY_WORDS = {"uniform": "the uniform disk", "hoop": "the hoop"}
 
 CHI0_FITS = (0.41, 0.57)  # rad: what the ticks of Fig. 7 leave, to the last digit

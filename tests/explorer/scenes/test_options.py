@@ -57,7 +57,7 @@ GIVEN = {
 
 def from_command_line(name):
     parser = argparse.ArgumentParser()
-    command._add_options(parser, SCENES.values())
+    command.add_options(parser, SCENES.values())
     words = [word for flag, value in GIVEN[name].items() for word in (f"--{flag}={value}",)]
     options = vars(parser.parse_args(words))
     return build_scene(name, **{key: value for key, value in options.items() if value is not None})
