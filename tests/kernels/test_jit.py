@@ -214,11 +214,11 @@ scene = RaceAngles.of({"samples": 8, "eta_hat": "1e-4:9e-4"})
 tally = scene.tally(0, scene.compute(0))
 faces = FallingSet.of({"samples": 70, "theta_min": "near", "box": "phi=-1:1"}).process(0)[1]["faces"]
 attempt, steps = compiled.attempt, compiled.trajectory
-how, times = attempt.Integration(attempt.RK4, compiled.field.PATH, np.array([0.1]), 100, 1e-2), np.array([0.5, 1.0])
+how = attempt.Integration(attempt.RK4, compiled.field.PATH, np.array([0.1]), 100, 1e-2)
 first = np.concatenate([states.natural, np.zeros((5, 1))])
 one_by_one = np.empty((1, 2, 10))
 outcome = attempt.Outcome(np.zeros(1, np.int8), np.empty(1, np.int32), np.empty((3, 1)))
-stops = compiled.events.Stops(compiled.events.TIME, times)
+stops = compiled.events.Stops(compiled.events.TIME, np.array([0.5, 1.0]))
 steps.trajectory_batch(how, stops, first, np.full((3, 1), np.nan), disk.natural, one_by_one, outcome)
 numbers = [
     ex.passages(disk, [1.0, 0.3], [1e-3, -1e-9], [1.0, 1e-3]).race_angle,
