@@ -5,7 +5,9 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.portrait.slices import Slice, slice_map
+from explorer.motion.plan import plan
+from explorer.motion.turning_points import smallest_tilt
+from explorer.portrait.slices import Slice, flattest_per_cell, slice_map
 
 UNIFORM, HOOP = BODIES["uniform"], BODIES["hoop"]
 
@@ -95,6 +97,23 @@ def test_a_map_is_stored_with_its_axes(tmp_path):
     np.testing.assert_array_equal(stored["sigma4"], found.y)
     assert float(stored["phidot"]) == 1.0
     assert found.to_pandas().shape == (16, 5)
+
+
+def test_each_cell_of_the_plane_has_its_flattest_motion():
+    """One state at a time; tilts by integration, where the plane has them by quadrature."""
+    states = ex.phi_to_states(UNIFORM, 0.0, *np.random.default_rng(4).uniform(-1.0, 1.0, (3, 60)))
+    plane, wanted = flattest_per_cell(states, 4), np.full((4, 4), np.inf)
+    tilts = smallest_tilt(states, plan(("theta_min",), 1e-7, "rk8"))[0]
+    for each, tilt in enumerate(tilts):
+        bars = ex.constants(states.at([each]))
+        columns = [
+            sum(edge <= bar[0] for edge in edges) - 1
+            for bar, edges in ((bars.sigma3_bar, plane.sigma3_edges), (bars.sigma4_bar, plane.sigma4_edges))
+        ]
+        if all(0 <= column < 4 for column in columns):
+            wanted[columns[1], columns[0]] = min(wanted[columns[1], columns[0]], tilt)
+    assert np.isfinite(wanted).sum() > 12
+    np.testing.assert_allclose(plane.smallest, np.where(np.isinf(wanted), np.nan, wanted), rtol=1e-6)
 
 
 @pytest.mark.parametrize(
