@@ -21,7 +21,13 @@ OUT = HERE.parents[1] / "results" / "extremes"
 KEPT = HERE / "corners.json"
 BODIES, PER_BODY = 68, 5  # for each corner
 KEPT_EVERY = 27
-ACCURACIES = (1e-3, 1e-6, 1e-8, 1e-10)
+ACCURACIES = {
+    "quadrature": (1e-3, 1e-6, 1e-8, 1e-10),
+    "rk4": (1e-3, 1e-5),
+    "rk8": (1e-3, 1e-6, 1e-8),
+    "dopri5": (1e-3, 1e-6),
+    "dop853": (1e-3, 1e-6, 1e-8),
+}
 ANSWERS = ("theta_min", "delta_chi", "delta_psi", "duration")
 
 
@@ -113,7 +119,7 @@ def compared(rows, accuracy, method="quadrature"):
 def table(rows):
     """Lines of the table."""
     corners = np.array([row["corner"] for row in rows])
-    for method, accuracies in (("quadrature", ACCURACIES),):
+    for method, accuracies in ACCURACIES.items():
         for accuracy in accuracies:
             status, error, estimate = compared(rows, accuracy, method)
             for corner in CORNERS:
