@@ -23,6 +23,7 @@ from explorer.phase.states import Array, States, columns_of, require_states
 
 ALL = ("phi", "chi", "psi", "path", "contact")  # what simulate gives where nothing else is asked for
 _TURNING = ("chi", "psi", "path", "contact")  # observables of which a curve is wrong where it misses a race
+_MOST_TURNED = 1e4  # rad of chi at the start; what is added to a larger one is lost in its last digits
 _ROUNDED = 1.0 + 1e-15  # natural units and back may end a motion a hair after its t_end
 _COARSE = 0.5 * np.pi  # rad of chi between two times, beyond which a curve is no longer the motion's
 
@@ -191,8 +192,8 @@ def simulate(
     **integration
         method : 'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'. accuracy : error of
         angles (rad) per passage, 1e-11 to 0.1, by default 1e-6; over k passages it grows like k. chi0 : contact
-        angle at the start (rad), by default 0. max_steps : attempted steps at most, by default 2 million.
-        jobs : threads, by default 1.
+        angle at the start (rad), -1e4 to 1e4, by default 0. max_steps : attempted steps at most, by default
+        2 million. jobs : threads, by default 1. Inside a race, the accuracy is that of its time.
 
     Returns
     -------
@@ -263,7 +264,7 @@ def _follow(
     if how.rung in (ALGEBRA, QUADRATURE):
         raise InputError("observables: simulate needs one of the motion, such as 'phi' or 'chi'")
     given = given._replace(
-        chi0=number("chi0", given.chi0),
+        chi0=number("chi0", given.chi0, -_MOST_TURNED, _MOST_TURNED),
         max_steps=whole("max_steps", given.max_steps, 1),
         jobs=whole("jobs", given.jobs, 1),
     )

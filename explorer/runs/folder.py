@@ -20,6 +20,7 @@ from typing import Any
 
 from explorer import compiled
 from explorer.errors import InputError, RunError, path_of, shorten, shown
+from explorer.motion import calibration
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
 from explorer.runs.pictures import KNOWN
@@ -30,6 +31,7 @@ from explorer.version import installed_version
 
 FORMAT = 1
 _LEFT = re.compile(r"\.probe-\d+|(run|summary)\.\d+\.tmp")  # names of a moment, which a killed run leaves
+_INTEGRATORS = ("batch.first_event", "motions.motions", "trajectory.", "recording.")  # kernels whose steps are set
 _MOST_KINDS = 20  # kinds of processor that run.json names
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pyarrow", "tqdm")
 
@@ -43,7 +45,14 @@ def identity(scene: Scene) -> dict[str, Any]:
     made: dict[str, Any] = {"options": scene.options(), "kernels": compiled.source_digest()}
     if not type(scene).__module__.startswith("explorer."):
         made["code"] = _code_of(type(scene))
-    return made
+    measured = own_calibration(scene)
+    return made if measured is None else {**made, "calibration": measured}
+
+
+def own_calibration(scene: Scene) -> str | None:
+    """Digest of the machine's own calibration where it sets the steps of this scene's integrators; else None."""
+    integrates = any(name.startswith(_INTEGRATORS) for name in scene.kernels)
+    return calibration.current().digest if integrates else None
 
 
 def _code_of(kind: type) -> str | None:
@@ -223,6 +232,11 @@ def _check_same(folder: Path, scene: Scene) -> None:
         raise InputError(
             f"--resume: {folder} was computed by other code of scene {scene.name}; "
             "give another folder or --replace"
+        )
+    if before.get("calibration") != now.get("calibration"):
+        raise InputError(
+            f"--resume: {folder} was computed by steps of another calibration; put it back, name it by "
+            "NEARFLAT_CALIBRATION, or give another folder or --replace"
         )
     old, new = before["options"], now["options"]
     # More samples may be added to a run: its chunks are those of the longer one.

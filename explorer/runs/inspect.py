@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from explorer import compiled
 from explorer.errors import RunError
 from explorer.measure import statistics
 from explorer.runs import folder as folders
@@ -102,7 +101,7 @@ def verify(folder: Path) -> list[str]:
     shared, paths = folders.digest_of_identity(scene), store.found_chunks(folder)
     faults = []
     before, now = folders.read_record(folder)["identity"], folders.identity(scene)
-    for what in ("kernels", "code"):
+    for what in ("kernels", "code", "calibration"):
         if before.get(what) != now.get(what):
             # Its own code made these chunks; only what they say of themselves can be checked.
             shared = next((store.read_note(path).identity for path in paths.values()), shared)
@@ -138,7 +137,8 @@ def summary(folder: Path) -> dict[str, Any]:
     scene = folders.scene_of(folder)
     notes = {index: store.read_note(path) for index, path in store.found_chunks(folder).items()}
     strange = {note.identity for note in notes.values()}
-    if folders.read_record(folder)["identity"]["kernels"] == compiled.source_digest():
+    before, now = folders.read_record(folder)["identity"], folders.identity(scene)
+    if all(before.get(what) == now.get(what) for what in ("kernels", "calibration")):
         strange |= {folders.digest_of_identity(scene)}
     for index, note in notes.items():
         if len(strange) > 1 or index >= scene.chunks() or note.samples != scene.length(index):

@@ -260,7 +260,8 @@ def _compute(part: Part, missing: list[int], manner: Manner, progress: Progress)
     """Compute the chunks that are missing."""
     scene, folder, done = part.scene, part.folder, 0
     progress.already(scene.chunks() - len(missing))
-    task = Task(scene, folders.digest_of_identity(scene), folder, compiled.source_digest())
+    made_by = compiled.source_digest(), folders.own_calibration(scene)
+    task = Task(scene, folders.digest_of_identity(scene), folder, *made_by)
     with graceful(folder, manner.quiet) as stop:
         with closing(manner.workers.compute(task, missing, stop)) as chunks:
             try:

@@ -24,6 +24,7 @@ import cloudpickle
 
 from explorer import compiled
 from explorer.errors import InputError, RunError, one_of, shorten, whole
+from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.chunks import HeldChunk
 from explorer.runs.interrupt import SIGNALS, withheld
@@ -36,6 +37,10 @@ _IDLE = 20  # seconds after which a process without work ends; orphans do where 
 _OTHER_KERNELS = (
     "the worker has other kernels than this run; install the same nearflat, Python and numba on all machines, and "
     "start workers with the same NEARFLAT_ARITHMETIC"
+)
+_OTHER_CALIBRATION = (
+    "the worker has another calibration than this run, and would take other steps; give all machines the same "
+    "file, named by NEARFLAT_CALIBRATION"
 )
 
 
@@ -76,12 +81,16 @@ class Packed:
 
 
 class Task(NamedTuple):
-    """What is computed, and where it goes: a folder, or back to who asked. identity, kernels: of the run."""
+    """What is computed, and where it goes: a folder, or back to who asked.
+
+    identity, kernels, calibration: of the run; the last where it is the machine's own and sets steps.
+    """
 
     scene: Scene | Packed
     identity: str
     folder: Path | None
     kernels: str
+    calibration: str | None
 
     def packed(self) -> "Task":
         """The task for workers in other processes."""
@@ -136,6 +145,8 @@ def compute_chunk(task: Task, index: int) -> Done:
     if task.kernels != compiled.source_digest():
         raise RunError(f"chunk {index}: {_OTHER_KERNELS}")
     scene = task.scene.unpacked() if isinstance(task.scene, Packed) else task.scene
+    if task.calibration != folders.own_calibration(scene):
+        raise RunError(f"chunk {index}: {_OTHER_CALIBRATION}")
     try:
         kept, tally = scene.process(index)
         tally = json.loads(json.dumps(tally, allow_nan=False))  # as a footer gives it back

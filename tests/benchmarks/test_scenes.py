@@ -41,7 +41,7 @@ def test_verdicts_beyond_the_vertical(benchmark, by):
 def test_a_chunk_of_a_large_run(benchmark, what, tmp_path):
     scene = build_scene("falling-set", samples=STATES, chunk_size=STATES, theta_min="near")
     (tmp_path / "chunks").mkdir()
-    task = Task(scene, "0" * 16, tmp_path, compiled.source_digest())
+    task = Task(scene, "0" * 16, tmp_path, compiled.source_digest(), None)
     counts = scene.process(0)[1]
     if what == "one pass":
         found = benchmark(sift, scene.disk, scene.box, Chunk(0, 0, STATES, 1 << 14), scene.tube)

@@ -193,6 +193,7 @@ def test_only_what_was_asked_for_is_returned_and_time_zero_is_the_start():
         ({"t_end": 1.0, "observables": ("face",)}, "one of the motion"),
         ({"t_end": 1.0, "method": "rk6"}, "did you mean 'rk"),
         ({"t_end": 1.0, "accuracy": 1e-20}, "accuracy"),
+        ({"t_end": 1.0, "chi0": 1e12}, "chi0 = 1000000000000.0 must be a finite number"),
     ],
 )
 def test_wrong_arguments_are_named(options, message):

@@ -1,12 +1,20 @@
 """The folder of a run: its record is enough to go on, and nothing else is touched."""
 
 import json
+from pathlib import Path
 
 import pytest
 from small_runs import SMALL_RACES
 
 import explorer as ex
+from explorer import compiled
+from explorer.motion import calibration
 from explorer.runs import folder as folders
+from explorer.runs.inspect import summary, verify
+from explorer.runs.workers import Task, compute_chunk
+
+KINDS = ("rk8", "quadrature")
+RACES = {**SMALL_RACES, "samples": 300, "figures": False}
 
 
 def text(run):
@@ -102,3 +110,32 @@ def test_the_first_command_line_is_kept_when_a_run_goes_on(finished):
     folder = rewritten(finished, lambda content: content.update(command="nearflat run race-angles"))
     ex.run("race-angles", out=folder, **SMALL_RACES)
     assert folders.read_record(folder)["command"] == "nearflat run race-angles"
+
+
+def measure(path, nanoseconds):
+    """Make a calibration of this machine's own."""
+    shipped = (Path(calibration.__file__).parent / "calibration.json").read_text(encoding="utf-8")
+    table = json.loads(shipped) | {"kernels": compiled.source_digest(), "quadrature": nanoseconds}
+    path.write_text(json.dumps(table), encoding="utf-8")
+    calibration.current.cache_clear()
+
+
+def test_a_run_by_steps_of_another_calibration_is_not_continued(private, tmp_path):
+    """Its chunks would be of two kinds. Quadrature takes no steps."""
+    measure(private, 500.0)
+    runs = {method: ex.run("race-angles", out=tmp_path / method, method=method, **RACES) for method in KINDS}
+    assert folders.read_record(runs["rk8"].folder)["identity"]["calibration"]
+    assert "calibration" not in folders.read_record(runs["quadrature"].folder)["identity"]
+    task = Task(runs["rk8"].scene, "", None, compiled.source_digest(), folders.own_calibration(runs["rk8"].scene))
+    measure(private, 501.0)
+    ex.run("race-angles", out=runs["quadrature"].folder, method="quadrature", exist="resume", **RACES)
+    with pytest.raises(ex.InputError, match=r"steps of another calibration; put it back, name it by"):
+        ex.run("race-angles", out=runs["rk8"].folder, method="rk8", exist="resume", **RACES)
+    assert verify(runs["rk8"].folder) == [
+        "run.json: other calibration than these computed the run; it cannot be resumed with them"
+    ]
+    assert summary(runs["rk8"].folder) == runs["rk8"].summary
+    with pytest.raises(ex.RunError, match="the worker has another calibration than this run"):
+        compute_chunk(task, 0)
+    measure(private, 500.0)
+    assert verify(runs["rk8"].folder) == []

@@ -161,7 +161,7 @@ def test_workers_with_other_kernels_are_refused_by_name(cluster, tmp_path, monke
     with pytest.raises(ex.RunError, match=r"tcp://127\.0\.0\.1:\d+: the worker has other kernels than this run"):
         ex.run("race-angles", out=tmp_path / "run", backend="dask", scheduler=cluster, **SMALL_RACES)
     monkeypatch.undo()
-    task = workers.Task(ex.open(tmp_path / "run").scene, "", None, "of another version")
+    task = workers.Task(ex.open(tmp_path / "run").scene, "", None, "of another version", None)
     with pytest.raises(ex.RunError, match="chunk 0: the worker has other kernels"):
         workers.compute_chunk(task, 0)
 
