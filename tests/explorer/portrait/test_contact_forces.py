@@ -28,6 +28,18 @@ def test_the_friction_needed_is_that_of_the_integrals_over_the_passage():
     assert found.friction.max() == pytest.approx(wanted.max_friction[0], abs=1e-4)
 
 
+def test_the_forces_are_what_the_centre_s_path_needs():
+    """Second differences of its path: upwards the normal force less the weight, along the table the friction."""
+    (found,) = contact_forces(BODIES["uniform"], [-0.3], 0.2, 0.3)
+    start, step = ex.constants_to_states(BODIES["uniform"], 0.2, -0.3, 0.3), 1e-3
+    for each in np.linspace(0.1, 0.9, 9) * found.t.size:
+        t = found.t[int(each)] + step * np.array([-1.0, 0.0, 1.0])
+        path = ex.simulate(start, t_eval=t, observables=("path",), accuracy=1e-11).path[0]
+        pull = (path[0] - 2.0 * path[1] + path[2]) / step**2 + [0.0, 0.0, 1.0]
+        normal, friction = found.normal[int(each)], found.friction[int(each)]
+        assert (normal, friction) == pytest.approx((pull[2], np.hypot(*pull[:2]) / pull[2]), abs=2e-4)
+
+
 def test_the_table_carries_the_weight_on_average():
     """Over a period the centre gains no upward speed, so the normal force averages to the weight."""
     (each,) = contact_forces(COIN, [0.3 * COIN.rate_unit], 20.0, 25.0)
