@@ -77,12 +77,12 @@ def lowest(session):
     session.run("python", "-m", "pytest", "-W", "default", "-k", "not linters", *session.posargs)
 
 
-if __name__ == "__main__":
-    nox.main()
-
-
 @nox.session(default=False)
 def fuzz(session):
     """Write results/faults/fuzz.json: 100,000 nasty calls of functions, and thousands of each other kind."""
     session.install("--editable", ".[test]")
     session.run("python", "-m", "tests.fuzz", *(session.posargs or ["--cases", "100000"]))
+
+
+if __name__ == "__main__":
+    nox.main()

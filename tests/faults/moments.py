@@ -179,6 +179,7 @@ def look(words, folder, digest):
 
 def moments(place, backend, count, seed):
     """Stop `count` runs of a backend at random moments; a line for each."""
+    place.mkdir(parents=True, exist_ok=True)
     scene = place / "races.toml"
     scene.write_text("".join(f"{key} = {value!r}\n" for key, value in OPTIONS.items()))
     asked = ["run", scene, "--no-figures", "--resume", "--out"]

@@ -2,6 +2,7 @@
 
 python -m tests.fuzz --cases 20000            # of the Python functions; a tenth of that of each other kind
 python -m tests.fuzz --only api --seed 7
+python -m tests.fuzz --only api --seed 8 --add     # to the counts that are stored
 """
 
 import argparse
@@ -48,7 +49,15 @@ def try_all(kind, cases, seed, place):
             print(f"{kind}: {number + 1} cases, {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
     done = {"cases": sum(counts.values()), "values": counts["value"], "refused": counts["refused"]}
     done |= {fault: counts[fault] for fault in FAULTS}
-    return done | {"slowest_seconds": round(slowest, 2), "seed": seed}
+    return done | {"slowest_seconds": round(slowest, 2), "seeds": [seed]}
+
+
+def together(one, other):
+    """The counts of two runs with different seeds."""
+    if set(one["seeds"]) & set(other["seeds"]):
+        raise SystemExit(f"--seed: {other['seeds']} was counted already; give another one")
+    slowest = max(one["slowest_seconds"], other["slowest_seconds"])
+    return {name: one[name] + other[name] for name in one} | {"slowest_seconds": slowest}
 
 
 def _shown(given):
@@ -64,13 +73,15 @@ def main():
     parser.add_argument("--cases", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", choices=SHARES, action="append")
+    parser.add_argument("--add", action="store_true", help="to the counts of other seeds that are stored")
     given = parser.parse_args()
     warmup(say=lambda text: print(text, file=sys.stderr))
-    report = json.loads(OUT.read_text()) if OUT.exists() and given.only else {}
+    report = json.loads(OUT.read_text()) if OUT.exists() and (given.only or given.add) else {}
     with tempfile.TemporaryDirectory() as place:
         for kind in given.only or SHARES:
             cases = given.cases if given.only else max(1, round(given.cases * SHARES[kind]))
-            report[kind] = try_all(kind, cases, given.seed, Path(place) / kind)
+            counts = try_all(kind, cases, given.seed, Path(place) / kind)
+            report[kind] = together(report[kind], counts) if given.add and kind in report else counts
     OUT.write_text(json.dumps(report, indent=2) + "\n")
     print(json.dumps(report, indent=2))
     return 1 if any(report[kind][fault] for kind in report for fault in FAULTS) else 0
