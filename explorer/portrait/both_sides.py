@@ -1,14 +1,16 @@
 """The motions on both sides of a point of F, beside the two limit motions that they approach."""
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from explorer import compiled
 from explorer.errors import InputError, positive
 from explorer.motion.limit_motions import AnyLimit, LimitState, limit_motion, misses_f, warn_of_move
-from explorer.motion.trajectories import Trajectories, trajectories
+from explorer.motion.trajectories import trajectories
 from explorer.phase.arguments import explained
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import coordinates_to_states
@@ -23,15 +25,14 @@ QUANTITIES = ("phi", "chi", "psi", "path", "contact")
 _RACE_POINTS = 120  # of the circle of a race
 
 
-def point_of_f(disk: Disk, start: tuple[float, float, int]) -> States:
-    """The point of F with (sigma3_bar, phidot, face) at the vertical."""
-    sigma3_bar, phidot, face = start
-    return constants_to_states(disk, sigma3_bar, 0.0, phidot, face)
+def beside(disk: Disk, start: Mapping[str, float], eta_hat: ArrayLike) -> States:
+    """The states at the vertical with sigma3_bar, phidot and face of `start`; eta_hat = 0 is the point of F."""
+    return constants_to_states(disk, eta_hat=eta_hat, **start)
 
 
-def limits_at(disk: Disk, start: tuple[float, float, int]) -> dict[int, AnyLimit]:
-    """Both limit motions from `point_of_f`."""
-    return {sign: limit_motion(point_of_f(disk, start), sign) for sign in (1, -1)}
+def limits_at(disk: Disk, start: Mapping[str, float]) -> dict[int, AnyLimit]:
+    """Both limit motions from the point of F."""
+    return {sign: limit_motion(beside(disk, start, 0.0), sign) for sign in (1, -1)}
 
 
 def sample_times(limit: AnyLimit) -> tuple[Array, int]:
@@ -46,20 +47,6 @@ def sample_times(limit: AnyLimit) -> tuple[Array, int]:
     gaps = abs(times[:, None] - limit.impacts(end + limit.period)).min(axis=1)
     times = times[gaps > MARGIN * limit.period]
     return times, int(np.searchsorted(times, middle))
-
-
-def follow(
-    disk: Disk, start: tuple[float, float, int], eta_hat: Array, times: Array, accuracy: float, method: str
-) -> Trajectories:
-    """Motions that start beside a point of F at the distances eta_hat."""
-    states = beside(disk, start, eta_hat)
-    return trajectories(states, t_eval=times, observables=QUANTITIES, method=method, accuracy=accuracy)
-
-
-def beside(disk: Disk, start: tuple[float, float, int], eta_hat: Array) -> States:
-    """The states beside a point of F, (sigma3_bar, phidot, face), at the distances eta_hat."""
-    sigma3_bar, phidot, face = start
-    return constants_to_states(disk, sigma3_bar, eta_hat, phidot, face)
 
 
 @dataclass(frozen=True, repr=False)

@@ -5,7 +5,7 @@ Shared by the scenes that look along F. The flow preserves the measure, so near 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,23 +32,6 @@ def eta_hat_option(default: str) -> Option:
     """The range of distances beside F, for both signs."""
     text = "distance |eta_hat| beside the falling set, both signs, in the units of the disk"
     return Option("--eta-hat", read_range, "LOW:HIGH", text, f"{default} natural units")
-
-
-@dataclass(frozen=True)
-class Beside:
-    """Draws at the vertical in the units of the disk: speed towards flat, sigma3_bar, face."""
-
-    speed: Array
-    sigma3_bar: Array
-    face: Array
-
-    @property
-    def phidot(self) -> Array:
-        return self.face * self.speed
-
-    def at(self, i: int) -> tuple[float, float, int]:
-        """(sigma3_bar, phidot, face) of draw i."""
-        return float(self.sigma3_bar[i]), float(self.phidot[i]), int(self.face[i])
 
 
 def default_box(disk: Disk) -> Box:
@@ -91,8 +74,8 @@ def check_eta_hat(span: Range, disk: Disk) -> None:
         )
 
 
-def draw_beside(box: Box, random: np.random.Generator, count: int) -> Beside:
-    """`count` starts, both faces equally likely."""
+def draw_beside(box: Box, random: np.random.Generator, count: int) -> dict[str, Array]:
+    """`count` starts as `constants_to_states` takes them, but for eta_hat; both faces equally likely."""
     columns = box.draw(random, count)
     face = np.where(random.random(count) < 0.5, 1.0, -1.0)
-    return Beside(columns["phidot"], columns["sigma3"], face)
+    return {"phidot": face * columns["phidot"], "sigma3_bar": columns["sigma3"], "face": face}

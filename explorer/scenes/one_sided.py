@@ -18,6 +18,7 @@ from explorer.errors import InputError, whole
 from explorer.measure import statistics
 from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.motion.plan import plan
+from explorer.motion.trajectories import trajectories
 from explorer.motion.trials import MotionTrial, even_times
 from explorer.phase import membership
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -27,15 +28,12 @@ from explorer.portrait.both_sides import (
     BothSides,
     beside,
     both_sides,
-    follow,
     limits_at,
-    point_of_f,
     sample_times,
 )
 from explorer.scenes.base import Chunks, Picture, Scene, Table, joined, together
 from explorer.scenes.beside import (
     BOX,
-    Beside,
     box_beside,
     check_eta_hat,
     default_box,
@@ -152,10 +150,11 @@ class OneSided(Scene):
     def chunks(self) -> int:
         return len(self.disks) * self.blocks
 
-    def starts(self, index: int) -> Beside:
-        """Points of F of chunk `index`."""
-        disk = self.disks[index // self.blocks]
-        return draw_beside(self.where(disk), chunk_stream(self.seed, index), self._count(index))
+    def starts(self, index: int) -> list[dict[str, float]]:
+        """Points of F of chunk `index`, each by its phidot, sigma3_bar and face at the vertical."""
+        box, count = self.where(self.disks[index // self.blocks]), self._count(index)
+        drawn = draw_beside(box, chunk_stream(self.seed, index), count)
+        return [{name: float(values[i]) for name, values in drawn.items()} for i in range(count)]
 
     def _count(self, index: int) -> int:
         return min(BLOCK, self.samples - index % self.blocks * BLOCK)
@@ -172,15 +171,14 @@ class OneSided(Scene):
     def compute(self, index: int) -> Table:
         disk, starts = self.disks[index // self.blocks], self.starts(index)
         first = BLOCK * (index % self.blocks)
-        parts = [self._approach(disk, first + i, starts.at(i)) for i in range(starts.speed.size)]
-        return joined(parts)
+        return joined([self._approach(disk, first + i, start) for i, start in enumerate(starts)])
 
     def motions(self, count: int, t_end: float | None) -> MotionTrial:
         """All its motions beside its first `count` starts, at the times of the scene unless `t_end` is given."""
         groups = []
         for index in range(self.chunks()):
             disk, starts = self.disks[index // self.blocks], self.starts(index)
-            for start in map(starts.at, range(min(count, starts.speed.size))):
+            for start in starts[:count]:
                 states = beside(disk, start, self._distances(disk))
                 times = sample_times(limits_at(disk, start)[1])[0] if t_end is None else even_times(t_end)
                 groups.append((states, times))
@@ -190,17 +188,23 @@ class OneSided(Scene):
         ladder = self.ladder(disk)
         return np.concatenate([ladder, -ladder])
 
-    def _approach(self, disk: Disk, base: int, start: tuple[float, float, int]) -> Table:
+    def _approach(self, disk: Disk, base: int, start: dict[str, float]) -> Table:
         """All rungs of the ladder, both signs, beside one point of F."""
         eta_hat = self._distances(disk)
         both = limits_at(disk, start)
         times, middle = sample_times(both[1])
-        motion = follow(disk, start, eta_hat, times, self.accuracy, self.method)
+        motion = trajectories(
+            beside(disk, start, eta_hat),
+            t_eval=times,
+            observables=QUANTITIES,
+            method=self.method,
+            accuracy=self.accuracy,
+        )
         assert motion.chi is not None
         columns: Table = {
             "base": np.full(eta_hat.size, base),
-            "sigma3_bar": np.full(eta_hat.size, start[0]),
-            "phidot": np.full(eta_hat.size, start[1]),
+            "sigma3_bar": np.full(eta_hat.size, start["sigma3_bar"]),
+            "phidot": np.full(eta_hat.size, start["phidot"]),
             "eta_hat": eta_hat,
             "status": motion.status,
         }
@@ -288,7 +292,7 @@ class OneSided(Scene):
 
         yield "distance", partial(plot.one_sided_distance, summary)
         for index, disk in enumerate(self.disks):
-            start = point_of_f(disk, self.starts(index * self.blocks).at(0))
+            start = beside(disk, self.starts(index * self.blocks)[0], 0.0)
             computed = cache(partial(both_sides, start))
             yield f"motion-{disk.name}", partial(_draw_motion, computed)
             yield f"contact-{disk.name}", partial(_draw_contact, computed)

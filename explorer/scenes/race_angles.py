@@ -199,9 +199,10 @@ class RaceAngles(SceneOfStates):
         assert self.box is not None
         assert self.eta_hat is not None
         start = draw_beside(self.box, random, count)
+        face = start.pop("face")
         eta_hat = log_uniform(random.random(count), *self.eta_hat)
         eta_hat *= np.where(random.random(count) < 0.5, 1.0, -1.0)
-        return {"phidot": start.phidot, "sigma3_bar": start.sigma3_bar, "eta_hat": eta_hat, "face": start.face}
+        return {**start, "eta_hat": eta_hat, "face": face}
 
     def _bounces(self, block: Block) -> Table:
         """A row for each approach to flat of each state."""

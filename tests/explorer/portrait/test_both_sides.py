@@ -5,15 +5,16 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.portrait.both_sides import FALLS, MARGIN, both_sides, follow, limits_at, point_of_f, sample_times
+from explorer.motion.trajectories import trajectories
+from explorer.portrait.both_sides import FALLS, MARGIN, QUANTITIES, beside, both_sides, limits_at, sample_times
 
 HOOP = BODIES["hoop"]
-START = (0.6, 1.0, 1)
+START = {"sigma3_bar": 0.6, "phidot": 1.0, "face": 1}
 
 
 @pytest.fixture(scope="module")
 def both():
-    return both_sides(point_of_f(HOOP, START))
+    return both_sides(beside(HOOP, START, 0.0))
 
 
 def test_each_motion_stays_with_the_limit_of_its_own_side(both):
@@ -52,7 +53,7 @@ def test_distances_are_taken_away_from_the_impacts():
 def test_the_distance_to_the_limit_shrinks_with_eta():
     limit = limits_at(HOOP, START)[1]
     times, _ = sample_times(limit)
-    motion = follow(HOOP, START, np.array([1e-2, 1e-4]), times, 1e-8, "auto")
+    motion = trajectories(beside(HOOP, START, [1e-2, 1e-4]), t_eval=times, observables=QUANTITIES, accuracy=1e-8)
     far, near = abs(motion.chi - limit(times).chi).max(axis=1)
     # eta ln(1/eta) falls by 50
     assert 20.0 < far / near < 120.0
