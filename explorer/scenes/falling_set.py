@@ -30,7 +30,8 @@ from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.portrait.slices import ConstantsPlane, Slice, slice_map
 from explorer.scenes.base import Chunks, Picture, Table, Tally, joined
 from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_faces, nearer, no_cells
-from explorer.scenes.of_states import BLOCK, Block, SceneOfStates
+from explorer.scenes.given_states import Block
+from explorer.scenes.of_states import BLOCK, SceneOfStates
 from explorer.scenes.options import BOX, Option, Ranges, read_slices
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, path_of, regular_file, whole
@@ -32,12 +33,28 @@ _MOST_ROWS = 10**12
 _RECORD = {"file", "rows", "sha256"}  # what run.json says of given states
 
 
-class GivenRows(NamedTuple):
-    """Some rows of what was given. columns: `row`, phi, phidot, sigma3, sigma4; own: all others, as given."""
+class Block(NamedTuple):
+    """Some states of a chunk.
+
+    columns: phi, phidot, sigma3, sigma4, and `row` where the states were given. own: the user's own columns.
+    """
 
     states: States
     columns: Columns
     own: Columns
+
+    def at(self, rows: NDArray[np.intp]) -> "Block":
+        """Some of the states."""
+        columns, own = ({name: values[rows] for name, values in part.items()} for part in self[1:])
+        return Block(self.states.at(rows), columns, own)
+
+    def with_results(self, results: Columns) -> Columns:
+        """One table: the coordinates, the results, and the user's own columns.
+
+        One of these whose name the others have is called given_NAME.
+        """
+        table = self.columns | results
+        return table | {f"given_{name}" if name in table else name: values for name, values in self.own.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,10 +120,7 @@ class GivenStates:
     @classmethod
     def _of_columns(cls, flag: str, given: Mapping[str, Any]) -> "GivenStates":
         chart = recognise(list(given), flag)
-        numbers = chart.present(given)
-        columns: Columns = {
-            name: (as_numbers if name in numbers else as_own)(name, values, flag) for name, values in given.items()
-        }
+        columns = _read(given, chart, flag)
         lengths = {column.size for column in columns.values()}
         if len(lengths) > 1:
             raise InputError(f"{flag}: columns have {sorted(lengths)} entries; give one for each state")
@@ -140,12 +154,12 @@ class GivenStates:
         file = {} if self.path is None else {"file": str(self.path)}
         return {**file, "rows": self.rows, "sha256": self.sha256}
 
-    def read(self, disk: Disk, first: int, count: int, degrees: bool = False) -> GivenRows:
+    def read(self, disk: Disk, first: int, count: int, degrees: bool = False) -> Block:
         """Rows first ... first + count - 1. Raises InputError where the file has been damaged since."""
         row = {"row": np.arange(first, first + count)}
         if self.states is not None:
             states = self.states.at(np.arange(first, first + count))
-            return GivenRows(states, row | _coordinates(states), {})
+            return Block(states, row | _coordinates(states), {})
         if self.chart is None:
             raise InputError(
                 f"{self.what}: this run has states that were given in Python; go on with "
@@ -163,7 +177,7 @@ class GivenStates:
             for name, values in table.items()
             if name not in coordinates or degrees
         }
-        return GivenRows(states, row | coordinates, own)
+        return Block(states, row | coordinates, own)
 
     def _table(self, first: int, count: int) -> Columns:
         import pyarrow as pa
@@ -176,16 +190,15 @@ class GivenStates:
             found = self.columns.read(first, count)
         except (OSError, UnicodeDecodeError, pa.ArrowException) as error:
             raise InputError(f"{self.what}: cannot be read ({_in_one_line(error)}); put the file back") from None
-        numbers = self.chart.present(found)
-        return {
-            name: (as_numbers if name in numbers else as_own)(name, values, self.what)
-            for name, values in found.items()
-        }
+        return _read(found, self.chart, self.what)
 
 
-def with_own(results: Columns, own: Columns) -> Columns:
-    """Results beside the user's own columns; one whose name the results have is called given_NAME."""
-    return {**results, **{f"given_{name}" if name in results else name: values for name, values in own.items()}}
+def _read(given: Mapping[str, Any], chart: Chart, what: str) -> Columns:
+    """Columns that say where the disk is as numbers, and the user's own as they can be stored."""
+    numbers = chart.present(given)
+    return {
+        name: (as_numbers if name in numbers else as_own)(name, values, what) for name, values in given.items()
+    }
 
 
 def _coordinates(states: States) -> Columns:

@@ -3,10 +3,9 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from explorer.errors import InputError
 from explorer.measure.density import ANY_ENERGY, Density, Function
@@ -14,30 +13,10 @@ from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.motion.trials import MotionTrial, through_time
 from explorer.phase.states import States, phi_to_states
 from explorer.scenes.base import SampledScene, Table
-from explorer.scenes.given_states import Given, GivenStates, with_own
+from explorer.scenes.given_states import Block, Given, GivenStates
 from explorer.scenes.options import DEGREES, DENSITY, ENERGY, GAUSSIAN, STATES, OpenRange, Ranges
 
 BLOCK = 1 << 14  # states: intermediate arrays stay in the processor's cache
-
-
-class Block(NamedTuple):
-    """Some states of a chunk.
-
-    columns: phi, phidot, sigma3, sigma4, and `row` where the states were given. own: the user's own columns.
-    """
-
-    states: States
-    columns: Table
-    own: Table
-
-    def at(self, rows: NDArray[np.intp]) -> "Block":
-        """Some of the states."""
-        columns, own = ({name: values[rows] for name, values in part.items()} for part in self[1:])
-        return Block(self.states.at(rows), columns, own)
-
-    def with_results(self, results: Table) -> Table:
-        """One table: the coordinates, the results, and the user's own columns."""
-        return with_own(self.columns | results, self.own)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +86,7 @@ class SceneOfStates(SampledScene):
         for first in range(0, count, BLOCK):
             size = min(BLOCK, count - first)
             if given is not None:
-                yield Block(*given).at(np.arange(first, first + size))
+                yield given.at(np.arange(first, first + size))
             else:
                 columns = self._drawn(random, size)
                 yield Block(phi_to_states(self.disk, **columns), columns, {})

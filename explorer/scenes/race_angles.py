@@ -36,7 +36,8 @@ from explorer.portrait.races import angle_edges, law_rows, ridge_rows
 from explorer.scenes import beside
 from explorer.scenes.base import Chunks, NoStateError, Picture, Table, Tally, joined
 from explorer.scenes.beside import box_beside, check_eta_hat, describe_beside, draw_beside, eta_hat_option
-from explorer.scenes.of_states import Block, SceneOfStates
+from explorer.scenes.given_states import Block
+from explorer.scenes.of_states import SceneOfStates
 from explorer.scenes.options import Distances, Option, Ranges
 from explorer.scenes.race_counts import SIGNS, RaceCounts, count_bounces, count_races
 
