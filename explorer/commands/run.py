@@ -85,8 +85,7 @@ def run(scene: str | type[Scene], **options: Any) -> Run:
     >>> races.summary["wrong_way"], round(races.summary["median_plus"], 3)
     (0, 5.441)
     """
-    made = asked(scene, options)
-    return execute(made.scene, made.out, made.manner)
+    return execute(*asked(scene, options))
 
 
 def _entry(option: Option, text: str) -> str:
@@ -216,5 +215,4 @@ def given_by(options: argparse.Namespace, apart: Sequence[str] = ()) -> tuple[An
 def call(options: argparse.Namespace) -> int:
     """Run the scene."""
     name, given = given_by(options)
-    made = asked(name, given, options.command_line, exist="error")
-    return show(execute(made.scene, made.out, made.manner), options.json)
+    return show(execute(*asked(name, given, options.command_line, exist="error")), options.json)

@@ -73,11 +73,9 @@ class Run:
     @property
     def summary(self) -> dict[str, Any]:
         """The numbers of the run. Raises RunError where chunks are missing or damaged."""
-        if self._summary is None and self.folder is not None:
+        if self._summary is None and self._known is None and self.folder is not None:
             self._summary = inspect.stored_summary(self.folder, self.scene)
-        if self._summary is None:
-            self._summary = self._total()[1]
-        return self._summary
+        return self._summary or self._total()[1]
 
     @property
     def status(self) -> inspect.Progressed:
