@@ -8,7 +8,7 @@ in the run, never on the number of workers.
 
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -55,9 +55,7 @@ class Box:
     @classmethod
     def parse(cls, text: str, default: "Box") -> "Box":
         """A box from "phi=0,phidot=-2:2,..."; what is left out keeps the default. Raises InputError."""
-        ranges = {name: getattr(default, name) for name in COORDINATES}
-        ranges.update(parse_ranges(text, "--box"))
-        return cls(**ranges)
+        return replace(default, **parse_ranges(text, "--box"))
 
     @property
     def free(self) -> list[str]:

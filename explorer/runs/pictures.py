@@ -42,23 +42,18 @@ def draw(
 def _drawn(picture: Picture, name: str, options: dict[str, Any]) -> "Figure":
     from matplotlib.figure import Figure
 
+    from explorer.plot import figure_of
+
     if isinstance(picture, Figure):
         if options:
             raise InputError(f"figure = {name!r}: is drawn as a whole; leave {' and '.join(options)} out")
         return picture
     try:
-        drawn = picture(**options)
-    except TypeError as error:
+        return figure_of(picture(**options))
+    except (TypeError, AttributeError) as error:  # the latter is matplotlib's answer to an unknown keyword
         if not options:
             raise
         raise InputError(f"figure = {name!r} cannot be drawn with {', '.join(options)} ({error})") from None
-    except AttributeError as error:  # matplotlib's answer to a keyword that it does not know
-        if not options:
-            raise
-        raise InputError(f"figure = {name!r} cannot be drawn with {', '.join(options)} ({error})") from None
-    found = drawn if isinstance(drawn, Figure) else drawn.figure
-    assert isinstance(found, Figure)
-    return found
 
 
 def save_all(

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from explorer import compiled
-from explorer.errors import InputError, Interrupted, RunError, in_words, note, one_of
+from explorer.errors import InputError, Interrupted, RunError, in_words, note, one_of, path_of
 from explorer.phase.results import to_arrow
 from explorer.runs import folder as folders
 from explorer.runs import inspect, pictures, store
@@ -307,8 +307,5 @@ def open(folder: Path | str) -> Run:
     ...     print(again.verify(), again.summary == made.summary)
     [] True
     """
-    try:
-        place = Path(folder)
-    except TypeError:
-        raise InputError(f"folder = {folder!r} is no path; give the folder of a run") from None
+    place = path_of("folder", folder)
     return Run([Part(folders.scene_of(place), place)])

@@ -7,7 +7,7 @@ from typing import Annotated, Any, NamedTuple, TypedDict
 
 import numpy as np
 
-from explorer.errors import InputError, flag, note, one_of, whole
+from explorer.errors import InputError, flag, note, one_of, path_of, whole
 from explorer.runs import pictures
 from explorer.runs.folder import default_folder
 from explorer.runs.run import Manner
@@ -19,13 +19,6 @@ from explorer.scenes.registry import SCENES, build_scene, scene_class
 EXIST = ("resume", "replace", "error")
 # What a run in memory may draw: some hundred megabytes where all rows are kept.
 MOST_IN_MEMORY = 1_000_000
-
-
-def _path(flag: str, value: Any) -> Path:
-    try:
-        return Path(value)
-    except TypeError:
-        raise InputError(f"{flag} {value!r} is no path; give the folder of the run") from None
 
 
 def _text(flag: str, value: Any) -> str:
@@ -56,7 +49,7 @@ class Settings(TypedDict, total=False):
         Path | str | None,
         Option(
             "--out",
-            _path,
+            path_of,
             "DIR",
             "folder of the run",
             default=f"results/SCENE-DISK-SEED; from Python, up to {MOST_IN_MEMORY:,} samples stay in memory",

@@ -11,7 +11,7 @@ to their next approaches to flat.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -23,8 +23,7 @@ from explorer.measure import statistics
 from explorer.measure.sampling import BLOCK, Range, chunk_stream, gather, log_uniform
 from explorer.motion.bounces import KERNELS as OF_BOUNCES
 from explorer.motion.bounces import MOST, Bounces, bounces
-from explorer.motion.passages import OBSERVABLES, Passages, passage_kernels, passages_by
-from explorer.motion.plan import Plan, plan
+from explorer.motion.passages import Passages, passage_kernels, passages_by
 from explorer.motion.trials import MotionTrial, PassageTrial, through_time
 from explorer.motion.vertical import starts_at_vertical
 from explorer.phase.constants import best_constants, natural_constants
@@ -156,11 +155,7 @@ class RaceAngles(SceneOfStates):
         return {**drawn, "face": drawn["face"].astype(np.int8), **found}
 
     def _passages(self, drawn: Table) -> Passages:
-        return passages_by(self.disk, starts_at_vertical(self.disk, *_start(drawn)), self._how)[0]
-
-    @cached_property
-    def _how(self) -> Plan:
-        return plan(OBSERVABLES, self.accuracy, self.method)
+        return passages_by(self.disk, starts_at_vertical(self.disk, *_start(drawn)), self.plan)[0]
 
     def trial(self) -> PassageTrial | None:
         if self.eta_hat is None:  # bounces are by quadrature only

@@ -42,7 +42,7 @@ def test_pictures_may_be_left_out_and_have_other_formats():
     [
         ({"exist": "maybe"}, "exist 'maybe' is not known; known: resume, replace, error"),
         ({"figures": "no"}, "figures = no must be true or false"),
-        ({"out": 3}, "out 3 is no path"),
+        ({"out": 3}, "out = 3 is no path"),
         ({"progress": "yes"}, "progress = yes must be true or false"),
         ({"memory": "lots"}, "memory 'lots' is no amount"),
         ({"jobs": 1.5}, "jobs = 1.5 must be a whole number"),
