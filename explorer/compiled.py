@@ -134,6 +134,19 @@ def warmup(names: Iterable[str] | None = None, say: Callable[[str], None] = lamb
     names: such as "passages.fall_batch", by default every kernel. `say` receives a line before anything is
     compiled, which takes from seconds to a minute.
     """
+    idle, fresh = _missing(names, say)
+    for kernel in idle:
+        kernel.compile()
+    return fresh
+
+
+def compile_missing(names: Iterable[str], say: Callable[[str], None] = lambda text: None) -> int:
+    """As `warmup`, but what the cache has is not loaded: of some kernels that are named few may be called."""
+    return _missing(names, say)[1]
+
+
+def _missing(names: Iterable[str] | None, say: Callable[[str], None]) -> "tuple[list[Kernel[Any]], int]":
+    """Compile what the cache lacks; returns the kernels that were not loaded before, and how many it lacked."""
     modules = _modules()
     for module in modules if names is None else dict.fromkeys(name.partition(".")[0] for name in names):
         _load(modules[module])
@@ -147,9 +160,7 @@ def warmup(names: Iterable[str] | None = None, say: Callable[[str], None] = lamb
         others = f" and {len(fresh) - _NAMED} more" if len(fresh) > _NAMED else ""
         say(f"compiling {called}{others}; once for this version, then kept")
         _compile_by_two(fresh)
-    for kernel in idle:
-        kernel.compile()
-    return len(fresh)
+    return idle, len(fresh)
 
 
 def _place(name: str) -> tuple[int, str]:

@@ -16,6 +16,7 @@ from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion.chebyshev import HALF_PI, primitive
 from explorer.phase.disk import Disk
+from explorer.phase.roots import root
 from explorer.phase.series import Series
 from explorer.phase.states import Array
 
@@ -170,19 +171,17 @@ class Rising(NamedTuple):
 
 def least_chord(disk: Disk, energy: float, sigma3_bar: float) -> float:
     """2 sin(tilt/2) from the other flat state at the turning point there, if nothing bars the way to it."""
-    from scipy.optimize import brentq
-
     b, excess = disk.body, energy - float(disk.energy_at_flat(sigma3_bar))
     X, Y = sigma3_bar / b.r0, 2.0 * b.dr0 * sigma3_bar
     # To leading order the least chord is |Y| sqrt(I1 / 2 (E - V_0)).
     guess = math.log(abs(Y)) + 0.5 * math.log(0.5 * b.I1 / excess)
 
-    def kinetic(log_h: float) -> float:
-        out = np.empty((7, 1))
-        compiled.point.point_batch(np.array([math.exp(log_h)]), X, Y, disk.natural, out)
-        return excess - float(compiled.point.Point(*out).V[0])
+    def kinetic(log_h: Array) -> Array:
+        out = np.empty((7, log_h.size))
+        compiled.point.point_batch(np.exp(log_h), X, Y, disk.natural, out)
+        return excess - compiled.point.Point(*out).V
 
-    return math.exp(brentq(kinetic, guess - _MARGIN, 0.5 * math.log(2.0), xtol=1e-15, rtol=1e-15))
+    return math.exp(root(kinetic, guess - _MARGIN, 0.5 * math.log(2.0)))
 
 
 def _left_over(piece: Piece) -> float:

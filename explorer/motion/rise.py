@@ -14,6 +14,7 @@ from explorer.motion.chebyshev import HALF_PI, nodes, primitive, settled
 from explorer.motion.crossing import CrossingRise, Rising, least_chord
 from explorer.phase.disk import Disk
 from explorer.phase.membership import well
+from explorer.phase.roots import root
 from explorer.phase.series import Series
 from explorer.phase.states import Array
 
@@ -27,7 +28,6 @@ _SMALLEST = 1e-300  # a tilt that the kernel can take the logarithm of
 # Turning points flatter than this (rad) are as sharp as a race; for steeper ones one series does.
 _BESIDE_FLAT = 0.1
 _WELL_POINTS = 512  # tilts looked at, between the vertical and the well, for the barrier
-_XTOL = 1e-15  # of a turning point: rounding
 # Of sigma3_bar over the energy: below, the rate of the race overflows, and no double tells the race from a jump.
 _TINY = 1e-290
 
@@ -43,7 +43,7 @@ class Rise:
             self.theta_turn = self._turning_point(sigma3_bar)
         except ValueError:
             raise InputError("limit motion: the state is flat and at rest to rounding") from None
-        self.impact_speed = float(np.sqrt(2.0 / disk.body.M * self._kinetic(_FLAT)))
+        self.impact_speed = float(np.sqrt(2.0 / disk.body.M * self._kinetic(np.array([_FLAT]))[0]))
         # Where the period is infinite the series are not finite.
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             made = settled(self._series, _FIRST_DEGREE, _LAST_DEGREE)
@@ -66,30 +66,24 @@ class Rise:
         compiled.falling.on_f_batch(np.ascontiguousarray(theta), self._X, self._disk.natural, out)
         return compiled.falling.OnF(*out)
 
-    def _kinetic(self, theta: float) -> float:
-        """E - V at one tilt."""
-        return self._energy - float(self._on_f(np.array([theta])).V[0])
+    def _kinetic(self, theta: Array) -> Array:
+        """E - V at some tilts."""
+        return self._energy - self._on_f(theta).V
 
     def _turning_point(self, sigma3_bar: float) -> float:
         """The tilt at which the rise ends; ValueError where it does not begin."""
-
-        from scipy.optimize import brentq
-
-        def root(low: float, high: float) -> float:
-            return float(brentq(self._kinetic, low, high, xtol=_XTOL, rtol=_XTOL))
-
-        if self._kinetic(HALF_PI) <= 0.0:
-            return root(_FLAT, HALF_PI)
+        if self._kinetic(np.array([HALF_PI]))[0] <= 0.0:
+            return root(self._kinetic, _FLAT, HALF_PI)
         edge, largest = well(self._disk)
         if abs(sigma3_bar) >= largest:
-            return root(HALF_PI, _OTHER_FLAT)
+            return root(self._kinetic, HALF_PI, _OTHER_FLAT)
         # Past the barrier there is a well; the first turning point counts.
         grid = np.linspace(HALF_PI, HALF_PI - edge, _WELL_POINTS)
         blocked = self._energy < self._on_f(grid).V
         if not blocked.any():
-            return root(HALF_PI - edge, _OTHER_FLAT)
+            return root(self._kinetic, HALF_PI - edge, _OTHER_FLAT)
         first = int(np.argmax(blocked))
-        return root(grid[first - 1], grid[first])
+        return root(self._kinetic, grid[first - 1], grid[first])
 
     def _along(self, alpha: Array) -> tuple[Array, Array, "compiled.falling.OnF[Array]"]:
         """theta, |thetadot| and the point of F at alpha."""

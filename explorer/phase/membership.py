@@ -15,17 +15,17 @@ from explorer.errors import InputError, number
 from explorer.phase import series
 from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.peak import peak
 from explorer.phase.results import Result
+from explorer.phase.roots import root
 from explorer.phase.series import Series
 from explorer.phase.states import Array, States, require_states
 
 # Depths at which the barrier's series are compared with bisections, and how many times the largest difference is
 # taken for their error; never less than rounding.
 _COMPARED, _CAUTION, _LEAST_SLACK = 257, 100.0, 1e-13
-# phi from the other flat state to the vertical, short of both, where critical_X2 is 0/0; and to what it is found:
-# at a maximum, sigma3_bar* is then at rounding.
-_BEYOND_VERTICAL, _XATOL = (-0.5 * np.pi + 1e-6, -1e-6), 1e-10
+# phi from the other flat state to the vertical, short of both, where critical_X2 is 0/0; at how many places its
+# peak is looked for; and the degree of its series beside the peak, which is at rounding.
+_BEYOND_VERTICAL, _PLACES, _PEAK_DEGREE = (-0.5 * np.pi + 1e-6, -1e-6), 65, 16
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -96,13 +96,16 @@ def well(disk: Disk) -> Well:
     For |sigma3_bar| below sigma3_bar* the line also carries a well whose motions never fall.
     """
 
-    def critical(phi: float) -> float:
-        out = np.empty(1)
-        compiled.falling.critical_X2_batch(np.array([phi]), disk.natural, out)
-        return float(out[0])
+    def critical(phi: Array) -> Array:
+        out = np.empty(phi.size)
+        compiled.falling.critical_X2_batch(phi, disk.natural, out)
+        return out
 
-    phi, X2 = peak(critical, *_BEYOND_VERTICAL, _XATOL)
-    return Well(phi, float(np.sqrt(X2)) * disk.body.r0)
+    phi = np.linspace(*_BEYOND_VERTICAL, _PLACES)
+    beside = phi[int(np.argmax(critical(phi))) + np.array([-1, 1])]
+    slope = Series.interpolate(critical, _PEAK_DEGREE, domain=beside).deriv()
+    top = root(slope, *beside)
+    return Well(top, float(np.sqrt(critical(np.array([top]))[0])) * disk.body.r0)
 
 
 def require_well(disk: Disk, sigma3_bar: float) -> None:

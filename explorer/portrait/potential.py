@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer.errors import InputError
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, other_eta_hat
+from explorer.phase.roots import root
 from explorer.phase.states import Array
 
 _STEP = 0.02  # of y, in which V is smooth on the scale 1: no two zeros of V'' share a step
@@ -231,13 +232,11 @@ class Potential:
         return tuple(apart)
 
     def _root(self, term: str, low: float, high: float, value: float = 0.0) -> float:
-        from scipy.optimize import brentq
+        def excess(y: Array) -> Array:
+            above: Array = getattr(self.at_y(y), term) - value
+            return above
 
-        # A root at the vertical has rounding only, no digits of its own: hence an absolute tolerance
-        def excess(y: float) -> float:
-            return float(getattr(self.at_y(y), term)[0] - value)
-
-        return float(brentq(excess, low, high, xtol=1e-18, rtol=4.0 * _EPS, maxiter=400))
+        return root(excess, low, high)
 
     def _equilibrium(self, y: float) -> Equilibrium:
         V, slope, curved, size = (float(values[0]) for values in self.at_y(y))

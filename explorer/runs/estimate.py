@@ -58,7 +58,7 @@ def estimate(asked: Asked) -> Estimate:
         if probes == 0:
             # A command starts as this one did; in Python all is loaded by now.
             starting = time.process_time() if manner.command is not None else 0.0
-            compiled.warmup(scene.kernels, lambda text: note(text, manner.quiet))
+            compiled.compile_missing(scene.kernels, lambda text: note(text, manner.quiet))
             scene.begin(index, _PARTS)  # loads compiled code and fills caches, which no other chunk has to do
         began = time.thread_time()
         rows, tally, length = scene.begin(index, _PARTS)

@@ -31,7 +31,7 @@ from explorer.portrait.both_sides import (
     limits_at,
     sample_times,
 )
-from explorer.scenes.base import Chunks, Picture, Scene, Table, joined, together
+from explorer.scenes.base import Chunks, Picture, Scene, Table, Tally, joined, together
 from explorer.scenes.beside import (
     BOX,
     box_beside,
@@ -169,9 +169,18 @@ class OneSided(Scene):
         return "falling.line_chart_batch", "recording.record_piece", "recording.at_times"
 
     def compute(self, index: int) -> Table:
+        return self._beside_starts(index, self._count(index))
+
+    def begin(self, index: int, parts: int) -> tuple[Table, Tally, int]:
+        count = max(1, self._count(index) // parts)
+        table = self._beside_starts(index, count)
+        return table, self.tally(index, table), table["status"].size
+
+    def _beside_starts(self, index: int, count: int) -> Table:
+        """The motions beside the first so many starts of chunk `index`."""
         disk, starts = self.disks[index // self.blocks], self.starts(index)
         first = BLOCK * (index % self.blocks)
-        return joined([self._approach(disk, first + i, start) for i, start in enumerate(starts)])
+        return joined([self._approach(disk, first + i, start) for i, start in enumerate(starts[:count])])
 
     def motions(self, count: int, t_end: float | None) -> MotionTrial:
         """All its motions beside its first `count` starts, at the times of the scene unless `t_end` is given."""

@@ -236,10 +236,12 @@ def test_a_terminal_that_is_gone_ends_the_command_as_a_hang_up_does():
 LOADED = """
 import sys
 from explorer.commands.main import main
+from explorer.scenes.registry import SCENES
 passage = ["passage", "--sigma3-bar", "1", "--eta-hat", "-1e-6", "--phidot", "1", "--quiet"]
-for words in (passage, ["plan", "race-angles", "--samples", "1e4"]):
+for words in (passage, *(["plan", scene] for scene in SCENES)):
     assert main(words) == 0
-heavy = ("scipy.stats", "scipy.optimize", "scipy.linalg", "numpy.f2py", "matplotlib", "pyarrow", "pandas")
+heavy = ("stats", "optimize", "linalg", "fft", "special", "interpolate")
+heavy = (*(f"scipy.{name}" for name in heavy), "numpy.f2py", "matplotlib", "pyarrow", "pandas")
 print("heavy:", *(name for name in heavy if name in sys.modules))
 """
 

@@ -1,5 +1,6 @@
 """One rise on F from flat to its turning point."""
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -52,3 +53,37 @@ def test_the_time_of_a_tilt_is_when_the_rise_is_there(paper_body):
         assert rise.at(np.array([rise.time_at(theta)])).theta[0] == pytest.approx(theta, rel=1e-9)
     with pytest.raises(ex.InputError, match="not on the part of F"):
         rise.time_at(1.01 * rise.theta_turn)
+
+
+def exact_half(disk, sigma3_bar, speed, guess):
+    """The time from flat to the turning point in 25 digits, from a speed at the vertical."""
+    with mpmath.workdps(25):
+        I1, I3 = mpmath.mpf(disk.I1), mpmath.mpf(disk.I3)
+        c = I3 / ((I3 + 1) * I1)
+        root = mpmath.sqrt(1 - 4 * c)
+        a, b = (1 + root) / 2, (1 - root) / 2
+        X = sigma3_bar / (mpmath.hyp2f1(a, b, 2, 0.5)).real
+
+        def V(theta):
+            q, S = mpmath.sin(theta), 1 - mpmath.cos(theta)
+            sigma3 = X * S * mpmath.hyp2f1(a, b, 2, S / 2).real
+            sigma4 = X * mpmath.hyp2f1(a, b, 1, S / 2).real * I1 / I3
+            return I1 / 2 * (sigma3 / q) ** 2 + (I3 + 1) / 2 * sigma4**2 + q
+
+        energy = (I1 + 1) / 2 * mpmath.mpf(speed) ** 2 + V(mpmath.pi / 2)
+
+        turn = mpmath.findroot(lambda theta: energy - V(theta), guess)
+        roots, weights = np.polynomial.legendre.leggauss(256)
+        alphas = [mpmath.pi / 4 * (1 + mpmath.mpf(x)) for x in roots]
+        rates = [
+            turn * mpmath.cos(x) / mpmath.sqrt(2 / (I1 + 1) * (energy - V(turn * mpmath.sin(x)))) for x in alphas
+        ]
+        return mpmath.pi / 4 * mpmath.fdot(weights, rates)
+
+
+def test_a_slow_rise_over_the_vertical_takes_as_long_as_in_many_digits():
+    """Just above the height of the vertical no series falls to rounding; the one that falls furthest is taken."""
+    disk, sigma3_bar, speed = ex.Disk(I1=0.02, I3=0.04), -0.2231, 0.0407
+    made = limit_motion(constants_to_states(disk, sigma3_bar, 0.0, speed))
+    exact = exact_half(disk, sigma3_bar, speed, made._rise.theta_turn)
+    assert made._rise.half == pytest.approx(float(exact), rel=1e-9)
