@@ -24,7 +24,7 @@ from explorer.scenes.measure_zero import MeasureZero
 from explorer.scenes.one_sided import OneSided
 from explorer.scenes.options import Option, options_of
 from explorer.scenes.race_angles import RaceAngles
-from explorer.scenes.registry import SCENES, build_scene
+from explorer.scenes.registry import SCENES, build_scene, scene_class
 
 # With fewer passages or tilts, overheads are measured.
 FEWEST, MOTIONS, MOST_MOTIONS = 256, 1024, 100_000
@@ -216,6 +216,9 @@ def scene_of(scene: str | type[Scene] | None, options: dict[str, Any]) -> Scene:
     for word in _LEFT_OUT:
         if options.get(word) is not None:
             raise InputError(f"--{word} {options[word]}: trade measures all of them; leave it out")
+    kind = scene_class(scene or PLAIN)
+    own = (option for option in kind.OPTIONS if option.word not in (*_LEFT_OUT, *_IDLE))
+    kind.require_options(options, (*own, *TRADING))
     made = build_scene(scene or PLAIN, **options)
     plain = scene is None and options.get("eta_hat") is None
     if plain and isinstance(made, RaceAngles) and made.eta_hat is not None:

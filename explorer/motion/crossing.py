@@ -179,7 +179,8 @@ def least_chord(disk: Disk, energy: float, sigma3_bar: float) -> float:
     def kinetic(log_h: Array) -> Array:
         out = np.empty((7, log_h.size))
         compiled.point.point_batch(np.exp(log_h), X, Y, disk.natural, out)
-        return excess - compiled.point.Point(*out).V
+        above: Array = excess - compiled.point.Point(*out).V
+        return above
 
     return math.exp(root(kinetic, guess - _MARGIN, 0.5 * math.log(2.0)))
 

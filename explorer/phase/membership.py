@@ -7,6 +7,7 @@ from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import Chebyshev
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
@@ -103,7 +104,7 @@ def well(disk: Disk) -> Well:
 
     phi = np.linspace(*_BEYOND_VERTICAL, _PLACES)
     beside = phi[int(np.argmax(critical(phi))) + np.array([-1, 1])]
-    slope = Series.interpolate(critical, _PEAK_DEGREE, domain=beside).deriv()
+    slope = Chebyshev.interpolate(critical, _PEAK_DEGREE, domain=beside).deriv()
     top = root(slope, *beside)
     return Well(top, float(np.sqrt(critical(np.array([top]))[0])) * disk.body.r0)
 

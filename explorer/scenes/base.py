@@ -117,16 +117,26 @@ class Scene(ABC):
         An option that is None keeps its default. Raises InputError for an option that the scene does not take, or
         a value that it cannot use.
         """
-        known = {name: option for option in cls.OPTIONS for name in (option.word, option.name)}
+        cls.require_options(options)
+        known = cls._by_name()
         given: dict[str, Any] = {}
         for key, value in options.items():
-            if key not in known:
-                flag = f"--{key.replace('_', '-')}"
-                flags = [option.flag for option in cls.OPTIONS]
-                raise InputError(f"{flag}: {cls.name} takes no such option; {suggest(flag, flags)}")
             if value is not None:
                 given[known[key].name] = known[key].read(known[key].flag, value)
         return cls(**cls.completed(given))
+
+    @classmethod
+    def require_options(cls, names: Iterable[str], offered: Iterable[Option] | None = None) -> None:
+        """Raise InputError for a name of no option, with what is offered: by default all options of the scene."""
+        for name in names:
+            if name not in cls._by_name():
+                flag = f"--{name.replace('_', '-')}"
+                flags = [option.flag for option in offered or cls.OPTIONS]
+                raise InputError(f"{flag}: {cls.name} takes no such option; {suggest(flag, flags)}")
+
+    @classmethod
+    def _by_name(cls) -> dict[str, Option]:
+        return {name: option for option in cls.OPTIONS for name in (option.word, option.name)}
 
     @classmethod
     def completed(cls, given: dict[str, Any]) -> dict[str, Any]:

@@ -251,6 +251,15 @@ def test_short_commands_load_no_library_that_they_do_not_use():
     assert done.stdout.splitlines()[-1] == "heavy:"
 
 
+@pytest.mark.parametrize("words", [["trade", "race-angles"], ["plan", "race-angles"], ["view"]])
+def test_an_unknown_option_is_named_by_its_command(words, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main([*words, "--delta", "3"])
+    error = capsys.readouterr().err
+    assert error.startswith(f"nearflat {words[0]}: unrecognized arguments: --delta 3\n")
+    assert f"Try 'nearflat {words[0]} --help'." in error
+
+
 def test_a_warning_is_a_sentence(capsys, tmp_path):
     path = tmp_path / "coin.csv"
     path.write_text("tilt,precession,spin\n2,60,-40\n3,60,-40\n")

@@ -161,8 +161,16 @@ def test_a_folder_that_cannot_be_written_is_named(private, tmp_path, capsys):
 def test_python_speaks_python():
     with pytest.raises(ex.InputError, match="samples 3, disk uniform: 3 passages"):
         ex.trade("race-angles", samples=3)
-    with pytest.raises(ex.InputError, match="no such option"):
+    with pytest.raises(ex.InputError, match="no such option; did you mean 't_end'"):
         ex.trade("race-angles", tend=3)
+
+
+def test_what_is_offered_instead_of_an_unknown_option_is_what_trade_takes():
+    with pytest.raises(ex.InputError) as refused:
+        ex.trade("race-angles", ladder="1e-9:1e-3")
+    offered = str(refused.value).partition("known: ")[2].split(", ")
+    assert {"disk", "samples", "eta_hat", "motions"} <= set(offered)
+    assert not {"method", "accuracy", "keep"} & set(offered)
 
 
 @pytest.mark.rendered
