@@ -153,13 +153,17 @@ def run(kind, place):
 def main():
     emulated = shutil.which(_EMULATOR) is not None
     with tempfile.TemporaryDirectory() as name:
-        place, rows = Path(name), []
-        here = None
+        place, rows, found = Path(name), [], {}
         for kind in (*KINDS, *(EMULATED if emulated else ())):
-            there = run(kind, place)
-            here = here or there
+            found[kind] = there = run(kind, place)
             known = json.loads((there / "said.json").read_text())["machine"]["arithmetic"]
-            cells = [compare(scene, here, there) for scene in SCENES]
+            cells = [compare(scene, found["this one"], there) for scene in SCENES]
+            if kind in EMULATED:
+                imitated = found[EMULATED[kind][1]]
+                cells = [
+                    f"{cell}. Against the imitation: {compare(scene, imitated, there)}"
+                    for scene, cell in zip(SCENES, cells, strict=True)
+                ]
             rows.append(f"| {kind} | `{known}` | {' | '.join(cells)} |")
             print(rows[-1], flush=True)
     OUT.mkdir(parents=True, exist_ok=True)
