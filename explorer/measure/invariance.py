@@ -16,7 +16,7 @@ from explorer.errors import InputError, number, whole
 from explorer.measure.density import Density
 from explorer.measure.sampling import Box, chunk_stream
 from explorer.measure.statistics import either_p
-from explorer.motion.plan import plan
+from explorer.motion.plan import Plan, plan
 from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
@@ -210,7 +210,12 @@ def push_forward(
 
 def kernels() -> tuple[str, ...]:
     """The kernels of `flow_stretch` and `push_forward`, for `compiled.warmup`."""
-    return "variation.variation_batch", *plan(COORDINATES, _ACCURACY).motions
+    return "variation.variation_batch", *following().motions
+
+
+def following() -> Plan:
+    """How `push_forward` follows its motions."""
+    return plan(COORDINATES, _ACCURACY)
 
 
 def energy_density(disk: Disk, energy: float) -> Density:

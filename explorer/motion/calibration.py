@@ -4,7 +4,6 @@
 have none. From it `plan` takes the setting of an integrator, and the method where it has a choice.
 """
 
-import hashlib
 import json
 import os
 import platform
@@ -75,7 +74,7 @@ class Calibration:
     curves: dict[str, Curve]
     quadrature: float  # nanoseconds per passage
     motions: dict[str, Curve] = field(default_factory=dict)  # empty where only passages were measured
-    digest: str | None = None  # of a table that was measured here; None of the shipped one
+    own: bool = False  # whether it was measured on this machine
 
     def cheapest(self, methods: tuple[str, ...], target: float) -> str:
         """The method that follows motions in least time to an error of `target`, among those that can."""
@@ -98,7 +97,7 @@ def current() -> Calibration:
         try:
             table = json.loads(path.read_text(encoding="utf-8"))
             if table["kernels"] == compiled.source_digest():
-                return replace(parse(table, "measured on this machine"), digest=_digest(table))
+                return replace(parse(table, "measured on this machine"), own=True)
             advice = "this machine's was measured with other kernels; run nearflat trade"
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             reason = f"{type(error).__name__}: {error}"
@@ -116,11 +115,6 @@ def parse(table: dict[str, Any], origin: str) -> Calibration:
     if not 0.0 < quadrature < np.inf:
         raise ValueError(f"quadrature = {quadrature} is no time")
     return Calibration(origin, curves, quadrature, _curves(table["motions"]) if "motions" in table else {})
-
-
-def _digest(table: dict[str, Any]) -> str:
-    """What tells two measured tables apart, 16 hex digits."""
-    return hashlib.sha256(json.dumps(table, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def _curves(rows_of: dict[str, Any]) -> dict[str, Curve]:

@@ -122,6 +122,15 @@ class Plan:
         return float(self._at_least(calibration.current().in_time(self.method, self.accuracy)))
 
     @property
+    def own_steps(self) -> tuple[str, float, float] | None:
+        """What this machine's own calibration sets: the method, its steps in passages and in motions in time.
+
+        None where no steps are taken, or the shipped calibration sets them.
+        """
+        integrates = self.method in FIXED or self.adaptive
+        return (self.method, self.control, self.held_control) if integrates and calibration.current().own else None
+
+    @property
     def cost(self) -> str:
         """Expected work per sample in words."""
         if self.rung == ALGEBRA:

@@ -20,7 +20,6 @@ from typing import Any
 
 from explorer import compiled
 from explorer.errors import InputError, RunError, path_of, shorten, shown
-from explorer.motion import calibration
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
 from explorer.runs.pictures import KNOWN
@@ -31,7 +30,6 @@ from explorer.version import installed_version
 
 FORMAT = 1
 _LEFT = re.compile(r"\.probe-\d+|(run|summary)\.\d+\.tmp")  # names of a moment, which a killed run leaves
-_INTEGRATORS = ("batch.first_event", "motions.motions", "trajectory.", "recording.")  # kernels whose steps are set
 _MOST_KINDS = 20  # kinds of processor that run.json names
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pyarrow", "tqdm")
 
@@ -50,9 +48,9 @@ def identity(scene: Scene) -> dict[str, Any]:
 
 
 def own_calibration(scene: Scene) -> str | None:
-    """Digest of the machine's own calibration where it sets the steps of this scene's integrators; else None."""
-    integrates = any(name.startswith(_INTEGRATORS) for name in scene.kernels)
-    return calibration.current().digest if integrates else None
+    """Digest of the steps that the machine's own calibration sets for this scene; None where it sets none."""
+    steps = [plan.own_steps for plan in scene.plans if plan.own_steps]
+    return hashlib.sha256(json.dumps(steps).encode()).hexdigest()[:16] if steps else None
 
 
 def _code_of(kind: type) -> str | None:

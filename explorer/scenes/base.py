@@ -250,6 +250,11 @@ class Scene(ABC):
         """How the observables are computed. Raises InputError where the method cannot give them."""
         return plan(self.observables, self.accuracy, self.method)
 
+    @property
+    def plans(self) -> tuple[Plan, ...]:
+        """Every plan by which its numbers are computed; their steps are part of what a run is."""
+        return (self.plan,)
+
 
 @dataclass(frozen=True, kw_only=True)
 class SampledScene(Scene):

@@ -18,13 +18,14 @@ from explorer.measure import invariance
 from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density, Function
 from explorer.measure.sampling import Box, Range, chunk_stream
+from explorer.motion.plan import Plan
 from explorer.motion.trials import MotionTrial, TiltTrial, through_time
 from explorer.motion.turning_points import tilt_kernels
 from explorer.phase import membership
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import COORDINATES, Array
 from explorer.scenes.base import Chunks, Picture, SampledScene, Table, Tally, part_of
-from explorer.scenes.measure_zero_draws import CHECKED_BY, PlainDraws, Question, TubeDraws
+from explorer.scenes.measure_zero_draws import PlainDraws, Question, TubeDraws, checking
 from explorer.scenes.measure_zero_summary import FEWEST_HITS, Counted, summarise
 from explorer.scenes.options import BOX, DENSITY, ENERGY, GAUSSIAN, OpenRange, Option, Ranges
 
@@ -157,8 +158,12 @@ class MeasureZero(SampledScene):
 
     @property
     def kernels(self) -> tuple[str, ...]:
-        checked = ("falling.line_chart_batch", f"batch.first_event_{CHECKED_BY}")
+        checked = ("falling.line_chart_batch", checking().first_event)
         return *membership.KERNELS, *checked, *tilt_kernels(self.plan), *invariance.kernels()
+
+    @property
+    def plans(self) -> tuple[Plan, ...]:
+        return *super().plans, checking(), invariance.following()
 
     def trial(self) -> TiltTrial:
         """The plain draws that are followed; those in tubes have their tilt from a formula."""

@@ -36,6 +36,11 @@ CHECKED_BY = "dopri5"  # by this method
 _EDGE_DRAWS, _EDGE_STREAM, _EDGE_TILT = 4096, 1 << 40, 1e-8
 
 
+def checking() -> Plan:
+    """How the races of some hits are followed, to see which way they go."""
+    return plan(("race_angle",), 1e-4, CHECKED_BY)
+
+
 @dataclass(frozen=True)
 class Question:
     """What is asked of which disk: P(theta_min < delta) for states drawn from a density, rung by rung.
@@ -160,7 +165,7 @@ class PlainDraws:
         rows = np.flatnonzero(self.near(table) & (table["theta_min"] > 0.0))[:_CHECKED]
         theta, face, eta_hat = (table[name][rows] for name in ("theta_min", "face", "eta_hat"))
         states = phi_to_states(self.question.disk, **{name: table[name][rows] for name in COORDINATES})
-        natural, how = natural_constants(states), plan(("race_angle",), 1e-4, CHECKED_BY)
+        natural, how = natural_constants(states), checking()
         counts = {"right": 0, "wrong": 0, "not_resolved": 0}
         for each in (states, states.reversed()):
             turn = turning_points(each, how, natural)

@@ -12,6 +12,7 @@ from explorer.motion import calibration
 from explorer.runs import folder as folders
 from explorer.runs.inspect import summary, verify
 from explorer.runs.workers import Task, compute_chunk
+from explorer.scenes.registry import build_scene
 
 KINDS = ("rk8", "quadrature")
 RACES = {**SMALL_RACES, "samples": 300, "figures": False}
@@ -112,22 +113,23 @@ def test_the_first_command_line_is_kept_when_a_run_goes_on(finished):
     assert folders.read_record(folder)["command"] == "nearflat run race-angles"
 
 
-def measure(path, nanoseconds):
-    """Make a calibration of this machine's own."""
+def measure(path, error, nanoseconds=500.0):
+    """Make a calibration of this machine's own, with errors so many times those of the shipped one."""
     shipped = (Path(calibration.__file__).parent / "calibration.json").read_text(encoding="utf-8")
     table = json.loads(shipped) | {"kernels": compiled.source_digest(), "quadrature": nanoseconds}
+    table["methods"]["rk8"] = [[row[0], error * row[1], *row[2:]] for row in table["methods"]["rk8"]]
     path.write_text(json.dumps(table), encoding="utf-8")
     calibration.current.cache_clear()
 
 
 def test_a_run_by_steps_of_another_calibration_is_not_continued(private, tmp_path):
     """Its chunks would be of two kinds. Quadrature takes no steps."""
-    measure(private, 500.0)
+    measure(private, 1.0)
     runs = {method: ex.run("race-angles", out=tmp_path / method, method=method, **RACES) for method in KINDS}
     assert folders.read_record(runs["rk8"].folder)["identity"]["calibration"]
     assert "calibration" not in folders.read_record(runs["quadrature"].folder)["identity"]
     task = Task(runs["rk8"].scene, "", None, compiled.source_digest(), folders.own_calibration(runs["rk8"].scene))
-    measure(private, 501.0)
+    measure(private, 1.5)
     ex.run("race-angles", out=runs["quadrature"].folder, method="quadrature", exist="resume", **RACES)
     with pytest.raises(ex.InputError, match=r"steps of another calibration; put it back, name it by"):
         ex.run("race-angles", out=runs["rk8"].folder, method="rk8", exist="resume", **RACES)
@@ -137,5 +139,14 @@ def test_a_run_by_steps_of_another_calibration_is_not_continued(private, tmp_pat
     assert summary(runs["rk8"].folder) == runs["rk8"].summary
     with pytest.raises(ex.RunError, match="the worker has another calibration than this run"):
         compute_chunk(task, 0)
-    measure(private, 500.0)
+    measure(private, 1.0, nanoseconds=501.0)  # which sets no step
     assert verify(runs["rk8"].folder) == []
+
+
+def test_what_a_calibration_sets_is_asked_of_every_plan_of_a_scene(private):
+    scenes = build_scene("measure-zero"), build_scene("race-angles"), build_scene("one-sided", accuracy=1e-4)
+    assert [folders.own_calibration(scene) for scene in scenes] == [None] * 3
+    measure(private, 1.0)
+    before = [folders.own_calibration(scene) for scene in scenes]
+    assert [bool(digest) for digest in before] == [True, False, True]
+    assert folders.own_calibration(build_scene("one-sided", accuracy=1e-5)) != before[2]
