@@ -85,9 +85,8 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     >>> ex.passage_forces(ex.Disk.uniform(), 1.0, 0.01, 1.0).min_normal_force.round(2)
     array([-0.97])
     """
-    given = {"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot}
-    columns, shape = read_columns(given)
-    starts = starts_at_vertical(disk, *columns)
+    (bar, eta, speed), shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot})
+    starts = starts_at_vertical(disk, bar, eta, speed, np.ones_like(bar))
     out = np.empty((2, starts.status.size))
     compiled.forces.forces_batch(starts.natural(disk), disk.natural, out)
     out[:, starts.status != compiled.status.Status.OK] = np.nan
@@ -96,6 +95,5 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     lost = (starts.status == code.OK) & ~np.isfinite(found.normal)
     status = np.where(lost, np.where(falls, code.FALLS, code.NOT_FINITE), starts.status).astype(np.int8)
     out[:, lost] = np.nan
-    bar, eta, speed = columns
     flat = Forces(disk, bar, eta, speed, found.normal, found.friction, status)
     return flat.reshaped(shape)

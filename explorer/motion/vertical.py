@@ -3,11 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.states import Array, columns_of
+from explorer.phase.states import Array
 
 # Of speeds and eta_hat, natural units: squares overflow above, eta = I3 r(0) eta_hat loses digits below.
 LARGEST, SMALLEST = 1e100, 1e-302
@@ -38,28 +38,25 @@ class Starts(NamedTuple):
         return compiled.passages.Crossings(self.sigma3_bar / unit, eta, self.speed / unit)
 
 
-def starts_at_vertical(
-    disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot: ArrayLike, face: ArrayLike = 1
-) -> Starts:
-    """Starts from what users give, as broadcast columns; their status says which can be computed.
+def starts_at_vertical(disk: Disk, sigma3_bar: Array, eta_hat: Array, speed: Array, face: Array) -> Starts:
+    """Starts from columns that were read; their status says which can be computed.
 
     A number that is not finite or whose square overflows is no input; an eta_hat that is lost in the smallest
     numbers of the machine has no side.
     """
     require_axial_inertia(disk)
-    s3, eta, speed, facing = columns_of(sigma3_bar=sigma3_bar, eta_hat=eta_hat, phidot=phidot, face=face)
     code, unit = compiled.status.Status, disk.rate_unit
-    good = np.fmax(np.fmax(abs(s3), abs(speed)), abs(eta)) <= LARGEST * unit
-    good &= ~(np.isnan(s3) | np.isnan(eta) | np.isnan(speed)) & (speed >= 0.0) & (abs(facing) == 1.0)
-    lost = good & (eta != 0.0) & (abs(eta) < SMALLEST * unit)
+    good = np.fmax(np.fmax(abs(sigma3_bar), abs(speed)), abs(eta_hat)) <= LARGEST * unit
+    good &= ~(np.isnan(sigma3_bar) | np.isnan(eta_hat) | np.isnan(speed)) & (speed >= 0.0) & (abs(face) == 1.0)
+    lost = good & (eta_hat != 0.0) & (abs(eta_hat) < SMALLEST * unit)
     status = np.where(good, np.where(lost, code.UNRESOLVED_SIDE, code.OK), code.BAD_INPUT).astype(np.int8)
     usable = status == code.OK
     if usable.all():
-        return Starts(s3, eta, speed, facing, status)
+        return Starts(sigma3_bar, eta_hat, speed, face, status)
     return Starts(
-        np.where(usable, s3, unit),
-        np.where(usable, eta, np.copysign(unit, eta)),
+        np.where(usable, sigma3_bar, unit),
+        np.where(usable, eta_hat, np.copysign(unit, eta_hat)),
         np.where(usable, speed, unit),
-        np.where(good, facing, 1.0),
+        np.where(good, face, 1.0),
         status,
     )

@@ -46,7 +46,7 @@ class SceneOfStates(SampledScene):
             raise InputError("--degrees: States are in radians already; leave it out")
         if made is not None and made.disk != self.disk:
             raise InputError(f"--states: made for the disk {made.disk.name!r}, used with {self.disk.name!r}")
-        if self.states is None and not self.source.plain:
+        if self.states is None:
             # An energy or a density that the box does not reach is refused before anything is written.
             self._drawn(chunk_stream(self.seed, 0), 1)
 

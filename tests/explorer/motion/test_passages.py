@@ -130,7 +130,8 @@ def test_wrong_arguments_are_named(call, named):
 def test_tables_and_adaptive_rules_give_the_same_passages():
     rng = np.random.default_rng(4)
     eta_hat = rng.choice([-1.0, 1.0], 40) * 10.0 ** rng.uniform(-8, 0, 40)
-    start = starts_at_vertical(BODIES["hoop"], rng.uniform(-2, 2, 40), eta_hat, rng.uniform(0.5, 2, 40))
+    columns = rng.uniform(-2, 2, 40), eta_hat, rng.uniform(0.5, 2, 40), np.ones(40)
+    start = starts_at_vertical(BODIES["hoop"], *columns)
     rules = reference_passages(BODIES["hoop"], start)
     tables, _ = passages_by(BODIES["hoop"], start, plan(("race_angle",), 1e-11, "quadrature"))
     assert rules.ok.all()

@@ -60,7 +60,8 @@ def test_quadrature_stands_at_its_grades_and_only_where_it_gives_the_answer(trad
 
 def test_errors_do_not_depend_on_when_they_are_measured():
     rng = np.random.default_rng(0)
-    start = starts_at_vertical(BODIES["uniform"], rng.uniform(-2, 2, 32), 10.0 ** rng.uniform(-8, 0, 32), 1.0)
+    one = np.ones(32)
+    start = starts_at_vertical(BODIES["uniform"], rng.uniform(-2, 2, 32), 10.0 ** rng.uniform(-8, 0, 32), one, one)
     one, other = (trade.only_errors(PassageTrial(BODIES["uniform"], start)) for _ in range(2))
     assert one == other
     assert set(one) == {(method, float(step)) for method, steps in trade.SETTINGS.items() for step in steps}

@@ -27,7 +27,7 @@ DISK = BODIES["hoop"]
 def start():
     rng = np.random.default_rng(7)
     eta_hat = rng.choice([-1.0, 1.0], 24) * 10.0 ** rng.uniform(-8, 0, 24)
-    return rng.uniform(-2, 2, 24), eta_hat, rng.uniform(0.5, 2, 24)
+    return rng.uniform(-2, 2, 24), eta_hat, rng.uniform(0.5, 2, 24), np.ones(24)
 
 
 @pytest.mark.parametrize("method", ["quadrature", "rk8"])
@@ -50,9 +50,9 @@ def test_a_setting_is_what_is_integrated_with_and_refuses_nothing(start):
 
 
 def test_a_passage_on_the_other_side_is_on_the_wrong_way(start):
-    sigma3_bar, eta_hat, speed = start
+    sigma3_bar, eta_hat, speed, face = start
     trial = PassageTrial(DISK, starts_at_vertical(DISK, *start))
-    mirrored = PassageTrial(DISK, starts_at_vertical(DISK, sigma3_bar, -eta_hat, speed))
+    mirrored = PassageTrial(DISK, starts_at_vertical(DISK, sigma3_bar, -eta_hat, speed, face))
     how = trial.plan("quadrature", 1e-6)
     near = abs(eta_hat) < 1e-3
     wrong = trial.compare(mirrored.call(how), 1e-6)
@@ -92,9 +92,9 @@ def test_the_truth_of_motions_is_that_of_passages_where_the_time_is_one(start):
 
 
 def test_a_motion_on_the_other_side_is_counted_and_races_are_left_out(start):
-    sigma3_bar, eta_hat, speed = start
+    sigma3_bar, eta_hat, speed, face = start
     trial = through_time(constants_to_states(DISK, *start), 2.5)
-    other = through_time(constants_to_states(DISK, sigma3_bar, -eta_hat, speed), 2.5)
+    other = through_time(constants_to_states(DISK, sigma3_bar, -eta_hat, speed, face), 2.5)
     how = trial.plan("rk8", 1e-6)
     assert not trial.compare(trial.call(how), 1e-6).wrong_way.any()
     crossed = trial.exact[0].phi.min(axis=1) < 0.0  # those that have been near flat and come back

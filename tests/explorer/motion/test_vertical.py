@@ -36,7 +36,8 @@ def test_input_beyond_all_scales_is_bad_input_and_a_vanishing_eta_has_no_side():
 
 def test_no_kernel_sees_what_means_nothing(body):
     unit = body.rate_unit
-    starts = starts_at_vertical(body, [np.nan, 1.0, unit], [1.0, -5e-324, unit], [1.0, 1.0, np.inf], [1, -1, 0])
+    given = [np.nan, 1.0, unit], [1.0, -5e-324, unit], [1.0, 1.0, np.inf], [1.0, -1.0, 0.0]
+    starts = starts_at_vertical(body, *map(np.array, given))
     assert starts.status.tolist() == [ex.Status.BAD_INPUT, ex.Status.UNRESOLVED_SIDE, ex.Status.BAD_INPUT]
     assert np.isfinite(starts.natural(body)).all()
     chosen = starts.at(np.array([1]))
