@@ -2,6 +2,7 @@
 
 import argparse
 import json
+from dataclasses import asdict
 
 from explorer import compiled
 from explorer.commands.common import add_json
@@ -36,8 +37,8 @@ def call(options: argparse.Namespace) -> int:
         for code in compiled.status.Status
     }
     if options.json:
-        described = {name: column(name).describe() for name in names}
-        more = {name: column(name).describe() for name in given}
+        described = {name: asdict(column(name)) for name in names}
+        more = {name: asdict(column(name)) for name in given}
         beside = {} if kind is None else {"columns_with_given_states": more}
         print(json.dumps({"columns": described, **beside, "statuses": statuses}))
         return 0

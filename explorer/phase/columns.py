@@ -13,7 +13,7 @@ ANGLE, RATE, TIME, LENGTH, ENERGY, NUMBER = "rad", "rad/time", "time", "length",
 
 @dataclass(frozen=True)
 class Column:
-    """A named quantity.
+    """A named quantity; its three texts stand in the metadata of a Parquet column.
 
     Parameters
     ----------
@@ -28,10 +28,6 @@ class Column:
     meaning: str
     unit: str = NUMBER
     equation: str = ""
-
-    def describe(self) -> dict[str, str]:
-        """The three texts by name, as they stand in the metadata of a Parquet column."""
-        return {"meaning": self.meaning, "unit": self.unit, "equation": self.equation}
 
 
 COLUMNS = {

@@ -1,0 +1,66 @@
+"""The way of a sample from option to picture, as ARCHITECTURE.md tells it."""
+
+import inspect
+import re
+import sys
+import threading
+from pathlib import Path
+
+import explorer
+from explorer.commands.main import main
+from explorer.plot import race_histogram  # noqa: F401 - loaded here, so that loading is no part of the way
+
+ROOT = Path(explorer.__file__).parents[1]
+LONGEST = 42  # files of `explorer`; a newcomer reads no more than this to follow one sample
+
+
+def told():
+    """The files of the section, in order: a name without a folder stands in that of the name before it."""
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    section = text.partition("## The way of a sample\n")[2].partition("\n## ")[0]
+    files, folder = [], ""
+    for name in re.findall(r"`([\w/]+\.py)`", section.partition("|---|---|")[2]):
+        folder = name.rpartition("/")[0] or folder
+        files.append(f"{folder}/{name.rpartition('/')[2]}")
+    return files
+
+
+def entered(call):
+    """The files of `explorer` in which a function is called, not counting those that loading calls."""
+    files, house = set(), str(ROOT / "explorer")
+
+    def note(frame, event, argument):
+        code = frame.f_code
+        name = code.co_filename
+        if (
+            event == "call"
+            and name not in files
+            and name.startswith(house)
+            and code.co_flags & inspect.CO_OPTIMIZED
+        ):
+            above = frame.f_back
+            while above is not None and above.f_code.co_name != "<module>":
+                above = above.f_back
+            if above is None or not above.f_code.co_filename.startswith(house):
+                files.add(name)
+
+    before = sys.getprofile()
+    threading.setprofile(note)
+    sys.setprofile(note)
+    try:
+        call()
+    finally:
+        sys.setprofile(before)
+        threading.setprofile(None)
+    return {Path(name).relative_to(ROOT).as_posix() for name in files}
+
+
+def test_a_sample_goes_the_way_that_the_map_of_the_house_tells(tmp_path):
+    words = ["run", "race-angles", "--samples", "200", "--out", str(tmp_path / "races"), "--format", "png"]
+    seen = entered(lambda: main([*words, "--quiet"]))
+    files = told()
+    assert all((ROOT / name).is_file() for name in files)
+    assert len(set(files)) > 30
+    assert {name for name in files if name.startswith("explorer/")} <= seen
+    parsing = {"explorer/commands/common.py", "explorer/version.py"}
+    assert len(seen - parsing) <= LONGEST
