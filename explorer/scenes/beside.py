@@ -13,18 +13,16 @@ from explorer.errors import InputError, read_range
 from explorer.measure.sampling import Box, Range
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
-from explorer.scenes.options import Option, read_ranges
+from explorer.scenes import options
+from explorer.scenes.options import Option
 
 # In natural units: where doubles still have all their digits, and where "beside F" loses its meaning.
 _BESIDE = (1e-305, 10.0)
 
-BOX = Option(
-    "--box",
-    read_ranges,
-    "BOX",
-    "where motions start, at the vertical: speed towards flat and sigma3, in the units of the disk, as in "
+BOX = replace(
+    options.BOX,
+    text="where motions start, at the vertical: speed towards flat and sigma3, in the units of the disk, as in "
     '"phidot=0.5:2,sigma3=-2:2"',
-    default="that, in natural units",
 )
 
 

@@ -7,14 +7,14 @@ shrinks like eta ln(1/eta); the two limits themselves stay 2 kappa pi mod 2 pi a
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypedDict
 
 import numpy as np
 
-from explorer.errors import InputError, whole
+from explorer.errors import InputError
 from explorer.measure import statistics
 from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.motion.plan import plan
@@ -43,12 +43,12 @@ from explorer.scenes.beside import (
 )
 from explorer.scenes.options import (
     ACCURACY,
+    DISK,
     METHOD,
-    MOST_SAMPLES,
+    SAMPLES,
     SEED,
     Disks,
     Distances,
-    Option,
     Ranges,
     read_disks,
 )
@@ -95,20 +95,12 @@ class OneSided(Scene):
 
     class Keywords(TypedDict, total=False):
         disk: Annotated[
-            Disks,
-            Option(
-                "--disk", read_disks, "DISK", "disk, as for other scenes; several may be given", "", "disks", True
-            ),
+            Disks, replace(DISK, read=read_disks, text="disk, as for other scenes; several may be given")
         ]
         seed: Annotated[int, SEED]
         accuracy: Annotated[float, ACCURACY]
         method: Annotated[str, METHOD]
-        samples: Annotated[
-            int | float,
-            Option(
-                "--samples", partial(whole, low=1, high=MOST_SAMPLES), "N", "points of the falling set per disk"
-            ),
-        ]
+        samples: Annotated[int | float, replace(SAMPLES, text="points of the falling set per disk")]
         box: Annotated[Ranges, BOX]
         eta_hat: Annotated[Distances, eta_hat_option("1e-6:1e-1, by decades,")]
 

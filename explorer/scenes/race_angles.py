@@ -10,7 +10,7 @@ to their next approaches to flat.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated, Any, ClassVar
 
@@ -73,12 +73,9 @@ _OF_BOUNCE = (
 )
 # Options that mean states anywhere in the phase space, and so do ranges of phi and sigma4 in the box.
 _OF_STATES = ("states", "gaussian", "density", "bounces")
-BOX = Option(
-    "--box",
-    beside.BOX.read,
-    "BOX",
-    beside.BOX.text + "; with phi and sigma4 too, states in all of the phase space, as in falling-set",
-    default=beside.BOX.default,
+BOX = replace(
+    beside.BOX,
+    text=beside.BOX.text + "; with phi and sigma4 too, states in all of the phase space, as in falling-set",
 )
 BOUNCES = Option(
     "--bounces",
