@@ -140,7 +140,7 @@ def warmup(names: Iterable[str] | None = None, say: Callable[[str], None] = lamb
     return fresh
 
 
-def compile_missing(names: Iterable[str], say: Callable[[str], None] = lambda text: None) -> int:
+def compile_missing(names: Iterable[str] | None = None, say: Callable[[str], None] = lambda text: None) -> int:
     """As `warmup`, but what the cache has is not loaded: of some kernels that are named few may be called."""
     return _missing(names, say)[1]
 

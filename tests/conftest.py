@@ -39,6 +39,12 @@ def pytest_configure():
     gc.set_threshold(_COLLECTED)
 
 
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items):
+    """Long tests begin first, all in one process: none is what the other waits for, or does a second time."""
+    items.sort(key=lambda item: item.get_closest_marker("long") is None)
+
+
 def pytest_collection_finish():
     gc.freeze()
 
@@ -47,7 +53,7 @@ def pytest_sessionstart(session):
     """Compile the kernels before workers start, who would all compile the same ones."""
     workers = getattr(session.config.option, "numprocesses", None)
     if workers and not hasattr(session.config, "workerinput") and not session.config.option.collectonly:
-        compiled.warmup(say=print)
+        compiled.compile_missing(say=print)
 
 
 @pytest.fixture(scope="session")

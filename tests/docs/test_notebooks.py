@@ -18,6 +18,7 @@ def test_a_notebook_is_its_tutorial(page):
     assert nbformat.read(kept, as_version=4) == notebook(page), "make it again: python tests/docs/notebooks.py"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
 # nbclient and its parts warn of their own futures.
 @pytest.mark.filterwarnings("default")

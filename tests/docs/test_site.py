@@ -7,6 +7,8 @@ import pytest
 from browser import chromium
 from docs.pages import ROOT
 
+pytestmark = pytest.mark.long
+
 # A promise that is kept when the search shows a page; the browser gives up after 20 s.
 FOUND = """new Promise(done => {
     const look = () => document.querySelector('ul.search li') ? done() : setTimeout(look, 50);

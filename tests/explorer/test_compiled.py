@@ -26,6 +26,7 @@ MESSAGES = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", CALLS)
 def test_mypy_follows_a_call_through_the_door(mypy_says, name):
     assert MESSAGES[name] in mypy_says[name]

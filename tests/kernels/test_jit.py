@@ -250,6 +250,7 @@ print(sorted(set(compiled._load("kernels._jit").KERNELS) - called))
 """
 
 
+@pytest.mark.long
 def test_every_interpreted_kernel_agrees_with_the_compiled_one_and_stays_inside_its_arrays():
     """Python checks every index. Where a compiler may fuse a product and a sum, the last digits differ."""
     plain, left_out = run(EVERY_KERNEL, ROOT, NUMBA_DISABLE_JIT="1").stdout.splitlines()
@@ -265,6 +266,7 @@ def numbers_of(printed):
     return [float.fromhex(number) for line in lines for number in line]
 
 
+@pytest.mark.long
 def test_relaxed_arithmetic_differs_by_rounding_only_and_keeps_its_checks(strict, tmp_path):
     """Every number is one that strict arithmetic gives from this start, or from one moved by units of rounding:
     those may decide with which of two partial steps a landing begins, so a few alternatives are as good."""

@@ -77,6 +77,7 @@ def alike(made, kept, apart):
     return ours == pytest.approx(theirs, rel=1e-3, abs=apart)
 
 
+@pytest.mark.long
 def test_the_committed_statements_are_what_the_code_finds(checked):
     """Words to the letter; numbers to what each comparison allows, since rounding differs between machines."""
     made = pages.statements_page([checked(number) for number in sorted(STATEMENTS)]).splitlines()
@@ -95,6 +96,7 @@ def test_the_committed_statements_are_what_the_code_finds(checked):
         assert float(theirs[3]) <= float(theirs[4]), other
 
 
+@pytest.mark.long
 def test_the_committed_misprints_are_what_the_code_finds(checked):
     made = pages.misprints_page(
         (checked(number).statement, checked(number).findings) for number in sorted(STATEMENTS)
