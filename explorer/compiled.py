@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from kernels.steps import events as events
     from kernels.steps import motions as motions
     from kernels.steps import recording as recording
+    from kernels.steps import trail as trail
     from kernels.steps import trajectory as trajectory
     from kernels.steps import variation as variation
 else:

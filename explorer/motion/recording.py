@@ -1,4 +1,4 @@
-"""Motions in time as the kernels follow them: to given times, at their own steps, and between those.
+"""Motions in time as the kernels follow them: to given times, as dense curves, and between the points of these.
 
 All in natural units. A state has the ten components of kernels.disk.field.State.
 """
@@ -27,7 +27,7 @@ LONGEST_ANGLE = 0.2  # rad of chi
 # In this time, in units of 1/speed, no other angle changes by much more than as many radians.
 LONGEST_TIME = 0.1
 MOST_POINTS = 4_000_000  # of all curves of a call, padding included: about a gigabyte with all observables
-_PIECE = 4096  # records that a kernel writes before it is asked whether there is room for more
+_POINTS, _PER_TIME = 256, 512  # for which there is room at first: of each motion, and in each unit of its time
 
 
 class Motions(NamedTuple):
@@ -98,19 +98,26 @@ def sample(given: Motions, times: Array, jobs: int = 1) -> tuple[Array, Outcome]
 def _sample(given: Motions, times: Array) -> tuple[Array, Outcome]:
     n, later = given.number, times[times > 0.0]  # the kernel takes times above 0; the state at 0 is known
     outcome = Outcome(given.status, np.empty(n, np.int32), np.empty((3, n)))
-    out, last, disk = np.empty((n, later.size, 10)), np.empty((10, n)), given.disk
-    how, pinned, reached = given.how(n), np.stack(given.held), compiled.attempt.Outcome(*outcome)
-    work = compiled.motions.Motions(how, later, given.initial, pinned, out, last, np.empty(n), reached)
+    work = _work(given, later, outcome)
     if later.size == 0:
         outcome.steps[:] = 0
         outcome.constants_error[:] = np.where(given.status == compiled.status.Status.OK, 0.0, np.nan)
     else:
-        compiled.motions.MOTIONS[how.method, how.depth](work, disk.natural, disk.whole)
-        compiled.motions.judge_batch(work, _constants(disk, given.initial), _constants(disk, last), disk.natural)
+        nothing = compiled.trail.Trail(compiled.trail.Curve(0.0, 0.0), np.empty((0, 12)), np.zeros(1, np.int64), 0)
+        _follow(given, work, nothing)
+    out = work.out
     if later.size < times.size:
         out = np.concatenate([given.initial.T[:, None], out], axis=1)
     out[outcome.status != compiled.status.Status.OK] = np.nan
     return out, outcome
+
+
+def _work(given: Motions, times: Array, outcome: Outcome) -> compiled.motions.Motions:
+    """What the kernels are given and what they fill; outcome: its statuses are read and written."""
+    n, how, reached = given.number, given.how(given.number), compiled.attempt.Outcome(*outcome)
+    out, last, removed = np.empty((n, times.size, 10)), np.empty((10, n)), np.empty(n)
+    pinned = np.stack(given.held)
+    return compiled.motions.Motions(how, times, given.initial, pinned, out, last, removed, reached)
 
 
 def _constants(disk: Disk, states: Array) -> Array:
@@ -120,81 +127,112 @@ def _constants(disk: Disk, states: Array) -> Array:
     return found
 
 
-class Records(NamedTuple):
-    """Motions at their own steps. rows: for each motion (k, 11), states and the step in s that was taken there."""
+def _follow(given: Motions, work: compiled.motions.Motions, trail: compiled.trail.Trail) -> None:
+    """Follow motions, and judge them unless their trail was cut off."""
+    disk, how = given.disk, work.how
+    compiled.motions.MOTIONS[how.method, how.depth](work, trail, disk.natural, disk.whole)
+    if not 0 < trail.most <= trail.used[0]:
+        first, last = _constants(disk, given.initial), _constants(disk, work.last)
+        compiled.motions.judge_batch(work, first, last, disk.natural)
 
-    rows: list[Array]
+
+class Records(NamedTuple):
+    """Curves of motions. points (11, all): rows as State, and the step in s to take from a point; first (n + 1):
+    where each curve begins, which has no points where its motion is not OK."""
+
+    points: Array
+    first: NDArray[np.int64]
     outcome: Outcome
 
     @property
     def lengths(self) -> NDArray[np.int64]:
-        """How many records each motion has; 0 where it is not OK."""
-        return np.array([len(rows) for rows in self.rows], np.int64)
+        """How many points each motion has; 0 where it is not OK."""
+        return np.diff(self.first)
 
-    def padded(self) -> Array:
-        """(n, longest, 10): the states, each motion's last one repeated up to the longest; NaN where not OK."""
-        longest = max((len(rows) for rows in self.rows), default=0)
-        out = np.full((len(self.rows), max(longest, 1), 10), np.nan)
-        for motion, rows in zip(out, self.rows, strict=True):
-            if len(rows):
-                motion[: len(rows)] = rows[:, :10]
-                motion[len(rows) :] = rows[-1, :10]
+    @property
+    def places(self) -> NDArray[np.int64]:
+        """(n, longest): the points of each motion, whose last one is repeated up to the longest."""
+        lengths = self.lengths
+        longest = max(int(lengths.max(initial=0)), 1)
+        places: NDArray[np.int64] = np.minimum(
+            self.first[:-1, None] + np.arange(longest), self.first[1:, None] - 1
+        )
+        return places
+
+    def padded(self, values: Array, places: NDArray[np.int64]) -> Array:
+        """(n, longest, ...): values of all points, (all, ...), at these places; NaN where a motion is not OK."""
+        if places.size == len(values):
+            return values.reshape(*places.shape, *values.shape[1:])
+        failed = self.lengths == 0
+        if failed.all():
+            return np.full((*places.shape, *values.shape[1:]), np.nan)
+        out = values.take(places, axis=0, mode="clip")
+        out[failed] = np.nan
         return out
 
 
 def record(given: Motions, t_end: float, jobs: int = 1) -> Records:
-    """Every motion at its own steps up to t_end. Raises InputError where that takes too much memory."""
-    most = MOST_POINTS // max(given.number, 1)
-    parts = in_parts(jobs, given.number, lambda rows: [_record(given, int(row), t_end, most) for row in rows])
-    found = [motion for part in parts for motion in part]
-    columns = zip(*(outcome for _, outcome in found), strict=True)
-    empty = Outcome(given.status, np.empty(0, np.int32), np.empty((3, 0)))
-    outcome = Outcome(*(np.concatenate(column, axis=-1) for column in columns)) if found else empty
-    return Records([rows for rows, _ in found], outcome)
+    """Curves of all motions up to t_end. Raises InputError where that takes too much memory."""
+    found = in_parts(jobs, given.number, lambda rows: _record(given.at(rows), t_end, given.number))
+    if len(found) == 1:
+        return found[0]
+    sizes = np.concatenate([part.lengths for part in found])
+    columns = zip(*(part.outcome for part in found), strict=True)
+    outcome = Outcome(*(np.concatenate(column, axis=-1) for column in columns))
+    points = np.concatenate([part.points for part in found], axis=1)
+    return Records(points, np.concatenate([[0], np.cumsum(sizes)]), outcome)
 
 
-def _record(given: Motions, row: int, t_end: float, most: int) -> tuple[Array, Outcome]:
-    """One motion: its records (k, 11), none where it is not OK, and what became of it."""
-    kernels, code = compiled.recording, compiled.status.Status
-    one = given.at(np.array([row]))
-    outcome = Outcome(one.status, np.zeros(1, np.int32), np.full((3, 1), np.nan))
-    if outcome.status[0] != code.OK:
-        return np.empty((0, 11)), outcome
-    curve = kernels.Curve(LONGEST_ANGLE, LONGEST_TIME, t_end)
-    start = kernels.Start(one.initial, np.stack(one.held))
-    going = kernels.Going(np.zeros((10, 1)), *np.zeros((4, 1)), *np.zeros((3, 1), np.int64))
-    how, buffer, pieces = one.how(1), np.empty((_PIECE, 11)), [np.empty((0, 11))]
-    while going.stage[0] != kernels.ENDED:
-        kernels.record_piece(
-            how, curve, start, one.disk.natural, going, buffer, compiled.attempt.Outcome(*outcome)
+def _record(given: Motions, t_end: float, number: int) -> Records:
+    """Curves of a part of `number` motions."""
+    n, curve = given.number, compiled.trail.Curve(LONGEST_ANGLE, LONGEST_TIME)
+    most = n * (MOST_POINTS // max(number, 1))
+    likely = min(int(n * (_POINTS + _PER_TIME * t_end)), most)
+    room = likely
+    while True:
+        outcome = Outcome(given.status.copy(), np.empty(n, np.int32), np.empty((3, n)))
+        work = _work(given, np.full(1, t_end), outcome)
+        trail = compiled.trail.Trail(curve, np.empty((room, 12)), np.zeros(1, np.int64), most + 1)
+        _follow(given, work, trail)
+        used = int(trail.used[0])
+        _require(used <= most, number)
+        if used <= room:
+            break
+        room = used
+    state_at_end, depth = work.out, work.how.depth
+    course = compiled.recording.Course(
+        curve, trail.rows[:used], work.last, state_at_end, outcome.status, t_end, depth
+    )
+    return Records(*_drawn(course, given.disk, max(used, likely), number), outcome)
+
+
+def _drawn(
+    course: compiled.recording.Course, disk: Disk, room: int, number: int
+) -> tuple[Array, NDArray[np.int64]]:
+    """The points of curves, and where each begins; room: for how many points at first."""
+    most = MOST_POINTS // max(number, 1)
+    while True:
+        found = compiled.recording.Drawing(np.empty((11, room)), np.empty(course.status.size + 1, np.int64))
+        compiled.recording.draw_batch(course, found, disk.natural)
+        _require(int(np.diff(found.first).max(initial=0)) <= most, number)
+        total = int(found.first[-1])
+        if total <= room:
+            return np.ascontiguousarray(found.points[:, :total]), found.first
+        room = total
+
+
+def _require(enough: bool, number: int) -> None:
+    if not enough:
+        raise InputError(
+            f"t_end: so dense, curves of {number} motion(s) take more than {MOST_POINTS:,} times; "
+            "give t_eval, fewer states or a smaller t_end"
         )
-        pieces.append(buffer[: going.rows[0]].copy())
-        if sum(map(len, pieces)) > most:
-            raise InputError(
-                f"t_end: so dense, curves of {given.number} motion(s) take more than {MOST_POINTS:,} times; "
-                "give t_eval, fewer states or a smaller t_end"
-            )
-    if outcome.status[0] != code.OK:
-        return np.empty((0, 11)), outcome
-    rows = np.concatenate(pieces)
-    rows[-1, compiled.field.ROW.t] = t_end  # where it was located, but for rounding
-    return rows, outcome
 
 
 def between(given: Motions, records: Records, times: Array) -> Array:
-    """States (n, nt, 10) of recorded motions at any times, which are in the units of the disk; NaN where not OK.
-
-    A time of the record itself, in these units, is that record: rounding of units must not move it within a race.
-    """
-    unit = given.disk.time_unit
-    out = np.full((given.number, times.size, 10), np.nan)
-    for motion, rows in zip(out, records.rows, strict=True):
-        if len(rows):
-            known = rows[:, compiled.field.ROW.t]
-            own = known * unit
-            places = np.clip(np.searchsorted(own, times, side="right") - 1, 0, len(rows) - 1)
-            natural = np.where(own[places] == times, known[places], times * given.disk.rate_unit)
-            columns = np.empty((10, times.size))
-            compiled.recording.at_times(given.how(1), rows, places, natural, given.disk.natural, columns)
-            motion[:] = columns.T
+    """States (n, nt, 10) of recorded motions at any times in the units of the disk; NaN where not OK."""
+    out, disk, kernels = np.empty((given.number, times.size, 10)), given.disk, compiled.recording
+    drawing = kernels.Drawing(records.points, records.first)
+    moments = kernels.Moments(times, disk.time_unit, disk.rate_unit)
+    kernels.at_times(given.how(given.number), drawing, moments, disk.natural, out)
     return out

@@ -107,12 +107,12 @@ class Trajectories:
     def __call__(self, t: ArrayLike) -> Trajectories:
         """The motions at any times from 0 to `t_end`, also inside a race.
 
-        A state between two records is found by the method of the integration itself, from the record before by a
-        part of the step that was taken there: it has the accuracy of the records, and no error of interpolation.
+        A state between two points of a curve is found by the method of the integration itself, from the point
+        before: it is as accurate as they are, and no straight line.
         Where t_eval was given the motion is integrated again from its start. In a race chidot is some 4/eta_hat
         (natural units), and errors of the time count so many times in chi: the accuracy, which shifts the whole
         race, and the rounding of t, some 1e-15, so that below 1e-14 single times no longer tell where the race is.
-        Its course is in the records at any eta_hat: chi against phidot, phi or the path.
+        Its course is in the curve at any eta_hat: chi against phidot, phi or the path.
 
         Parameters
         ----------
@@ -184,7 +184,7 @@ def simulate(
     states : States
         Where the motions start.
     t_end : float, optional
-        End of the motion. It is recorded at its own steps, in which chi changes by 0.2 rad at most, near F too.
+        End of the motion. It is recorded at points between which chi changes by 0.2 rad at most, near F too.
     t_eval : (nt,) array, optional
         Increasing times >= 0 at which to sample instead, the same for all motions.
     observables : sequence of str
@@ -289,20 +289,20 @@ def _by_plan(
     rows, records = compiled.field.ROW, None
     if times is None:
         records = recording.record(start, end * disk.rate_unit, given.jobs)
-        found, lengths, outcome = records.padded(), records.lengths, records.outcome
-        times = found[..., rows.t] * disk.time_unit
+        found, lengths, outcome, places = records.points[:10], records.lengths, records.outcome, records.places
+        values = _observables(disk, found, names)
+        values = {
+            name: value if value is None else records.padded(value, places) for name, value in values.items()
+        }
+        times = records.padded(found[rows.t] * disk.time_unit, places)
     else:
-        found, outcome = recording.sample(start, times * disk.rate_unit, given.jobs)
+        sampled, outcome = recording.sample(start, times * disk.rate_unit, given.jobs)
+        found = np.moveaxis(sampled, -1, 0)
+        values = _observables(disk, found, names)
         lengths = np.where(outcome.status == compiled.status.Status.OK, times.size, 0)
-    motion = Trajectories(
-        times,
-        **_observables(disk, found, names),
-        **outcome._asdict(),
-        lengths=lengths,
-        t_end=end,
-        _followed=_Followed(states, start, records, names, given.jobs),
-    )
-    return motion, found[..., rows.chi]
+    followed = _Followed(states, start, records, names, given.jobs)
+    known = {**values, **outcome._asdict(), "lengths": lengths}
+    return Trajectories(times, **known, t_end=end, _followed=followed), found[rows.chi]
 
 
 def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array | None]:
@@ -343,12 +343,12 @@ class _Followed(NamedTuple):
             found = recording.between(self.start, self.records, order)
         at = found[:, places.ravel()].reshape(n, *t.shape, 10)
         lengths = np.where(like.lengths > 0, t.size, 0)
-        return replace(like, t=t, **_observables(disk, at, self.names), lengths=lengths)
+        return replace(like, t=t, **_observables(disk, np.moveaxis(at, -1, 0), self.names), lengths=lengths)
 
 
 def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, Any]:
-    """The observables `names` of states (..., 10) in the units of the disk, and None for all others."""
-    q, z, p, rho, sigma4, _t, chi, psi, a1, a2 = np.moveaxis(states, -1, 0)
+    """The observables `names` of states (10, ...) in the units of the disk, and None for all others."""
+    q, z, p, rho, sigma4, _t, chi, psi, a1, a2 = states
     r, unit = disk.r, disk.rate_unit
     height = shadow = q
     if "path" in names or "contact" in names:

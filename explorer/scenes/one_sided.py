@@ -158,7 +158,7 @@ class OneSided(Scene):
 
     @property
     def kernels_of_figures(self) -> tuple[str, ...]:
-        return "falling.line_chart_batch", "recording.record_piece", "recording.at_times"
+        return "falling.line_chart_batch", "recording.draw_batch", "recording.at_times"
 
     def compute(self, index: int) -> Table:
         return self._beside_starts(index, self._count(index))

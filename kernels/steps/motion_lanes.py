@@ -26,7 +26,9 @@ LANES = 16
 # Rows of the work array, entry (row, i) at row * LANES + i: one flat array, for the reason that `lanes` gives.
 NOW, BEFORE = 0, 10  # states: after and before the latest attempted step
 (
-    STEP, TAKEN, CONTROL, UNIT, NOTE,
+    # the next step and the latest, which is 0 where it was refused
+    STEP, TAKEN,
+    CONTROL, UNIT, NOTE,
     # the next time to be met, and in a landing the length of the whole step
     NEXT, WHOLE,
     # constants of motion that the sample is held to, as Motion has them; NaN in X_HELD: it runs free
@@ -87,7 +89,7 @@ def sweep(attempt_by: Any, W: Vector, b: Body) -> int:
         note = BROKEN if broken else note
         note = STUCK if stuck else note
         W[NOTE * LANES + i] = note
-        W[TAKEN * LANES + i] = h
+        W[TAKEN * LANES + i] = h if accepted else 0.0
         W[STEP * LANES + i] = following
         write(W, BEFORE, i, x)
         y = onto_circle(y, W[X_HELD * LANES + i] == W[X_HELD * LANES + i])

@@ -24,6 +24,7 @@ from kernels.steps.attempt import DOP853, DOPRI5, RK4, RK8, Integration, Outcome
 from kernels.steps.events import TIME, Stop
 from kernels.steps.lanes import BROKEN, NOTHING, STUCK, onto_circle
 from kernels.steps.motion_lanes import BEFORE, LANES, NOW, read, work_array, write
+from kernels.steps.trail import Trail, keep, shorten
 from kernels.steps.trajectory import Ending, judge
 from kernels.types import Matrix, Table, Vector
 
@@ -153,16 +154,23 @@ def put_down(attempt_by: Any, work: Motions, W: Vector, waiting: int, b: Body) -
 
 
 @device
-def follow(attempt_by: Any, work: Motions, disk: Disk, whole: Whole) -> None:
-    """Follow every motion to all of the times, by steps of `attempt_by`."""
+def follow(attempt_by: Any, work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
+    """Follow every motion to all of the times, by steps of `attempt_by`, which the trail keeps.
+
+    Where there is one and it is cut off, the outcome means nothing.
+    """
     W, ready, landing = work_array(), work_array(), work_array()
     bits, times, max_steps, b = W.view(np.int64), work.times, work.how.max_steps, disk.body
     sweeps = waiting = 0
     place = fill(work, W, ready, Place(0, LANES, 0, 0), 0, disk, whole)
     while place.busy > 0:
+        if trail.most > 0:
+            shorten(trail.curve, work.how.method, W, b)
         attention = lanes.sweep(attempt_by, W, b)
         sweeps += 1
         lanes.hold(W, bits, whole, b)
+        if trail.most > 0 and keep(trail, W) >= trail.most:
+            return
         if attention == 0 and sweeps < place.due:
             continue
         waiting = lanes.collect(W, times, landing, waiting)
@@ -237,54 +245,54 @@ def dop853_path(x: State, h: float, control: float, unit: float, b: Body) -> tup
 
 
 @kernel
-def motions_rk4_angles(work: Motions, disk: Disk, whole: Whole) -> None:
+def motions_rk4_angles(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by rk4, with time and angles."""
-    follow(rk4_angles, work, disk, whole)
+    follow(rk4_angles, work, trail, disk, whole)
 
 
 @kernel
-def motions_rk8_angles(work: Motions, disk: Disk, whole: Whole) -> None:
+def motions_rk8_angles(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by rk8, with time and angles."""
-    follow(rk8_angles, work, disk, whole)
+    follow(rk8_angles, work, trail, disk, whole)
 
 
 @kernel
-def motions_dopri5_angles(work: Motions, disk: Disk, whole: Whole) -> None:
+def motions_dopri5_angles(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by dopri5, with time and angles."""
-    follow(dopri5_angles, work, disk, whole)
+    follow(dopri5_angles, work, trail, disk, whole)
 
 
 @kernel
-def motions_dop853_angles(work: Motions, disk: Disk, whole: Whole) -> None:
+def motions_dop853_angles(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by dop853, with time and angles."""
-    follow(dop853_angles, work, disk, whole)
+    follow(dop853_angles, work, trail, disk, whole)
 
 
 @kernel
-def motions_rk4_path(work: Motions, disk: Disk, whole: Whole) -> None:
+def motions_rk4_path(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by rk4, with the path."""
-    follow(rk4_path, work, disk, whole)
+    follow(rk4_path, work, trail, disk, whole)
 
 
 @kernel
-def motions_rk8_path(work: Motions, disk: Disk, whole: Whole) -> None:
+def motions_rk8_path(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by rk8, with the path."""
-    follow(rk8_path, work, disk, whole)
+    follow(rk8_path, work, trail, disk, whole)
 
 
 @kernel
-def motions_dopri5_path(work: Motions, disk: Disk, whole: Whole) -> None:
+def motions_dopri5_path(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by dopri5, with the path."""
-    follow(dopri5_path, work, disk, whole)
+    follow(dopri5_path, work, trail, disk, whole)
 
 
 @kernel
-def motions_dop853_path(work: Motions, disk: Disk, whole: Whole) -> None:
+def motions_dop853_path(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by dop853, with the path."""
-    follow(dop853_path, work, disk, whole)
+    follow(dop853_path, work, trail, disk, whole)
 
 
-MOTIONS: dict[tuple[int, int], Callable[[Motions, Disk, Whole], None]] = {
+MOTIONS: dict[tuple[int, int], Callable[[Motions, Trail, Disk, Whole], None]] = {
     (RK4, ANGLES): motions_rk4_angles,
     (RK8, ANGLES): motions_rk8_angles,
     (DOPRI5, ANGLES): motions_dopri5_angles,

@@ -1,192 +1,331 @@
-"""One trajectory recorded at its own steps, dense enough for a curve, and its states at any time between them.
+"""Curves of many motions from the steps they took, and their states at any time between the points of a curve.
 
 In s, with dt = q ds, a race is as smooth as the rest of a motion: dchi/ds = rho is bounded by kappa times the
-speed. So steps are kept short enough for a picture, and each is recorded with its own time. The times of another
-integration would not do: near F they differ from these by more than the race lasts.
+speed. So each step is cut into as many pieces in s as a picture needs, and each point has its own time. The times
+of another integration would not do: near F they differ from these by more than the race lasts.
 """
 
 import math
 from typing import NamedTuple
 
-from kernels._jit import kernel, subroutine
+import numpy as np
+
+from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Body, Disk
-from kernels.disk.constants import Pinned, constants_of
-from kernels.disk.field import State, column, energy, reduced, speed
-from kernels.disk.rows import put
+from kernels.disk.field import ROW, State, column, field, reduced, speed
 from kernels.status import Status
-from kernels.steps.adaptive import SHORTEST_STEP
-from kernels.steps.attempt import (
-    RK4,
-    RK8,
-    Integration,
-    Outcome,
-    all_finite,
-    first_step,
-    locate,
-    partial_step,
-    to_depth,
-)
+from kernels.steps.attempt import Integration, first_guess, locate, partial_step, to_depth
 from kernels.steps.events import TIME, Stop
-from kernels.steps.trajectory import Ending, attempt_any, begin, hold, judge
-from kernels.types import Longs, Matrix, Vector
+from kernels.steps.trail import LENGTH, SAMPLE, SHARE, Curve
+from kernels.types import Codes, Longs, Matrix, Table, Vector
 
 _OK = int(Status.OK)
-_STEP_LIMIT = int(Status.STEP_LIMIT)
-_TOO_SMALL = int(Status.STEP_TOO_SMALL)
-_NOT_FINITE = int(Status.NOT_FINITE)
+_T, _CHI = int(ROW.t), int(ROW.chi)
+# A step is interpolated from the ends of so many steps, with their slopes: its own and one to either side.
+_NODES = 4
+_WIDTH = 10  # components of a state
+ROWS = 11  # of a point
+_MOST_PIECES = 10_000  # of one step
+# By so much may the only piece of a step be longer than planned, as long as chi does not turn too far: a step that
+# is long for its interpolation, and was to be one piece, then stays one.
+_LONGER = 0.3
+# Columns of the ends of steps, after the state: its slope, and the step from there.
+_SLOPE, _STEP, _COLUMNS = 10, 20, 21
+# Places in one work array, which costs less to pass on than several: a polynomial in Newton's form, by the places
+# of its nodes, each twice, and its divided differences; slopes at the nodes; its value.
+_AT, _C = 0, 2 * _NODES
+_SLOPES = _C + 2 * _NODES * _WIDTH
+_Y = _SLOPES + _NODES * _WIDTH
+_WORK = _Y + _WIDTH
 
-# Steps are planned this much below the longest that are kept, so that few are refused.
-_SHARE = 0.9
-# What `Going.stage` says.
-FRESH, UNDERWAY, ENDED = range(3)
 
+class Course(NamedTuple):
+    """What motions did: the rows of their `Trail`; last (10, n), end (n, 1, 10): where their last step ended, and
+    where in it they came to t_end; status (n); the components that their depth carries."""
 
-class Curve(NamedTuple):
-    """What is recorded: steps of chi (rad) and of time (units of 1/speed) at most so long, up to t_end."""
-
-    angle: float
-    time: float
+    curve: Curve
+    rows: Matrix
+    last: Matrix
+    end: Table
+    status: Codes
     t_end: float
+    depth: int
 
 
-class Start(NamedTuple):
-    """Where a motion began, x (10, 1), and what it is held to, pinned (3, 1): rows as Pinned."""
+class Drawing(NamedTuple):
+    """Curves: points (11, as many as there is room for), rows as State and the step in s to take from there; first
+    (n + 1): those of motion j are from first[j] to first[j + 1]."""
 
-    x: Matrix
-    pinned: Matrix
+    points: Matrix
+    first: Longs
 
 
-class Going(NamedTuple):
-    """A motion between two pieces of its record; all is read and written.
+@subroutine
+def in_order(course: Course, begins: Longs, order: Longs) -> int:
+    """Which rows are of which motion: order from begins[j] to begins[j + 1]; returns how many the longest has."""
+    rows, n = course.rows, course.status.size
+    for row in range(rows.shape[0]):
+        begins[int(rows[row, SAMPLE]) + 1] += 1
+    most = 0
+    for j in range(n):
+        most = max(most, begins[j + 1])
+        begins[j + 1] += begins[j]
+    place = begins.copy()
+    for row in range(rows.shape[0]):
+        j = int(rows[row, SAMPLE])
+        order[place[j]] = row
+        place[j] += 1
+    return int(most)
 
-    x (10, 1): the state. h, unit, total, removed (1): the next step, the rate by which steps are measured, the
-    energy to be held and what was taken out of it.
-    steps, rows, stage (1): attempted steps so far, records in this piece, and FRESH, UNDERWAY or ENDED.
+
+@device
+def put_end(ends: Matrix, i: int, x: State, depth: int, b: Body) -> None:
+    """The state at the start of step i, with its slope."""
+    slope = to_depth(field(x, b), depth)
+    for c in range(_WIDTH):
+        ends[i, c], ends[i, _SLOPE + c] = x[c], slope[c]
+
+
+@device
+def state(rows: Matrix, i: int) -> State:
+    """The state in a row."""
+    return State(
+        rows[i, 0],
+        rows[i, 1],
+        rows[i, 2],
+        rows[i, 3],
+        rows[i, 4],
+        rows[i, 5],
+        rows[i, 6],
+        rows[i, 7],
+        rows[i, 8],
+        rows[i, 9],
+    )
+
+
+@subroutine
+def gather(rows: Matrix, order: Longs, last: State, depth: int, ends: Matrix, b: Body) -> None:
+    """The ends of the steps in the rows `order`, the last of which leads to `last`."""
+    for i in range(order.size):
+        put_end(ends, i, state(rows, order[i]), depth, b)
+        ends[i, _STEP] = rows[order[i], LENGTH]
+    put_end(ends, order.size, last, depth, b)
+
+
+@device
+def take(ends: Matrix, i: int, k: int, W: Vector, used: int) -> int:
+    """End k into the form about end i; returns how many of its places are used."""
+    place = 0.0
+    for step in range(min(i, k), max(i, k)):
+        place += ends[step, _STEP] if k > i else -ends[step, _STEP]
+    W[_AT + used] = W[_AT + used + 1] = place
+    for c in range(_WIDTH):
+        W[_C + used * _WIDTH + c] = W[_C + (used + 1) * _WIDTH + c] = ends[k, c]
+        W[_SLOPES + used // 2 * _WIDTH + c] = ends[k, _SLOPE + c]
+    return used + 2
+
+
+@subroutine
+def interpolate(ends: Matrix, i: int, count: int, W: Vector) -> int:
+    """The polynomial through ends of the steps about step i, with their slopes; returns how many places it has.
+
+    count: of all ends. Both ends of the step come first: what the others add is then as small as it can be.
     """
-
-    x: Matrix
-    h: Vector
-    unit: Vector
-    total: Vector
-    removed: Vector
-    steps: Longs
-    rows: Longs
-    stage: Longs
-
-
-STEP = len(State._fields)  # the column of a record, after the state, with the step in s that was taken from there
-
-
-@subroutine
-def longest(x: State, curve: Curve, pace: float, b: Body) -> float:
-    """The step in s in which chi or the time changes nearly as much as is allowed between two records.
-
-    chi changes by rho h + rho' h^2 / 2: where a race begins, the second term is the larger one.
-    """
-    _dq, _dz, _dp, drho, _dsigma4 = reduced(x, b)
-    angle = _SHARE * curve.angle
-    steep = abs(x.rho) + math.sqrt(x.rho * x.rho + 2.0 * abs(drho) * angle)
-    return min(2.0 * angle / steep, curve.time / (pace * x.q))
+    used = take(ends, i, i + 1, W, take(ends, i, i, W, 0))
+    first = max(min(i - _NODES // 2 + 1, count - _NODES), 0)
+    for k in range(first, min(first + _NODES, count)):
+        if k not in (i, i + 1):
+            used = take(ends, i, k, W, used)
+    for p in range(used - 1, 0, -1):
+        here, before = _C + p * _WIDTH, _C + (p - 1) * _WIDTH
+        if p % 2 == 1:
+            for c in range(_WIDTH):
+                W[here + c] = W[_SLOPES + p // 2 * _WIDTH + c]
+        else:
+            inverse = 1.0 / (W[_AT + p] - W[_AT + p - 1])
+            for c in range(_WIDTH):
+                W[here + c] = (W[here + c] - W[before + c]) * inverse
+    for level in range(2, used):
+        for p in range(used - 1, level - 1, -1):
+            here, before = _C + p * _WIDTH, _C + (p - 1) * _WIDTH
+            inverse = 1.0 / (W[_AT + p] - W[_AT + p - level])
+            for c in range(_WIDTH):
+                W[here + c] = (W[here + c] - W[before + c]) * inverse
+    return used
 
 
-@subroutine
-def write(x: State, h: float, out: Matrix, row: int) -> None:
-    """One record: the state and the step that is taken from it."""
-    for component in range(STEP):
-        out[row, component] = x[component]
-    out[row, STEP] = h
+@device
+def evaluate(W: Vector, used: int, s: float) -> None:
+    """The value of the polynomial, s after the start of its step."""
+    for c in range(_WIDTH):
+        W[_Y + c] = W[_C + (used - 1) * _WIDTH + c]
+    for p in range(used - 2, -1, -1):
+        step = s - W[_AT + p]
+        for c in range(_WIDTH):
+            W[_Y + c] = W[_C + p * _WIDTH + c] + step * W[_Y + c]
 
 
-@subroutine
-def step_on(how: Integration, curve: Curve, x: State, going: Going, b: Body) -> tuple[int, State, float]:
-    """One accepted step that is short enough: a status, the state after it, and its length."""
-    fixed = how.method in (RK4, RK8)
-    pace, unit = speed(x, b), going.unit[0]
-    while going.steps[0] < how.max_steps:
-        h = min(going.h[0], longest(x, curve, pace, b))
-        y, accepted, following = attempt_any(how.method, how.depth, x, h, how.control[0], unit, b)
-        going.steps[0] += 1
-        if accepted and not all_finite(y):
-            return _NOT_FINITE, x, h
-        if accepted and abs(y.chi - x.chi) <= curve.angle:
-            # A fixed step must not stay as short as one place asked for.
-            going.h[0] = first_step(how.method, how.control[0], unit) if fixed else following
-            return _OK, y, h
-        going.h[0] = 0.5 * h if accepted else following
-        if not going.h[0] * unit > SHORTEST_STEP:
-            return _TOO_SMALL, x, h
-    return _STEP_LIMIT, x, 0.0
+class Piecewise(NamedTuple):
+    """How a step of length h is cut: how densely at its start and at its end (pieces per s), and how many."""
+
+    h: float
+    start: float
+    end: float
+    number: int
+
+
+@device
+def density(rho: float, q: float, curve: Curve, pace: float) -> float:
+    """Pieces per s that a curve needs where dchi/ds = rho and dt/ds = q."""
+    return max(abs(rho) / (SHARE * curve.angle), pace * q / curve.time)
 
 
 @subroutine
-def piece(
-    how: Integration, curve: Curve, x: State, pinned: Pinned[float], disk: Disk, going: Going, out: Matrix
-) -> tuple[int, State]:
-    """Follow one motion until t_end, or until out (rows, 11) has only one row left: status and last state."""
-    b = disk.body
-    for row in range(out.shape[0] - 1):
-        code, y, h = step_on(how, curve, x, going, b)
-        if code != _OK:
-            return code, x
-        write(x, h, out, row)
-        going.rows[0] = row + 1
-        if y.t >= curve.t_end:
-            end = y if y.t == curve.t_end else locate(how.method, x, y, h, Stop(TIME, curve.t_end), b)
-            write(to_depth(end, how.depth), 0.0, out, row + 1)
-            going.rows[0] = row + 2
-            going.stage[0] = ENDED
-        x, excess = hold(x, y, pinned, going.total[0], disk)
-        going.removed[0] += excess
-        if going.stage[0] == ENDED:
-            break
-    return _OK, x
+def pieces(x: State, y: State, h: float, curve: Curve, b: Body) -> Piecewise:
+    """How to cut the step from x to y, by Simpson's rule: in its middle chi may turn faster than at both ends."""
+    pace = speed(x, b)
+    before, after = reduced(x, b), reduced(y, b)
+    rho = 0.5 * (x.rho + y.rho) + 0.125 * h * (before[3] - after[3])
+    q = 0.5 * (x.q + y.q) + 0.125 * h * (before[0] - after[0])
+    start, end = density(x.rho, x.q, curve, pace), density(y.rho, y.q, curve, pace)
+    needed = h * (start + 4.0 * density(rho, q, curve, pace) + end) / 6.0
+    return Piecewise(h, start, end, max(1, math.ceil(needed - _LONGER)))
+
+
+@device
+def cut(how: Piecewise, number: int, k: int) -> float:
+    """Where, in s, piece k of `number` begins: as if the density changed evenly along the step."""
+    share = k / number
+    root = math.sqrt(how.start * how.start + share * (how.end * how.end - how.start * how.start))
+    return how.h * share * (how.start + how.end) / (how.start + root)
+
+
+@device
+def store(y: State, h: float, points: Matrix, point: int) -> None:
+    """One point, if there is room, with the step to take from there."""
+    if point < points.shape[1]:
+        for c in range(_WIDTH):
+            points[c, point] = y[c]
+        points[_WIDTH, point] = h
+
+
+class Goal(NamedTuple):
+    """What the pieces of a step lead to: chi and the time there; by how much chi may change from point to point;
+    and how much of the step, in s, is left beyond."""
+
+    chi: float
+    t: float
+    angle: float
+    rest: float
+
+
+@subroutine
+def draw_pieces(W: Vector, used: int, how: Piecewise, goal: Goal, points: Matrix, point: int) -> int:
+    """The points of one step, from its start on, which becomes `point`; returns the one after them."""
+    number = how.number
+    while True:
+        before, t, here, wide = W[_C + _CHI], W[_C + _T], 0.0, False
+        for k in range(number):
+            there = cut(how, number, k + 1) if k + 1 < number else how.h + goal.rest
+            evaluate(W, used, here)
+            # Rounding must not turn time back.
+            t = W[_Y + _T] = min(max(W[_Y + _T], t), goal.t)
+            wide |= not abs(W[_Y + _CHI] - before) <= goal.angle
+            before = W[_Y + _CHI]
+            if point + k < points.shape[1]:
+                for c in range(_WIDTH):
+                    points[c, point + k] = W[_Y + c]
+                points[_WIDTH, point + k] = there - here
+            here = there
+        wide |= not abs(goal.chi - before) <= goal.angle
+        if not wide or number > _MOST_PIECES:
+            return point + number
+        number += 1 + number // 8
+
+
+@subroutine
+def draw_motion(ends: Matrix, steps: int, end: State, curve: Curve, points: Matrix, point: int, b: Body) -> int:
+    """The points of a motion of so many steps, whose last one comes to its `end`; returns the one after them."""
+    W = np.empty(_WORK)
+    for i in range(steps):
+        x, y, h = state(ends, i), state(ends, i + 1), ends[i, _STEP]
+        length = h
+        if i == steps - 1:
+            length = min(max(first_guess(x, y, h, Stop(TIME, end.t), b), 0.0), h)
+            y = end
+        how = pieces(x, y, length, curve, b)
+        if how.number == 1 and abs(y.chi - x.chi) <= curve.angle:
+            store(x, h, points, point)
+            point += 1
+        else:
+            used = interpolate(ends, i, steps + 1, W)
+            how = Piecewise(length, how.start, how.end, max(how.number, 2))
+            goal = Goal(y.chi, y.t, curve.angle, h - length)
+            point = draw_pieces(W, used, how, goal, points, point)
+    store(end, 0.0, points, point)
+    return point + 1
 
 
 @kernel
-def record_piece(
-    how: Integration, curve: Curve, start: Start, disk: Disk, going: Going, out: Matrix, outcome: Outcome
-) -> None:
-    """The next piece of the record of one motion, out (rows, 11); `Going` says how many rows and if it has ended.
+def draw_batch(course: Course, drawing: Drawing, disk: Disk) -> None:
+    """The curves of all motions that are OK; of others none. There was room where the last of `first` says so."""
+    n = course.status.size
+    begins, order = np.zeros(n + 1, np.int64), np.empty(course.rows.shape[0], np.int64)
+    most, point = in_order(course, begins, order), 0
+    ends, end = np.empty((most + 1, _COLUMNS)), course.end.reshape((n, _WIDTH))
+    for j in range(n):
+        drawing.first[j] = point
+        if course.status[j] == _OK:
+            own = order[begins[j] : begins[j + 1]]
+            gather(course.rows, own, column(course.last, j), course.depth, ends, disk.body)
+            y = state(end, j)
+            # The time where it was located, but for rounding
+            y = State(y.q, y.z, y.p, y.rho, y.sigma4, course.t_end, y.chi, y.psi, y.a1, y.a2)
+            point = draw_motion(ends, own.size, y, course.curve, drawing.points, point, disk.body)
+    drawing.first[n] = point
 
-    outcome: of one sample, when it has ended.
-    """
-    first, pinned = column(start.x, 0), start.pinned
-    to = Pinned(pinned[0, 0], pinned[1, 0], pinned[2, 0])
-    going.rows[0] = 0
-    if going.stage[0] == FRESH:
-        x = begin(first, to, disk)
-        going.total[0], going.removed[0] = energy(x, disk.body), 0.0
-        going.unit[0] = speed(x, disk.body)
-        going.h[0] = first_step(how.method, how.control[0], going.unit[0])
-        going.stage[0] = UNDERWAY
-    else:
-        x = column(going.x, 0)
-    code, x = piece(how, curve, x, to, disk, going, out)
-    put(x, going.x, 0)
-    outcome.steps[0] = going.steps[0]
-    if code != _OK:
-        going.stage[0] = ENDED
-    if going.stage[0] == ENDED:
-        held = not math.isnan(to.sigma3_bar)
-        end = Ending(code, x.t, going.removed[0], held, how.constants_bound)
-        start_constants, last = constants_of(first, disk), constants_of(x, disk)
-        outcome.status[0], errors = judge(end, start_constants, last, disk.body)
-        put(errors, outcome.errors, 0)
+
+class Moments(NamedTuple):
+    """Times in any unit; how long that is, and how many there are in a natural one."""
+
+    times: Vector
+    unit: float
+    per_unit: float
+
+
+@subroutine
+def last_before(t: Vector, unit: float, time: float, low: int, high: int) -> int:
+    """The last of the points from low to high - 1 whose time is not later, or the first."""
+    while high - low > 1:
+        middle = (low + high) // 2
+        if t[middle] * unit <= time:
+            low = middle
+        else:
+            high = middle
+    return low
 
 
 @kernel
-def at_times(how: Integration, rows: Matrix, places: Longs, times: Vector, disk: Disk, out: Matrix) -> None:
-    """States at given times, out (10, times): from the record before each by a part of the step taken there.
+def at_times(how: Integration, drawing: Drawing, moments: Moments, disk: Disk, out: Table) -> None:
+    """States at given times, out (n, times, 10), NaN without a curve: from the point before each by a part of the
+    step to be taken there.
 
-    rows (n, 11): the record. places (times): the last row whose time is not later.
+    A time of the curve itself, in the unit of the times, is that point: rounding of units must not move it within
+    a race.
     """
-    b = disk.body
-    for i in range(times.size):
-        t, row = times[i], rows[places[i]]
-        x = State(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9])
-        h = row[STEP]
-        if h > 0.0 and t > x.t:
-            y = partial_step(how.method, x, h, b)
-            # Rounding may leave the end of the step before the next record.
-            x = locate(how.method, x, y, h, Stop(TIME, t), b) if y.t > t else y
-        put(to_depth(x, how.depth), out, i)
+    b, points, first = disk.body, drawing.points, drawing.first
+    for j in range(out.shape[0]):
+        if first[j + 1] == first[j]:
+            out[j] = math.nan
+            continue
+        for i in range(moments.times.size):
+            time = moments.times[i]
+            place = last_before(points[_T], moments.unit, time, first[j], first[j + 1])
+            x, h, t = column(points, place), points[_WIDTH, place], time * moments.per_unit
+            if h > 0.0 and t > x.t and x.t * moments.unit != time:
+                y = partial_step(how.method, x, h, b)
+                # Rounding may leave the end of the step before the next point.
+                x = locate(how.method, x, y, h, Stop(TIME, t), b) if y.t > t else y
+            x = to_depth(x, how.depth)
+            for component in range(_WIDTH):
+                out[j, i, component] = x[component]

@@ -20,13 +20,14 @@ def recorded(method, control):
     """(states (8, n) before each step, states after it, steps (n)) of our kernel, one motion that runs free."""
     x = np.zeros((10, 1))
     x[:5, 0] = 1.0, 0.0, -1.0, 1.0, 0.65
-    kernels, how = compiled.recording, compiled.attempt.Integration(method, 8, np.full(1, control), 10_000, 1e-2)
-    start = kernels.Start(x, np.full((3, 1), np.nan))
-    going = kernels.Going(np.zeros((10, 1)), *np.zeros((4, 1)), *np.zeros((3, 1), np.int64))
+    motions, trails = compiled.motions, compiled.trail
+    how = compiled.attempt.Integration(method, 8, np.full(1, control), 10_000, 1e-2)
     outcome = compiled.attempt.Outcome(np.zeros(1, np.int8), np.zeros(1, np.int32), np.zeros((3, 1)))
-    rows = np.empty((4096, 11))
-    kernels.record_piece(how, kernels.Curve(LONG, LONG, 12.0), start, DISK.natural, going, rows, outcome)
-    rows = rows[: going.rows[0] - 1]  # the last record is a part of a step, up to the end
+    free, out, last = np.full((3, 1), np.nan), np.empty((1, 1, 10)), np.empty((10, 1))
+    work = motions.Motions(how, np.array([12.0]), x, free, out, last, np.empty(1), outcome)
+    trail = trails.Trail(trails.Curve(LONG, LONG), np.empty((4096, 12)), np.zeros(1, np.int64), 4096)
+    motions.MOTIONS[method, 8](work, trail, DISK.natural, DISK.whole)
+    rows = trail.rows[: trail.used[0]]
     return rows[:-1, :8].T, rows[1:, :8].T, rows[:-1, 10]
 
 

@@ -7,6 +7,7 @@ from scipy.optimize import brentq
 
 import explorer as ex
 from explorer.motion import recording
+from explorer.motion.trajectories import trajectories
 from explorer.paper import eight_dimensions as plain_disk
 
 ETAS = np.array([1e-1, -1e-2, 1e-3, -1e-4, 1e-6, -1e-8, 1e-10, -1e-12, 1e-100, -1e-300])
@@ -130,9 +131,31 @@ def test_curves_that_would_fill_the_memory_are_refused(monkeypatch):
         ex.simulate(states, 1e4)
 
 
-def test_pieces_of_a_record_join_without_a_seam(monkeypatch):
-    states = ex.constants_to_states(BODIES["hoop"], 1.0, -1e-5, 1.0)
+def test_where_there_was_too_little_room_a_curve_is_drawn_again(monkeypatch):
+    states = ex.constants_to_states(BODIES["hoop"], 1.0, [-1e-5, 0.1], 1.0)
     whole = ex.simulate(states, 9.0)
-    monkeypatch.setattr(recording, "_PIECE", 7)
-    np.testing.assert_array_equal(ex.simulate(states, 9.0).contact, whole.contact)
-    assert whole.constants_error[0, 0] == ex.simulate(states, 9.0).constants_error[0, 0]
+    for points in (1, 60):
+        monkeypatch.setattr(recording, "_POINTS", points)
+        monkeypatch.setattr(recording, "_PER_TIME", 0)
+        np.testing.assert_array_equal(ex.simulate(states, 9.0).contact, whole.contact)
+    assert (whole.constants_error == ex.simulate(states, 9.0).constants_error).all()
+
+
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-6, 1e-10])
+@pytest.mark.parametrize("method", ["rk8", "dop853", "dopri5"])
+def test_the_accuracy_asked_of_a_curve_is_the_accuracy_met(method, accuracy):
+    """At all of its points, most of which lie within steps: the 99th percentile of the error per passage."""
+    rng = np.random.default_rng(3)
+    etas = rng.choice([-1.0, 1.0], 8) * 10.0 ** rng.uniform(-8.0, 0.0, 8)
+    states = ex.constants_to_states(BODIES["uniform"], rng.uniform(-2, 2, 8), etas, rng.uniform(0.5, 2, 8))
+    names = ("phi", "chi", "psi", "path")
+    curve, found = ex.simulate(states, 5.0, method=method, accuracy=accuracy, observables=names), []
+    for j, length in enumerate(curve.lengths):
+        t, own = np.unique(curve.t[j, :length], return_index=True)
+        exact = trajectories(states[j], t_eval=t, observables=names, method="rk8", accuracy=1e-11)
+        error = np.linalg.norm(curve.path[j, own] - exact.path[0], axis=-1)
+        for name in names[:3]:
+            error = np.maximum(error, abs(getattr(curve, name)[j, own] - getattr(exact, name)[0]))
+        away = abs(exact.phi[0]) < 0.5 * np.pi - 0.1  # in a race errors of the time count many times
+        found.append((error / np.maximum(1.0, 0.5 * t))[away])
+    assert 0.003 * accuracy < np.percentile(np.concatenate(found), 99) < accuracy

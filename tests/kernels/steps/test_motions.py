@@ -12,7 +12,9 @@ from kernels.status import Status
 from kernels.steps import motions, trajectory
 from kernels.steps.attempt import DOP853, Integration, Outcome
 from kernels.steps.events import TIME, TURNING_POINT, Stops
+from kernels.steps.trail import COLUMNS, Curve, Trail
 
+NO_TRAIL = Trail(Curve(0.0, 0.0), np.empty((0, COLUMNS)), np.zeros(1, np.int64), 0)
 TIMES = np.array([0.3, 0.31, 0.9, 2.0, 5.0])
 DEPTHS = {"angles": ANGLES, "path": PATH}
 
@@ -39,7 +41,7 @@ def work(how, states, pinned, times=TIMES, status=None):
 
 def in_lanes(how, states, pinned, **given):
     made = work(how, states, pinned, **given)
-    motions.MOTIONS[how.method, how.depth](made, UNIFORM.natural, UNIFORM.whole)
+    motions.MOTIONS[how.method, how.depth](made, NO_TRAIL, UNIFORM.natural, UNIFORM.whole)
     motions.judge_batch(made, constants(states), constants(made.last), UNIFORM.natural)
     return made.out, made.outcome
 

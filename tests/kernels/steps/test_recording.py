@@ -1,64 +1,135 @@
-"""One trajectory recorded at its own steps, by kernels that are told little."""
+"""Curves from the steps of motions: as dense as asked, on the motion, and right between their points."""
 
 import numpy as np
 import pytest
 from steppers import UNIFORM, random_states
 
-from kernels.disk.field import ANGLES, ROW
+from kernels.disk.field import ANGLES, PATH, ROW, column, field
 from kernels.status import Status
-from kernels.steps import recording
+from kernels.steps import motions, recording
 from kernels.steps.attempt import DOP853, RK4, Integration, Outcome
+from kernels.steps.trail import COLUMNS, LENGTH, SAMPLE, Curve, Trail
+
+T_END = 3.0
 
 
-def record(state, how, curve, rows=1000):
-    start = recording.Start(np.zeros((10, 1)), np.full((3, 1), np.nan))
-    start.x[:8, 0] = state
-    going = recording.Going(np.zeros((10, 1)), *np.zeros((4, 1)), *np.zeros((3, 1), np.int64))
-    out = np.full((rows, 11), np.nan)
-    outcome = Outcome(np.zeros(1, np.int8), np.zeros(1, np.int32), np.zeros((3, 1)))
-    recording.record_piece(how, curve, start, UNIFORM.natural, going, out, outcome)
-    return out[: going.rows[0]], going, outcome
+def setting(number, control, n, depth=ANGLES):
+    return Integration(number, depth, np.full(n, control), 10_000, 1.0)
 
 
-def method(number, control, max_steps=10_000):
-    return Integration(number, ANGLES, np.array([control]), max_steps, 1.0)
+def course(states, how, curve):
+    """What motions that run free did, up to T_END."""
+    n = states.shape[1]
+    starts, nan = np.zeros((10, n)), np.full((3, n), np.nan)
+    starts[:8] = states
+    outcome = Outcome(np.zeros(n, np.int8), np.zeros(n, np.int32), np.zeros((3, n)))
+    out, last = np.empty((n, 1, 10)), np.empty((10, n))
+    work = motions.Motions(how, np.array([T_END]), starts, nan, out, last, np.empty(n), outcome)
+    trail = Trail(curve, np.empty((1000 * n, COLUMNS)), np.zeros(1, np.int64), 1000 * n)
+    motions.MOTIONS[how.method, how.depth](work, trail, UNIFORM.natural, UNIFORM.whole)
+    rows = trail.rows[: trail.used[0]]
+    return recording.Course(curve, rows, last, out, outcome.status, T_END, how.depth)
 
 
-@pytest.mark.parametrize(("number", "control"), [(DOP853, 1e-9), (RK4, 0.5)])
-def test_no_step_is_longer_than_the_curve_allows(number, control):
-    for state in random_states(20).T:
-        rows, going, outcome = record(state, method(number, control), recording.Curve(0.1, 0.2, 3.0))
-        assert going.stage[0] == recording.ENDED
-        assert outcome.status[0] in (Status.OK, Status.INVARIANT_DRIFT)
-        assert abs(np.diff(rows[:, ROW.chi])).max() <= 0.1
-        assert rows[-1, ROW.t] == pytest.approx(3.0, abs=1e-14)
-        assert (np.diff(rows[:, ROW.t]) > 0.0).all()
+def draw(found, room=100_000):
+    drawing = recording.Drawing(np.empty((recording.ROWS, room)), np.empty(found.status.size + 1, np.int64))
+    recording.draw_batch(found, drawing, UNIFORM.natural)
+    return drawing
 
 
-def test_a_fixed_step_is_shortened_where_it_must_be_and_only_there():
-    state = random_states(1)[:, 0]
-    loose, _, _ = record(state, method(RK4, 0.05), recording.Curve(10.0, 10.0, 2.0))
-    assert np.ptp(loose[:-1, recording.STEP]) == 0.0
-    tight, _, _ = record(state, method(RK4, 0.05), recording.Curve(0.02, 10.0, 2.0))
-    assert np.ptp(tight[:-1, recording.STEP]) > 0.0
-    assert tight[:-1, recording.STEP].max() <= loose[0, recording.STEP]
+def curves(drawing):
+    return np.split(drawing.points[:, : drawing.first[-1]], drawing.first[1:-1], axis=1)
 
 
-def test_a_full_buffer_is_no_end_and_a_step_limit_is():
-    state = random_states(1)[:, 0]
-    rows, going, _ = record(state, method(DOP853, 1e-9), recording.Curve(0.1, 0.1, 3.0), rows=5)
-    assert (len(rows), going.stage[0]) == (4, recording.UNDERWAY)
-    _, going, outcome = record(state, method(DOP853, 1e-9, 3), recording.Curve(0.1, 0.1, 3.0))
-    assert (going.stage[0], outcome.status[0]) == (recording.ENDED, Status.STEP_LIMIT)
+@pytest.mark.parametrize(("number", "control"), [(DOP853, 1e-9), (DOP853, 0.1), (RK4, 0.5)])
+def test_no_piece_is_longer_than_the_curve_allows(number, control):
+    how = setting(number, control, 20)
+    drawn = curves(draw(course(random_states(20), how, Curve(0.1, 0.2))))
+    assert len(drawn) == 20
+    for points in drawn:
+        assert abs(np.diff(points[ROW.chi])).max() <= 0.1
+        assert points[ROW.t, -1] == T_END
+        assert (np.diff(points[ROW.t]) > 0.0).all()
+        # The way in s from point to point; the last step goes on past the end.
+        way = np.trapezoid(1.0 / points[ROW.q], points[ROW.t])
+        assert points[10, :-2].sum() < way < 1.02 * points[10].sum()
 
 
-def test_a_record_gives_back_its_own_states_and_those_between():
-    state = random_states(1)[:, 0]
-    how = method(DOP853, 1e-12)
-    rows, _, _ = record(state, how, recording.Curve(0.2, 0.2, 2.0))
-    fine, _, _ = record(state, how, recording.Curve(0.01, 0.01, 2.0))
-    times = np.ascontiguousarray(fine[:, ROW.t])
-    out = np.empty((10, times.size))
-    places = np.searchsorted(rows[:, ROW.t], times, side="right") - 1
-    recording.at_times(how, rows, places, times, UNIFORM.natural, out)
-    np.testing.assert_allclose(out.T, fine[:, :10], atol=1e-10)
+@pytest.mark.parametrize(("number", "control"), [(DOP853, 0.01), (RK4, 0.2)])
+def test_points_within_steps_lie_on_the_motion(number, control):
+    """What the constants of motion and the circle say of points that no step ends at."""
+    how = setting(number, control, 20, PATH)
+    found = course(random_states(20), how, Curve(0.05, 0.05))
+    points = draw(found)
+    points = points.points[:, : points.first[-1]]
+    assert points.shape[1] > 3 * len(found.rows)
+    np.testing.assert_allclose(points[ROW.q] ** 2 + points[ROW.z] ** 2, 1.0, atol=1e-3)
+    fine = draw(course(random_states(20), setting(DOP853, 1e-13, 20, PATH), Curve(0.05, 0.05)))
+    for ours, theirs in zip(curves(draw(found)), curves(fine), strict=True):
+        for row in (ROW.q, ROW.chi, ROW.psi, ROW.a1, ROW.a2):
+            np.testing.assert_allclose(ours[row], np.interp(ours[ROW.t], theirs[ROW.t], theirs[row]), atol=4e-3)
+
+
+def test_the_polynomial_has_the_states_and_slopes_of_its_nodes():
+    found = course(random_states(1), setting(DOP853, 0.01, 1, PATH), Curve(9.0, 9.0))
+    n, b = len(found.rows), UNIFORM.body
+    ends = np.empty((n + 1, 21))
+    recording.gather(found.rows, np.arange(n), column(found.last, 0), PATH, ends, b)
+    np.testing.assert_array_equal(ends[3, 10:20], field(column(ends[:, :10].T.copy(), 3), b))
+    W = np.empty(200)
+    for i, known in ((0, range(4)), (2, range(1, 5)), (n - 1, range(n - 3, n + 1))):
+        used = recording.interpolate(ends, i, n + 1, W)
+        assert used == 8
+        form = np.poly1d([0.0])
+        places, differences = W[:8], W[8:88].reshape(8, 10)
+        s = np.concatenate([[0.0], np.cumsum(ends[:-1, 20])])
+        for c in (0, 3, 9):
+            newton, form = np.poly1d([1.0]), np.poly1d([0.0])
+            for place, difference in zip(places, differences[:, c], strict=True):
+                form, newton = form + difference * newton, newton * np.poly1d([1.0, -place])
+            for k in known:
+                assert form(s[k] - s[i]) == pytest.approx(ends[k, c], abs=1e-11)
+                assert form.deriv()(s[k] - s[i]) == pytest.approx(ends[k, 10 + c], abs=1e-10)
+
+
+def test_motions_that_failed_have_no_points_and_rows_may_come_in_any_order():
+    found = course(random_states(5), setting(RK4, 0.1, 5), Curve(0.2, 0.2))
+    whole = curves(draw(found))
+    found.status[2] = Status.STEP_LIMIT
+    by_sample = found.rows[np.argsort(found.rows[:, SAMPLE], kind="stable")]
+    drawing = draw(found._replace(rows=by_sample))
+    assert (np.diff(drawing.first) > 0).tolist() == [True, True, False, True, True]
+    for one, other in zip(curves(drawing), [*whole[:2], np.empty((11, 0)), *whole[3:]], strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_where_there_is_no_room_points_are_counted_and_nothing_else_is_written():
+    found = course(random_states(4), setting(RK4, 0.1, 4), Curve(0.2, 0.2))
+    whole = draw(found)
+    np.testing.assert_array_equal(draw(found, 0).first, whole.first)
+    room = int(whole.first[2]) + 3
+    np.testing.assert_array_equal(draw(found, room).points, whole.points[:, :room])
+
+
+def test_a_curve_gives_back_its_own_states_and_those_between():
+    how = setting(DOP853, 1e-12, 3)
+    coarse, fine = (draw(course(random_states(3), how, Curve(size, size))) for size in (0.2, 0.01))
+    b = UNIFORM.natural
+    for j, (own, points) in enumerate(zip(curves(coarse), curves(fine), strict=True)):
+        for times, want, close in ((own[ROW.t], own, 0.0), (points[ROW.t], points, 1e-10)):
+            out = np.empty((3, times.size, 10))
+            moments = recording.Moments(times.copy(), 1.0, 1.0)
+            recording.at_times(how, coarse, moments, b, out)
+            np.testing.assert_allclose(out[j].T, want[:10], rtol=0.0, atol=close)
+
+
+def test_there_are_no_states_of_a_motion_without_points():
+    found = course(random_states(2), setting(RK4, 0.1, 2), Curve(0.2, 0.2))
+    found.status[0] = Status.STEP_LIMIT
+    out = np.empty((2, 1, 10))
+    recording.at_times(
+        setting(RK4, 0.1, 2), draw(found), recording.Moments(np.array([1.0]), 1.0, 1.0), UNIFORM.natural, out
+    )
+    assert np.isnan(out[0]).all()
+    assert out[1, 0, ROW.t] == pytest.approx(1.0, abs=1e-14)
+    assert found.rows[0, LENGTH] > 0.0
