@@ -208,7 +208,7 @@ def test_a_damaged_record_is_refused_in_words(content, capsys, tmp_path):
 def test_a_path_that_is_too_long_is_refused(capsys, tmp_path):
     status, _, err = said(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / ("x" * 300))
     assert status == 2
-    assert "no usable path" in err
+    assert "is too long for a path" in err
 
 
 @pytest.mark.parametrize("words", [["plan", "race-angles", "--json"], ["run", "--help"]])
