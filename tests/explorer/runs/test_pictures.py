@@ -1,9 +1,13 @@
 """Pictures of a run: one on a user's axes, all in the formats that were asked for."""
 
+from types import SimpleNamespace
+
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 import explorer as ex
+from explorer.runs import pictures
 from explorer.runs.pictures import read_formats, there
 
 
@@ -36,3 +40,20 @@ def test_pictures_are_there_only_in_all_formats(finished):
     assert there(finished.folder, ["histogram"], ("png", "svg")) == ["histogram"]
     assert there(finished.folder, ["histogram"], ("png", "pdf")) == []
     assert there(finished.folder, None, ()) == []
+
+
+@pytest.mark.rendered("png", "svg")
+def test_all_files_of_a_picture_have_the_layout_of_the_first(tmp_path, monkeypatch):
+    laid_out, execute = [], ConstrainedLayoutEngine.execute
+
+    def noted(engine, figure):
+        laid_out.append(figure)
+        return execute(engine, figure)
+
+    monkeypatch.setattr(ConstrainedLayoutEngine, "execute", noted)
+    figure = Figure(layout="constrained")
+    figure.subplots().set_ylabel("a wide label\nof two lines")
+    progress = SimpleNamespace(expect=bool, drawing=bool, drawn=bool)
+    assert pictures.save_all([("one", figure)], tmp_path, ("png", "svg"), progress) == ["one"]
+    assert laid_out == [figure]
+    assert all((tmp_path / f"one.{kind}").stat().st_size > 1000 for kind in ("png", "svg"))
