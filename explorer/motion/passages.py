@@ -15,7 +15,7 @@ from explorer.motion.passages_by_quadrature import by_quadrature, by_rules, fall
 from explorer.motion.plan import Plan, plan
 from explorer.motion.recording import in_parts
 from explorer.motion.vertical import Starts, starts_at_vertical
-from explorer.phase.arguments import known_keywords, read_columns
+from explorer.phase.arguments import keywords_of, read_columns
 from explorer.phase.disk import Disk
 from explorer.phase.membership import KERNELS
 from explorer.phase.results import Result
@@ -111,12 +111,6 @@ class _Computation(NamedTuple):
     jobs: int = 1
 
 
-def _read(computation: Computation) -> _Computation:
-    """The keywords of `passages`. Raises InputError for one that it does not take."""
-    known_keywords("passages", computation, _Computation._fields)
-    return _Computation(**computation)
-
-
 def passages(
     disk: Disk,
     sigma3_bar: ArrayLike,
@@ -171,7 +165,7 @@ def passages(
     >>> found.race_angle.round(4)
     array([ 7.0248, -7.0248,  7.0248])
     """
-    given = _read(computation)
+    given = keywords_of("passages", computation, _Computation, _Computation._fields)
     how = plan(OBSERVABLES, given.accuracy, given.method)
     columns, shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face})
     edge, jobs = _edge_of(window, how.method), jobs_of("jobs", given.jobs)

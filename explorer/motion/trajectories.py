@@ -16,7 +16,7 @@ from explorer.errors import CoarseTimesWarning, InputError, number, positive, wh
 from explorer.motion import recording
 from explorer.motion.plan import ALGEBRA, QUADRATURE, Plan, plan
 from explorer.motion.turning_points import MAX_STEPS
-from explorer.phase.arguments import known_keywords
+from explorer.phase.arguments import keywords_of
 from explorer.phase.disk import Disk
 from explorer.phase.results import status_names
 from explorer.phase.states import Array, States, columns_of, require_states
@@ -222,16 +222,12 @@ def simulate(
     >>> bool(abs(np.diff(motion.chi)).max() < 0.2), motion([2.0, 4.0]).phi.round(4)
     (True, array([[0.2749, 0.5152]]))
     """
-    motion, chi = _follow(states, (t_end, t_eval), observables, _read(integration))
+    known = ("states", "t_end", "t_eval", "observables", *_Integration._fields)
+    given = keywords_of("simulate", integration, _Integration, known)
+    motion, chi = _follow(states, (t_end, t_eval), observables, given)
     if t_eval is not None:
         _warn_of_races(motion, chi)
     return motion
-
-
-def _read(integration: Integration) -> _Integration:
-    """The keywords of `simulate`. Raises InputError for one that it does not take."""
-    known_keywords("simulate", integration, ("states", "t_end", "t_eval", "observables", *_Integration._fields))
-    return _Integration(**integration)
 
 
 def trajectories(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import wraps
 from typing import Any, TypeVar, cast
 
@@ -20,6 +20,7 @@ from explorer.errors import InputError, double_of, plain_number, shown, suggest
 
 Array = NDArray[np.float64]
 F = TypeVar("F", bound=Callable[..., Any])
+K = TypeVar("K")
 _LARGEST_TABLE = 10**9  # entries to which arguments may broadcast: 8 GB for each column
 
 
@@ -111,6 +112,12 @@ def known_keywords(what: str, given: Iterable[str], known: Collection[str]) -> N
     for name in given:
         if name not in known:
             raise InputError(f"{what}: takes no {name!r}; {suggest(name, known)}")
+
+
+def keywords_of(what: str, given: Mapping[str, Any], kind: Callable[..., K], known: Collection[str]) -> K:
+    """Keywords as the NamedTuple that has them, with its defaults. Raises InputError for one that is not known."""
+    known_keywords(what, given, known)
+    return kind(**given)
 
 
 def explained(function: F) -> F:
