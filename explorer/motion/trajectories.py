@@ -166,6 +166,9 @@ class _Integration(NamedTuple):
     jobs: int = 1
 
 
+_KEYWORDS = ("states", "t_end", "t_eval", "observables", *_Integration._fields)
+
+
 def simulate(
     states: States,
     t_end: float | None = None,
@@ -222,8 +225,7 @@ def simulate(
     >>> bool(abs(np.diff(motion.chi)).max() < 0.2), motion([2.0, 4.0]).phi.round(4)
     (True, array([[0.2749, 0.5152]]))
     """
-    known = ("states", "t_end", "t_eval", "observables", *_Integration._fields)
-    given = keywords_of("simulate", integration, _Integration, known)
+    given = keywords_of("simulate", integration, _Integration, _KEYWORDS)
     motion, chi = _follow(states, (t_end, t_eval), observables, given)
     if t_eval is not None:
         _warn_of_races(motion, chi)
