@@ -166,9 +166,6 @@ class _Integration(NamedTuple):
     jobs: int = 1
 
 
-_KEYWORDS = ("states", "t_end", "t_eval", "observables", *_Integration._fields)
-
-
 def simulate(
     states: States,
     t_end: float | None = None,
@@ -225,11 +222,15 @@ def simulate(
     >>> bool(abs(np.diff(motion.chi)).max() < 0.2), motion([2.0, 4.0]).phi.round(4)
     (True, array([[0.2749, 0.5152]]))
     """
-    given = keywords_of("simulate", integration, _Integration, _KEYWORDS)
-    motion, chi = _follow(states, (t_end, t_eval), observables, given)
+    motion, chi = _follow(states, (t_end, t_eval), observables, _read(integration))
     if t_eval is not None:
         _warn_of_races(motion, chi)
     return motion
+
+
+def _read(integration: Integration) -> _Integration:
+    known = ("states", "t_end", "t_eval", "observables", *_Integration._fields)
+    return keywords_of("simulate", integration, _Integration, known)
 
 
 def trajectories(
