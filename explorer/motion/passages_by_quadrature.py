@@ -10,20 +10,30 @@ from explorer.phase.disk import Disk
 from explorer.phase.gauss import packed_rules
 from explorer.phase.states import Array
 
+# The least accuracies for which there are rules of few digits, and of passages that do not come near flat.
+ROUGH, WIDE = 1e-5, 1e-7
+
 
 def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> "compiled.races.Ways":
     """Passages as integrals. edge: the tilt phi (rad) at which they start and stop, 0 for the vertical."""
     crossings = starts.natural(disk)
     out, status = np.empty((8, starts.status.size)), starts.status.copy()
     if edge == 0.0:
-        compiled.passages.passage_batch(crossings, how.accuracy, disk.tables, disk.natural, out, status)
+        by_tables = compiled.passages.rough_batch if how.accuracy >= ROUGH else compiled.passages.passage_batch
+        by_tables(crossings, how.accuracy, disk.tables, disk.natural, out, status)
+        if how.accuracy >= WIDE and _unanswered(out, status):
+            compiled.passages.wide_batch(crossings, how.accuracy, disk.tables, disk.natural, out, status)
     else:
         out.fill(np.nan)
-    if (np.isnan(out[0]) & (status == compiled.status.Status.OK)).any():
+    if _unanswered(out, status):
         compiled.passages.passage_by_rules_batch(
             crossings, chord(edge), how.accuracy, packed_rules(), disk.natural, out, status
         )
     return _ways(disk, starts.face, crossings, out, status)
+
+
+def _unanswered(out: Array, status: NDArray[np.int8]) -> bool:
+    return bool((np.isnan(out[0]) & (status == compiled.status.Status.OK)).any())
 
 
 def by_rules(disk: Disk, starts: Starts, how: Plan) -> "compiled.races.Ways":

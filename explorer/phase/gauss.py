@@ -59,14 +59,27 @@ def packed_rules() -> "compiled.quadrature.Rules":
     return compiled.quadrature.Rules(np.ascontiguousarray(rules), np.array(SIZES, dtype=np.int64))
 
 
+# Orders of outer, fall, inner and wide rules, for 1e-2, 1e-3 and so on to 1e-10 and the best there is.
+_ORDERS = (
+    (5, 5, 4, 12),
+    (6, 8, 8, 18),
+    (9, 11, 10, 22),
+    (11, 12, 14, 26),
+    (13, 15, 18, 30),
+    (15, 18, 22, 34),
+    (17, 20, 26, 34),
+    (19, 22, 32, 34),
+    (21, 26, 38, 34),
+    (24, 40, 56, 34),
+)
+
+
 @cache
 def table_rules() -> tuple[tuple[_Array, ...], ...]:
-    """Rules for kernels.integrals.tables.make_tables: outer, fall and inner of its grades, from coarse to fine.
+    """Rules for kernels.integrals.tables.make_tables: outer, fall, inner and wide of its grades, coarse to fine.
 
-    Fine: orders at which the estimated error is below 1e-11 for all of 12,800 ordinary passages (speeds of
+    The finest: orders at which the estimated error is below 1e-11 for all of 12,800 ordinary passages (speeds of
     0.5 to 2 at the vertical, |sigma3_bar| <= 2, any eta down to 1e-280); the true one is near 1e-13. The others:
-    orders at which few of them miss 1e-3 and 1e-5 and have to be computed again.
+    orders at which few of them miss the accuracy of their grade and have to be computed again.
     """
-    return tuple(
-        tuple(np.stack(gauss(n)) for n in orders) for orders in ((10, 10, 10), (15, 15, 16), (24, 40, 56))
-    )
+    return tuple(tuple(np.stack(gauss(n)) for n in orders) for orders in _ORDERS)

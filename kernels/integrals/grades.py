@@ -1,6 +1,6 @@
 """Samples that wait in line for rules of rising accuracy, so that each grade has full groups to compute.
 
-A sample begins with the grade that its accuracy asks for. Those that a group has not settled wait for the next
+A sample begins with the grade that its accuracy asks for. Those that a group has not settled wait for a finer
 grade until a group of them has come together; those that no grade settles leave the lines.
 """
 
@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from kernels._jit import subroutine
-from kernels.integrals.tables import COARSE, MIDDLE, Grade, Tables
+from kernels.integrals.tables import GRADES, TARGETS, Grade, Limits, Tables
 from kernels.integrals.tabulated import LANES
 from kernels.types import Longs
 
-GRADES = 3
+_TWO_DECADES = 2  # what one grade has not settled needs more than a few nodes more
 # Samples in a line: fewer than a group, and those that a group of the grade before leaves.
 _ROOM = 2 * LANES
 
@@ -34,31 +34,48 @@ def empty_lines() -> Lines:
 @subroutine
 def first_grade(target: float) -> int:
     """The grade to begin with."""
-    return 0 if target >= COARSE else 1 if target >= MIDDLE else 2
+    for grade in range(GRADES - 1):
+        if target >= TARGETS[grade]:
+            return grade
+    return GRADES - 1
 
 
 @subroutine
 def grade_at(of_body: Tables, number: int) -> Grade:
-    """Grades from few nodes to many."""
-    return of_body.coarse if number == 0 else of_body.middle if number == 1 else of_body.fine
+    """The rules of a grade, from few nodes to many."""
+    first, last, row = 4 * number, 4 * number + 4, of_body.limits[number]
+    ends = of_body.ends
+    return Grade(
+        outer=of_body.outer[:, ends[first] : ends[last]],
+        fall=of_body.fall[:, ends[first + 1] : ends[last + 1]],
+        inner=of_body.inner[:, ends[first + 2] : ends[last + 2]],
+        wide=of_body.far[:, ends[first + 3] : ends[last + 3]],
+        limits=Limits(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]),
+    )
 
 
 @subroutine
 def line_up(lines: Lines, grade: int, sample: int) -> None:
-    """Let a sample wait for a grade, if there is one."""
-    if grade < GRADES:
-        lines.waiting[grade * _ROOM + lines.counts[grade]] = sample
-        lines.counts[grade] += 1
+    """Let a sample wait for a grade."""
+    lines.waiting[grade * _ROOM + lines.counts[grade]] = sample
+    lines.counts[grade] += 1
 
 
 @subroutine
-def next_grade(lines: Lines, first: int, last: bool) -> int:
-    """The finest grade, `first` or finer, for which a full group waits; after the last sample any for which one
-    waits; -1 if there is none."""
-    for grade in range(GRADES - 1, first - 1, -1):
+def line_up_for_finer(lines: Lines, grade: int, end: int, sample: int) -> None:
+    """Let a sample that a grade has not settled wait for a finer one before `end`, if there is one."""
+    if grade < end - 1:
+        line_up(lines, min(grade + _TWO_DECADES, end - 1), sample)
+
+
+@subroutine
+def next_grade(lines: Lines, last: bool) -> int:
+    """The finest grade for which a full group waits; after the last sample the first for which one waits; -1 if
+    there is none."""
+    for grade in range(GRADES - 1, -1, -1):
         if lines.counts[grade] >= LANES:
             return grade
-    for grade in range(first, GRADES):
+    for grade in range(GRADES):
         if last and lines.counts[grade] > 0:
             return grade
     return -1

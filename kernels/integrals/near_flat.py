@@ -16,11 +16,11 @@ from typing import NamedTuple
 
 from kernels._jit import contracted_device
 from kernels.disk.body import Body
-from kernels.disk.elementary import arctan, exp_fall, log_ratio
+from kernels.disk.elementary import arctan, exp_fall, exp_fall_short, log_ratio, log_ratio_short
 from kernels.disk.falling import contracted_potential_above_flat
 from kernels.disk.polynomials import horner
 from kernels.integrals.point import Motion
-from kernels.integrals.tables import HANDOVER, Low
+from kernels.integrals.tables import HANDOVER, SHORT_DEGREE, Series
 
 _LN2 = math.log(2.0)
 _LOG_HANDOVER = math.log(HANDOVER)
@@ -71,11 +71,23 @@ class Integrals(NamedTuple):
 
 
 @contracted_device
-def near_flat(h: float, log_h: float, motion: Motion, b: Body, low: Low) -> Near:
+def fall_off(d: float, low: Series) -> float:
+    """exp(-d), to the digits of the series."""
+    return exp_fall_short(d) if len(low.v) == SHORT_DEGREE + 1 else exp_fall(d)
+
+
+@contracted_device
+def log_of_ratio(s: float, low: Series) -> float:
+    """ln((1 + s)/(1 - s)), to the digits of the series."""
+    return log_ratio_short(s) if len(low.v) == SHORT_DEGREE + 1 else log_ratio(s)
+
+
+@contracted_device
+def near_flat(h: float, log_h: float, motion: Motion, b: Body, low: Series) -> Near:
     """The motion at h."""
     x, y = motion.X, motion.Y
     S = 0.5 * h * h
-    t = 16.0 * S - 1.0
+    t = low.per_S * S - 1.0
     log_S = 2.0 * log_h - _LN2
     g = horner(low.rho_over_S, t)
     half_c, inv_k = 0.5 * b.c, 1.0 / b.k
@@ -101,17 +113,17 @@ def slope_of(h: float, at: Near, x: float, b: Body) -> float:
 
 
 @contracted_device
-def newton(h: float, log_h: float, motion: Motion, b: Body, low: Low) -> tuple[float, float, float]:
+def newton(h: float, log_h: float, motion: Motion, b: Body, low: Series) -> tuple[float, float, float]:
     """(h, ln h, step) after one step of Newton's method in ln h towards the turning point."""
     at = near_flat(h, log_h, motion, b, low)
     step = (motion.level - at.V) / slope_of(h, at, motion.X, b)
     step = max(min(step, _LONGEST), -_LONGEST)
-    return h + h * step, log_h + log_ratio(step / (2.0 + step)), step
+    return h + h * step, log_h + log_of_ratio(step / (2.0 + step), low), step
 
 
 @contracted_device
 def closed_forms(
-    h: float, log_h: float, at: Near, slope: float, motion: Motion, b: Body, low: Low
+    h: float, log_h: float, at: Near, slope: float, motion: Motion, b: Body, low: Series
 ) -> tuple[Closed, Integrals]:
     """What is known in closed form between the turning point h and the handover; slope = -h dV/dh there."""
     x, y, inv_k = motion.X, motion.Y, 1.0 / b.k
@@ -121,7 +133,7 @@ def closed_forms(
     # ln((HANDOVER + tau)/2) is ln(HANDOVER) + ln(1 - s) with a small s.
     s = 0.5 * (HANDOVER - tau) / HANDOVER
     cap = 0.5 * (HANDOVER + tau)
-    log_cap = _LOG_HANDOVER + log_ratio(-s / (2.0 - s))
+    log_cap = _LOG_HANDOVER + log_of_ratio(-s / (2.0 - s), low)
     gd = 0.5 * math.pi - arctan(h / tau)
     y_end = log_cap + _LN2 - log_h
     # M theta-dot^2 = slope tanh^2 y less 2 (h - h_m) and 2 spin ln(h/h_m), to first order
@@ -143,18 +155,18 @@ def closed_forms(
 
 @contracted_device
 def left_at_node(
-    gap: float, motion: Motion, h_turn: float, log_turn: float, known: Closed, b: Body, low: Low
+    gap: float, motion: Motion, h_turn: float, log_turn: float, known: Closed, b: Body, low: Series
 ) -> tuple[float, Integrals]:
     """(theta-dot^2, what the closed forms leave of the integrands) at y below the handover by gap widths."""
     x, y, inv_k = motion.X, motion.Y, 1.0 / b.k
     d = known.width * gap
     # h and tau are the sum and the difference of h_m e^y / 2 and h_m e^-y / 2.
-    rising = known.cap * exp_fall(d)
+    rising = known.cap * fall_off(d, low)
     inv_rising = 1.0 / rising
     falling = known.turn2 * inv_rising
     h, tau = rising + falling, rising - falling
     fraction = falling * inv_rising
-    log_h = known.log_cap - d + log_ratio(fraction / (2.0 + fraction))
+    log_h = known.log_cap - d + log_of_ratio(fraction / (2.0 + fraction), low)
     at = near_flat(h, log_h, motion, b, low)
     speed2 = 2.0 * b.inv_M * (motion.level - at.V)
     inv_shape2 = 1.0 / at.shape2

@@ -1,6 +1,7 @@
 """Passages and falls of many samples: by tables where they serve, by adaptive quadrature elsewhere.
 
-Two kernels each: what most callers need compiles in half the time.
+Kernels of their own for few digits, for many, for passages that do not come near flat, and for adaptive rules:
+what a caller needs compiles in a part of the time.
 """
 
 import math
@@ -12,17 +13,28 @@ from kernels._jit import kernel, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import put
-from kernels.integrals import nodes, tabulated
-from kernels.integrals.grades import empty_lines, first_grade, grade_at, line_up, next_grade, take
+from kernels.integrals import nodes, tabulated, wide
+from kernels.integrals.grades import (
+    Lines,
+    empty_lines,
+    first_grade,
+    grade_at,
+    line_up,
+    line_up_for_finer,
+    next_grade,
+    take,
+)
 from kernels.integrals.point import VERTICAL, Motion, motion_through
 from kernels.integrals.quadrature import FLOOR, FallRow, PassageRow, Rules, Start, fall, passage
-from kernels.integrals.tables import MIDDLE, Tables
+from kernels.integrals.tables import GRADES, ROUGH, WIDE_END, Series, Tables
 from kernels.integrals.tabulated import CHECK, LANES, Goal
 from kernels.status import Status
 from kernels.types import Codes, Longs, Matrix, Vector
 
 _OK = int(Status.OK)
 _FALLS = int(Status.FALLS)
+# What a passage and a fall are written into: as many rows as they have fields.
+PASSAGE_ROWS, FALL_ROWS = len(PassageRow._fields), len(FallRow._fields)
 
 
 class Crossings(NamedTuple):
@@ -31,6 +43,29 @@ class Crossings(NamedTuple):
     sigma3_bar: Vector
     eta: Vector
     speed: Vector
+
+
+class Asked(NamedTuple):
+    """Accuracy; the first grade that may give it, and the one behind the last."""
+
+    target: float
+    first: int
+    end: int
+
+
+class Room(NamedTuple):
+    """Room for groups: lanes, lines, the samples of a group and what it has found, in columns."""
+
+    lanes: Vector
+    lines: Lines
+    group: Longs
+    found: Matrix
+
+
+@subroutine
+def make_room(rows: int) -> Room:
+    """Room in which nobody waits, for so many results of each sample."""
+    return Room(np.ones(tabulated.ROWS * LANES), empty_lines(), np.zeros(LANES, np.int64), np.zeros((rows, LANES)))
 
 
 @subroutine
@@ -58,6 +93,45 @@ def in_lane(W: Vector, i: int, b: Body) -> PassageRow[float]:
     )
 
 
+@subroutine
+def hand_over(room: Room, taken: int, grade: int, end: int, out: Matrix) -> None:
+    """Write what a group has found, one row after another; who is not settled lines up for a finer grade."""
+    for k in range(taken):
+        if room.lanes[CHECK * LANES + k] == 1.0:
+            line_up_for_finer(room.lines, grade, end, room.group[k])
+    for row in range(out.shape[0]):
+        for k in range(taken):
+            if room.lanes[CHECK * LANES + k] == 0.0:
+                out[row, room.group[k]] = room.found[row, k]
+
+
+@subroutine
+def by_tables(
+    crossings: Crossings, asked: Asked, of_body: Tables, low: Series, disk: Disk, out: Matrix, status: Codes
+) -> None:
+    """`passage_batch` and `rough_batch`, with the series of their grades."""
+    room, goal, n = make_room(PASSAGE_ROWS), Goal(asked.target, FLOOR), status.size
+    for i in range(n + 1):
+        if i < n:
+            out[:, i] = math.nan
+            if status[i] == _OK and crossings.eta[i] == 0.0:
+                status[i] = _FALLS
+            if status[i] == _OK:
+                line_up(room.lines, asked.first, i)
+        if i < n and room.lines.counts[asked.first] < LANES:
+            continue
+        grade = next_grade(room.lines, i == n)
+        while grade >= 0:
+            taken = take(room.lines, grade, room.group)
+            fill(room.lanes, room.group, taken, crossings, disk.body)
+            rules = grade_at(of_body, grade)
+            tabulated.passages(room.lanes, goal, rules, of_body.vertical, low, disk.body)
+            for k in range(taken):
+                put(in_lane(room.lanes, k, disk.body), room.found, k)
+            hand_over(room, taken, grade, asked.end, out)
+            grade = next_grade(room.lines, i == n)
+
+
 @kernel
 def passage_batch(
     crossings: Crossings, target: float, of_body: Tables, disk: Disk, out: Matrix, status: Codes
@@ -66,31 +140,47 @@ def passage_batch(
 
     target: accuracy of the angles (rad) and of the time (relative). status (n): samples that come in as not OK
     are skipped; eta = 0 is FALLS. Those that tables do not serve stay OK, with NaN: they are left to
-    `passage_by_rules_batch`.
+    `wide_batch` and `passage_by_rules_batch`.
     """
-    lanes, n = np.ones(tabulated.ROWS * LANES), status.size
-    lines, group = empty_lines(), np.zeros(LANES, np.int64)
-    first, goal = first_grade(target), Goal(target, FLOOR)
+    asked = Asked(target, max(first_grade(target), ROUGH), GRADES)
+    by_tables(crossings, asked, of_body, of_body.low, disk, out, status)
+
+
+@kernel
+def rough_batch(
+    crossings: Crossings, target: float, of_body: Tables, disk: Disk, out: Matrix, status: Codes
+) -> None:
+    """As `passage_batch`, for targets down to 1e-5: by short series and few nodes."""
+    asked = Asked(target, min(first_grade(target), ROUGH), ROUGH + 1)
+    by_tables(crossings, asked, of_body, of_body.short, disk, out, status)
+
+
+@kernel
+def wide_batch(
+    crossings: Crossings, target: float, of_body: Tables, disk: Disk, out: Matrix, status: Codes
+) -> None:
+    """The same, for targets down to 1e-7, of every motion that is OK and still NaN: those that turn far from flat.
+
+    Those that stay NaN are left to `passage_by_rules_batch`.
+    """
+    room, goal, n = make_room(PASSAGE_ROWS), Goal(target, FLOOR), status.size
+    first = first_grade(target)
+    if first >= WIDE_END:
+        return
     for i in range(n + 1):
-        if i < n:
-            out[:, i] = math.nan
-            if status[i] == _OK and crossings.eta[i] == 0.0:
-                status[i] = _FALLS
-            if status[i] == _OK:
-                line_up(lines, first, i)
-        if i < n and lines.counts[first] < LANES:
+        if i < n and status[i] == _OK and math.isnan(out[0, i]):
+            line_up(room.lines, first, i)
+        if i < n and room.lines.counts[first] < LANES:
             continue
-        grade = next_grade(lines, first, i == n)
+        grade = next_grade(room.lines, i == n)
         while grade >= 0:
-            taken = take(lines, grade, group)
-            fill(lanes, group, taken, crossings, disk.body)
-            tabulated.passages(lanes, goal, grade_at(of_body, grade), of_body, disk.body)
+            taken = take(room.lines, grade, room.group)
+            fill(room.lanes, room.group, taken, crossings, disk.body)
+            wide.passages(room.lanes, goal, grade_at(of_body, grade), of_body, disk.body)
             for k in range(taken):
-                if lanes[CHECK * LANES + k] == 0.0:
-                    put(in_lane(lanes, k, disk.body), out, group[k])
-                else:
-                    line_up(lines, grade + 1, group[k])
-            grade = next_grade(lines, first, i == n)
+                put(in_lane(room.lanes, k, disk.body), room.found, k)
+            hand_over(room, taken, grade, WIDE_END, out)
+            grade = next_grade(room.lines, i == n)
 
 
 @kernel
@@ -146,31 +236,28 @@ def fall_batch(
 ) -> None:
     """The fall on F from the vertical on face +1 of every sample -> out (4, n), rows as FallRow.
 
-    target: accuracy of there and back, as for passages; below MIDDLE it is the best there is. NaN where tables do
-    not serve: those are left to `fall_by_rules_batch`.
+    target: accuracy of there and back, as for passages; 0 is the best there is. NaN where tables do not serve:
+    those are left to `fall_by_rules_batch`.
     """
-    b, n = disk.body, energy.size
-    lanes = np.ones(tabulated.ROWS * LANES)
-    lines, group = empty_lines(), np.zeros(LANES, np.int64)
-    first, goal = first_grade(target), Goal(target if target >= MIDDLE else FLOOR, FLOOR)
+    b, n, room = disk.body, energy.size, make_room(FALL_ROWS)
+    first = first_grade(target)
+    goal = Goal(target if first < GRADES - 1 else FLOOR, FLOOR)
     for i in range(n + 1):
         if i < n:
             out[:, i] = math.nan
             if energy[i] > potential_at_flat(sigma3_bar[i] / b.r0, b):
-                line_up(lines, first, i)
-        if i < n and lines.counts[first] < LANES:
+                line_up(room.lines, first, i)
+        if i < n and room.lines.counts[first] < LANES:
             continue
-        grade = next_grade(lines, first, i == n)
+        grade = next_grade(room.lines, i == n)
         while grade >= 0:
-            taken = take(lines, grade, group)
-            fill_falls(lanes, group, taken, sigma3_bar, energy, b)
-            tabulated.falls(lanes, goal, grade_at(of_body, grade), of_body, b)
+            taken = take(room.lines, grade, room.group)
+            fill_falls(room.lanes, room.group, taken, sigma3_bar, energy, b)
+            tabulated.falls(room.lanes, goal, grade_at(of_body, grade), of_body.vertical, b)
             for k in range(taken):
-                if lanes[CHECK * LANES + k] == 0.0:
-                    put(fall_in_lane(lanes, k), out, group[k])
-                else:
-                    line_up(lines, grade + 1, group[k])
-            grade = next_grade(lines, first, i == n)
+                put(fall_in_lane(room.lanes, k), room.found, k)
+            hand_over(room, taken, grade, GRADES, out)
+            grade = next_grade(room.lines, i == n)
 
 
 @kernel

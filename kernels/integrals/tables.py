@@ -3,10 +3,13 @@
 Away from flat the nodes of a rule may stand at the same tilts for every sample. There sigma_3 and
 sigma_4 are X and Y times numbers that depend on the tilt and the body, so a node costs a square root
 and a division. Near flat, on h <= HANDOVER, the nodes follow the turning point of each sample, but
-S <= 1/8 and Chaplygin's solutions are polynomials of degree 9.
+S <= 1/8 and Chaplygin's solutions are polynomials of degree 9; of degree 3 where few digits are asked.
+
+There is a grade of rules for each decade of accuracy. All grades stand side by side in one array of nodes.
 """
 
 import math
+from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -17,11 +20,15 @@ from kernels._jit import contracted_device
 from kernels.disk import chaplygin
 from kernels.disk.body import Disk
 from kernels.disk.polynomials import economise
-from kernels.types import Matrix
+from kernels.types import Longs, Matrix
 
 # h where the fixed nodes end: as far out as the low series stay short.
 HANDOVER = 0.5
-LOW_DEGREE = 9  # the nearest singularity is 16 intervals away: coefficients fall like 62^-n
+# On S <= 1/8 the nearest singularity is 16 intervals away: coefficients fall like 62^-n; on S <= 1 like 5.8^-n.
+LOW_DEGREE, SHORT_DEGREE, WIDE_DEGREE = 9, 3, 15
+# Tilts at which wide passages look for their turning point: SCANNED of them, in equal steps of ln h.
+SCANNED, _LOWEST = 20, 0.02
+SCAN_STEP = math.log(math.sqrt(2.0) / _LOWEST) / SCANNED
 
 # Rows of the tables of fixed tilts below those of Fixed: the last Legendre coefficients.
 LAST, LAST_BUT_ONE = 8, 9
@@ -54,16 +61,44 @@ def fixed(table: Matrix, j: int) -> Fixed:
 
 
 LowPowers = Annotated[tuple[float, ...], nb.UniTuple(float64, LOW_DEGREE + 1)]
+ShortPowers = Annotated[tuple[float, ...], nb.UniTuple(float64, SHORT_DEGREE + 1)]
+WidePowers = Annotated[tuple[float, ...], nb.UniTuple(float64, WIDE_DEGREE + 1)]
 
 
 class Low(NamedTuple):
-    """Chaplygin's series for S <= 1/8, ascending powers of 16 S - 1."""
+    """Chaplygin's series for S <= 2/per_S, ascending powers of per_S S - 1: here for S <= 1/8."""
 
     rho_over_S: LowPowers
     drho: LowPowers
     v: LowPowers
     dv: LowPowers
     excess: LowPowers
+    per_S: float
+
+
+class Short(NamedTuple):
+    """As `Low`, for few digits."""
+
+    rho_over_S: ShortPowers
+    drho: ShortPowers
+    v: ShortPowers
+    dv: ShortPowers
+    excess: ShortPowers
+    per_S: float
+
+
+class Wide(NamedTuple):
+    """As `Low`, for S <= 1."""
+
+    rho_over_S: WidePowers
+    drho: WidePowers
+    v: WidePowers
+    dv: WidePowers
+    excess: WidePowers
+    per_S: float
+
+
+Series = Low | Short | Wide
 
 
 class Limits(NamedTuple):
@@ -72,83 +107,135 @@ class Limits(NamedTuple):
     depth: range in y, below the handover, that the inner rule covers. rounds: steps of Newton's method towards
     the turning point, and settled: the last of them at most. missed: share of what the inner rule adds up that it
     misses at most; 0 where its last coefficients tell. slowest: share of the energy above V_0 with which a motion
-    must leave the vertical. few: whether the other rules have only some ten nodes.
+    must leave the vertical. trust, trust_of_fall, trust_of_wide: what the other rules miss of what they add up, in
+    squares of the share that their last coefficients have; 0 where these coefficients tell by themselves.
     """
 
     depth: float
-    rounds: int
+    rounds: float
     settled: float
     missed: float
     slowest: float
-    few: bool
+    trust: float
+    trust_of_fall: float
+    trust_of_wide: float
 
 
 class Grade(NamedTuple):
-    """Rules of one accuracy: outer (10, n), fall (10, n), inner (4, m)."""
+    """Rules of one accuracy: outer (10, n), fall (10, n), inner (4, n), wide (4, n)."""
 
     outer: Matrix
     fall: Matrix
     inner: Matrix
+    wide: Matrix
     limits: Limits
 
 
 class Tables(NamedTuple):
-    """Tables of one body: vertical (8, 1), low, and grades of rules for accuracies of COARSE, MIDDLE and any."""
+    """Tables of one body.
+
+    vertical (8, 1), scan (8, SCANNED): single tilts. low, short, wide: series. outer, fall, inner, far: nodes of
+    all grades side by side; ends: where those of a grade end, four numbers for each. limits (GRADES, 8): fields
+    of Limits.
+    """
 
     vertical: Matrix
+    scan: Matrix
     low: Low
-    coarse: Grade
-    middle: Grade
-    fine: Grade
+    short: Short
+    wide: Wide
+    outer: Matrix
+    fall: Matrix
+    inner: Matrix
+    far: Matrix
+    ends: Longs
+    limits: Matrix
 
 
-# The least accuracies that are left to rules with few nodes.
-COARSE, MIDDLE = 1e-3, 1e-5
+# The least accuracy that is left to each grade; the last gives the best there is.
+TARGETS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0.0)
+GRADES = len(TARGETS)
+# The grade at which short series end and the others begin; the first that has no rules for wide passages.
+ROUGH, WIDE_END = 4, 6
 # What an inner rule misses of what it adds up hardly depends on the motion: that is a sum of e^(-ky), k = 2, 3
 # and so on, from the handover down. Twice the largest share of 96,000 passages of twelve bodies, of those with
 # I1 >= _ROUND; below that it grows like the power _GROWS, since kappa does.
 _ROUND, _GROWS = 0.05, 1.5
 _GRADES = (
-    Limits(depth=5.5, rounds=3, settled=2e-3, missed=1.2e-3, slowest=1e-2, few=True),
-    Limits(depth=9.0, rounds=4, settled=3e-5, missed=4e-5, slowest=5e-3, few=False),
-    Limits(depth=16.0, rounds=5, settled=1e-8, missed=0.0, slowest=1e-3, few=False),
+    Limits(3.0, 2, 3e-2, 4e-3, 1e-2, 0.006, 0.005, 0.005),
+    Limits(4.5, 3, 2e-3, 3e-4, 1e-2, 0.015, 0.2, 0.1),
+    Limits(5.5, 3, 2e-3, 4e-5, 1e-2, 0.01, 0.015, 0.2),
+    Limits(7.0, 4, 3e-5, 3e-6, 1e-2, 0.02, 0.02, 0.3),
+    Limits(8.5, 4, 3e-5, 4e-7, 5e-3, 0.1, 0.2, 0.3),
+    Limits(9.5, 4, 3e-5, 4e-8, 5e-3, 0.15, 0.05, 0.3),
+    Limits(11.0, 5, 1e-6, 4e-9, 5e-3, 0.2, 0.1, 0.3),
+    Limits(12.5, 5, 1e-6, 4e-10, 5e-3, 0.3, 0.25, 0.3),
+    Limits(14.0, 5, 1e-6, 4e-11, 5e-3, 0.3, 0.1, 0.3),
+    Limits(16.0, 5, 1e-8, 0.0, 1e-3, 0.0, 0.0, 0.0),
 )
 
 
-def make_tables(disk: Disk, rules: tuple[tuple[np.ndarray, ...], ...]) -> Tables:
+def make_tables(disk: Disk, rules: Sequence[tuple[np.ndarray, ...]]) -> Tables:
     """Tables for passages of a disk.
 
-    rules: for each grade Gauss rules (2, n) on [-1, 1] for outer, fall and inner. Inner rules have an even number
-    of nodes; their positive half is used.
+    rules: for each grade Gauss rules (2, n) on [-1, 1] for outer, fall, inner and wide. The last two have an even
+    number of nodes; their positive half is used.
     """
-    low = Low(*(tuple(map(float, row)) for row in _low_series(disk.body.c)))
-    vertical = _at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1))
-    coarse, middle, fine = (_grade(disk, each, limits) for each, limits in zip(rules, _GRADES, strict=True))
-    return Tables(vertical, low, coarse, middle, fine)
+    power_series = chaplygin.power_series(disk.body.c)[0]
+    grades = [_grade(disk, each, limits) for each, limits in zip(rules, _GRADES, strict=True)]
+    sizes = [[nodes.shape[1] for nodes in grade[:4]] for grade in grades]
+    outer, fall, inner, far = (np.concatenate(nodes, axis=1) for nodes in list(zip(*grades, strict=True))[:4])
+    return Tables(
+        vertical=_at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1)),
+        scan=_at_tilts(disk, 2.0 * np.arcsin(0.5 * scanned_tilts()), np.zeros(SCANNED)),
+        low=Low(*_series(power_series, 0.5 * HANDOVER * HANDOVER, LOW_DEGREE), 4.0 / HANDOVER**2),
+        short=Short(*_series(power_series, 0.5 * HANDOVER * HANDOVER, SHORT_DEGREE), 4.0 / HANDOVER**2),
+        wide=Wide(*_series(power_series, 1.0, WIDE_DEGREE), 2.0),
+        outer=outer,
+        fall=fall,
+        inner=inner,
+        far=far,
+        ends=np.concatenate([np.zeros(4, np.int64), np.cumsum(sizes, axis=0).ravel()]),
+        limits=np.array([grade.limits for grade in grades]),
+    )
+
+
+def scanned_tilts() -> np.ndarray:
+    """h where wide passages look for their turning point, from below the vertical on."""
+    return math.sqrt(2.0) * np.exp(-SCAN_STEP * np.arange(1, SCANNED + 1))
 
 
 def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
-    outer, fall, inner = rules
+    outer, fall, inner, wide = rules
     handover = 2.0 * math.asin(0.5 * HANDOVER)
     # A slow start makes theta-dot^2 small towards the vertical; there nodes lie close, like u^2.
     far = _towards_vertical(disk, 0.5 * math.pi - handover, outer)
-    if limits.missed > 0.0:
+    if limits.trust_of_fall > 0.0:
         fallen = _towards_vertical(disk, 0.5 * math.pi, fall)
     else:
         # Where the fall is slow at flat as well, u^2 (3 - 2u) crowds nodes at both ends.
         u = 0.5 * (1.0 + fall[0])
         theta = 0.5 * math.pi * u * u * (3.0 - 2.0 * u)
         fallen = _at_tilts(disk, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
-    half, n = inner.shape[1] // 2, inner.shape[1]
-    # Of an even function the even coefficients are left, of degrees n - 2 and n - 4.
-    last = _coefficients(inner, (n - 2, n - 4))[:, half:]
     thin = 1.0 + (_ROUND / disk.body.I1) ** _GROWS
+    places, weights, tails = _half(inner)
+    # ln h rises from the turning point like s^2, s = sin(pi v/2): nodes lie close at both ends.
+    v, steps, last = _half(wide)
+    s, slope = np.sin(0.5 * math.pi * v), np.cos(0.5 * math.pi * v)
     return Grade(
         outer=np.concatenate([far, _coefficients(outer, (outer.shape[1] - 1, outer.shape[1] - 2))]),
         fall=np.concatenate([fallen, _coefficients(fall, (fall.shape[1] - 1, fall.shape[1] - 2))]),
-        inner=np.concatenate([1.0 - inner[:1, half:], inner[1:, half:], last]),
+        inner=np.concatenate([[1.0 - places, weights], tails]),
+        wide=np.concatenate([[slope * slope, math.pi * s * slope * steps], last]),
         limits=limits._replace(missed=limits.missed * thin),
     )
+
+
+def _half(rule: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes and weights of the positive half of a symmetric rule, and its last coefficients for even functions."""
+    n = rule.shape[1]
+    # Of an even function the even coefficients are left, of degrees n - 2 and n - 4.
+    return rule[0, n // 2 :], rule[1, n // 2 :], _coefficients(rule, (n - 2, n - 4))[:, n // 2 :]
 
 
 def _towards_vertical(disk: Disk, length: float, rule: np.ndarray) -> np.ndarray:
@@ -178,7 +265,7 @@ def _coefficients(rule: np.ndarray, degrees: tuple[int, int]) -> np.ndarray:
     return np.stack([(2 * k + 1) * np.polynomial.legendre.legval(rule[0], eye[k]) for k in degrees])
 
 
-def _low_series(c: float) -> list[np.ndarray]:
-    power_series, _r0, _dr0 = chaplygin.power_series(c)
-    shrink = (0.5 * HANDOVER * HANDOVER) ** np.arange(power_series.shape[1])
-    return [economise(row * shrink, LOW_DEGREE) for row in power_series]
+def _series(power_series: np.ndarray, widest: float, degree: int) -> list[tuple[float, ...]]:
+    """Powers of 2 S/widest - 1 of Chaplygin's series for S <= widest."""
+    shrink = widest ** np.arange(power_series.shape[1])
+    return [tuple(map(float, economise(row * shrink, degree))) for row in power_series]

@@ -20,7 +20,7 @@ from kernels.disk.falling import contracted_potential_above_flat
 from kernels.integrals import tables
 from kernels.integrals.near_flat import Closed, Integrals, closed_forms, left_at_node, near_flat, newton, slope_of
 from kernels.integrals.point import Motion
-from kernels.integrals.tables import Fixed, Grade, Limits, Low, Tables, fixed
+from kernels.integrals.tables import Fixed, Grade, Limits, Series, fixed
 from kernels.types import Matrix, Vector
 
 LANES = 32
@@ -29,17 +29,18 @@ NARROWEST = 1e-303  # of |Y|: h_m must not be denormal
 _LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y, or ends at the turning point
 # The inner rule's error is told by the size of what it adds up, which for single motions nearly cancels.
 _LEAST_SIZE = 0.02
-_TURNED = 40.0  # what an error of the turning point, about the square of Newton's last step, does to the angles
+TURNED = 40.0  # what an error of the turning point, about the square of Newton's last step, does to the angles
+_SLOWEST = 1e-3  # share of the energy with which a motion must leave the vertical, whatever the grade
 _PARKED = 0.1  # h_m of lanes that are left to `quadrature`: any number within the bounds
-_EPSILON = 2.2e-16
-_NOISE = 100.0  # units of rounding, as in quadrature
+EPSILON = 2.2e-16
+NOISE_UNITS = 100.0  # units of rounding, as in quadrature
 
 # Rows of the work array: entry (row, i) stands at row * LANES + i, as in `batch`. Their order means nothing.
 ROWS = 38
 (
     # the sample; NOISE: of E - V, START: what it does at a slow start; LEAST: least theta-dot^2 met
     X, Y, SPEED, LEVEL, H_TURN, LOG_TURN, STEP, NOISE, START, LEAST,
-    # results; CHECK: 0 where they stand
+    # results; CHECK: 0 where they stand, 1 where finer rules may do better, 2 where none here will
     CHI, REST, TIME, PSI, ANGLE_ERROR, TIME_ERROR, WAY, CHECK,
     # fields of Closed
     CAP, LOG_CAP, WIDTH, BELOW, TURN2, RACE, PULL, SPIN, SLOW, REST0, REST1,
@@ -89,14 +90,14 @@ def start_noise(terms: float, moving: float, ratio: float, sigma4: float, b: Bod
     It acts while the motion is within about a radian of the vertical.
     """
     duration = min(1.0, math.sqrt(0.5 * b.M / moving))
-    return 4.0 * _EPSILON * terms / moving * duration * (1.0 + abs(ratio) + abs(sigma4))
+    return 4.0 * EPSILON * terms / moving * duration * (1.0 + abs(ratio) + abs(sigma4))
 
 
 @contracted_device
 def departure(
     x: float, y: float, speed: float, slowest: float, at: Fixed, b: Body
-) -> tuple[float, float, float, float, bool]:
-    """(level, terms of E - V, noise of the start, guess at the turning point, usable) from the vertical."""
+) -> tuple[float, float, float, float, float]:
+    """(level, terms of E - V, noise of the start, guess at the turning point, CHECK) from the vertical."""
     inv_k = 1.0 / b.k
     ratio, rise = x * at.ratio_x + y * at.ratio_y, x * at.rise_x + y * at.rise_y
     gyration = 0.5 * b.I1 * ratio * ratio
@@ -109,9 +110,9 @@ def departure(
     first = size * math.sqrt(0.5 * b.I1 / level)
     # Gravity shares the energy at the turning point: one step of q = h.
     left = level - first
-    usable = (moving > slowest * level) & (size > NARROWEST)
-    usable = usable & (first < 2.0 * WIDEST) & (left > 0.5 * level)
-    return level, terms, noise, size * math.sqrt(0.5 * b.I1 / left), usable
+    near = (size > NARROWEST) & (first < 2.0 * WIDEST) & (left > 0.5 * level) & (moving > _SLOWEST * level)
+    check = 0.0 if moving > slowest * level else 1.0
+    return level, terms, noise, size * math.sqrt(0.5 * b.I1 / left), check if near else 2.0
 
 
 @contracted_subroutine
@@ -120,10 +121,10 @@ def start(W: Vector, vertical: Matrix, slowest: float, b: Body) -> None:
     at = fixed(vertical, 0)
     for i in range(LANES):
         x, y, speed = W[X * LANES + i], W[Y * LANES + i], W[SPEED * LANES + i]
-        level, terms, noise, h, usable = departure(x, y, speed, slowest, at, b)
+        level, terms, noise, h, check = departure(x, y, speed, slowest, at, b)
         W[LEVEL * LANES + i], W[NOISE * LANES + i], W[START * LANES + i] = level, terms, noise
-        W[H_TURN * LANES + i] = h if usable else _PARKED
-        W[CHECK * LANES + i] = 0.0 if usable else 1.0
+        W[H_TURN * LANES + i] = h if check == 0.0 else _PARKED
+        W[CHECK * LANES + i] = check
     for i in range(LANES):
         W[LOG_TURN * LANES + i] = math.log(W[H_TURN * LANES + i])
 
@@ -135,30 +136,32 @@ def motion_of(W: Vector, i: int) -> Motion:
 
 
 @contracted_subroutine
-def turn(W: Vector, limits: Limits, b: Body, low: Low) -> None:
+def turn(W: Vector, limits: Limits, b: Body, low: Series) -> None:
     """H_TURN and LOG_TURN by Newton in ln h; CHECK is raised where that has not converged."""
-    for _ in range(limits.rounds):
+    for _ in range(int(limits.rounds)):
         for i in range(LANES):
             h, log_h, step = newton(W[H_TURN * LANES + i], W[LOG_TURN * LANES + i], motion_of(W, i), b, low)
             W[H_TURN * LANES + i], W[LOG_TURN * LANES + i], W[STEP * LANES + i] = h, log_h, step
     for i in range(LANES):
-        good = (abs(W[STEP * LANES + i]) < limits.settled) & (W[H_TURN * LANES + i] < WIDEST)
-        W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else 1.0
+        inside = W[H_TURN * LANES + i] < WIDEST
+        good = (abs(W[STEP * LANES + i]) < limits.settled) & inside
+        raised = max(W[CHECK * LANES + i], 1.0 if inside else 2.0)
+        W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else raised
         W[H_TURN * LANES + i] = W[H_TURN * LANES + i] if good else _PARKED
         W[LOG_TURN * LANES + i] = W[LOG_TURN * LANES + i] if good else math.log(_PARKED)
 
 
 @contracted_subroutine
-def closed(W: Vector, depth: float, b: Body, low: Low) -> None:
+def closed(W: Vector, depth: float, b: Body, low: Series) -> None:
     """What is known in closed form below the handover goes into CHI, REST, TIME; its factors into rows."""
     for i in range(LANES):
         motion, h, log_h = motion_of(W, i), W[H_TURN * LANES + i], W[LOG_TURN * LANES + i]
         at = near_flat(h, log_h, motion, b, low)
         slope = -slope_of(h, at, motion.X, b)
         W[WAY * LANES + i] = at.n / at.shape
-        W[NOISE * LANES + i] = _NOISE * _EPSILON * (1.0 + W[NOISE * LANES + i] / slope) + W[START * LANES + i]
+        W[NOISE * LANES + i] = NOISE_UNITS * EPSILON * (1.0 + W[NOISE * LANES + i] / slope) + W[START * LANES + i]
         good = slope > 0.0
-        W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else 1.0
+        W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else 2.0
         known, integrals = closed_forms(h, log_h, at, slope if good else 1.0, motion, b, low)
         W[CAP * LANES + i], W[LOG_CAP * LANES + i] = known.cap, known.log_cap
         wide = known.width if known.width < depth else depth
@@ -207,7 +210,7 @@ def keep_least(W: Vector, i: int, speed2: float) -> None:
 
 
 @contracted_subroutine
-def near_panel(W: Vector, inner: Matrix, b: Body, low: Low) -> None:
+def near_panel(W: Vector, inner: Matrix, b: Body, low: Series) -> None:
     """Add what the closed forms leave between the turning point and the handover."""
     for j in range(inner.shape[1]):
         gap, weight = inner[tables.GAP, j], inner[tables.WEIGHT, j]
@@ -280,16 +283,16 @@ def told_by_coefficients(W: Vector) -> None:
 
 
 @contracted_subroutine
-def told_by_the_worst(W: Vector, few: bool) -> None:
+def told_by_the_worst(W: Vector, trust: float) -> None:
     """As `told_by_coefficients` for rules of some ten nodes.
 
-    Two coefficients in turn may vanish by chance there: the largest share of all three integrals serves each.
-    Where they are size * ratio^(n - 3/2), the error is size * ratio^(2n), with few nodes about size * share^(9/4).
+    Two coefficients in turn may vanish by chance there: the largest share of all three integrals serves each. The
+    error of a Gauss rule goes like its square; trust: how many times the square that is at most.
     """
     for i in range(LANES):
         chi, rest, time = share_of_tail(W, i, OF_CHI), share_of_tail(W, i, OF_REST), share_of_tail(W, i, OF_TIME)
         share = max(max(chi, rest), time)
-        missed = share * share * (math.sqrt(math.sqrt(share)) if few else 1.0)
+        missed = trust * share * share
         W[ANGLE_ERROR * LANES + i] += missed * (W[CHI_SIZE * LANES + i] + W[REST_SIZE * LANES + i])
         W[TIME_ERROR * LANES + i] += missed * W[TIME_SIZE * LANES + i]
     clear(W, TAILS)
@@ -300,7 +303,7 @@ def told_by_size(W: Vector, missed: float) -> None:
     """Add the errors of an inner rule that misses this share of what it adds up, and clear its sums."""
     for i in range(LANES):
         size = W[CHI_SIZE * LANES + i] + W[REST_SIZE * LANES + i] + W[TIME_SIZE * LANES + i]
-        error = missed * (size + _LEAST_SIZE) + _TURNED * W[STEP * LANES + i] * W[STEP * LANES + i]
+        error = missed * (size + _LEAST_SIZE) + TURNED * W[STEP * LANES + i] * W[STEP * LANES + i]
         W[ANGLE_ERROR * LANES + i] += error
         W[TIME_ERROR * LANES + i] += error
     clear(W, TAILS)
@@ -321,31 +324,31 @@ def finish(W: Vector, target: float, floor: float) -> None:
         angle_target = floor * size if floor * size > target else target
         time_target = floor if floor > target else target
         good = (angle_error <= angle_target) & (time_error <= time_target) & (W[LEAST * LANES + i] > 0.0)
-        W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else 1.0
+        W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else max(W[CHECK * LANES + i], 1.0)
 
 
 @contracted_subroutine
-def passages(W: Vector, goal: Goal, grade: Grade, of_body: Tables, b: Body) -> None:
+def passages(W: Vector, goal: Goal, grade: Grade, vertical: Matrix, low: Series, b: Body) -> None:
     """Whole passages of the samples in rows X, Y and SPEED."""
     limits = grade.limits
-    start(W, of_body.vertical, limits.slowest, b)
-    turn(W, limits, b, of_body.low)
-    closed(W, limits.depth, b, of_body.low)
-    near_panel(W, grade.inner, b, of_body.low)
+    start(W, vertical, limits.slowest, b)
+    turn(W, limits, b, low)
+    closed(W, limits.depth, b, low)
+    near_panel(W, grade.inner, b, low)
     if limits.missed > 0.0:
         told_by_size(W, limits.missed)
     else:
         told_by_coefficients(W)
-    far(W, grade.outer, limits, b)
+    far(W, grade.outer, limits.trust, b)
     finish(W, goal.target, goal.floor)
 
 
 @contracted_subroutine
-def far(W: Vector, nodes: Matrix, limits: Limits, b: Body) -> None:
-    """A stretch at tilts that all samples share, with its errors."""
+def far(W: Vector, nodes: Matrix, trust: float, b: Body) -> None:
+    """A stretch at tilts that all samples share, with its errors. trust: 0 for rules of many nodes."""
     far_panel(W, nodes, b)
-    if limits.missed > 0.0:
-        told_by_the_worst(W, limits.few)
+    if trust > 0.0:
+        told_by_the_worst(W, trust)
     else:
         told_by_coefficients(W)
 
@@ -359,18 +362,18 @@ def departure_on_f(x: float, level: float, slowest: float, at: Fixed, b: Body) -
     moving = level - gyration - spin - 1.0
     terms = abs(level) + gyration + abs(spin) + 1.0
     noise = start_noise(terms, moving, ratio, x / b.k + rise, b)
-    return _NOISE * _EPSILON * (1.0 + terms / abs(level)) + noise, moving > slowest * level
+    return NOISE_UNITS * EPSILON * (1.0 + terms / abs(level)) + noise, moving > slowest * level
 
 
 @contracted_subroutine
-def falls(W: Vector, goal: Goal, grade: Grade, of_body: Tables, b: Body) -> None:
+def falls(W: Vector, goal: Goal, grade: Grade, vertical: Matrix, b: Body) -> None:
     """Twice the falls on F from the vertical, for rows X and LEVEL; row Y becomes 0."""
-    at = fixed(of_body.vertical, 0)
+    at = fixed(vertical, 0)
     clear(W, FALLEN)
     for i in range(LANES):
         noise, usable = departure_on_f(W[X * LANES + i], W[LEVEL * LANES + i], grade.limits.slowest, at, b)
         W[NOISE * LANES + i] = noise
         W[LEAST * LANES + i] = 1.0
         W[CHECK * LANES + i] = 0.0 if usable else 1.0
-    far(W, grade.fall, grade.limits, b)
+    far(W, grade.fall, grade.limits.trust_of_fall, b)
     finish(W, goal.target, goal.floor)
