@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from explorer.motion import passages_by_quadrature
 from explorer.phase.gauss import packed_rules
 from kernels.integrals import passages
 from kernels.integrals.point import VERTICAL
@@ -19,7 +20,7 @@ def across(disk, crossings, h_end, accuracy, status, by_tables=True):
     """Passages by the kernels: out (8, n). status becomes theirs."""
     out = np.full((8, status.size), np.nan)
     if by_tables:
-        passages.passage_batch(crossings, accuracy, disk.tables, disk.natural, out, status)
+        passages_by_quadrature.by_tables(disk, crossings, accuracy, out, status)
     passages.passage_by_rules_batch(crossings, h_end, accuracy, packed_rules(), disk.natural, out, status)
     return out
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypedDict, Unpack
 
@@ -11,7 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, number, shown
 from explorer.motion.passages_by_integration import LENIENCE, by_integration
-from explorer.motion.passages_by_quadrature import by_quadrature, by_rules, fall_from_vertical
+from explorer.motion.passages_by_quadrature import (
+    by_quadrature,
+    by_rules,
+    fall_from_vertical,
+    rows_apart,
+    table_kernel,
+)
 from explorer.motion.plan import Plan, plan
 from explorer.motion.recording import in_parts
 from explorer.motion.vertical import Starts, starts_at_vertical
@@ -24,6 +31,8 @@ from explorer.phase.states import Array
 OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
 # An accuracy below this, times one plus the time of the fall, is met as far as rounding allows.
 FLOOR = 1e-9
+# Starts that quadrature answers at a time, so that what is found between stays in the cache.
+_BLOCK = 8192
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -174,19 +183,21 @@ def passages(
 
 def passages_by(disk: Disk, starts: Starts, how: Plan) -> tuple[Passages, NDArray[np.int32] | None]:
     """As `passages`, by a plan that was made, which may name its setting; and the steps of an integrator."""
-    ways, steps = _ways(disk, starts, how, 0.0)
-    return _assemble(disk, starts, ways, how, 0.0), steps
+    if how.method == "quadrature":
+        return _passages(disk, starts, how, 0.0), None
+    ways, steps = by_integration(disk, starts, how)
+    return _assemble(disk, starts, [ways], how, 0.0), steps
 
 
 def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-11) -> Passages:
     """Passages by adaptive rules: by quadrature, but by none of the tables of the body."""
     how = plan(OBSERVABLES, accuracy, "quadrature")
-    return _assemble(disk, starts, by_rules(disk, starts, how), how, 0.0)
+    return _assemble(disk, starts, [by_rules(disk, starts, how)], how, 0.0)
 
 
 def passage_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `passages` by a plan, for `compiled.warmup`; a few starts need another one."""
-    by = ("passages.passage_batch",) if how.method == "quadrature" else (*KERNELS, how.first_event)
+    by = (table_kernel(how.accuracy),) if how.method == "quadrature" else (*KERNELS, how.first_event)
     return *by, "passages.fall_batch", "races.race_batch"
 
 
@@ -217,27 +228,27 @@ def _edge_of(window: float | None, method: str) -> float:
 
 
 def _passages(disk: Disk, starts: Starts, how: Plan, edge: float) -> Passages:
-    return _assemble(disk, starts, _ways(disk, starts, how, edge)[0], how, edge)
-
-
-def _ways(
-    disk: Disk, starts: Starts, how: Plan, edge: float
-) -> tuple[compiled.races.Ways, NDArray[np.int32] | None]:
-    """The ways of the passages by either kind of method, and the steps of an integrator."""
     if how.method == "quadrature":
-        return by_quadrature(disk, starts, how, edge), None
-    return by_integration(disk, starts, how)
+        parts = (starts.at(slice(i, i + _BLOCK)) for i in range(0, max(starts.status.size, 1), _BLOCK))
+        return _assemble(disk, starts, (by_quadrature(disk, part, how, edge) for part in parts), how, edge)
+    return _assemble(disk, starts, [by_integration(disk, starts, how)[0]], how, edge)
 
 
-def _assemble(disk: Disk, starts: Starts, ways: compiled.races.Ways, how: Plan, edge: float) -> Passages:
-    """Results in the units of the disk, with the fall taken out of chi."""
-    races = compiled.races
-    fall = fall_from_vertical(disk, ways.sigma3_bar, ways.energy, edge, how.accuracy)
-    falls, terms = races.Falls(fall.time, fall.chi, fall.error), races.Terms(LENIENCE * how.accuracy, FLOOR)
+def _assemble(
+    disk: Disk, starts: Starts, parts: Iterable[compiled.races.Ways], how: Plan, edge: float
+) -> Passages:
+    """Results in the units of the disk, with the fall taken out of chi. parts: ways of the starts, in order."""
+    races, n, first = compiled.races, starts.status.size, 0
+    terms = races.Terms(LENIENCE * how.accuracy, FLOOR)
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
-    out = np.empty((12, ways.status.size))
-    races.race_batch(ways, falls, terms, units, disk.natural, out)
-    found = races.RaceRow(*out)._asdict()
+    out, status = rows_apart(12, n), np.empty(n, np.int8)
+    for ways in parts:
+        fall = fall_from_vertical(disk, ways.sigma3_bar, ways.energy, edge, how.accuracy)
+        falls = races.Falls(fall.time, fall.chi, fall.error)
+        races.race_batch(ways, falls, terms, units, disk.natural, first, out)
+        status[first : first + ways.status.size] = ways.status
+        first += ways.status.size
+    found = races.RaceRow(*out[:, :n])._asdict()
     return Passages(
         disk=disk,
         sigma3_bar=starts.sigma3_bar,
@@ -245,7 +256,7 @@ def _assemble(disk: Disk, starts: Starts, ways: compiled.races.Ways, how: Plan, 
         phidot=starts.speed,
         face=starts.face,
         **(found | {"wrong_way": found["wrong_way"] != 0.0}),
-        status=ways.status,
+        status=status,
         method=how.method,
         model=how.rung,
     )

@@ -12,28 +12,52 @@ from explorer.phase.states import Array
 
 # The least accuracies for which there are rules of few digits, and of passages that do not come near flat.
 ROUGH, WIDE = 1e-5, 1e-7
+# Rows of doubles whose lengths are multiples of this displace one another in the cache.
+_ALIKE = 512
+
+
+def rows_apart(rows: int, n: int) -> Array:
+    """Room for results: n in each row, or a few more where rows would displace one another in the cache."""
+    return np.empty((rows, n + 8 if n % _ALIKE == 0 else n))
 
 
 def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> "compiled.races.Ways":
     """Passages as integrals. edge: the tilt phi (rad) at which they start and stop, 0 for the vertical."""
     crossings = starts.natural(disk)
-    out, status = np.empty((8, starts.status.size)), starts.status.copy()
+    n = starts.status.size
+    out, status = rows_apart(8, n), starts.status.copy()
     if edge == 0.0:
-        by_tables = compiled.passages.rough_batch if how.accuracy >= ROUGH else compiled.passages.passage_batch
-        by_tables(crossings, how.accuracy, disk.tables, disk.natural, out, status)
-        if how.accuracy >= WIDE and _unanswered(out, status):
-            compiled.passages.wide_batch(crossings, how.accuracy, disk.tables, disk.natural, out, status)
+        by_tables(disk, crossings, how.accuracy, out, status)
     else:
         out.fill(np.nan)
     if _unanswered(out, status):
         compiled.passages.passage_by_rules_batch(
             crossings, chord(edge), how.accuracy, packed_rules(), disk.natural, out, status
         )
-    return _ways(disk, starts.face, crossings, out, status)
+    return _ways(disk, starts.face, crossings, out[:, :n], status)
+
+
+def by_tables(
+    disk: Disk,
+    crossings: "compiled.passages.Crossings",
+    accuracy: float,
+    out: Array,
+    status: NDArray[np.int8],
+) -> None:
+    """Passages from the vertical by the tables of the body, where they serve -> out (8, n or more)."""
+    kernel = compiled.passages.rough_batch if accuracy >= ROUGH else compiled.passages.passage_batch
+    kernel(crossings, accuracy, disk.tables, disk.natural, out, status)
+    if accuracy >= WIDE and _unanswered(out, status):
+        compiled.passages.wide_batch(crossings, accuracy, disk.tables, disk.natural, out, status)
+
+
+def table_kernel(accuracy: float) -> str:
+    """The name of the kernel that answers most passages at an accuracy."""
+    return "passages.rough_batch" if accuracy >= ROUGH else "passages.passage_batch"
 
 
 def _unanswered(out: Array, status: NDArray[np.int8]) -> bool:
-    return bool((np.isnan(out[0]) & (status == compiled.status.Status.OK)).any())
+    return bool((np.isnan(out[0, : status.size]) & (status == compiled.status.Status.OK)).any())
 
 
 def by_rules(disk: Disk, starts: Starts, how: Plan) -> "compiled.races.Ways":
@@ -79,12 +103,13 @@ def fall_from_vertical(
     edge: phi (rad) at which it begins instead. accuracy: of twice the angle, and of the time; 0: the best there
     is.
     """
-    out = np.empty((4, sigma3_bar.size))
+    n = sigma3_bar.size
+    out = rows_apart(4, n)
     given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
     if edge == 0.0:
         compiled.passages.fall_batch(*given, accuracy, disk.tables, disk.natural, out)
     else:
         out.fill(np.nan)
-    if (np.isnan(out[0]) & np.isfinite(energy)).any():
+    if (np.isnan(out[0, :n]) & np.isfinite(energy)).any():
         compiled.passages.fall_by_rules_batch(*given, chord(edge), packed_rules(), disk.natural, out)
-    return compiled.quadrature.FallRow(*out)
+    return compiled.quadrature.FallRow(*out[:, :n])

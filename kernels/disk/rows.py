@@ -6,13 +6,13 @@ NamedTuple, `PassageRow(*out).chi`, whose fields then are arrays. So no row numb
 
 from typing import Any, TypeVar
 
-from kernels._jit import subroutine
+from kernels._jit import device
 from kernels.types import Matrix
 
 Entry = TypeVar("Entry")  # a number inside the kernels, an array of them outside
 
 
-@subroutine
+@device
 def put(record: Any, out: Matrix, i: int) -> None:
     """Write a record of numbers into column i, as many of its fields as the array has rows."""
     for row in range(out.shape[0]):

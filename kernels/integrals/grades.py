@@ -62,10 +62,9 @@ def line_up(lines: Lines, grade: int, sample: int) -> None:
 
 
 @subroutine
-def line_up_for_finer(lines: Lines, grade: int, end: int, sample: int) -> None:
-    """Let a sample that a grade has not settled wait for a finer one before `end`, if there is one."""
-    if grade < end - 1:
-        line_up(lines, min(grade + _TWO_DECADES, end - 1), sample)
+def finer(grade: int, end: int) -> int:
+    """The grade before `end` for which samples wait that a coarser one has not settled."""
+    return min(grade + _TWO_DECADES, end - 1)
 
 
 @subroutine

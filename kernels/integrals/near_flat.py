@@ -83,6 +83,15 @@ def log_of_ratio(s: float, low: Series) -> float:
 
 
 @contracted_device
+def tilt_of(h: float, low: Series) -> float:
+    """theta of h = 2 sin(theta/2), to the digits of the series; of few digits only where h is small."""
+    if len(low.v) == SHORT_DEGREE + 1:
+        square = 0.25 * h * h
+        return h * (1.0 + square * (1.0 / 6.0 + square * (3.0 / 40.0 + square * (5.0 / 112.0))))
+    return 2.0 * math.asin(0.5 * h)
+
+
+@contracted_device
 def near_flat(h: float, log_h: float, motion: Motion, b: Body, low: Series) -> Near:
     """The motion at h."""
     x, y = motion.X, motion.Y

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kernels._jit import kernel, subroutine
+from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import put
@@ -17,13 +17,14 @@ from kernels.integrals import nodes, tabulated, wide
 from kernels.integrals.grades import (
     Lines,
     empty_lines,
+    finer,
     first_grade,
     grade_at,
     line_up,
-    line_up_for_finer,
     next_grade,
     take,
 )
+from kernels.integrals.near_flat import tilt_of
 from kernels.integrals.point import VERTICAL, Motion, motion_through
 from kernels.integrals.quadrature import FLOOR, FallRow, PassageRow, Rules, Start, fall, passage
 from kernels.integrals.tables import GRADES, ROUGH, WIDE_END, Series, Tables
@@ -33,8 +34,6 @@ from kernels.types import Codes, Longs, Matrix, Vector
 
 _OK = int(Status.OK)
 _FALLS = int(Status.FALLS)
-# What a passage and a fall are written into: as many rows as they have fields.
-PASSAGE_ROWS, FALL_ROWS = len(PassageRow._fields), len(FallRow._fields)
 
 
 class Crossings(NamedTuple):
@@ -54,18 +53,24 @@ class Asked(NamedTuple):
 
 
 class Room(NamedTuple):
-    """Room for groups: lanes, lines, the samples of a group and what it has found, in columns."""
+    """Room for groups: lanes, lines, and the samples of a group."""
 
     lanes: Vector
     lines: Lines
     group: Longs
-    found: Matrix
 
 
 @subroutine
-def make_room(rows: int) -> Room:
-    """Room in which nobody waits, for so many results of each sample."""
-    return Room(np.ones(tabulated.ROWS * LANES), empty_lines(), np.zeros(LANES, np.int64), np.zeros((rows, LANES)))
+def make_room() -> Room:
+    """Room in which nobody waits."""
+    return Room(np.ones(tabulated.ROWS * LANES), empty_lines(), np.zeros(LANES, np.int64))
+
+
+@device
+def blank(out: Matrix, i: int) -> None:
+    """NaN in column i."""
+    for row in range(out.shape[0]):
+        out[row, i] = math.nan
 
 
 @subroutine
@@ -79,10 +84,10 @@ def fill(W: Vector, group: Longs, n: int, crossings: Crossings, b: Body) -> None
 
 
 @subroutine
-def in_lane(W: Vector, i: int, b: Body) -> PassageRow[float]:
+def in_lane(W: Vector, i: int, low: Series, b: Body) -> PassageRow[float]:
     """The passage that the tables found for lane i."""
     return PassageRow(
-        theta_min=2.0 * math.asin(0.5 * W[tabulated.H_TURN * LANES + i]),
+        theta_min=tilt_of(W[tabulated.H_TURN * LANES + i], low),
         chi=W[tabulated.CHI * LANES + i],
         psi=W[tabulated.PSI * LANES + i],
         time=W[tabulated.TIME * LANES + i],
@@ -94,30 +99,19 @@ def in_lane(W: Vector, i: int, b: Body) -> PassageRow[float]:
 
 
 @subroutine
-def hand_over(room: Room, taken: int, grade: int, end: int, out: Matrix) -> None:
-    """Write what a group has found, one row after another; who is not settled lines up for a finer grade."""
-    for k in range(taken):
-        if room.lanes[CHECK * LANES + k] == 1.0:
-            line_up_for_finer(room.lines, grade, end, room.group[k])
-    for row in range(out.shape[0]):
-        for k in range(taken):
-            if room.lanes[CHECK * LANES + k] == 0.0:
-                out[row, room.group[k]] = room.found[row, k]
-
-
-@subroutine
 def by_tables(
     crossings: Crossings, asked: Asked, of_body: Tables, low: Series, disk: Disk, out: Matrix, status: Codes
 ) -> None:
     """`passage_batch` and `rough_batch`, with the series of their grades."""
-    room, goal, n = make_room(PASSAGE_ROWS), Goal(asked.target, FLOOR), status.size
+    room, goal, n = make_room(), Goal(asked.target, FLOOR), status.size
     for i in range(n + 1):
         if i < n:
-            out[:, i] = math.nan
             if status[i] == _OK and crossings.eta[i] == 0.0:
                 status[i] = _FALLS
             if status[i] == _OK:
                 line_up(room.lines, asked.first, i)
+            else:
+                blank(out, i)
         if i < n and room.lines.counts[asked.first] < LANES:
             continue
         grade = next_grade(room.lines, i == n)
@@ -127,8 +121,13 @@ def by_tables(
             rules = grade_at(of_body, grade)
             tabulated.passages(room.lanes, goal, rules, of_body.vertical, low, disk.body)
             for k in range(taken):
-                put(in_lane(room.lanes, k, disk.body), room.found, k)
-            hand_over(room, taken, grade, asked.end, out)
+                check = room.lanes[CHECK * LANES + k]
+                if check == 0.0:
+                    put(in_lane(room.lanes, k, low, disk.body), out, room.group[k])
+                elif check == 1.0 and grade < asked.end - 1:
+                    line_up(room.lines, finer(grade, asked.end), room.group[k])
+                else:
+                    blank(out, room.group[k])
             grade = next_grade(room.lines, i == n)
 
 
@@ -136,7 +135,7 @@ def by_tables(
 def passage_batch(
     crossings: Crossings, target: float, of_body: Tables, disk: Disk, out: Matrix, status: Codes
 ) -> None:
-    """The passage on face +1 from the vertical of every motion -> out (8, n), rows as PassageRow.
+    """The passage on face +1 from the vertical of every motion -> out (8, n or more), as PassageRow.
 
     target: accuracy of the angles (rad) and of the time (relative). status (n): samples that come in as not OK
     are skipped; eta = 0 is FALLS. Those that tables do not serve stay OK, with NaN: they are left to
@@ -163,7 +162,7 @@ def wide_batch(
 
     Those that stay NaN are left to `passage_by_rules_batch`.
     """
-    room, goal, n = make_room(PASSAGE_ROWS), Goal(target, FLOOR), status.size
+    room, goal, n = make_room(), Goal(target, FLOOR), status.size
     first = first_grade(target)
     if first >= WIDE_END:
         return
@@ -178,8 +177,13 @@ def wide_batch(
             fill(room.lanes, room.group, taken, crossings, disk.body)
             wide.passages(room.lanes, goal, grade_at(of_body, grade), of_body, disk.body)
             for k in range(taken):
-                put(in_lane(room.lanes, k, disk.body), room.found, k)
-            hand_over(room, taken, grade, WIDE_END, out)
+                check = room.lanes[CHECK * LANES + k]
+                if check == 0.0:
+                    put(in_lane(room.lanes, k, of_body.wide, disk.body), out, room.group[k])
+                elif check == 1.0 and grade < WIDE_END - 1:
+                    line_up(room.lines, finer(grade, WIDE_END), room.group[k])
+                else:
+                    blank(out, room.group[k])
             grade = next_grade(room.lines, i == n)
 
 
@@ -234,29 +238,35 @@ def fall_in_lane(W: Vector, i: int) -> FallRow[float]:
 def fall_batch(
     sigma3_bar: Vector, energy: Vector, target: float, of_body: Tables, disk: Disk, out: Matrix
 ) -> None:
-    """The fall on F from the vertical on face +1 of every sample -> out (4, n), rows as FallRow.
+    """The fall on F from the vertical on face +1 of every sample -> out (4, n or more), as FallRow.
 
-    target: accuracy of there and back, as for passages; 0 is the best there is. NaN where tables do not serve:
-    those are left to `fall_by_rules_batch`.
+    target: accuracy of there and back, as for passages; the last grade gives the best there is. NaN where tables
+    do not serve: those are left to `fall_by_rules_batch`.
     """
-    b, n, room = disk.body, energy.size, make_room(FALL_ROWS)
+    b, n, room = disk.body, energy.size, make_room()
     first = first_grade(target)
-    goal = Goal(target if first < GRADES - 1 else FLOOR, FLOOR)
     for i in range(n + 1):
         if i < n:
-            out[:, i] = math.nan
             if energy[i] > potential_at_flat(sigma3_bar[i] / b.r0, b):
                 line_up(room.lines, first, i)
+            else:
+                blank(out, i)
         if i < n and room.lines.counts[first] < LANES:
             continue
         grade = next_grade(room.lines, i == n)
         while grade >= 0:
             taken = take(room.lines, grade, room.group)
             fill_falls(room.lanes, room.group, taken, sigma3_bar, energy, b)
+            goal = Goal(target if grade < GRADES - 1 else FLOOR, FLOOR)
             tabulated.falls(room.lanes, goal, grade_at(of_body, grade), of_body.vertical, b)
             for k in range(taken):
-                put(fall_in_lane(room.lanes, k), room.found, k)
-            hand_over(room, taken, grade, GRADES, out)
+                check = room.lanes[CHECK * LANES + k]
+                if check == 0.0:
+                    put(fall_in_lane(room.lanes, k), out, room.group[k])
+                elif check == 1.0 and grade < GRADES - 1:
+                    line_up(room.lines, finer(grade, GRADES), room.group[k])
+                else:
+                    blank(out, room.group[k])
             grade = next_grade(room.lines, i == n)
 
 

@@ -81,8 +81,11 @@ class RaceRow(NamedTuple, Generic[Entry]):
 
 
 @kernel
-def race_batch(ways: Ways, falls: Falls, terms: Terms, units: Units, disk: Disk, out: Matrix) -> None:
-    """Passages without their falls -> out (12, n), rows as RaceRow; the status of those that miss is marked."""
+def race_batch(ways: Ways, falls: Falls, terms: Terms, units: Units, disk: Disk, first: int, out: Matrix) -> None:
+    """Passages without their falls -> out (12, m), as RaceRow, from column `first` on.
+
+    The status of those that miss is marked.
+    """
     b, nan = disk.body, math.nan
     for i in range(ways.status.size):
         fall_time, fall_error = falls.time[i], falls.error[i]
@@ -114,4 +117,4 @@ def race_batch(ways: Ways, falls: Falls, terms: Terms, units: Units, disk: Disk,
             error_estimate=error if known else nan,
             wrong_way=1.0 if ok and not ways.way[i] * side > 0.0 else 0.0,
         )
-        put(race, out, i)
+        put(race, out, first + i)

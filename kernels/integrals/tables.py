@@ -25,7 +25,7 @@ from kernels.types import Longs, Matrix
 # h where the fixed nodes end: as far out as the low series stay short.
 HANDOVER = 0.5
 # On S <= 1/8 the nearest singularity is 16 intervals away: coefficients fall like 62^-n; on S <= 1 like 5.8^-n.
-LOW_DEGREE, SHORT_DEGREE, WIDE_DEGREE = 9, 3, 15
+LOW_DEGREE, SHORT_DEGREE, WIDE_DEGREE = 9, 3, 18
 # Tilts at which wide passages look for their turning point: SCANNED of them, in equal steps of ln h.
 SCANNED, _LOWEST = 20, 0.02
 SCAN_STEP = math.log(math.sqrt(2.0) / _LOWEST) / SCANNED
@@ -68,34 +68,34 @@ WidePowers = Annotated[tuple[float, ...], nb.UniTuple(float64, WIDE_DEGREE + 1)]
 class Low(NamedTuple):
     """Chaplygin's series for S <= 2/per_S, ascending powers of per_S S - 1: here for S <= 1/8."""
 
+    per_S: float
     rho_over_S: LowPowers
     drho: LowPowers
     v: LowPowers
     dv: LowPowers
     excess: LowPowers
-    per_S: float
 
 
 class Short(NamedTuple):
     """As `Low`, for few digits."""
 
+    per_S: float
     rho_over_S: ShortPowers
     drho: ShortPowers
     v: ShortPowers
     dv: ShortPowers
     excess: ShortPowers
-    per_S: float
 
 
 class Wide(NamedTuple):
     """As `Low`, for S <= 1."""
 
+    per_S: float
     rho_over_S: WidePowers
     drho: WidePowers
     v: WidePowers
     dv: WidePowers
     excess: WidePowers
-    per_S: float
 
 
 Series = Low | Short | Wide
@@ -162,15 +162,15 @@ ROUGH, WIDE_END = 4, 6
 # I1 >= _ROUND; below that it grows like the power _GROWS, since kappa does.
 _ROUND, _GROWS = 0.05, 1.5
 _GRADES = (
-    Limits(3.0, 2, 3e-2, 4e-3, 1e-2, 0.006, 0.005, 0.005),
-    Limits(4.5, 3, 2e-3, 3e-4, 1e-2, 0.015, 0.2, 0.1),
-    Limits(5.5, 3, 2e-3, 4e-5, 1e-2, 0.01, 0.015, 0.2),
-    Limits(7.0, 4, 3e-5, 3e-6, 1e-2, 0.02, 0.02, 0.3),
-    Limits(8.5, 4, 3e-5, 4e-7, 5e-3, 0.1, 0.2, 0.3),
-    Limits(9.5, 4, 3e-5, 4e-8, 5e-3, 0.15, 0.05, 0.3),
-    Limits(11.0, 5, 1e-6, 4e-9, 5e-3, 0.2, 0.1, 0.3),
-    Limits(12.5, 5, 1e-6, 4e-10, 5e-3, 0.3, 0.25, 0.3),
-    Limits(14.0, 5, 1e-6, 4e-11, 5e-3, 0.3, 0.1, 0.3),
+    Limits(3.0, 2, 3e-2, 4e-3, 2e-2, 0.0055, 0.005, 0.007),
+    Limits(4.5, 3, 2e-3, 3e-4, 5e-3, 0.04, 0.22, 0.3),
+    Limits(5.5, 3, 2e-3, 4e-5, 5e-3, 0.17, 0.9, 0.5),
+    Limits(7.0, 4, 3e-5, 3e-6, 2e-2, 0.03, 0.07, 0.8),
+    Limits(8.5, 4, 3e-5, 4e-7, 3e-3, 15.0, 20.0, 0.8),
+    Limits(9.5, 4, 3e-5, 4e-8, 5e-3, 0.35, 1.3, 0.8),
+    Limits(11.0, 5, 1e-6, 4e-9, 5e-3, 0.8, 2.2, 0.8),
+    Limits(12.5, 5, 1e-6, 4e-10, 5e-3, 1.2, 7.0, 0.8),
+    Limits(14.0, 5, 1e-6, 4e-11, 3e-3, 2.2, 20.0, 0.8),
     Limits(16.0, 5, 1e-8, 0.0, 1e-3, 0.0, 0.0, 0.0),
 )
 
@@ -188,9 +188,9 @@ def make_tables(disk: Disk, rules: Sequence[tuple[np.ndarray, ...]]) -> Tables:
     return Tables(
         vertical=_at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1)),
         scan=_at_tilts(disk, 2.0 * np.arcsin(0.5 * scanned_tilts()), np.zeros(SCANNED)),
-        low=Low(*_series(power_series, 0.5 * HANDOVER * HANDOVER, LOW_DEGREE), 4.0 / HANDOVER**2),
-        short=Short(*_series(power_series, 0.5 * HANDOVER * HANDOVER, SHORT_DEGREE), 4.0 / HANDOVER**2),
-        wide=Wide(*_series(power_series, 1.0, WIDE_DEGREE), 2.0),
+        low=Low(4.0 / HANDOVER**2, *_series(power_series, 0.5 * HANDOVER * HANDOVER, LOW_DEGREE)),
+        short=Short(4.0 / HANDOVER**2, *_series(power_series, 0.5 * HANDOVER * HANDOVER, SHORT_DEGREE)),
+        wide=Wide(2.0, *_series(power_series, 1.0, WIDE_DEGREE)),
         outer=outer,
         fall=fall,
         inner=inner,

@@ -55,8 +55,8 @@ from kernels.integrals.tabulated import (
 from kernels.types import Matrix, Vector
 
 _LOG_VERTICAL = 0.5 * math.log(2.0)
-_ROUNDS, _SETTLED = 4, 1e-4  # of Newton's method: how many, and the last step at most
-_BLUR = 3e3  # what the end of the series leaves out, in units of rounding
+_ROUNDS, _SETTLED = 5, 1e-5  # of Newton's method: how many, and the last step at most
+_BLUR = 3e4  # what the end of the series leaves out, in units of rounding
 _STARTED = 2e-3  # share of the terms of E - V with which a motion must leave the vertical
 _PARKED = -0.7  # ln h_m of lanes that are left to `quadrature`
 _SHORTEST, _LONGEST = 0.02, 4.5  # range of ln h that the nodes cover
@@ -164,7 +164,8 @@ def passages(W: Vector, goal: Goal, grade: Grade, of_body: Tables, b: Body) -> N
     turn(W, b, of_body.wide)
     panel(W, grade.wide, b, of_body.wide)
     for i in range(LANES):
-        missed = TURNED * W[STEP * LANES + i] * W[STEP * LANES + i]
+        # On a short way the first nodes lie closer to the turning point.
+        missed = TURNED * W[STEP * LANES + i] * W[STEP * LANES + i] * (1.0 + 10.0 / W[WIDTH * LANES + i])
         W[ANGLE_ERROR * LANES + i] += missed
         W[TIME_ERROR * LANES + i] += missed
     told_by_the_worst(W, grade.limits.trust_of_wide)

@@ -30,7 +30,9 @@ def call(name, disk, given):
     if name == "passages":
         out = np.full((8, n), np.nan)
         crossings = compiled.passages.Crossings(*given[:3])
-        compiled.passages.passage_batch(crossings, 1e-6, disk.tables, disk.natural, out, status)
+        for kernel in (compiled.passages.rough_batch, compiled.passages.passage_batch):
+            kernel(crossings, 1e-6, disk.tables, disk.natural, out, status)
+        compiled.passages.wide_batch(crossings, 1e-6, disk.tables, disk.natural, out, status)
         compiled.passages.passage_by_rules_batch(crossings, 0.0, 1e-6, packed_rules(), disk.natural, out, status)
     elif name == "orbits":
         out = np.empty((8, n))

@@ -100,18 +100,27 @@ def steps():
 
 def roots_and_divisions(accuracy):
     """[roots, divisions] of one passage by quadrature, on the average, and of the fall beside it."""
-    from kernels.integrals import tabulated
+    from kernels.integrals import tables, tabulated
 
     disk, eta = _disk(), _eta_hat() * _disk().body.I3 * _disk().body.r0
     X, Y = 1.0 / disk.body.r0, eta / disk.body.I1
     goal = tabulated.Goal(accuracy, 1e-13)
     everywhere = np.ones(eta.size)
-    passage, level = _through_grades(tabulated.passages, goal, {"X": X * everywhere, "Y": Y, "SPEED": everywhere})
-    fall, _level = _through_grades(tabulated.falls, goal, {"X": X * everywhere, "LEVEL": level})
+    of = disk.tables
+    low = of.short if accuracy >= tables.TARGETS[tables.ROUGH - 1] else of.low
+
+    def passages(W, grade):
+        tabulated.passages(W, goal, grade, of.vertical, low, disk.body)
+
+    def falls(W, grade):
+        tabulated.falls(W, goal, grade, of.vertical, disk.body)
+
+    passage, level = _through_grades(passages, accuracy, {"X": X * everywhere, "Y": Y, "SPEED": everywhere})
+    fall, _level = _through_grades(falls, accuracy, {"X": X * everywhere, "LEVEL": level})
     return {"passage": passage, "fall": fall}
 
 
-def _through_grades(kernel, goal, rows):
+def _through_grades(kernel, accuracy, rows):
     """Samples through the rules of rising accuracy until each has settled, as the kernels do.
 
     [roots, divisions] of one of them, and LEVEL of all.
@@ -122,7 +131,7 @@ def _through_grades(kernel, goal, rows):
     n = len(next(iter(rows.values())))
     waiting, level = np.arange(n), np.zeros(n)
     Number.made.clear()
-    for grade in range(grades.first_grade(goal.target), grades.GRADES):
+    for grade in range(grades.first_grade(accuracy), grades.GRADES):
         left = []
         for first in range(0, waiting.size, lanes):
             group = waiting[first : first + lanes]
@@ -132,7 +141,7 @@ def _through_grades(kernel, goal, rows):
                 at = getattr(tabulated, name) * lanes
                 W[at : at + lanes] = [Number(value) for value in values[places]]
             before = Counter(Number.made)
-            kernel(W, goal, grades.grade_at(disk.tables, grade), disk.tables, disk.body)
+            kernel(W, grades.grade_at(disk.tables, grade))
             for kind in Number.made:  # a group of few takes as long as a full one, but there is one of it only
                 Number.made[kind] = before[kind] + (Number.made[kind] - before[kind]) * group.size / lanes
             at = tabulated.LEVEL * lanes

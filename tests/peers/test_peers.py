@@ -11,6 +11,8 @@ from peers.measuring import KERNEL, PEER, PUBLIC, Row, Solver
 from peers.problem import DISK
 
 from explorer import compiled
+from kernels.integrals.grades import grade_at
+from kernels.integrals.tables import GRADES
 from kernels.steps.tableaux import DORMAND_PRINCE_853
 
 LONG = 1e6  # so that neither the angle nor the time shortens a step
@@ -58,9 +60,10 @@ def test_the_loop_in_cpp_takes_as_many_steps_as_its_longest_lane_needs():
 def test_a_fall_takes_one_root_at_each_node_and_a_coarse_passage_fewer_than_a_fine_one():
     found = counted()
     # and one at the start
-    assert found["quadrature"]["1e-11"]["fall"][0] == DISK.tables.fine.fall.shape[1] + 1
+    fine = grade_at(DISK.tables, GRADES - 1)
+    assert found["quadrature"]["1e-11"]["fall"][0] == fine.fall.shape[1] + 1
     roots = {accuracy: found["quadrature"][accuracy]["passage"][0] for accuracy in ("0.001", "1e-11")}
-    nodes = DISK.tables.fine.outer.shape[1] + DISK.tables.fine.inner.shape[1]
+    nodes = fine.outer.shape[1] + fine.inner.shape[1]
     assert nodes <= roots["1e-11"] < 2 * nodes
     assert roots["0.001"] < 0.5 * roots["1e-11"]
     # A field takes 22 operations with time and angles; a shift two for each of eight components, and one more.

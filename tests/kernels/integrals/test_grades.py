@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
+from explorer.motion import passages_by_quadrature
 from kernels.integrals import grades
-from kernels.integrals.grades import GRADES, empty_lines, first_grade, grade_at, line_up, next_grade, take
-from kernels.integrals.tables import COARSE, MIDDLE
+from kernels.integrals.grades import empty_lines, finer, first_grade, grade_at, line_up, next_grade, take
+from kernels.integrals.tables import GRADES, ROUGH, TARGETS, WIDE_END
 from kernels.integrals.tabulated import LANES
 
 
@@ -16,12 +17,12 @@ def served(n, settled, first):
     for i in range(n + 1):
         if i < n:
             line_up(lines, first, i)
-        while (grade := next_grade(lines, first, i == n)) >= 0:
+        while (grade := next_grade(lines, i == n)) >= 0:
             taken = take(lines, grade, group)
             groups.append((grade, group[:taken].tolist()))
             for sample in group[:taken].tolist():
-                if not settled(sample, grade):
-                    line_up(lines, grade + 1, sample)
+                if not settled(sample, grade) and grade < GRADES - 1:
+                    line_up(lines, finer(grade, GRADES), sample)
     return groups
 
 
@@ -30,11 +31,14 @@ def test_every_sample_goes_through_the_grades_until_one_settles_it(share):
     rng = np.random.default_rng(1)
     needs = np.where(rng.random(1000) < share, rng.integers(1, GRADES + 1, 1000), 0)
     groups = served(1000, lambda sample, grade: grade >= needs[sample], 0)
-    for grade in range(GRADES):
+    before = -1
+    for grade in (0, 2, 4, 6, 8, GRADES - 1):
         came = [sample for g, members in groups for sample in members if g == grade]
-        assert sorted(came) == np.flatnonzero(needs >= grade).tolist()
+        assert sorted(came) == np.flatnonzero(needs > before).tolist()
         # All groups but those of the end are full.
         assert sum(len(members) < LANES for g, members in groups if g == grade) <= 3
+        before = grade
+    assert {grade for grade, _members in groups} <= {0, 2, 4, 6, 8, GRADES - 1}
 
 
 def test_lines_have_room_for_samples_that_no_grade_settles():
@@ -44,14 +48,28 @@ def test_lines_have_room_for_samples_that_no_grade_settles():
     for i in range(10 * LANES + 1):
         if i < 10 * LANES:
             line_up(lines, 0, i)
-        while (grade := next_grade(lines, 0, i == 10 * LANES)) >= 0:
+        while (grade := next_grade(lines, i == 10 * LANES)) >= 0:
             for sample in group[: take(lines, grade, group)].tolist():
-                line_up(lines, grade + 1, sample)
+                if grade < GRADES - 1:
+                    line_up(lines, finer(grade, GRADES), sample)
             longest = max(longest, *lines.counts.tolist())
     assert LANES <= longest < grades._ROOM
 
 
 def test_the_accuracy_asked_chooses_the_first_grade():
+    assert [first_grade(target) for target in TARGETS] == list(range(GRADES))
+    assert [first_grade(0.9 * target) for target in TARGETS[:-1]] == list(range(1, GRADES))
+    assert first_grade(1.0) == 0
+
+
+def test_a_grade_has_the_nodes_between_its_ends():
     of_body = BODIES["uniform"].tables
-    chosen = [grade_at(of_body, first_grade(target)).inner.shape[1] for target in (COARSE, MIDDLE, 0.9 * MIDDLE)]
-    assert chosen == [5, 8, 28]
+    for place, name in enumerate(("outer", "fall", "inner", "wide")):
+        nodes = [grade_at(of_body, number)[place] for number in range(GRADES)]
+        whole = of_body.far if name == "wide" else getattr(of_body, name)
+        assert np.array_equal(np.concatenate(nodes, axis=1), whole)
+
+
+def test_who_calls_the_kernels_knows_where_the_short_series_and_the_wide_rules_end():
+    assert TARGETS[ROUGH - 1] == passages_by_quadrature.ROUGH
+    assert TARGETS[WIDE_END - 1] == passages_by_quadrature.WIDE

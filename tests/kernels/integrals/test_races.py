@@ -31,7 +31,7 @@ def measured(error, status, eta, allowed=1.0):
     disk, out = BODIES["thick"], np.empty((12, N))
     terms, units = races.Terms(allowed, 1e-9), races.Units(2.0, 3.0, 5.0, 7.0)
     falls = races.Falls(time=column, chi=0.1 * column, error=np.full(N, 1e-9))
-    races.race_batch(ways, falls, terms, units, disk.natural, out)
+    races.race_batch(ways, falls, terms, units, disk.natural, 0, out)
     return ways, races.RaceRow(*out)
 
 

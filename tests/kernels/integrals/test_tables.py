@@ -1,6 +1,7 @@
 """Tables of what a passage needs of the body alone."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -9,7 +10,9 @@ from conftest import BODIES
 import explorer as ex
 from kernels.disk import chaplygin, polynomials
 from kernels.integrals import tables
-from kernels.integrals.tables import Fixed, fixed
+from kernels.integrals.grades import grade_at
+from kernels.integrals.tables import GRADES, Fixed, fixed
+from kernels.integrals.tabulated import WIDEST
 
 DISKS = {**BODIES, "rim": ex.Disk(I1=1e-4, I3=2e-4)}
 
@@ -27,28 +30,53 @@ def test_the_low_series_are_those_of_the_whole_range(name):
         assert pytest.approx(whole.D, rel=3e-15) == D
 
 
+def test_short_and_wide_series_are_those_of_the_whole_range_to_their_digits():
+    disk = DISKS["uniform"]
+    for series, widest, digits in ((disk.tables.short, 0.125, 1e-6), (disk.tables.wide, 1.0, 1e-12)):
+        assert series.per_S == 2.0 / widest
+        for S in np.linspace(1e-6, widest, 20):
+            whole = chaplygin.solutions(S, math.log(S), disk.body.c, disk.natural.series)
+            got = [polynomials.horner(row, series.per_S * S - 1.0) for row in (series.rho_over_S, series.drho)]
+            assert got == pytest.approx([whole.rho_over_S, whole.drho], rel=digits)
+
+
 def test_weights_of_time_sum_to_the_tilts_they_cover():
     of_body = BODIES["uniform"].tables
-    for grade in (of_body.coarse, of_body.middle, of_body.fine):
+    for number in range(GRADES):
+        grade = grade_at(of_body, number)
         outer, fall = Fixed(*grade.outer[:8]), Fixed(*grade.fall[:8])
         assert outer.time.sum() == pytest.approx(0.5 * math.pi - 2.0 * math.asin(0.5 * tables.HANDOVER), rel=1e-14)
         assert fall.time.sum() == pytest.approx(0.5 * math.pi, rel=1e-14)
         assert grade.inner[tables.WEIGHT].sum() == pytest.approx(1.0, rel=1e-14)
+        # The integrand of wide passages is even after division by the root of E - V, which is like s.
+        gap, weight = grade.wide[tables.GAP], grade.wide[tables.WEIGHT]
+        assert (weight / np.sqrt(1.0 - gap)).sum() == pytest.approx(2.0, rel=1e-12)
 
 
-def test_a_coarse_grade_has_a_fifth_of_the_nodes_that_cost_most_and_half_of_the_others():
-    of_body = BODIES["hoop"].tables
-    assert 5 * of_body.coarse.inner.shape[1] <= of_body.fine.inner.shape[1]
-    assert 2 * of_body.coarse.outer.shape[1] <= of_body.fine.outer.shape[1]
-    assert of_body.coarse.limits.rounds < of_body.middle.limits.rounds < of_body.fine.limits.rounds
+def test_a_finer_grade_has_more_nodes_and_leaves_less_out():
+    grades = [grade_at(BODIES["hoop"].tables, number) for number in range(GRADES)]
+    assert len(grades) == len(tables.TARGETS) == 10
+    for coarse, fine in pairwise(grades):
+        assert all(a.shape[1] <= b.shape[1] for a, b in zip(coarse[:4], fine[:4], strict=True))
+        assert sum(a.shape[1] for a in coarse[:3]) < sum(b.shape[1] for b in fine[:3])
+        assert coarse.limits.depth < fine.limits.depth
+        assert coarse.limits.missed > fine.limits.missed
+    assert 5 * grades[1].inner.shape[1] <= grades[-1].inner.shape[1]
 
 
 def test_a_short_rule_is_trusted_less_where_kappa_is_large():
-    missed = [ex.Disk(I1=I1, I3=I1).tables.coarse.limits.missed for I1 in (1.0, 0.02, 1e-4)]
+    missed = [grade_at(ex.Disk(I1=I1, I3=I1).tables, 1).limits.missed for I1 in (1.0, 0.02, 1e-4)]
     assert missed[0] < 0.01 < missed[2]
     assert missed[0] < missed[1] < missed[2]
 
 
+def test_wide_passages_look_for_their_turning_point_from_below_the_vertical_on():
+    h = tables.scanned_tilts()
+    assert h[0] < math.sqrt(2.0)
+    assert np.diff(np.log(h)) == pytest.approx(-tables.SCAN_STEP)
+    assert h[-1] < WIDEST
+
+
 def test_a_node_is_read_by_the_names_of_its_rows():
-    table = BODIES["thick"].tables.fine.outer
+    table = grade_at(BODIES["thick"].tables, GRADES - 1).outer
     assert fixed(table, 3) == tuple(table[:8, 3])

@@ -103,12 +103,14 @@ from kernels.integrals.quadrature import Rules
 from kernels.integrals.tables import make_tables
 gauss = lambda n: np.stack(np.polynomial.legendre.leggauss(n))
 disk = make_disk(0.25, 0.5)
-tables = make_tables(disk, [(gauss(10), gauss(10), gauss(10)), *[(gauss(24), gauss(40), gauss(56))] * 2])
+few, many = (gauss(10), gauss(10), gauss(10), gauss(20)), (gauss(24), gauss(40), gauss(56), gauss(34))
+tables = make_tables(disk, [few] * 4 + [many] * 6)
 packed = np.stack([gauss(2 * n)[:, n:] for n in (24,)] + [gauss(24)])
 rules = Rules(packed, np.array([24]))
 crossings = passages.Crossings(*np.array([[1.0, -0.3, 1e3], [1e-3, -1e-200, 0.2], [1.0, 0.7, 1e-3]]))
 out, status, falls = np.empty((8, 3)), np.zeros(3, np.int8), np.empty((4, 3))
-passages.passage_batch(crossings, 1e-3, tables, disk, out, status)
+passages.rough_batch(crossings, 1e-3, tables, disk, out, status)
+passages.wide_batch(crossings, 1e-3, tables, disk, out, status)
 found = [*out.ravel()]
 passages.passage_batch(crossings, 1e-9, tables, disk, out, status)
 passages.passage_by_rules_batch(crossings, VERTICAL, 1e-9, rules, disk, out, status)
