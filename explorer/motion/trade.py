@@ -21,8 +21,8 @@ SETTINGS = {
     "dop853": tuple(10.0 ** -np.arange(1.0, 15.1, 0.5)),
 }
 STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
-# What quadrature is measured at, one of each grade of its tables and its best; and what all methods are asked for.
-GRADES = (1e-3, 1e-4, 1e-6, 1e-11)
+# What quadrature is measured at, which has a grade of rules for each decade; and what all methods are asked for.
+GRADES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-11)
 ASKED = tuple(10.0 ** -np.arange(2.0, 10.1, 2.0))
 # Errors nearer to each other than this ratio are the same: two samplings differ by a fifth, and at rounding a
 # finer setting gains as little.
