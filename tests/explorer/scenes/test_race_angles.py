@@ -33,7 +33,7 @@ def test_race_angles_pile_up_at_kappa_pi(disk):
 
 def test_a_hundred_thousand_races_over_eight_decades_go_no_wrong_way():
     """Every one is right or says that it does not know."""
-    scene, found = summary_of("race-angles", samples=100_000, eta_hat="1e-10:1e-2", accuracy=1e-3)
+    scene, found = summary_of("race-angles", samples=100_000, eta_hat="1e-10:1e-2", accuracy=1e-8)
     assert found["wrong_way"] == 0
     assert found["status"]["ok"] + found["failures"].get("unresolved_side", 0) == 100_000
     assert found["status"]["ok"] > 95_000
