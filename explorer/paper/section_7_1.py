@@ -20,6 +20,7 @@ from explorer.motion.periods import periods
 from explorer.paper import eight_dimensions as plain
 from explorer.paper.checks import (
     BODIES,
+    EXACT,
     HOOP,
     THICK,
     UNIFORM,
@@ -112,7 +113,7 @@ def bounce() -> Iterator[Finding]:
         yield near(f"{disk.name}: exponent of θ_min in η, 1e-2 to 1e-5", exponent(eta, theta), 1.0, 0.02, _LOG)
         left = logarithmic(eta[1:], lead[1:] - 1.0)[1]
         yield at_most(f"{disk.name}: θ_min√(2I₁(E−V₀))/η − 1, misfit of η ln(1/η) and η", left, 0.05, "η² ln²η")
-        tiny = passages(disk, 1.0, [1e-8, -1e-8, 1e-12, -1e-12], 1.0)
+        tiny = passages(disk, 1.0, [1e-8, -1e-8, 1e-12, -1e-12], 1.0, accuracy=EXACT)
         lead = tiny.theta_min * tiny.impact_speed * np.sqrt(disk.I1 * (disk.I1 + 1.0)) / eta_unit(disk)
         lead /= [1e-8, 1e-8, 1e-12, 1e-12]
         yield near(f"{disk.name}: θ_min√(2I₁(E−V₀))/η at ±1e-8, ±1e-12 by quadrature", lead, 1.0, 1e-6, _LOG)
@@ -212,7 +213,7 @@ def rates_of_the_race() -> Iterator[Finding]:
         most = turn[0, 0] * run.eta / (2.0 * (run.energy - run.V0))
         yield near(f"{where} largest χ̇ over 2(E−V₀)/η, η̂ = 1e-5", most, 1.0, 1e-3, _LOG)
         edges = np.array([1e-2, 1e-3, 1e-4])
-        cut = [passages(disk, 1.0, 1e-8, 1.0, face, window=float(edge)) for edge in edges]
+        cut = [passages(disk, 1.0, 1e-8, 1.0, face, window=float(edge), accuracy=EXACT) for edge in edges]
         lost = disk.kappa * np.pi - np.array([float(part.race_angle[0]) for part in cut])
         want = 2.0 * disk.kappa * np.arcsin(cut[0].theta_min[0] / edges)
         why = "terms of order η ln(1/η) = 2e-7"
@@ -226,7 +227,7 @@ def race_angle() -> Iterator[Finding]:
     for disk in BODIES:
         for sign in (1.0, -1.0):
             by_steps = passages(disk, 1.0, sign * etas, 1.0, method="dop853", accuracy=1e-9)
-            exact = passages(disk, 1.0, sign * etas, 1.0)
+            exact = passages(disk, 1.0, sign * etas, 1.0, accuracy=EXACT)
             where = f"{disk.name}, sgn η {sign:+.0f}:"
             why = "accuracy asked of the integrator"
             yield near(f"{where} race angle, integrator", by_steps.race_angle, exact.race_angle, 1e-8, why)
@@ -280,7 +281,7 @@ def race_of_psi() -> Iterator[Finding]:
             steps = passages(disk, 1.0, sign * 1e-4, 1.0, face, method="dop853", accuracy=1e-9).delta_psi
             yield near(f"{where} Δψ at η̂ = 1e-4 integrated", steps, runs.delta_psi[0], 1e-8, "its accuracy")
     for disk, eta_hat in ((UNIFORM, 0.01), (HOOP, -0.01), (THICK, 0.01)):
-        whole, run = passages(disk, 1.0, eta_hat, 1.0), passage(disk, eta_hat)
+        whole, run = passages(disk, 1.0, eta_hat, 1.0, accuracy=EXACT), passage(disk, eta_hat)
         race = run.middle + run.theta_min / run.A * np.linspace(-20.0, 20.0, 160)
         times = np.sort(np.concatenate([np.linspace(0.0, float(whole.duration[0]), 160), race]))
         motion = plain.integrate(disk, upright(disk, eta_hat), times)
@@ -309,5 +310,5 @@ def same_for_all() -> Iterator[Finding]:
         yield near(f"{what} 40 of them integrated, η̂ = 1e-5", steps, runs[0].race_angle[:40], 1e-8, why)
         left = logarithmic(etas, width)[1]
         yield at_most(f"{what} misfit of a η ln(1/η) + b η to it, 1e-5 to 1e-9", left, 0.01, "η² ln²η, rounding")
-    race = [passages(Disk(I1=0.25, I3=i), 1.0, 1e-10, 1.0).race_angle[0] for i in (0.5, 0.3, 0.05)]
+    race = [passages(Disk(I1=0.25, I3=i), 1.0, 1e-10, 1.0, accuracy=EXACT).race_angle[0] for i in (0.5, 0.3, 0.05)]
     yield near("I₁ = 1/4, I₃ = 0.5, 0.3, 0.05: race angle", race, np.pi * np.sqrt(5.0), 1e-7, _LOG)

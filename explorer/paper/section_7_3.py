@@ -16,6 +16,7 @@ from explorer.motion.limit_motions import limit_motion
 from explorer.motion.passages import Passages, passages
 from explorer.paper import eight_dimensions as plain
 from explorer.paper.checks import (
+    EXACT,
     HOOP,
     MATCHING,
     THICK,
@@ -55,7 +56,7 @@ class Bounce:
 @lru_cache
 def beside(disk: Disk, face: int, sign: int, eta_hat: float, sigma3_bar: float = 1.0) -> Bounce:
     """The motion from the vertical with speed 1, integrated; nu by (2.27), (2.29), velocities by differences."""
-    whole = passages(disk, sigma3_bar, sign * eta_hat, 1.0, face)
+    whole = passages(disk, sigma3_bar, sign * eta_hat, 1.0, face, accuracy=EXACT)
     wait = np.sqrt(eta_hat)
     grid = np.array([-2.0, -1.0, 0.0, 1.0, 2.0]) * 0.02 * wait
     times = 0.5 * whole.duration[0] + np.concatenate([grid - wait, grid + wait])
@@ -110,7 +111,7 @@ def limits_of_nu() -> Iterator[Finding]:
             yield from vanishing(f"{where} {what}", row)
     for disk in (UNIFORM, THICK):
         other = beside(disk, 1, 1, 1e-3)
-        middle = 0.5 * passages(disk, 1.0, 1e-3, 1.0).duration[0]
+        middle = 0.5 * passages(disk, 1.0, 1e-3, 1.0, accuracy=EXACT).duration[0]
         times = middle + np.sqrt(1e-3) * np.array([-1.0, 1.0])
         motion = plain.integrate(disk, upright(disk, 1e-3), times)
         text = f"{disk.name}: ν = Aω in 8 dimensions at η̂ = 1e-3, before and after"
@@ -120,7 +121,7 @@ def limits_of_nu() -> Iterator[Finding]:
 
 def _where_lemma_7_holds() -> Iterator[Finding]:
     """Lemma 7's stretch: sigma4 has its limit (7.20) already, and the race is not on."""
-    flat = 0.5 * passages(UNIFORM, 1.0, 1e-8, 1.0).duration[0]
+    flat = 0.5 * passages(UNIFORM, 1.0, 1e-8, 1.0, accuracy=EXACT).duration[0]
     times = flat - np.geomspace(2e-2, 2e-3, 20)
     phi, sigma4 = (row[0] for row in observed(UNIFORM, beside_the_line(UNIFORM, 1e-8), times, "phi", "sigma4"))
     s1 = np.sin(phi[abs(sigma4 - flat_spin(UNIFORM)) < 1e-2])
@@ -225,7 +226,7 @@ def velocity_of_the_centre() -> Iterator[Finding]:
 
 def _through_the_race(disk: Disk, eta_hat: float) -> tuple[Passages, Any]:
     """The passage, and the motion through the race on a grid as fine as the tilt is small."""
-    whole = passages(disk, 1.0, eta_hat, 1.0)
+    whole = passages(disk, 1.0, eta_hat, 1.0, accuracy=EXACT)
     y = np.linspace(-5.0, 5.0, 401)
     times = 0.5 * whole.duration[0] + whole.theta_min[0] / whole.impact_speed[0] * np.sinh(y)
     run = followed(disk, beside_the_line(disk, eta_hat), times)
@@ -255,7 +256,7 @@ def bounded_rates() -> Iterator[Finding]:
         orders = [exponent(_ETAS, most), exponent(_ETAS, fastest)]
         yield near(f"{disk.name}: exponents in η of largest |ω|, |ȧ|", orders, 0.0, 0.02, why)
         yield near(f"{disk.name}: exponent in η of the largest χ̇", exponent(_ETAS, race), -1.0, 0.02, _LOG)
-        whole = passages(disk, 1.0, 0.01, 1.0)
+        whole = passages(disk, 1.0, 0.01, 1.0, accuracy=EXACT)
         times = np.linspace(0.0, float(whole.duration[0]), 300)
         motion = plain.integrate(disk, upright(disk, 0.01), times)
         inertia = np.array([disk.I1, disk.I1, disk.I3])
@@ -280,7 +281,7 @@ def speed_of_the_contact_point() -> Iterator[Finding]:
         why = "η ln(1/η); the difference quotient is good to 1e-4"
         yield near(f"{disk.name}: its largest speed over 2r(E−V₀)/|η|, η̂ = 1e-5", ratio[-1], 1.0, 1e-3, why)
     for disk, face in ((UNIFORM, 1), (UNIFORM, -1), (THICK, -1)):
-        middle = 0.5 * passages(disk, 1.0, 1e-3, 1.0, face).duration[0]
+        middle = 0.5 * passages(disk, 1.0, 1e-3, 1.0, face, accuracy=EXACT).duration[0]
         times = middle + 0.03 * np.array([-1.0, 0.0, 1.0])
         motion = plain.integrate(disk, upright(disk, 1e-3, face), times)
         arm = motion.contact - motion.a
@@ -306,7 +307,10 @@ def many_turns() -> Iterator[Finding]:
         why = "turning with the body beside the race: the tilt 74 θ_m is left and reached"
         yield near(f"mr²/I₁ = {ratio:g}: angle of p − a over 148 θ_m/A", turned / want, 1.0, 1e-3, why)
     ratios = np.array([1e2, 1e3, 1e4])
-    turns = [float(passages(planar(float(x)), 1.0, 1e-9, 1.0).race_angle[0]) / (2.0 * np.pi) for x in ratios]
+    turns = [
+        float(passages(planar(float(x)), 1.0, 1e-9, 1.0, accuracy=EXACT).race_angle[0]) / (2.0 * np.pi)
+        for x in ratios
+    ]
     order = exponent(ratios, turns)
     yield near("exponent of the number of turns in mr²/I₁, 1e2 to 1e4", order, 0.5, 2e-3, "√(1+x)")
 
@@ -361,7 +365,7 @@ def two_sides() -> Iterator[Finding]:
         for eta_hat in (1e-2, 1e-3):
             heading, want = [], []
             for eta in (eta_hat, -eta_hat):
-                whole = passages(disk, 1.0, eta, 1.0)
+                whole = passages(disk, 1.0, eta, 1.0, accuracy=EXACT)
                 motion = plain.integrate(disk, upright(disk, eta), whole.duration)
                 heading.append(motion.v[-1, :2] @ [1.0, 1j])
                 want.append(float(whole.delta_chi[0]))
