@@ -23,6 +23,9 @@ UNIFORM = BODIES["uniform"]
 OF_THE_LAW = ("falling_ladder", "ladder_ratio", "constant_convergence", "tilt_density")
 
 
+pytestmark = pytest.mark.long
+
+
 @pytest.fixture(scope="module")
 def pictures(tmp_path_factory, traded):
     """What each picture draws, all of it from public calls."""

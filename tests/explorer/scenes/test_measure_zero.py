@@ -12,6 +12,7 @@ import explorer as ex
 from explorer.scenes import measure_zero_draws, measure_zero_summary
 from explorer.scenes.registry import build_scene
 
+pytestmark = pytest.mark.long
 SMALL = {"samples": 40_000, "tube": 2048}
 
 
@@ -113,7 +114,7 @@ def test_the_correction_to_the_law_shrinks_like_delta():
 
 
 def test_numbers_do_not_depend_on_jobs(tmp_path):
-    options = {"samples": 20_000, "tube": 20_000, "ladder": "1e-7:1e-1"}
+    options = {"samples": 20_000, "tube": 20_000, "ladder": "1e-5:1e-1", "figures": False}
     found = [ex.run("measure-zero", out=tmp_path / str(jobs), jobs=jobs, **options) for jobs in (1, 3)]
     assert found[0].summary == found[1].summary
     tables = [list(run.tables()) for run in found]
@@ -147,7 +148,7 @@ def test_a_density_given_in_python_is_sampled_and_identified(tmp_path):
     def near_zero(phi, phidot, sigma3, sigma4):
         return np.exp(-(sigma3**2) - sigma4**2)
 
-    options = {"samples": 20_000, "tube": 1024, "ladder": "1e-8:1e-1", "out": tmp_path / "mine"}
+    options = {"samples": 20_000, "tube": 1024, "ladder": "1e-8:1e-1", "out": tmp_path / "mine", "figures": False}
     run = ex.run("measure-zero", density=near_zero, **options)
     plain, tube = (run.summary["ladder"][0][key] for key in ("plain", "estimate"))
     assert plain["interval_95"][0] * 0.97 < tube < plain["interval_95"][1] * 1.03
@@ -169,7 +170,8 @@ def test_a_run_can_be_resumed_from_its_folder(tmp_path):
     from explorer.runs.folder import scene_of
 
     options = {"energy": "1.2:4", "gaussian": "sigma3=0.5:1", "box": "phi=-1:1", "sampling": "sobol"}
-    run = ex.run("measure-zero", out=tmp_path / "run", samples=1000, tube=512, ladder="1e-7:1e-1", **options)
+    small = {"samples": 1000, "tube": 512, "ladder": "1e-7:1e-1", "figures": False}
+    run = ex.run("measure-zero", out=tmp_path / "run", **small, **options)
     assert scene_of(tmp_path / "run").options() == run.scene.options()
 
 
@@ -214,7 +216,7 @@ def test_bad_input_is_named(options, message):
 
 
 def test_a_longer_run_takes_over_the_chunks_of_a_shorter_one(tmp_path):
-    options = {"tube": 2048, "ladder": "1e-7:1e-1", "seed": 3}
+    options = {"tube": 2048, "ladder": "1e-5:1e-1", "seed": 3, "figures": False}
     ex.run("measure-zero", out=tmp_path / "run", samples=70_000, **options)
     longer = ex.run("measure-zero", out=tmp_path / "run", samples=200_000, **options)
     fresh = ex.run("measure-zero", out=tmp_path / "fresh", samples=200_000, **options)
