@@ -5,7 +5,7 @@ Each lane has its own step. Constants of motion that a sample is held to are put
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from kernels._jit import contracted_device, contracted_subroutine, device, subroutine
 from kernels.disk.algebra import FRACTION, OFFSET, ONE, SHIFTER, depth
@@ -110,14 +110,14 @@ def hold(W: Vector, bits: Longs, whole: Whole, b: Body) -> None:
 
     The energy is left alone: p would take up an error of the tilt, which makes the angles worse.
     """
-    for i in range(LANES):
-        word = bits[NOW * LANES + i]
-        bits[EXPONENT * LANES + i] = (word >> 52) + SHIFTER
-        bits[MANTISSA * LANES + i] = (word & FRACTION) + ONE
+    split(bits, NOW, EXPONENT, MANTISSA)
     inv_kappa, weight, inv_k = 1.0 / b.kappa, math.sqrt(b.J_over_M), 1.0 / b.k
     for i in range(LANES):
         x, bar, most = read(W, NOW, i), W[X_HELD * LANES + i], W[EXCESS * LANES + i]
-        rho, sigma4 = rates(W, i, x, inv_k, whole, b)
+        # All are loaded, so that nothing branches.
+        plus, minus = W[Y_PLUS * LANES + i], W[Y_MINUS * LANES + i]
+        held = Held(bar, plus, minus, W[MANTISSA * LANES + i], W[EXPONENT * LANES + i])
+        rho, sigma4 = rates(held, x, inv_k, whole, b)
         moved = max_of(abs(rho - x.rho) * inv_kappa, abs(sigma4 - x.sigma4) * weight)
         excess = abs(contracted_energy(with_reduced(x, x.q, x.z, x.p, rho, sigma4), b) - W[ENERGY * LANES + i])
         W[(NOW + 3) * LANES + i] = rho if bar == bar else x.rho
@@ -132,18 +132,35 @@ def max_of(one: float, other: float) -> float:
     return one if one > other else other
 
 
+class Held(NamedTuple):
+    """What a lane is held to, as Motion has it, X NaN where it runs free; and q of its state in two parts."""
+
+    X: float
+    plus: float
+    minus: float
+    mantissa: float
+    exponent: float
+
+
 @contracted_device
-def rates(W: Vector, i: int, x: State, inv_k: float, whole: Whole, b: Body) -> tuple[float, float]:
+def rates(held: Held, x: State, inv_k: float, whole: Whole, b: Body) -> tuple[float, float]:
     """(rho, sigma4) at the tilt of x, from the constants of its lane."""
-    S, log_S = depth(x, W[MANTISSA * LANES + i], W[EXPONENT * LANES + i] - OFFSET)
+    S, log_S = depth(x, held.mantissa, held.exponent - OFFSET)
     f = whole_solutions(S, log_S, b.c, whole)
-    # Both are loaded, so that nothing branches.
-    X, plus, minus = W[X_HELD * LANES + i], W[Y_PLUS * LANES + i], W[Y_MINUS * LANES + i]
-    Y = plus if x.z >= 0.0 else minus
+    Y = held.plus if x.z >= 0.0 else held.minus
     # sigma3/q written so that S may underflow
-    rho = X * f.rho_over_S * (x.q / (1.0 + abs(x.z))) + Y * (f.D / x.q)
-    sigma4 = (X * f.drho + Y * f.dD) * inv_k
+    rho = held.X * f.rho_over_S * (x.q / (1.0 + abs(x.z))) + Y * (f.D / x.q)
+    sigma4 = (held.X * f.drho + Y * f.dD) * inv_k
     return rho, sigma4 if x.z >= 0.0 else -sigma4
+
+
+@device
+def split(bits: Longs, q: int, exponent: int, mantissa: int) -> None:
+    """The numbers in row q of a work array seen as integers, in two parts into the other rows."""
+    for i in range(LANES):
+        word = bits[q * LANES + i]
+        bits[exponent * LANES + i] = (word >> 52) + SHIFTER
+        bits[mantissa * LANES + i] = (word & FRACTION) + ONE
 
 
 @subroutine

@@ -10,16 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from kernels._jit import contracted_device, contracted_subroutine, device, subroutine
-from kernels.disk.algebra import FRACTION, OFFSET, ONE, SHIFTER, depth
+from kernels._jit import contracted_subroutine, device, subroutine
 from kernels.disk.body import Body
-from kernels.disk.chaplygin import Whole, whole_solutions
+from kernels.disk.chaplygin import Whole
 from kernels.disk.constants import contracted_fastest_within, contracted_onto_energy
 from kernels.disk.field import State, with_reduced
 from kernels.steps.adaptive import SHORTEST_STEP
 from kernels.steps.attempt import all_finite, first_guess, land
 from kernels.steps.events import TIME, Stop
-from kernels.steps.lanes import BROKEN, HIT, NOTHING, STUCK, onto_circle
+from kernels.steps.lanes import BROKEN, HIT, NOTHING, STUCK, Held, onto_circle, rates, split
 from kernels.types import Longs, Vector
 
 LANES = 16
@@ -100,34 +99,21 @@ def sweep(attempt_by: Any, W: Vector, b: Body) -> int:
     return attention
 
 
-@contracted_device
-def on_constants(W: Vector, i: int, x: State, inv_k: float, whole: Whole, b: Body) -> State:
-    """x with rho and sigma4 at its tilt from the constants of its lane."""
-    S, log_S = depth(x, W[MANTISSA * LANES + i], W[EXPONENT * LANES + i] - OFFSET)
-    f = whole_solutions(S, log_S, b.c, whole)
-    # Both are loaded, so that nothing branches.
-    X, plus, minus = W[X_HELD * LANES + i], W[Y_PLUS * LANES + i], W[Y_MINUS * LANES + i]
-    Y = plus if x.z >= 0.0 else minus
-    # sigma3/q written so that S may underflow
-    rho = X * f.rho_over_S * (x.q / (1.0 + abs(x.z))) + Y * (f.D / x.q)
-    sigma4 = (X * f.drho + Y * f.dD) * inv_k
-    return with_reduced(x, x.q, x.z, x.p, rho, sigma4 if x.z >= 0.0 else -sigma4)
-
-
 @contracted_subroutine
 def hold(W: Vector, bits: Longs, whole: Whole, b: Body) -> None:
     """Put every lane that is held back onto its constants, and where it is fastest onto its energy.
 
     bits: W seen as integers. Needs I3 > 0 of lanes that are held.
     """
-    for i in range(LANES):
-        word = bits[NOW * LANES + i]
-        bits[EXPONENT * LANES + i] = (word >> 52) + SHIFTER
-        bits[MANTISSA * LANES + i] = (word & FRACTION) + ONE
+    split(bits, NOW, EXPONENT, MANTISSA)
     inv_k = 1.0 / b.k
     for i in range(LANES):
         x, bar = read(W, NOW, i), W[X_HELD * LANES + i]
-        y = on_constants(W, i, x, inv_k, whole, b)
+        # All are loaded, so that nothing branches.
+        plus, minus = W[Y_PLUS * LANES + i], W[Y_MINUS * LANES + i]
+        held = Held(bar, plus, minus, W[MANTISSA * LANES + i], W[EXPONENT * LANES + i])
+        rho, sigma4 = rates(held, x, inv_k, whole, b)
+        y = with_reduced(x, x.q, x.z, x.p, rho, sigma4)
         fastest = contracted_fastest_within(read(W, BEFORE, i), y, b)
         faster, excess = contracted_onto_energy(y, W[ENERGY * LANES + i], b)
         W[REMOVED * LANES + i] += excess if fastest & (bar == bar) else 0.0
