@@ -182,14 +182,15 @@ def density(rho: float, q: float, curve: Curve, pace: float) -> float:
 
 @subroutine
 def pieces(x: State, y: State, h: float, curve: Curve, b: Body) -> Piecewise:
-    """How to cut the step from x to y, by Simpson's rule: in its middle chi may turn faster than at both ends."""
+    """How to cut the step from x to y: by its ends, and by Simpson's rule where chi turns faster in its middle."""
     pace = speed(x, b)
     before, after = reduced(x, b), reduced(y, b)
     rho = 0.5 * (x.rho + y.rho) + 0.125 * h * (before[3] - after[3])
     q = 0.5 * (x.q + y.q) + 0.125 * h * (before[0] - after[0])
     start, end = density(x.rho, x.q, curve, pace), density(y.rho, y.q, curve, pace)
-    needed = h * (start + 4.0 * density(rho, q, curve, pace) + end) / 6.0
-    return Piecewise(h, start, end, max(1, math.ceil(needed - _LONGER)))
+    by_ends = 0.5 * (start + end)
+    needed = h * max(by_ends, (by_ends + 2.0 * density(rho, q, curve, pace)) / 3.0)
+    return Piecewise(h, start, end, 1 if needed <= 1.0 + _LONGER else math.ceil(needed))
 
 
 @device
