@@ -46,13 +46,18 @@ if TYPE_CHECKING:
     from kernels.disk import polynomials as polynomials
     from kernels.disk import sifting as sifting
     from kernels.integrals import bounces as bounces
+    from kernels.integrals import ends as ends
     from kernels.integrals import forces as forces
+    from kernels.integrals import leg_tables as leg_tables
+    from kernels.integrals import legs as legs
+    from kernels.integrals import low_falls as low_falls
     from kernels.integrals import orbits as orbits
     from kernels.integrals import passages as passages
     from kernels.integrals import point as point
     from kernels.integrals import quadrature as quadrature
     from kernels.integrals import races as races
     from kernels.integrals import tables as tables
+    from kernels.integrals import tabulated as tabulated
     from kernels.steps import attempt as attempt
     from kernels.steps import batch as batch
     from kernels.steps import events as events

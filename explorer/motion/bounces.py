@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
+from explorer.motion.legs import FALL_KERNELS, falls_of_energy, legs_of
+from explorer.motion.legs import KERNELS as OF_LEGS
 from explorer.motion.passages import FLOOR
 from explorer.motion.passages_by_integration import LENIENCE
-from explorer.motion.passages_by_quadrature import fall_from_vertical
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
 from explorer.motion.starts import fallen, held_constants, orbit_starts
@@ -57,7 +58,8 @@ class Bounces(Result):
     duration : array
         Time that the stretch takes.
     error_estimate : array
-        Of the angles (rad) and of the duration (relative), whichever is larger.
+        Of the angles (rad), of the duration (relative) and of the time to the first flattest moment (in
+        durations), whichever is largest. Later times are off by what the durations before them are.
     status : array of int8
         `Status` of each state.
     states : States
@@ -151,8 +153,8 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
 
 # The kernels of `bounces`, for `compiled.warmup`; a fall may start below the vertical.
 KERNELS = (
-    *membership.KERNELS,
-    *("bounces.bounce_batch", "falling.line_chart_batch", "passages.fall_batch", "passages.fall_by_rules_batch"),
+    *(*membership.KERNELS, *OF_LEGS, *FALL_KERNELS),
+    *("bounces.bounces_of_legs", "bounces.bounce_batch", "falling.line_chart_batch"),
 )
 
 
@@ -184,7 +186,10 @@ def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], ac
     orbits = orbit_starts(states, linear)
     status = fallen(orbits, status)
     out = np.empty((len(compiled.bounces.BounceRow._fields), status.size))
-    compiled.bounces.bounce_batch(orbits, accuracy, packed_rules(), disk.natural, out, status)
+    ends, legs = legs_of(disk, orbits, status, accuracy, 3)
+    compiled.bounces.bounces_of_legs(orbits, ends, legs, disk.natural, out, status)
+    if (np.isnan(out[0]) & (status == code.OK)).any():
+        compiled.bounces.bounce_batch(orbits, accuracy, packed_rules(), disk.natural, out, status)
     found = compiled.bounces.BounceRow(*out)
     crosses, first_here = np.isfinite(found.theta_there), found.first_here == 1.0
     from_here = np.stack([first_here, np.where(crosses, ~first_here, True)])
@@ -193,7 +198,8 @@ def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], ac
         return np.where(from_here, here, there)
 
     own = np.where(states.rows.z >= 0.0, 1.0, -1.0)
-    fall = fall_from_vertical(disk, linear.sigma3_bar, np.where(status == code.OK, found.energy, np.nan))
+    energy = np.where(status == code.OK, found.energy, np.nan)
+    fall = falls_of_energy(disk, linear.sigma3_bar, energy, accuracy)
     error = in_turn(found.error_here, found.error_there) + np.nan_to_num(2.0 * fall.error)
     allowed = np.fmax(LENIENCE * accuracy, FLOOR * (1.0 + np.nan_to_num(fall.time)))
     status[(status == code.OK) & ~(error <= allowed).all(axis=0)] = code.STEP_LIMIT
@@ -205,7 +211,7 @@ def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], ac
         chi=in_turn(found.chi_here, found.chi_there),
         psi=in_turn(own * found.psi_here, -own * found.psi_there),
         duration=in_turn(found.time_here, found.time_there),
-        error=error,
+        error=np.fmax(error, found.first_error),
         first=found.first,
         between=np.where(crosses, 0.5 * time, time),
         fall_angle=2.0 * fall.chi,

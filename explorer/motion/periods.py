@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, whole
+from explorer.motion.legs import legs_of
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
 from explorer.motion.starts import fallen, held_constants, orbit_starts
@@ -129,15 +130,18 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
 
 def _orbits(
     disk: Disk,
-    starts: compiled.orbits.Orbits,
+    starts: compiled.point.Orbits,
     status: NDArray[np.int8],
     accuracy: float,
     rows: NDArray[np.intp],
 ) -> tuple[Array, NDArray[np.int8]]:
     """Some of the orbits (8, n), NaN where the status, which is the second result, is not OK."""
-    some = compiled.orbits.Orbits(*(column[rows] for column in starts))
+    some = compiled.point.Orbits(*(column[rows] for column in starts))
     code, out = status[rows], np.empty((8, rows.size))
-    compiled.orbits.orbit_batch(some, accuracy, packed_rules(), disk.natural, out, code)
+    ends, legs = legs_of(disk, some, code, accuracy, 2)
+    compiled.orbits.orbits_of_legs(some, ends, legs, disk.natural, out, code)
+    if (np.isnan(out[0]) & (code == compiled.status.Status.OK)).any():
+        compiled.orbits.orbit_batch(some, accuracy, packed_rules(), disk.natural, out, code)
     out[:, code != compiled.status.Status.OK] = np.nan
     return out, code
 

@@ -41,19 +41,19 @@ def held_constants(states: States, natural: NaturalConstants) -> tuple[NDArray[n
     return status.astype(np.int8), LinearConstants(*np.nan_to_num(linear))
 
 
-def orbit_starts(states: States, linear: LinearConstants) -> "compiled.orbits.Orbits":
+def orbit_starts(states: States, linear: LinearConstants) -> "compiled.point.Orbits":
     """Motions in the chart of the quadrature kernels, as seen from the hemisphere they start in."""
     q, z, p, _, _ = states.rows
     plus = z >= 0.0
     near = np.where(plus, linear.eta_plus, linear.eta_minus)
     far = np.where(plus, linear.eta_minus, linear.eta_plus)
     h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
-    return compiled.orbits.Orbits(
+    return compiled.point.Orbits(
         *np.nan_to_num(np.stack([h, np.where(plus, p, -p), linear.sigma3_bar, near, far]))
     )
 
 
-def fallen(starts: "compiled.orbits.Orbits", status: NDArray[np.int8]) -> NDArray[np.int8]:
+def fallen(starts: "compiled.point.Orbits", status: NDArray[np.int8]) -> NDArray[np.int8]:
     """`status`, with FALLS where an eta is exactly 0: such a motion has no period."""
     code = compiled.status.Status
     zero = (starts.near == 0.0) | (starts.far == 0.0)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, note, number, positive, read_toml, shown, word
 from explorer.phase.arguments import explained
-from explorer.phase.gauss import table_rules
+from explorer.phase.gauss import leg_rules, table_rules
 
 Array = NDArray[np.float64]
 Number = TypeVar("Number", float, Array)
@@ -251,6 +251,11 @@ class Disk:
     def tables(self) -> compiled.tables.Tables:
         """Tables by which the kernels integrate from the vertical."""
         return compiled.tables.make_tables(self.natural, table_rules())
+
+    @cached_property
+    def leg_tables(self) -> compiled.leg_tables.LegTables:
+        """Tables by which the kernels follow motions from turning point to turning point."""
+        return compiled.leg_tables.make_leg_tables(self.natural, leg_rules())
 
     def describe(self) -> Description:
         """The disk as run.json and summary.json show it; printed, with units and with what follows from it.

@@ -83,3 +83,13 @@ def table_rules() -> tuple[tuple[_Array, ...], ...]:
     orders at which few of them miss the accuracy of their grade and have to be computed again.
     """
     return tuple(tuple(np.stack(gauss(n)) for n in orders) for orders in _ORDERS)
+
+
+# Nodes of the rules for legs: a step in size is a digit or less.
+LEG_SIZES = (4, 5, 6, 8, 10, 12, 15, 18, 22, 27, 33, 40, 50)
+
+
+@cache
+def leg_rules() -> tuple[_Array, ...]:
+    """Rules for kernels.integrals.leg_tables.make_leg_tables: of twice as many nodes as LEG_SIZES."""
+    return tuple(np.stack(gauss(2 * n)) for n in LEG_SIZES)

@@ -9,8 +9,10 @@ from kernels._jit import kernel, subroutine
 from kernels.disk.body import Disk
 from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
-from kernels.integrals.orbits import Orbits, orbit
-from kernels.integrals.point import Motion, met
+from kernels.integrals.ends import AT_VERTICAL, Ends
+from kernels.integrals.legs import LEAD, leg_at, passages_of, wanted
+from kernels.integrals.orbits import orbit
+from kernels.integrals.point import VERTICAL, Motion, Orbits, met
 from kernels.integrals.quadrature import PassageRow, Rules, Start, passage
 from kernels.integrals.wells import WIDEST, Well, find_well, guess
 from kernels.integrals.wobbles import parted_wobble, time_to_flattest_of_wobble
@@ -25,10 +27,12 @@ class BounceRow(NamedTuple, Generic[Entry]):
 
     first: time from the state to the first approach; first_here: 1 where that is to this face, else 0. Then the
     passage of this face (from vertical to vertical, or from turning point to turning point where the motion
-    does not cross the vertical) and that of the other face, NaN where there is none.
+    does not cross the vertical) and that of the other face, NaN where there is none. first_error: of `first`, in
+    units of the time of that passage.
     """
 
     first: Entry
+    first_error: Entry
     first_here: Entry
     energy: Entry
     theta_here: Entry
@@ -57,41 +61,103 @@ def first_approach(rate: float, lead: float, here: float, there: float) -> tuple
     return 0.5 * here - lead + 0.5 * there, 0.0
 
 
+class Lead(NamedTuple):
+    """Time between a state and its flattest moment on this face, and its error."""
+
+    time: float
+    error: float
+
+
 @subroutine
 def time_to_flattest(
     h: float, rate: float, motion: Motion, target: float, rules: Rules, disk: Disk, W: Vector
-) -> tuple[int, float]:
+) -> tuple[int, Lead]:
     """Status, and the time between the tilt h and the turning point on the way to flat."""
     status, lead = passage(Start(h, rate == 0.0, 0.0), motion, target, rules, disk, W)
     if rate == 0.0 and not lead.theta_min > 0.0:
         # At rest, and flatter tilts are barred: the state is at its flattest.
-        return _OK, 0.0
-    return status, 0.5 * lead.time
+        return _OK, Lead(0.0, 0.0)
+    return status, Lead(0.5 * lead.time, 0.5 * lead.time * lead.time_error)
 
 
 @subroutine
 def by_series(
     rate: float, well: Well, motion: Motion, target: float, rules: Rules, disk: Disk, W: Vector
-) -> tuple[int, PassageRow[float], PassageRow[float], float]:
+) -> tuple[int, PassageRow[float], PassageRow[float], Lead]:
     """Status, the passages of both faces and the time to flattest, by the series of `wells`."""
     status, here, there = parted_wobble(well, motion, target, rules, disk, W)
     if status != _OK:
-        return status, here, there, math.nan
-    status, lead = time_to_flattest_of_wobble(rate, well, target, rules, disk, W)
-    return status, here, there, lead
+        return status, here, there, Lead(math.nan, math.nan)
+    status, time, error = time_to_flattest_of_wobble(rate, well, target, rules, disk, W)
+    return status, here, there, Lead(time, error)
+
+
+@subroutine
+def bounces_of(rate: float, here: PassageRow[float], there: PassageRow[float], lead: Lead) -> BounceRow[float]:
+    """The bounces of a period from its passages; there.theta_min is NaN where there is none on the other face."""
+    crosses = there.theta_min > 0.0
+    first, first_here = first_approach(rate, lead.time, here.time, there.time if crosses else math.nan)
+    error = lead.error
+    if rate > 0.0:
+        halves = 0.5 if crosses else 1.0
+        error += halves * (here.time_error * here.time + there.time_error * there.time)
+    return BounceRow(
+        first=first,
+        first_error=error / (here.time if first_here == 1.0 else there.time),
+        first_here=first_here,
+        energy=here.energy,
+        theta_here=here.theta_min,
+        chi_here=here.chi,
+        psi_here=here.psi,
+        time_here=here.time,
+        error_here=max(here.angle_error, here.time_error),
+        theta_there=there.theta_min,
+        chi_there=there.chi if crosses else math.nan,
+        psi_there=there.psi if crosses else math.nan,
+        time_there=there.time if crosses else math.nan,
+        error_there=max(there.angle_error, there.time_error) if crosses else math.nan,
+    )
+
+
+@subroutine
+def lead_of(i: int, orbits: Orbits, ends: Ends, legs: Matrix) -> Lead:
+    """The time to flattest of a sample from its legs; NaN where that is not known."""
+    if wanted(LEAD, i, orbits, ends):
+        leg = leg_at(legs, LEAD * orbits.h.size + i)
+        return Lead(0.5 * leg.time, 0.5 * leg.time * leg.time_error)
+    h, here = orbits.h[i], leg_at(legs, i)
+    if orbits.rate[i] != 0.0 and h < VERTICAL - AT_VERTICAL:
+        return Lead(math.nan, math.nan)
+    if h - ends.here[i] < ends.outer[i] - h:
+        return Lead(0.0, 0.0)
+    return Lead(0.5 * here.time, 0.5 * here.time * here.time_error)
+
+
+@kernel
+def bounces_of_legs(orbits: Orbits, ends: Ends, legs: Matrix, disk: Disk, out: Matrix, status: Codes) -> None:
+    """The bounces of a period of every sample whose legs (5, 3n) are all known -> out (14, n), rows as BounceRow.
+
+    NaN where they are not, and where status (n) is not OK.
+    """
+    b, n = disk.body, status.size
+    for i in range(n):
+        out[:, i] = math.nan
+        lead = lead_of(i, orbits, ends, legs)
+        here, there = passages_of(i, orbits.sigma3_bar[i] / b.r0, ends, legs, b)
+        if status[i] == _OK and here.time > 0.0 and there.time >= 0.0 and lead.time >= 0.0:
+            put(bounces_of(orbits.rate[i], here, there, lead), out, i)
 
 
 @kernel
 def bounce_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Matrix, status: Codes) -> None:
-    """The bounces of a period for every sample -> out (13, n), rows as BounceRow.
+    """The bounces of a period of every sample that is still NaN in out (14, n), rows as BounceRow.
 
     status (n): samples that come in as not OK are skipped. Series and rules take turns as in `orbits.orbit_batch`.
     """
     b = disk.body
     W = np.zeros(nodes.ROWS * nodes.ROOM)
     for i in range(status.size):
-        out[:, i] = math.nan
-        if status[i] != _OK:
+        if status[i] != _OK or not math.isnan(out[0, i]):
             continue
         h, rate = orbits.h[i], orbits.rate[i]
         at, motion = met(h, rate, orbits.sigma3_bar[i] / b.r0, orbits.near[i] / b.I1, disk)
@@ -105,21 +171,4 @@ def bounce_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: M
             well = find_well(h, rate, at, motion, WIDEST, disk, W)
             code, here, there, lead = by_series(rate, well, motion, target, rules, disk, W)
         status[i] = code
-        crosses = there.theta_min > 0.0
-        first, first_here = first_approach(rate, lead, here.time, there.time if crosses else math.nan)
-        bounces = BounceRow(
-            first=first,
-            first_here=first_here,
-            energy=here.energy,
-            theta_here=here.theta_min,
-            chi_here=here.chi,
-            psi_here=here.psi,
-            time_here=here.time,
-            error_here=max(here.angle_error, here.time_error),
-            theta_there=there.theta_min,
-            chi_there=there.chi if crosses else math.nan,
-            psi_there=there.psi if crosses else math.nan,
-            time_there=there.time if crosses else math.nan,
-            error_there=max(there.angle_error, there.time_error) if crosses else math.nan,
-        )
-        put(bounces, out, i)
+        put(bounces_of(rate, here, there, lead), out, i)

@@ -70,6 +70,16 @@ class Integrals(NamedTuple):
     time: float
 
 
+class Smooth(NamedTuple):
+    """Chaplygin's series at one tilt, as `chaplygin.make_series`."""
+
+    g: float
+    drho: float
+    v: float
+    dv: float
+    excess: float
+
+
 @contracted_device
 def fall_off(d: float, low: Series) -> float:
     """exp(-d), to the digits of the series."""
@@ -92,24 +102,36 @@ def tilt_of(h: float, low: Series) -> float:
 
 
 @contracted_device
-def near_flat(h: float, log_h: float, motion: Motion, b: Body, low: Series) -> Near:
-    """The motion at h."""
+def joined(h: float, log_h: float, f: Smooth, motion: Motion, b: Body) -> Near:
+    """The motion at h from the series there."""
     x, y = motion.X, motion.Y
     S = 0.5 * h * h
-    t = low.per_S * S - 1.0
     log_S = 2.0 * log_h - _LN2
-    g = horner(low.rho_over_S, t)
     half_c, inv_k = 0.5 * b.c, 1.0 / b.k
-    D = half_c * S * g * log_S + horner(low.v, t)
-    dD = half_c * (horner(low.drho, t) * log_S + g) + horner(low.dv, t)
-    rise = (x * S * horner(low.excess, t) + y * dD) * inv_k
+    D = half_c * S * f.g * log_S + f.v
+    dD = half_c * (f.drho * log_S + f.g) + f.dv
+    rise = (x * S * f.excess + y * dD) * inv_k
     inv_h = 1.0 / h
-    smooth = 0.5 * x * g * h
+    smooth = 0.5 * x * f.g * h
     n = smooth + y * inv_h * D
     shape2 = 1.0 - 0.5 * S
     shape = math.sqrt(shape2)
     V, _spin = contracted_potential_above_flat(0.5 * b.I1 * n * n / shape2, rise, 2.0 * x * inv_k, h * shape, b)
     return Near(smooth, D, n, rise, V, inv_h, shape2, shape)
+
+
+@contracted_device
+def near_flat(h: float, log_h: float, motion: Motion, b: Body, low: Series) -> Near:
+    """The motion at h."""
+    t = low.per_S * (0.5 * h * h) - 1.0
+    f = Smooth(
+        g=horner(low.rho_over_S, t),
+        drho=horner(low.drho, t),
+        v=horner(low.v, t),
+        dv=horner(low.dv, t),
+        excess=horner(low.excess, t),
+    )
+    return joined(h, log_h, f, motion, b)
 
 
 @contracted_device

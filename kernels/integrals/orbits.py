@@ -10,7 +10,9 @@ from kernels.disk.body import Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
-from kernels.integrals.point import VERTICAL, Motion, met, point
+from kernels.integrals.ends import Ends
+from kernels.integrals.legs import passages_of
+from kernels.integrals.point import VERTICAL, Motion, Orbits, met, point
 from kernels.integrals.quadrature import FLOOR, PassageRow, Rules, Start, magnitude, passage
 from kernels.integrals.turning import turning_point, turning_point_outward
 from kernels.integrals.wells import WIDEST, find_well, guess
@@ -26,19 +28,6 @@ _SOON = 0.15  # of sin(phi) at the other turning point
 _SHARP = 1e-8  # an accuracy that a soon return does not reach by rules
 _SMALL = 0.02  # in x: turning points of larger wobbles are as sharp without their series
 _ROUNDING = 8.0 * 2.2e-16  # of E - V at the vertical, for each unit of its terms
-
-
-class Orbits(NamedTuple):
-    """States (n) on motions, as seen from their hemisphere.
-
-    h and rate: 2 sin(theta/2) and theta-dot; near and far: eta of this and of the other face.
-    """
-
-    h: Vector
-    rate: Vector
-    sigma3_bar: Vector
-    near: Vector
-    far: Vector
 
 
 class OrbitRow(NamedTuple, Generic[Entry]):
@@ -111,9 +100,38 @@ def orbit(
     return max(status, other_status), here, there
 
 
+@subroutine
+def period_of(here: PassageRow[float], there: PassageRow[float]) -> OrbitRow[float]:
+    """A period from its passages."""
+    return OrbitRow(
+        theta_here=here.theta_min,
+        theta_there=there.theta_min,
+        chi=here.chi + there.chi,
+        psi=here.psi - there.psi,
+        time=here.time + there.time,
+        energy=here.energy,
+        angle_error=here.angle_error + there.angle_error,
+        time_error=max(here.time_error, there.time_error),
+    )
+
+
+@kernel
+def orbits_of_legs(orbits: Orbits, ends: Ends, legs: Matrix, disk: Disk, out: Matrix, status: Codes) -> None:
+    """The period of every sample whose legs (5, 2n) are known -> out (8, n), rows as OrbitRow.
+
+    NaN where they are not, and where status (n) is not OK.
+    """
+    b = disk.body
+    for i in range(status.size):
+        out[:, i] = math.nan
+        here, there = passages_of(i, orbits.sigma3_bar[i] / b.r0, ends, legs, b)
+        if status[i] == _OK and here.time > 0.0 and there.time >= 0.0:
+            put(period_of(here, there), out, i)
+
+
 @kernel
 def orbit_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Matrix, status: Codes) -> None:
-    """The period of every sample -> out (8, n), rows as OrbitRow.
+    """The period of every sample that is still NaN in out (8, n), rows as OrbitRow.
 
     status (n): samples that come in as not OK are skipped. Series first, where they hold the motion: they are
     faster, and know a wobble to rounding; again at the end, where they may hold what the rules did not settle.
@@ -121,8 +139,7 @@ def orbit_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Ma
     b = disk.body
     W = np.zeros(nodes.ROWS * nodes.ROOM)
     for i in range(status.size):
-        out[:, i] = math.nan
-        if status[i] != _OK:
+        if status[i] != _OK or not math.isnan(out[0, i]):
             continue
         h, rate = orbits.h[i], orbits.rate[i]
         at, motion = met(h, rate, orbits.sigma3_bar[i] / b.r0, orbits.near[i] / b.I1, disk)
@@ -134,17 +151,7 @@ def orbit_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Ma
             well = find_well(h, rate, at, motion, WIDEST, disk, W)
             code, here, there = whole_wobble(well, motion, target, rules, disk, W)
         status[i] = code
-        period = OrbitRow(
-            theta_here=here.theta_min,
-            theta_there=there.theta_min,
-            chi=here.chi + there.chi,
-            psi=here.psi - there.psi,
-            time=here.time + there.time,
-            energy=here.energy,
-            angle_error=here.angle_error + there.angle_error,
-            time_error=max(here.time_error, there.time_error),
-        )
-        put(period, out, i)
+        put(period_of(here, there), out, i)
 
 
 @kernel

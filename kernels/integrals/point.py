@@ -25,6 +25,19 @@ class Motion(NamedTuple):
     level: float
 
 
+class Orbits(NamedTuple):
+    """States (n) on motions, as seen from their hemisphere.
+
+    h and rate: 2 sin(theta/2) and theta-dot; near and far: eta of this and of the other face.
+    """
+
+    h: Vector
+    rate: Vector
+    sigma3_bar: Vector
+    near: Vector
+    far: Vector
+
+
 class Point(NamedTuple, Generic[Entry]):
     """A tilt on a motion with constants (X, Y), face +1.
 

@@ -186,8 +186,8 @@ def make_tables(disk: Disk, rules: Sequence[tuple[np.ndarray, ...]]) -> Tables:
     sizes = [[nodes.shape[1] for nodes in grade[:4]] for grade in grades]
     outer, fall, inner, far = (np.concatenate(nodes, axis=1) for nodes in list(zip(*grades, strict=True))[:4])
     return Tables(
-        vertical=_at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1)),
-        scan=_at_tilts(disk, 2.0 * np.arcsin(0.5 * scanned_tilts()), np.zeros(SCANNED)),
+        vertical=at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1)),
+        scan=at_tilts(disk, 2.0 * np.arcsin(0.5 * scanned_tilts()), np.zeros(SCANNED)),
         low=Low(4.0 / HANDOVER**2, *_series(power_series, 0.5 * HANDOVER * HANDOVER, LOW_DEGREE)),
         short=Short(4.0 / HANDOVER**2, *_series(power_series, 0.5 * HANDOVER * HANDOVER, SHORT_DEGREE)),
         wide=Wide(2.0, *_series(power_series, 1.0, WIDE_DEGREE)),
@@ -216,15 +216,15 @@ def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
         # Where the fall is slow at flat as well, u^2 (3 - 2u) crowds nodes at both ends.
         u = 0.5 * (1.0 + fall[0])
         theta = 0.5 * math.pi * u * u * (3.0 - 2.0 * u)
-        fallen = _at_tilts(disk, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
+        fallen = at_tilts(disk, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
     thin = 1.0 + (_ROUND / disk.body.I1) ** _GROWS
     places, weights, tails = _half(inner)
     # ln h rises from the turning point like s^2, s = sin(pi v/2): nodes lie close at both ends.
     v, steps, last = _half(wide)
     s, slope = np.sin(0.5 * math.pi * v), np.cos(0.5 * math.pi * v)
     return Grade(
-        outer=np.concatenate([far, _coefficients(outer, (outer.shape[1] - 1, outer.shape[1] - 2))]),
-        fall=np.concatenate([fallen, _coefficients(fall, (fall.shape[1] - 1, fall.shape[1] - 2))]),
+        outer=np.concatenate([far, coefficients(outer, (outer.shape[1] - 1, outer.shape[1] - 2))]),
+        fall=np.concatenate([fallen, coefficients(fall, (fall.shape[1] - 1, fall.shape[1] - 2))]),
         inner=np.concatenate([[1.0 - places, weights], tails]),
         wide=np.concatenate([[slope * slope, math.pi * s * slope * steps], last]),
         limits=limits._replace(missed=limits.missed * thin),
@@ -235,16 +235,16 @@ def _half(rule: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Nodes and weights of the positive half of a symmetric rule, and its last coefficients for even functions."""
     n = rule.shape[1]
     # Of an even function the even coefficients are left, of degrees n - 2 and n - 4.
-    return rule[0, n // 2 :], rule[1, n // 2 :], _coefficients(rule, (n - 2, n - 4))[:, n // 2 :]
+    return rule[0, n // 2 :], rule[1, n // 2 :], coefficients(rule, (n - 2, n - 4))[:, n // 2 :]
 
 
 def _towards_vertical(disk: Disk, length: float, rule: np.ndarray) -> np.ndarray:
     """Nodes from the vertical on, over `length`, close to it like u^2."""
     u = 0.5 * (1.0 + rule[0])
-    return _at_tilts(disk, 0.5 * math.pi - length * u * u, length * u * rule[1])
+    return at_tilts(disk, 0.5 * math.pi - length * u * u, length * u * rule[1])
 
 
-def _at_tilts(disk: Disk, theta: np.ndarray, weights: np.ndarray) -> np.ndarray:
+def at_tilts(disk: Disk, theta: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """The rows of Fixed at the given tilts; weights in theta."""
     body = disk.body
     h = 2.0 * np.sin(0.5 * theta)
@@ -259,7 +259,7 @@ def _at_tilts(disk: Disk, theta: np.ndarray, weights: np.ndarray) -> np.ndarray:
     )
 
 
-def _coefficients(rule: np.ndarray, degrees: tuple[int, int]) -> np.ndarray:
+def coefficients(rule: np.ndarray, degrees: tuple[int, int]) -> np.ndarray:
     """Factors (2, n) that turn weighted values at a rule's nodes into twice two Legendre coefficients."""
     eye = np.eye(max(degrees) + 1)
     return np.stack([(2 * k + 1) * np.polynomial.legendre.legval(rule[0], eye[k]) for k in degrees])

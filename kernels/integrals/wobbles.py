@@ -174,8 +174,8 @@ def parted_wobble(
 @subroutine
 def time_to_flattest_of_wobble(
     rate: float, well: Well, target: float, rules: Rules, disk: Disk, W: Vector
-) -> tuple[int, float]:
-    """Status, and the time between the state and the flattest moment of its wobble; 0 where there is no wobble."""
+) -> tuple[int, float, float]:
+    """Status, time between the state and the flattest moment of its wobble, and its error; 0 without a wobble."""
     b = disk.body
     middle, width = 0.5 * (well.inner + well.outer), 0.5 * (well.outer - well.inner)
     share = value(W, SHARE, SHARE + well.terms - 2, well.state)
@@ -183,6 +183,6 @@ def time_to_flattest_of_wobble(
     forward = abs(rate) * math.sqrt(0.5 * b.M / max(share, _LEAST))
     phase = math.atan2(well.state - middle, forward) if width > 0.0 else -_QUARTER
     if not phase > -_QUARTER:
-        return _OK, 0.0
+        return _OK, 0.0, 0.0
     lead = stretch(W, well, Arc(-_QUARTER, phase, 0.0), target, rules, b)
-    return lead.status, 0.5 * lead.time
+    return lead.status, 0.5 * lead.time, 0.5 * lead.time * lead.time_error

@@ -35,14 +35,14 @@ def call(name, disk, given):
         compiled.passages.wide_batch(crossings, 1e-6, disk.tables, disk.natural, out, status)
         compiled.passages.passage_by_rules_batch(crossings, 0.0, 1e-6, packed_rules(), disk.natural, out, status)
     elif name == "orbits":
-        out = np.empty((8, n))
+        out = np.full((8, n), np.nan)
         compiled.orbits.orbit_batch(
-            compiled.orbits.Orbits(*given[:5]), 1e-6, packed_rules(), disk.natural, out, status
+            compiled.point.Orbits(*given[:5]), 1e-6, packed_rules(), disk.natural, out, status
         )
     elif name == "bounces":
-        out = np.empty((len(compiled.bounces.BounceRow._fields), n))
+        out = np.full((len(compiled.bounces.BounceRow._fields), n), np.nan)
         compiled.bounces.bounce_batch(
-            compiled.orbits.Orbits(*given[:5]), 1e-6, packed_rules(), disk.natural, out, status
+            compiled.point.Orbits(*given[:5]), 1e-6, packed_rules(), disk.natural, out, status
         )
     else:
         compiled.algebra.constants_batch(given[:5], disk.whole, disk.natural, np.empty((6, n)))

@@ -8,7 +8,7 @@ from explorer.motion.starts import fallen, held_constants, orbit_starts, status_
 from explorer.phase.constants import natural_constants
 from explorer.phase.lines import line_slope
 from explorer.phase.states import constants_to_states, phi_to_states, theta_to_states
-from kernels.integrals.orbits import Orbits
+from kernels.integrals.point import Orbits
 
 
 def test_a_state_on_the_line_to_rounding_falls_or_does_not_know_its_side():

@@ -8,9 +8,9 @@ from conftest import BODIES
 from passing import across
 
 from explorer.phase.gauss import packed_rules
-from kernels.integrals.orbits import OrbitRow, Orbits, orbit_batch, tilt_batch
+from kernels.integrals.orbits import OrbitRow, orbit_batch, tilt_batch
 from kernels.integrals.passages import Crossings
-from kernels.integrals.point import VERTICAL
+from kernels.integrals.point import VERTICAL, Orbits
 from kernels.integrals.quadrature import PassageRow
 from kernels.status import Status
 
@@ -24,7 +24,7 @@ def motions(disk, n, seed=2):
 
 
 def periods(disk, orbits, target=1e-10):
-    out, status = np.empty((8, orbits.h.size)), np.zeros(orbits.h.size, np.int8)
+    out, status = np.full((8, orbits.h.size), np.nan), np.zeros(orbits.h.size, np.int8)
     orbit_batch(orbits, target, packed_rules(), disk.natural, out, status)
     return OrbitRow(*out), status
 
@@ -72,7 +72,7 @@ def test_a_motion_that_stays_on_one_face_never_comes_near_the_other():
 def test_samples_marked_beforehand_are_skipped():
     disk = BODIES["uniform"]
     orbits, marked = motions(disk, 4), np.array([2, 0, 1, 0], np.int8)
-    out, status = np.empty((8, 4)), marked.copy()
+    out, status = np.full((8, 4), np.nan), marked.copy()
     orbit_batch(orbits, 1e-9, packed_rules(), disk.natural, out, status)
     theta, tilted = np.empty(4), marked.copy()
     tilt_batch(orbits, 1e-9, disk.natural, theta, tilted)

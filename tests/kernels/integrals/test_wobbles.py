@@ -11,8 +11,8 @@ from conftest import BODIES
 import explorer as ex
 from explorer.phase.gauss import packed_rules
 from kernels.integrals.bounces import BounceRow, bounce_batch
-from kernels.integrals.orbits import OrbitRow, Orbits, orbit_batch
-from kernels.integrals.point import VERTICAL, Point, point_batch
+from kernels.integrals.orbits import OrbitRow, orbit_batch
+from kernels.integrals.point import VERTICAL, Orbits, Point, point_batch
 from kernels.status import Status
 
 ROWS = json.loads((Path(__file__).parents[2] / "reference" / "wobbles.json").read_text(encoding="utf-8"))
@@ -32,7 +32,8 @@ def starts(disk, theta, rate, bar, eta_hat):
 
 
 def batch(kernel, row, disk, orbits, target):
-    out, status = np.empty((len(row._fields), orbits.h.size)), np.zeros(orbits.h.size, np.int8)
+    out = np.full((len(row._fields), orbits.h.size), np.nan)
+    status = np.zeros(orbits.h.size, np.int8)
     kernel(orbits, target, packed_rules(), disk.natural, out, status)
     return row(*out), status
 

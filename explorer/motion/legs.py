@@ -1,0 +1,79 @@
+"""Whole motions from turning point to turning point, in lanes: what `bounces` and `periods` ask for first."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from explorer import compiled
+from explorer.motion.passages_by_quadrature import chord
+from explorer.phase.disk import Disk
+from explorer.phase.gauss import packed_rules
+from explorer.phase.states import Array
+
+# The rule to begin with at accuracies down to each of these: few motions need a larger one.
+_FIRST = ((1e-2, 1), (1e-3, 2), (1e-4, 3), (1e-6, 4), (1e-8, 6), (1e-9, 7), (0.0, 8))
+# The kernels of both, for `compiled.warmup`.
+KERNELS = ("ends.end_batch", "legs.leg_batch", "passages.passage_batch")
+FALL_KERNELS = ("passages.fall_batch", "low_falls.low_fall_batch", "passages.fall_by_rules_batch")
+
+
+class Legs(NamedTuple):
+    """Ends of motions, and their legs (5, kinds * n), NaN where lanes do not settle them."""
+
+    ends: "compiled.ends.Ends"
+    legs: Array
+
+
+def first_rule(accuracy: float) -> int:
+    """The rule for legs to begin with."""
+    return next(rule for least, rule in _FIRST if accuracy >= least)
+
+
+def legs_of(disk: Disk, orbits: "compiled.point.Orbits", status: Array, accuracy: float, kinds: int) -> Legs:
+    """The legs of motions. kinds: 2 for the passages of both faces, 3 for the way from the state as well."""
+    n, tables = status.size, disk.leg_tables
+    rows = np.empty((5, n))
+    compiled.ends.end_batch(orbits, tables, disk.natural, rows, status)
+    ends = compiled.ends.Ends(*rows)
+    legs = np.full((5, kinds * n), np.nan)
+    _near_flat(disk, orbits, ends, accuracy, legs)
+    compiled.legs.leg_batch(orbits, ends, first_rule(accuracy), accuracy, tables, disk.natural, legs)
+    return Legs(ends, legs)
+
+
+def _near_flat(
+    disk: Disk, orbits: "compiled.point.Orbits", ends: "compiled.ends.Ends", accuracy: float, legs: Array
+) -> None:
+    """Fill in the passages that the tables of `passages` serve, which are at home near flat."""
+    n, code = ends.level.size, compiled.status.Status
+    speed = np.sqrt(2.0 * disk.body.inv_M * ends.moving)
+    for block, (eta, h) in enumerate(((orbits.near, ends.here), (orbits.far, ends.there))):
+        served = np.isfinite(speed) & (h < compiled.tabulated.WIDEST)
+        if not served.any():
+            continue
+        rows = np.flatnonzero(served)
+        out, status = np.empty((8, rows.size)), np.full(rows.size, code.OK, np.int8)
+        crossings = compiled.passages.Crossings(orbits.sigma3_bar[rows], eta[rows], speed[rows])
+        compiled.passages.passage_batch(crossings, accuracy, disk.tables, disk.natural, out, status)
+        found = compiled.quadrature.PassageRow(*out)
+        kept = found.chi, found.psi, found.time, found.angle_error, found.time_error
+        legs[:, block * n + rows] = kept
+
+
+def falls_of_energy(
+    disk: Disk, sigma3_bar: Array, energy: Array, accuracy: float
+) -> "compiled.quadrature.FallRow[Array]":
+    """The falls on F of these constants, from the vertical or from rest below it; accuracy: of there and back."""
+    out = np.empty((4, sigma3_bar.size))
+    given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
+    compiled.passages.fall_batch(*given, accuracy, disk.tables, disk.natural, out)
+    if _unknown(out, energy):
+        first, tables = first_rule(accuracy), disk.leg_tables
+        compiled.low_falls.low_fall_batch(*given, first, accuracy, tables, disk.natural, out)
+    if _unknown(out, energy):
+        compiled.passages.fall_by_rules_batch(*given, chord(0.0), packed_rules(), disk.natural, out)
+    return compiled.quadrature.FallRow(*out)
+
+
+def _unknown(falls: Array, energy: Array) -> bool:
+    return bool((np.isnan(falls[0]) & np.isfinite(energy)).any())
