@@ -60,15 +60,17 @@ TERMS = 4.0  # units of rounding in E - V, of the sizes of its terms
 _LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y
 _DEPTH, _PER_NODE = 2.5, 1.44  # in y: what rules of so many nodes look at
 _LONG = 3.0  # in y
+_SLOW = 1e-2  # of the energy above V_0
 _LEAST_LEFT = 1e-300
 
-# Rows beside those of `tabulated`: ends in h, E - V at the outer one; what `at_depth` takes; y there and below the
+# Rows beside those of `tabulated`: ends in h, and where the motion turns back beyond the outer one (0: not known);
+# E - V there and how much further in y it would go; what `at_depth` takes; y there and below the
 # panel; the panel; the closed part; rounding of E - V.
 (
-    H_TURN, H_END, MOVING, LOG_TURN, LOG_END, CAP, LOG_CAP, TURN2, Y_END, BELOW,
+    H_TURN, H_END, H_BEYOND, MOVING, FURTHER, LOG_TURN, LOG_END, CAP, LOG_CAP, TURN2, Y_END, BELOW,
     REACH, ANGLE, SINE_END, CLOSED, RACE, ROUNDING,
-) = range(tabulated.ROWS, tabulated.ROWS + 16)  # fmt: skip
-ROWS = tabulated.ROWS + 16
+) = range(tabulated.ROWS, tabulated.ROWS + 18)  # fmt: skip
+ROWS = tabulated.ROWS + 18
 
 
 class LegRow(NamedTuple, Generic[Entry]):
@@ -124,6 +126,9 @@ def measure(W: Vector, depth: float) -> None:
         y_end = W[LOG_CAP * LANES + i] + _LN2 - W[LOG_TURN * LANES + i]
         W[Y_END * LANES + i], W[BELOW * LANES + i] = y_end, min(max(y_end - depth, 0.0), _LEFT_OUT)
         W[RACE * LANES + i] = math.atan2(tau, turn)
+        beyond = W[H_BEYOND * LANES + i]
+        last = 0.5 * (beyond + math.sqrt((beyond - turn) * (beyond + turn))) if beyond > end else cap
+        W[FURTHER * LANES + i] = math.log1p((last - cap) / cap)
 
 
 @contracted_subroutine
@@ -148,6 +153,8 @@ def lay_panel(W: Vector, depth: float, wide: Wide, b: Body) -> None:
         width = W[Y_END * LANES + i] if W[Y_END * LANES + i] < depth else depth
         moving = W[MOVING * LANES + i]
         further = moving / rise if rise * width > moving else width
+        known = W[FURTHER * LANES + i]
+        further = further if known == 0.0 else known if known < width else width
         further = further if moving > 0.0 else 0.0
         W[REACH * LANES + i], W[SINE_END * LANES + i] = width + further, width / (width + further)
         W[LEAST * LANES + i] = 1.0
@@ -201,11 +208,14 @@ def tell_errors(W: Vector) -> None:
 
     Coefficients that fall like ratio^k leave the square of their share. On a long way, whose turning point stands
     apart from all else, a small part of the integrand falls more slowly than the rest, and the share is of that.
+    Where a motion is slow at its end, coefficients oscillate, and two in turn may be small by chance.
     """
     for i in range(LANES):
         chi, rest, time = share_of_tail(W, i, OF_CHI), share_of_tail(W, i, OF_REST), share_of_tail(W, i, OF_TIME)
         share = max(max(chi, rest), time)
-        missed = share * (math.sqrt(share) if W[Y_END * LANES + i] > _LONG else share)
+        moving = W[MOVING * LANES + i]
+        slow = (moving > 0.0) & (moving < _SLOW * W[LEVEL * LANES + i])
+        missed = share * (math.sqrt(share) if slow | (W[Y_END * LANES + i] > _LONG) else share)
         W[ANGLE_ERROR * LANES + i] += missed * (W[OF_CHI.size * LANES + i] + W[OF_REST.size * LANES + i])
         W[TIME_ERROR * LANES + i] += missed * W[OF_TIME.size * LANES + i]
     clear(W, TAILS)
@@ -245,6 +255,7 @@ def fill(W: Vector, group: Longs, n: int, orbits: Orbits, ends: Ends, b: Body) -
         W[LEVEL * LANES + k] = ends.level[i]
         W[H_TURN * LANES + k] = ends.there[i] if kind == THERE else ends.here[i]
         W[H_END * LANES + k] = orbits.h[i] if kind == LEAD else ends.outer[i]
+        W[H_BEYOND * LANES + k] = 0.0 if crosses or kind != LEAD else ends.outer[i]
         W[MOVING * LANES + k] = 0.5 * b.M * rate * rate if kind == LEAD else moving if crosses else 0.0
 
 
