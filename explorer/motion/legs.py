@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.passages_by_quadrature import chord
@@ -29,7 +30,9 @@ def first_rule(accuracy: float) -> int:
     return next(rule for least, rule in _FIRST if accuracy >= least)
 
 
-def legs_of(disk: Disk, orbits: "compiled.point.Orbits", status: Array, accuracy: float, kinds: int) -> Legs:
+def legs_of(
+    disk: Disk, orbits: "compiled.point.Orbits", status: NDArray[np.int8], accuracy: float, kinds: int
+) -> Legs:
     """The legs of motions. kinds: 2 for the passages of both faces, 3 for the way from the state as well."""
     n, tables = status.size, disk.leg_tables
     rows = np.empty((5, n))

@@ -184,11 +184,29 @@ def test_bounces_meet_the_accuracy_asked(disk):
             np.nan_to_num(found.race_angle - best.race_angle),
             found.duration / best.duration - 1.0,
             found.theta_min / best.theta_min - 1.0,
+            (found.time - best.time)[:, :1] / best.duration[:, :1] * [1.0, 0.0],
         )
         for error in errors:
             assert np.percentile(abs(error[both]), 99) <= accuracy
         worst = np.max([abs(error[both]) for error in errors], axis=0)
-        assert (worst <= 10.0 * found.error_estimate[both]).all()
+        assert (worst <= 10.0 * (found.error_estimate + best.error_estimate)[both]).all()
+
+
+@pytest.mark.parametrize("disk", [*DISKS.values(), ex.Disk(I1=0.5, I3=0.3)], ids=str)
+def test_a_coarse_accuracy_is_not_paid_for_as_a_fine_one(disk):
+    """The 99th percentile of true errors is within the accuracy, and not below a thousandth of it."""
+    states = anywhere(disk, 1000, 8)
+    best = ex.bounces(states, 1, 1e-11)
+    for accuracy in (1e-2, 1e-4, 1e-6):
+        found = ex.bounces(states, 1, accuracy)
+        both = found.ok & best.ok
+        errors = (
+            found.delta_chi - best.delta_chi,
+            found.delta_psi - best.delta_psi,
+            found.duration / best.duration - 1,
+        )
+        worst = np.percentile(np.max([abs(error[both]) for error in errors], axis=0), 99)
+        assert 1e-3 * accuracy <= worst <= accuracy
 
 
 @pytest.mark.filterwarnings("ignore:t_eval")  # only the two ends of the stretch are asked for
