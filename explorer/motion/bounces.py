@@ -128,6 +128,9 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
     (7.9). Where the energy does not exceed V_0 there is no limit motion, and both are NaN. The bounces of a
     period add up to eqs (3.12), (3.13).
 
+    A coarser accuracy takes less time. A call says nothing while it computes; `scan` goes through many states in
+    batches and shows how far it is.
+
     Examples
     --------
     >>> import explorer as ex

@@ -15,13 +15,13 @@ import numpy as np
 
 from kernels._jit import contracted_device, contracted_subroutine, kernel, subroutine
 from kernels.disk.body import Body, Disk
-from kernels.disk.elementary import DEEPEST, cosine, sine
+from kernels.disk.elementary import DEEPEST, cosine, exp_fall, log_ratio, sine
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import Entry, put
 from kernels.integrals import leg_tables, tabulated
 from kernels.integrals.ends import AT_VERTICAL, Ends, anywhere
 from kernels.integrals.leg_tables import LegTables, Wide
-from kernels.integrals.near_flat import Near, at_depth, slope_of
+from kernels.integrals.near_flat import Near, slope_of
 from kernels.integrals.point import VERTICAL, Motion, Orbits
 from kernels.integrals.quadrature import FLOOR, PassageRow
 from kernels.integrals.tabulated import (
@@ -103,6 +103,16 @@ def passages_of(
     theta = 2.0 * math.asin(0.5 * ends.there[i])
     there = PassageRow(theta, leg.chi, leg.psi, leg.time, energy, leg.angle_error, leg.time_error, math.nan)
     return here, there
+
+
+@contracted_device
+def at_depth(d: float, cap: float, log_cap: float, turn2: float) -> tuple[float, float, float]:
+    """(h, tau, ln h) at d, in y, below the tilt where (h + tau)/2 is cap; turn2 = (h_m/2)^2."""
+    rising = cap * exp_fall(d)
+    inv_rising = 1.0 / rising
+    falling = turn2 * inv_rising
+    fraction = falling * inv_rising
+    return rising + falling, rising - falling, log_cap - d + log_ratio(fraction / (2.0 + fraction))
 
 
 @contracted_device

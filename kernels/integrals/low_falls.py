@@ -20,7 +20,6 @@ from kernels.integrals.near_flat import slope_of
 from kernels.integrals.point import Motion
 from kernels.integrals.quadrature import FLOOR, FallRow
 from kernels.integrals.tabulated import LANES, OF_CHI, OF_REST, OF_TIME, clear, finish, gather, keep_least
-from kernels.integrals.tabulated import told_by_the_worst as told
 from kernels.types import Longs, Matrix, Vector
 
 _EPSILON = 2.2e-16
@@ -71,6 +70,8 @@ def begin(W: Vector, V: Vector, of_body: LegTables, b: Body) -> None:
             V[ends.LEVEL * LANES + i],
         )
         W[tabulated.CHECK * LANES + i], W[tabulated.Y * LANES + i] = V[ends.CHECK * LANES + i], 0.0
+        # Such a way is short, and no end of it slow but that from rest.
+        W[legs.Y_END * LANES + i], W[legs.MOVING * LANES + i] = 0.0, 0.0
         W[legs.ANGLE * LANES + i] = 2.0 * math.asin(0.5 * V[ends.H * LANES + i])
     for i in range(LANES):
         h, level = V[ends.H * LANES + i], W[tabulated.LEVEL * LANES + i]
@@ -111,7 +112,7 @@ def integrate(W: Vector, target: float, first: int, last: int, of_body: LegTable
             doubt = W[legs.ROUNDING * LANES + i] / left
             W[tabulated.ANGLE_ERROR * LANES + i] += doubt * (abs(chi) + abs(rest))
             W[tabulated.TIME_ERROR * LANES + i] += doubt * dt
-    told(W, False)
+    legs.tell_errors(W)
     finish(W, target, FLOOR)
 
 
