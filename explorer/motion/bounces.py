@@ -105,9 +105,9 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
     count : int
         How many bounces of each, 1 to 100,000.
     accuracy : float
-        Error of the angles (rad), relative error of times and tilts, 1e-13 to 0.1.
+        Error of the angles (rad), relative error of times and tilts, 1e-13 to 0.1. A coarser one takes less time.
     jobs : int
-        Threads.
+        Threads. `scan` goes through many states in batches instead, and shows how far it is.
 
     Returns
     -------
@@ -127,9 +127,6 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
     vertical, else from turning point to flat to turning point. So race_angle -> side kappa pi as eta -> 0, eq.
     (7.9). Where the energy does not exceed V_0 there is no limit motion, and both are NaN. The bounces of a
     period add up to eqs (3.12), (3.13).
-
-    A coarser accuracy takes less time. A call says nothing while it computes; `scan` goes through many states in
-    batches and shows how far it is.
 
     Examples
     --------
