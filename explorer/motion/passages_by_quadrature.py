@@ -10,8 +10,9 @@ from explorer.phase.disk import Disk
 from explorer.phase.gauss import packed_rules
 from explorer.phase.states import Array
 
-# The least accuracies for which there are rules of few digits, and of passages that do not come near flat.
-ROUGH, WIDE = 1e-5, 1e-7
+# The least accuracies for which there are rules of few digits, and of passages that do not come near flat; less by
+# a little, since a power of ten may be rounded down.
+ROUGH, WIDE = 1e-5 * (1.0 - 1e-9), 1e-7 * (1.0 - 1e-9)
 # Rows of doubles whose lengths are multiples of this displace one another in the cache.
 _ALIKE = 512
 

@@ -222,12 +222,15 @@ stops = compiled.events.Stops(compiled.events.TIME, np.array([0.5, 1.0]))
 steps.trajectory_batch(how, stops, first, np.full((3, 1), np.nan), disk.natural, one_by_one, outcome)
 numbers = [
     ex.passages(disk, [1.0, 0.3], [1e-3, -1e-9], [1.0, 1e-3]).race_angle,
+    ex.passages(disk, 1.0, 1e-3, 1.0, accuracy=1e-3).race_angle,
     *(
         ex.passages(disk, 1.0, 1e-3, 1.0, method=method, accuracy=1e-3).race_angle
         for method in ("rk4", "rk8", "dopri5", "dop853")
     ),
     ex.passage_forces(disk, 1.0, 1e-3, 1.0).min_normal_force,
     ex.periods(constants_to_states(disk, 1.0, 1e-3, 1.0)).period,
+    # Hardly any moment of inertia about the axis: lanes leave it to the rules of one motion at a time.
+    ex.periods(ex.phi_to_states(ex.Disk(I1=0.5, I3=0.02), 0.5, 0.1, 1.0, 1.0), accuracy=1e-10).period,
     ex.falls(states).theta_min_estimate,
     ex.flow_stretch(states).determinant,
     ex.limit_motion(ex.phi_to_states(disk, 0.0, 1.0, 1.0, 0.7285923160189477), side=1)(1.0).chi,

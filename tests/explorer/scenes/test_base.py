@@ -73,7 +73,8 @@ WAYS = {
     "race-angles": {"samples": 300},
     "race-angles, integrated": {"samples": 300, "method": "dop853", "accuracy": 1e-3},
     "race-angles, energy": {"samples": 300, "energy": "1:5"},
-    "race-angles, states": {"samples": 300, "box": "phi=-0.5:0.5"},
+    # so exact that some states need the adaptive rules
+    "race-angles, states": {"samples": 300, "box": "phi=-0.5:0.5", "accuracy": 1e-11},
     "one-sided": {"samples": 1},
     "portrait": {},
     "measure-zero": {"samples": 300, "tube": 512},

@@ -1,5 +1,7 @@
 """Lines of samples that wait for finer rules: nobody is lost, and groups are full while there are enough."""
 
+import math
+
 import numpy as np
 import pytest
 from conftest import BODIES
@@ -73,3 +75,9 @@ def test_a_grade_has_the_nodes_between_its_ends():
 def test_who_calls_the_kernels_knows_where_the_short_series_and_the_wide_rules_end():
     assert TARGETS[ROUGH - 1] == passages_by_quadrature.ROUGH
     assert TARGETS[WIDE_END - 1] == passages_by_quadrature.WIDE
+
+
+@pytest.mark.parametrize("exponent", range(2, 11))
+def test_a_power_of_ten_that_was_rounded_down_begins_with_its_own_grade(exponent):
+    below = math.nextafter(math.nextafter(10.0**-exponent, 0.0), 0.0)
+    assert first_grade(below) == exponent - 2
