@@ -160,8 +160,8 @@ GRADES = len(TARGETS)
 ROUGH, WIDE_END = 4, 6
 # What an inner rule misses of what it adds up hardly depends on the motion: that is a sum of e^(-ky), k = 2, 3
 # and so on, from the handover down. So much that estimates cover the errors of 10^5 passages of two round bodies,
-# and at least twice the largest share of 96,000 passages of those of twelve bodies with I1 >= _ROUND; below, it grows
-# like the power _GROWS, since kappa does.
+# and at least twice the largest share of 96,000 passages of those of twelve bodies with I1 >= _ROUND; below that
+# it grows like the power _GROWS, since kappa does.
 _ROUND, _GROWS = 0.05, 1.5
 _GRADES = (
     Limits(3.0, 2, 3e-2, 4e-3, 2e-2, 0.0055, 0.005, 0.007),
