@@ -61,6 +61,8 @@ _LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y
 _DEPTH, _PER_NODE = 2.5, 1.44  # in y: what rules of so many nodes look at
 _LONG = 3.0  # in y
 _SLOW = 1e-2  # of the energy above V_0
+# Beside the turning point, of the angle of the race and of h there: thrice the largest that was seen.
+_TURN_RATE, _TURN_SHARE = 4.36, 3.0
 _LEAST_LEFT = 1e-300
 
 # Rows beside those of `tabulated`: ends in h, and where the motion turns back beyond the outer one (0: not known);
@@ -232,6 +234,22 @@ def tell_errors(W: Vector) -> None:
 
 
 @contracted_subroutine
+def tell_turn(W: Vector, size: int) -> None:
+    """Add what a rule of `size` nodes misses beside the turning point.
+
+    What is left of the race after its closed part is there of the order of h, over a length of 1 in y: too small
+    for the last coefficients to tell, and all that is left where the way is long. It falls off with the nodes on
+    such a length, as measured.
+    """
+    for i in range(LANES):
+        resolved = 0.25 * _TURN_RATE * size / W[REACH * LANES + i]
+        unseen = exp_fall(resolved if resolved < DEEPEST else DEEPEST)
+        unseen *= unseen
+        unseen *= unseen
+        W[ANGLE_ERROR * LANES + i] += _TURN_SHARE * abs(W[RACE * LANES + i]) * W[H_TURN * LANES + i] * unseen
+
+
+@contracted_subroutine
 def integrate(W: Vector, target: float, grade: int, of_body: LegTables, b: Body) -> None:
     """The legs in the lanes by one rule."""
     sizes = of_body.sizes
@@ -246,6 +264,7 @@ def integrate(W: Vector, target: float, grade: int, of_body: LegTables, b: Body)
     lay_panel(W, depth, of_body.wide, b)
     add_nodes(W, of_body.rules, first, first + sizes[grade], of_body, b)
     tell_errors(W)
+    tell_turn(W, sizes[grade])
     for i in range(LANES):
         W[CHI * LANES + i] += W[RACE * LANES + i]
     finish(W, target, FLOOR)

@@ -221,3 +221,24 @@ def test_turns_of_a_wobbling_coin_are_those_of_the_integrated_equations():
         ends = bounces.time[i, 1] + 0.5 * bounces.duration[i, 1] * np.array([-1.0, 1.0])
         motion = ex.simulate(states[i], t_eval=ends, observables=("chi",), method="dop853", accuracy=1e-10)
         assert np.diff(np.ravel(motion.chi))[0] == pytest.approx(bounces.delta_chi[i, 1], abs=1e-9)
+
+
+# phi, phidot, sigma3_bar, eta_hat of a uniform disk, and delta_chi as an integral in 40 digits (mpmath). They turn
+# back below the vertical on a long way, where what rules miss beside the turning point does not show in their last
+# coefficients.
+LONG_WAYS = {
+    (1.2160314138285346, 0.8529705878301934, -1.437574979531596, 2.2906818910883208e-07): 5.484927903963429,
+    (1.0279633459271103, -0.28975126806611257, 1.4846509393697693, -1.495576745787576e-06): -5.734602018924528,
+}
+
+
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-7, 1e-8, 1e-9, 1e-10])
+@pytest.mark.parametrize("state", LONG_WAYS)
+def test_on_a_long_way_the_estimate_covers_what_the_rules_miss_beside_the_turning_point(state, accuracy):
+    names = ("phi", "phidot", "sigma3_bar", "eta_hat")
+    found = ex.bounces(
+        ex.coordinates_to_states(ex.Disk.uniform(), **dict(zip(names, state, strict=True))), 1, accuracy
+    )
+    assert found.status == 0
+    error = abs(found.delta_chi.item() - LONG_WAYS[state])
+    assert error <= min(found.error_estimate.item(), accuracy)
