@@ -11,10 +11,12 @@ import importlib.util
 import os
 import platform
 import signal
+import stat
 import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -94,7 +96,38 @@ def _load(module: str) -> ModuleType:
             f"nearflat found another package called 'kernels' first ({where}) instead of its own ({_OURS}); "
             "install nearflat in a fresh virtual environment, or take the other one off PYTHONPATH"
         )
-    return importlib.import_module(module)
+    loaded = importlib.import_module(module)
+    if module != "kernels._jit" and "kernels._jit" in sys.modules:  # some modules have no kernels
+        _check_cache()
+    return loaded
+
+
+@cache
+def _check_cache() -> None:
+    """Raise ImportError where another user owns or can change compiled code: it runs as whoever loads it.
+
+    `kernels` itself looks at the top folder only. This is done once, before any kernel can be called.
+    """
+    folder: Path | None = _load("kernels._jit").cache_folder()
+    fault = _foreign(folder) if folder is not None and os.name == "posix" else None
+    if fault:
+        remedy = f"remove {folder}, or set NUMBA_CACHE_DIR to a folder of your own"
+        raise ImportError(f"compiled code is not loaded: {fault}; {remedy}")
+
+
+def _foreign(folder: Path) -> str | None:
+    """What inside a folder another user owns or can change, in words; None where nothing is."""
+    user, others = os.geteuid(), stat.S_IWGRP | stat.S_IWOTH
+    if not folder.stat().st_mode & (stat.S_IXGRP | stat.S_IXOTH):
+        others = 0  # nobody else gets as far; an umask of 002 leaves such modes in everybody's own cache
+    for path in folder.rglob("*"):
+        with contextlib.suppress(FileNotFoundError):  # another process has just given it its name
+            found = path.lstat(), path.stat()
+            if any(each.st_uid != user for each in found):
+                return f"{path} belongs to another user"
+            if found[1].st_mode & others:
+                return f"{path} can be written by other users"
+    return None
 
 
 def source_digest() -> str:

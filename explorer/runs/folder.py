@@ -13,7 +13,7 @@ import json
 import os
 import platform
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -22,14 +22,15 @@ from explorer import compiled
 from explorer.errors import InputError, RunError, path_of, shorten, shown
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
-from explorer.runs.pictures import KNOWN
-from explorer.runs.strangers import plain_names
+from explorer.runs.pictures import KNOWN, files_of
+from explorer.runs.strangers import StrangeError, no_link, plain_file, plain_names
 from explorer.scenes.base import Scene
 from explorer.scenes.registry import scene_from_options
 from explorer.version import installed_version
 
 FORMAT = 1
 _LEFT = re.compile(r"\.probe-\d+|(run|summary)\.\d+\.tmp")  # names of a moment, which a killed run leaves
+_PLACES = ("chunks", "bad", "figures")
 _MOST_KINDS = 20  # kinds of processor that run.json names
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pyarrow", "tqdm")
 
@@ -66,6 +67,37 @@ def digest_of_identity(scene: Scene) -> str:
     shared = identity(scene)
     shared["options"] = {key: value for key, value in shared["options"].items() if key != "samples"}
     return hashlib.sha256(json.dumps(shared, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def refuse_links(folder: Path) -> None:
+    """Check that nothing which a run uses in its folder leads out of it. Raises InputError, and writes nothing.
+
+    Through a link a run would write, and --replace delete, what is not its own; for a pipe it would wait.
+    """
+    for path, check in _used(folder):
+        try:
+            check(path)
+        except StrangeError as error:
+            raise InputError(f"{path}: {error}; remove it or give another folder") from None
+        except OSError:
+            continue  # it is not there; what cannot be read is noticed where it is used
+
+
+def _used(folder: Path) -> Iterator[tuple[Path, Callable[[Path], Path]]]:
+    """What a run reads, writes or deletes in its folder, and how it is checked; places before what they hold."""
+    for name in (*_PLACES, "run.json", "summary.json"):
+        yield folder / name, no_link
+    yield folder / ".lock", plain_file
+    yield from ((path, no_link) for path in _inside(folder) if _LEFT.fullmatch(path.name))
+    yield from ((path, plain_file) for path in _inside(folder / "figures") if path.suffix[1:] in KNOWN)
+
+
+def _inside(place: Path) -> list[Path]:
+    """What is in a folder; nothing where it is none."""
+    try:
+        return sorted(place.iterdir())
+    except (OSError, ValueError):
+        return []
 
 
 def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str], None]) -> list[int]:
@@ -112,6 +144,7 @@ def read_record(folder: Path) -> dict[str, Any]:
         raise InputError(f"{shorten(str(folder), 120)}: cannot be read ({error.strerror})") from None
     if not there:
         raise InputError(f"{shorten(str(folder), 120)}: holds no run (there is no {record.name})")
+    refuse_links(record.parent)
     try:
         content = dict(store.read_json(record))
         written, identity = content.get("format", 0), dict(content["identity"])
@@ -148,22 +181,46 @@ def scene_of(folder: Path) -> Scene:
 
 
 def clear(folder: Path) -> None:
-    """Remove the run in a folder, and nothing else. Raises RunError."""
+    """Remove the run in a folder, and nothing else: chunks by their names, pictures that run.json names.
+
+    Raises RunError.
+    """
     try:
-        for place in ("chunks", "bad", "figures"):
-            for path in (folder / place).glob("*"):
+        for place in (folder / "chunks", folder / "bad"):
+            chunks = (path for path in _inside(place) if store.number_of(path) is not None)
+            for path in (*chunks, *place.glob(".chunk-*.tmp")):
                 path.unlink()
+        for name in _drawn_before(folder):
+            (folder / "figures" / name).unlink(missing_ok=True)
         for name in ("summary.json", "run.json"):
             (folder / name).unlink(missing_ok=True)
     except OSError as error:
         raise RunError(f"--out {folder}: cannot be cleared ({error.strerror})") from None
 
 
+def _drawn_before(folder: Path) -> list[str]:
+    """The files in `figures` that runs made, as far as run.json can be read."""
+    try:
+        return _pictures_of(store.read_json(folder / "run.json"))
+    except RunError:
+        return []
+
+
+def _pictures_of(record: dict[str, Any]) -> list[str]:
+    """The files of pictures that a record names; by names and formats where it is from before it listed files."""
+    files = record.get("pictures")
+    if files is None:
+        formats = plain_names(record.get("formats"), KNOWN) or KNOWN
+        files = files_of(plain_names(record.get("figures")) or (), formats)
+    ours = files if isinstance(files, list) else []
+    return [name for name in ours if plain_names([name]) and Path(name).suffix[1:] in KNOWN]
+
+
 def take_back(folder: Path, highest: Path) -> None:
     """Remove what a run that is refused has made: its files, and the folders from `highest` down."""
     clear(folder)
     with contextlib.suppress(OSError):  # what is not ours stays, and the folders around it
-        for place in ("chunks", "bad", "figures"):
+        for place in _PLACES:
             if (folder / place).is_dir():
                 (folder / place).rmdir()
         (folder / ".lock").unlink(missing_ok=True)
@@ -195,7 +252,8 @@ def open_folder(folder: Path, scene: Scene, exist: str) -> bool:
             )
         if exist == "resume":
             _check_same(folder, scene)
-    elif folder.is_dir() and not _only_begun(folder):
+    refuse_links(folder)
+    if not exists and folder.is_dir() and not _only_begun(folder):
         raise InputError(f"--out {folder}: is not empty and holds no run; give another folder")
     try:
         (folder / "chunks").mkdir(parents=True, exist_ok=True)
@@ -261,9 +319,9 @@ def begun(folder: Path, command: str | None) -> dict[str, Any]:
         known = command or (given if isinstance(given, str) else None)
         names, formats = plain_names(before.get("figures")), plain_names(before.get("formats"), KNOWN)
         first = {"started": str(before["started"]), "command": known, "figures": names, "formats": formats}
-        return {**first, "arithmetic": _kinds_of(before)}
+        return {**first, "pictures": _pictures_of(before), "arithmetic": _kinds_of(before)}
     except (RunError, KeyError, TypeError):
-        return {"started": now(), "command": command, "arithmetic": []}
+        return {"started": now(), "command": command, "pictures": [], "arithmetic": []}
 
 
 def _kinds_of(record: dict[str, Any]) -> list[str]:

@@ -82,5 +82,10 @@ def there(folder: Path, names: Any, formats: Sequence[str]) -> list[str]:
     """The pictures that a record names, where all of them are in the folder, in these formats."""
     if not isinstance(names, list):
         return []
-    files = (folder / "figures" / f"{name}.{kind}" for name in names for kind in formats)
-    return names if all(file.is_file() for file in files) else []
+    files = files_of(names, formats)
+    return names if all((folder / "figures" / file).is_file() for file in files) else []
+
+
+def files_of(names: Iterable[str], formats: Sequence[str]) -> list[str]:
+    """The names of the files in which pictures of these names are."""
+    return [f"{name}.{kind}" for name in names for kind in formats]

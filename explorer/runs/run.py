@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -17,7 +17,7 @@ from explorer.runs.interrupt import graceful
 from explorer.runs.lock import only_one
 from explorer.runs.progress import Progress
 from explorer.runs.workers import Task, Workers
-from explorer.scenes.base import NoStateError, Picture, Scene, Table
+from explorer.scenes.base import NoStateError, Scene, Table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -234,8 +234,7 @@ def _fill(part: Part, folder: Path, manner: Manner) -> Run:
         run = Run([part])
         store.write_json(folder / "summary.json", run._total()[1])
         if formats and not drawn:
-            total, summary = run._total()
-            drawn = _draw(scene.figures(summary, total), folder, formats, progress)
+            drawn = _draw(run, folder, how, progress)
     finally:
         progress.close()
     done = {"finished": folders.now(), "chunks_computed": len(missing), "seconds_for_chunks": seconds}
@@ -243,15 +242,21 @@ def _fill(part: Part, folder: Path, manner: Manner) -> Run:
     return run
 
 
-def _draw(
-    figures: Iterable[tuple[str, Picture]], folder: Path, formats: Sequence[str], progress: Progress
-) -> list[str]:
-    """Draw all pictures into the folder. Ctrl-C stops at once: all samples are stored by then."""
+def _draw(run: Run, folder: Path, how: dict[str, Any], progress: Progress) -> list[str]:
+    """Draw all pictures into the folder. Ctrl-C stops at once: all samples are stored by then.
+
+    run.json names their files first: whoever replaces a run that was stopped deletes these, and no others.
+    """
+    total, summary = run._total()
     try:
-        return pictures.save_all(figures, folder / "figures", formats, progress)
+        figures = list(run.scene.figures(summary, total))
+        files = pictures.files_of((name for name, _ in figures), how["formats"])
+        how["pictures"] = list(dict.fromkeys([*how["pictures"], *files]))
+        folders.write_record(folder, run.scene, finished=None, figures=None, **how)
+        return pictures.save_all(figures, folder / "figures", how["formats"], progress)
     except KeyboardInterrupt:
-        how = f"all samples are stored; continue with: nearflat resume {folder}"
-        raise Interrupted(f"stopped while pictures were drawn; {how}") from None
+        then = f"all samples are stored; continue with: nearflat resume {folder}"
+        raise Interrupted(f"stopped while pictures were drawn; {then}") from None
 
 
 def _compute(part: Part, missing: list[int], manner: Manner, progress: Progress) -> None:

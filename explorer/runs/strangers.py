@@ -21,11 +21,16 @@ class StrangeError(ValueError):
     """A file is not what a run writes; the message says how."""
 
 
+def no_link(path: Path) -> Path:
+    """`path`, where it is no link, or nothing at all. Raises StrangeError or OSError."""
+    if path.is_symlink():
+        raise StrangeError("it is a link, and what it leads to may lie outside the folder")
+    return path
+
+
 def plain_file(path: Path, largest: float = float("inf")) -> Path:
     """`path`, where it is a file of its own with so many bytes at most. Raises StrangeError or OSError."""
-    found = path.lstat()
-    if stat.S_ISLNK(found.st_mode):
-        raise StrangeError("it is a link, and what it leads to may lie outside the folder")
+    found = no_link(path).lstat()
     if not stat.S_ISREG(found.st_mode):
         raise StrangeError("it is no plain file")
     if found.st_size > largest:

@@ -84,3 +84,44 @@ def test_a_second_process_that_ends_leaves_its_kernels_to_the_first(shared):
     here = shared("raise SystemExit(1)")
     assert here == list(range(len(here)))
     assert len(here) >= 7  # the one that was given out is compiled when it is loaded
+
+
+@pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")
+def test_compiled_code_that_others_own_or_can_change_is_not_loaded(tmp_path, monkeypatch):
+    """Also below the top folder; where they cannot enter that, modes below do not matter."""
+    code = tmp_path / "disk_1" / "field.nbi"
+    code.parent.mkdir(mode=0o755)
+    code.write_bytes(b"")
+    code.chmod(0o644)
+    for path in (code, code.parent):
+        before = path.stat().st_mode
+        path.chmod(0o777)
+        tmp_path.chmod(0o700)
+        assert compiled._foreign(tmp_path) is None
+        tmp_path.chmod(0o755)
+        assert compiled._foreign(tmp_path) == f"{path} can be written by other users"
+        path.chmod(before)
+        assert compiled._foreign(tmp_path) is None
+    mine = os.geteuid()
+    monkeypatch.setattr(os, "geteuid", lambda: mine + 1)
+    assert compiled._foreign(tmp_path) == f"{code.parent} belongs to another user"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes are those of POSIX")
+def test_a_cache_that_others_can_change_is_refused_before_a_kernel_is_there(tmp_path):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    digest = compiled.source_digest()[:16]
+    inside = tmp_path / f"nearflat-{digest}" / "disk_1"
+    inside.mkdir(parents=True)
+    inside.chmod(0o777)
+    inside.parent.chmod(0o755)
+    done = subprocess.run(
+        [sys.executable, "-m", "explorer.commands.main", "warmup"],
+        cwd=ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert f"compiled code is not loaded: {inside} can be written by other users; remove" in done.stderr

@@ -1,6 +1,8 @@
 """The folder of a run: its record is enough to go on, and nothing else is touched."""
 
 import json
+import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -8,6 +10,7 @@ from small_runs import SMALL_RACES
 
 import explorer as ex
 from explorer import compiled
+from explorer.commands.main import main
 from explorer.motion import calibration
 from explorer.runs import folder as folders
 from explorer.runs.inspect import summary, verify
@@ -61,6 +64,91 @@ def test_a_folder_with_a_run_or_with_something_else_is_left_alone(finished, tmp_
     assert [p.name for p in (tmp_path / "thesis").iterdir()] == ["chapter.tex"]
     with pytest.raises(ex.InputError, match="is not empty"):
         ex.run("race-angles", out=tmp_path / "thesis", **SMALL_RACES)
+
+
+def contents(folder):
+    """Every file below a folder with its bytes, links as such."""
+    paths = sorted(path for path in folder.rglob("*") if path.is_file() or path.is_symlink())
+    return {path: path.readlink() if path.is_symlink() else path.read_bytes() for path in paths}
+
+
+ENTRIES = ("figures", "chunks", "bad", ".lock", "run.json", "summary.json", "figures/histogram.png")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links need rights elsewhere")
+@pytest.mark.parametrize("name", ENTRIES)
+def test_a_link_in_the_place_of_what_a_run_uses_is_named_and_nothing_is_touched(name, finished, tmp_path, capsys):
+    """Or a folder of a stranger could have files elsewhere deleted or overwritten."""
+    entry, elsewhere = finished.folder / name, tmp_path / "elsewhere"
+    if entry.exists():
+        shutil.move(entry, elsewhere)
+    else:
+        elsewhere.mkdir()
+    if elsewhere.is_dir():
+        (elsewhere / "thesis.tex").write_text("do not lose me")
+    entry.symlink_to(elsewhere)
+    before = contents(tmp_path)
+    again = ["run", "race-angles", "--replace", "--out", str(finished.folder), "--samples", "9"]
+    for words in (["resume", str(finished.folder)], again, ["summary", str(finished.folder)]):
+        assert main(words) == 2
+        said = capsys.readouterr().err
+        assert f"{entry}: it is a link" in said or f"{entry}: is damaged (" in said
+        assert said.count("\n") == 1
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names are those of POSIX")
+@pytest.mark.parametrize("name", [".lock", "figures/histogram.png"])
+@pytest.mark.parametrize("make", [os.mkdir, getattr(os, "mkfifo", None)])
+def test_a_pipe_or_a_folder_is_no_lock_and_no_picture(name, make, finished, capsys):
+    entry = finished.folder / name
+    entry.unlink()
+    make(entry)
+    assert main(["resume", str(finished.folder)]) == 2
+    assert f"{entry}: it is no plain file; remove it" in capsys.readouterr().err
+
+
+def test_a_lock_that_is_a_link_is_refused_where_there_is_no_run_yet(tmp_path):
+    (tmp_path / "notes").write_text("do not lose me")
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / ".lock").symlink_to(tmp_path / "notes")
+    with pytest.raises(ex.InputError, match=r"\.lock: it is a link"):
+        ex.run("race-angles", out=tmp_path / "run", **SMALL_RACES)
+    assert [path.name for path in (tmp_path / "run").iterdir()] == [".lock"]
+    assert (tmp_path / "notes").read_text() == "do not lose me"
+
+
+def test_replace_deletes_the_run_and_no_file_of_the_user(finished):
+    folder, chunk = finished.folder, next((finished.folder / "chunks").iterdir())
+    (folder / "bad").mkdir()
+    shutil.copy(chunk, folder / "bad" / chunk.name)
+    mine = [folder / name for name in ("figures/mine.png", "figures/notes.txt", "bad/mine.parquet", "mine.txt")]
+    for path in mine:
+        path.write_text("do not lose me")
+    folders.clear(folder)
+    assert sorted(contents(folder)) == sorted([*mine, folder / ".lock"])
+
+
+def test_pictures_of_all_formats_of_a_run_are_deleted_with_it_also_half_drawn_ones(finished, monkeypatch):
+    folder, files = finished.folder, {"histogram.png", "histogram.svg", "deviation.png", "deviation.svg"}
+    assert set(folders.read_record(folder)["pictures"]) == files
+    rewritten(finished, lambda content: content.pop("pictures"))  # as before they were listed
+    assert set(folders.begun(folder, None)["pictures"]) == files
+    monkeypatch.setattr("explorer.runs.pictures.save_all", lambda *_: [][0])
+    with pytest.raises(IndexError):
+        ex.run("race-angles", out=folder, format="pdf", **SMALL_RACES)
+    assert set(folders.read_record(folder)["pictures"]) == files | {"histogram.pdf", "deviation.pdf"}
+    folders.clear(folder)
+    assert not [*(folder / "figures").iterdir()]
+
+
+@pytest.mark.parametrize("files", [5, ["../../thesis.png"], ["thesis.tex"], [None], {"a.png": 1}])
+def test_a_record_names_no_other_files_to_delete(files, finished):
+    thesis = [finished.folder / "thesis.png", finished.folder / "figures" / "thesis.tex"]
+    for path in thesis:
+        path.write_text("do not lose me")
+    folders.clear(rewritten(finished, lambda content: content.update(pictures=files)))
+    assert all(path.exists() for path in thesis)
 
 
 def test_to_resume_a_run_that_is_not_there_starts_it(finished, tmp_path):
