@@ -147,7 +147,7 @@ def shorten(text: str, most: int) -> str:
 
 def shown(value: Any) -> str:
     """A value as an error shows it: what it is where it is long, never more than a line."""
-    if getattr(value, "ndim", 0) and getattr(value, "shape", None):
+    if getattr(value, "ndim", 0) and isinstance(getattr(value, "shape", None), tuple):  # no module or class
         return f"{type(value).__name__} of shape {value.shape} {getattr(value, 'dtype', '')}".rstrip()
     if isinstance(value, list | tuple | dict | set | bytes | bytearray) and len(value) > _SHOWN:
         return f"{type(value).__name__} of {len(value)}"
@@ -194,11 +194,11 @@ def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf
 
 def plain_number(value: Any) -> Any:
     """A scalar of numpy, or an array of one element, as a number of Python; a date as it is."""
-    if getattr(getattr(value, "dtype", None), "kind", "f") in "mM" or getattr(value, "mask", False) is True:
-        return None
     try:
+        if getattr(getattr(value, "dtype", None), "kind", "f") in "mM" or getattr(value, "mask", False) is True:
+            return None
         return value.item() if hasattr(value, "item") and not isinstance(value, type) else value
-    except Exception:  # more than one element, or a foreign object's own way to fail
+    except Exception:  # more than one element, a module, or a foreign object's own way to fail
         return None
 
 

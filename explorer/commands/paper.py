@@ -6,7 +6,7 @@ from pathlib import Path
 
 from explorer.commands.common import add_json
 from explorer.commands.made_by import leave_made_by
-from explorer.errors import InputError, note, number, positive, whole
+from explorer.errors import InputError, jobs_of, note, number, positive, whole
 from explorer.paper.figures import ETA_HAT
 from explorer.paper.pages import headline, line_of, one_figure, paper
 from explorer.phase.disk import Disk
@@ -31,7 +31,7 @@ def call(options: argparse.Namespace) -> int:
     for flag, value in (("--disk", options.disk), ("--eta-hat", options.eta_hat)):
         if value is not None:
             raise InputError(f"{flag} {value}: only with --figure; the statements are of the paper's bodies")
-    rows = paper(options.out, only=options.only, jobs=whole("--jobs", options.jobs, 1), quiet=options.quiet)
+    rows = paper(options.out, only=options.only, jobs=jobs_of("--jobs", options.jobs), quiet=options.quiet)
     if options.only is None:
         leave_made_by(Path(options.out), "nearflat paper")
     holding = sum(row.passed for row in rows)

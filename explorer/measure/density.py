@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from explorer.errors import InputError, number, read_range, shown
 from explorer.measure.sampling import BLOCK, Box, Range, gather, parse_ranges
+from explorer.phase.arguments import returned_numbers, users_own
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, phi_to_states
@@ -122,15 +123,9 @@ class Density:
         assert self.function is not None
         flat = {name: np.array(column).ravel() for name, column in columns.items()}
         shape = columns["phi"].shape
-        try:
-            given = np.asarray(self.function(*(column.copy() for column in flat.values())))
-            if given.dtype.kind not in "fiub":
-                raise TypeError(f"it returned {given.dtype}")
+        with users_own("density", "it must return one real number for every state"):
+            given = returned_numbers(self.function(*(column.copy() for column in flat.values())))
             values = np.broadcast_to(given, flat["phi"].shape).astype(np.float64)
-        except Exception as error:
-            # The function is the user's: whatever goes wrong in it is about the density.
-            text = f"density: {type(error).__name__}: {error}; it must return one real number for every state"
-            raise InputError(text) from error
         bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0.0)))
         if bad.size:
             where = ", ".join(f"{name} = {column[bad[0]]:.6g}" for name, column in flat.items())

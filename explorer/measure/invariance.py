@@ -190,7 +190,7 @@ def push_forward(
     (True, 0)
     """
     require_axial_inertia(disk)
-    time, seed = number("time", time, 0.0), whole("seed", seed)
+    time, seed = number("time", time, 0.0), whole("seed", seed, 0, 2**128 - 1)
     if not time > 0.0:
         raise InputError("time = 0: give a time above 0")
     samples = whole("samples", samples, _FEWEST, _MOST_SAMPLES)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, whole
+from explorer.errors import InputError, jobs_of
 from explorer.motion.legs import legs_of
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
@@ -111,7 +111,7 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     status = fallen(starts, status)
 
     call = partial(_orbits, disk, starts, status, how.accuracy)
-    parts = in_parts(whole("jobs", jobs, 1), len(states), call)
+    parts = in_parts(jobs_of("jobs", jobs), len(states), call)
     out, status = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
     found = compiled.orbits.OrbitRow(*out)
     flat = Periods(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,11 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from explorer.errors import InputError, flag, jobs_of, one_of, shown, whole
 from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
+from explorer.phase.arguments import returned_numbers, users_own
 from explorer.phase.constants import constants_of
 from explorer.phase.membership import falls_of
 from explorer.phase.results import Table
 from explorer.phase.states import COORDINATES, States, require_states
 
+_MOST_BATCH = 10**9  # states; more than memory holds
 BATCH = 4096  # states; a trajectory of a few hundred times for each still takes some ten megabytes
 _PATIENCE = 2.0  # seconds before a bar is shown
 Observable = str | Sequence[str] | Callable[[States], ArrayLike | Mapping[str, ArrayLike]]
@@ -117,7 +120,8 @@ def scan(
     Raises
     ------
     InputError
-        Where a name is not known, or the function does not return one entry for each state.
+        Where a name is not known, or the function fails or does not return one real number, or a row of them, for
+        each state.
 
     Examples
     --------
@@ -135,13 +139,13 @@ def scan(
     array([-0.362, -0.637,  3.327, -0.824, -0.436])
     """
     require_states(states)
-    jobs, batch = jobs_of("jobs", jobs), whole("batch", batch, 1)
+    jobs, batch = jobs_of("jobs", jobs), whole("batch", batch, 1, _MOST_BATCH)
     progress = None if progress is None else flag("progress", progress)
     found = _computed(states, observable, _Work(jobs, batch, progress))
     names = list(found[0])
     if any(list(part) != names for part in found):
         raise InputError("observable: the function returned other names for some states")
-    return Scan(states, {name: _joined([part[name] for part in found], states.shape) for name in names})
+    return Scan(states, {name: _joined(name, [part[name] for part in found], states.shape) for name in names})
 
 
 class _Work(NamedTuple):
@@ -174,7 +178,7 @@ def _function_of(observable: Observable) -> tuple[Callable[[States], Any], str]:
         return _function_of([observable])[0], observable
     if callable(observable):
         name = getattr(observable, "__name__", "observable")
-        return observable, "observable" if name == "<lambda>" else name
+        return partial(_called, observable), "observable" if name == "<lambda>" else name
     if not isinstance(observable, list | tuple) or not observable:
         raise InputError(f"observable = {shown(observable)} is neither a name nor a function of States")
     names = [one_of("observable", name, OBSERVABLES) for name in observable]
@@ -186,11 +190,19 @@ def _function_of(observable: Observable) -> tuple[Callable[[States], Any], str]:
     return by_name, ", ".join(names)
 
 
+def _called(observable: Callable[[States], Any], part: States) -> NDArray[Any] | dict[str, NDArray[Any]]:
+    """What a function of the user's returned for some states, as arrays of numbers. Raises InputError."""
+    with users_own("observable", "it must return one real number, or a row of them, for every state"):
+        returned = observable(part)
+        if isinstance(returned, Mapping):
+            return {name: returned_numbers(values) for name, values in returned.items()}
+        return returned_numbers(returned)
+
+
 def _checked(observable: Callable[[States], Any], part: States, alone: str) -> dict[str, NDArray[Any]]:
     """What the function returned for some states, by name. alone: what a single array is called."""
     returned = observable(part)
-    columns = dict(returned) if isinstance(returned, Mapping) else {alone: returned}
-    arrays = {name: np.asarray(values) for name, values in columns.items()}
+    arrays = dict(returned) if isinstance(returned, Mapping) else {alone: returned}
     for name, values in arrays.items():
         if values.ndim == 0 or values.shape[0] != len(part):
             raise InputError(
@@ -200,6 +212,12 @@ def _checked(observable: Callable[[States], Any], part: States, alone: str) -> d
     return arrays
 
 
-def _joined(parts: list[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
+def _joined(name: str, parts: list[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
+    rows = sorted({part.shape[1:] for part in parts})
+    if len(rows) > 1:
+        raise InputError(
+            f"observable: the function returned {name!r} with rows of shape {rows[0]} for some states and "
+            f"{rows[-1]} for others; return rows of one shape"
+        )
     whole_array = np.concatenate(parts)
     return whole_array.reshape(*shape, *whole_array.shape[1:])

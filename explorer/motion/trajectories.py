@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import CoarseTimesWarning, InputError, number, positive, whole
+from explorer.errors import CoarseTimesWarning, InputError, jobs_of, number, positive, whole
 from explorer.motion import recording
 from explorer.motion.plan import ALGEBRA, QUADRATURE, Plan, plan
 from explorer.motion.turning_points import MAX_STEPS
@@ -25,6 +25,7 @@ ALL = ("phi", "chi", "psi", "path", "contact")  # what simulate gives where noth
 _TURNING = ("chi", "psi", "path", "contact")  # observables of which a curve is wrong where it misses a race
 _MOST_TURNED = 1e4  # rad of chi at the start; what is added to a larger one is lost in its last digits
 _ROUNDED = 1.0 + 1e-15  # natural units and back may end a motion a hair after its t_end
+_MOST_STEPS = 10**9  # of one motion: an hour or so, and `steps` still counts them in 32 bits
 _COARSE = 0.5 * np.pi  # rad of chi between two times, beyond which a curve is no longer the motion's
 
 
@@ -193,7 +194,7 @@ def simulate(
         method : 'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'. accuracy : error of
         angles (rad) per passage, 1e-11 to 0.1, by default 1e-6; over k passages it grows like k. chi0 : contact
         angle at the start (rad), -1e4 to 1e4, by default 0. max_steps : attempted steps at most, by default
-        2 million. jobs : threads, by default 1. Inside a race, the accuracy is that of its time.
+        2 million, up to 10^9. jobs : threads, by default 1. Inside a race, the accuracy is that of its time.
 
     Returns
     -------
@@ -264,8 +265,8 @@ def _follow(
         raise InputError("observables: simulate needs one of the motion, such as 'phi' or 'chi'")
     given = given._replace(
         chi0=number("chi0", given.chi0, -_MOST_TURNED, _MOST_TURNED),
-        max_steps=whole("max_steps", given.max_steps, 1),
-        jobs=whole("jobs", given.jobs, 1),
+        max_steps=whole("max_steps", given.max_steps, 1, _MOST_STEPS),
+        jobs=jobs_of("jobs", given.jobs),
     )
     return _by_plan(states, how, (end, times), tuple(observables), given)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from explorer import compiled
-from explorer.errors import InputError, note, whole
+from explorer.errors import InputError, jobs_of, note
 from explorer.paper import (
     figure_numbers,
     section_2,
@@ -88,7 +88,7 @@ def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: boo
 
     Raises InputError for an unknown statement or a folder that cannot be written.
     """
-    jobs, folder = whole("--jobs", jobs, 1), Path(out)
+    jobs, folder = jobs_of("--jobs", jobs), Path(out)
     if folder.exists() and not folder.is_dir():
         raise InputError(f"--out {folder}: is a file; give a folder")
     chosen(only)

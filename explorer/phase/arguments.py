@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import wraps
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, double_of, plain_number, shown, suggest
+from explorer.errors import InputError, RunError, double_of, plain_number, shown, suggest
 
 Array = NDArray[np.float64]
 F = TypeVar("F", bound=Callable[..., Any])
@@ -105,6 +106,37 @@ def _entry(value: Any) -> float | None:
 def _missing(value: Any) -> bool:
     """Whether an entry says that there is no value: None, or NA of pandas."""
     return value is None or type(value).__name__ in ("NAType", "NaTType", "MaskedConstant")
+
+
+@contextmanager
+def users_own(name: str, remedy: str) -> Iterator[None]:
+    """Say as InputError what goes wrong in a function of the user's, or in what it returned."""
+    try:
+        yield
+    except (InputError, RunError):
+        raise
+    except Exception as error:
+        raise InputError(f"{name}: {type(error).__name__}: {error}; {remedy}") from error
+
+
+def returned_numbers(value: Any) -> NDArray[Any]:
+    """What a function of the user's returned, as an array of real numbers or bools that keeps its type.
+
+    Long doubles are rounded to doubles. Raises TypeError for masked entries, which would show what they hide, for
+    long doubles beyond doubles, and for complex numbers, dates, text and other objects.
+    """
+    if isinstance(value, np.ma.MaskedArray) and np.ma.getmaskarray(value).any():
+        raise TypeError("it returned masked entries")
+    given = np.asarray(value)
+    if given.dtype.kind not in "fiub":
+        raise TypeError(f"it returned {given.dtype}")
+    if given.dtype.kind != "f" or given.dtype.itemsize <= 8:
+        return given
+    with np.errstate(all="ignore"):
+        read = given.astype(np.float64)
+    if np.any(np.isinf(read) & np.isfinite(given)):
+        raise TypeError(f"it returned {given.dtype} beyond doubles")
+    return read
 
 
 def known_keywords(what: str, given: Iterable[str], known: Collection[str]) -> None:

@@ -17,6 +17,7 @@ _LEAST = 1e-17  # an error of exactly 0 counts as this, below the rounding of do
 _CONSTANTS = ("energy", "sigma3_bar", "eta_hat_plus")
 _OBSERVABLES = ("phi", "phidot", "sigma3", "sigma4", "chi")
 _MOST_STEPS = 10**8
+_MOST_PERIODS = 10**6  # of some hundred steps each
 TOLERANCES = {"rtol": 1e-8, "atol": 1e-10}
 
 
@@ -97,12 +98,12 @@ def conservation(
     period, turn = float(whole_period.period[0]), float(whole_period.chi[0])
     ours = {}
     for accuracy in accuracies:
-        counts = _counts(whole("most", most, 1))
+        counts = _counts(whole("most", most, 1, _MOST_PERIODS))
         motion = trajectories(start, None, counts * period, _OBSERVABLES, accuracy=accuracy, max_steps=_MOST_STEPS)
         if not motion.lengths.all():
             raise InputError(f"most = {most}: the motion could not be followed so far; give a smaller number")
         ours[accuracy] = _errors(start, counts, [getattr(motion, name)[0] for name in _OBSERVABLES], turn)
-    counts = _counts(whole("most_by_solver", most_by_solver, 1))
+    counts = _counts(whole("most_by_solver", most_by_solver, 1, _MOST_PERIODS))
     solver = _errors(start, counts, _by_solver(start, counts, period), turn)
     return Conservation(disk, 0.01 * unit, ours, solver)
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, NamedTuple, TypedDict
 
 import numpy as np
 
-from explorer.errors import InputError, flag, note, one_of, path_of, whole
+from explorer.errors import InputError, flag, jobs_of, note, one_of, path_of, whole
 from explorer.runs import pictures
 from explorer.runs.folder import default_folder
 from explorer.runs.run import Manner
@@ -66,9 +66,7 @@ class Settings(TypedDict, total=False):
             default='"resume"',
         ),
     ]
-    jobs: Annotated[
-        int, Option("--jobs", partial(whole, low=1), "N", "workers; they change no number", default="2")
-    ]
+    jobs: Annotated[int, Option("--jobs", jobs_of, "N", "workers; they change no number", default="2")]
     backend: Annotated[
         str,
         Option(

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple, is_typeddict
 import cloudpickle
 
 from explorer import compiled
-from explorer.errors import InputError, RunError, one_of, shorten, whole
+from explorer.errors import InputError, RunError, jobs_of, one_of, shorten
 from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.chunks import HeldChunk
@@ -119,7 +119,7 @@ class Workers:
     scheduler: str | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "jobs", whole("--jobs", self.jobs, 1))
+        object.__setattr__(self, "jobs", jobs_of("--jobs", self.jobs))
         one_of("--backend", self.backend, BACKENDS)
         if self.scheduler is not None and self.backend != "dask":
             raise InputError(f"--scheduler {self.scheduler}: is for --backend dask; give both")

@@ -71,7 +71,12 @@ TOGETHER = {
             ("phi", "phidot", "sigma3_bar", "sigma4_bar"),
         )
     ),
-    "simulate": lambda r: ("t_end", "observables", "accuracy"),
+    "simulate": lambda r: (r.choice(("t_end", "t_eval")), "observables", "accuracy"),
+}
+# Those that may join them, each now and then.
+BESIDES = {
+    "coordinates_to_states": ("face",),
+    "simulate": ("t_end", "t_eval", "chi0", "jobs", "max_steps", "method"),
 }
 
 
@@ -81,7 +86,8 @@ def case(name, function, rng):
     needed = [argument for argument, optional in known.items() if not optional]
     chosen = needed + [a for a in known if a not in needed and rng.random() < 0.3]
     if name in TOGETHER:
-        chosen = needed + list(TOGETHER[name](rng))
+        joined = [argument for argument in BESIDES[name] if rng.random() < 0.3]
+        chosen = list(dict.fromkeys((*needed, *TOGETHER[name](rng), *joined)))
     if name.startswith("scene "):
         chosen = rng.sample(list(known), 1)
     given = {argument: sensible(argument, rng) for argument in chosen if argument != "text"}

@@ -56,9 +56,9 @@ def image(value):
         return [image(each) for each in value]
     if isinstance(value, np.ma.MaskedArray):
         return value.data.tobytes(), np.ma.getmaskarray(value).tobytes()
-    if hasattr(value, "to_numpy") and getattr(value, "ndim", 0):  # objects of pandas cache what they are asked
-        return [repr(entry) for entry in np.ravel(value.to_numpy(dtype=object))]
     try:
+        if hasattr(value, "to_numpy") and getattr(value, "ndim", 0):  # objects of pandas cache what they are asked
+            return [repr(entry) for entry in np.ravel(value.to_numpy(dtype=object))]
         return pickle.dumps(value)
     except Exception:
         return None
@@ -85,10 +85,10 @@ def not_finite(value):
 
 def judge(call, arguments):
     """Call with keyword arguments and say what became of it."""
-    before = image(arguments)
-    start, began = time.process_time(), time.monotonic()
     faulthandler.dump_traceback_later(STUCK, exit=True)
     try:
+        before = image(arguments)
+        start, began = time.process_time(), time.monotonic()
         verdict = _called(call, arguments)
     finally:
         faulthandler.cancel_dump_traceback_later()

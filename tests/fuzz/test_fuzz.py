@@ -3,6 +3,7 @@
 `python -m tests.fuzz --cases 100000` tries many more.
 """
 
+import random
 import time
 import warnings
 from collections import Counter
@@ -36,6 +37,14 @@ def test_every_public_function_is_among_the_cases():
     }
     assert public - called - api.FOLDERS - api.LONG <= {"plot", "view"}
     assert {f"portrait.{name}" for name in ex.portrait.__all__} - called <= api.LONG
+
+
+def test_every_argument_is_given_now_and_then():
+    rng = random.Random(5)
+    for name in api.TOGETHER:
+        call = api.functions()[name]
+        given = set().union(*(api.case(name, call, rng) for _ in range(200)))
+        assert given == set(api.arguments_of(call))
 
 
 def test_kernels_return_whatever_doubles_they_get():

@@ -69,6 +69,12 @@ def test_a_function_that_exceeds_its_looked_up_maximum_is_refused():
         Density.of(UNIFORM, BOX, density=peak).draw(UNIFORM, chunk_stream(3, 0), 10)
 
 
+def test_a_function_that_hides_some_of_its_values_is_refused():
+    density = Density.of(UNIFORM, BOX, density=lambda phi, *_: np.ma.array(np.ones(phi.size), mask=phi > 0.0))
+    with pytest.raises(ex.InputError, match="density: TypeError: it returned masked entries; it must return one"):
+        density.shape(*np.full((4, 3), 0.1))
+
+
 @pytest.mark.parametrize(
     ("given", "ends"),
     [("1:2", (1.0, 2.0)), (":3", (-math.inf, 3.0)), ("2:", (2.0, math.inf)), ((None, 4), (-math.inf, 4.0))],

@@ -46,12 +46,27 @@ def test_a_function_sees_no_more_states_than_a_batch():
     [
         ("theta_mim", "did you mean 'theta_min'"),
         (3, "neither a name nor a function"),
+        (np, "neither a name nor a function"),
         (lambda batch: 1.0, "one entry"),
+        (int, r"observable: TypeError: int\(\) argument .*; it must return one real number"),
+        (lambda batch: 1 // 0, "observable: ZeroDivisionError: .*; it must return one real number"),
+        (lambda batch: np.ma.array(batch.phi, mask=batch.sigma3 > 0.9), "observable: .* masked entries"),
+        (lambda batch: {"own": batch.phi + 1j}, "it returned complex128"),
+        (lambda batch: np.full(len(batch), "2026-01-01", "M8[D]"), "it returned datetime64"),
+        (lambda batch: ["up"] * len(batch), "it returned <U2"),
+        (lambda batch: ex.simulate(batch, -1.0), "^t_end = -1.0 must be"),
     ],
 )
 def test_what_is_no_observable_is_refused_in_words(observable, message):
     with pytest.raises(ex.InputError, match=message):
         scan(STATES, observable)
+
+
+def test_rows_of_another_shape_for_some_states_are_refused():
+    with pytest.raises(
+        ex.InputError, match=r"'rows' with rows of shape \(3,\) for some states and \(10,\) for other"
+    ):
+        scan(STATES, lambda batch: {"rows": np.zeros((len(batch), len(batch)))}, batch=10)
 
 
 def test_arrays_have_the_shape_of_the_states_and_are_stored_with_it(tmp_path):

@@ -194,6 +194,11 @@ def test_only_what_was_asked_for_is_returned_and_time_zero_is_the_start():
         ({"t_end": 1.0, "method": "rk6"}, "did you mean 'rk"),
         ({"t_end": 1.0, "accuracy": 1e-20}, "accuracy"),
         ({"t_end": 1.0, "chi0": 1e12}, "chi0 = 1000000000000.0 must be a finite number"),
+        (
+            {"t_end": 1.0, "max_steps": 2**63},
+            "max_steps = 9223372036854775808 must be a whole number from 1 to 1e",
+        ),
+        ({"t_end": 1.0, "jobs": 2**63}, "jobs = 9223372036854775808 must be a whole number from 1 to 1024"),
     ],
 )
 def test_wrong_arguments_are_named(options, message):

@@ -1,5 +1,6 @@
 """Arrays as users give them: read exactly, or refused in a sentence; never cut, never changed."""
 
+import math
 from decimal import Decimal
 from fractions import Fraction
 
@@ -9,7 +10,7 @@ import pytest
 
 import explorer as ex
 from explorer.errors import InputError
-from explorer.phase.arguments import column, columns_of, explained, read_columns
+from explorer.phase.arguments import column, columns_of, explained, read_columns, returned_numbers
 
 
 @pytest.mark.parametrize(
@@ -79,6 +80,17 @@ def test_what_is_no_real_number_or_would_be_cut_is_refused_in_a_sentence(given):
     with pytest.raises(InputError, match=r"^phi = .* is not an array of real numbers") as refused:
         column("phi", given)
     assert len(str(refused.value)) <= 300
+
+
+def test_what_a_function_returned_keeps_its_type_and_is_no_more_than_doubles():
+    for given in (np.array([1, -1], np.int8), np.array([True]), np.array([math.nan, math.inf])):
+        assert returned_numbers(given) is given
+    assert returned_numbers(np.ma.array([0.5, 2.0])).tolist() == [0.5, 2.0]
+    assert returned_numbers(np.array([0.5, np.inf], np.longdouble)).dtype == np.float64
+    largest = np.finfo(np.longdouble).max
+    if largest > np.finfo(float).max:
+        with pytest.raises(TypeError, match="beyond doubles"):
+            returned_numbers([largest])
 
 
 def test_columns_have_the_shape_to_which_arguments_broadcast():
