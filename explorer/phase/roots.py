@@ -22,7 +22,7 @@ def root(function: Callable[[Array], Array], low: float, high: float, smallest: 
     """
     x = np.array([low, high])
     values = function(x)
-    if not values[0] * values[1] <= 0.0:
+    if not np.prod(np.sign(values)) <= 0.0:
         raise ValueError(f"no change of sign between {low} and {high}: {values[0]} and {values[1]}")
     while True:
         zeros = np.flatnonzero(values == 0.0)

@@ -13,6 +13,7 @@ FUNCTIONS = {
     "a triple root": (lambda x: (x - 0.7) ** 3, -1.0, 1.0),
     "a root at zero": (lambda x: np.sinh(x), -1.0, 2.0),
     "a pole at one end": (lambda x: np.log(x) + 20.0, 0.0, 1.0),
+    "values whose product is no double": (lambda x: 1e200 * (x - 0.3), -1.0, 1.0),
     "a root near many noughts": (lambda x: x - 1e-12, -1.0, 1.0),
 }
 
