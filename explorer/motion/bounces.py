@@ -14,6 +14,7 @@ from explorer.motion.legs import FALL_KERNELS, falls_of_energy, legs_of
 from explorer.motion.legs import KERNELS as OF_LEGS
 from explorer.motion.passages import FLOOR
 from explorer.motion.passages_by_integration import LENIENCE
+from explorer.motion.passages_by_quadrature import unanswered
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
 from explorer.motion.starts import fallen, held_constants, orbit_starts
@@ -188,7 +189,7 @@ def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], ac
     out = np.empty((len(compiled.bounces.BounceRow._fields), status.size))
     ends, legs = legs_of(disk, orbits, status, accuracy, 3)
     compiled.bounces.bounces_of_legs(orbits, ends, legs, disk.natural, out, status)
-    if (np.isnan(out[0]) & (status == code.OK)).any():
+    if unanswered(out, status == code.OK):
         compiled.bounces.bounce_batch(orbits, accuracy, packed_rules(), disk.natural, out, status)
     found = compiled.bounces.BounceRow(*out)
     crosses, first_here = np.isfinite(found.theta_there), found.first_here == 1.0

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.passages_by_quadrature import chord
+from explorer.motion.passages_by_quadrature import chord, unanswered
 from explorer.phase.disk import Disk
 from explorer.phase.gauss import packed_rules
 from explorer.phase.states import Array
@@ -70,13 +70,10 @@ def falls_of_energy(
     out = np.empty((4, sigma3_bar.size))
     given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
     compiled.passages.fall_batch(*given, accuracy, disk.tables, disk.natural, out)
-    if _unknown(out, energy):
+    asked = np.isfinite(energy)
+    if unanswered(out, asked):
         first, tables = first_rule(accuracy), disk.leg_tables
         compiled.low_falls.low_fall_batch(*given, first, accuracy, tables, disk.natural, out)
-    if _unknown(out, energy):
+    if unanswered(out, asked):
         compiled.passages.fall_by_rules_batch(*given, chord(0.0), packed_rules(), disk.natural, out)
     return compiled.quadrature.FallRow(*out)
-
-
-def _unknown(falls: Array, energy: Array) -> bool:
-    return bool((np.isnan(falls[0]) & np.isfinite(energy)).any())

@@ -31,7 +31,7 @@ def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> "compil
         by_tables(disk, crossings, how.accuracy, out, status)
     else:
         out.fill(np.nan)
-    if _unanswered(out, status):
+    if unanswered(out, status == compiled.status.Status.OK):
         compiled.passages.passage_by_rules_batch(
             crossings, chord(edge), how.accuracy, packed_rules(), disk.natural, out, status
         )
@@ -48,7 +48,7 @@ def by_tables(
     """Passages from the vertical by the tables of the body, where they serve -> out (8, n or more)."""
     kernel = compiled.passages.rough_batch if accuracy >= ROUGH else compiled.passages.passage_batch
     kernel(crossings, accuracy, disk.tables, disk.natural, out, status)
-    if accuracy >= WIDE and _unanswered(out, status):
+    if accuracy >= WIDE and unanswered(out, status == compiled.status.Status.OK):
         compiled.passages.wide_batch(crossings, accuracy, disk.tables, disk.natural, out, status)
 
 
@@ -57,8 +57,9 @@ def table_kernel(accuracy: float) -> str:
     return "passages.rough_batch" if accuracy >= ROUGH else "passages.passage_batch"
 
 
-def _unanswered(out: Array, status: NDArray[np.int8]) -> bool:
-    return bool((np.isnan(out[0, : status.size]) & (status == compiled.status.Status.OK)).any())
+def unanswered(out: Array, asked: NDArray[np.bool_]) -> bool:
+    """Whether one of the samples that are asked for still is NaN in the first row of results."""
+    return bool((np.isnan(out[0, : asked.size]) & asked).any())
 
 
 def by_rules(disk: Disk, starts: Starts, how: Plan) -> "compiled.races.Ways":
@@ -111,6 +112,6 @@ def fall_from_vertical(
         compiled.passages.fall_batch(*given, accuracy, disk.tables, disk.natural, out)
     else:
         out.fill(np.nan)
-    if (np.isnan(out[0, :n]) & np.isfinite(energy)).any():
+    if unanswered(out, np.isfinite(energy)):
         compiled.passages.fall_by_rules_batch(*given, chord(edge), packed_rules(), disk.natural, out)
     return compiled.quadrature.FallRow(*out[:, :n])

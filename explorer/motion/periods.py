@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of
 from explorer.motion.legs import legs_of
+from explorer.motion.passages_by_quadrature import unanswered
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
 from explorer.motion.starts import fallen, held_constants, orbit_starts
@@ -140,7 +141,7 @@ def _orbits(
     code, out = status[rows], np.empty((8, rows.size))
     ends, legs = legs_of(disk, some, code, accuracy, 2)
     compiled.orbits.orbits_of_legs(some, ends, legs, disk.natural, out, code)
-    if (np.isnan(out[0]) & (code == compiled.status.Status.OK)).any():
+    if unanswered(out, code == compiled.status.Status.OK):
         compiled.orbits.orbit_batch(some, accuracy, packed_rules(), disk.natural, out, code)
     out[:, code != compiled.status.Status.OK] = np.nan
     return out, code

@@ -70,9 +70,8 @@ def save_all(
         figure = _drawn(picture, name, {})
         for kind in formats:
             save(figure, folder / f"{name}.{kind}")
-            figure.set_layout_engine(
-                "none"
-            )  # parts stay where the first file has them: to place them is half the work
+            # Parts stay where the first file has them: to place them is half the work.
+            figure.set_layout_engine("none")
         progress.drawn()
         names.append(name)
     return names
