@@ -54,6 +54,8 @@ export class Chart {
   /** Draw `still` where it is out of date, then `moving` over it. */
   draw(still, moving) {
     const { canvas } = this;
+    // Hidden, or in a frame that has no room yet: browsers refuse to copy a canvas of no size.
+    if (!canvas.width || !canvas.height) return;
     const ratio = canvas.width / canvas.clientWidth;
     if (this.stale || this.still.width !== canvas.width || this.still.height !== canvas.height) {
       this.still.width = canvas.width;

@@ -179,6 +179,8 @@ class Page {
     let last = performance.now();
     let written = last;
     const tick = (now) => {
+      // First of all: whatever goes wrong in one frame, the next one comes.
+      requestAnimationFrame(tick);
       this.player.advance(Math.min(LONGEST_FRAME, (now - last) / 1000));
       last = now;
       if (this.visible && (this.player.running || now < this.restless)) this.timedDraw();
@@ -186,7 +188,6 @@ class Page {
         this.writeAddress();
         written = now;
       }
-      requestAnimationFrame(tick);
     };
     requestAnimationFrame(tick);
   }

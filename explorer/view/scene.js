@@ -103,8 +103,9 @@ export class Scene {
   /** states: [shown, ghost]; ghost null where it is switched off. look: colours, `sides` as [r, g, b] pairs. */
   draw(states, look) {
     const { context, camera } = this;
-    const ratio = this.canvas.width / this.canvas.clientWidth;
     const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
+    if (!width || !height) return;
+    const ratio = this.canvas.width / width;
     const poses = states.map((x) => x && poseOf(x, this.inner));
     this.follow(poses);
     camera.frame(width, height);

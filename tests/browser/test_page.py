@@ -283,6 +283,7 @@ def test_every_picture_shows_something_at_every_size(page, size, scheme):
     finally:
         page.prefer(color_scheme="light")
         page.size(1280, 800)
+    assert page.problems() == []
     assert width <= size[0]
     assert (picture.mean() < 90) == (scheme == "dark")
     for name, b in boxes.items():
@@ -290,6 +291,22 @@ def test_every_picture_shows_something_at_every_size(page, size, scheme):
         assert part.shape[0] >= 20
         assert part.shape[1] >= 100
         assert len(np.unique(part @ np.array([1, 256, 65536]))) > 30, name
+
+
+def test_a_page_that_had_no_room_draws_when_it_has(page):
+    """A notebook may open the frame in a hidden tab."""
+    for style in ("none", ""):
+        page.evaluate(f"(nearflat.canvases.forEach(canvas => {{ canvas.style.display = '{style}'; }}), 0)")
+        page.evaluate("(nearflat.touch(), 0)")
+        page.frames(4)
+    for name in CANVASES:
+        code = """name => {
+            const { data } = nearflat.canvases.find(canvas => canvas.id === name)
+                .getContext("2d").getImageData(0, 0, 400, 30);
+            return new Set(new Uint32Array(data.buffer)).size;
+        }"""
+        assert page.evaluate(f"({code})('{name}')") > 3, name
+    assert page.problems() == []
 
 
 def test_the_page_runs_in_the_frame_of_a_notebook(page, page_file, tmp_path):
