@@ -88,8 +88,14 @@ def withheld() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
+    from multiprocessing import resource_tracker
+
     before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
     try:
+        # The first process or lock of `multiprocessing` starts a tracker, and doing so Python (up to 3.13) lets
+        # SIGINT and SIGTERM through again, for this thread and for all that it starts later.
+        resource_tracker.ensure_running()
+        signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -70,3 +70,15 @@ def test_a_process_started_meanwhile_never_gets_signals():
         started = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert (started.returncode, started.stdout) == (0, "1\n")
     assert not signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
+def test_signals_stay_withheld_where_processes_have_locks_and_queues():
+    code = (
+        "import signal; from multiprocessing import get_context; from explorer.runs.interrupt import *\n"
+        "with withheld():\n"
+        "    get_context('spawn').Lock()\n"  # starts Python's tracker of resources
+        "    print(set(SIGNALS) <= signal.pthread_sigmask(signal.SIG_BLOCK, ()))\n"
+        "print(signal.pthread_sigmask(signal.SIG_BLOCK, ()))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("True\nset()\n", "")
