@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
-from explorer.motion.legs import FALL_KERNELS, falls_of_energy, legs_of
-from explorer.motion.legs import KERNELS as OF_LEGS
+from explorer.motion.legs import FALL_KERNELS, falls_of_energy, leg_kernels, legs_of
 from explorer.motion.passages import FLOOR
 from explorer.motion.passages_by_integration import LENIENCE
 from explorer.motion.passages_by_quadrature import unanswered
@@ -152,11 +151,10 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
     return _in_turn(states, _joined(in_parts(jobs, len(states), some)), count)
 
 
-# The kernels of `bounces`, for `compiled.warmup`; a fall may start below the vertical.
-KERNELS = (
-    *(*membership.KERNELS, *OF_LEGS, *FALL_KERNELS),
-    *("bounces.bounces_of_legs", "bounces.bounce_batch", "falling.line_chart_batch"),
-)
+def bounce_kernels(accuracy: float) -> tuple[str, ...]:
+    """The kernels of `bounces` at an accuracy, for `compiled.warmup`; a fall may start below the vertical."""
+    own = "bounces.bounces_of_legs", "bounces.bounce_batch", "falling.line_chart_batch"
+    return *membership.KERNELS, *leg_kernels(accuracy), *FALL_KERNELS, *own
 
 
 class _Pairs(NamedTuple):

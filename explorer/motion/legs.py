@@ -6,15 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.passages_by_quadrature import chord, unanswered
+from explorer.motion.passages_by_quadrature import chord, near_flat, table_kernel, unanswered
 from explorer.phase.disk import Disk
 from explorer.phase.gauss import packed_rules
 from explorer.phase.states import Array
 
 # The rule to begin with at accuracies down to each of these: few motions need a larger one.
 _FIRST = ((1e-2, 1), (1e-3, 2), (1e-4, 3), (1e-6, 4), (1e-8, 6), (1e-9, 7), (0.0, 8))
-# The kernels of both, for `compiled.warmup`.
-KERNELS = ("ends.end_batch", "legs.leg_batch", "passages.passage_batch")
+# The kernels of `falls_of_energy`, for `compiled.warmup`.
 FALL_KERNELS = ("passages.fall_batch", "low_falls.low_fall_batch", "passages.fall_by_rules_batch")
 
 
@@ -28,6 +27,11 @@ class Legs(NamedTuple):
 def first_rule(accuracy: float) -> int:
     """The rule for legs to begin with."""
     return next(rule for least, rule in _FIRST if accuracy >= least)
+
+
+def leg_kernels(accuracy: float) -> tuple[str, ...]:
+    """The kernels of `legs_of` at an accuracy, for `compiled.warmup`."""
+    return "ends.end_batch", "legs.leg_batch", table_kernel(accuracy)
 
 
 def legs_of(
@@ -57,7 +61,7 @@ def _near_flat(
         rows = np.flatnonzero(served)
         out, status = np.empty((8, rows.size)), np.full(rows.size, code.OK, np.int8)
         crossings = compiled.passages.Crossings(orbits.sigma3_bar[rows], eta[rows], speed[rows])
-        compiled.passages.passage_batch(crossings, accuracy, disk.tables, disk.natural, out, status)
+        near_flat(disk, crossings, accuracy, out, status)
         found = compiled.quadrature.PassageRow(*out)
         kept = found.chi, found.psi, found.time, found.angle_error, found.time_error
         legs[:, block * n + rows] = kept

@@ -46,14 +46,25 @@ def by_tables(
     status: NDArray[np.int8],
 ) -> None:
     """Passages from the vertical by the tables of the body, where they serve -> out (8, n or more)."""
-    kernel = compiled.passages.rough_batch if accuracy >= ROUGH else compiled.passages.passage_batch
-    kernel(crossings, accuracy, disk.tables, disk.natural, out, status)
+    near_flat(disk, crossings, accuracy, out, status)
     if accuracy >= WIDE and unanswered(out, status == compiled.status.Status.OK):
         compiled.passages.wide_batch(crossings, accuracy, disk.tables, disk.natural, out, status)
 
 
+def near_flat(
+    disk: Disk,
+    crossings: "compiled.passages.Crossings",
+    accuracy: float,
+    out: Array,
+    status: NDArray[np.int8],
+) -> None:
+    """As `by_tables`, only those that come near flat."""
+    kernel = compiled.passages.rough_batch if accuracy >= ROUGH else compiled.passages.passage_batch
+    kernel(crossings, accuracy, disk.tables, disk.natural, out, status)
+
+
 def table_kernel(accuracy: float) -> str:
-    """The name of the kernel that answers most passages at an accuracy."""
+    """The name of the kernel that `near_flat` calls at an accuracy: it answers most passages."""
     return "passages.rough_batch" if accuracy >= ROUGH else "passages.passage_batch"
 
 

@@ -21,8 +21,7 @@ from explorer import compiled
 from explorer.errors import InputError, RunError, whole
 from explorer.measure import statistics
 from explorer.measure.sampling import BLOCK, Range, chunk_stream, gather, log_uniform
-from explorer.motion.bounces import KERNELS as OF_BOUNCES
-from explorer.motion.bounces import MOST, Bounces, bounces
+from explorer.motion.bounces import MOST, Bounces, bounce_kernels, bounces
 from explorer.motion.passages import Passages, passage_kernels, passages_by
 from explorer.motion.trials import MotionTrial, PassageTrial, through_time
 from explorer.motion.vertical import starts_at_vertical
@@ -135,7 +134,7 @@ class RaceAngles(SceneOfStates):
     @property
     def kernels(self) -> tuple[str, ...]:
         if self.eta_hat is None:
-            return *OF_BOUNCES, *statistics.KERNELS
+            return *bounce_kernels(self.plan.accuracy), *statistics.KERNELS
         some = () if self.energy is None else ("algebra.constants_batch",)
         return *some, *passage_kernels(self.plan), *statistics.KERNELS
 

@@ -1,13 +1,15 @@
 """Legs as `bounces` and `periods` ask for them: near flat by tables of passages, else by rules of their own."""
 
 import numpy as np
+import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.motion.legs import falls_of_energy, first_rule, legs_of
+from explorer.motion.legs import falls_of_energy, first_rule, leg_kernels, legs_of
 from explorer.motion.passages_by_quadrature import energy_on_f, fall_from_vertical
 from explorer.motion.starts import held_constants, orbit_starts
 from explorer.phase.constants import natural_constants
+from kernels._jit import Kernel
 
 
 def test_near_flat_a_leg_from_the_vertical_is_the_passage():
@@ -21,6 +23,21 @@ def test_near_flat_a_leg_from_the_vertical_is_the_passage():
     np.testing.assert_allclose(2.0 * np.arcsin(0.5 * ends.here), passages.theta_min, rtol=1e-12)
     # From the vertical there is no way from the state that is not half a passage.
     assert np.isnan(legs[:, 4:]).all()
+
+
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-5, 1e-6, 1e-11])
+def test_legs_call_the_kernels_that_are_named_and_no_others(accuracy, monkeypatch):
+    called, call = set(), Kernel.__call__
+
+    def noted(kernel, *arguments):
+        called.add(kernel.name)
+        call(kernel, *arguments)
+
+    states = ex.constants_to_states(BODIES["uniform"], 1.0, [1e-3, 1.0], 1.0)
+    status, linear = held_constants(states, natural_constants(states))
+    monkeypatch.setattr(Kernel, "__call__", noted)
+    legs_of(BODIES["uniform"], orbit_starts(states, linear), status, accuracy, 2)
+    assert called == set(leg_kernels(accuracy))
 
 
 def test_a_coarser_accuracy_begins_with_a_smaller_rule():
