@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
+import explorer as ex
 from explorer.phase.gauss import packed_rules
 from kernels.integrals import departure, nodes
 from kernels.integrals.point import VERTICAL, motion_through, point
@@ -15,9 +16,12 @@ from kernels.status import Status
 X, Y = 0.7, 0.2
 
 
-def expanded(disk, moving):
+def expanded(disk, moving, ratio=1.0, sigma4=1.0):
+    """The series of a start whose sigma3 and sigma4 were changed by these factors."""
     W = np.zeros(nodes.ROWS * nodes.ROOM)
-    departure.expand_start(W, moving, point(VERTICAL, X, Y, disk.natural), disk.body)
+    start = point(VERTICAL, X, Y, disk.natural)
+    changed = start._replace(ratio=start.ratio * ratio, sigma4=start.sigma4 * sigma4)
+    departure.expand_start(W, moving, changed, disk.body)
     return W
 
 
@@ -29,6 +33,19 @@ def test_the_series_is_what_the_motion_gains(body, u):
     gained = point(VERTICAL, X, Y, body.natural).V - point(h, X, Y, body.natural).V
     at_start = departure.value(W, departure._LEFT, departure.TERMS, u)
     assert at_start == pytest.approx(0.25 + gained, abs=3e-14)
+
+
+@pytest.mark.parametrize("disk", [BODIES["uniform"], ex.Disk(I1=1e3, I3=2e3)], ids=["light", "heavy"])
+def test_the_doubt_is_what_rounding_of_the_start_makes_of_it(disk):
+    """Changes of sigma3 and sigma4 stand for their rounding: far above it, so that theirs does not count."""
+    share = 1e-6
+    exact = expanded(disk, 0.25)
+    ways = [expanded(disk, 0.25, 1.0 + share, 1.0 + sign * share) for sign in (1.0, -1.0)]
+    for u in (1e-4, 0.01, 0.14):
+        values = [departure.value(W, departure._LEFT, departure.TERMS, u) for W in (exact, *ways)]
+        moved = max(abs(value - values[0]) for value in values) / share
+        doubt = departure.doubt(exact, u) / (4.0 * np.finfo(float).eps)
+        assert 0.1 * doubt <= moved <= doubt
 
 
 @pytest.mark.parametrize("rate", [1e-9, 1e-3])

@@ -53,3 +53,11 @@ def test_where_the_disk_is_not_pressed_down_no_friction_is_enough():
     at = forces(VERTICAL, motion, disk.natural)
     assert at.normal < 0.0
     assert at.friction == np.inf
+
+
+def test_a_fast_start_is_pressed_down_least_at_the_vertical_and_no_further():
+    """There the contact bears the weight less what holds the centre on its circle: 1 - speed^2."""
+    disk, speed = BODIES["uniform"], 3.0
+    out = np.empty((2, 1))
+    forces_batch(Crossings(np.array([0.05]), np.array([0.5]), np.array([speed])), disk.natural, out)
+    assert ForceRow(*out[:, 0]).normal == pytest.approx(1.0 - speed**2, rel=1e-12)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from conftest import BODIES
+from scipy.special import ellipkinc
 
 from explorer.phase.gauss import packed_rules
 from kernels.integrals import nodes
@@ -63,3 +64,15 @@ def test_half_a_passage_is_nearly_a_fall():
     on_f = fall(VERTICAL, motion, packed_rules(), disk.natural, W)
     assert 2.0 * on_f.time == pytest.approx(beside.time, abs=1e-12)
     assert 2.0 * on_f.chi == pytest.approx(beside.chi - disk.race_limit, abs=1e-11)
+
+
+@pytest.mark.parametrize("rate", [1e-2, 1e-4, 1e-6])
+def test_a_slow_fall_without_spin_knows_its_error(rate):
+    """Its time is an elliptic integral, and the slower it begins the more rounding of the energy moves it."""
+    disk = BODIES["uniform"]
+    motion = motion_through(VERTICAL, rate, 0.0, 0.0, disk.natural)
+    found = fall(VERTICAL, motion, packed_rules(), disk.natural, np.zeros(nodes.ROWS * nodes.ROOM))
+    kinetic = 0.5 * disk.body.M * rate * rate
+    exact = math.sqrt(2.0 * disk.body.M / kinetic) * ellipkinc(0.25 * math.pi, -2.0 / kinetic)
+    assert abs(found.time - exact) <= found.error
+    assert found.error <= 50.0 * np.finfo(float).eps / kinetic * exact
