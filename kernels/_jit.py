@@ -25,6 +25,8 @@ import llvmlite
 import numba
 from numba import types as nb
 from numba.core import config
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 from numba.extending import typeof_impl
 
 # Strict IEEE arithmetic, the default: the regularised field vectorises without fastmath, lane and scalar
@@ -125,6 +127,35 @@ def both_devices(function: F) -> tuple[F, F]:
     return device(function), contracted_device(function)
 
 
+class _Whole(JITCodeLibrary):  # type: ignore[misc]
+    """Code of a kernel that carries all it calls, and takes nothing from elsewhere.
+
+    By itself numba loads every compiled function under its name, and of each name the loader keeps the first. A
+    kernel that is compiled in this process would then run the functions that it calls as they were compiled alone,
+    but one from the cache those within itself, which were optimised once more with it: there products and sums
+    that may be rounded together are paired in another way, and last digits differ between the first process and
+    all later ones. So within a kernel what it calls has no name that the loader sees.
+    """
+
+    def _finalize_final_module(self) -> None:
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage.name == "linkonce_odr":
+                function.linkage = "internal"
+        super()._finalize_final_module()
+
+
+class _KernelCompiler(Compiler):  # type: ignore[misc]
+    """numba's compiler, but for the library into which it writes."""
+
+    def compile_extra(self, function: Callable) -> Any:
+        self.state.library = _Whole(self.state.targetctx.codegen(), function.__qualname__)
+        self.state.library.enable_object_caching()
+        return super().compile_extra(function)
+
+
+_WHOLE: dict[str, Any] = {"nogil": True, "pipeline_class": _KernelCompiler, **_OPTIONS}
+
+
 def kernel(function: Callable[P, None]) -> "Kernel[P]":
     """Declare a public kernel; the annotations of its arguments are its signature, and it returns nothing."""
     made = Kernel(function)
@@ -171,7 +202,7 @@ class Kernel(Generic[P]):
     def _build(self) -> Callable:
         folder = cache_folder()
         if folder is None:
-            return numba.njit(self.signature, nogil=True, **_OPTIONS)(self.function)
+            return numba.njit(self.signature, **_WHOLE)(self.function)
         try:
             return self._build_cached(folder)
         except Exception as error:  # whatever is wrong with the cache; a real error comes again below
@@ -189,7 +220,7 @@ class Kernel(Generic[P]):
         before = config.CACHE_DIR
         config.CACHE_DIR = str(folder)
         try:
-            return numba.njit(self.signature, nogil=True, cache=True, **_OPTIONS)(self.function)
+            return numba.njit(self.signature, cache=True, **_WHOLE)(self.function)
         finally:
             config.CACHE_DIR = before
 

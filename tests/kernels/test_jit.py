@@ -76,6 +76,54 @@ def test_the_second_process_loads_and_does_not_compile(warm):
     assert compiled_files(cache) == before
 
 
+# Of all that kernels call, `seek` changes most when it is optimised once more with its caller.
+SEEK = """
+import numpy as np
+import seeking
+from kernels.disk.body import make_disk
+from kernels.integrals import tables, tabulated
+numbers = np.random.default_rng(3)
+lanes = numbers.normal(size=tabulated.ROWS * tabulated.LANES)
+scan = abs(numbers.normal(size=(len(tables.Fixed._fields), 40)))
+cached = seeking.seek_batch.is_cached()
+seeking.seek_batch(lanes, scan, make_disk(0.25, 0.5).body)
+(made,) = seeking.seek_batch._compiled.overloads.values()
+defined = [function for function in made.library._final_module.functions if not function.is_declaration]
+print(cached, lanes.tobytes().hex(), *(f.name for f in defined if f.linkage.name != "internal"))
+"""
+SEEKING = """
+from kernels._jit import kernel
+from kernels.disk.body import Body
+from kernels.integrals import wide
+from kernels.types import Matrix, Vector
+
+@kernel
+def seek_batch(lanes: Vector, scan: Matrix, b: Body) -> None:
+    wide.seek(lanes, scan, b)
+"""
+
+
+@pytest.fixture(scope="module")
+def sought(tmp_path_factory):
+    """Of the process that compiles a kernel and of a later one: whether it was cached, its numbers, its names."""
+    folder = copy_of_kernels(tmp_path_factory.mktemp("seeking"))
+    (folder / "seeking.py").write_text(SEEKING)
+    return [run(SEEK, folder, NUMBA_CACHE_DIR=str(folder / "cache")).stdout.split() for _ in range(2)]
+
+
+def test_the_process_that_compiles_computes_bit_for_bit_what_later_ones_do(sought):
+    (fresh, first, *_), (cached, later, *_) = sought
+    assert (fresh, cached) == ("False", "True")
+    assert first == later
+
+
+def test_the_loader_sees_a_kernel_and_nothing_that_it_calls(sought):
+    """Of two kernels that call the same function, the later one would else run that of the first."""
+    seen = sought[0][2:]
+    assert seen
+    assert all("seek_batch" in name for name in seen)
+
+
 def test_without_a_writable_cache_folder_it_works_with_one_warning(warm, tmp_path):
     blocked = tmp_path / "blocked"
     blocked.write_text("a file where the folder should be")
