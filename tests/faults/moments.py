@@ -1,7 +1,9 @@
 """Runs that are stopped at random moments, and whether they keep their promises. One JSON line for each.
 
-    python tests/faults/moments.py FOLDER BACKEND COUNT SEED >> LINES    # serial, threads, processes, dask; Linux
-    python tests/faults/moments.py --table LINES                         # writes results/faults/moments.md
+    python tests/faults/moments.py FOLDER BACKEND COUNT SEED [SAMPLES] >> LINES    # Linux
+    python tests/faults/moments.py --table LINES    # writes results/faults/moments.md
+
+BACKEND is serial, threads, processes or dask.
 
 Every run is a fork of this process, which has loaded and compiled everything: a moment costs one to two seconds.
 Promised are the exit status; silence about anything but the stop; that no process is left after 30 s; that every
@@ -46,7 +48,8 @@ PROMISED = {
 OUT = Path(__file__).parents[2] / "results" / "faults" / "moments.md"
 # By a slow method, so that most of a run is the making of chunks and not its beginning and its end.
 METHOD = {"method": "rk4", "accuracy": 1e-7}
-OPTIONS = {"scene": "race-angles", "samples": 20_000, "chunk_size": 2_000, "keep": "all", **METHOD}
+CHUNKS = 10
+OPTIONS = {"scene": "race-angles", "samples": 20_000, "chunk_size": 20_000 // CHUNKS, "keep": "all", **METHOD}
 _UGLY = ("Traceback", "Fatal Python", "Exception ignored", "terminate called", "Warning", "leaked")
 _ORPHANS, _ENDS = 30.0, 60.0  # seconds
 
@@ -177,11 +180,12 @@ def look(words, folder, digest):
     return broken
 
 
-def moments(place, backend, count, seed):
+def moments(place, backend, count, seed, samples):
     """Stop `count` runs of a backend at random moments; a line for each."""
     place.mkdir(parents=True, exist_ok=True)
     scene = place / "races.toml"
-    scene.write_text("".join(f"{key} = {value!r}\n" for key, value in OPTIONS.items()))
+    options = {**OPTIONS, "samples": samples, "chunk_size": samples // CHUNKS}
+    scene.write_text("".join(f"{key} = {value!r}\n" for key, value in options.items()))
     asked = ["run", scene, "--no-figures", "--resume", "--out"]
     by = ["--backend", "threads", "--jobs", 1] if backend == "serial" else ["--backend", backend]
     for name in ("first", "whole"):  # the first takes longer than those that follow
@@ -191,8 +195,9 @@ def moments(place, backend, count, seed):
     for trial in range(count):
         how = list(PROMISED)[(seed + trial) % len(PROMISED)]
         # Half of them while chunks are made, half at any time, since a run has a beginning and an end, too.
-        late = trial % 2
-        least, moment = (draw.randrange(10), draw.uniform(0.0, 0.02)) if late else (0, draw.uniform(0.0, longest))
+        least, moment = 0, draw.uniform(0.0, longest)
+        if trial % 2:
+            least, moment = draw.randrange(CHUNKS), draw.uniform(0.0, 0.02)
         folder = place / f"{backend}-{trial}"
         words = [*asked, folder]
         status, before, broken = stopped([*words, *by], folder, how, moment, least)
@@ -245,7 +250,8 @@ if __name__ == "__main__":
         sys.exit(table(Path(sys.argv[2])))
     compiled.warmup(build_scene("race-angles", **METHOD).kernels)
     try:
-        moments(Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
+        count, seed, samples = map(int, (*sys.argv[3:], OPTIONS["samples"])[:3])
+        moments(Path(sys.argv[1]), sys.argv[2], count, seed, samples)
     except Child as child:
         sys.argv = ["nearflat", *child.args[0]]
         sys.exit(main())

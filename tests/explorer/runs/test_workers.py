@@ -22,34 +22,59 @@ from explorer.commands import main as cli
 from explorer.runs import store, workers
 from explorer.scenes.registry import SCENES
 
-# 30 chunks, a second or two of work: long enough to be stopped in the middle.
-OPTIONS = {"samples": 600_000, "chunk_size": 20_000, "seed": 3, "keep": "all"}
+CHUNKS = 12
+OPTIONS = {"samples": CHUNKS * 2000, "chunk_size": 2000, "seed": 3, "keep": "all"}
 # The command without the pixels of its pictures, which take longer than its numbers. It hears Ctrl-C also where
-# the suite runs in the background, where it would inherit that it is ignored.
+# the suite runs in the background, where it would inherit that it is ignored. Its workers begin four chunks; with
+# the others they wait as long as a file is there, so that a run is stopped in its middle however fast it is.
 PROGRAM = """
 import signal
 import sys
+import time
 from pathlib import Path
 from matplotlib.figure import Figure
 from explorer.commands.main import main
+from explorer.runs import workers
 signal.signal(signal.SIGINT, signal.default_int_handler)
 Figure.savefig = lambda _, path, **options: Path(path).touch()
+hold = Path(sys.argv.pop(1))
+def held(task, index, compute=workers.compute_chunk):
+    while index > 3 and hold.exists():
+        time.sleep(0.01)
+    return compute(task, index)
+workers.compute_chunk = held
 sys.exit(main())
 """
 
 
-def nearflat(*arguments):
+def nearflat(*arguments, hold, errors=subprocess.PIPE):
     return subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, *map(str, arguments)],
+        [sys.executable, "-c", PROGRAM, str(hold), *map(str, arguments)],
         stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        stderr=errors,
         text=True,
     )
 
 
-def wait_for_chunks(run, folder, count):
-    while run.poll() is None and len(store.found_chunks(folder)) < count:
+def until(condition):
+    """Wait for what happens soon, and on a busy machine later."""
+    limit = time.monotonic() + 120.0
+    while not condition():
+        assert time.monotonic() < limit
         time.sleep(0.005)
+
+
+def wait_for_chunks(run, folder, count):
+    until(lambda: run.poll() is not None or len(store.found_chunks(folder)) >= count)
+
+
+@pytest.fixture
+def hold(tmp_path):
+    """A file for which most chunks of `nearflat` wait until it is removed."""
+    path = tmp_path / "hold"
+    path.touch()
+    yield path
+    path.unlink(missing_ok=True)
 
 
 @pytest.fixture(scope="module")
@@ -67,65 +92,9 @@ def undisturbed(tmp_path_factory):
     return ex.run("race-angles", out=tmp_path_factory.mktemp("plain") / "run", **OPTIONS).summary["digest"]
 
 
-@pytest.fixture(scope="module")
-def cluster():
-    """A real scheduler and two workers on loopback; yields the address."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    address = f"tcp://127.0.0.1:{port}"
-    common = ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0"]
-    programs = [["scheduler", "--port", str(port), *common]]
-    programs += [["worker", address, "--nthreads", "1", "--no-nanny", *common]] * 2
-    running = []
-    for program in programs:
-        running.append(
-            subprocess.Popen(
-                [sys.executable, "-m", "distributed.cli.dask_" + program[0], *program[1:]],
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-            )
-        )
-        time.sleep(1.0)
-    yield address
-    for process in running:
-        process.kill()
-        process.wait()
-
-
 def test_processes_give_the_digest_of_threads(undisturbed, tmp_path):
     run = ex.run("race-angles", out=tmp_path / "run", backend="processes", **OPTIONS)
     assert run.summary["digest"] == undisturbed
-
-
-def test_a_dask_cluster_gives_the_digest_of_threads(undisturbed, scene, cluster, tmp_path):
-    done = nearflat("run", scene, "--json", "--backend", "dask", "--scheduler", cluster, "--out", tmp_path / "run")
-    out, err = done.communicate(timeout=120)
-    assert done.returncode == 0, err
-    assert json.loads(out)["digest"] == undisturbed
-
-
-@pytest.fixture
-def own_scene():
-    """The documented scene of a user, from a file that no worker can import; forgotten at the end."""
-    known = dict(SCENES)
-    module = runpy.run_path(str(Path(__file__).parents[3] / "docs" / "examples" / "own_scene.py"))
-    yield module["Periods"]
-    SCENES.clear()
-    SCENES.update(known)
-
-
-@pytest.mark.parametrize("backend", ["threads", "processes", "dask"])
-def test_a_scene_of_a_user_has_workers_of_every_kind(backend, own_scene, request, tmp_path):
-    where = {"scheduler": request.getfixturevalue("cluster")} if backend == "dask" else {}
-    options = {"samples": 300, "chunk_size": 100, "speed": 1.5}
-    held = ex.run("periods", **options)
-    assert held.summary["mean"] == pytest.approx(held.frame()["period"].mean())
-    run = ex.run(own_scene, out=tmp_path / "run", backend=backend, **where, **options)
-    assert run.summary == held.summary
-    store.found_chunks(run.folder)[1].unlink()
-    assert ex.open(run.folder).resume().summary == run.summary
-    assert ex.merge(run, ex.run("periods", rng=1, **options)).summary["known"] == 600
 
 
 def test_a_run_that_broke_off_lets_the_processes_go_before_the_next_one_uses_them(tmp_path, monkeypatch):
@@ -156,19 +125,9 @@ def test_a_cluster_of_its_own_listens_on_the_loopback_only(tmp_path, monkeypatch
     assert seen == {"127.0.0.1"}
 
 
-def test_workers_with_other_kernels_are_refused_by_name(cluster, tmp_path, monkeypatch):
-    monkeypatch.setattr(workers.compiled, "source_digest", lambda: "of another version")
-    with pytest.raises(ex.RunError, match=r"tcp://127\.0\.0\.1:\d+: the worker has other kernels than this run"):
-        ex.run("race-angles", out=tmp_path / "run", backend="dask", scheduler=cluster, **SMALL_RACES)
-    monkeypatch.undo()
-    task = workers.Task(ex.open(tmp_path / "run").scene, "", None, "of another version", None)
-    with pytest.raises(ex.RunError, match="chunk 0: the worker has other kernels"):
-        workers.compute_chunk(task, 0)
-
-
 def test_stopped_at_random_moments_a_run_keeps_its_promises(tmp_path):
     script = Path(__file__).parents[2] / "faults" / "moments.py"
-    command = [sys.executable, script, tmp_path, "threads", "3", str(time.time_ns() % 10**6)]
+    command = [sys.executable, script, tmp_path, "threads", "3", str(time.time_ns() % 10**6), "8000"]
     rows = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=True).stdout.splitlines()
     assert len(rows) == 3
     assert [row for row in map(json.loads, rows) if row["broken"]] == []
@@ -187,13 +146,14 @@ def test_an_output_that_is_full_is_an_error_of_one_line():
     assert (done.returncode, len(done.stderr.splitlines())) == (1, 1), done.stderr
 
 
-def test_a_scheduler_that_is_not_there_is_named(tmp_path):
-    done = nearflat(
-        "run", "race-angles", "--backend", "dask", "--scheduler", "tcp://127.0.0.1:9", "--out", tmp_path / "run"
-    )
-    _, err = done.communicate(timeout=120)
-    assert done.returncode == 1
-    assert "tcp://127.0.0.1:9: cannot be reached" in err.splitlines()[-1]
+def test_a_scheduler_that_is_not_there_is_named(tmp_path, monkeypatch, capsys):
+    distributed = pytest.importorskip("distributed")
+    patient = distributed.Client
+    monkeypatch.setattr(distributed, "Client", lambda address, timeout: patient(address, timeout=0.5))
+    address = "tcp://127.0.0.1:9"
+    words = ["run", "race-angles", "--backend", "dask", "--scheduler", address, "--out", str(tmp_path / "run")]
+    assert cli.main(words) == 1
+    assert f"{address}: cannot be reached" in capsys.readouterr().err.splitlines()[-1]
 
 
 @pytest.mark.parametrize(("protocol", "required"), [("tls", False), ("tcp", True)])
@@ -208,8 +168,8 @@ def test_settings_for_tls_that_do_not_fit_are_told_in_a_sentence(protocol, requi
         ex.run("race-angles", out=tmp_path / "run", backend="dask", scheduler=address, **SMALL_RACES)
 
 
-def test_a_killed_process_costs_its_chunks_a_second_try_not_the_run(undisturbed, scene, tmp_path):
-    done = nearflat("run", scene, "--backend", "processes", "--out", tmp_path / "run", "--json")
+def test_a_killed_process_costs_its_chunks_a_second_try_not_the_run(undisturbed, scene, hold, tmp_path):
+    done = nearflat("run", scene, "--backend", "processes", "--out", tmp_path / "run", "--json", hold=hold)
     wait_for_chunks(done, tmp_path / "run", 2)
     children = [
         child
@@ -218,25 +178,29 @@ def test_a_killed_process_costs_its_chunks_a_second_try_not_the_run(undisturbed,
     ]
     assert children
     children[0].kill()
+    hold.unlink()
     out, err = done.communicate(timeout=200)
     assert done.returncode == 0, err
     assert json.loads(out)["digest"] == undisturbed
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-def test_a_stopped_run_continues_to_the_same_digest(number, undisturbed, scene, tmp_path, capsys):
-    folder = tmp_path / "run"
-    done = nearflat("run", scene, "--out", folder)
+def test_a_stopped_run_continues_to_the_same_digest(number, undisturbed, scene, hold, tmp_path, capsys):
+    folder, said = tmp_path / "run", tmp_path / "said"
+    with said.open("w") as errors:
+        done = nearflat("run", scene, "--jobs", 2, "--out", folder, hold=hold, errors=errors)
     wait_for_chunks(done, folder, 2)
     os.kill(done.pid, number)
-    _, err = done.communicate(timeout=120)
+    until(lambda: done.poll() is not None or "stopping when the running chunks are done" in said.read_text())
+    hold.unlink()
+    done.communicate(timeout=120)
     if number != signal.SIGKILL:
         assert done.returncode == 130
-        assert f"continue with: nearflat resume {folder}" in err.splitlines()[-1]
+        assert f"continue with: nearflat resume {folder}" in said.read_text().splitlines()[-1]
         assert not list((folder / "chunks").glob(".*.tmp"))
     assert not (folder / "summary.json").exists()
     there = set(store.found_chunks(folder).values())
-    assert 2 <= len(there) < 30
+    assert 2 <= len(there) < CHUNKS
     assert cli.main(["resume", str(folder), "--json"]) == 0
     assert there <= set(store.found_chunks(folder).values())
     assert json.loads(capsys.readouterr().out)["digest"] == undisturbed
@@ -280,3 +244,72 @@ def test_workers_that_cannot_be_are_refused_before_anything_is_written(options, 
     with pytest.raises(ex.InputError, match=message):
         ex.run("race-angles", out=tmp_path / "run", **options, **SMALL_RACES)
     assert not (tmp_path / "run").exists()
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """A real scheduler and two workers on loopback; yields the address. Tests that need it stand last."""
+    import distributed
+
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+    common = ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0"]
+    programs = [["scheduler", "--port", str(port), *common]]
+    programs += [["worker", address, "--nthreads", "1", "--no-nanny", *common]] * 2
+    running = [
+        subprocess.Popen(
+            [sys.executable, "-m", "distributed.cli.dask_" + program[0], *program[1:]],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        for program in programs
+    ]
+    try:
+        with distributed.Client(address, timeout=120) as client:
+            client.wait_for_workers(2, timeout=120)
+        yield address
+    finally:
+        for process in running:
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture
+def own_scene():
+    """The documented scene of a user, from a file that no worker can import; forgotten at the end."""
+    known = dict(SCENES)
+    module = runpy.run_path(str(Path(__file__).parents[3] / "docs" / "examples" / "own_scene.py"))
+    yield module["Periods"]
+    SCENES.clear()
+    SCENES.update(known)
+
+
+@pytest.mark.parametrize("backend", ["threads", "processes", "dask"])
+def test_a_scene_of_a_user_has_workers_of_every_kind(backend, own_scene, request, tmp_path):
+    where = {"scheduler": request.getfixturevalue("cluster")} if backend == "dask" else {}
+    options = {"samples": 300, "chunk_size": 100, "speed": 1.5}
+    held = ex.run("periods", **options)
+    assert held.summary["mean"] == pytest.approx(held.frame()["period"].mean())
+    run = ex.run(own_scene, out=tmp_path / "run", backend=backend, **where, **options)
+    assert run.summary == held.summary
+    store.found_chunks(run.folder)[1].unlink()
+    assert ex.open(run.folder).resume().summary == run.summary
+    assert ex.merge(run, ex.run("periods", rng=1, **options)).summary["known"] == 600
+
+
+def test_a_dask_cluster_gives_the_digest_of_threads(undisturbed, scene, cluster, tmp_path, capsys):
+    words = ["run", scene, "--json", "--backend", "dask", "--scheduler", cluster, "--out", tmp_path / "run"]
+    assert cli.main(list(map(str, words))) == 0
+    assert json.loads(capsys.readouterr().out)["digest"] == undisturbed
+
+
+def test_workers_with_other_kernels_are_refused_by_name(cluster, tmp_path, monkeypatch):
+    monkeypatch.setattr(workers.compiled, "source_digest", lambda: "of another version")
+    with pytest.raises(ex.RunError, match=r"tcp://127\.0\.0\.1:\d+: the worker has other kernels than this run"):
+        ex.run("race-angles", out=tmp_path / "run", backend="dask", scheduler=cluster, **SMALL_RACES)
+    monkeypatch.undo()
+    task = workers.Task(ex.open(tmp_path / "run").scene, "", None, "of another version", None)
+    with pytest.raises(ex.RunError, match="chunk 0: the worker has other kernels"):
+        workers.compute_chunk(task, 0)
