@@ -114,6 +114,7 @@ def gives_nan(phi):
 def test_a_planted_fault_of_each_kind_is_found(planted, kind, monkeypatch):
     monkeypatch.setattr(judge, "SLOWEST", 0.04 if kind == "hang" else judge.SLOWEST)
     assert judge.judge(planted, {"phi": np.array([1.0, 0.5])}).kind == kind
+    monkeypatch.undo()
     assert judge.judge(lambda phi: phi + 1.0, {"phi": np.array([1.0, 0.5])}).kind == "value"
 
 

@@ -149,7 +149,7 @@ def test_a_long_integral_is_interrupted_within_a_second():
     begun = []
 
     def ring(number, frame):
-        begun.append(time.monotonic())
+        begun.append(time.process_time())  # its own: others may share the machine
         raise KeyboardInterrupt
 
     def noise(phi, phidot, sigma3, sigma4):
@@ -161,7 +161,7 @@ def test_a_long_integral_is_interrupted_within_a_second():
         signal.setitimer(signal.ITIMER_REAL, 0.3)
         with pytest.raises(KeyboardInterrupt):
             natural.mass()  # some ten seconds
-        assert time.monotonic() - begun[0] < 1.0
+        assert time.process_time() - begun[0] < 1.0
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
