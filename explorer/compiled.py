@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from kernels.steps import attempt as attempt
     from kernels.steps import batch as batch
     from kernels.steps import events as events
+    from kernels.steps import motion_lanes as motion_lanes
     from kernels.steps import motions as motions
     from kernels.steps import recording as recording
     from kernels.steps import trail as trail

@@ -184,7 +184,7 @@ def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf
     InputError
         Where `value` is no finite number from `low` to `high`. The message names all three.
     """
-    read = double_of(plain_number(value))
+    read = value if type(value) is float else double_of(plain_number(value))
     if read is None:
         raise InputError(f"{said(name, value)} is not a number; {_of_commas(value)}give {_numbers(low, high)}")
     if not (math.isfinite(read) and low <= read <= high):

@@ -9,7 +9,7 @@ import os
 import platform
 import sys
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -66,7 +66,7 @@ class Curve:
         return float(np.exp(nanoseconds)), float(np.exp(evaluations))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Calibration:
     """Curves by method, for passages and for motions in time, and where they come from, in words."""
 
@@ -78,15 +78,26 @@ class Calibration:
 
     def cheapest(self, methods: tuple[str, ...], target: float) -> str:
         """The method that follows motions in least time to an error of `target`, among those that can."""
-        curves = self.motions or self.curves
-        able = [m for m in methods if curves[m].error.min() * SAFETY <= target] or list(methods)
-        return min(able, key=lambda method: curves[method].cost(target)[0])
+        return _cheapest(self, methods, target)
 
-    def in_time(self, method: str, target: float) -> float:
+    def in_time(self, method: str, target: Any) -> Array:
         """The setting of a method with which motions in time err by `target`."""
         if method in self.motions:
-            return float(self.motions[method].at(target, SAFETY_IN_TIME))
-        return float(self.curves[method].at(target / _STRICTER))
+            return self.motions[method].at(target, SAFETY_IN_TIME)
+        return self.curves[method].at(target / _STRICTER)
+
+
+@lru_cache(maxsize=256)
+def _cheapest(known: Calibration, methods: tuple[str, ...], target: float) -> str:
+    curves = known.motions or known.curves
+    able = [m for m in methods if curves[m].error.min() * SAFETY <= target] or list(methods)
+    return min(able, key=lambda method: curves[method].cost(target)[0])
+
+
+@lru_cache(maxsize=256)
+def setting_in_time(known: Calibration, method: str, target: float) -> float:
+    """One such setting, kept: it takes as long to find as a short motion to follow."""
+    return float(known.in_time(method, target))
 
 
 @cache

@@ -119,7 +119,15 @@ class Plan:
         """Tolerance or step for trajectories that are held to their constants: eta cannot drift."""
         if self.setting is not None:
             return self.setting
-        return float(self._at_least(calibration.current().in_time(self.method, self.accuracy)))
+        setting = calibration.setting_in_time(calibration.current(), self.method, self.accuracy)
+        return float(self._at_least(setting))
+
+    def held_controls(self, share: Array) -> Array:
+        """The same of several trajectories, each to a share of the accuracy."""
+        if (share == 1.0).all():
+            return np.full(share.size, self.held_control)
+        found: Array = self._at_least(calibration.current().in_time(self.method, self.accuracy * share))
+        return found
 
     @property
     def own_steps(self) -> tuple[str, float, float] | None:

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError
+from explorer.motion import precision
 from explorer.motion.plan import Plan
 from explorer.motion.starts import held_constants
-from explorer.phase.constants import natural_constants
+from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.lines import LinearConstants
 from explorer.phase.states import Array, States
@@ -31,26 +32,32 @@ _POINTS, _PER_TIME = 256, 512  # for which there is room at first: of each motio
 
 
 class Motions(NamedTuple):
-    """Motions before they are followed; initial (10, n), held: what they are held to, control: their tolerance."""
+    """Motions before they are followed; initial (10, n), constants (6, n): of these, rows as NaturalConstants.
+
+    held: what they are held to. control (n): their steps or tolerances.
+    """
 
     disk: Disk
     plan: Plan
     max_steps: int
     initial: Array
+    constants: Array
     held: LinearConstants
     status: NDArray[np.int8]
-    control: float
+    control: Array
 
     def at(self, rows: NDArray[np.intp]) -> Motions:
         """Some of them."""
         held = LinearConstants(*(column[rows] for column in self.held))
-        initial = np.ascontiguousarray(self.initial[:, rows])
-        return self._replace(initial=initial, held=held, status=self.status[rows].copy())
+        initial, constants = (np.ascontiguousarray(part[:, rows]) for part in (self.initial, self.constants))
+        status, control = self.status[rows], self.control[rows]
+        return self._replace(initial=initial, constants=constants, held=held, status=status, control=control)
 
-    def how(self, count: int) -> compiled.attempt.Integration:
-        """The plan for `count` of them as the kernels take it."""
+    @property
+    def how(self) -> compiled.attempt.Integration:
+        """The plan as the kernels take it."""
         # Time itself is carried from this depth on.
-        return self.plan.integration(np.full(count, self.control), self.max_steps, compiled.field.ANGLES)
+        return self.plan.integration(self.control, self.max_steps, compiled.field.ANGLES)
 
     @property
     def number(self) -> int:
@@ -59,11 +66,19 @@ class Motions(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What became of motions: status (n), attempted steps (n), errors of the constants (3, n)."""
+    """What became of motions: status (n), attempted steps (n), errors of the constants (3, n), estimates of others
+    (n)."""
 
     status: NDArray[np.int8]
     steps: NDArray[np.int32]
     constants_error: Array
+    error_estimate: Array
+
+    @classmethod
+    def of(cls, given: Motions) -> Outcome:
+        """Room for it, with the status in which motions start."""
+        n = given.number
+        return cls(given.status.copy(), np.empty(n, np.int32), np.empty((3, n)), np.full(n, np.nan))
 
 
 def motions(states: States, how: Plan, chi0: float, max_steps: int) -> Motions:
@@ -71,8 +86,10 @@ def motions(states: States, how: Plan, chi0: float, max_steps: int) -> Motions:
     initial = np.zeros((10, len(states)))
     initial[:5] = states.natural
     initial[compiled.field.ROW.chi] = chi0
-    status, held = held_constants(states, natural_constants(states))
-    return Motions(states.disk, how, max_steps, initial, held, status, how.held_control)
+    natural = natural_constants(states)
+    status, held = held_constants(states, natural)
+    control = precision.steps(states.disk, how, natural.energy)
+    return Motions(states.disk, how, max_steps, initial, np.array(natural), held, status, control)
 
 
 def in_parts(jobs: int, count: int, call: Callable[[NDArray[np.intp]], Done]) -> list[Done]:
@@ -88,7 +105,7 @@ def in_parts(jobs: int, count: int, call: Callable[[NDArray[np.intp]], Done]) ->
 def sample(given: Motions, times: Array, jobs: int = 1) -> tuple[Array, Outcome]:
     """States (n, nt, 10) at increasing times >= 0, NaN where a motion is not OK."""
     if min(jobs, given.number) <= 1:
-        return _sample(given._replace(status=given.status.copy()), times)
+        return _sample(given, times)
     parts = in_parts(jobs, given.number, lambda rows: _sample(given.at(rows), times))
     states = np.concatenate([part for part, _ in parts])
     columns = zip(*(outcome for _, outcome in parts), strict=True)
@@ -96,15 +113,16 @@ def sample(given: Motions, times: Array, jobs: int = 1) -> tuple[Array, Outcome]
 
 
 def _sample(given: Motions, times: Array) -> tuple[Array, Outcome]:
-    n, later = given.number, times[times > 0.0]  # the kernel takes times above 0; the state at 0 is known
-    outcome = Outcome(given.status, np.empty(n, np.int32), np.empty((3, n)))
+    later = times[times > 0.0]  # the kernel takes times above 0; the state at 0 is known
+    outcome = Outcome.of(given)
     work = _work(given, later, outcome)
     if later.size == 0:
         outcome.steps[:] = 0
         outcome.constants_error[:] = np.where(given.status == compiled.status.Status.OK, 0.0, np.nan)
+        outcome.error_estimate[:] = outcome.constants_error[0]
     else:
         nothing = compiled.trail.Trail(compiled.trail.Curve(0.0, 0.0), np.empty((0, 12)), np.zeros(1, np.int64), 0)
-        _follow(given, work, nothing)
+        _follow(given, work, nothing, outcome)
     out = work.out
     if later.size < times.size:
         out = np.concatenate([given.initial.T[:, None], out], axis=1)
@@ -114,26 +132,24 @@ def _sample(given: Motions, times: Array) -> tuple[Array, Outcome]:
 
 def _work(given: Motions, times: Array, outcome: Outcome) -> compiled.motions.Motions:
     """What the kernels are given and what they fill; outcome: its statuses are read and written."""
-    n, how, reached = given.number, given.how(given.number), compiled.attempt.Outcome(*outcome)
-    out, last, removed = np.empty((n, times.size, 10)), np.empty((10, n)), np.empty(n)
+    n, how, reached = given.number, given.how, compiled.attempt.Outcome(*outcome[:3])
+    out, last, taken = np.empty((n, times.size, 10)), np.empty((10, n)), np.empty((3, n))
     pinned = np.stack(given.held)
-    return compiled.motions.Motions(how, times, given.initial, pinned, out, last, removed, reached)
+    return compiled.motions.Motions(how, times, given.initial, pinned, out, last, taken, reached)
 
 
-def _constants(disk: Disk, states: Array) -> Array:
-    """Constants of motion of states (5 or more, n), rows as `kernels.disk.constants.Constants`."""
-    found = np.empty((6, states.shape[1]))
-    compiled.algebra.constants_batch(states[:5], disk.whole, disk.natural, found)
-    return found
-
-
-def _follow(given: Motions, work: compiled.motions.Motions, trail: compiled.trail.Trail) -> None:
+def _follow(given: Motions, work: compiled.motions.Motions, trail: compiled.trail.Trail, outcome: Outcome) -> None:
     """Follow motions, and judge them unless their trail was cut off."""
     disk, how = given.disk, work.how
     compiled.motions.MOTIONS[how.method, how.depth](work, trail, disk.natural, disk.whole)
     if not 0 < trail.most <= trail.used[0]:
-        first, last = _constants(disk, given.initial), _constants(disk, work.last)
-        compiled.motions.judge_batch(work, first, last, disk.natural)
+        last = np.empty_like(given.constants)
+        compiled.algebra.constants_batch(work.last[:5], disk.whole, disk.natural, last)
+        compiled.motions.judge_batch(work, given.constants, last, disk.natural)
+        start, ok = NaturalConstants(*given.constants), outcome.status == compiled.status.Status.OK
+        ends = precision.Ends(work.last[compiled.field.ROW.t], outcome.constants_error[0], work.taken)
+        found = precision.error_estimate(disk, given.plan, start, ends)
+        outcome.error_estimate[ok] = found[ok]
 
 
 class Records(NamedTuple):
@@ -173,9 +189,9 @@ class Records(NamedTuple):
 
 def record(given: Motions, t_end: float, jobs: int = 1) -> Records:
     """Curves of all motions up to t_end. Raises InputError where that takes too much memory."""
+    if min(jobs, given.number) <= 1:
+        return _record(given, t_end, given.number)
     found = in_parts(jobs, given.number, lambda rows: _record(given.at(rows), t_end, given.number))
-    if len(found) == 1:
-        return found[0]
     sizes = np.concatenate([part.lengths for part in found])
     columns = zip(*(part.outcome for part in found), strict=True)
     outcome = Outcome(*(np.concatenate(column, axis=-1) for column in columns))
@@ -190,10 +206,10 @@ def _record(given: Motions, t_end: float, number: int) -> Records:
     likely = min(int(n * (_POINTS + _PER_TIME * t_end)), most)
     room = likely
     while True:
-        outcome = Outcome(given.status.copy(), np.empty(n, np.int32), np.empty((3, n)))
+        outcome = Outcome.of(given)
         work = _work(given, np.full(1, t_end), outcome)
         trail = compiled.trail.Trail(curve, np.empty((room, 12)), np.zeros(1, np.int64), most + 1)
-        _follow(given, work, trail)
+        _follow(given, work, trail, outcome)
         used = int(trail.used[0])
         _require(used <= most, number)
         if used <= room:
@@ -234,5 +250,5 @@ def between(given: Motions, records: Records, times: Array) -> Array:
     out, disk, kernels = np.empty((given.number, times.size, 10)), given.disk, compiled.recording
     drawing = kernels.Drawing(records.points, records.first)
     moments = kernels.Moments(times, disk.time_unit, disk.rate_unit)
-    kernels.at_times(given.how(given.number), drawing, moments, disk.natural, out)
+    kernels.at_times(given.how, drawing, moments, disk.natural, out)
     return out

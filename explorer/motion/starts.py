@@ -30,15 +30,22 @@ def held_constants(states: States, natural: NaturalConstants) -> tuple[NDArray[n
     linear = natural.linear if states.exact is None else states.exact
     near_plus = nearer_plus(linear.eta_plus, linear.eta_minus)
     eta = abs(np.where(near_plus, linear.eta_plus, linear.eta_minus))
-    falls = falls_of(states, natural)
+    doubtful = eta == 0.0
     if states.exact is None:
-        unknown = natural.rounding(near_plus) > compiled.attempt.RESOLVED_SHARE * eta
-        unknown &= falls.could_fall & ~falls.on_f
-        status = np.where((falls.status == code.OK) & unknown, code.UNRESOLVED_SIDE, falls.status)
-    else:
-        on_f = (eta == 0.0) & falls.could_fall
-        status = np.where((states.status == code.OK) & on_f, code.FALLS, states.status)
-    return status.astype(np.int8), LinearConstants(*np.nan_to_num(linear))
+        doubtful |= natural.rounding(near_plus) > compiled.attempt.RESOLVED_SHARE * eta
+    status = states.status
+    # Whether a motion could fall is asked only where its side is in doubt.
+    if doubtful.any():
+        falls = falls_of(states, natural)
+        if states.exact is None:
+            unknown = doubtful & falls.could_fall & ~falls.on_f
+            status = np.where((falls.status == code.OK) & unknown, code.UNRESOLVED_SIDE, falls.status)
+        else:
+            status = np.where((status == code.OK) & doubtful & falls.could_fall, code.FALLS, status)
+    held = np.array(linear)
+    if not np.isfinite(held).all():
+        held = np.nan_to_num(held)
+    return status.astype(np.int8), LinearConstants(*held)
 
 
 def orbit_starts(states: States, linear: LinearConstants) -> "compiled.point.Orbits":

@@ -54,6 +54,9 @@ class Trajectories:
         Attempted steps of the integrator.
     constants_error : (3, n) array
         How far the constants moved: energy (relative), sigma3_bar and eta (natural units).
+    error_estimate : (n,) array
+        Of the angles (rad) and of the path (r) at the end, whichever is larger, outside of races, where an error
+        of the time counts more. It follows from what was moved to hold the constants.
     lengths : (n,) array of int
         How many times of its row each motion has; 0 where the status is not OK.
     t_end : float
@@ -82,6 +85,7 @@ class Trajectories:
     status: NDArray[np.int8]
     steps: NDArray[np.int32]
     constants_error: Array
+    error_estimate: Array
     lengths: NDArray[np.int64]
     t_end: float
     _followed: _Followed
@@ -192,9 +196,9 @@ def simulate(
         Any of phi, phidot, sigma3, sigma4, chi, psi, path, contact. What is not asked for is not integrated.
     **integration
         method : 'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'. accuracy : error of
-        angles (rad) per passage, 1e-11 to 0.1, by default 1e-6; over k passages it grows like k. chi0 : contact
-        angle at the start (rad), -1e4 to 1e4, by default 0. max_steps : attempted steps at most, by default
-        2 million, up to 10^9. jobs : threads, by default 1. Inside a race, the accuracy is that of its time.
+        angles (rad) and path (r) per passage, in 2 sqrt(r/g) of time, 1e-11 to 0.1, by default 1e-6; over k
+        passages it grows like k; inside a race it is that of its time. chi0 : contact angle at the start (rad),
+        -1e4 to 1e4, by default 0. max_steps : steps at most, by default 2 million, to 10^9. jobs : threads.
 
     Returns
     -------

@@ -139,3 +139,15 @@ def speed(x: State, b: Body) -> float:
     low q is too: gravity's rate sqrt(q/M) is below it. Steps are measured in its inverse.
     """
     return math.sqrt(2.0 * energy(x, b) * b.inv_M)
+
+
+@device
+def pace(x: State, b: Body) -> float:
+    """A bound of rates as `speed`, which the energy of sigma4 does not raise where it cannot turn into another.
+
+    Where I3 < I1 sigma4 turns p and rho at sqrt(I3/I1) of what its energy would give. A body with little I3 has
+    most of its energy there, and steps in units of 1/speed would be several times too short.
+    """
+    total, spin = energy(x, b), 0.5 * b.J * x.sigma4 * x.sigma4
+    within_reach = total - (1.0 - b.k) * spin + abs(x.q * x.rho * x.sigma4)
+    return math.sqrt(2.0 * min(total, within_reach) * b.inv_M)

@@ -6,7 +6,7 @@ run free bit for bit.
 """
 
 import math
-from typing import Any
+from typing import Any, Generic, NamedTuple
 
 import numpy as np
 
@@ -15,10 +15,11 @@ from kernels.disk.body import Body
 from kernels.disk.chaplygin import Whole
 from kernels.disk.constants import contracted_fastest_within, contracted_onto_energy
 from kernels.disk.field import State, with_reduced
+from kernels.disk.rows import Entry
 from kernels.steps.adaptive import SHORTEST_STEP
 from kernels.steps.attempt import all_finite, first_guess, land
 from kernels.steps.events import TIME, Stop
-from kernels.steps.lanes import BROKEN, HIT, NOTHING, STUCK, Held, onto_circle, rates, split
+from kernels.steps.lanes import BROKEN, HIT, NOTHING, STUCK, Held, max_of, onto_circle, rates, split
 from kernels.types import Longs, Vector
 
 LANES = 16
@@ -32,12 +33,13 @@ NOW, BEFORE = 0, 10  # states: after and before the latest attempted step
     NEXT, WHOLE,
     # constants of motion that the sample is held to, as Motion has them; NaN in X_HELD: it runs free
     X_HELD, Y_PLUS, Y_MINUS, ENERGY,
-    REMOVED,  # from the energy so far
+    # what holding has taken from the energy so far, and its size; and moved, rho and sigma4 by their bounds
+    REMOVED, EXCESS, MOVED,
     # which sample it is (-1: none), how many times it has met, and the sweep in which it began
     SAMPLE, MET, SINCE,
     EXPONENT, MANTISSA,
-) = range(20, 37)  # fmt: skip
-ROWS = 37
+) = range(20, 39)  # fmt: skip
+ROWS = 39
 _ANY = 1e300  # a tolerance that any step meets
 
 
@@ -106,7 +108,7 @@ def hold(W: Vector, bits: Longs, whole: Whole, b: Body) -> None:
     bits: W seen as integers. Needs I3 > 0 of lanes that are held.
     """
     split(bits, NOW, EXPONENT, MANTISSA)
-    inv_k = 1.0 / b.k
+    inv_kappa, weight, inv_k = 1.0 / b.kappa, math.sqrt(b.J_over_M), 1.0 / b.k
     for i in range(LANES):
         x, bar = read(W, NOW, i), W[X_HELD * LANES + i]
         # All are loaded, so that nothing branches.
@@ -116,7 +118,10 @@ def hold(W: Vector, bits: Longs, whole: Whole, b: Body) -> None:
         y = with_reduced(x, x.q, x.z, x.p, rho, sigma4)
         fastest = contracted_fastest_within(read(W, BEFORE, i), y, b)
         faster, excess = contracted_onto_energy(y, W[ENERGY * LANES + i], b)
-        W[REMOVED * LANES + i] += excess if fastest & (bar == bar) else 0.0
+        excess = excess if fastest & (bar == bar) else 0.0
+        W[REMOVED * LANES + i] += excess
+        W[EXCESS * LANES + i] += abs(excess)
+        W[MOVED * LANES + i] += max_of(abs(rho - x.rho) * inv_kappa, abs(sigma4 - x.sigma4) * weight)
         W[(NOW + 2) * LANES + i] = faster.p if fastest & (bar == bar) else x.p
         W[(NOW + 3) * LANES + i] = y.rho if bar == bar else x.rho
         W[(NOW + 4) * LANES + i] = y.sigma4 if bar == bar else x.sigma4
@@ -131,6 +136,22 @@ def idle(W: Vector, i: int) -> None:
     W[ENERGY * LANES + i] = 1.0
     W[NEXT * LANES + i], W[SAMPLE * LANES + i] = math.inf, -1.0
     W[X_HELD * LANES + i] = math.nan
+
+
+class Taken(NamedTuple, Generic[Entry]):
+    """What holding took from a motion: energy; the sum of its sizes, relative; and of what it moved rho and sigma4
+    by, relative to their bounds."""
+
+    energy: Entry
+    excess: Entry
+    moved: Entry
+
+
+@device
+def taken(W: Vector, i: int) -> Taken[float]:
+    """What holding took from the sample in lane i."""
+    removed, excess = W[REMOVED * LANES + i], W[EXCESS * LANES + i] / W[ENERGY * LANES + i]
+    return Taken(removed, excess, W[MOVED * LANES + i] / W[UNIT * LANES + i])
 
 
 @device

@@ -15,7 +15,7 @@ from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Whole
 from kernels.disk.constants import Constants
-from kernels.disk.field import ANGLES, PATH, State, column, energy, speed
+from kernels.disk.field import ANGLES, PATH, State, column, energy, pace
 from kernels.disk.rows import put
 from kernels.status import Status
 from kernels.steps import attempt as by
@@ -23,7 +23,7 @@ from kernels.steps import motion_lanes as lanes
 from kernels.steps.attempt import DOP853, DOPRI5, RK4, RK8, Integration, Outcome, first_step, settle, to_depth
 from kernels.steps.events import TIME, Stop
 from kernels.steps.lanes import BROKEN, NOTHING, STUCK, onto_circle
-from kernels.steps.motion_lanes import BEFORE, LANES, NOW, read, work_array, write
+from kernels.steps.motion_lanes import BEFORE, LANES, NOW, Taken, read, work_array, write
 from kernels.steps.trail import Trail, keep, shorten
 from kernels.steps.trajectory import Ending, judge
 from kernels.types import Matrix, Table, Vector
@@ -38,8 +38,8 @@ class Motions(NamedTuple):
     """Motions to follow to increasing times > 0, and where their states go.
 
     states (10, n), pinned (3, n): starts and what they are held to, rows as State and Pinned. out (n, times, 10):
-    the states; what it holds of motions that are not OK means nothing. last (10, n), removed (n): where each
-    ended, and the energy taken out on the way, for `judge_batch`.
+    the states; what it holds of motions that are not OK means nothing. last (10, n): where each ended. taken
+    (3, n): what holding took on the way, rows as Taken.
     """
 
     how: Integration
@@ -48,8 +48,11 @@ class Motions(NamedTuple):
     pinned: Matrix
     out: Table
     last: Matrix
-    removed: Vector
+    taken: Matrix
     outcome: Outcome
+
+
+NOT_FOLLOWED = Taken(math.nan, math.nan, math.nan)
 
 
 class Place(NamedTuple):
@@ -63,10 +66,11 @@ class Place(NamedTuple):
 
 
 @subroutine
-def end(work: Motions, j: int, code: int, spent: int, last: State, removed: float) -> None:
+def end(work: Motions, j: int, code: int, spent: int, last: State, taken: Taken[float]) -> None:
     """Sample j has ended."""
     put(last, work.last, j)
-    work.removed[j], work.outcome.status[j], work.outcome.steps[j] = removed, code, spent
+    put(taken, work.taken, j)
+    work.outcome.status[j], work.outcome.steps[j] = code, spent
 
 
 @subroutine
@@ -88,7 +92,7 @@ def prepare(work: Motions, W: Vector, upcoming: int, disk: Disk, whole: Whole) -
     status, b = work.outcome.status, disk.body
     for i in range(LANES):
         while upcoming < status.size and status[upcoming] != _OK:
-            end(work, upcoming, status[upcoming], 0, column(work.states, upcoming), math.nan)
+            end(work, upcoming, status[upcoming], 0, column(work.states, upcoming), NOT_FOLLOWED)
             upcoming += 1
         lanes.idle(W, i)
         if upcoming < status.size:
@@ -99,10 +103,10 @@ def prepare(work: Motions, W: Vector, upcoming: int, disk: Disk, whole: Whole) -
     for i in range(LANES):
         if W[lanes.SAMPLE * LANES + i] >= 0.0:
             x = read(W, NOW, i)
-            unit = speed(x, b)
+            unit = pace(x, b)
             W[lanes.ENERGY * LANES + i], W[lanes.UNIT * LANES + i] = energy(x, b), unit
             W[lanes.STEP * LANES + i] = first_step(method, W[lanes.CONTROL * LANES + i], unit)
-            W[lanes.REMOVED * LANES + i] = 0.0
+            W[lanes.REMOVED * LANES + i] = W[lanes.EXCESS * LANES + i] = W[lanes.MOVED * LANES + i] = 0.0
     return upcoming
 
 
@@ -118,7 +122,7 @@ def leave(work: Motions, W: Vector, sweeps: int) -> None:
             if failed:
                 code = _NOT_FINITE if note == BROKEN else _TOO_SMALL
             last, spent = read(W, BEFORE if failed else NOW, i), sweeps - int(W[lanes.SINCE * LANES + i])
-            end(work, int(W[lanes.SAMPLE * LANES + i]), code, spent, last, W[lanes.REMOVED * LANES + i])
+            end(work, int(W[lanes.SAMPLE * LANES + i]), code, spent, last, lanes.taken(W, i))
             lanes.idle(W, i)
 
 
@@ -195,10 +199,10 @@ def judge_batch(work: Motions, before: Matrix, after: Matrix, disk: Disk) -> Non
         first = Constants(before[0, i], before[1, i], before[2, i], before[3, i], before[4, i], before[5, i])
         last = Constants(after[0, i], after[1, i], after[2, i], after[3, i], after[4, i], after[5, i])
         bound = work.how.constants_bound
-        ending = Ending(outcome.status[i], work.last[5, i], work.removed[i], held, bound)
+        ending = Ending(outcome.status[i], work.last[5, i], work.taken[0, i], held, bound)
         outcome.status[i], errors = judge(ending, first, last, disk.body)
         put(errors, outcome.errors, i)
-        if math.isnan(work.removed[i]):
+        if math.isnan(work.taken[0, i]):
             outcome.errors[:, i] = math.nan
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from kernels._jit import device, subroutine
 from kernels.disk.body import Body
-from kernels.disk.field import State, reduced
+from kernels.disk.field import State, reduced, speed
 from kernels.steps import motion_lanes as lanes
 from kernels.steps.attempt import DOP853, RK4, RK8, first_step
 from kernels.steps.motion_lanes import BEFORE, LANES, NOW, read
@@ -69,8 +69,8 @@ def shorten(curve: Curve, method: int, W: Vector, b: Body) -> None:
             W[lanes.STEP * LANES + i] = step if W[lanes.SAMPLE * LANES + i] >= 0.0 else 0.0
     if method in (RK8, DOP853):
         for i in range(LANES):
-            step = W[lanes.STEP * LANES + i]
-            one_piece = longest(read(W, NOW, i), curve, W[lanes.UNIT * LANES + i], b)
+            x, step = read(W, NOW, i), W[lanes.STEP * LANES + i]
+            one_piece = longest(x, curve, speed(x, b), b)
             shorter = _BETWEEN * step
             shorter = shorter if shorter > one_piece else one_piece
             W[lanes.STEP * LANES + i] = shorter if shorter < step else step

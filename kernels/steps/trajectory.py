@@ -14,7 +14,7 @@ from kernels.disk.constants import (
     onto_constants,
     onto_energy,
 )
-from kernels.disk.field import ANGLES, PATH, State, column, energy, speed
+from kernels.disk.field import ANGLES, PATH, State, column, energy, pace
 from kernels.disk.rows import put
 from kernels.status import Status
 from kernels.steps.adaptive import SHORTEST_STEP
@@ -113,7 +113,7 @@ def trajectory(
     removed = 0.0
     x = begin(x, pinned, disk)
     total = energy(x, b)
-    unit = speed(x, b)
+    unit = pace(x, b)
     h = first_step(how.method, control, unit)
     done = 0
     for step in range(how.max_steps):

@@ -26,7 +26,7 @@ def recorded(method, control):
     how = compiled.attempt.Integration(method, 8, np.full(1, control), 10_000, 1e-2)
     outcome = compiled.attempt.Outcome(np.zeros(1, np.int8), np.zeros(1, np.int32), np.zeros((3, 1)))
     free, out, last = np.full((3, 1), np.nan), np.empty((1, 1, 10)), np.empty((10, 1))
-    work = motions.Motions(how, np.array([12.0]), x, free, out, last, np.empty(1), outcome)
+    work = motions.Motions(how, np.array([12.0]), x, free, out, last, np.empty((3, 1)), outcome)
     trail = trails.Trail(trails.Curve(LONG, LONG), np.empty((4096, 12)), np.zeros(1, np.int64), 4096)
     motions.MOTIONS[method, 8](work, trail, DISK.natural, DISK.whole)
     rows = trail.rows[: trail.used[0]]

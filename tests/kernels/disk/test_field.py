@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from explorer.paper import eight_dimensions as plain_disk
-from kernels.disk.field import State, energy, field, shift, speed
+from kernels.disk.body import make_disk
+from kernels.disk.field import State, energy, field, pace, shift, speed
 
 
 def plain_rates(disk, phi, phidot, sigma3, sigma4):
@@ -97,3 +98,29 @@ def test_a_shift_is_made_in_every_component():
 def test_the_speed_is_that_of_all_the_energy_in_tilting(body):
     x = natural((0.4, 0.7, -0.3, 0.9))
     assert 0.5 * body.body.M * speed(x, body.body) ** 2 == pytest.approx(energy(x, body.body), rel=1e-15)
+
+
+def test_the_pace_is_the_speed_but_for_a_spin_that_cannot_turn_into_tilting(body):
+    states = [natural(state) for state in random_states(20)]
+    b = body.body
+    for x in states:
+        assert pace(x, b) == speed(x, b) if b.k >= 1.0 else pace(x, b) <= speed(x, b)
+    spun = states[0]._replace(sigma4=100.0)
+    little = make_disk(0.25, 0.02).body
+    assert pace(spun, little) < 0.4 * speed(spun, little)
+
+
+@pytest.mark.parametrize("I3", [1e-3, 0.02, 0.1])
+def test_nothing_of_a_tilting_disk_changes_faster_than_its_pace(I3):
+    """p and rho/kappa stay below twice it where most of the energy is in sigma4, and change in some 1/pace."""
+    b = make_disk(0.25, I3).body
+    rng = np.random.default_rng(1)
+    for spin in rng.choice([-1.0, 1.0], 10) * 10.0 ** rng.uniform(0.0, 2.0, 10):
+        x = natural((0.3, 0.5, 0.4, spin))
+        unit = pace(x, b)
+        for _ in range(400):
+            k = field(x, b)
+            middle = field(shift(x, 0.01 / unit, k), b)
+            x = shift(x, 0.02 / unit, middle)
+            assert np.hypot(x.p, x.rho / b.kappa) < 2.0 * unit
+            assert np.hypot(k.p, k.rho / b.kappa) < 4.0 * unit * unit

@@ -36,7 +36,7 @@ def work(how, states, pinned, times=TIMES, status=None):
     before = np.zeros(n, np.int8) if status is None else status
     outcome = Outcome(before, np.ones(n, np.int32), np.empty((3, n)))
     out, last = np.empty((n, times.size, 10)), np.empty((10, n))
-    return motions.Motions(how, times, states, pinned, out, last, np.empty(n), outcome)
+    return motions.Motions(how, times, states, pinned, out, last, np.empty((3, n)), outcome)
 
 
 def in_lanes(how, states, pinned, **given):
@@ -152,3 +152,20 @@ def test_a_time_deep_in_a_race_is_found_where_a_cubic_through_the_step_does_not_
     slow, _ = one_by_one(how, states, free(32), times)
     fast, _ = in_lanes(how, states, free(32), times=times)
     np.testing.assert_array_equal(fast, slow)
+
+
+def test_what_holding_takes_shrinks_with_the_tolerance_and_is_of_held_motions_only():
+    states = starts(40)
+    pinned, taken = constants(states)[:3].copy(), []
+    pinned[:, 0] = np.nan
+    for tolerance in (1e-4, 1e-7):
+        made = work(setting(DOP853, tolerance, ANGLES, 40), states, pinned)
+        motions.MOTIONS[DOP853, ANGLES](made, NO_TRAIL, UNIFORM.natural, UNIFORM.whole)
+        taken.append(made.taken)
+        assert np.isnan(made.taken[:, 0]).tolist() == [False, False, True]
+        assert (made.taken[0, 0], made.taken[1, 0]) == (0.0, 0.0)
+        energy = constants(states)[3]
+        assert (abs(made.taken[0]) <= made.taken[1] * energy * (1.0 + 1e-12)).all()
+    coarse, fine = taken[0][2, 1:], taken[1][2, 1:]
+    assert (fine < coarse).all()
+    assert np.median(fine / coarse) < 0.1

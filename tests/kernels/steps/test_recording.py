@@ -24,7 +24,7 @@ def course(states, how, curve):
     starts[:8] = states
     outcome = Outcome(np.zeros(n, np.int8), np.zeros(n, np.int32), np.zeros((3, n)))
     out, last = np.empty((n, 1, 10)), np.empty((10, n))
-    work = motions.Motions(how, np.array([T_END]), starts, nan, out, last, np.empty(n), outcome)
+    work = motions.Motions(how, np.array([T_END]), starts, nan, out, last, np.empty((3, n)), outcome)
     trail = Trail(curve, np.empty((1000 * n, COLUMNS)), np.zeros(1, np.int64), 1000 * n)
     motions.MOTIONS[how.method, how.depth](work, trail, UNIFORM.natural, UNIFORM.whole)
     rows = trail.rows[: trail.used[0]]

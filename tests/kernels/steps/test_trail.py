@@ -20,7 +20,7 @@ def followed(method, control, curve=LOOSE, room=100_000, most=100_000):
     outcome = Outcome(np.zeros(N, np.int8), np.zeros(N, np.int32), np.zeros((3, N)))
     how = Integration(method, ANGLES, np.full(N, control), 10_000, 1.0)
     out, last, free = np.empty((N, 1, 10)), np.empty((10, N)), np.full((3, N), np.nan)
-    work = motions.Motions(how, np.array([3.0]), states, free, out, last, np.empty(N), outcome)
+    work = motions.Motions(how, np.array([3.0]), states, free, out, last, np.empty((3, N)), outcome)
     trail = Trail(curve, np.full((room, COLUMNS), np.nan), np.zeros(1, np.int64), most)
     motions.MOTIONS[method, ANGLES](work, trail, UNIFORM.natural, UNIFORM.whole)
     return trail, work
