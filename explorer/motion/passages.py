@@ -60,7 +60,7 @@ class Passages(Result):
     theta_min : array
         Smallest tilt from flat (rad).
     duration, fall_time : array
-        Time of the passage, and of a fall from the vertical to flat.
+        Time of the passage; and of a sample that falls, from the vertical to flat, NaN of all others.
     energy, impact_speed : array
         Energy, and the speed A of eq. (7.1) with which the limit motion arrives (units of the disk).
     limit : array

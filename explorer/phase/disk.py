@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, note, number, positive, read_toml, shown, word
-from explorer.phase.arguments import explained
+from explorer.phase.arguments import column, explained
 from explorer.phase.gauss import leg_rules, table_rules
 
 Array = NDArray[np.float64]
@@ -204,15 +204,15 @@ class Disk:
 
     def eta_hat_to_eta(self, eta_hat: Number) -> Number:
         """eta = I3 r(0) eta_hat, eq. (6.2); both in natural units."""
-        return eta_hat * self.body.I3 * self.body.r0
+        return read_number("eta_hat", eta_hat) * self.body.I3 * self.body.r0
 
     def eta_to_eta_hat(self, eta: Number) -> Number:
         """eta_hat = eta / (I3 r(0)), eq. (6.2); both in natural units. NaN where I3 = 0."""
-        return eta / (self.body.I3 * self.body.r0 if self.body.I3 > 0.0 else math.nan)
+        return read_number("eta", eta) / (self.body.I3 * self.body.r0 if self.body.I3 > 0.0 else math.nan)
 
     def energy_at_flat(self, sigma3_bar: Number) -> Number:
         """V_0, the amended potential at flat on a line l_+-, eq. (6.9); natural units. Needs I3 > 0."""
-        return 0.5 * self.body.J * (sigma3_bar / (self.body.k * self.body.r0)) ** 2
+        return 0.5 * self.body.J * (read_number("sigma3_bar", sigma3_bar) / (self.body.k * self.body.r0)) ** 2
 
     @property
     def kappa(self) -> float:
@@ -367,3 +367,11 @@ def require_axial_inertia(disk: Disk) -> None:
     require_disk(disk)
     if not disk.body.I3 > 0.0:
         raise InputError("--disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")
+
+
+def read_number(name: str, value: Number) -> Number:
+    """A number, or an array of numbers, as it is. Raises InputError for anything else."""
+    if isinstance(value, float):
+        return value
+    read = column(name, value)
+    return read if read.ndim else float(read)  # type: ignore[return-value]

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError
+from explorer.errors import InputError, shown, whole
 from explorer.phase.columns import COLUMNS
+from explorer.phase.paths import writing
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -85,18 +86,14 @@ class Table:
         InputError
             Where the name has another ending, or the file cannot be written.
         """
-        place = Path(path)
-        try:
-            if place.suffix == ".npz":
-                np.savez_compressed(place, **self._stored())
-            elif place.suffix == ".parquet":
+        with writing("path", path, (".npz", ".parquet")) as place:
+            if place.suffix.lower() == ".npz":
+                with place.open("wb") as file:
+                    np.savez_compressed(file, **self._stored())
+            else:
                 from pyarrow.parquet import write_table
 
                 write_table(self.to_arrow(), place)
-            else:
-                raise InputError(f"path = {str(path)!r}: give a name that ends in .npz or .parquet")
-        except OSError as error:
-            raise InputError(f"path = {str(path)!r}: cannot be written ({error.strerror or error})") from None
         return place
 
     def _stored(self) -> dict[str, Any]:
@@ -182,7 +179,11 @@ class Result(Table):
 
     def reshaped(self, shape: tuple[int, ...]) -> Self:
         """The same result with arrays of another shape."""
-        arrays = {name: v.reshape(*shape, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
+        try:
+            shape = tuple(whole("shape", length) for length in shape)
+            arrays = {name: v.reshape(*shape, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
+        except (TypeError, ValueError):
+            raise InputError(f"shape = {shown(shape)}: give a shape of {len(self)} entries, as a tuple") from None
         return replace(self, **arrays)  # type: ignore[type-var]
 
     def _good(self) -> NDArray[np.bool_]:

@@ -38,6 +38,10 @@ class StateWarning(UserWarning):
     """
 
 
+class _BeyondError(InputError, IndexError):
+    """There is no state of this number; a loop over states ends with it."""
+
+
 class Rows(NamedTuple):
     """What the kernels know of a state, natural units: cos phi, sin phi, -phidot, sigma3/q and sigma4."""
 
@@ -83,7 +87,16 @@ class States:
     shape: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        """Without a shape the states stand in a row."""
+        """Without a shape the states stand in a row. Raises InputError for what are no states."""
+        require_disk(self.disk)
+        made = (
+            type(self.natural) is np.ndarray and type(self.status) is np.ndarray and self.status.dtype.kind == "i"
+        )
+        if not made or self.natural.dtype != np.float64 or self.natural.shape != (5, self.status.size):
+            what = f"natural = {shown(self.natural)}, status = {shown(self.status)}"
+            raise InputError(f"States: {what}; let phi_to_states and its like make them")
+        if not isinstance(self.exact, LinearConstants | None) or not isinstance(self.shape, tuple):
+            raise InputError(f"States: exact = {shown(self.exact)}, shape = {shown(self.shape)}; leave both out")
         object.__setattr__(self, "shape", self.shape or (int(self.natural.shape[1]),))
 
     def __repr__(self) -> str:
@@ -98,10 +111,20 @@ class States:
 
     def __getitem__(self, rows: int | slice | NDArray[Any]) -> States:
         """Some of the states, chosen as entries of a flat array are: by a number, a slice, a mask or numbers."""
+        if isinstance(rows, int | np.integer) and not -len(self) <= rows < len(self):
+            raise _BeyondError(f"states[{shown(rows)}]: there are {len(self)} states; give a number below that")
+        return self.at(self._rows_of(rows))
+
+    def _rows_of(self, rows: Any) -> NDArray[np.intp]:
+        """Numbers of states. Raises InputError for what chooses none in a row."""
         try:
-            return self.at(np.atleast_1d(np.arange(len(self))[rows]))
-        except IndexError as error:
-            raise IndexError(f"states[{shown(rows)}]: {error}") from None
+            chosen = np.atleast_1d(np.arange(len(self))[rows])
+            if chosen.ndim == 1 and not isinstance(rows, np.ma.MaskedArray):
+                return chosen
+        except Exception:  # whatever numpy says of what is no index
+            chosen = None
+        remedy = f"give a number below {len(self)}, a slice, a mask of {len(self)} or a list of numbers"
+        raise InputError(f"states[{shown(rows)}] chooses no states; {remedy}")
 
     def _known(self, values: Array) -> Array:
         """Values of all states in their shape; NaN for bad input, for which a placeholder stands."""
@@ -135,6 +158,8 @@ class States:
 
     def at(self, rows: NDArray[np.intp]) -> States:
         """Some of the states, by their numbers."""
+        if not (isinstance(rows, np.ndarray) and rows.dtype.kind in "ib" and rows.ndim == 1):
+            rows = self._rows_of(rows)
         exact = None if self.exact is None else LinearConstants(*(column[rows] for column in self.exact))
         return States(self.disk, np.ascontiguousarray(self.natural[:, rows]), self.status[rows], exact)
 

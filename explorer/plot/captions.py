@@ -17,7 +17,9 @@ from matplotlib.figure import Figure
 from PIL import Image, ImageChops, UnidentifiedImageError
 from PIL.PngImagePlugin import PngInfo
 
-from explorer.plot.drawn import require_drawable
+from explorer.phase.paths import writing
+from explorer.plot.drawn import call, reads_arguments
+from explorer.plot.style import whole_figure
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -80,12 +82,9 @@ def captioned(question: Question, text: str) -> Callable[[Callable[P, R]], Calla
 
         @wraps(draw)
         def drawn(*arguments: P.args, **keywords: P.kwargs) -> R:
-            for value in arguments[:1]:
-                require_drawable(draw, value)
-            made = draw(*arguments, **keywords)
-            figure = made.figure if isinstance(made, Axes) else made
-            if isinstance(figure, Figure):
-                add_caption(figure, caption)
+            made = call(draw, arguments, keywords)
+            if isinstance(made, Axes | Figure):
+                add_caption(whole_figure(made), caption)
             return made
 
         return drawn
@@ -105,6 +104,7 @@ def replace_caption(figure: Figure, caption: Caption) -> None:
     _on_figures[figure] = [caption]
 
 
+@reads_arguments
 def caption_of(figure: Figure) -> Caption | None:
     """What a figure shows: the captions of all that was drawn on it, in order.
 
@@ -130,6 +130,7 @@ def caption_of(figure: Figure) -> Caption | None:
     return Caption(there[0].question, " ".join(each.text for each in there)) if there else None
 
 
+@reads_arguments
 def save(figure: Figure, path: Path | str, dpi: int = DPI) -> None:
     """Write a figure with its caption inside the file; a PNG with few colours where that cannot be seen.
 
@@ -146,13 +147,24 @@ def save(figure: Figure, path: Path | str, dpi: int = DPI) -> None:
     -------
     None
 
+    Raises
+    ------
+    InputError
+        Where the name ends otherwise, or the file cannot be written.
+
     Examples
     --------
     >>> from explorer import plot
     >>> from explorer.portrait import race_numbers
     >>> plot.save(plot.figure_of(plot.race_number, race_numbers()), "bodies.png")  # doctest: +SKIP
     """
-    caption, kind = caption_of(figure), Path(path).suffix.lower()
+    with writing("path", path, (".png", ".svg", ".pdf")) as file:
+        write_figure(figure, file, dpi)
+
+
+def write_figure(figure: Figure, path: Path, dpi: int = DPI) -> None:
+    """As `save`, for a run, which judges for itself what the system says against a file."""
+    caption, kind = caption_of(figure), path.suffix.lower()
     metadata: dict[str, Any] = {}
     if kind == ".svg":
         metadata["Date"] = None  # the same picture is the same file
@@ -161,7 +173,7 @@ def save(figure: Figure, path: Path | str, dpi: int = DPI) -> None:
         metadata[key] = packed(caption)
     figure.savefig(path, dpi=dpi, metadata=metadata)
     if kind == ".png":
-        few_colours(Path(path))
+        few_colours(path)
 
 
 def few_colours(path: Path) -> None:

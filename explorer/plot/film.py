@@ -5,8 +5,9 @@ from typing import Any
 
 from PIL import Image
 
-from explorer.errors import InputError
+from explorer.phase.arguments import known_keywords
 from explorer.phase.disk import Disk
+from explorer.phase.paths import writing
 from explorer.plot.captions import CAPTIONS, Question, captioned, exif_of, packed
 from explorer.plot.stage import Stage
 from explorer.portrait.film import Film, film
@@ -20,6 +21,7 @@ _GIF_DPI, _GIF_STEP, _GIF_MS, _COLOURS = 50, 2, 70, 64
 _OF_PALETTE = 5  # frames from which the palette is taken
 _FADE = 12  # frames in which the end becomes the start, so that it loops
 _FORMATS = (".webp", ".gif")
+_OPTIONS = ("eta_hat", "sigma3_bar", "phidot", "bounces")
 
 
 class _Frames(Image.Image):
@@ -101,22 +103,23 @@ def animate(path: Path | str, disk: Disk, *, frames: int = FRAMES, **options: An
     >>> from explorer import Disk, plot
     >>> shown = plot.animate("fall.gif", Disk.uniform())  # doctest: +SKIP
     """
-    where = Path(path)
-    kind = where.suffix.lower()
-    if kind not in _FORMATS:
-        raise InputError(f"path = {str(path)!r}: the film is WebP or GIF; give a name that ends in .webp or .gif")
-    if not where.parent.is_dir():
-        raise InputError(f"path = {str(path)!r}: there is no folder {str(where.parent)!r}; make it first")
-    unit = disk.rate_unit
-    given = {"eta_hat": _ETA_HAT * unit, "sigma3_bar": unit, "phidot": unit, "bounces": _BOUNCES, **options}
-    shown = film(disk, frames=frames, **given)
+    known_keywords("animate", options, _OPTIONS)
+    with writing("path", path, _FORMATS, "the film is WebP or GIF; ") as where:
+        unit = disk.rate_unit
+        given = {"eta_hat": _ETA_HAT * unit, "sigma3_bar": unit, "phidot": unit, "bounces": _BOUNCES, **options}
+        shown = film(disk, frames=frames, **given)
+        _write(shown, where)
+    return shown
+
+
+def _write(shown: Film, where: Path) -> None:
     rows = [int(row) for row in shown.frames]
     caption = CAPTIONS["animate"]
-    if kind == ".webp":
+    if where.suffix.lower() == ".webp":
         how: dict[str, Any] = {"quality": _WEBP_QUALITY, "method": _WEBP_METHOD, "exif": exif_of(caption)}
         how |= {"kmin": _WEBP_KEY - 1, "kmax": _WEBP_KEY}
         _Frames(Stage(shown), rows).save(where, save_all=True, duration=_WEBP_MS, loop=0, **how)
-        return shown
+        return
     pictures = _Frames(Stage(shown, _GIF_DPI), rows[::_GIF_STEP])
     palette = _palette(pictures)
     small = [
@@ -125,4 +128,3 @@ def animate(path: Path | str, disk: Disk, *, frames: int = FRAMES, **options: An
     ]
     how = {"duration": _GIF_MS, "loop": 0, "optimize": False, "comment": packed(caption).encode()}
     small[0].save(where, save_all=True, append_images=small[1:], **how)
-    return shown

@@ -9,9 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
+from explorer.errors import InputError
 from explorer.measure.log_counts import LogCounts
 from explorer.measure.statistics import poisson_interval
 from explorer.motion.plan import method_in_words
+from explorer.phase.arguments import column
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
@@ -198,15 +200,19 @@ def theta_min_distribution(
     >>> float(ax.lines[0].get_ydata()[-1])
     0.5
     """
+    counts = theta if isinstance(theta, LogCounts) else _counted(column("theta", theta))
+    samples = samples if samples is not None else counts.total
+    if samples < counts.total:
+        raise InputError(f"samples = {samples}: theta has {counts.total}; give the number of all, or leave it out")
     ax = axes_or_new(ax)
-    counts = theta if isinstance(theta, LogCounts) else LogCounts.of(np.ravel(np.asarray(theta, dtype=float)))
     if not counts.counts.any():
-        ax.text(0.5, 0.5, "no sample was computed", ha="center", transform=ax.transAxes, fontsize=TEXT)
+        told = "all samples fall flat" if counts.total else "no sample was computed"
+        ax.text(0.5, 0.5, told, ha="center", transform=ax.transAxes, fontsize=TEXT)
         return dress(ax, r"$\delta$ (rad)", "share of samples")
     values, below = counts.cumulative()
-    samples = samples if samples is not None else counts.total
     share = below / samples
-    ax.loglog(values, share, **styled(look, color=ACCENT, lw=2, label="samples"))
+    mark = "o" if values.size == 1 else ""
+    ax.loglog(values, share, **styled(look, color=ACCENT, lw=2, marker=mark, label="samples"))
     low, high = poisson_interval(below)
     ax.fill_between(values, low / samples, high / samples, color=ACCENT, alpha=0.25, lw=0, label="95 %")
     if counts.total > _FEWEST:
@@ -223,3 +229,10 @@ def theta_min_distribution(
         "The flatter, the rarer",
         grid=True,
     )
+
+
+def _counted(theta: Array) -> LogCounts:
+    """Tilts in bins; those that are not known are left out. Raises InputError for negative ones."""
+    if (theta < 0.0).any():
+        raise InputError(f"theta has {np.nanmin(theta):g}; give smallest tilts, 0 or more (rad)")
+    return LogCounts.of(theta.ravel())

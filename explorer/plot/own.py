@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from explorer.errors import InputError, one_of
+from explorer.errors import InputError, one_of, whole
 from explorer.motion.scan import Scan
+from explorer.phase.arguments import column, users_own
 from explorer.phase.columns import COLUMNS
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array
@@ -26,7 +27,7 @@ from explorer.plot.style import (
 )
 from explorer.portrait.slices import SliceMap
 
-_DEFAULT_BINS = 200
+_DEFAULT_BINS, _MOST_BINS = 200, 1_000_000
 _FEW = 50  # states that are marked one by one
 _COLOURS = "viridis"
 
@@ -71,6 +72,8 @@ def observable_map(found: SliceMap | Scan, name: str | None = None, ax: Axes | N
     values = found[name]
     if values.shape != found.shape or values.dtype.kind not in "fiub":
         raise InputError(f"name = {name!r}: has not one number for each state; choose another observable")
+    if not values.size:
+        raise InputError("found: has no states; give some that were scanned")
     ax = axes_or_new(ax)
     numbers = values.astype(np.float64)
     if isinstance(found, SliceMap):
@@ -172,8 +175,8 @@ def race_angle_histogram(
     'bounces per bin'
     """
     race, side = _races(found)
+    edges = _edges(race, bins, range)
     ax = axes_or_new(ax)
-    edges = np.histogram_bin_edges(race, bins, range)
     for sign, colour, label in ((1, PLUS, r"$\eta > 0$"), (-1, MINUS, r"$\eta < 0$")):
         values = race[side == sign]
         if values.size:
@@ -187,6 +190,18 @@ def race_angle_histogram(
     ax.set_yscale("log")
     legend(ax)
     return dress(ax, r"race angle $\Delta\chi$ - fall angle (rad)", "bounces per bin")
+
+
+def _edges(race: Array, bins: Any, reach: tuple[float, float] | None) -> Array:
+    """The edges of bins that are given as a number, as edges, or by the name of a rule of numpy."""
+    if not isinstance(bins, str):
+        several = column("bins", bins)
+        bins = several if several.ndim else whole("bins", bins, 1, _MOST_BINS)
+    with users_own("bins", f"give 1 to {_MOST_BINS:,}, edges that increase, or a rule such as 'auto'"):
+        edges: Array = np.histogram_bin_edges(race, bins, reach)
+        if edges.size < 2 or edges.size > _MOST_BINS + 1 or not np.isfinite(edges).all():
+            raise ValueError(f"there would be {edges.size:,} edges, from {edges.min():g} to {edges.max():g}")
+    return edges
 
 
 def _races(found: Any) -> tuple[Array, Array]:
@@ -206,6 +221,6 @@ def _column(found: Any, name: str) -> Array | None:
     """A column of a result, a table or a mapping, flat; None where there is none."""
     try:
         values = found[name] if hasattr(found, "__getitem__") else getattr(found, name)
-    except (KeyError, AttributeError, ValueError, IndexError):
+    except Exception:  # whatever a foreign object says of a name that it does not have
         return None
-    return np.ravel(np.asarray(values, dtype=np.float64))
+    return np.ravel(column(f"found: {name}", values))

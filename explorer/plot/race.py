@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
+from explorer.errors import InputError
 from explorer.measure.log_counts import SignedLogCounts
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
@@ -65,9 +66,11 @@ def race_histogram(
     >>> [label.get_text() for label in ax.get_yticklabels()]
     ['$10^{-5}$', '$10^{-3}$']
     """
-    ax = axes_or_new(ax)
     found = races if isinstance(races, RaceRidges) else RaceRidges.of_summary(races)
     least, most = range if range is not None else _reach(found)
+    if not 0.0 < least < most:
+        raise InputError(f"range = {least:g}:{most:g}: both distances must be above 0, the smaller first")
+    ax = axes_or_new(ax)
     edges = _edges(least, most, bins)
     names = _ridges(ax, found, edges, least, look)
     _around_limits(ax, names, least, most)

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from explorer.errors import InputError
 from explorer.plot.captions import Question, captioned
 from explorer.plot.style import DARK, SERIES, SMALL, axes_or_new, dress, legend_below, styled
 from explorer.portrait.rocking import Rocking
@@ -49,8 +48,6 @@ def rocking_turns(bodies: Sequence[Rocking], ax: Axes | None = None, **look: Any
     >>> ax.lines[0].get_label()
     'uniform'
     """
-    if not bodies:
-        raise InputError("bodies: none were given; make one for each disk with rocking(disk)")
     ax = axes_or_new(ax)
     for number, body in enumerate(bodies):
         colour, disk = SERIES[number % len(SERIES)], body.disk

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
-from explorer.errors import InputError
+from explorer.errors import InputError, one_of
 from explorer.phase.disk import Disk
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import well
@@ -259,8 +259,8 @@ def bifurcations(
     >>> plot.bifurcations(disk, "line", branches, [0.34]).get_title()
     'uniform, steady motions on the falling line $l_+$'
     """
+    one_of("path", path, PATHS)
     ax = axes_or_new(ax)
-    assert path in PATHS
     looks: dict[str, tuple[Any, str]] = {CENTRE: ("-", "stable"), SADDLE: ((0, (3, 1.5)), "unstable")}
     seen: set[str] = set()
     for branch in branches:

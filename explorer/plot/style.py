@@ -7,8 +7,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from explorer.errors import InputError, shown
+from explorer.phase.arguments import users_own
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
+from explorer.plot.drawn import reads_arguments
 
 # Okabe & Ito's palette. Blue is eta > 0 and vermilion eta < 0, the sides of F, and neither is anything else.
 PLUS, MINUS = "#0072B2", "#D55E00"
@@ -47,6 +50,7 @@ def axes_or_new(ax: Axes | None) -> Axes:
     return ax if ax is not None else Figure(figsize=SIZE, layout="constrained").subplots()
 
 
+@reads_arguments
 def figure_of(draw: Callable[..., Any] | Axes | Figure, *arguments: Any) -> Figure:
     """The figure that one picture makes for itself.
 
@@ -62,6 +66,11 @@ def figure_of(draw: Callable[..., Any] | Axes | Figure, *arguments: Any) -> Figu
     Figure
         Not shown and not registered anywhere: save it with its `savefig`.
 
+    Raises
+    ------
+    InputError
+        Where it draws nothing, or fails.
+
     Examples
     --------
     >>> from explorer import plot
@@ -70,12 +79,25 @@ def figure_of(draw: Callable[..., Any] | Axes | Figure, *arguments: Any) -> Figu
     >>> figure.axes[0].get_xlabel()
     '$m r^2/I_1$'
     """
-    drawn = draw if isinstance(draw, Axes | Figure) else draw(*arguments)
-    figure = drawn if isinstance(drawn, Figure) else drawn.figure
+    drawn = draw
+    if not isinstance(draw, Axes | Figure):
+        if not callable(draw):
+            raise InputError(f"draw = {shown(draw)} is no picture; give a function of explorer.plot, or Axes")
+        with users_own("draw", "give a function of explorer.plot, and its arguments after it"):
+            drawn = draw(*arguments)
+    if not isinstance(drawn, Axes | Figure):
+        raise InputError(f"draw = {shown(draw)} returned {shown(drawn)}; give a function that returns Axes")
+    return whole_figure(drawn)
+
+
+def whole_figure(drawn: Axes | Figure) -> Figure:
+    """The figure that Axes are on, also where they are in a part of it."""
+    figure = drawn.figure.figure
     assert isinstance(figure, Figure)
     return figure
 
 
+@reads_arguments
 def stacked(*draws: Callable[[Axes], Axes], height: float = 6.4) -> Figure:
     """Pictures above each other on one horizontal axis, whose name only the lowest keeps.
 
@@ -90,6 +112,11 @@ def stacked(*draws: Callable[[Axes], Axes], height: float = 6.4) -> Figure:
     -------
     Figure
 
+    Raises
+    ------
+    InputError
+        Where none is given, or one fails.
+
     Examples
     --------
     >>> from explorer import plot
@@ -100,9 +127,13 @@ def stacked(*draws: Callable[[Axes], Axes], height: float = 6.4) -> Figure:
     >>> [ax.get_xlabel() for ax in figure.axes]
     ['', '$m r^2/I_1$']
     """
+    if not draws or not all(map(callable, draws)):
+        raise InputError(f"draws = {shown(draws)}: give functions, each of which takes the Axes to draw on")
     figure = Figure(figsize=(SIZE[0], height), layout="constrained")
-    for draw, ax in zip(draws, figure.subplots(len(draws), 1, sharex=True), strict=True):
-        draw(ax)
+    rows = figure.subplots(len(draws), 1, sharex=True, squeeze=False)
+    for draw, ax in zip(draws, rows[:, 0], strict=True):
+        with users_own("draws", "give functions, each of which takes the Axes to draw on"):
+            draw(ax)
         if ax is not figure.axes[-1]:
             ax.set_xlabel("")
     return figure
@@ -162,13 +193,16 @@ def styled(look: Mapping[str, Any], **usual: Any) -> dict[str, Any]:
 
 
 def legend(ax: Axes, **options: Any) -> None:
-    """A legend inside the axes, where the picture leaves room for it."""
-    ax.legend(fontsize=SMALL, framealpha=0.9, **options)
+    """A legend inside the axes, where the picture leaves room for it; none where nothing has a name."""
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(fontsize=SMALL, framealpha=0.9, **options)
 
 
 def legend_below(ax: Axes, ncols: int = 2, **options: Any) -> None:
     """A legend under the name of the horizontal axis, where it covers nothing."""
     place: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.17), "columnspacing": 1.2}
+    if not (options.get("handles") or ax.get_legend_handles_labels()[0]):
+        return
     ax.legend(fontsize=SMALL, frameon=False, ncols=ncols, **(place | options))
 
 

@@ -7,9 +7,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from explorer.errors import InputError
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
+from explorer.plot.drawn import reads_arguments
 from explorer.plot.style import (
     DARK,
     SERIES,
@@ -76,6 +78,7 @@ def wander_path(path: WanderPath, ax: Axes | None = None, **look: Any) -> Axes:
     return dress(ax, "x (r)", "y (r)", f"{turns:.4g} turns of $\\chi$ a period:\n{title}")
 
 
+@reads_arguments
 def rosette_and_resonance(generic: WanderPath, resonant: WanderPath) -> Figure:
     """Draw a generic rosette beside a motion whose chi(tau) is a whole number of turns.
 
@@ -206,17 +209,16 @@ def wander_radius(
     >>> ax.get_ylabel()
     'radius of the rosette (r)'
     """
+    bars, turns, step = _known(sigma3_bar, wander)
     ax = axes_or_new(ax)
-    bars = np.asarray(sigma3_bar, dtype=float)
-    turns = wander.chi / (2.0 * np.pi)
     # Between the motions given chi(tau) and the step are smooth, and the radius is not: 2 |sin(chi/2)| r = step.
     fine = np.linspace(bars[0], bars[-1], max(40 * bars.size, 2)) if bars.size > 1 else bars
     between = np.interp(fine, bars, turns)
-    step = np.interp(fine, bars, abs(wander.step) / disk.r)
+    step = np.interp(fine, bars, step / disk.r)
     with np.errstate(divide="ignore"):
         radius = step / (2.0 * abs(np.sin(np.pi * between)))
     ax.plot(fine, radius, **styled(look, color=SERIES[1], lw=1.8))
-    top = 6.0 * float(np.median(radius))
+    top = 6.0 * float(np.median(radius[np.isfinite(radius)])) if np.isfinite(radius).any() else 1.0
     ax.set_ylim(0.0, 1.9 * top)
     ax.set_yticks([tick for tick in ax.get_yticks() if tick <= top])
     _turns_above(ax, fine, between, resonances or {})
@@ -224,6 +226,19 @@ def wander_radius(
     dress(ax, coordinate_label("sigma3_bar", disk), "radius of the rosette (r)", title)
     ax.yaxis.set_label_coords(-0.075, 0.29)  # beside its own part of the axis; a new label would be in the middle
     return ax
+
+
+def _known(sigma3_bar: Array, wander: Wander) -> tuple[Array, Array, Array]:
+    """sigma3_bar, turns and steps of the motions whose period is known. Raises InputError where there is none."""
+    bars = np.ravel(sigma3_bar)
+    if bars.size != wander.chi.size:
+        raise InputError(f"sigma3_bar has {bars.size} entries, wander {wander.chi.size}; they belong together")
+    good = np.isfinite(bars) & np.isfinite(wander.chi) & np.isfinite(wander.step)
+    if not good.any():
+        raise InputError("wander: of no motion the period is known; look at its status")
+    if not (np.diff(bars[good]) > 0.0).all():
+        raise InputError("sigma3_bar does not increase; sort the motions by it")
+    return bars[good], wander.chi[good] / (2.0 * np.pi), np.abs(wander.step[good])
 
 
 def _turns_above(ax: Axes, bars: Array, turns: Array, resonances: Mapping[int, float]) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from explorer import compiled
-from explorer.errors import InputError, positive
+from explorer.errors import InputError, positive, sign
 from explorer.motion.limit_motions import AnyLimit, LimitState, limit_motion, misses_f, warn_of_move
 from explorer.motion.trajectories import trajectories
 from explorer.phase.arguments import explained
@@ -97,7 +97,7 @@ class BothSides:
 
     def limit_path(self, side: int) -> Array:
         """The limit's contact point (n, 2), with the circle that it runs through in no time at each impact."""
-        limit = self.limits[side]
+        limit = self.limits[sign("side", side)]
         pieces, first = [], 0
         for row in np.searchsorted(self.t, self.impacts):
             centre = limit.path[row - 1, :2]

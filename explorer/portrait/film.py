@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, number, positive, whole
+from explorer.errors import sign as face_or_side
 from explorer.motion.passages import passages
 from explorer.motion.periods import periods
 from explorer.motion.trajectories import Trajectories, finer, trajectories
@@ -72,6 +73,7 @@ class Film:
 
     def pose(self, sign: int, row: int) -> Pose:
         """The disk on one side of F at one row."""
+        sign, row = face_or_side("sign", sign), whole("row", row, 0, len(self.t) - 1)
         phi, chi, psi = (float(angle[sign][row]) for angle in (self.phi, self.chi, self.psi))
         return Pose(phi, chi, psi, self.centre[sign][row], self.disk.r)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import InputError
+from explorer.errors import InputError, one_of
 from explorer.motion.passages import passages
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, columns_of, constants_to_states
@@ -50,7 +50,7 @@ class GeneralSolvers:
 
     def wrong(self, name: str) -> NDArray[np.bool_]:
         """Which races go the wrong way, are missed, or were given up: not within half of kappa pi of ours."""
-        apart = abs(self.race_angle[name] - self.race_angle[OURS])
+        apart = abs(self.race_angle[one_of("name", name, self.race_angle)] - self.race_angle[OURS])
         return np.asarray(~(apart < 0.5 * self.disk.race_limit))
 
 

@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError
+from explorer.errors import InputError, number, shown, sign, whole
+from explorer.phase.arguments import column
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, other_eta_hat
 from explorer.phase.roots import root
@@ -27,7 +28,7 @@ _EPS = float(np.finfo(float).eps)
 _FLAT = 1e-8  # tilt (rad), at rates of order 1, below which V' keeps its sign where V ends at V_0
 _WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall is far above all else
 _SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
-_POINTS = 400  # of a curve, and some more where it runs to flat
+_POINTS, _MOST_POINTS = 400, 1_000_000  # of a curve, and some more where it runs to flat
 CENTRE, SADDLE, DEGENERATE = "centre", "saddle", "degenerate"
 TURNING, FLAT = "turning point", "flat"
 
@@ -169,7 +170,7 @@ class Potential:
         return Terms(V, slope, curvature, size)
 
     def _of_phi(self, phi: ArrayLike, term: str) -> Array:
-        angle = np.asarray(phi, dtype=np.float64)
+        angle = column("phi", phi)
         if not np.all(abs(angle) < 0.5 * np.pi):
             raise InputError("phi: V is defined between the flat states; give -pi/2 < phi < pi/2 (rad)")
         flat = np.ravel(angle)
@@ -190,26 +191,26 @@ class Potential:
 
     def rho(self, phi: ArrayLike) -> Array:
         """sigma3/cos phi at phi (rad), units of the disk: by q times the speed of chi, so finite beside flat."""
-        angle = np.asarray(phi, dtype=np.float64)
-        q = np.cos(angle)
-        sigma3, _ = line_chart(self.disk, q, self.face * np.sin(angle)).rates(self.bar, self.eta)
+        angle = column("phi", phi)
+        q = np.cos(angle.ravel())
+        sigma3, _ = line_chart(self.disk, q, self.face * np.sin(angle.ravel())).rates(self.bar, self.eta)
         values: Array = sigma3 / q * self.disk.rate_unit
-        return values
+        return values.reshape(angle.shape)
 
     def at_y(self, y: ArrayLike) -> Terms:
         """As `terms`, where sin phi = tanh y."""
-        values = np.atleast_1d(np.asarray(y, dtype=np.float64))
+        values = np.ravel(column("y", y))
         return self.terms(1.0 / np.cosh(values), np.tanh(values))
 
     def flat_value(self, face: int) -> float:
         """V at a flat state in natural units: V_0 on its line, eq. (6.9); infinite off it."""
-        if self.etas()[face] != 0.0:
+        if self.etas()[sign("face", face)] != 0.0:
             return math.inf
         return self.disk.energy_at_flat(self.bar)
 
     def reach(self, face: int) -> float:
         """|y| beyond which V' keeps its sign towards flat."""
-        eta, rates = abs(self.etas()[face]), 1.0 + abs(self.bar) + abs(self.eta)
+        eta, rates = abs(self.etas()[sign("face", face)]), 1.0 + abs(self.bar) + abs(self.eta)
         tilt = _FLAT / rates**2 if eta == 0.0 else _WALL * min(eta, 1.0) / rates
         return math.log(2.0 / max(tilt, _SMALLEST))
 
@@ -269,6 +270,7 @@ class Potential:
 
     def components(self, energy: float) -> tuple[Component, ...]:
         """The pieces of {V < energy}, from left to right; energy in the units of the disk."""
+        energy = number("energy", energy)
         E = energy / self.disk.energy_unit
         y, V = self._stops
         cuts: list[tuple[float, str]] = [(float(y[0]), FLAT)] if V[0] < E else []
@@ -319,6 +321,9 @@ class Potential:
 
     def curve(self, component: Component, points: int = _POINTS) -> tuple[Array, Array]:
         """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, units of the disk."""
+        if not isinstance(component, Component):
+            raise InputError(f"component = {shown(component)}: give one of what components() returns")
+        points = whole("points", points, 2, _MOST_POINTS)
         low, high = component.y
         # Dense towards both ends, where phidot vanishes like a square root
         angle = np.linspace(0.0, np.pi, points + int(2.0 * (high - low)))
@@ -336,6 +341,7 @@ class Potential:
 
         A motion goes both ways sooner or later, so one flat state within reach is enough. y increases.
         """
+        y = np.ravel(column("y", y))
         stops, heights = self._stops
         V = self.at_y(y).V
         highest = np.full(y.size, np.inf)

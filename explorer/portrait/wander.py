@@ -57,6 +57,7 @@ class Wander:
 
     def after(self, count: int) -> NDArray[np.complex128]:
         """a(k tau) - a(0) for k = 0 ... count, (n, count + 1): the steps, each turned by chi more."""
+        count = whole("count", count, 0, _MOST_PERIODS)
         turned = np.exp(1j * self.chi[:, None] * np.arange(count))
         turns = np.concatenate([0.0 * turned[:, :1], np.cumsum(turned, axis=1)], axis=1)
         centres: NDArray[np.complex128] = self.step[:, None] * turns

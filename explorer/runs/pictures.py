@@ -31,12 +31,13 @@ def draw(
     pictures: Iterable[tuple[str, Picture]], name: str, ax: "Axes | None", options: dict[str, Any]
 ) -> "Figure":
     """The picture of that name. Raises InputError where there is none, or where it takes no such keywords."""
-    known = []
-    for each, picture in pictures:
+    known: list[str] = []
+    for each, picture in pictures if isinstance(name, str) else ():
         known.append(each)
         if each == name:
             return _drawn(picture, name, {**({} if ax is None else {"ax": ax}), **options})
-    raise InputError(f"figure = {name!r} is no picture of this run; {suggest(name, known)}")
+    known = known or [each for each, _ in pictures]
+    raise InputError(f"figure = {shown(name)} is no picture of this run; {suggest(name, known)}")
 
 
 def _drawn(picture: Picture, name: str, options: dict[str, Any]) -> "Figure":
@@ -60,7 +61,7 @@ def save_all(
     pictures: Iterable[tuple[str, Picture]], folder: Path, formats: Sequence[str], progress: Progress
 ) -> list[str]:
     """Draw all pictures, one at a time, into files; returns their names."""
-    from explorer.plot import save
+    from explorer.plot.captions import write_figure
 
     waiting = list(pictures)
     progress.expect(len(waiting))
@@ -69,7 +70,7 @@ def save_all(
         progress.drawing(name)
         figure = _drawn(picture, name, {})
         for kind in formats:
-            save(figure, folder / f"{name}.{kind}")
+            write_figure(figure, folder / f"{name}.{kind}")
             # Parts stay where the first file has them: to place them is half the work.
             figure.set_layout_engine("none")
         progress.drawn()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from explorer import compiled
-from explorer.errors import InputError, Interrupted, RunError, in_words, note, one_of, path_of
+from explorer.errors import InputError, Interrupted, RunError, in_words, note, one_of, path_of, shown, words
 from explorer.phase.results import to_arrow
 from explorer.runs import folder as folders
 from explorer.runs import inspect, pictures, store
@@ -54,6 +54,8 @@ class Run:
     folder: Path | None
 
     def __init__(self, parts: Sequence[Part]) -> None:
+        if not isinstance(parts, Sequence) or not parts or not all(isinstance(part, Part) for part in parts):
+            raise InputError(f"parts = {shown(parts)}: run(...), open(folder) and merge(...) make runs")
         self._parts = tuple(parts)
         self.scene = whole_scene(self._parts)
         self.folder = self._parts[0].folder if len(self._parts) == 1 else None
@@ -90,7 +92,7 @@ class Run:
 
     def tables(self, columns: Columns = None) -> Iterator[Table]:
         """The kept samples chunk by chunk, in order, as arrays by name. Raises RunError where one is missing."""
-        return tables(self._parts, columns)
+        return tables(self._parts, None if columns is None else self._read(columns))
 
     def arrow(self, columns: Columns = None) -> "pa.Table":
         """The kept samples as an Arrow table; each field says its meaning, unit and equation in its metadata.
@@ -110,10 +112,14 @@ class Run:
 
     def _checked(self, columns: Columns) -> Iterator[Table]:
         """The tables of those columns, in the order asked."""
-        known = [*next(self.tables())]
-        for name in columns or ():
-            one_of("column", name, known)
-        return ({name: table[name] for name in columns or known} for table in self.tables(columns))
+        names = self._read(columns)
+        return ({name: table[name] for name in names} for table in tables(self._parts, names))
+
+    def _read(self, columns: Columns) -> list[str]:
+        """Names of columns, all of them by default. Raises InputError for one that the run does not have."""
+        known = [*next(tables(self._parts))]
+        names = [*words("columns", columns)] if columns is not None else known
+        return [one_of("column", name, known) for name in names] or known
 
     def figure(self, name: str, ax: "Axes | None" = None, **options: Any) -> "Figure":
         """One picture of the run.

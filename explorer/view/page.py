@@ -11,6 +11,7 @@ import numpy as np
 
 from explorer.errors import InputError, shown
 from explorer.phase.disk import Disk
+from explorer.phase.paths import writing
 from explorer.view.assembly import assemble
 from explorer.view.start import AtVertical, Start, start_at_vertical, start_in
 
@@ -67,13 +68,8 @@ class View:
         InputError
             Where the name ends otherwise, or the file cannot be written.
         """
-        where = Path(path)
-        if where.suffix.lower() not in (".html", ".htm"):
-            raise InputError(f"path = {shown(str(path))}: the page is HTML; give a name that ends in .html")
-        try:
+        with writing("path", path, (".html", ".htm"), "the page is HTML; ") as where:
             where.write_text(self.html, encoding="utf-8")
-        except OSError as error:
-            raise InputError(f"path = {shown(str(path))}: cannot be written ({error.strerror})") from None
         return where
 
     def __repr__(self) -> str:

@@ -10,6 +10,7 @@ from types import ModuleType
 import explorer as ex
 from explorer.scenes.registry import SCENES, build_scene
 
+from . import methods, plots
 from .judge import judge
 from .values import DISKS, nasty, sensible
 
@@ -21,6 +22,7 @@ LONG = {"trade", "portrait.conservation", "portrait.general_solvers"}
 SELDOM = {"falling_constant": 0.004, "push_forward": 0.02, "slice_map": 0.1, "both_sides": 0.2}
 SELDOM |= {"view": 0.3, "simulate": 0.3, "limit_motion": 0.3}
 SELDOM_OF_PORTRAITS = 0.03  # several periods of several motions each
+SELDOM_OF_PICTURES = 0.03
 
 
 def functions():
@@ -35,14 +37,16 @@ def functions():
     found |= {name: value for name, value in makers_of_data.items() if name not in LONG}
     makers = ("annulus", "uniform", "hoop", "matching", "parse")
     found |= {f"Disk.{name}": getattr(ex.Disk, name) for name in makers}
-    return found | {"Disk": ex.Disk} | {f"scene {name}": scene_maker(name) for name in SCENES}
+    found |= {"Disk": ex.Disk} | {f"scene {name}": scene_maker(name) for name in SCENES}
+    found |= {f"plot.{name}": getattr(ex.plot, name) for name in ex.plot.__all__}
+    return found | {f"method {name}": methods.method(name) for name in methods.METHODS}
 
 
 def scene_maker(name):
     """What reads the options of a scene; nothing is computed."""
 
     def make(**options):
-        return build_scene(name, **options).options()
+        return list(build_scene(name, **options).options())
 
     make.__signature__ = inspect.Signature(
         [inspect.Parameter(o.word, inspect.Parameter.KEYWORD_ONLY, default=None) for o in SCENES[name].OPTIONS]
@@ -82,6 +86,10 @@ BESIDES = {
 
 def case(name, function, rng):
     """Keyword arguments of one call: most are sensible, one or two often are not."""
+    if name.startswith("plot."):
+        return plots.case(name.removeprefix("plot."), rng)
+    if name.startswith("method "):
+        return methods.case(name.removeprefix("method "), rng)
     known = arguments_of(function)
     needed = [argument for argument, optional in known.items() if not optional]
     chosen = needed + [a for a in known if a not in needed and rng.random() < 0.3]
@@ -108,7 +116,7 @@ def case(name, function, rng):
 def run(cases, seed=0, only=None):
     """(name, arguments, verdict) of so many calls, the same for the same seed."""
     table = {name: function for name, function in functions().items() if only is None or name in only}
-    rooms = {"scene": 0.2, "portrait": SELDOM_OF_PORTRAITS}
+    rooms = {"scene": 0.2, "portrait": SELDOM_OF_PORTRAITS, "plot": SELDOM_OF_PICTURES, "method": 0.05}
     weights = [SELDOM.get(name, rooms.get(re.split(r"\W", name)[0], 1.0)) for name in table]
     rng = random.Random(seed)
     for _ in range(cases):

@@ -11,9 +11,12 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
+from matplotlib.artist import Artist
 
 import explorer as ex
 from explorer.errors import words_of_the_command
+
+from .finite import not_finite
 
 FAULTS = ("traceback", "warning", "too long a message", "hang", "not finite", "changed argument")
 LONGEST = 300  # characters of a message
@@ -21,17 +24,6 @@ LONGEST = 300  # characters of a message
 # programs slow a machine down it has a tenth of a processor at least.
 SLOWEST, EACH, SHARE = 10.0, 1e-4, 0.1
 STUCK = 300.0  # seconds after which the process ends with the stack of the call that does not return
-
-# Numbers that do not exist for some samples that are otherwise ok; their docstrings say so.
-ABSENT = {
-    "Passages": {"fall_time"},
-    "Forces": {"max_friction"},
-    "Trajectories": {"constants_error"},  # one row for each constant, not for each motion
-    "Bounces": {"fall_angle", "race_angle"},
-    "Falls": {"theta_min_estimate"},
-    "Wander": {"radius"},  # infinite at a resonance
-}
-NEEDS_AXIAL_INERTIA = {"sigma4_bar", "eta_hat_plus", "eta_hat_minus"}
 
 
 @dataclass
@@ -54,6 +46,10 @@ def image(value):
         return {name: image(each) for name, each in value.items()}
     if isinstance(value, list | tuple):
         return [image(each) for each in value]
+    if is_dataclass(value) and not isinstance(value, type):  # its fields: what it keeps of answers may grow
+        return {field.name: image(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, Artist):  # whoever draws on one changes it
+        return None
     if isinstance(value, np.ma.MaskedArray):
         return value.data.tobytes(), np.ma.getmaskarray(value).tobytes()
     try:
@@ -62,25 +58,6 @@ def image(value):
         return pickle.dumps(value)
     except Exception:
         return None
-
-
-def not_finite(value):
-    """Names of numbers that are not finite though their sample is ok."""
-    status = getattr(value, "status", None)
-    if not is_dataclass(value) or not isinstance(status, np.ndarray):
-        return []
-    ok, kind, found = status == 0, type(value).__name__, []
-    states = getattr(value, "states", None)
-    absent = ABSENT.get(kind, set())
-    if kind == "Constants" and states is not None and states.disk.I3 == 0.0:
-        absent = NEEDS_AXIAL_INERTIA
-    for field in fields(value):
-        numbers = getattr(value, field.name)
-        if field.name in absent or not isinstance(numbers, np.ndarray) or numbers.dtype.kind != "f":
-            continue
-        if numbers.shape[: status.ndim] == status.shape and not np.isfinite(numbers[ok]).all():
-            found.append(field.name)
-    return found
 
 
 def judge(call, arguments):
@@ -108,7 +85,6 @@ def _called(call, arguments):
             warnings.simplefilter("ignore", UserWarning)  # those that the program means to give
             warnings.simplefilter("error", RuntimeWarning)
             value = call(**arguments)
-            bad = not_finite(value)
             _ = repr(value)
     except (ex.InputError, ex.RunError) as error:
         text = str(error)
@@ -122,6 +98,9 @@ def _called(call, arguments):
             place = place.tb_next
         where = f"{place.tb_frame.f_code.co_filename}:{place.tb_lineno}"
         return Verdict("traceback", f"{type(error).__name__}: {str(error)[:200]} ({where})")
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        bad = not_finite(value)
     samples = getattr(getattr(value, "status", None), "size", 0)
     return Verdict("not finite", ", ".join(bad)) if bad else Verdict("value", samples=samples)
 

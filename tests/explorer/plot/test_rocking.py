@@ -20,5 +20,5 @@ def test_turns_are_drawn_with_their_limits():
 
 
 def test_no_bodies_get_a_sentence():
-    with pytest.raises(ex.InputError, match="bodies: none were given"):
+    with pytest.raises(ex.InputError, match=r"bodies must be sequence of Rocking, .*; an empty list was given"):
         plot.rocking_turns([])
