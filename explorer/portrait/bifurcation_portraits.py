@@ -145,4 +145,6 @@ def _floor(disk: Disk, path: str, parameter: Array, branches: Sequence[Branch]) 
     for branch in branches:
         rows = np.searchsorted(parameter, branch.parameter)
         floor[rows] = np.minimum(floor[rows], branch.energy)
+    for row in np.flatnonzero(np.isinf(floor)):  # at the threshold, where the one steady motion is of no branch
+        floor[row] = PATHS[path](disk, float(parameter[row])).bottom
     return floor

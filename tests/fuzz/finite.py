@@ -87,7 +87,9 @@ def _does_not_cross(found, at):
 
 def not_finite(value):
     """Names of numbers in a result, or in several, that are missing where they should not be."""
-    return _of(value, "") if is_dataclass(value) or isinstance(value, dict | list | tuple) else []
+    if isinstance(value, tuple):  # numbers for what may be no number, unless they are of results
+        value = [each for each in value if is_dataclass(each)]
+    return _of(value, "") if is_dataclass(value) or isinstance(value, dict | list) else []
 
 
 def _of(value, place):

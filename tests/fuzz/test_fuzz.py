@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import explorer as ex
-from fuzz import api, commands, folders, judge, kernels
+from fuzz import api, commands, folders, judge, kernels, methods, plots, values
 
 DISK = ex.Disk.uniform()
 
@@ -37,6 +37,8 @@ def test_every_public_function_is_among_the_cases():
     }
     assert public - called - api.FOLDERS - api.LONG <= {"plot", "view"}
     assert {f"portrait.{name}" for name in ex.portrait.__all__} - called <= api.LONG
+    assert {f"plot.{name}" for name in ex.plot.__all__} <= called
+    assert set(ex.plot.__all__) == plots.SENSIBLE.keys() | plots.UNDRAWN.keys()
 
 
 def test_every_argument_is_given_now_and_then():
@@ -45,6 +47,14 @@ def test_every_argument_is_given_now_and_then():
         call = api.functions()[name]
         given = set().union(*(api.case(name, call, rng) for _ in range(200)))
         assert given == set(api.arguments_of(call))
+
+
+def test_methods_are_given_what_they_take():
+    """By the names that they have; what a method returns for sensible arguments is a value, or a refusal."""
+    rng = random.Random(3)
+    for name in methods.METHODS:
+        given = {each: methods.SENSIBLE.get(each, values.size)(rng) for each in methods.METHODS[name]}
+        assert judge.judge(methods.method(name), given).kind in ("value", "refused")
 
 
 def test_kernels_return_whatever_doubles_they_get():

@@ -37,3 +37,11 @@ def test_there_is_one_place_in_each_region(path, counts):
 def test_bad_input_is_named(path, places, words):
     with pytest.raises(ex.InputError, match=words):
         bifurcation_portraits(HOOP, path, places)
+
+
+def test_the_floor_has_no_gap_at_the_threshold_where_the_one_steady_motion_is_of_no_branch():
+    thick = ex.Disk(I1=0.5, I3=0.3, name="thick")
+    found = bifurcation_portraits(thick, "rolling")
+    row = int(np.flatnonzero(found.parameter == found.threshold)[0])
+    np.testing.assert_allclose(found.floor[row], 0.5 * (found.floor[row - 1] + found.floor[row + 1]), rtol=1e-3)
+    assert np.isfinite(found.floor).all()
