@@ -192,6 +192,11 @@ def theta_min_distribution(
     Axes
         delta (rad) and the share, both logarithmic.
 
+    Raises
+    ------
+    InputError
+        For tilts below 0, and where there are more of them than samples.
+
     Examples
     --------
     >>> import numpy as np

@@ -56,6 +56,11 @@ def race_histogram(
         Race angle less its limit (rad), logarithmic on either side of 0, and |eta_hat|. The strip on top, race
         angles (rad) between -1.5 and 1.5 kappa pi, is an inset of it.
 
+    Raises
+    ------
+    InputError
+        For a range that does not lie above 0.
+
     Examples
     --------
     >>> import explorer as ex

@@ -199,6 +199,11 @@ def wander_radius(
     Axes
         The radius in radii of the disk; the turn is an inset above it.
 
+    Raises
+    ------
+    InputError
+        Where sigma3_bar does not increase or belongs to other motions, and where no period is known.
+
     Examples
     --------
     >>> import numpy as np
