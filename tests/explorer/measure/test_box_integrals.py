@@ -110,6 +110,13 @@ def test_a_box_alone_has_the_mass_of_its_sides():
     assert natural.factor_mass("sigma4") == 4.0
 
 
+def test_panels_end_at_the_mean_of_a_gaussian_and_five_deviations_to_each_side():
+    u = COIN.rate_unit
+    natural = NaturalDensity(COIN, Density.of(COIN, None, None, f"phidot={0.5 * u}:{0.4 * u}"))
+    assert natural.bells("phidot") == pytest.approx([-1.5, 0.5, 2.5])
+    assert natural.bells("sigma3") == []
+
+
 def test_only_densities_that_do_not_vanish_at_flat_reach_it():
     flat = f"phi=0:{0.5 * math.pi!r}"
     assert NaturalDensity(UNIFORM, Density.of(UNIFORM, flat)).reaches_flat()

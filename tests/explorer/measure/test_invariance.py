@@ -24,6 +24,8 @@ def test_the_flow_has_determinant_one(name, steps):
     assert away.sum() > 150
     assert found.time.max() > 0.03 * steps * disk.time_unit
     assert abs(found.determinant - 1.0).max() < 1e-10
+    largest = abs(found.matrix).max(axis=(1, 2))
+    np.testing.assert_allclose(found.rounding, np.finfo(float).eps * steps * largest, rtol=0.02)
 
 
 @pytest.mark.parametrize("eta_hat", [1e-2, -1e-3, 1e-4, -1e-5, 1e-6])

@@ -6,9 +6,10 @@ from conftest import BODIES
 from small_runs import coverage
 
 import explorer as ex
+from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density
 from explorer.measure.falling_constant import constant_of
-from explorer.measure.tubes import Place, dimensions, draw_tube, widest_eta
+from explorer.measure.tubes import Place, Tube, dimensions, draw_tube, widest_eta
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import natural_constants
@@ -28,6 +29,20 @@ def test_a_tube_holds_every_state_that_comes_flatter(name, delta):
     eta = disk.eta_to_eta_hat(np.fmin(abs(natural.eta_plus), abs(natural.eta_minus)))[flat]
     assert flat.sum() > 100
     assert (eta <= widest_eta(natural.energy[flat], delta, disk)).all()
+
+
+def test_a_tube_in_a_box_of_fast_spins_holds_every_state_of_it_that_comes_flatter():
+    disk, draw, n = BODIES["uniform"], np.random.default_rng(9).uniform, 4000
+    given = draw(-1.5, 1.5, n), draw(-1.0, 1.0, n), draw(10.0, 20.0, n), draw(-1.0, 1.0, n)
+    states = phi_to_states(disk, *given)
+    theta, status, _ = smallest_tilt(states, plan(("theta_min",)))
+    known = ex.constants(states)
+    flat = (status == 0) & (theta < 0.3) & (abs(known.eta_hat_plus) < abs(known.eta_hat_minus))
+    assert flat.sum() > 100
+    density = Density.of(disk, "phi=-1.5:1.5,phidot=-1:1,sigma3=10:20,sigma4=-1:1")
+    place = Place.at(disk, given[0][flat], given[1][flat])
+    widest = Tube(NaturalDensity(disk, density), 1, 0.3)._widest(place)
+    assert (abs(known.eta_hat_plus[flat]) <= widest).all()
 
 
 @pytest.mark.parametrize("box", [None, "phi=-1.2:1.2", "phi=-1.5:1.5,sigma3=0.1"])

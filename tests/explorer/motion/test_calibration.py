@@ -55,6 +55,25 @@ def test_motions_in_time_have_curves_of_their_own_where_they_were_measured(priva
     assert both.motions["rk8"].at(1e-6) == pytest.approx(2.0 * both.curves["rk8"].at(1e-6))
 
 
+@pytest.mark.parametrize(
+    ("system", "place"),
+    [
+        ("linux", ".local/share/nearflat"),
+        ("darwin", "Library/Application Support/nearflat"),
+        ("win32", "AppData/Local/nearflat"),
+    ],
+)
+def test_a_machine_keeps_its_table_where_its_system_keeps_data(system, place, tmp_path, monkeypatch):
+    for name in ("NEARFLAT_CALIBRATION", "XDG_DATA_HOME", "LOCALAPPDATA"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(calibration.sys, "platform", system)
+    monkeypatch.setattr(Path, "home", lambda: tmp_path)
+    assert calibration.stored_at().parent == tmp_path / place
+    if system == "linux":
+        monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+        assert calibration.stored_at().parent == tmp_path / "data" / "nearflat"
+
+
 def test_a_table_of_other_kernels_is_not_used(private):
     private.write_text(json.dumps({**shipped(), "kernels": "0" * 64}))
     assert "measured with other kernels" in plan(("chi",), 1e-6).reason

@@ -82,6 +82,14 @@ def test_what_is_no_real_number_or_would_be_cut_is_refused_in_a_sentence(given):
     assert len(str(refused.value)) <= 300
 
 
+@pytest.mark.parametrize(
+    ("given", "remedy"), [(["1.0"], "give numbers, not text"), (1j, "give numbers in doubles")]
+)
+def test_the_remedy_for_what_is_no_number_says_what_would_do(given, remedy):
+    with pytest.raises(InputError, match=f"; {remedy}$"):
+        column("phi", given)
+
+
 def test_what_a_function_returned_keeps_its_type_and_is_no_more_than_doubles():
     for given in (np.array([1, -1], np.int8), np.array([True]), np.array([math.nan, math.inf])):
         assert returned_numbers(given) is given

@@ -27,8 +27,8 @@ def test_passages_beside_f_measure_kappa_and_the_gap():
     disks = [HOOP, UNIFORM, flat_body(3.0), flat_body(8.0), BODIES["thick"], BODIES["coin"]]
     found = measured_gaps(disks)
     np.testing.assert_allclose(found.kappa, [disk.kappa for disk in disks], rtol=0.0, atol=1e-9)
-    slow = measured_gaps([ex.Disk.uniform(r=4.0)])  # whose unit of rates is a half
-    assert slow.kappa[0] == pytest.approx(ex.Disk.uniform().kappa, abs=1e-9)
+    slow = measured_gaps([ex.Disk.uniform(r=4.0), ex.Disk.uniform(g=1e-16)])  # units of rates: a half and 1e-8
+    np.testing.assert_allclose(slow.kappa, ex.Disk.uniform().kappa, rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(found.ratio, [disk.m * disk.r**2 / disk.I1 for disk in disks])
     np.testing.assert_allclose(found.kappa, np.sqrt(1.0 + found.ratio), rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(found.gap, [disk.gap for disk in disks], rtol=0.0, atol=1e-8)

@@ -109,6 +109,13 @@ def test_the_fold_parts_one_steady_motion_from_three():
         assert (len(inside), len(outside)) == (3, 1)
 
 
+def test_the_fold_is_one_curve_without_a_jump(body):
+    """Also at its cusps, where the two edges of instability meet within rounding."""
+    x, y = fold_curve(body, 100)
+    steps = np.hypot(np.diff(x) / np.ptp(x), np.diff(y) / np.ptp(y))
+    assert steps.max() < 0.02
+
+
 def test_bad_arguments_get_a_sentence():
     with pytest.raises(ex.InputError, match="a finite precession, not zero"):
         steady_motions(UNIFORM, 0.1, 0.0)
