@@ -4,6 +4,7 @@ Both are of the angles (rad) and of the path (r), for each passage, which takes 
 up along a motion, and to less than its square, since its constants are held.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -17,9 +18,9 @@ from explorer.phase.states import Array
 _PASSAGE = 2.0  # units of time
 # What steps are calibrated on, and a little more: the way of the centre in a unit of time (r), and kappa.
 _WAY, _KAPPA = 3.0, 2.5
-# In a step of rk8 chi turns by no more than this (rad) times the sixteenth root of the accuracy: measured for
-# kappa = 32, where its path errs by 1e-4 at 14 rad and by 1e-10 at 4 rad.
-_TURN = 14.0
+# In a step of rk8 chi turns by no more than the first of these (rad) and the second times the fourth root of the
+# accuracy: measured for kappa = 32, where its path errs by 2e-3 at 26 rad, 1e-4 at 14 and 1e-10 at 4.
+_TURN, _TURN_MORE = 3.5, 60.0
 # Errors are some units of what holding has moved, up to _MOVED, and of the energy that it has taken out, up to
 # _TAKEN. By luck a motion may show neither although it errs, so a share of the accuracy, which was calibrated, is
 # always added, and the rounding of a passage. More may be hidden of a path in which chi turns many times within a
@@ -36,7 +37,7 @@ def steps(disk: Disk, how: Plan, energy: Array) -> Array:
         return np.full(energy.size, how.setting)
     found = how.held_controls(share_of_accuracy(disk, how, energy))
     if how.method == "rk8" and how.rung == PATH:
-        found = np.minimum(found, _TURN * how.accuracy**0.0625 / disk.kappa)
+        found = np.minimum(found, (_TURN + _TURN_MORE * how.accuracy**0.25) / disk.kappa)
     return found
 
 
@@ -68,12 +69,13 @@ def error_estimate(disk: Disk, how: Plan, start: NaturalConstants, ends: Ends) -
     found = compiled.motion_lanes.Taken(*ends.taken)
     passages = np.maximum(1.0, ends.time / _PASSAGE)
     energy = np.maximum(found.excess, abs(ends.energy_error))
-    measured = _MOVED * np.nan_to_num(found.moved) + _TAKEN * energy + _ROUNDING * passages
-    amplified = 1.0 + _SLOW / (_speed_at_vertical(disk, start) + _LEAST_SPEED)
-    hidden = np.where(np.isnan(found.moved), _FREE, 1.0) * _SHARE * how.accuracy * passages
+    # fmax takes the other number where one is NaN: where I3 = 0, nothing is moved and the speed is not known.
+    measured = _MOVED * np.fmax(found.moved, 0.0) + _TAKEN * energy + _ROUNDING * passages
+    amplified = np.fmax(1.0 + _SLOW / (_speed_at_vertical(disk, start) + _LEAST_SPEED), 1.0)
+    hidden = _SHARE * how.accuracy * (1.0 if disk.body.I3 > 0.0 else _FREE)
     if how.rung == PATH:
-        hidden *= np.sqrt(max(1.0, disk.kappa / _KAPPA))
-    estimate: Array = np.nan_to_num(amplified, nan=1.0) * measured + hidden
+        hidden *= math.sqrt(max(1.0, disk.kappa / _KAPPA))
+    estimate: Array = amplified * measured + hidden * passages
     return estimate
 
 

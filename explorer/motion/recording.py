@@ -163,7 +163,7 @@ class Records(NamedTuple):
     @property
     def lengths(self) -> NDArray[np.int64]:
         """How many points each motion has; 0 where it is not OK."""
-        return np.diff(self.first)
+        return self.first[1:] - self.first[:-1]
 
     @property
     def places(self) -> NDArray[np.int64]:
