@@ -182,7 +182,9 @@ def warmup(names: Iterable[str] | None = None, say: Callable[[str], None] = lamb
 
 def compile_missing(names: Iterable[str] | None = None, say: Callable[[str], None] = lambda text: None) -> int:
     """As `warmup`, but what the cache has is not loaded: of some kernels that are named few may be called."""
-    return _missing(names, say)[1]
+    cached = _load("kernels._jit").cached_names()
+    # By their names: what has them takes a while to import.
+    return _missing(None if names is None else [name for name in names if name not in cached], say)[1]
 
 
 def _missing(names: Iterable[str] | None, say: Callable[[str], None]) -> "tuple[list[Kernel[Any]], int]":
@@ -192,9 +194,9 @@ def _missing(names: Iterable[str] | None, say: Callable[[str], None]) -> "tuple[
         _load(modules[module])
     registry = _load("kernels._jit").KERNELS
     asked = registry if names is None else dict.fromkeys(names)
-    # Those loaded before are not looked for again: a search of the cache takes a while.
     idle = [registry[name] for name in sorted(asked, key=_place) if not registry[name].is_loaded]
-    fresh = [kernel for kernel in idle if not kernel.is_cached()]
+    cached = _load("kernels._jit").cached_names() if idle else ()
+    fresh = [kernel for kernel in idle if kernel.name not in cached]
     if fresh:
         called = ", ".join(kernel.function.__name__ for kernel in fresh[:_NAMED])
         others = f" and {len(fresh) - _NAMED} more" if len(fresh) > _NAMED else ""

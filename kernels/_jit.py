@@ -188,8 +188,7 @@ class Kernel(Generic[P]):
 
     def is_cached(self) -> bool:
         """True where an earlier process left compiled code for this source and compiler."""
-        folder = cache_folder()
-        return folder is not None and any(folder.rglob(f"*.{self.function.__name__}-*.nbi"))
+        return self.name in cached_names()
 
     def compile(self) -> Callable:
         """Load the kernel from the cache or compile it. Thread-safe."""
@@ -280,6 +279,12 @@ def cache_folder() -> Path | None:
         remedy = "set NUMBA_CACHE_DIR to a folder that can"
     warnings.warn(f"no cache for compiled code: {fault}; {remedy}", RuntimeWarning, stacklevel=2)
     return None
+
+
+def cached_names() -> set[str]:
+    """Kernels, by name, of which an earlier process left compiled code for this source and compiler."""
+    folder = cache_folder()
+    return set() if folder is None else {path.name.partition("-")[0] for path in folder.rglob("*.nbi")}
 
 
 def _unsafe(folder: Path) -> str | None:

@@ -201,6 +201,7 @@ def _asked(scene: str | type[Scene] | None, options: dict[str, Any]) -> _Asked:
         word: read[word].read(read[word].flag, options[word]) for word in read if options.get(word) is not None
     }
     made = scene_of(scene, {word: value for word, value in options.items() if word not in read})
+    _check_size(made)
     count = said.get("motions", MOTIONS)
     in_time = None if count == 0 else made.motions(count, said.get("t_end"))
     trials: list[Trial] = [trial for trial in (made.trial(), in_time) if trial is not None]
@@ -234,6 +235,14 @@ def _why_none(scene: Scene, count: int) -> str:
         return "computes nothing but motions in time by a method of choice; leave --motions 0 out"
     names = ", ".join(name for name in SCENES if name != "portrait")
     return f"no method is chosen in this scene, so there is nothing to trade; measure {names}"
+
+
+def _check_size(scene: Scene) -> None:
+    """Raise InputError before anything is drawn or compiled where too few samples are asked for."""
+    size = scene.trial_size
+    if size is not None and size < FEWEST:
+        given = f"--samples {size}" if getattr(scene, "states", None) is None else f"--states: holds {size}"
+        raise InputError(f"{given}: overheads are measured with fewer than {FEWEST}; give that many or more")
 
 
 def _check(scene: Scene, trial: Trial) -> None:

@@ -218,6 +218,11 @@ class Scene(ABC):
         """Its samples as `trade` tries methods on them; None where it computes nothing by a method of choice."""
         return None
 
+    @property
+    def trial_size(self) -> int | None:
+        """How many samples `trial` has at most, told without drawing one; None where there is no saying."""
+        return getattr(self, "samples", None) if type(self).trial is not Scene.trial else None
+
     def motions(self, count: int, t_end: float | None) -> MotionTrial | None:
         """Motions in time from its first `count` starts, likewise. t_end: units of the disk; None: its own."""
         return None

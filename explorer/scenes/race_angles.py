@@ -158,6 +158,10 @@ class RaceAngles(SceneOfStates):
             return None
         return PassageTrial(self.disk, starts_at_vertical(self.disk, *_start(self._first(self.samples))))
 
+    @property
+    def trial_size(self) -> int | None:
+        return None if self.eta_hat is None else self.samples
+
     def motions(self, count: int, t_end: float | None) -> MotionTrial:
         if self.eta_hat is None:
             return super().motions(count, t_end)

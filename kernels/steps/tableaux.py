@@ -20,6 +20,7 @@ from kernels.steps import coefficients853 as dop853
 Tree = tuple  # a rooted tree is the sorted tuple of its subtrees; () is the single node
 Rows = tuple[tuple, ...]
 Sum = Callable[[Iterable], Any]
+Branches = dict[Tree, list]
 
 
 @cache
@@ -35,11 +36,13 @@ def trees(nodes: int) -> tuple[Tree, ...]:
     return tuple(sorted(grown))
 
 
+@cache
 def tree_size(tree: Tree) -> int:
     """How many nodes a tree has."""
     return 1 + sum(tree_size(branch) for branch in tree)
 
 
+@cache
 def tree_density(tree: Tree) -> int:
     """gamma(tree): the order condition is sum_i b_i Phi_i(tree) = 1 / gamma(tree)."""
     product = tree_size(tree)
@@ -48,25 +51,31 @@ def tree_density(tree: Tree) -> int:
     return product
 
 
-def elementary_weight(a: Rows, weights: Iterable, tree: Tree, add: Sum) -> Any:
-    """sum_i weights_i Phi_i(tree) of the method with rows a; `add` says how its numbers are added up."""
-    return add(w * s for w, s in zip(weights, _stage_weights(a, tree, add), strict=True))
+def elementary_weight(a: Rows, weights: Iterable, tree: Tree, add: Sum, known: Branches | None = None) -> Any:
+    """sum_i weights_i Phi_i(tree) of the method with rows a; `add` says how its numbers are added up.
+
+    known: what the branches of other trees gave, with the same rows and the same `add`.
+    """
+    stages = _stage_weights(a, tree, add, {} if known is None else known)
+    return add(w * s for w, s in zip(weights, stages, strict=True))
 
 
-def _stage_weights(a: Rows, tree: Tree, add: Sum) -> list:
+def _stage_weights(a: Rows, tree: Tree, add: Sum, known: Branches) -> list:
     result: list = [1] * len(a)
     for branch in tree:
-        inner = _stage_weights(a, branch, add)
-        for i, row in enumerate(a):
-            result[i] *= add(x * inner[j] for j, x in enumerate(row))
+        if branch not in known:
+            inner = _stage_weights(a, branch, add, known)
+            known[branch] = [add(x * inner[j] for j, x in enumerate(row)) for row in a]
+        result = [stage * below for stage, below in zip(result, known[branch], strict=True)]
     return result
 
 
 def defects(a: Rows, weights: Iterable, order: int, add: Sum) -> Iterator[tuple[str, Any]]:
     """By how much each order condition up to `order` fails, and which it is."""
+    known: Branches = {}  # trees share most of their branches
     for nodes in range(1, order + 1):
         for tree in trees(nodes):
-            defect = elementary_weight(a, weights, tree, add) - F(1, tree_density(tree))
+            defect = elementary_weight(a, weights, tree, add, known) - F(1, tree_density(tree))
             yield f"order condition {tree} of order {nodes} fails", defect
 
 

@@ -54,6 +54,20 @@ def test_what_is_asked_for_is_compiled_once_and_said_in_one_line(tmp_path):
     assert found == set(names)  # nothing else is compiled
 
 
+def test_what_the_cache_has_is_not_imported_to_find_that_out(tmp_path):
+    code = (
+        "import sys; from explorer import compiled\n"
+        f"print(compiled.compile_missing({SMALL[:1]}), 'kernels.disk.counting' in sys.modules)"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", code]
+    said = [
+        subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True).stdout
+        for _ in range(2)
+    ]
+    assert said == ["1 True\n", "0 False\n"]
+
+
 @pytest.fixture
 def shared(monkeypatch):
     """Compiles eight pretended kernels with a helper that runs some code; returns the names that it left."""

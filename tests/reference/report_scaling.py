@@ -2,6 +2,7 @@
 
     python tests/reference/report_scaling.py         # some minutes on two cores; ends quietly on one
     python tests/reference/report_scaling.py cost    # against the distance only, half a minute
+    python tests/reference/report_scaling.py jobs    # the second job only; `jobs 1000000`: so many samples
 
 Every row is measured in a process of its own, after warming up, so that memory is the row's.
 """
@@ -16,6 +17,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import second_job
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
@@ -29,6 +31,7 @@ STATES = (10**3, 10**4, 10**5, 10**6, 10**7, 10**8, 10**9)
 EXPONENTS = (1, 2, 3, 6, 9, 12, 15, 30, 100, 300)
 METHODS = ("quadrature", "rk4", "rk8", "dopri5", "dop853")
 PIECE, BLOCK = 1 << 20, 1 << 12
+BOTH_JOBS = 4_000_000  # samples on which the second job is measured
 
 
 def algebra(samples, jobs):
@@ -207,7 +210,7 @@ def main():
     for name, n, jobs, seconds, memory in rows:
         gain = f"{single[name, n] / seconds:.2f}" if jobs > 1 else ""
         lines.append(f"| {name} | {n:,} | {jobs} | {n / seconds:,.0f} | {memory:.0f} | {gain} |")
-    lines += ["", "![time and memory](scaling.png)", "", *cost()]
+    lines += ["", "![time and memory](scaling.png)", "", *cost(), "", *jobs(BOTH_JOBS)]
     leave_page(OUT, lines, "python tests/reference/report_scaling.py")
 
 
@@ -228,15 +231,37 @@ def cost():
     ]
 
 
-def only_cost():
-    """Make this part anew, and leave the rest of the page."""
-    above = (OUT / "README.md").read_text("utf-8").split(COST)[0].splitlines()
-    leave_page(OUT, [*above, *cost()], "python tests/reference/report_scaling.py")
+JOBS = "What the second job is worth."
+
+
+def jobs(samples):
+    """The part of the page about the second job."""
+    return [JOBS, *second_job.lines(samples, second_job.measure(samples))]
+
+
+def parts():
+    """The page as it is: what stands above the part about the distance, that part, and the one about the jobs."""
+    text, _, of_jobs = (OUT / "README.md").read_text("utf-8").partition(f"{JOBS}\n")
+    above, _, of_cost = text.partition(COST)
+    told = [JOBS, *of_jobs.splitlines()] if of_jobs else []
+    return above.splitlines(), [COST, *of_cost.splitlines()[1:]], told
+
+
+def only(which, samples=BOTH_JOBS):
+    """Make one part anew, "cost" or "jobs", and leave the rest of the page."""
+    above, of_cost, of_jobs = parts()
+    if which == "cost":
+        of_cost = [*cost(), ""]
+    else:
+        of_jobs = jobs(samples)
+    leave_page(OUT, [*above, *of_cost, *of_jobs], "python tests/reference/report_scaling.py")
 
 
 if __name__ == "__main__":
     if sys.argv[1:] == ["cost"]:
-        only_cost()
+        only("cost")
+    elif sys.argv[1:2] == ["jobs"]:
+        only("jobs", *map(int, sys.argv[2:]))
     elif len(sys.argv) > 1:
         child(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))
     else:
