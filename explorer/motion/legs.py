@@ -6,7 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.passages_by_quadrature import chord, near_flat, table_kernel, unanswered
+from explorer.motion.passages_by_quadrature import (
+    chord,
+    departures_of_energy,
+    near_flat,
+    table_kernel,
+    unanswered,
+)
 from explorer.phase.disk import Disk
 from explorer.phase.gauss import packed_rules
 from explorer.phase.states import Array
@@ -73,11 +79,12 @@ def falls_of_energy(
     """The falls on F of these constants, from the vertical or from rest below it; accuracy: of there and back."""
     out = np.empty((4, sigma3_bar.size))
     given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
-    compiled.passages.fall_batch(*given, accuracy, disk.tables, disk.natural, out)
+    departures = departures_of_energy(disk, *given)
+    compiled.passages.fall_batch(departures, accuracy, disk.tables, disk.natural, out)
     asked = np.isfinite(energy)
     if unanswered(out, asked):
         first, tables = first_rule(accuracy), disk.leg_tables
         compiled.low_falls.low_fall_batch(*given, first, accuracy, tables, disk.natural, out)
     if unanswered(out, asked):
-        compiled.passages.fall_by_rules_batch(*given, chord(0.0), packed_rules(), disk.natural, out)
+        compiled.passages.fall_by_rules_batch(departures, chord(0.0), packed_rules(), disk.natural, out)
     return compiled.quadrature.FallRow(*out)

@@ -15,7 +15,8 @@ from explorer.motion.passages_by_integration import LENIENCE, by_integration
 from explorer.motion.passages_by_quadrature import (
     by_quadrature,
     by_rules,
-    fall_from_vertical,
+    departures_beside,
+    falls_of,
     rows_apart,
     table_kernel,
 )
@@ -243,8 +244,10 @@ def _assemble(
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
     out, status = rows_apart(12, n), np.empty(n, np.int8)
     for ways in parts:
-        fall = fall_from_vertical(disk, ways.sigma3_bar, ways.energy, edge, how.accuracy)
-        falls = races.Falls(fall.time, fall.chi, fall.error)
+        crossed = compiled.passages.Crossings(ways.sigma3_bar, ways.eta, ways.speed)
+        departures = departures_beside(disk, crossed)
+        fall = falls_of(disk, departures, edge, how.accuracy)
+        falls = races.Falls(fall.time, fall.chi, departures.level, fall.error)
         races.race_batch(ways, falls, terms, units, disk.natural, first, out)
         status[first : first + ways.status.size] = ways.status
         first += ways.status.size

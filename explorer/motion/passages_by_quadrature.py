@@ -15,6 +15,7 @@ from explorer.phase.states import Array
 ROUGH, WIDE = 1e-5 * (1.0 - 1e-9), 1e-7 * (1.0 - 1e-9)
 # Rows of doubles whose lengths are multiples of this displace one another in the cache.
 _ALIKE = 512
+_ROUNDING = 4.0 * 2.2e-16
 
 
 def rows_apart(rows: int, n: int) -> Array:
@@ -93,7 +94,7 @@ def _ways(
         energy = np.where(on_f, energy_on_f(disk, bar, speed), energy)
     error = np.fmax(found.angle_error, found.time_error)
     followed = found.theta_min, found.chi, found.psi, found.time, found.way
-    return compiled.races.Ways(bar, eta, face, *followed, energy, error, status)
+    return compiled.races.Ways(bar, eta, speed, face, *followed, energy, error, status)
 
 
 def energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
@@ -111,18 +112,57 @@ def chord(phi: float) -> float:
 def fall_from_vertical(
     disk: Disk, sigma3_bar: Array, energy: Array, edge: float = 0.0, accuracy: float = 0.0
 ) -> "compiled.quadrature.FallRow[Array]":
-    """The fall on F with these constants from the vertical to flat, face +1, natural units.
+    """The fall on F with these constants from the vertical to flat, face +1, natural units; as `falls_of`."""
+    return falls_of(disk, departures_of_energy(disk, sigma3_bar, energy), edge, accuracy)
 
-    edge: phi (rad) at which it begins instead. accuracy: of twice the angle, and of the time; 0: the best there
+
+def falls_of(
+    disk: Disk, departures: "compiled.passages.Departures", edge: float = 0.0, accuracy: float = 0.0
+) -> "compiled.quadrature.FallRow[Array]":
+    """The falls on F that leave the vertical so, to flat, face +1, natural units.
+
+    edge: phi (rad) at which they begin instead. accuracy: of twice the angle, and of the time; 0: the best there
     is.
     """
-    n = sigma3_bar.size
+    n = departures.level.size
     out = rows_apart(4, n)
-    given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
     if edge == 0.0:
-        compiled.passages.fall_batch(*given, accuracy, disk.tables, disk.natural, out)
+        compiled.passages.fall_batch(departures, accuracy, disk.tables, disk.natural, out)
     else:
         out.fill(np.nan)
-    if unanswered(out, np.isfinite(energy)):
-        compiled.passages.fall_by_rules_batch(*given, chord(edge), packed_rules(), disk.natural, out)
+    if unanswered(out, np.isfinite(departures.level)):
+        compiled.passages.fall_by_rules_batch(departures, chord(edge), packed_rules(), disk.natural, out)
     return compiled.quadrature.FallRow(*out[:, :n])
+
+
+def vertical_above_flat(disk: Disk, sigma3_bar: Array) -> Array:
+    """V - V_0 at the vertical on F, eq. (3.8), natural units: of sigma4 from the difference itself."""
+    b = disk.body
+    flat = sigma3_bar / (b.r0 * b.k)
+    # The polynomial of (r'(S) - 1)/S at S = 1.
+    rise = flat * disk.natural.series[4].sum()
+    above: Array = 0.5 * b.I1 * sigma3_bar**2 + 0.5 * b.J * rise * (2.0 * flat + rise) + 1.0
+    return above
+
+
+def departures_of_energy(disk: Disk, sigma3_bar: Array, energy: Array) -> "compiled.passages.Departures":
+    """Falls with these energies, as far as a difference of energies tells their start; natural units."""
+    b, bar, given = disk.body, np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
+    at_flat = 0.5 * b.J * (bar / (b.r0 * b.k)) ** 2
+    level = given - at_flat
+    moving = level - vertical_above_flat(disk, bar)
+    return compiled.passages.Departures(bar, level, moving, _ROUNDING * (abs(given) + at_flat))
+
+
+def departures_beside(disk: Disk, crossings: "compiled.passages.Crossings") -> "compiled.passages.Departures":
+    """Falls on F with the sigma3_bar and energies of motions beside it that cross the vertical; natural units.
+
+    sigma4 at the vertical is less by eta_hat than on F, eq. (6.2): no energies are subtracted.
+    """
+    b, (bar, eta, speed) = disk.body, crossings
+    eta_hat = eta / (b.I3 * b.r0)
+    on_f = b.dr0 / (b.r0 * b.k) * bar
+    given, turning = 0.5 * b.M * speed**2, 0.5 * b.J * eta_hat
+    moving = given - turning * (2.0 * on_f - eta_hat)
+    doubt = _ROUNDING * (given + abs(turning) * (2.0 * abs(on_f) + abs(eta_hat)))
+    return compiled.passages.Departures(bar, moving + vertical_above_flat(disk, bar), moving, doubt)

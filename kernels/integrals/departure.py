@@ -15,7 +15,6 @@ from kernels._jit import subroutine
 from kernels.disk.body import Body
 from kernels.integrals import nodes
 from kernels.integrals.nodes import ROOM
-from kernels.integrals.point import Point
 from kernels.types import Matrix, Vector
 
 TERMS = 22
@@ -28,20 +27,22 @@ _LEAST = 1e-300
 
 
 @subroutine
-def expand_start(W: Vector, moving: float, start: Point[float], b: Body) -> None:
-    """Series of the motion beside the vertical. moving: its kinetic energy there; start: the vertical."""
-    at = nodes.SERIES * ROOM
-    W[at + _SIGMA], W[at + _SIGMA + 1] = start.ratio, -b.k * start.sigma4
-    c = b.c
+def expand_start(W: Vector, moving: float, X: float, Y: float, b: Body) -> None:
+    """Series of the motion with constants X, Y beside the vertical. moving: its kinetic energy there.
+
+    At S = 1 the dominant solution vanishes and its slope is -1/r(0), since the Wronskian is -1: nothing is lost.
+    """
+    at, c = nodes.SERIES * ROOM, b.c
+    sigma3, turning, falling = X * b.r0, X * b.dr0, Y / b.r0
+    W[at + _SIGMA], W[at + _SIGMA + 1] = sigma3, falling - turning
     for n in range(TERMS):
         W[at + _SIGMA + n + 2] = (n * (n - 1) + c) / ((n + 1) * (n + 2)) * W[at + _SIGMA + n]
     rigid, spin = 0.5 * b.I1, 0.5 * b.J / (b.k * b.k)
     W[at + _LEFT] = moving
-    even, odd = rigid * start.ratio * start.ratio, 0.0
+    even, odd = rigid * sigma3 * sigma3, 0.0
     height_even = 1.0
-    # sigma3 there is a difference too, rounded like sigma4 even where it vanishes.
-    reach = abs(W[at + _SIGMA]) + abs(W[at + _SIGMA + 1])
-    W[at + _FIRST], W[at + _SECOND] = 2.0 * (rigid + spin * c) * reach * reach, 0.0
+    reach = abs(turning) + abs(falling)  # of what sigma4 is a difference
+    W[at + _FIRST], W[at + _SECOND] = 4.0 * (rigid + spin * c) * abs(sigma3) * reach, 0.0
     for n in range(1, TERMS):
         square = turning = size = 0.0
         for i in range(n + 1):
@@ -56,7 +57,7 @@ def expand_start(W: Vector, moving: float, start: Point[float], b: Body) -> None
             odd += square
             W[at + _LEFT + n] = -(odd + turning)
         if n == 2:
-            W[at + _SECOND] = size + rigid * start.ratio * start.ratio + 1.0
+            W[at + _SECOND] = size + rigid * sigma3 * sigma3 + 1.0
 
 
 @subroutine
@@ -76,12 +77,31 @@ def doubt(W: Vector, u: float) -> float:
 
 
 @subroutine
-def first_return(W: Vector) -> float:
-    """u where the motion turns back, if the series holds there, else 0."""
+def left_at(W: Vector, u: float) -> float:
+    """E - V at u."""
+    return value(W, _LEFT, TERMS, u)
+
+
+@subroutine
+def first_slope(W: Vector) -> float:
+    """d(E - V)/du at the vertical."""
+    return W[nodes.SERIES * ROOM + _LEFT + 1]
+
+
+@subroutine
+def quotient_at(W: Vector, u: float) -> float:
+    """(E - V)/(u_turn - u) at u, after `divide`."""
+    return value(W, _QUOTIENT, TERMS - 1, u)
+
+
+@subroutine
+def first_root(W: Vector, sign: float, side: float) -> float:
+    """Least |u| on this side (+1, -1) of the vertical where E - V, of that sign there, changes it; 0 where the
+    series knows none."""
     low, high = 0.0, 0.0
     for n in range(_HALVINGS, -1, -1):
         u = WIDEST * 0.5**n
-        if value(W, _LEFT, TERMS, u) < 0.0:
+        if sign * left_at(W, side * u) < 0.0:
             high = u
             break
         low = u
@@ -89,7 +109,7 @@ def first_return(W: Vector) -> float:
         return 0.0
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        if value(W, _LEFT, TERMS, middle) < 0.0:
+        if sign * left_at(W, side * middle) < 0.0:
             high = middle
         else:
             low = middle
@@ -106,19 +126,36 @@ def divide(W: Vector, u_turn: float) -> None:
 
 
 @subroutine
-def there_and_back(W: Vector, u_turn: float, half: Matrix, b: Body) -> tuple[float, float, float, float]:
-    """(chi, rest, time, least quotient) from the vertical to u_turn and back, after `divide`.
+def divide_again(W: Vector, u_before: float) -> None:
+    """The series of (E - V)/(u_turn - u)/(u - u_before), E - V having a root before the vertical too."""
+    at, share = nodes.SERIES * ROOM, 0.0
+    for n in range(TERMS - 2, -1, -1):
+        above = W[at + _QUOTIENT + n]
+        W[at + _QUOTIENT + n] = share
+        share = share * u_before + above
 
-    half: positive half of a symmetric rule: the integrand is even in s.
+
+@subroutine
+def there_and_back(
+    W: Vector, u_turn: float, u_before: float, half: Matrix, b: Body
+) -> tuple[float, float, float, float]:
+    """(chi, rest, time, slope) from the vertical to u_turn and back, after `divide` and `divide_again`.
+
+    With u - u_before = (u_turn - u_before) cos^2(x/2) no root is left, and the integrand is even in x. u_before: 0
+    where there is no such root; then u = u_turn (1 - s^2). half: positive half of a symmetric rule. slope: the
+    least, at any node, of what moves the turning point and the time little where it is large.
     """
     chi = rest = time = 0.0
-    least = math.inf
+    two, span, least = u_before < 0.0, u_turn - u_before, math.inf
+    longest = 2.0 * math.atan(math.sqrt(u_turn / -u_before)) if two else 0.0  # x of the vertical
+    factor = 0.5 * longest if two else math.sqrt(u_turn)
     for j in range(half.shape[1]):
-        u = u_turn * (1.0 - half[0, j]) * (1.0 + half[0, j])
-        quotient = value(W, _QUOTIENT, TERMS - 1, u)
-        least = min(least, quotient)
+        sine = math.sin(0.5 * longest * half[0, j])
+        u = u_turn - span * sine * sine if two else u_turn * (1.0 - half[0, j]) * (1.0 + half[0, j])
+        quotient = quotient_at(W, u)
+        least = min(least, span * quotient if two else quotient)
         height2 = (1.0 - u) * (1.0 + u)
-        dt = half[1, j] * math.sqrt(2.0 * b.M * u_turn / (height2 * max(quotient, _LEAST)))
+        dt = half[1, j] * factor * math.sqrt(2.0 * b.M / (height2 * max(quotient, _LEAST)))
         sigma3, slope = value(W, _SIGMA, TERMS, u), 0.0
         for n in range(TERMS, 0, -1):
             slope = slope * u + n * W[nodes.SERIES * ROOM + _SIGMA + n]
@@ -150,7 +187,7 @@ def know(W: Vector, n: int, y_end: float) -> None:
             shrink = slant * math.sinh(gap) - 2.0 * sinh * sinh  # 1 - h/h_end
             u = shrink * (2.0 - shrink)
             if 0.0 <= u < WIDEST:
-                W[nodes.KNOWN * ROOM + j] = max(value(W, _LEFT, TERMS, u), _LEAST)
+                W[nodes.KNOWN * ROOM + j] = max(left_at(W, u), _LEAST)
                 W[nodes.NOISE * ROOM + j] = doubt(W, u)
 
 

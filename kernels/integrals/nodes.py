@@ -81,6 +81,21 @@ def decay(W: Vector, source: int, target: int, n: int) -> None:
 
 
 @subroutine
+def short_decay(W: Vector, source: int, target: int, n: int) -> None:
+    """As `decay`; where d is short no square is needed, and the relative error is some two roundings."""
+    scale = 2.0 / FARTHEST
+    for j in range(n):
+        d = W[source * ROOM + j]
+        clipped = scale * (d if d < FARTHEST else FARTHEST)
+        W[_X * ROOM + j] = (2.0**_SQUARINGS * clipped if d < _STRETCH else clipped) - 1.0
+    polynomial(W, target, _EXP, n)
+    for _ in range(_SQUARINGS):
+        for j in range(n):
+            e = W[target * ROOM + j]
+            W[target * ROOM + j] = e if W[source * ROOM + j] < _STRETCH else e * e
+
+
+@subroutine
 def growth(W: Vector, target: int, n: int) -> None:
     """Row `target` = 1 - exp(-d), its relative error some 1e-14 at any d; d is that of the last `decay`."""
     polynomial(W, target, _GROWN, n)
@@ -103,7 +118,7 @@ def place(W: Vector, n: int, h_end: float, h_turn: float, y_end: float) -> None:
         W[_Y * ROOM + j] = y_end - W[GAP * ROOM + j]
     decay(W, _Y, E2, n)
     growth(W, _LEFT, n)
-    decay(W, GAP, _FALL, n)
+    short_decay(W, GAP, _FALL, n)
     end2 = math.exp(-2.0 * y_end)
     for j in range(n):
         e, m = W[E2 * ROOM + j], W[_LEFT * ROOM + j]

@@ -14,6 +14,7 @@ from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import put
 from kernels.integrals import nodes, tabulated, wide
+from kernels.integrals.falls import Departure, fall
 from kernels.integrals.grades import (
     Lines,
     empty_lines,
@@ -26,7 +27,7 @@ from kernels.integrals.grades import (
 )
 from kernels.integrals.near_flat import tilt_of
 from kernels.integrals.point import VERTICAL, Motion, motion_through
-from kernels.integrals.quadrature import FLOOR, FallRow, PassageRow, Rules, Start, fall, passage
+from kernels.integrals.quadrature import FLOOR, FallRow, PassageRow, Rules, Start, passage
 from kernels.integrals.tables import GRADES, ROUGH, WIDE_END, Series, Tables
 from kernels.integrals.tabulated import CHECK, LANES, Goal
 from kernels.status import Status
@@ -42,6 +43,19 @@ class Crossings(NamedTuple):
     sigma3_bar: Vector
     eta: Vector
     speed: Vector
+
+
+class Departures(NamedTuple):
+    """Falls (n) on F, as they leave the vertical.
+
+    level: E - V_0; moving: kinetic energy at the vertical, below 0 what the motion lacks to be there; doubt: the
+    rounding of that. At a slow start `moving` is less than the rounding of `level`.
+    """
+
+    sigma3_bar: Vector
+    level: Vector
+    moving: Vector
+    doubt: Vector
 
 
 class Asked(NamedTuple):
@@ -213,13 +227,14 @@ def passage_by_rules_batch(
 
 
 @subroutine
-def fill_falls(W: Vector, group: Longs, n: int, sigma3_bar: Vector, energy: Vector, b: Body) -> None:
+def fill_falls(W: Vector, group: Longs, n: int, departures: Departures, b: Body) -> None:
     """A group of falls into lanes; the first fills those that are left over."""
     for i in range(LANES):
         j = group[i] if i < n else group[0]
-        X = sigma3_bar[j] / b.r0
-        W[tabulated.X * LANES + i] = X
-        W[tabulated.LEVEL * LANES + i] = energy[j] - potential_at_flat(X, b)
+        W[tabulated.X * LANES + i] = departures.sigma3_bar[j] / b.r0
+        W[tabulated.LEVEL * LANES + i] = departures.level[j]
+        W[tabulated.MOVING * LANES + i] = departures.moving[j]
+        W[tabulated.START * LANES + i] = departures.doubt[j]
 
 
 @subroutine
@@ -235,19 +250,17 @@ def fall_in_lane(W: Vector, i: int) -> FallRow[float]:
 
 
 @kernel
-def fall_batch(
-    sigma3_bar: Vector, energy: Vector, target: float, of_body: Tables, disk: Disk, out: Matrix
-) -> None:
+def fall_batch(departures: Departures, target: float, of_body: Tables, disk: Disk, out: Matrix) -> None:
     """The fall on F from the vertical on face +1 of every sample -> out (4, n or more), as FallRow.
 
     target: accuracy of there and back, as for passages; the last grade gives the best there is. NaN where tables
     do not serve: those are left to `fall_by_rules_batch`.
     """
-    b, n, room = disk.body, energy.size, make_room()
+    b, n, room = disk.body, departures.level.size, make_room()
     first = first_grade(target)
     for i in range(n + 1):
         if i < n:
-            if energy[i] > potential_at_flat(sigma3_bar[i] / b.r0, b):
+            if departures.level[i] > 0.0:
                 line_up(room.lines, first, i)
             else:
                 blank(out, i)
@@ -256,7 +269,7 @@ def fall_batch(
         grade = next_grade(room.lines, i == n)
         while grade >= 0:
             taken = take(room.lines, grade, room.group)
-            fill_falls(room.lanes, room.group, taken, sigma3_bar, energy, b)
+            fill_falls(room.lanes, room.group, taken, departures, b)
             goal = Goal(target if grade < GRADES - 1 else FLOOR, FLOOR)
             tabulated.falls(room.lanes, goal, grade_at(of_body, grade), of_body.vertical, b)
             for k in range(taken):
@@ -271,17 +284,15 @@ def fall_batch(
 
 
 @kernel
-def fall_by_rules_batch(
-    sigma3_bar: Vector, energy: Vector, h_end: float, rules: Rules, disk: Disk, out: Matrix
-) -> None:
+def fall_by_rules_batch(departures: Departures, h_end: float, rules: Rules, disk: Disk, out: Matrix) -> None:
     """The same from h_end, of every sample that is still NaN in out (4, n).
 
     It stays NaN where the energy does not exceed V_0.
     """
     b = disk.body
     W = np.zeros(nodes.ROWS * nodes.ROOM)
-    for i in range(energy.size):
-        X = sigma3_bar[i] / b.r0
-        motion = Motion(X, 0.0, energy[i] - potential_at_flat(X, b))
+    for i in range(departures.level.size):
+        motion = Motion(departures.sigma3_bar[i] / b.r0, 0.0, departures.level[i])
         if math.isnan(out[0, i]) and motion.level > 0.0:
-            put(fall(h_end, motion, rules, disk, W), out, i)
+            departure = Departure(departures.moving[i], departures.doubt[i])
+            put(fall(h_end, departure, motion, rules, disk, W), out, i)

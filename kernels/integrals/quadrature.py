@@ -21,10 +21,12 @@ from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import Entry
 from kernels.integrals import nodes
+from kernels.integrals.arrival import expand_turn, know_beside_turn
 from kernels.integrals.departure import (
     divide,
+    divide_again,
     expand_start,
-    first_return,
+    first_root,
     know,
     known_noise,
     return_noise,
@@ -37,16 +39,17 @@ from kernels.integrals.turning import turning_point
 from kernels.status import Status
 from kernels.types import Longs, Matrix, Table, Vector
 
+_DEEP = 1e-60  # of h_m, below which squares of S underflow in the series beside the turning point
 # Length of the panel towards the vertical, in y: it ends at a fifth of the vertical's h.
 _END_PANEL = 1.5
 # e^-36 = 2e-16: nothing but the closed part is left below.
 _DEEPEST = 36.0
-_LN2 = math.log(2.0)
-_BISECTIONS = 60  # to rounding, of h
-_EPSILON = 2.2e-16
+EPSILON = 2.2e-16
 FLOOR = 1e-11  # an accuracy below this is met as far as rounding allows
-_NOISE = 100.0  # units of rounding: 30 nodes, sixteen in an exponential, the solutions
-_LEAST = 1e-300  # of what is divided by
+# Units of rounding, some times the largest errors seen against 60 digits: of what races beside the turning
+# point, and of what is smooth there.
+_NOISE, _QUIET = 40.0, 10.0
+LEAST = 1e-300  # of what is divided by
 
 _OK = int(Status.OK)
 _BAD = int(Status.BAD_INPUT)
@@ -137,20 +140,11 @@ def slow_start(
         if bend > 0.0:
             scale = min(length, slope / bend)
             least = min(least, slope * slope / bend)
-        return max(scale, _LEAST), least
+        return max(scale, LEAST), least
     if kinetic_energy > 0.0 and slope + bend > 0.0:
         root = math.sqrt(slope * slope + 4.0 * bend * kinetic_energy)
         scale = min(length, 2.0 * kinetic_energy / (slope + root))
     return scale, max(kinetic_energy, rounding)
-
-
-@subroutine
-def slow_noise(slow: float, distance: float, rounding: float, at: Point, b: Body) -> float:
-    """Error of angles and time from rounding in E - V, which acts for as long as the motion is slow."""
-    if not slow > 0.0:
-        return math.inf
-    duration = math.sqrt(2.0) * distance / math.sqrt(2.0 * b.inv_M * slow)
-    return 4.0 * rounding / slow * duration * (1.0 + abs(at.ratio) + abs(at.sigma4))
 
 
 @subroutine
@@ -165,7 +159,7 @@ def end_scale(
     slope = max(last.slope * math.tanh(y_end), 0.0)
     other = level - point(h_turn * math.cosh(y_end - length), motion.X, motion.Y, disk).V
     bend = max(other - start - slope * length, 0.0) / (length * length)
-    rounding = _EPSILON * magnitude(last, motion, b)
+    rounding = EPSILON * magnitude(last, motion, b)
     scale, _least = slow_start(start, slope, bend, length, begin.rest, rounding)
     return scale, rounding
 
@@ -178,9 +172,8 @@ def rounding_noise(start: Start, turn: Point, y_cut: float, motion: Motion, disk
     """
     gyration = 0.5 * disk.body.I1 * turn.ratio * turn.ratio
     terms = abs(motion.level) + gyration + abs(point(start.h, motion.X, motion.Y, disk).V)
-    # On a short panel the first nodes lie so near the turning point that E - V ~ y^2 has few digits.
-    few = 1.0 + (2.0 + 2.5 / y_cut) / y_cut
-    return _NOISE * _EPSILON * few * (1.0 + terms / max(-turn.slope, _EPSILON * gyration))
+    few = 1.0 + min(2.0 / y_cut, 2.0)  # on a short way
+    return _NOISE * EPSILON * few * (1.0 + terms / max(-turn.slope, EPSILON * gyration))
 
 
 @device
@@ -224,19 +217,23 @@ def short_passage(
 ) -> tuple[int, PassageRow[float]]:
     """The passage of a motion that turns back beside the vertical, at u_turn; status and results as `passage`."""
     b = disk.body
+    u_before = -first_root(W, 1.0, -1.0)
     divide(W, u_turn)
+    if u_before < 0.0:
+        divide_again(W, u_before)
     chi = psi = time = math.nan
     angle_error = time_error = math.inf
     status, first = _LIMIT, 0
     for size in rules.sizes:
         last = first + int(size)
         chi_before, psi_before, time_before = chi, psi, time
-        chi, rest, time, least = there_and_back(W, u_turn, rules.packed[0, :, first:last], b)
+        chi, rest, time, least = there_and_back(W, u_turn, u_before, rules.packed[0, :, first:last], b)
         first, psi = last, chi - rest
         noise = return_noise(W, u_turn, least)
         angle_noise = noise * (abs(chi) + abs(rest))
         angle_error, time_error = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
-        if good_enough(angle_error, angle_noise, target, FLOOR) and good_enough(time_error, noise, target, FLOOR):
+        floor = FLOOR * max(1.0, abs(chi), abs(psi))
+        if good_enough(angle_error, angle_noise, target, floor) and good_enough(time_error, noise, target, FLOOR):
             angle_error, time_error = 2.0 * (angle_error + angle_noise), 2.0 * (time_error + noise)
             status = _OK
             break
@@ -256,9 +253,8 @@ def passage(
     b = disk.body
     energy = motion.level + potential_at_flat(motion.X, b)
     if start.moving > 0.0:
-        departs = point(start.h, motion.X, motion.Y, disk)
-        expand_start(W, start.moving, departs, b)
-        u_turn = first_return(W)
+        expand_start(W, start.moving, motion.X, motion.Y, b)
+        u_turn = first_root(W, 1.0, 1.0)
         if u_turn > 0.0:
             return short_passage(u_turn, motion, target, rules, disk, W)
     h_turn = turning_point(start.h, start.rest, motion, disk, W)
@@ -269,8 +265,12 @@ def passage(
     turn = point(h_turn, motion.X, motion.Y, disk)
     length = min(_END_PANEL, 0.5 * y_end)
     y_cut = y_end - length
-    closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * b.inv_M, _LEAST)))
+    closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * b.inv_M, LEAST)))
     race = closed * motion.Y / h_turn * 2.0 * math.atan(math.tanh(0.5 * y_cut))
+    # Nodes lie so near the turning point that E - V ~ y^2 has few digits as a difference.
+    series = h_turn > _DEEP
+    if series:
+        expand_turn(W, turn, motion, b)
     noise = rounding_noise(start, turn, y_cut, motion, disk)
     scale, rounding = end_scale(h_turn, y_end, length, start, motion, disk)
     panels = Panels(y_end, length, scale, closed)
@@ -283,6 +283,8 @@ def passage(
         nodes.place(W, n, start.h, h_turn, y_end)
         if start.moving > 0.0:
             know(W, n, y_end)
+        if series:
+            know_beside_turn(W, n, y_end)
         nodes.integrands(W, n, motion, disk)
         chi_before, psi_before, time_before = chi, psi, time
         chi = 2.0 * (race + nodes.total(W, nodes.CHI, n))
@@ -291,10 +293,11 @@ def passage(
         angle_error, time_error = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
         if math.isnan(angle_error):
             continue  # nothing yet to compare the first rule with
-        slow_angles, slow_time = known_noise(W, n // 2, n, 4.0 * rounding, motion.level)
-        angle_noise = noise * (abs(race) + abs(chi) + abs(psi)) + slow_angles
+        slow_angles, slow_time = known_noise(W, 0 if series else n // 2, n, 2.0 * rounding, motion.level)
+        quiet = _QUIET * EPSILON * abs(psi - chi)
+        angle_noise = noise * (abs(race) + abs(chi)) + quiet + slow_angles
         time_noise = noise + slow_time / time
-        if good_enough(angle_error, angle_noise, target, FLOOR * max(1.0, abs(chi))) and good_enough(
+        if good_enough(angle_error, angle_noise, target, FLOOR * max(1.0, abs(chi), abs(psi))) and good_enough(
             time_error, time_noise, target, FLOOR
         ):
             # Twice over: where rounding is all that is left, two rules may be wrong alike.
@@ -303,66 +306,3 @@ def passage(
             break
     theta_min = 2.0 * math.asin(0.5 * h_turn)
     return status, PassageRow(theta_min, chi, psi, time, energy, angle_error, time_error, turn.ratio)
-
-
-@subroutine
-def start_of_fall(h_end: float, motion: Motion, disk: Disk) -> Start:
-    """Where the fall on F begins: at h_end, or at rest at the turning point if that comes later."""
-    if motion.level >= point(h_end, motion.X, 0.0, disk).V:
-        return Start(h_end, False, 0.0)
-    low, high = 0.0, h_end
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        if motion.level < point(middle, motion.X, 0.0, disk).V:
-            high = middle
-        else:
-            low = middle
-    return Start(low, True, 0.0)
-
-
-@subroutine
-def lay_fall_nodes(W: Vector, start: float, scale: float, rule: Matrix) -> None:
-    """Place the nodes of a fall from the tilt `start`: theta = start - scale sinh^2 x."""
-    stretch = math.asinh(math.sqrt(start / scale))
-    for j in range(rule.shape[1]):
-        distance, dtheta = slow_node(rule[0, j], rule[1, j], stretch, scale)
-        h = 2.0 * math.sin(0.5 * max(start - distance, _LEAST))
-        W[nodes.H * ROOM + j] = h
-        W[nodes.LOG * ROOM + j] = 2.0 * math.log(h) - _LN2
-        W[nodes.E2 * ROOM + j] = W[nodes.CLOSED * ROOM + j] = W[nodes.KNOWN * ROOM + j] = 0.0
-        # integrands() takes weights in y, with dtheta = h tanh(y) dy / shape
-        W[nodes.WEIGHT * ROOM + j] = dtheta * math.sqrt(1.0 - 0.25 * h * h) / h
-
-
-@subroutine
-def fall(h_end: float, motion: Motion, rules: Rules, disk: Disk, W: Vector) -> FallRow[float]:
-    """The fall on F (Y = 0) from h_end to flat.
-
-    Where the energy is too low for h_end the fall begins at rest, later. theta = start - scale sinh^2 x
-    makes the square root of E - V smooth in x, however slow the start. Orders rise as in `passage`.
-    """
-    start = start_of_fall(h_end, motion, disk)
-    theta = 2.0 * math.asin(0.5 * start.h)
-    first = point(start.h, motion.X, 0.0, disk)
-    kinetic_energy = 0.0 if start.rest else motion.level - first.V
-    slope = max(first.slope * first.shape / start.h, 0.0)
-    bend = max(motion.level - kinetic_energy - slope * theta, 0.0) / (theta * theta)
-    # The energy comes from a start at the vertical, where q = 1.
-    rounding = _EPSILON * (magnitude(first, motion, disk.body) + 1.0)
-    scale, slow = slow_start(kinetic_energy, slope, bend, theta, start.rest, rounding)
-    noise = slow_noise(slow, scale, rounding, first, disk.body) + _NOISE * _EPSILON
-    time = chi = psi = math.nan
-    error = math.inf
-    done = 0
-    for size in rules.sizes:
-        n = int(size)
-        lay_fall_nodes(W, theta, scale, rules.packed[1, :, done : done + n])
-        done += n
-        nodes.integrands(W, n, motion, disk)
-        new_time, new_chi = nodes.total(W, nodes.TIME, n), nodes.total(W, nodes.CHI, n)
-        new_psi = new_chi - nodes.total(W, nodes.REST, n)
-        error = max(abs(new_time - time), max(abs(new_chi - chi), abs(new_psi - psi)))
-        time, chi, psi = new_time, new_chi, new_psi
-        if error <= noise * (1.0 + time):
-            break
-    return FallRow(time, chi, psi, error + noise * (1.0 + time))

@@ -5,7 +5,6 @@ from typing import Generic, NamedTuple
 
 from kernels._jit import kernel
 from kernels.disk.body import Disk
-from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import Entry, put
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
@@ -39,11 +38,13 @@ class Terms(NamedTuple):
 class Ways(NamedTuple):
     """Passages (n) as a method followed them, natural units, angles as on face +1.
 
-    way: sigma3/q at the flattest moment. status: of each; those that miss the bounds are marked.
+    speed: theta-dot at the vertical. way: sigma3/q at the flattest moment. status: of each; those that miss the
+    bounds are marked.
     """
 
     sigma3_bar: Vector
     eta: Vector
+    speed: Vector
     face: Vector
     theta_min: Vector
     chi: Vector
@@ -56,10 +57,11 @@ class Ways(NamedTuple):
 
 
 class Falls(NamedTuple):
-    """Falls (n) on F with the same energies."""
+    """Falls (n) on F with the same energies; level: E - V_0."""
 
     time: Vector
     chi: Vector
+    level: Vector
     error: Vector
 
 
@@ -102,7 +104,6 @@ def race_batch(ways: Ways, falls: Falls, terms: Terms, units: Units, disk: Disk,
         eta, energy = ways.eta[i], ways.energy[i]
         side = 1.0 if eta > 0.0 else -1.0 if eta < 0.0 else 0.0
         fall_angle = 2.0 * falls.chi[i] if known else nan
-        above = energy - potential_at_flat(ways.sigma3_bar[i] / b.r0, b)
         race = RaceRow(
             race_angle=ways.chi[i] - fall_angle if ok else nan,
             delta_chi=ways.chi[i] if ok else nan,
@@ -112,7 +113,7 @@ def race_batch(ways: Ways, falls: Falls, terms: Terms, units: Units, disk: Disk,
             duration=ways.time[i] * units.time if ok else nan,
             fall_time=fall_time * units.time if fallen else nan,
             energy=energy * units.energy if known else nan,
-            impact_speed=math.sqrt(2.0 * above / b.M) * units.rate if known else nan,
+            impact_speed=math.sqrt(2.0 * falls.level[i] / b.M) * units.rate if known else nan,
             limit=side * units.race if ways.status[i] != _BAD else nan,
             error_estimate=error if known else nan,
             wrong_way=1.0 if ok and not ways.way[i] * side > 0.0 else 0.0,

@@ -72,6 +72,7 @@ OF_TIME = Gathered(TIME, TIME_SIZE, TIME_LAST, TIME_LAST_BUT_ONE)
 SUMS = (CHI, REST, TIME)
 ERRORS = (ANGLE_ERROR, TIME_ERROR)
 TAILS = (*OF_CHI[1:], *OF_REST[1:], *OF_TIME[1:])
+MOVING = SPEED  # of falls, which leave the vertical with a kinetic energy; START is its rounding
 FALLEN = (Y, *SUMS, *ERRORS, *TAILS)  # zero where a fall begins
 
 
@@ -354,26 +355,25 @@ def far(W: Vector, nodes: Matrix, trust: float, b: Body) -> None:
 
 
 @contracted_device
-def departure_on_f(x: float, level: float, slowest: float, at: Fixed, b: Body) -> tuple[float, bool]:
-    """(noise, usable) of a fall on F from the vertical."""
+def departure_on_f(x: float, level: float, moving: float, doubt: float, at: Fixed, b: Body) -> float:
+    """Noise of a fall on F that leaves the vertical with the kinetic energy `moving`."""
     ratio, rise = x * at.ratio_x, x * at.rise_x
     gyration = 0.5 * b.I1 * ratio * ratio
     _V, spin = contracted_potential_above_flat(gyration, rise, 2.0 * x / b.k, 1.0, b)
-    moving = level - gyration - spin - 1.0
     terms = abs(level) + gyration + abs(spin) + 1.0
-    noise = start_noise(terms, moving, ratio, x / b.k + rise, b)
-    return NOISE_UNITS * EPSILON * (1.0 + terms / abs(level)) + noise, moving > slowest * level
+    noise = start_noise(terms + doubt / (4.0 * EPSILON), moving, ratio, x / b.k + rise, b)
+    return NOISE_UNITS * EPSILON * (1.0 + terms / abs(level)) + noise
 
 
 @contracted_subroutine
 def falls(W: Vector, goal: Goal, grade: Grade, vertical: Matrix, b: Body) -> None:
-    """Twice the falls on F from the vertical, for rows X and LEVEL; row Y becomes 0."""
-    at = fixed(vertical, 0)
+    """Twice the falls on F from the vertical, for rows X, LEVEL, MOVING and START; row Y becomes 0."""
+    at, slowest = fixed(vertical, 0), grade.limits.slowest
     clear(W, FALLEN)
     for i in range(LANES):
-        noise, usable = departure_on_f(W[X * LANES + i], W[LEVEL * LANES + i], grade.limits.slowest, at, b)
-        W[NOISE * LANES + i] = noise
+        x, level, moving = W[X * LANES + i], W[LEVEL * LANES + i], W[MOVING * LANES + i]
+        W[NOISE * LANES + i] = departure_on_f(x, level, moving, W[START * LANES + i], at, b)
         W[LEAST * LANES + i] = 1.0
-        W[CHECK * LANES + i] = 0.0 if usable else 1.0
+        W[CHECK * LANES + i] = 0.0 if moving > slowest * level else 1.0
     far(W, grade.fall, grade.limits.trust_of_fall, b)
     finish(W, goal.target, goal.floor)

@@ -175,6 +175,36 @@ def integral(f, low, high, whole=None, depth=0):
     return [a + b for a, b in zip(*parts, strict=True)]
 
 
+def fall_angle(inertia, sigma3_bar, eta_hat, phidot):
+    """What chi gains along the limit motion on F of the same sigma3_bar and energy, to flat and back.
+
+    It begins at the vertical, or at rest where the energy is too low for that; None where it is too low for any.
+    """
+    given, f = Motion(inertia, sigma3_bar, eta_hat, phidot), Motion(inertia, sigma3_bar, 0, 0)
+    f.energy = given.energy
+    if not f.left(arb(10) ** -40) > 0:
+        return None
+    # On F sigma4 is more by eta_hat.
+    moving = f.M * arb(phidot) ** 2 / 2 + f.J / 2 * (given.sigma(f.end)[1] ** 2 - f.sigma(f.end)[1] ** 2)
+    rest = moving < 0
+    start = root(lambda h: -f.left(h), arb(10) ** -40, f.end) if rest else f.end
+    high = (2 * (start / 2).asin()).mid()
+
+    def of_theta(theta):
+        h = 2 * (theta / 2).sin()
+        ratio, s4, shape = f.sigma(h)
+        left = f.energy - f.I1 * ratio**2 / 2 - f.J * s4**2 / 2 - h * shape
+        turn = ratio / (h * shape * (2 / f.M * left).sqrt())
+        return turn, turn, turn
+
+    inside = f.left(2 * (high / 4).sin())
+    share = arb(1) if rest else arb(min(float((moving / inside).mid()), 1.0)) + arb(10) ** -60
+    g, _low, top = stretched(of_theta, arb(0), high, high, high * share, True)
+    pieces = max(1, int(float(top.mid()) / 3))
+    parts = (integral(g, (top * j / pieces).mid(), (top * (j + 1) / pieces).mid())[0] for j in range(pieces))
+    return 2 * sum(parts, arb(0))
+
+
 def passage(inertia, sigma3_bar, eta_hat, phidot):
     """The passage, or None where the motion has no turning point on the way."""
     f = Motion(inertia, sigma3_bar, eta_hat, phidot)

@@ -16,12 +16,10 @@ from kernels.status import Status
 X, Y = 0.7, 0.2
 
 
-def expanded(disk, moving, ratio=1.0, sigma4=1.0):
-    """The series of a start whose sigma3 and sigma4 were changed by these factors."""
+def expanded(disk, moving, x=1.0, y=1.0):
+    """The series of a start whose constants were changed by these factors."""
     W = np.zeros(nodes.ROWS * nodes.ROOM)
-    start = point(VERTICAL, X, Y, disk.natural)
-    changed = start._replace(ratio=start.ratio * ratio, sigma4=start.sigma4 * sigma4)
-    departure.expand_start(W, moving, changed, disk.body)
+    departure.expand_start(W, moving, x * X, y * Y, disk.body)
     return W
 
 
@@ -31,18 +29,18 @@ def test_the_series_is_what_the_motion_gains(body, u):
     W = expanded(body, 0.25)
     h = math.sqrt(2.0 * (1.0 - u))
     gained = point(VERTICAL, X, Y, body.natural).V - point(h, X, Y, body.natural).V
-    at_start = departure.value(W, departure._LEFT, departure.TERMS, u)
+    at_start = departure.left_at(W, u)
     assert at_start == pytest.approx(0.25 + gained, abs=3e-14)
 
 
 @pytest.mark.parametrize("disk", [BODIES["uniform"], ex.Disk(I1=1e3, I3=2e3)], ids=["light", "heavy"])
 def test_the_doubt_is_what_rounding_of_the_start_makes_of_it(disk):
-    """Changes of sigma3 and sigma4 stand for their rounding: far above it, so that theirs does not count."""
+    """Changes of what sigma3 and sigma4 are made of stand for their rounding: far above it, so that theirs does not count."""
     share = 1e-6
     exact = expanded(disk, 0.25)
     ways = [expanded(disk, 0.25, 1.0 + share, 1.0 + sign * share) for sign in (1.0, -1.0)]
     for u in (1e-4, 0.01, 0.14):
-        values = [departure.value(W, departure._LEFT, departure.TERMS, u) for W in (exact, *ways)]
+        values = [departure.left_at(W, u) for W in (exact, *ways)]
         moved = max(abs(value - values[0]) for value in values) / share
         doubt = departure.doubt(exact, u) / (4.0 * np.finfo(float).eps)
         assert 0.1 * doubt <= moved <= doubt

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
+from explorer.motion.passages_by_quadrature import departures_of_energy
 from explorer.phase.gauss import packed_rules
 from kernels.integrals.low_falls import low_fall_batch
 from kernels.integrals.passages import fall_by_rules_batch
@@ -27,7 +28,8 @@ def test_falls_from_rest_are_those_of_the_adaptive_rule(name):
     disk, n = BODIES[name], 300
     bar, energy = from_rest(disk, n, 1)
     best = np.full((4, n), np.nan)
-    fall_by_rules_batch(bar, energy, VERTICAL, packed_rules(), disk.natural, best)
+    departures = departures_of_energy(disk, bar, energy)
+    fall_by_rules_batch(departures, VERTICAL, packed_rules(), disk.natural, best)
     for first, accuracy in ((1, 1e-2), (4, 1e-6), (8, 1e-10)):
         found = np.full((4, n), np.nan)
         low_fall_batch(bar, energy, first, accuracy, disk.leg_tables, disk.natural, found)

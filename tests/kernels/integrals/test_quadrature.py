@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 from conftest import BODIES
-from scipy.special import ellipkinc
 
 from explorer.phase.gauss import packed_rules
 from kernels.integrals import nodes
 from kernels.integrals.point import VERTICAL, Motion, motion_through
-from kernels.integrals.quadrature import Start, fall, passage
+from kernels.integrals.quadrature import Start, passage
 from kernels.status import Status
 
 
@@ -53,26 +52,3 @@ def test_a_motion_that_moves_away_from_flat_is_no_passage():
     status, row = passage(start, motion, 1e-9, packed_rules(), disk.natural, W)
     assert status == Status.BAD_INPUT
     assert math.isnan(row.chi)
-
-
-def test_half_a_passage_is_nearly_a_fall():
-    """On F itself the fall takes half the time of a passage beside it."""
-    disk = BODIES["uniform"]
-    _, beside = through(disk, 0.7, 1e-200, 1.0)
-    motion = motion_through(VERTICAL, 1.0, 0.7, 0.0, disk.natural)
-    W = np.zeros(nodes.ROWS * nodes.ROOM)
-    on_f = fall(VERTICAL, motion, packed_rules(), disk.natural, W)
-    assert 2.0 * on_f.time == pytest.approx(beside.time, abs=1e-12)
-    assert 2.0 * on_f.chi == pytest.approx(beside.chi - disk.race_limit, abs=1e-11)
-
-
-@pytest.mark.parametrize("rate", [1e-2, 1e-4, 1e-6])
-def test_a_slow_fall_without_spin_knows_its_error(rate):
-    """Its time is an elliptic integral, and the slower it begins the more rounding of the energy moves it."""
-    disk = BODIES["uniform"]
-    motion = motion_through(VERTICAL, rate, 0.0, 0.0, disk.natural)
-    found = fall(VERTICAL, motion, packed_rules(), disk.natural, np.zeros(nodes.ROWS * nodes.ROOM))
-    kinetic = 0.5 * disk.body.M * rate * rate
-    exact = math.sqrt(2.0 * disk.body.M / kinetic) * ellipkinc(0.25 * math.pi, -2.0 / kinetic)
-    assert abs(found.time - exact) <= found.error
-    assert found.error <= 50.0 * np.finfo(float).eps / kinetic * exact

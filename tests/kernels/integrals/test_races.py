@@ -18,6 +18,7 @@ def measured(error, status, eta, allowed=1.0):
     ways = races.Ways(
         sigma3_bar=0.3 * column,
         eta=np.array(eta),
+        speed=column,
         face=np.array([1.0, -1.0] * 3),
         theta_min=0.1 * column,
         chi=7.0 * column,
@@ -29,8 +30,9 @@ def measured(error, status, eta, allowed=1.0):
         status=np.array(status, np.int8),
     )
     disk, out = BODIES["thick"], np.empty((12, N))
+    level = ways.energy - disk.energy_at_flat(ways.sigma3_bar)
     terms, units = races.Terms(allowed, 1e-9), races.Units(2.0, 3.0, 5.0, 7.0)
-    falls = races.Falls(time=column, chi=0.1 * column, error=np.full(N, 1e-9))
+    falls = races.Falls(time=column, chi=0.1 * column, level=level, error=np.full(N, 1e-9))
     races.race_batch(ways, falls, terms, units, disk.natural, 0, out)
     return ways, races.RaceRow(*out)
 

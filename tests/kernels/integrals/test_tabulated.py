@@ -14,6 +14,7 @@ from conftest import BODIES
 from passing import batch, draw
 
 import explorer as ex
+from explorer.motion.passages_by_quadrature import departures_of_energy
 from explorer.phase.gauss import packed_rules
 from kernels._jit import numba_type
 from kernels.disk.body import Body
@@ -80,9 +81,10 @@ def test_falls_by_tables_and_by_one_rule_agree(name):
     sigma4 = b.dr0 * s3 / (b.k * b.r0)
     energy = 0.5 * (b.M * speed**2 + b.I1 * s3**2 + b.J * sigma4**2) + 1.0
     found = np.full((2, 4, n), np.nan)
-    passages.fall_batch(s3, energy, 0.0, disk.tables, disk.natural, found[0])
+    departures = departures_of_energy(disk, s3, energy)
+    passages.fall_batch(departures, 0.0, disk.tables, disk.natural, found[0])
     for out in found:  # the first has what tables serve
-        passages.fall_by_rules_batch(s3, energy, VERTICAL, packed_rules(), disk.natural, out)
+        passages.fall_by_rules_batch(departures, VERTICAL, packed_rules(), disk.natural, out)
     assert (found[0] != found[1]).any()
     allowed = 10 * (found[0][3] + found[1][3]) + 1e-13
     assert (abs(found[0][:3] - found[1][:3]) <= allowed).all()
@@ -123,9 +125,9 @@ passages.wide_batch(crossings, 1e-3, tables, disk, out, status)
 found = [*out.ravel()]
 passages.passage_batch(crossings, 1e-9, tables, disk, out, status)
 passages.passage_by_rules_batch(crossings, VERTICAL, 1e-9, rules, disk, out, status)
-given = np.array([1.0, -0.3, 0.5]), np.array([3.0, 2.0, 2.5])
-passages.fall_batch(*given, 0.0, tables, disk, falls)
-passages.fall_by_rules_batch(*given, VERTICAL, rules, disk, falls)
+given = passages.Departures(*np.array([[1.0, -0.3, 0.5], [2.5, 1.9, 2.4], [1.0, 0.8, 1e-9], [1e-16] * 3]))
+passages.fall_batch(given, 0.0, tables, disk, falls)
+passages.fall_by_rules_batch(given, VERTICAL, rules, disk, falls)
 print([x.hex() for x in (*found, *out.ravel(), *falls.ravel())], status.tolist())
 """
 
