@@ -35,7 +35,7 @@ def test_the_series_is_what_the_motion_gains(body, u):
 
 @pytest.mark.parametrize("disk", [BODIES["uniform"], ex.Disk(I1=1e3, I3=2e3)], ids=["light", "heavy"])
 def test_the_doubt_is_what_rounding_of_the_start_makes_of_it(disk):
-    """Changes of what sigma3 and sigma4 are made of stand for their rounding: far above it, so that theirs does not count."""
+    """Changes of the constants stand for rounding of their terms: far above it, so that theirs does not count."""
     share = 1e-6
     exact = expanded(disk, 0.25)
     ways = [expanded(disk, 0.25, 1.0 + share, 1.0 + sign * share) for sign in (1.0, -1.0)]

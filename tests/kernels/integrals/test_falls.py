@@ -28,7 +28,7 @@ def test_half_a_passage_is_nearly_a_fall():
     disk = BODIES["uniform"]
     W = np.zeros(nodes.ROWS * nodes.ROOM)
     beside = motion_through(VERTICAL, 1.0, 0.7, 1e-200, disk.natural)
-    _, row = passage(Start(VERTICAL, False, 0.0), beside, 1.0, packed_rules(), disk.natural, W)
+    _, row = passage(Start(VERTICAL, False, 0.0), beside, 1e-11, packed_rules(), disk.natural, W)
     on_f = falling(disk, 0.7, 0.5 * disk.body.M)
     assert 2.0 * on_f.time == pytest.approx(row.time, abs=1e-12)
     assert 2.0 * on_f.chi == pytest.approx(row.chi - disk.race_limit, abs=1e-11)
@@ -48,8 +48,8 @@ def test_a_fall_that_begins_at_rest_joins_those_that_cross_the_vertical(X):
     """The time is a smooth function of the energy, on both sides of that of a rest at the vertical."""
     disk, step = BODIES["hoop"], 1e-7 * X * X
     times = [falling(disk, X, moving).time for moving in (-2.0 * step, -step, step, 2.0 * step)]
-    middle = falling(disk, X, 1e-300).time
-    # Of even order a parabola remains, and square roots of the energy on one side.
+    middle = falling(disk, X, 1e-26).time
+    # A start with a speed saves a time in proportion to it; one that comes later is a smooth function of its tilt.
     roots = np.sqrt(step) * np.array([1.0, math.sqrt(2.0)])
     slopes = (middle - np.array(times[2:])) / roots
     assert slopes[0] == pytest.approx(slopes[1], rel=1e-2)
@@ -82,6 +82,6 @@ def test_what_is_not_known_of_the_start_is_told():
     disk = BODIES["thick"]
     known, blurred = falling(disk, 0.1, 1e-6), falling(disk, 0.1, 1e-6, 1e-12)
     moved = falling(disk, 0.1, 1e-6 + 1e-12)
-    assert blurred.chi == known.chi
+    assert blurred.chi == pytest.approx(known.chi, rel=1e-12)
     assert abs(moved.time - known.time) <= blurred.error
     assert known.error < 0.1 * blurred.error

@@ -110,7 +110,7 @@ def test_series_and_rules_agree_where_both_hold_the_motion(name):
     assert (abs(one.time / other.time - 1.0) <= one.time_error + other.time_error).all()
     # Rules say that they know less.
     more, less = np.sort([one.angle_error, other.angle_error], axis=0)
-    assert (there & (less > 20.0 * more)).sum() > 5
+    assert (there & (less > 5.0 * more)).sum() > 5
 
 
 def test_the_time_to_the_flattest_moment_is_that_of_a_cosine_where_the_wobble_is_small():
