@@ -205,6 +205,18 @@ def lay_nodes(W: Vector, panels: Panels, half: Matrix, whole: Matrix) -> int:
     return 2 * n
 
 
+@subroutine
+def place_nodes(W: Vector, panels: Panels, half: Matrix, whole: Matrix, start: Start, h_turn: float) -> int:
+    """Nodes of both panels, with what series know of E - V there; returns how many."""
+    n = lay_nodes(W, panels, half, whole)
+    nodes.place(W, n, start.h, h_turn, panels.y_end)
+    if start.moving > 0.0:
+        know(W, n, panels.y_end)
+    if h_turn > _DEEP:
+        know_beside_turn(W, n, panels.y_end)
+    return n
+
+
 @device
 def good_enough(error: float, noise: float, target: float, floor: float) -> bool:
     """True where two rules agree to `target`, or as far as rounding lets them, and rounding leaves that much."""
@@ -268,8 +280,7 @@ def passage(
     closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * b.inv_M, LEAST)))
     race = closed * motion.Y / h_turn * 2.0 * math.atan(math.tanh(0.5 * y_cut))
     # Nodes lie so near the turning point that E - V ~ y^2 has few digits as a difference.
-    series = h_turn > _DEEP
-    if series:
+    if h_turn > _DEEP:
         expand_turn(W, turn, motion, b)
     noise = rounding_noise(start, turn, y_cut, motion, disk)
     scale, rounding = end_scale(h_turn, y_end, length, start, motion, disk)
@@ -278,13 +289,8 @@ def passage(
     status, first = _LIMIT, 0
     for size in rules.sizes:
         last = first + int(size)
-        n = lay_nodes(W, panels, rules.packed[0, :, first:last], rules.packed[1, :, first:last])
-        first = last
-        nodes.place(W, n, start.h, h_turn, y_end)
-        if start.moving > 0.0:
-            know(W, n, y_end)
-        if series:
-            know_beside_turn(W, n, y_end)
+        half, whole = rules.packed[0, :, first:last], rules.packed[1, :, first:last]
+        n, first = place_nodes(W, panels, half, whole, start, h_turn), last
         nodes.integrands(W, n, motion, disk)
         chi_before, psi_before, time_before = chi, psi, time
         chi = 2.0 * (race + nodes.total(W, nodes.CHI, n))
@@ -293,7 +299,7 @@ def passage(
         angle_error, time_error = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
         if math.isnan(angle_error):
             continue  # nothing yet to compare the first rule with
-        slow_angles, slow_time = known_noise(W, 0 if series else n // 2, n, 2.0 * rounding, motion.level)
+        slow_angles, slow_time = known_noise(W, 0 if h_turn > _DEEP else n // 2, n, 2.0 * rounding, motion.level)
         quiet = _QUIET * EPSILON * abs(psi - chi)
         angle_noise = noise * (abs(race) + abs(chi)) + quiet + slow_angles
         time_noise = noise + slow_time / time

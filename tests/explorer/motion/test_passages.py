@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from scipy.special import ellipkinc
 
 import explorer as ex
 from explorer.motion.passages import passages_by, reference_passages
@@ -94,11 +95,15 @@ def test_falls_carry_an_error_estimate():
     assert got.fall_time[0] == pytest.approx(quick.impacts(quick.period)[0], abs=1e-10)
 
 
-def test_a_fall_from_rest_whose_time_is_lost_in_rounding_is_not_given():
-    """From (sigma3_bar, phidot) = (0, 0) it never leaves; a hair beside, rounding decides when."""
-    got = ex.passages(BODIES["uniform"], [0.0, 0.0], 0.0, [0.0, 1e-12])
-    assert (got.status == ex.Status.STEP_LIMIT).all()
-    assert np.isnan(got.fall_time).all()
+def test_a_fall_from_rest_is_not_given_and_one_from_a_hair_beside_is_known():
+    """From (sigma3_bar, phidot) = (0, 0) it never leaves; a hair beside, its time is an elliptic integral."""
+    disk, phidot = BODIES["uniform"], 1e-12
+    got = ex.passages(disk, [0.0, 0.0], 0.0, [0.0, phidot])
+    assert (got.status == [ex.Status.STEP_LIMIT, ex.Status.FALLS]).all()
+    assert np.isnan(got.fall_time[0])
+    kinetic = 0.5 * disk.body.M * phidot**2
+    exact = np.sqrt(2.0 * disk.body.M / kinetic) * ellipkinc(0.25 * np.pi, -2.0 / kinetic)
+    assert got.fall_time[1] == pytest.approx(exact, rel=1e-12)
 
 
 def test_a_passage_that_turns_before_flat_is_refused_by_all_methods():
