@@ -6,9 +6,12 @@ import re
 import shutil
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import pytest
+
+from kernels import _jit
 
 ROOT = Path(__file__).parents[2]
 
@@ -132,31 +135,42 @@ def test_without_a_writable_cache_folder_it_works_with_one_warning(warm, tmp_pat
     assert done.stderr.count("no cache for compiled code") == 1
 
 
-ONLY_THE_FOLDER = "from kernels._jit import cache_folder; print(cache_folder())"
+@pytest.fixture
+def folder_below(monkeypatch):
+    """The cache folder that a process would choose below a place, and what it warns of."""
+
+    def look(place):
+        monkeypatch.setenv("NUMBA_CACHE_DIR", str(place))
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            return _jit.cache_folder.__wrapped__(), "".join(str(each.message) for each in said)
+
+    return look
 
 
 @pytest.mark.skipif(os.name != "posix", reason="modes are those of POSIX")
-def test_the_cache_folder_is_for_its_owner_only(tmp_path):
+def test_the_cache_folder_is_for_its_owner_only(folder_below, tmp_path):
     """Compiled code is a pickle: whoever can write it runs as the one who loads it."""
-    made = Path(run(ONLY_THE_FOLDER, ROOT, NUMBA_CACHE_DIR=str(tmp_path / "new")).stdout.strip())
-    assert (made.stat().st_mode & 0o777, made.parent.stat().st_mode & 0o777) == (0o700, 0o700)
+    made, said = folder_below(tmp_path / "new")
+    assert (made.stat().st_mode & 0o777, made.parent.stat().st_mode & 0o777, said) == (0o700, 0o700, "")
     made.chmod(0o770)
-    refused = run(ONLY_THE_FOLDER, ROOT, NUMBA_CACHE_DIR=str(made.parent))
-    assert refused.stdout.strip() == "None"
-    assert "can be written by other users; remove" in refused.stderr
+    refused, said = folder_below(made.parent)
+    assert refused is None
+    assert "can be written by other users; remove" in said
     made.chmod(0o700)
     made.parent.chmod(0o777)
-    assert "may replace what is in it" in run(ONLY_THE_FOLDER, ROOT, NUMBA_CACHE_DIR=str(made.parent)).stderr
+    assert "may replace what is in it" in folder_below(made.parent)[1]
     made.parent.chmod(0o1777)  # as /tmp: nobody removes what another owns
-    assert run(ONLY_THE_FOLDER, ROOT, NUMBA_CACHE_DIR=str(made.parent)).stdout.strip() == str(made)
+    assert folder_below(made.parent) == (made, "")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="owners are those of POSIX")
-def test_a_cache_folder_of_another_user_is_refused(tmp_path):
-    another = "import os; mine = os.geteuid(); os.geteuid = lambda: mine + 1\n"
-    refused = run(another + ONLY_THE_FOLDER, ROOT, NUMBA_CACHE_DIR=str(tmp_path))
-    assert refused.stdout.strip() == "None"
-    assert "belongs to another user" in refused.stderr
+def test_a_cache_folder_of_another_user_is_refused(folder_below, tmp_path, monkeypatch):
+    mine = os.geteuid()
+    monkeypatch.setattr(os, "geteuid", lambda: mine + 1)
+    refused, said = folder_below(tmp_path)
+    assert refused is None
+    assert "belongs to another user" in said
 
 
 def test_a_corrupted_cache_is_replaced_or_ignored(warm, tmp_path):
@@ -167,12 +181,11 @@ def test_a_corrupted_cache_is_replaced_or_ignored(warm, tmp_path):
     assert run(ASK, copy, NUMBA_CACHE_DIR=str(cache)).stdout.split()[0] == "1.0"
 
 
-def test_moving_or_renaming_a_file_is_a_new_source(tmp_path):
+def test_moving_or_renaming_a_file_is_a_new_source(tmp_path, monkeypatch):
     """The digest that names the cache's folder sees sub-folders, names and contents."""
     copy = copy_of_kernels(tmp_path) / "kernels"
-
-    def digest():
-        return run("from kernels._jit import source_digest; print(source_digest())", tmp_path).stdout
+    monkeypatch.setattr(_jit, "__file__", str(copy / "_jit.py"))
+    digest = _jit.source_digest.__wrapped__
 
     digests = [digest()]
     (copy / "disk" / "field.py").rename(copy / "disk" / "fields.py")

@@ -89,7 +89,7 @@ def test_any_tube_ends_with_a_finite_weight_and_a_status_for_every_draw(box, del
 def test_intervals_cover_over_four_hundred_small_runs():
     """Between 92 % and 98 % of the 95 % intervals of C, of the slope and of a rung contain the truth."""
     disk = ex.Disk.uniform()
-    shares = coverage(disk, Density.of(disk, "phi=-1:1"), runs=400, draws=256, seed=12)
+    shares = coverage(disk, Density.of(disk, "phi=-1:1"), runs=400, draws=128, seed=12)
     assert all(0.92 <= share <= 0.98 for share in shares), shares
 
 

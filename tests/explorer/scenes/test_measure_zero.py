@@ -9,6 +9,7 @@ import pytest
 from conftest import computed
 
 import explorer as ex
+from explorer.errors import Interrupted
 from explorer.scenes import measure_zero_draws, measure_zero_summary
 from explorer.scenes.registry import build_scene
 
@@ -114,7 +115,7 @@ def test_the_correction_to_the_law_shrinks_like_delta():
 
 
 def test_numbers_do_not_depend_on_jobs(tmp_path):
-    options = {"samples": 20_000, "tube": 20_000, "ladder": "1e-5:1e-1", "figures": False}
+    options = {"samples": 20_000, "tube": 2048, "ladder": "1e-5:1e-1", "figures": False}
     found = [ex.run("measure-zero", out=tmp_path / str(jobs), jobs=jobs, **options) for jobs in (1, 3)]
     assert found[0].summary == found[1].summary
     tables = [list(run.tables()) for run in found]
@@ -166,13 +167,20 @@ def test_a_density_given_in_python_is_sampled_and_identified(tmp_path):
         scene_of(tmp_path / "mine")
 
 
-def test_a_run_can_be_resumed_from_its_folder(tmp_path):
+def test_a_run_can_be_resumed_from_its_folder(tmp_path, monkeypatch):
+    """Also where it was stopped before its first chunk."""
+    from explorer.runs import workers
     from explorer.runs.folder import scene_of
 
+    def stopped(*_):
+        raise KeyboardInterrupt
+
     options = {"energy": "1.2:4", "gaussian": "sigma3=0.5:1", "box": "phi=-1:1", "sampling": "sobol"}
-    small = {"samples": 1000, "tube": 512, "ladder": "1e-7:1e-1", "figures": False}
-    run = ex.run("measure-zero", out=tmp_path / "run", **small, **options)
-    assert scene_of(tmp_path / "run").options() == run.scene.options()
+    small = {"samples": 1000, "tube": 512, "ladder": "1e-7:1e-1"}
+    monkeypatch.setattr(workers, "compute_chunk", stopped)
+    with pytest.raises(Interrupted):
+        ex.run("measure-zero", out=tmp_path / "run", **small, **options)
+    assert scene_of(tmp_path / "run").options() == build_scene("measure-zero", **small, **options).options()
 
 
 @pytest.mark.parametrize(
