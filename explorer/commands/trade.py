@@ -247,7 +247,13 @@ def _check_size(scene: Scene) -> None:
 
 def _check(scene: Scene, trial: Trial) -> None:
     """Raise InputError where there is too little to measure, or no answer to compare with."""
-    known = int(trial.known.sum())
+    known, size = int(trial.known.sum()), trial.known.size
+    if not trial.in_time and 2 * known < size:
+        # Those that adaptive rules give up on, by rounding, take them and small steps longest of all.
+        raise InputError(
+            f"--disk {scene.label}: {known:,} of {size:,} {trial.kind} have a known answer, and so few do not "
+            "tell methods apart; give another disk, or a box whose starts are less slow"
+        )
     if not trial.in_time and known < FEWEST:
         raise InputError(
             f"--samples {getattr(scene, 'samples', '')}, --disk {scene.label}: {known} {trial.kind} have a known "
