@@ -2,6 +2,7 @@
 
     python tests/faults/mutants.py STORE            # goes on where STORE, a JSON file, ends; Linux
     python tests/faults/mutants.py STORE --again    # those that no test noticed, with the tests of now
+    python tests/faults/mutants.py STORE --table    # writes results/faults/mutants.md
 
 Kernels are interpreted, so that no change has to be compiled. Each change is tried in a copy of the project, in a
 fork of a process that has loaded all libraries. First the tests beside the changed file are asked about all
@@ -9,6 +10,9 @@ changes, then for those that none of these noticed the tests of the room, then t
 tests that reach the changed function, quick ones first, up to a budget of processor time; what a test reaches, and
 how long it takes, is found out when its file is first needed. A change is killed by a test that fails, and by
 processor time that grows fivefold.
+
+What nobody noticed is judged by people: a row of STORE may have "judgement", why the change alters no result, or
+"gone" where its line is no longer there. Without either it is a change that a claim is missing for.
 """
 
 import argparse
@@ -35,6 +39,7 @@ CLAIMS = {
     "kernels": ("tests/kernels", *(f"tests/explorer/{room}" for room in ("phase", "motion", "measure"))),
     "explorer": tuple(f"tests/explorer/{room}" for room in ("phase", "motion", "measure", "portrait", "scenes")),
 }
+OUT = ROOT / "results" / "faults" / "mutants.md"
 STAGES = ("beside", "room", "above")
 COUNTS = {"kernels": 200, "explorer": 120}
 LONGEST = 1.5  # seconds of processor time; slower tests are not asked
@@ -254,13 +259,51 @@ def try_layer(layer, store, seed, again):
                 print("{file}:{line}: {result} {asked}: {was}  ->  {is}".format(**row), flush=True)
 
 
+def table(store):
+    """How many changes of each layer were noticed, and what is known of the others."""
+    rows = json.loads(store.read_text())
+    text = [
+        "# Changes of one line, and whether the tests notice",
+        "",
+        "Made by `python tests/faults/mutants.py STORE --table`. At random places of the numerical code one",
+        "operator, comparison, constant, sign or term was changed, one at a time. Kernels were interpreted. A",
+        "change whose line was rewritten before it was noticed is gone. What alters no result cannot be noticed.",
+        "",
+        "| layer | changes | noticed | gone | alter no result | not noticed |",
+        "|---|---|---|---|---|---|",
+    ]
+    for layer in CLAIMS:
+        of = [row for row in rows if row["file"].startswith(layer)]
+        left = [row for row in of if row["result"] == "survived"]
+        judged = Counter(judgement(row) for row in left)
+        gone, missing = judged["gone"], judged["a claim is missing"]
+        counts = (layer, len(of), len(of) - len(left), gone, len(left) - gone - missing, missing)
+        text.append("| " + " | ".join(map(str, counts)) + " |")
+    text += ["", "Those that were not noticed:", "", "| where | was | is | why |", "|---|---|---|---|"]
+    for row in sorted((row for row in rows if row["result"] == "survived"), key=lambda row: row["file"]):
+        if judgement(row) != "gone":
+            lines = (f"`{row[name]}`".replace("|", "\\|") for name in ("was", "is"))
+            cells = (f"{row['file']}, {row['function'] or 'constants'}", *lines, judgement(row))
+            text.append("| " + " | ".join(cells) + " |")
+    OUT.write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
+def judgement(row):
+    """Why nobody noticed a change."""
+    return row.get("judgement", "a claim is missing")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("store", type=Path)
     parser.add_argument("--layer", choices=CLAIMS, action="append")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--again", action="store_true")
+    parser.add_argument("--table", action="store_true")
     given = parser.parse_args()
+    if given.table:
+        table(given.store)
+        return
     for layer in given.layer or CLAIMS:  # each in a process of its own, where kernels are interpreted or compiled
         pid = os.fork()
         if pid == 0:

@@ -63,10 +63,9 @@ def test_ordinary_passages_are_all_left_to_the_tables(name):
     assert (fast[5] <= 1e-11 * np.fmax(1.0, abs(fast[1]))).all()
 
 
-def test_a_single_passage_is_left_to_the_tables_and_agrees_with_the_rules():
-    (fast, _), (slow, _) = (
-        batch(BODIES["uniform"], *np.array([[1.0], [1e-3], [1.0]]), 1e-11, tables) for tables in (True, False)
-    )
+def test_a_few_passages_are_left_to_the_tables_and_agree_with_the_rules():
+    samples = np.array([[1.0, -0.3, 0.5], [1e-3, -1e-8, 1e-5], [1.0, 1.5, 0.7]])
+    (fast, _), (slow, _) = (batch(BODIES["uniform"], *samples, 1e-11, tables) for tables in (True, False))
     assert not (fast[5:7] == slow[5:7]).any()
     assert (abs(fast - slow)[1:4] <= 1e-11 * slow[3]).all()
     assert (fast[5:7] <= 1e-11).all()

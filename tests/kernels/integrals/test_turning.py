@@ -45,3 +45,17 @@ def test_a_start_where_the_motion_cannot_be_has_no_turning_point():
     natural = BODIES["uniform"].natural
     below = Motion(0.7, 1e-3, 0.5 * point(VERTICAL, 0.7, 1e-3, natural).V)
     assert math.isnan(turning_point(VERTICAL, False, below, natural, room()))
+
+
+def test_a_motion_just_below_the_crest_of_its_potential_turns_back_before_it():
+    """The crest lies between two of the few tilts that are looked at first."""
+    natural, X, Y = BODIES["uniform"].natural, 0.2, 1.0
+    h = np.linspace(1.3, VERTICAL, 401)
+    V = np.array([point(each, X, Y, natural).V for each in h])
+    crest = V.argmax()
+    assert 0 < crest < 400
+    level = V[crest] * (1.0 - 1e-5)
+    assert level > V[-1]
+    found = turning_point(VERTICAL, False, Motion(X, Y, level), natural, room())
+    assert h[crest] < found < VERTICAL
+    assert pytest.approx(level, rel=1e-12) == point(found, X, Y, natural).V

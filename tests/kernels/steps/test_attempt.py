@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from steppers import UNIFORM, march, start
+from steppers import UNIFORM, march, random_states, start
 
 from kernels.disk.field import ANGLES, PATH, REDUCED, State, energy
 from kernels.status import Status
@@ -43,6 +43,13 @@ def test_events_are_located_to_rounding(method, event, target):
         target = 0.5 * (low + high)
     y = locate(method, x, end, h, Stop(event, target), b)
     assert events.level(y, event) == pytest.approx(target, abs=5e-16)
+
+
+def test_an_event_is_located_also_where_the_first_guess_leads_away_from_it():
+    """A step so long that the cubic through its ends misses the event, and short steps do not find it."""
+    b, x, h = UNIFORM.body, State(*random_states(60, seed=5)[:, 34], 0.0, 0.0), 1.0
+    y = locate(RK4, x, rk4_step(x, h, b), h, Stop(events.TURNING_POINT, 0.0), b)
+    assert abs(y.p) <= 5e-16
 
 
 def test_the_path_depth_adds_the_centre_and_leaves_the_rest_close():

@@ -65,6 +65,13 @@ def test_work_is_bounded_at_an_equilibrium_and_the_other_samples_finish(method, 
     assert (np.delete(status, 3) == Status.OK).all()
 
 
+def test_no_sample_goes_on_when_its_steps_are_spent_though_no_other_is_through():
+    out, status, steps, _ = run_batch(RK4, ANGLES, random_states(3), 0.05, max_steps=4)
+    assert (status == Status.STEP_LIMIT).all()
+    assert (steps == 4).all()
+    assert np.isnan(out).all()
+
+
 def test_a_tolerance_below_rounding_ends_with_its_own_status():
     _, status, _, _ = run_batch(DOPRI5, ANGLES, random_states(5), 1e-30)
     assert (status == Status.STEP_TOO_SMALL).all()

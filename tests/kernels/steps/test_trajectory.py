@@ -9,7 +9,7 @@ from kernels.disk.falling import potential_at_flat
 from kernels.disk.field import ANGLES, ROW, State, column
 from kernels.status import Status
 from kernels.steps import trajectory
-from kernels.steps.attempt import DOP853, Integration, Outcome
+from kernels.steps.attempt import DOP853, RK4, Integration, Outcome
 from kernels.steps.events import TIME, TURNING_POINT, Stops
 
 
@@ -25,15 +25,19 @@ def follow(states, how, values, event=TURNING_POINT, pinned=None):
     return out, status, steps, errors
 
 
-@pytest.mark.parametrize(("method", "control"), CASES, ids=NAMES)
-def test_lanes_give_bit_for_bit_what_one_trajectory_after_another_gives(method, control):
-    states = random_states(333)
+@pytest.mark.parametrize(
+    ("method", "control", "count"),
+    [*((*case, 333) for case in CASES), (RK4, 0.5, 2)],
+    ids=[*NAMES, "a few long steps"],
+)
+def test_lanes_give_bit_for_bit_what_one_trajectory_after_another_gives(method, control, count):
+    states = random_states(count)
     fast = run_batch(method, ANGLES, states, control)
     n = states.shape[1]
     how = Integration(method, ANGLES, np.full(n, control), 100_000, 1e-2)
     slow, _status, steps, _errors = follow(states, how, np.zeros(1))
     reached = fast[1] == Status.OK
-    assert reached.sum() > 300
+    assert reached.mean() > 0.9
     np.testing.assert_array_equal(fast[0][:, reached].T, slow[reached, 0, :8])
     np.testing.assert_array_equal(fast[2], steps)
 
@@ -41,8 +45,8 @@ def test_lanes_give_bit_for_bit_what_one_trajectory_after_another_gives(method, 
 def test_equal_stops_are_met_one_after_the_other_and_different_ones_may_share_a_step():
     states = random_states(5)
     how = Integration(DOP853, ANGLES, np.full(5, 1e-10), 10_000, 1e-3)
-    turns = follow(states, how, np.zeros(2))[0][:, :, ROW.t]
-    assert (turns[:, 1] > turns[:, 0] + 0.1).all()
+    turns = follow(states, how, np.array([0.0, 0.0, 0.01]))[0][:, :, ROW.t]
+    assert (np.diff(turns[:, :2]) > 0.1).all()
     times = np.linspace(1.0, 1.01, 20)
     there = follow(states, how, times, TIME)[0][:, :, ROW.t]
     np.testing.assert_allclose(there, np.tile(times, (5, 1)), atol=1e-14)
