@@ -158,7 +158,7 @@ class States:
 
     def at(self, rows: NDArray[np.intp]) -> States:
         """Some of the states, by their numbers."""
-        if not (isinstance(rows, np.ndarray) and rows.dtype.kind in "ib" and rows.ndim == 1):
+        if not (type(rows) is np.ndarray and rows.dtype.kind in "ib" and rows.ndim == 1):
             rows = self._rows_of(rows)
         exact = None if self.exact is None else LinearConstants(*(column[rows] for column in self.exact))
         return States(self.disk, np.ascontiguousarray(self.natural[:, rows]), self.status[rows], exact)

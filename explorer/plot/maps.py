@@ -26,6 +26,7 @@ from explorer.plot.style import (
     coordinate_label,
     dress,
     legend_below,
+    say_if_nothing,
     styled,
     values_label,
 )
@@ -46,6 +47,7 @@ def _colour_tilt(ax: Axes, x: Array, y: Array, theta: Array, method: str, **look
     bar.set_ticks(np.log10(_TILTS).tolist(), labels=[f"{tilt:g}" for tilt in _TILTS])
     bar.set_label(rf"$\theta_{{\min}}$ (rad), {method_in_words(method)}", fontsize=TEXT)
     bar.ax.tick_params(labelsize=SMALL)
+    say_if_nothing(ax, theta, "no sample was computed")
 
 
 @captioned(

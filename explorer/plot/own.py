@@ -22,6 +22,7 @@ from explorer.plot.style import (
     coordinate_label,
     dress,
     legend,
+    say_if_nothing,
     styled,
     values_label,
 )
@@ -76,6 +77,7 @@ def observable_map(found: SliceMap | Scan, name: str | None = None, ax: Axes | N
         raise InputError("found: has no states; give some that were scanned")
     ax = axes_or_new(ax)
     numbers = values.astype(np.float64)
+    say_if_nothing(ax, numbers, f"{_title(name)} is not known of any state")
     if isinstance(found, SliceMap):
         return _plane(ax, found, name, numbers, look)
     return _states(ax, found, name, numbers, look)
@@ -201,6 +203,9 @@ def _edges(race: Array, bins: Any, reach: tuple[float, float] | None) -> Array:
         edges: Array = np.histogram_bin_edges(race, bins, reach)
         if edges.size < 2 or edges.size > _MOST_BINS + 1 or not np.isfinite(edges).all():
             raise ValueError(f"there would be {edges.size:,} edges, from {edges.min():g} to {edges.max():g}")
+        if not np.histogram(race, edges)[0].any():
+            ends = f"{race.min():g} to {race.max():g} rad"
+            raise InputError(f"range: holds none of the race angles, which go from {ends}; give a wider one")
     return edges
 
 

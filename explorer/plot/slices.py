@@ -23,6 +23,7 @@ from explorer.plot.style import (
     coordinate_label,
     dress,
     legend_below,
+    say_if_nothing,
     styled,
     values_label,
 )
@@ -82,6 +83,7 @@ def race_slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
     signed = signed_tilt(cut)
     mesh = ax.pcolormesh(cut.x, cut.y, signed, **styled(look, cmap=_SIDES, vmin=-1.0, vmax=1.0, rasterized=True))
     _tilt_bar(ax, mesh)
+    say_if_nothing(ax, signed, "no sample was computed")
     _name_sides(ax, cut, signed)
     handles: list[Artist] = []
     never = cut.side == 0

@@ -224,6 +224,12 @@ def arrow(ax: Axes, path: Array, row: int, colour: str, size: float = 17.0) -> N
     ax.annotate("", tuple(path[-1]), xytext=tuple(path[far[-1]]), arrowprops=look, zorder=6)
 
 
+def say_if_nothing(ax: Axes, values: Array, text: str) -> None:
+    """Say in the middle of a picture why it is empty, where none of what it shows is known."""
+    if not np.isfinite(values).any():
+        ax.text(0.5, 0.5, text, ha="center", va="center", transform=ax.transAxes, fontsize=TEXT)
+
+
 def mark_beyond(ax: Axes, x: Array, y: Array, colour: str, texts: Sequence[str] = ()) -> None:
     """Mark points that lie above or below the axes by a triangle at the edge, with what they are."""
     low, high = ax.get_ylim()

@@ -52,3 +52,32 @@ def test_states_from_constants_keep_the_eta_that_doubles_of_a_state_lose():
 def test_what_is_no_number_is_named():
     with pytest.raises(ex.InputError, match="sigma3 = 'x'"):
         phi_to_states(BODIES["uniform"], 0.0, 1.0, "x", 0.7)
+
+
+@pytest.mark.parametrize("rows", [None, 1.0, "x", [[0, 1]], [0.5], np.ma.array([0, 1], mask=[0, 1]), object()])
+def test_what_chooses_no_states_is_refused(rows):
+    states = ex.phi_to_states(ex.Disk.uniform(), 0.1, [0.2, 0.3], 0.4, 0.5)
+    with pytest.raises(ex.InputError, match=r"chooses no states; give a number below 2"):
+        states[rows]
+    with pytest.raises(ex.InputError, match="chooses no states"):
+        states.at(rows)
+
+
+def test_a_loop_over_states_ends_and_a_number_beyond_them_is_told():
+    states = ex.phi_to_states(ex.Disk.uniform(), 0.1, [0.2, 0.3], 0.4, 0.5)
+    assert [len(each) for each in states] == [1, 1]
+    for error in (IndexError, ex.InputError):
+        with pytest.raises(error, match="there are 2 states"):
+            states[2]
+
+
+def test_states_are_made_by_their_charts():
+    disk = ex.Disk.uniform()
+    good = ex.phi_to_states(disk, 0.1, [0.2, 0.3], 0.4, 0.5)
+    for wrong in ((disk, None, None), (disk, good.natural, good.status[:1]), (disk, good.natural.T, good.status)):
+        with pytest.raises(ex.InputError, match="let phi_to_states and its like make them"):
+            ex.States(*wrong)
+    with pytest.raises(ex.InputError, match="is not a Disk"):
+        ex.States("uniform", good.natural, good.status)
+    with pytest.raises(ex.InputError, match="leave both out"):
+        ex.States(disk, good.natural, good.status, 1.0)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from conftest import BODIES, computed
 
+import explorer as ex
 from explorer import plot
 from explorer.portrait.slices import Slice, slice_map
 from explorer.scenes.registry import build_scene
@@ -66,3 +67,14 @@ def test_the_unit_of_the_axes_is_that_of_the_numbers():
     )
     assert natural == r"$\sigma_3$ ($\sqrt{g/r}$)"
     assert given == rf"$\sigma_3$ (units of the disk; $\sqrt{{g/r}}$ = {coin.rate_unit:.4g})"
+
+
+def test_a_picture_of_no_sample_says_so_and_one_sample_is_a_point():
+    none = ex.portrait.flattest_per_cell(ex.phi_to_states(UNIFORM, 2.0, 1.0, 1.0, 0.7), cells=4)
+    assert "no sample was computed" in [text.get_text() for text in plot.constants_plane(none).texts]
+    for theta, told in (([], "no sample was computed"), ([0.0, 0.0], "all samples fall flat")):
+        assert plot.theta_min_distribution(theta).texts[0].get_text() == told
+    assert plot.theta_min_distribution([0.1]).lines[0].get_marker() == "o"
+    for theta, samples, says in (([0.1, 0.2], 1, "samples = 1: theta has 2"), ([-0.1], None, "theta has -0.1")):
+        with pytest.raises(ex.InputError, match=says):
+            plot.theta_min_distribution(theta, samples)

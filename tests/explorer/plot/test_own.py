@@ -50,3 +50,16 @@ def test_what_cannot_be_drawn_is_refused_in_words(plane):
         plot.race_angle_histogram({"race": [1.0]})
     with pytest.raises(ex.InputError, match="no race angle that is known"):
         plot.race_angle_histogram({"race_angle": [np.nan], "side": [1]})
+
+
+def test_what_nobody_knows_is_said_and_bins_without_a_race_angle_are_refused():
+    bad = ex.scan(ex.phi_to_states(DISK, 2.0, [1.0, 2.0], 1.0, 0.7), "theta_min")
+    assert plot.observable_map(bad).texts[0].get_text() == "theta min is not known of any state"
+    with pytest.raises(ex.InputError, match="found: has no states"):
+        plot.observable_map(ex.scan(ex.phi_to_states(DISK, [], [], [], []), "theta_min"))
+    table = {"race_angle": [7.0, -7.0], "side": [1, -1]}
+    with pytest.raises(ex.InputError, match="holds none of the race angles, which go from -7 to 7 rad"):
+        plot.race_angle_histogram(table, range=(100, 200))
+    for bins in (0, [2.0, 1.0], "nonsense", 10**9, [np.nan, 1.0]):
+        with pytest.raises(ex.InputError, match="bins"):
+            plot.race_angle_histogram(table, bins=bins)

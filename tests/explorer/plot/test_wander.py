@@ -5,6 +5,7 @@ import pytest
 from conftest import BODIES
 from wandering import start
 
+import explorer as ex
 from explorer import plot
 from explorer.portrait.wander import wander
 
@@ -41,3 +42,15 @@ def test_the_radius_peaks_at_the_resonance(resonant):
     assert ax.lines[1].get_xdata()[0] == resonant[0]
     turns = ax.child_axes[0].lines[0]
     assert np.interp(resonant[0], *turns.get_data()) == pytest.approx(2.0, abs=1e-3)
+
+
+def test_the_radius_is_drawn_of_the_motions_that_are_known():
+    disk, bars = ex.Disk.uniform(), [0.6, 0.65, 0.7]
+    found = ex.portrait.wander(ex.constants_to_states(disk, bars, [0.05, 0.0, 0.05], 1.0))
+    assert np.isnan(found.radius).tolist() == [False, True, False]
+    assert np.isfinite(plot.wander_radius(disk, bars, found).lines[0].get_ydata()).all()
+    for wrong, says in (([0.6], "has 1 entries, wander 3"), ([0.7, 0.65, 0.6], "does not increase")):
+        with pytest.raises(ex.InputError, match=says):
+            plot.wander_radius(disk, wrong, found)
+    with pytest.raises(ex.InputError, match="of no motion the period is known"):
+        plot.wander_radius(disk, [np.nan] * 3, found)

@@ -131,6 +131,20 @@ def test_samples_are_tables_with_status_by_name(finished):
         finished.arrow(["race_angel"])
 
 
+def test_what_is_no_part_no_column_and_no_picture_of_a_run_is_refused(computed_once):
+    for wrong in (None, [], "races", [1]):
+        with pytest.raises(ex.InputError, match=r"run\(...\), open\(folder\) and merge\(...\) make runs"):
+            ex.Run(wrong)
+    for wrong in (1, "theta_min", [1], {"theta_min": [1]}.values()):
+        for read in (computed_once.arrow, computed_once.frame, computed_once.tables):
+            with pytest.raises(ex.InputError, match=r"columns = .*: give a list of"):
+                read(wrong)
+    with pytest.raises(ex.InputError, match="column 'theta' is not known; did you mean 'theta_min'"):
+        computed_once.tables(["theta"])
+    with pytest.raises(ex.InputError, match="figure = None is no picture of this run"):
+        computed_once.figure(None)
+
+
 def test_a_run_describes_itself_in_a_few_lines(finished):
     assert len(repr(finished)) < 600
     assert repr(finished).startswith(f"Run of race-angles, stored in {finished.folder}")
