@@ -223,10 +223,7 @@ def theta_min_distribution(
     low, high = poisson_interval(below)
     ax.fill_between(values, low / samples, high / samples, color=ACCENT, alpha=0.25, lw=0, label="95 %")
     if counts.total > _FEWEST:
-        middle = int(np.searchsorted(below, counts.total // 100))
-        guide = np.array([values[0], min(1.0, values[-1])])
-        label = rf"$\propto \delta$, through the flattest {100.0 * share[middle]:.2g} %"
-        ax.loglog(guide, share[middle] * guide / values[middle], color=LAW, ls="--", lw=1.2, label=label)
+        _guide(ax, values, share, int(np.searchsorted(below, counts.total // 100)))
         ax.set_ylim(0.5 / samples, 1.5)
     legend_below(ax, ncols=3)
     return dress(
@@ -236,6 +233,13 @@ def theta_min_distribution(
         "The flatter, the rarer",
         grid=True,
     )
+
+
+def _guide(ax: Axes, values: Array, share: Array, middle: int) -> None:
+    """A line of slope one through the point `middle`."""
+    ends = np.array([values[0], min(1.0, values[-1])])
+    label = rf"$\propto \delta$, through the flattest {100.0 * share[middle]:.2g} %"
+    ax.loglog(ends, share[middle] * ends / values[middle], color=LAW, ls="--", lw=1.2, label=label)
 
 
 def _counted(theta: Array) -> LogCounts:

@@ -72,9 +72,7 @@ def race_histogram(
     ['$10^{-5}$', '$10^{-3}$']
     """
     found = races if isinstance(races, RaceRidges) else RaceRidges.of_summary(races)
-    least, most = range if range is not None else _reach(found)
-    if not 0.0 < least < most:
-        raise InputError(f"range = {least:g}:{most:g}: both distances must be above 0, the smaller first")
+    least, most = _reach(found) if range is None else _above_zero(*range)
     ax = axes_or_new(ax)
     edges = _edges(least, most, bins)
     names = _ridges(ax, found, edges, least, look)
@@ -89,6 +87,13 @@ def race_histogram(
         r"decades of $|\hat\eta|$, each from ($\sqrt{g/r}$)",
         f"Race angles collapse onto ±κπ = ±{found.limit:.4f} rad{told}",
     )
+
+
+def _above_zero(least: float, most: float) -> tuple[float, float]:
+    """Distances as they are. Raises InputError for those that no logarithmic axis has."""
+    if not 0.0 < least < most:
+        raise InputError(f"range = {least:g}:{most:g}: both distances must be above 0, the smaller first")
+    return least, most
 
 
 def _ridges(ax: Axes, found: RaceRidges, edges: Array, least: float, look: dict[str, Any]) -> list[int]:

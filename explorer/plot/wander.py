@@ -25,6 +25,7 @@ from explorer.plot.style import (
 )
 from explorer.portrait.wander import Wander, WanderPath
 
+_UNBOUNDED = "The rosette has no bound where a period is whole turns"
 _BOUNDED = 1e6  # radii; a larger circle is straight in any picture, so none is drawn
 
 
@@ -227,8 +228,7 @@ def wander_radius(
     ax.set_ylim(0.0, 1.9 * top)
     ax.set_yticks([tick for tick in ax.get_yticks() if tick <= top])
     _turns_above(ax, fine, between, resonances or {})
-    title = "The rosette has no bound where a period is whole turns"
-    dress(ax, coordinate_label("sigma3_bar", disk), "radius of the rosette (r)", title)
+    dress(ax, coordinate_label("sigma3_bar", disk), "radius of the rosette (r)", _UNBOUNDED)
     ax.yaxis.set_label_coords(-0.075, 0.29)  # beside its own part of the axis; a new label would be in the middle
     return ax
 
