@@ -226,13 +226,8 @@ def theta_min_distribution(
         _guide(ax, values, share, int(np.searchsorted(below, counts.total // 100)))
         ax.set_ylim(0.5 / samples, 1.5)
     legend_below(ax, ncols=3)
-    return dress(
-        ax,
-        r"$\delta$ (rad)",
-        r"share of samples with $\theta_{\min} < \delta$",
-        "The flatter, the rarer",
-        grid=True,
-    )
+    share_name = r"share of samples with $\theta_{\min} < \delta$"
+    return dress(ax, r"$\delta$ (rad)", share_name, "The flatter, the rarer", grid=True)
 
 
 def _guide(ax: Axes, values: Array, share: Array, middle: int) -> None:

@@ -81,12 +81,9 @@ def race_histogram(
     legend_below(ax)
     wrong = races.get("wrong_way") if isinstance(races, Mapping) else None
     told = "" if wrong is None else f"; wrong way: {wrong:,}"
-    return dress(
-        ax,
-        "race angle less its limit ±κπ (rad)",
-        r"decades of $|\hat\eta|$, each from ($\sqrt{g/r}$)",
-        f"Race angles collapse onto ±κπ = ±{found.limit:.4f} rad{told}",
-    )
+    title = f"Race angles collapse onto ±κπ = ±{found.limit:.4f} rad{told}"
+    decades = r"decades of $|\hat\eta|$, each from ($\sqrt{g/r}$)"
+    return dress(ax, "race angle less its limit ±κπ (rad)", decades, title)
 
 
 def _above_zero(least: float, most: float) -> tuple[float, float]:

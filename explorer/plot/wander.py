@@ -220,9 +220,8 @@ def wander_radius(
     # Between the motions given chi(tau) and the step are smooth, and the radius is not: 2 |sin(chi/2)| r = step.
     fine = np.linspace(bars[0], bars[-1], max(40 * bars.size, 2)) if bars.size > 1 else bars
     between = np.interp(fine, bars, turns)
-    step = np.interp(fine, bars, step / disk.r)
     with np.errstate(divide="ignore"):
-        radius = step / (2.0 * abs(np.sin(np.pi * between)))
+        radius = np.interp(fine, bars, step / disk.r) / (2.0 * abs(np.sin(np.pi * between)))
     ax.plot(fine, radius, **styled(look, color=SERIES[1], lw=1.8))
     top = 6.0 * float(np.median(radius[np.isfinite(radius)])) if np.isfinite(radius).any() else 1.0
     ax.set_ylim(0.0, 1.9 * top)
