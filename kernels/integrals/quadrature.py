@@ -173,7 +173,9 @@ def rounding_noise(start: Start, turn: Point, y_cut: float, motion: Motion, disk
     gyration = 0.5 * disk.body.I1 * turn.ratio * turn.ratio
     terms = abs(motion.level) + gyration + abs(point(start.h, motion.X, motion.Y, disk).V)
     few = 1.0 + min(2.0 / y_cut, 2.0)  # on a short way
-    return _NOISE * EPSILON * few * (1.0 + terms / max(-turn.slope, EPSILON * gyration))
+    # Of a way that is very short doubles hold little: y^2/2 is h/h_turn - 1.
+    units = _NOISE * few + 4.0 / (y_cut * y_cut)
+    return units * EPSILON * (1.0 + terms / max(-turn.slope, EPSILON * gyration))
 
 
 @device
