@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
 from conftest import BODIES
@@ -85,3 +86,24 @@ def test_what_is_not_known_of_the_start_is_told():
     assert blurred.chi == pytest.approx(known.chi, rel=1e-12)
     assert abs(moved.time - known.time) <= blurred.error
     assert known.error < 0.1 * blurred.error
+
+
+@pytest.mark.parametrize("kinetic", [1e-4, 1e-8, 1e-14])
+def test_a_slow_fall_that_begins_below_the_vertical_knows_what_rounding_costs_it(kinetic):
+    """Its energy is a sum with most of its kinetic energy rounded off; 30 digits follow the same sum."""
+    disk, h = BODIES["uniform"], 1.0
+    level = point(h, 0.0, 0.0, disk.natural).V + kinetic
+    W = np.zeros(nodes.ROWS * nodes.ROOM)
+    found = fall(h, Departure(math.nan, 0.0), Motion(0.0, 0.0, level), packed_rules(), disk.natural, W)
+    with mpmath.workdps(30):
+        theta, M = 2 * mpmath.asin(mpmath.mpf(h) / 2), mpmath.mpf(disk.body.M)
+        moving = level - mpmath.sin(theta)
+
+        def rate(x):
+            """dt/dx, with x^2 the tilt fallen through."""
+            gained = 2 * mpmath.cos(theta - x * x / 2) * mpmath.sin(x * x / 2)
+            return 2 * x * mpmath.sqrt(M / (2 * (moving + gained)))
+
+        slow = mpmath.sqrt(moving)
+        exact = mpmath.quad(rate, sorted([0, slow / 4, slow, 4 * slow, 16 * slow, mpmath.sqrt(theta)]))
+    assert abs(found.time - exact) <= found.error <= 1e-6
