@@ -211,7 +211,7 @@ class Tube:
         """theta_min and status of the rows that count."""
         disk = self.natural.disk
         here, there = np.where(place.z >= 0.0, [eta, other], [other, eta]) * disk.eta_hat_to_eta(1.0)
-        starts = np.stack([place.h, place.phidot, bar, here, there])[:, rows]
+        starts = np.stack([place.h, place.phidot, bar, here, there, abs(place.z)])[:, rows]
         orbits = compiled.point.Orbits(*np.ascontiguousarray(starts))
         out, code = np.empty(rows.size), np.zeros(rows.size, np.int8)
         compiled.orbits.tilt_batch(orbits, accuracy, disk.natural, out, code)

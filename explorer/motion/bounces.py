@@ -58,8 +58,8 @@ class Bounces(Result):
     duration : array
         Time that the stretch takes.
     error_estimate : array
-        Of the angles (rad), of the duration (relative) and of the time to the first flattest moment (in
-        durations), whichever is largest. Later times are off by what the durations before them are.
+        Of the angles (rad), of the duration (relative) and of the time to the first flattest moment (in periods
+        of the motion), whichever is largest. Later times are off by what the durations before them are.
     status : array of int8
         `Status` of each state.
     states : States
@@ -198,8 +198,9 @@ def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], ac
 
     own = np.where(states.rows.z >= 0.0, 1.0, -1.0)
     energy = np.where(status == code.OK, found.energy, np.nan)
-    fall = falls_of_energy(disk, linear.sigma3_bar, energy, accuracy)
+    fall = falls_of_energy(disk, linear.sigma3_bar, energy, accuracy, orbits)
     error = in_turn(found.error_here, found.error_there) + np.nan_to_num(2.0 * fall.error)
+    error = np.fmax(error, found.first_error)
     allowed = np.fmax(LENIENCE * accuracy, FLOOR * (1.0 + np.nan_to_num(fall.time)))
     status[(status == code.OK) & ~(error <= allowed).all(axis=0)] = code.STEP_LIMIT
     time = found.time_here + np.nan_to_num(found.time_there)
@@ -210,7 +211,7 @@ def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], ac
         chi=in_turn(found.chi_here, found.chi_there),
         psi=in_turn(own * found.psi_here, -own * found.psi_there),
         duration=in_turn(found.time_here, found.time_there),
-        error=np.fmax(error, found.first_error),
+        error=error,
         first=found.first,
         between=np.where(crosses, 0.5 * time, time),
         fall_angle=2.0 * fall.chi,

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.motion.passages_by_quadrature import (
     chord,
+    departures_beside,
     departures_of_energy,
     near_flat,
     table_kernel,
@@ -74,12 +75,24 @@ def _near_flat(
 
 
 def falls_of_energy(
-    disk: Disk, sigma3_bar: Array, energy: Array, accuracy: float
+    disk: Disk,
+    sigma3_bar: Array,
+    energy: Array,
+    accuracy: float,
+    orbits: "compiled.point.Orbits | None" = None,
 ) -> "compiled.quadrature.FallRow[Array]":
-    """The falls on F of these constants, from the vertical or from rest below it; accuracy: of there and back."""
+    """The falls on F of these constants, from the vertical or from rest below it; accuracy: of there and back.
+
+    orbits: states of these motions; one at the vertical tells better than its energy how fast the fall begins.
+    """
     out = np.empty((4, sigma3_bar.size))
     given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
     departures = departures_of_energy(disk, *given)
+    if orbits is not None:
+        here = departures_beside(disk, compiled.passages.Crossings(given[0], orbits.near, abs(orbits.rate)))
+        upright = (orbits.z == 0.0) & np.isfinite(energy)
+        columns = (np.where(upright, *pair) for pair in zip(here, departures, strict=True))
+        departures = compiled.passages.Departures(*columns)
     compiled.passages.fall_batch(departures, accuracy, disk.tables, disk.natural, out)
     asked = np.isfinite(energy)
     if unanswered(out, asked):

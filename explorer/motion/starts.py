@@ -56,7 +56,7 @@ def orbit_starts(states: States, linear: LinearConstants) -> "compiled.point.Orb
     far = np.where(plus, linear.eta_minus, linear.eta_plus)
     h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
     return compiled.point.Orbits(
-        *np.nan_to_num(np.stack([h, np.where(plus, p, -p), linear.sigma3_bar, near, far]))
+        *np.nan_to_num(np.stack([h, np.where(plus, p, -p), linear.sigma3_bar, near, far, abs(z)]))
     )
 
 

@@ -61,6 +61,25 @@ def expand_start(W: Vector, moving: float, X: float, Y: float, b: Body) -> None:
 
 
 @subroutine
+def at_vertical(W: Vector, u: float, moving: float, X: float, Y: float, b: Body) -> tuple[float, float]:
+    """(E - V at the vertical, its rounding) where the kinetic energy at u is `moving`.
+
+    NaN where the series do not reach u, or a barrier may stand between.
+    """
+    if not u < WIDEST:
+        return math.nan, math.inf
+    expand_start(W, 0.0, X, Y, b)
+    rounding = doubt(W, u) + _ROUNDING * moving
+    there = moving - value(W, _LEFT, TERMS, u)
+    at = nodes.SERIES * ROOM + _LEFT
+    first, second = W[at + 1], W[at + 2]
+    lowest = -0.5 * first / second if second > 0.0 else 0.0
+    if 0.0 < lowest < u and not there + value(W, _LEFT, TERMS, lowest) > 0.0:
+        return math.nan, math.inf
+    return there, rounding
+
+
+@subroutine
 def value(W: Vector, first: int, terms: int, u: float) -> float:
     """The series that begins at `first`, at u."""
     at, result = nodes.SERIES * ROOM + first, 0.0

@@ -19,10 +19,10 @@ from kernels.disk.elementary import DEEPEST, cosine, exp_fall, log_ratio, sine
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import Entry, put
 from kernels.integrals import leg_tables, tabulated
-from kernels.integrals.ends import AT_VERTICAL, Ends, anywhere
+from kernels.integrals.ends import Ends, anywhere
 from kernels.integrals.leg_tables import LegTables, Wide
 from kernels.integrals.near_flat import Near, slope_of
-from kernels.integrals.point import VERTICAL, Motion, Orbits
+from kernels.integrals.point import Motion, Orbits
 from kernels.integrals.quadrature import FLOOR, PassageRow
 from kernels.integrals.tabulated import (
     ANGLE_ERROR,
@@ -60,7 +60,10 @@ TERMS = 4.0  # units of rounding in E - V, of the sizes of its terms
 _LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y
 _DEPTH, _PER_NODE = 2.5, 1.44  # in y: what rules of so many nodes look at
 _LONG = 3.0  # in y
-_SLOW = 1e-2  # of the energy above V_0
+# A motion is slow at an end below this part of |E - V_0| + 1; rules then miss so much, at most, of the share that
+# their last coefficients have.
+_SLOW, _MISSED = 0.02, 0.2
+BESIDE = 1e-5  # of h: a state so near an end tells the way there by its rate
 # Beside the turning point, of the angle of the race and of h there: thrice the largest that was seen.
 _TURN_RATE, _TURN_SHARE = 4.36, 3.0
 _LEAST_LEFT = 1e-300
@@ -153,7 +156,7 @@ def lay_panel(W: Vector, depth: float, wide: Wide, b: Body) -> None:
         slope = -slope_of(turn, at, motion.X, b)
         good = (slope > 0.0) & (W[Y_END * LANES + i] > 0.0)
         slope = slope if good else 1.0
-        W[CHECK * LANES + i] = 0.0 if good else 1.0
+        W[CHECK * LANES + i] = 0.0 if good else 2.0
         closed = at.D / (at.shape2 * at.shape * math.sqrt(slope * b.inv_M))
         W[CLOSED * LANES + i] = closed
         W[RACE * LANES + i] = closed * motion.Y / turn * W[RACE * LANES + i]
@@ -220,14 +223,15 @@ def tell_errors(W: Vector) -> None:
 
     Coefficients that fall like ratio^k leave the square of their share. On a long way, whose turning point stands
     apart from all else, a small part of the integrand falls more slowly than the rest, and the share is of that.
-    Where a motion is slow at its end, coefficients oscillate, and two in turn may be small by chance.
+    Where a motion is slow at its end, coefficients oscillate or fall off late, and two in turn may be small.
     """
     for i in range(LANES):
         chi, rest, time = share_of_tail(W, i, OF_CHI), share_of_tail(W, i, OF_REST), share_of_tail(W, i, OF_TIME)
         share = max(max(chi, rest), time)
         moving = W[MOVING * LANES + i]
-        slow = (moving > 0.0) & (moving < _SLOW * W[LEVEL * LANES + i])
-        missed = share * (math.sqrt(share) if slow | (W[Y_END * LANES + i] > _LONG) else share)
+        slow = (moving > 0.0) & (moving < _SLOW * (abs(W[LEVEL * LANES + i]) + 1.0))
+        root = math.sqrt(share)
+        missed = share * (max(root, _MISSED) if slow else root if W[Y_END * LANES + i] > _LONG else share)
         W[ANGLE_ERROR * LANES + i] += missed * (W[OF_CHI.size * LANES + i] + W[OF_REST.size * LANES + i])
         W[TIME_ERROR * LANES + i] += missed * W[OF_TIME.size * LANES + i]
     clear(W, TAILS)
@@ -294,9 +298,18 @@ def wanted(kind: int, i: int, orbits: Orbits, ends: Ends) -> bool:
     if kind == THERE:
         return ends.there[i] > 0.0
     if kind == LEAD:
-        # From the vertical, and from rest, it is half a passage or nothing.
-        return orbits.rate[i] != 0.0 and orbits.h[i] < VERTICAL - AT_VERTICAL and orbits.h[i] > ends.here[i]
+        # From either end, and from rest, it is half a passage or nothing.
+        inside = (1.0 + BESIDE) * ends.here[i] < orbits.h[i] < (1.0 - BESIDE) * ends.outer[i]
+        return orbits.rate[i] != 0.0 and inside
     return ends.here[i] > 0.0
+
+
+@subroutine
+def serves(W: Vector, k: int, whole: float, target: float) -> bool:
+    """Whether the leg in lane k stands, or its time alone, as part of the time `whole`; NaN: it is no part."""
+    check, error = W[CHECK * LANES + k], W[TIME_ERROR * LANES + k] * W[TIME * LANES + k]
+    known = check == 1.0 and W[LEAST * LANES + k] > 0.0
+    return check == 0.0 or (known and error <= max(target, FLOOR) * whole)
 
 
 @kernel
@@ -306,7 +319,8 @@ def leg_batch(
     """Legs there and back of samples with known ends -> out (5, kinds * n), rows as LegRow, a block for each kind.
 
     Two blocks are of the passages HERE and THERE, a third one of LEAD, from the state to its flattest moment. What
-    is not NaN in `out` is left as it is. first: the rule to begin with. A leg that no rule settles stays NaN.
+    is not NaN in `out` is left as it is. first: the rule to begin with. A leg that no rule settles stays NaN. Of a
+    lead the time alone counts, as part of that of the passage.
     """
     n, b = orbits.h.size, disk.body
     W = np.ones(ROWS * LANES)
@@ -324,7 +338,8 @@ def leg_batch(
             fill(W, group, taken, orbits, ends, b)
             integrate(W, target, grade, of_body, b)
             for k in range(taken):
-                if W[CHECK * LANES + k] == 0.0:
+                whole = out[2, group[k] - LEAD * n] if group[k] >= LEAD * n else math.nan
+                if serves(W, k, whole, target):
                     leg = LegRow(
                         chi=W[CHI * LANES + k],
                         psi=W[PSI * LANES + k],

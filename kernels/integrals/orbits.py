@@ -5,14 +5,15 @@ from typing import Generic, NamedTuple
 
 import numpy as np
 
-from kernels._jit import kernel, subroutine
+from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
+from kernels.integrals.departure import at_vertical
 from kernels.integrals.ends import Ends
 from kernels.integrals.legs import passages_of
-from kernels.integrals.point import VERTICAL, Motion, Orbits, met, point
+from kernels.integrals.point import VERTICAL, Motion, Orbits, Seen, met, point
 from kernels.integrals.quadrature import FLOOR, PassageRow, Rules, Start, magnitude, passage
 from kernels.integrals.turning import turning_point, turning_point_outward
 from kernels.integrals.wells import WIDEST, find_well, guess
@@ -44,29 +45,24 @@ class OrbitRow(NamedTuple, Generic[Entry]):
     time_error: Entry
 
 
-@subroutine
-def from_vertical(
-    motion: Motion, target: float, rules: Rules, disk: Disk, W: Vector
-) -> tuple[int, PassageRow[float]]:
-    """The passage of a motion that crosses the vertical, with its status.
+class Crossed(NamedTuple):
+    """E - V at the vertical where it is known better than as a difference, else NaN; and its rounding."""
 
-    A difference tells how fast it is there. Where it is slow or soon back rules lose some digits to that, or do
-    not settle: the series of `departure` carry this number on, whose rounding is then all that is lost.
-    """
-    status, row = _LIMIT, NOT_THERE
-    if target >= _SHARP:
-        status, row = passage(Start(VERTICAL, False, 0.0), motion, target, rules, disk, W)
-        if status == _OK:
-            return status, row
-    at = point(VERTICAL, motion.X, motion.Y, disk)
-    moving = motion.level - at.V
-    # E - V = moving + slope/2 sin(phi) + ...
-    if target < _SHARP and not 0.0 < 2.0 * moving < -_SOON * at.slope:
-        status, row = passage(Start(VERTICAL, False, 0.0), motion, target, rules, disk, W)
-    if status == _OK or not moving > 0.0:
-        return status, row
-    doubt = _ROUNDING * magnitude(at, motion, disk.body) / moving
-    status, row = passage(Start(VERTICAL, False, moving), motion, target, rules, disk, W)
+    moving: float
+    rounding: float
+
+
+@subroutine
+def crossed(seen: Seen, motion: Motion, disk: Disk, W: Vector) -> Crossed:
+    """What a state beside the vertical tells of how fast the motion crosses it."""
+    moving = 0.5 * disk.body.M * seen.rate * seen.rate
+    there, rounding = at_vertical(W, seen.z, moving, motion.X, motion.Y, disk.body)
+    return Crossed(there if there > 0.0 else math.nan, rounding)
+
+
+@device
+def doubted(status: int, row: PassageRow[float], doubt: float, target: float) -> tuple[int, PassageRow[float]]:
+    """A passage whose time is in doubt by this share, as are its angles."""
     angle_doubt = doubt * (1.0 + abs(row.chi) + abs(row.psi))
     if not max(doubt, angle_doubt) <= max(target, FLOOR):
         status = _LIMIT
@@ -83,20 +79,51 @@ def from_vertical(
 
 
 @subroutine
+def from_vertical(
+    motion: Motion, known: Crossed, target: float, rules: Rules, disk: Disk, W: Vector
+) -> tuple[int, PassageRow[float]]:
+    """The passage of a motion that crosses the vertical, with its status.
+
+    Unless it is known, a difference tells how fast it is there. Where it is slow or soon back rules lose some
+    digits to that, or do not settle: the series of `departure` carry this number on, whose rounding is then all
+    that is lost.
+    """
+    status, row = _LIMIT, NOT_THERE
+    if known.moving > 0.0:
+        status, row = passage(Start(VERTICAL, False, known.moving), motion, target, rules, disk, W)
+        status, row = doubted(status, row, known.rounding / known.moving, target)
+    elif target >= _SHARP:
+        status, row = passage(Start(VERTICAL, False, 0.0), motion, target, rules, disk, W)
+    if status == _OK:
+        return status, row
+    at = point(VERTICAL, motion.X, motion.Y, disk)
+    moving = motion.level - at.V
+    # E - V = moving + slope/2 sin(phi) + ...
+    if target < _SHARP and not 0.0 < 2.0 * moving < -_SOON * at.slope:
+        status, row = passage(Start(VERTICAL, False, 0.0), motion, target, rules, disk, W)
+    if status == _OK or not moving > 0.0:
+        return status, row
+    doubt = _ROUNDING * magnitude(at, motion, disk.body) / moving
+    status, row = passage(Start(VERTICAL, False, moving), motion, target, rules, disk, W)
+    return doubted(status, row, doubt, target)
+
+
+@subroutine
 def orbit(
-    h0: float, motion: Motion, far: float, target: float, rules: Rules, disk: Disk, W: Vector
+    seen: Seen, motion: Motion, far: float, target: float, rules: Rules, disk: Disk, W: Vector
 ) -> tuple[int, PassageRow[float], PassageRow[float]]:
-    """One whole period of a motion that passes h0 on face +1; far: its Y of the other face.
+    """One whole period of a motion through a state on face +1; far: its Y of the other face.
 
     Returns status, the passage of this face (or between both turning points) and that of the other
     face (chi = psi = time = 0 if the motion does not cross the vertical).
     """
-    outer = turning_point_outward(h0, motion, disk)
+    known = crossed(seen, motion, disk, W)
+    outer = math.nan if known.moving > 0.0 else turning_point_outward(seen.h, motion, disk)
     if outer > 0.0:
         status, here = passage(Start(outer, True, 0.0), motion, target, rules, disk, W)
         return status, here, NOT_THERE
-    status, here = from_vertical(motion, target, rules, disk, W)
-    other_status, there = from_vertical(Motion(motion.X, far, motion.level), target, rules, disk, W)
+    status, here = from_vertical(motion, known, target, rules, disk, W)
+    other_status, there = from_vertical(Motion(motion.X, far, motion.level), known, target, rules, disk, W)
     return max(status, other_status), here, there
 
 
@@ -146,7 +173,8 @@ def orbit_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Ma
         well = find_well(h, rate, at, motion, guess(h, rate, at, b), disk, W)
         code, here, there = whole_wobble(well, motion, target, rules, disk, W)
         if code != _OK:
-            code, here, there = orbit(h, motion, orbits.far[i] / b.I1, target, rules, disk, W)
+            seen = Seen(h, rate, orbits.z[i])
+            code, here, there = orbit(seen, motion, orbits.far[i] / b.I1, target, rules, disk, W)
         if code != _OK:
             well = find_well(h, rate, at, motion, WIDEST, disk, W)
             code, here, there = whole_wobble(well, motion, target, rules, disk, W)

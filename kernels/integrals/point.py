@@ -28,7 +28,8 @@ class Motion(NamedTuple):
 class Orbits(NamedTuple):
     """States (n) on motions, as seen from their hemisphere.
 
-    h and rate: 2 sin(theta/2) and theta-dot; near and far: eta of this and of the other face.
+    h and rate: 2 sin(theta/2) and theta-dot; near and far: eta of this and of the other face; z: cos(theta), which
+    beside the vertical h tells to few digits.
     """
 
     h: Vector
@@ -36,6 +37,15 @@ class Orbits(NamedTuple):
     sigma3_bar: Vector
     near: Vector
     far: Vector
+    z: Vector
+
+
+class Seen(NamedTuple):
+    """One such state, without its constants."""
+
+    h: float
+    rate: float
+    z: float
 
 
 class Point(NamedTuple, Generic[Entry]):

@@ -37,12 +37,12 @@ def call(name, disk, given):
     elif name == "orbits":
         out = np.full((8, n), np.nan)
         compiled.orbits.orbit_batch(
-            compiled.point.Orbits(*given[:5]), 1e-6, packed_rules(), disk.natural, out, status
+            compiled.point.Orbits(*given[:5], given[0]), 1e-6, packed_rules(), disk.natural, out, status
         )
     elif name == "bounces":
         out = np.full((len(compiled.bounces.BounceRow._fields), n), np.nan)
         compiled.bounces.bounce_batch(
-            compiled.point.Orbits(*given[:5]), 1e-6, packed_rules(), disk.natural, out, status
+            compiled.point.Orbits(*given[:5], given[0]), 1e-6, packed_rules(), disk.natural, out, status
         )
     else:
         compiled.algebra.constants_batch(given[:5], disk.whole, disk.natural, np.empty((6, n)))

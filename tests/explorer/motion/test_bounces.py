@@ -254,3 +254,59 @@ def test_on_a_long_way_the_estimate_covers_what_the_rules_miss_beside_the_turnin
     assert found.status == 0
     error = abs(found.delta_chi.item() - LONG_WAYS[state])
     assert error <= min(found.error_estimate.item(), accuracy)
+
+
+def flattest(disk, count, seed):
+    """States that rest at their flattest moment, phi not negative; a third of them are near flat."""
+    random = np.random.default_rng(seed)
+    phi, rates = random.uniform(0.1, 1.5, count), disk.rate_unit * random.normal(size=(2, count))
+    at_rest = ex.phi_to_states(disk, phi, 0.0, *rates)
+    found = ex.bounces(at_rest)
+    return at_rest.at(np.flatnonzero(found.ok[:, 0] & (found.time[:, 0] == 0.0)))
+
+
+@pytest.mark.filterwarnings("ignore:t_eval")
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("name", DISKS)
+def test_beside_its_flattest_moment_a_motion_is_that_of_rest_shifted_in_time(name, accuracy):
+    """Its time is v/a for a small speed v, the acceleration a being read off the integrated equations."""
+    rest = flattest(DISKS[name], 60, 11)
+    assert len(rest) > 10
+    unit, best = DISKS[name].time_unit, ex.bounces(rest, accuracy=1e-9)
+    later = ex.simulate(rest, t_eval=[1e-4 * unit], observables=("phidot",), accuracy=1e-11)
+    push = abs(later.phidot[:, 0]) / (1e-4 * unit)
+    for speed in (1e-14, 1e-9, 1e-6):
+        moving = ex.phi_to_states(rest.disk, rest.phi, speed / unit, rest.sigma3, rest.sigma4)
+        found = ex.bounces(moving, accuracy=accuracy)
+        assert found.ok.all()
+        np.testing.assert_allclose(found.delta_chi, best.delta_chi, atol=10.0 * accuracy)
+        np.testing.assert_allclose(found.time[:, 0], speed / unit / push, rtol=1e-3, atol=0.0)
+
+
+@pytest.mark.filterwarnings("ignore:t_eval")
+def test_at_rest_just_beyond_the_vertical_the_first_bounce_is_a_short_one():
+    """At a distance d the acceleration a is constant: the stretch takes 2 sqrt(2 d/a)."""
+    disk, distance = DISKS["uniform"], np.array([1e-6, 1e-9, 1e-12])
+    states = ex.phi_to_states(disk, -distance, 0.0, 0.3, 0.7)
+    found = ex.bounces(states, 2)
+    assert found.ok.all()
+    assert found.face.tolist() == [[-1, 1]] * 3
+    speed = ex.simulate(states[1], t_eval=[1e-4], observables=("phidot",), accuracy=1e-11).phidot.item()
+    np.testing.assert_allclose(found.duration[:, 0], 2.0 * np.sqrt(2e-4 * distance / speed), rtol=1e-5)
+    np.testing.assert_allclose(found.theta_min[:, 0], 0.5 * np.pi - distance, rtol=1e-12)
+    assert ex.periods(states).ok.all()
+
+
+@pytest.mark.parametrize("I3", [1e-4, 1e-6, 1e-8])
+def test_almost_without_axial_inertia_a_motion_bounces_as_it_passes(I3):
+    """What is known of it at the vertical is carried on: a difference of energies has no digits left."""
+    disk, eta = ex.Disk(I1=0.25, I3=I3), np.tile([1e-1, -1e-4, 1e-8, -1e-200], 5)
+    bar = np.linspace(-1.5, 1.5, 20)
+    bounces = ex.bounces(ex.constants_to_states(disk, bar, eta, 1.0), 2)
+    passages = ex.passages(disk, bar, eta, 1.0)
+    known = passages.ok & bounces.ok[:, 0]
+    assert known.sum() >= 18
+    assert bounces.ok.all()
+    error = abs(bounces.delta_chi[:, 0] - passages.delta_chi)[known]
+    assert (error <= (bounces.error_estimate[:, 0] + passages.error_estimate)[known]).all()
+    np.testing.assert_allclose(bounces.duration[known, 0], passages.duration[known], rtol=1e-6)

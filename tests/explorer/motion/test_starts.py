@@ -34,7 +34,7 @@ def test_constants_that_were_given_are_held_and_zero_falls():
 
 def test_an_eta_of_zero_on_either_side_is_a_fall_and_no_other_is():
     known = np.array([[0.0, 1.0, 1.0, 1.0, 0.0], [1.0, 0.0, 1.0, 5e-324, 0.0]])
-    starts = Orbits(*np.ones((3, 5)), *known)
+    starts = Orbits(*np.ones((3, 5)), *known, np.ones(5))
     fall, ok, bad = ex.Status.FALLS, ex.Status.OK, ex.Status.BAD_INPUT
     status = np.array([ok, ok, ok, ok, bad], dtype=np.int8)
     assert fallen(starts, status).tolist() == [fall, fall, ok, ok, bad]
@@ -52,8 +52,9 @@ def test_orbits_are_seen_from_the_hemisphere_they_start_in(body):
     rates = np.array([0.3, 0.8, -0.2]) * body.rate_unit
     states = theta_to_states(body, 0.4, *rates, [1, -1])
     natural = natural_constants(states)
-    h, _speed, sigma3_bar, near, far = orbit_starts(states, natural.linear)
+    h, _speed, sigma3_bar, near, far, z = orbit_starts(states, natural.linear)
     np.testing.assert_allclose(h, 2.0 * np.sin(0.2))
+    np.testing.assert_allclose(z, np.cos(0.4))
     np.testing.assert_array_equal(sigma3_bar, natural.sigma3_bar)
     np.testing.assert_array_equal(near, [natural.eta_plus[0], natural.eta_minus[1]])
     np.testing.assert_array_equal(far, [natural.eta_minus[0], natural.eta_plus[1]])

@@ -33,6 +33,25 @@ def test_the_series_is_what_the_motion_gains(body, u):
     assert at_start == pytest.approx(0.25 + gained, abs=3e-14)
 
 
+@pytest.mark.parametrize("u", [0.0, 1e-9, 0.01, 0.149])
+def test_a_state_beside_the_vertical_tells_what_is_left_of_the_energy_there(body, u):
+    W = np.zeros(nodes.ROWS * nodes.ROOM)
+    there, rounding = departure.at_vertical(W, u, 0.25, X, Y, body.body)
+    start = point(VERTICAL, X, Y, body.natural).V
+    risen = point(math.sqrt(2.0 * (1.0 - u)), X, Y, body.natural).V - start
+    assert there == pytest.approx(0.25 + risen, abs=3e-14)
+    assert 0.0 < rounding < 1e-14 * (1.0 + abs(start))
+
+
+def test_beyond_the_series_and_across_a_barrier_nothing_is_told_of_the_vertical():
+    """V has its top beside the vertical, on the side that the sign of the spin says: nothing comes over it."""
+    W, b = np.zeros(nodes.ROWS * nodes.ROOM), BODIES["uniform"].body
+    assert math.isnan(departure.at_vertical(W, departure.WIDEST, 1.0, X, Y, b)[0])
+    x = 0.2 / b.r0
+    left = [departure.at_vertical(W, 0.06, 1e-6, x, b.r0 * (x * b.dr0 - b.k * spin), b)[0] for spin in (-0.1, 0.1)]
+    assert sorted(map(math.isnan, left)) == [False, True]
+
+
 @pytest.mark.parametrize("disk", [BODIES["uniform"], ex.Disk(I1=1e3, I3=2e3)], ids=["light", "heavy"])
 def test_the_doubt_is_what_rounding_of_the_start_makes_of_it(disk):
     """Changes of the constants stand for rounding of their terms: far above it, so that theirs does not count."""

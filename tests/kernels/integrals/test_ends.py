@@ -15,7 +15,7 @@ def anywhere(disk, n, seed):
     b, bar = disk.body, rng.uniform(-1.5, 1.5, n)
     near = rng.choice([-1.0, 1.0], n) * b.I3 * b.r0 * 10.0 ** rng.uniform(-4.0, 0.0, n)
     h = rng.uniform(0.1, VERTICAL, n)
-    return Orbits(h, rng.uniform(-1.0, 1.0, n), bar, near, 2.0 * b.I1 * b.dr0 * bar - near)
+    return Orbits(h, rng.uniform(-1.0, 1.0, n), bar, near, 2.0 * b.I1 * b.dr0 * bar - near, 1.0 - 0.5 * h * h)
 
 
 def ends_of(disk, orbits, status=None):
@@ -71,7 +71,7 @@ def test_near_flat_the_end_is_that_of_first_order():
     disk, n = BODIES["hoop"], 4
     b, eta = disk.body, np.array([1e-9, -1e-100, 1e-200, -1e-300])
     bar = np.ones(n)
-    orbits = Orbits(np.full(n, VERTICAL), np.full(n, -1.0), bar, eta, 2.0 * b.I1 * b.dr0 * bar - eta)
+    orbits = Orbits(np.full(n, VERTICAL), np.full(n, -1.0), bar, eta, 2.0 * b.I1 * b.dr0 * bar - eta, np.zeros(n))
     ends = ends_of(disk, orbits)
     np.testing.assert_allclose(ends.here, abs(eta) / b.I1 * np.sqrt(0.5 * b.I1 / ends.level), rtol=1e-8)
 

@@ -9,6 +9,8 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer.motion.legs import first_rule, legs_of
+from explorer.motion.starts import orbit_starts
+from explorer.phase.constants import natural_constants
 from explorer.phase.gauss import packed_rules
 from kernels.integrals.legs import leg_batch
 from kernels.integrals.orbits import OrbitRow, orbit_batch, orbits_of_legs
@@ -23,7 +25,7 @@ def motions(disk, n, seed, least=-4.0):
     b, bar = disk.body, rng.uniform(-1.5, 1.5, n)
     near = rng.choice([-1.0, 1.0], n) * b.I3 * b.r0 * 10.0 ** rng.uniform(least, 0.0, n)
     h = rng.uniform(0.1, VERTICAL, n)
-    return Orbits(h, rng.uniform(-1.0, 1.0, n), bar, near, 2.0 * b.I1 * b.dr0 * bar - near)
+    return Orbits(h, rng.uniform(-1.0, 1.0, n), bar, near, 2.0 * b.I1 * b.dr0 * bar - near, 1.0 - 0.5 * h * h)
 
 
 def periods(disk, orbits, accuracy):
@@ -52,6 +54,25 @@ def test_errors_of_legs_are_told(name):
         assert np.percentile(np.fmax(angle, time), 99) <= accuracy
 
 
+@pytest.mark.parametrize("disk", [BODIES["hoop"], BODIES["thick"], ex.Disk(I1=5.0, I3=3.0)], ids=str)
+def test_errors_of_slow_crossings_are_told_also_below_the_energy_of_flat(disk):
+    """The last coefficients may be small there while those behind them are not."""
+    rng, n = np.random.default_rng(21), 1500
+    speed, sides = 10.0 ** rng.uniform(-4.0, -1.0, n), rng.choice([-1.0, 1.0], n)
+    states = ex.phi_to_states(disk, 1e-4 * sides, speed, *rng.normal(0.0, 0.8, (2, n)))
+    orbits = orbit_starts(states, natural_constants(states).linear)
+    best, status = np.full((8, n), np.nan), np.zeros(n, np.int8)
+    orbit_batch(orbits, 1e-9, packed_rules(), disk.natural, best, status)
+    best = OrbitRow(*best)
+    for accuracy in (1e-3, 1e-5, 1e-7):
+        found = periods(disk, orbits, accuracy)
+        known = np.isfinite(found.time) & (status == 0)
+        assert known.mean() > 0.3
+        assert (abs(found.chi - best.chi) <= 2.5 * found.angle_error + best.angle_error)[known].all()
+        time = abs(found.time - best.time)
+        assert (time <= (2.5 * found.time_error + best.time_error) * best.time)[known].all()
+
+
 def test_wobbles_that_legs_answer_are_those_of_forty_digits():
     """Smaller ones are known to rounding of E - V only, and left to series where that is too little."""
     known = dict.fromkeys((0.01, 1e-05, 1e-09), 0)
@@ -59,7 +80,8 @@ def test_wobbles_that_legs_answer_are_those_of_forty_digits():
         disk = ex.Disk(I1=row["I1"], I3=row["I3"])
         b, bar = disk.body, row["sigma3_bar"]
         near = row["eta_hat"] * b.I3 * b.r0
-        columns = 2.0 * np.sin(0.5 * row["theta"]), row["rate"], bar, near, 2.0 * b.I1 * b.dr0 * bar - near
+        theta, far = row["theta"], 2.0 * b.I1 * b.dr0 * bar - near
+        columns = 2.0 * np.sin(0.5 * theta), row["rate"], bar, near, far, np.cos(theta)
         for accuracy in known:
             found = periods(disk, Orbits(*(np.array([column]) for column in columns)), accuracy)
             if np.isfinite(found.time[0]):

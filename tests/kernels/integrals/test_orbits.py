@@ -20,7 +20,7 @@ def motions(disk, n, seed=2):
     rng = np.random.default_rng(seed)
     bar, near, rate = rng.uniform(-2.0, 2.0, n), rng.uniform(-0.3, 0.3, n), rng.uniform(0.3, 2.0, n)
     far = 2.0 * disk.body.I1 * disk.body.dr0 * bar - near
-    return Orbits(np.full(n, VERTICAL), rate, bar, near, far)
+    return Orbits(np.full(n, VERTICAL), rate, bar, near, far, np.zeros(n))
 
 
 def periods(disk, orbits, target=1e-10):
@@ -63,7 +63,7 @@ def test_the_smallest_tilt_needs_no_integral():
 
 def test_a_motion_that_stays_on_one_face_never_comes_near_the_other():
     disk, one = BODIES["uniform"], np.ones(1)
-    period, status = periods(disk, Orbits(0.4 * one, 0.05 * one, 0.3 * one, -0.02 * one, 0.3 * one))
+    period, status = periods(disk, Orbits(0.4 * one, 0.05 * one, 0.3 * one, -0.02 * one, 0.3 * one, 0.92 * one))
     assert status[0] == Status.OK
     assert math.isnan(period.theta_there[0])
     assert 0.0 < period.theta_here[0] < 2.0 * math.asin(0.2)

@@ -27,7 +27,8 @@ def starts(disk, theta, rate, bar, eta_hat):
     """Motions as the kernels take them, from their tilts on face +1."""
     b, theta, bar = disk.body, np.asarray(theta), np.asarray(bar)
     near = np.asarray(eta_hat) * b.I3 * b.r0
-    columns = np.broadcast_arrays(2.0 * np.sin(0.5 * theta), rate, bar, near, 2.0 * b.I1 * b.dr0 * bar - near)
+    h, far = 2.0 * np.sin(0.5 * theta), 2.0 * b.I1 * b.dr0 * bar - near
+    columns = np.broadcast_arrays(h, rate, bar, near, far, np.cos(theta))
     return Orbits(*(np.array(column, float) for column in np.atleast_1d(*columns)))
 
 
@@ -100,8 +101,10 @@ def test_series_and_rules_agree_where_both_hold_the_motion(name):
         before, after = Point(*out).V
         left[i] = low.rate[i] ** 2 + 2.0 * disk.body.inv_M * (before - after)
     there = (left > 0.0) & (h < VERTICAL)
-    high = low._replace(h=np.where(there, h, low.h), rate=np.sqrt(np.where(there, left, low.rate**2)))
-    (one, status), (other, others) = (batch(orbit_batch, OrbitRow, disk, seen, 1e-7) for seen in (low, high))
+    seen = np.where(there, h, low.h)
+    rate = np.sqrt(np.where(there, left, low.rate**2))
+    high = low._replace(h=seen, rate=rate, z=1.0 - 0.5 * seen * seen)
+    (one, status), (other, others) = (batch(orbit_batch, OrbitRow, disk, each, 1e-7) for each in (low, high))
     assert (status == Status.OK).all()
     assert (others == Status.OK).all()
     told = one.angle_error + other.angle_error
