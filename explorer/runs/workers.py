@@ -6,6 +6,7 @@ A chunk that a worker took with it when it was killed is computed again by anoth
 import contextlib
 import io
 import json
+import logging
 import os
 import signal
 import sys
@@ -265,8 +266,14 @@ def _client(workers: Workers) -> Iterator[Any]:
     try:
         with withheld():
             if workers.scheduler is None:
+                # What goes wrong with a chunk comes back as its error. What dask logs beside that, as on
+                # connections that end while it is stopped, is nothing that a user can mend.
                 cluster = distributed.LocalCluster(
-                    n_workers=workers.jobs, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+                    n_workers=workers.jobs,
+                    threads_per_worker=1,
+                    dashboard_address=None,
+                    host="127.0.0.1",
+                    silence_logs=logging.CRITICAL,
                 )
             client = distributed.Client(workers.scheduler or cluster, timeout=5)
     except Exception as error:  # of whatever kind: dask's settings for TLS raise nearly any

@@ -78,6 +78,9 @@ class Fork:
                 os.dup2(writer, number)
             for handle in {*writers, *self.readers.values()}:
                 os.close(handle)
+            # A shell's background job, or nohup, ignores these, and so would all that begins here.
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            signal.signal(signal.SIGHUP, signal.SIG_DFL)
             raise Child(list(map(str, words)))
         for writer in set(writers):
             os.close(writer)
@@ -202,6 +205,8 @@ def moments(place, backend, count, seed, samples):
         words = [*asked, folder]
         status, before, broken = stopped([*words, *by], folder, how, moment, least)
         chunks = len(list(folder.glob("chunks/chunk-*.parquet")))
+        if status == 0 and chunks < CHUNKS:
+            broken.append(f"it ended well with {chunks} chunks")
         broken += look(words, folder, digest)
         shutil.rmtree(folder, ignore_errors=True)
         row = {
