@@ -17,7 +17,6 @@ from explorer.motion.passages_by_quadrature import unanswered
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
 from explorer.motion.starts import fallen, held_constants, orbit_starts
-from explorer.phase import membership
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.gauss import packed_rules
@@ -154,7 +153,7 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
 def bounce_kernels(accuracy: float) -> tuple[str, ...]:
     """The kernels of `bounces` at an accuracy, for `compiled.warmup`; a fall may start below the vertical."""
     own = "bounces.bounces_of_legs", "bounces.bounce_batch", "falling.line_chart_batch"
-    return *membership.KERNELS, *leg_kernels(accuracy), *FALL_KERNELS, *own
+    return "algebra.constants_batch", *leg_kernels(accuracy), *FALL_KERNELS, *own
 
 
 class _Pairs(NamedTuple):

@@ -25,7 +25,6 @@ from explorer.motion.recording import in_parts
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import keywords_of, read_columns
 from explorer.phase.disk import Disk
-from explorer.phase.membership import KERNELS
 from explorer.phase.results import Result
 from explorer.phase.states import Array
 
@@ -198,7 +197,8 @@ def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-11) -> P
 
 def passage_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `passages` by a plan, for `compiled.warmup`; a few starts need another one."""
-    by = (table_kernel(how.accuracy),) if how.method == "quadrature" else (*KERNELS, how.first_event)
+    quadrature = how.method == "quadrature"
+    by = (table_kernel(how.accuracy),) if quadrature else ("algebra.constants_batch", how.first_event)
     return *by, "passages.fall_batch", "races.race_batch"
 
 

@@ -20,6 +20,7 @@ from explorer.phase.states import Array, States, columns_of, constants_to_states
 # Errors of chi per period add up over the periods of a path: 1e-9 leaves 1e-5 rad after the most of them.
 _ACCURACY = 1e-9
 _MOST_PERIODS = 10_000
+_MOST_STEPS = 10_000_000  # of all motions together: a complex number each
 _MOST_TURNS = 1_000_000  # of chi in a period, far beyond any body's race
 
 
@@ -57,7 +58,7 @@ class Wander:
 
     def after(self, count: int) -> NDArray[np.complex128]:
         """a(k tau) - a(0) for k = 0 ... count, (n, count + 1): the steps, each turned by chi more."""
-        count = whole("count", count, 0, _MOST_PERIODS)
+        count = whole("count", count, 0, _MOST_STEPS // max(1, self.chi.size))
         turned = np.exp(1j * self.chi[:, None] * np.arange(count))
         turns = np.concatenate([0.0 * turned[:, :1], np.cumsum(turned, axis=1)], axis=1)
         centres: NDArray[np.complex128] = self.step[:, None] * turns

@@ -271,7 +271,7 @@ def _client(workers: Workers) -> Iterator[Any]:
                 cluster = distributed.LocalCluster(
                     n_workers=workers.jobs,
                     threads_per_worker=1,
-                    dashboard_address=None,
+                    dashboard_address="127.0.0.1:0",  # None would ask for a port that another run has
                     host="127.0.0.1",
                     silence_logs=logging.CRITICAL,
                 )

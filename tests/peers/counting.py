@@ -116,7 +116,10 @@ def roots_and_divisions(accuracy):
         tabulated.falls(W, goal, grade, of.vertical, disk.body)
 
     passage, level = _through_grades(passages, accuracy, {"X": X * everywhere, "Y": Y, "SPEED": everywhere})
-    fall, _level = _through_grades(falls, accuracy, {"X": X * everywhere, "LEVEL": level})
+    # Beside F a fall leaves the vertical as fast as the passage.
+    moving = 0.5 * disk.body.M * everywhere
+    rows = {"X": X * everywhere, "LEVEL": level, "MOVING": moving, "START": 0.0 * everywhere}
+    fall, _level = _through_grades(falls, accuracy, rows)
     return {"passage": passage, "fall": fall}
 
 
