@@ -231,12 +231,12 @@ def cost():
     ]
 
 
-JOBS = "What the second job is worth."
+JOBS = "## What the second job is worth"
 
 
 def jobs(samples):
     """The part of the page about the second job."""
-    return [JOBS, *second_job.lines(samples, second_job.measure(samples))]
+    return [JOBS, "", *second_job.lines(samples, second_job.measure(samples))]
 
 
 def parts():
@@ -244,7 +244,7 @@ def parts():
     text, _, of_jobs = (OUT / "README.md").read_text("utf-8").partition(f"{JOBS}\n")
     above, _, of_cost = text.partition(COST)
     told = [JOBS, *of_jobs.splitlines()] if of_jobs else []
-    return above.splitlines(), [COST, *of_cost.splitlines()[1:]], told
+    return above.splitlines(), [COST, *of_cost.rstrip().splitlines()[1:], ""], told
 
 
 def only(which, samples=BOTH_JOBS):

@@ -94,7 +94,14 @@ def run(samples, jobs, backend):
 
     with tempfile.TemporaryDirectory() as folder:
         ex.run("race-angles", samples=WARM, jobs=1, keep="all", out=Path(folder) / "warm", progress=False)
-        asked = {"samples": samples, "jobs": jobs, "backend": backend, "keep": "all", "progress": False}
+        asked = {
+            "samples": samples,
+            "jobs": jobs,
+            "backend": backend,
+            "keep": "all",
+            "figures": False,
+            "progress": False,
+        }
         kept, taken, (work, pauses) = waited(), stolen(), worked()
         begin = time.perf_counter()
         ex.run("race-angles", out=Path(folder) / "run", **asked)
@@ -152,10 +159,11 @@ def alone(gain):
 def lines(samples, found):
     """The part of the page about the second job."""
     best = {way: fastest(costs) for way, costs in found.items()}
-    yield f"race-angles, {samples:,} samples, all rows stored and summarised; the fastest of {len(found[ONE])}"
-    yield "rounds. Work is processor time of all processes of the run, idle what two processors had left of the"
-    yield "time that passed, pauses how often a thread let go of its processor: for a lock, data, another's"
-    yield "result. The last four columns are of the whole machine: seconds in which some process waited for a"
+    yield f"race-angles, {samples:,} samples, all rows stored and summarised, without its pictures: one processor"
+    yield "draws those at the end, in a second or two whatever the number of samples. The fastest of"
+    yield f"{len(found[ONE])} rounds. Work is processor time of all processes of the run, idle what two"
+    yield "processors had left of the time that passed, pauses how often a thread let go: for a lock, for data."
+    yield "The last four columns are of the whole machine: seconds in which some process waited for a"
     yield "processor, for the disk, for memory, and what other machines on the same hardware took."
     yield ""
     yield f"| how | {' | '.join(COLUMNS)} |"
