@@ -136,7 +136,7 @@ def note(text: str, quiet: bool) -> None:
 
 
 def shorten(text: str, most: int) -> str:
-    """The text, without its middle where it is longer than `most` characters; nothing in it ends a line."""
+    """The text, without its middle where it is longer than `most`; nothing in it acts on a terminal."""
     plain = "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text[: 20 * most])
     if len(text) <= 20 * most and len(plain) <= most:
         return plain
@@ -147,14 +147,14 @@ def shorten(text: str, most: int) -> str:
 
 def shown(value: Any) -> str:
     """A value as an error shows it: what it is where it is long, never more than a line."""
-    if getattr(value, "ndim", 0) and isinstance(getattr(value, "shape", None), tuple):  # no module or class
-        return f"{type(value).__name__} of shape {value.shape} {getattr(value, 'dtype', '')}".rstrip()
-    if isinstance(value, list | tuple | dict | set | bytes | bytearray) and len(value) > _SHOWN:
-        return f"{type(value).__name__} of {len(value)}"
-    if isinstance(value, int) and abs(value) >= 10**_SHOWN:
-        return f"an integer of some {int(value.bit_length() * math.log10(2.0)) + 1} digits"
     try:
-        return shorten(repr(value), _SHOWN)
+        if getattr(value, "ndim", 0) and isinstance(getattr(value, "shape", None), tuple):  # no module or class
+            return f"{type(value).__name__} of shape {value.shape} {getattr(value, 'dtype', '')}".rstrip()
+        if isinstance(value, list | tuple | dict | set | bytes | bytearray) and len(value) > _SHOWN:
+            return f"{type(value).__name__} of {len(value)}"
+        if isinstance(value, int) and abs(value) >= 10**_SHOWN:
+            return f"an integer of some {int(value.bit_length() * math.log10(2.0)) + 1} digits"
+        return shorten(" ".join(repr(value).split()), _SHOWN)
     except Exception:  # whatever a foreign object does when it is asked for its text
         return f"an object of type {type(value).__name__}"
 
@@ -362,7 +362,7 @@ def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, f
             bound if unbounded and (end is None or end in ("", bound)) else number(name, end)
             for end, bound in zip(ends, (-math.inf, math.inf), strict=True)
         )
-    except InputError:
+    except (InputError, ArithmeticError):  # a NaN of Decimal that signals
         raise InputError(f"{name} {shown(value)} is not a range; give {form} with finite numbers") from None
     if low > high:
         raise InputError(f"{name} {low:g}:{high:g} is empty; give {form}, the smaller number first")

@@ -145,6 +145,7 @@ def vertical_above_flat(disk: Disk, sigma3_bar: Array) -> Array:
     return above
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of motions that are no input
 def departures_of_energy(disk: Disk, sigma3_bar: Array, energy: Array) -> "compiled.passages.Departures":
     """Falls with these energies, as far as a difference of energies tells their start; natural units."""
     b, bar, given = disk.body, np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
@@ -154,6 +155,7 @@ def departures_of_energy(disk: Disk, sigma3_bar: Array, energy: Array) -> "compi
     return compiled.passages.Departures(bar, level, moving, _ROUNDING * (abs(given) + at_flat))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of motions that are no input
 def departures_beside(disk: Disk, crossings: "compiled.passages.Crossings") -> "compiled.passages.Departures":
     """Falls on F with the sigma3_bar and energies of motions beside it that cross the vertical; natural units.
 

@@ -205,6 +205,9 @@ def _read_numbered(name: str, value: Any) -> dict[int, float]:
 def _read_axes(name: str, value: Any) -> Axes:
     if not isinstance(value, Axes):
         raise InputError(f"{name} = {shown(value)} are no Axes of matplotlib; give some, or leave {name} out")
+    scales = {value.get_xscale(), value.get_yscale()}
+    if value.name != "rectilinear" or value.figure is None or not scales <= {"linear", "log"}:
+        raise InputError(f"{name} must be plain Axes of a figure, not {value.name} or another scale; give such")
     return value
 
 

@@ -2,6 +2,7 @@
 
 import math
 import pickle
+from decimal import Decimal
 from fractions import Fraction
 
 import numpy as np
@@ -15,6 +16,7 @@ from explorer.errors import (
     one_of,
     positive,
     read_range,
+    shown,
     sign,
     suggest,
     whole,
@@ -128,10 +130,21 @@ def test_an_infinite_end_is_on_its_own_side():
         read_range("--energy", (math.inf, 3.0), unbounded=True)
 
 
-@pytest.mark.parametrize("value", ["1:2:3", "a:b", "nan:1", (1.0,), 3.0, None, (True, 2), "inf:inf", "", ":"])
+@pytest.mark.parametrize(
+    "value", ["1:2:3", "a:b", "nan:1", (1.0,), 3.0, None, (True, 2), "inf:inf", "", ":", (Decimal("sNaN"), 1)]
+)
 def test_what_is_no_range_is_refused(value):
     with pytest.raises(InputError, match=r"ladder .* is not a range; give LOW:HIGH"):
         read_range("--ladder", value)
+
+
+def test_an_object_that_fails_when_looked_at_is_shown_by_its_type():
+    class Lazy:
+        def __getattr__(self, name):
+            raise OSError("not connected")
+
+    assert "Lazy" in shown(Lazy())
+    assert "\n" not in shown(type("Page", (), {"__repr__": lambda _: "one\ntwo"})())
 
 
 def test_an_empty_range_is_refused():

@@ -108,6 +108,17 @@ def test_what_only_matplotlib_and_the_picture_can_judge_is_refused_too_and_other
         fails(3)
 
 
+@pytest.mark.parametrize("kind", ["polar", "taken away", "logit"])
+def test_axes_that_no_picture_can_use_are_refused(kind):
+    axes = Figure().add_subplot(projection="polar" if kind == "polar" else None)
+    if kind == "taken away":
+        axes.remove()
+    elif kind == "logit":
+        axes.set_xscale("logit")
+    with pytest.raises(ex.InputError, match="ax must be plain Axes"):
+        ex.plot.steady_map(DISK, ax=axes)
+
+
 def test_a_picture_of_a_user_may_say_nothing_of_its_argument():
     def draw(rows):
         return rows
