@@ -236,8 +236,6 @@ def main():
         *lines,
         "",
         "Whole periods of motions that cross the vertical, each the passages on both faces, one after the other.",
-        "Where one of them returns at once, lanes still lose what doubles do not hold of so short a way: those",
-        "are over 10.",
         "",
         "| accuracy | corner | periods | answered | largest error | median | largest | over 10 |",
         "|---|---|---|---|---|---|---|---|",

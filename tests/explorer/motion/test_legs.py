@@ -58,3 +58,13 @@ def test_falls_from_the_vertical_and_from_rest_meet_the_accuracy():
         np.testing.assert_allclose(found.chi[:3], best.chi[:3], atol=0.5 * accuracy)
         np.testing.assert_allclose(found.time[:3], best.time[:3], rtol=accuracy)
         assert np.isnan(found.chi[3])
+
+
+def test_a_race_of_many_turns_is_known_as_well_as_it_says():
+    """Of a body with kappa = 316, at once back from the one face. By dop853: 996.06696698 and 0.00281386."""
+    body = ex.Disk(I1=1e-5, I3=2e-5)
+    state = ex.constants_to_states(body, 1.302064474326873, 5.132887124718588e-08, 0.001513399969955084, -1)
+    for accuracy in (1e-4, 1e-5, 1e-6, 1e-7):
+        found = ex.periods(state, accuracy=accuracy)
+        assert found.error_estimate[0] <= accuracy
+        assert abs(found.chi[0] - 996.06978084) <= 3.0 * found.error_estimate[0] + 1e-8
