@@ -26,7 +26,7 @@ _LOCK = threading.RLock()
 # Two processes compile from the two ends of this list of modules: what shares most of its code stands together,
 # and what takes longest stands outside. Others stand where "falling" does.
 _TWO_ENDED = (
-    *("batch", "motions", "trajectory", "recording", "variation"),
+    *("batch", "motions", "recording", "variation"),
     *("counting", "falling", "algebra", "point", "forces", "orbits", "bounces", "passages"),
 )
 _NAMED = 4  # kernels that are named when they are compiled
@@ -67,7 +67,6 @@ if TYPE_CHECKING:
     from kernels.steps import motions as motions
     from kernels.steps import recording as recording
     from kernels.steps import trail as trail
-    from kernels.steps import trajectory as trajectory
     from kernels.steps import variation as variation
 else:
 

@@ -3,7 +3,7 @@
 import math
 from typing import Generic, NamedTuple
 
-from kernels._jit import both_devices, device, subroutine
+from kernels._jit import both_devices, contracted_device, device, subroutine
 from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Solutions
@@ -90,15 +90,14 @@ def constants_of(x: State, disk: Disk) -> Constants[float]:
 _MOVING, _SMALL = 0.01, 0.01
 
 
-def _fastest_within(x: State, y: State, b: Body) -> bool:
+@contracted_device
+def fastest_within(x: State, y: State, b: Body) -> bool:
     """True where a swing from x to y goes through the bottom of its potential, where p is extreme."""
     return reduced(x, b)[2] * reduced(y, b)[2] < 0.0
 
 
-fastest_within, contracted_fastest_within = both_devices(_fastest_within)
-
-
-def _onto_energy(x: State, total: float, b: Body) -> tuple[State, float]:
+@contracted_device
+def onto_energy(x: State, total: float, b: Body) -> tuple[State, float]:
     """(x with p set so that the energy is `total`, what was in excess); for x on its other constants.
 
     An energy that drifts makes the error of time and angles grow like the square of the time; held, like
@@ -111,30 +110,3 @@ def _onto_energy(x: State, total: float, b: Body) -> tuple[State, float]:
     able = (kinetic > _MOVING * total) & (abs(excess) < _SMALL * kinetic)
     p = x.p * math.sqrt(1.0 - excess / kinetic)
     return with_reduced(x, x.q, x.z, p if able else x.p, x.rho, x.sigma4), excess if able else 0.0
-
-
-onto_energy, contracted_onto_energy = both_devices(_onto_energy)
-
-
-@subroutine
-def onto_constants(x: State, pinned: Pinned[float], disk: Disk) -> State:
-    """x with q^2 + z^2 = 1 restored and rho, sigma4 set to what the constants say at its tilt.
-
-    The saddle beside flat amplifies an error in rho by 1/theta_min. Set anew after every step, rho
-    never carries one: eta stays what it was given as, down to 1e-300. Needs I3 > 0.
-    """
-    b = disk.body
-    face = 1.0 if x.z >= 0.0 else -1.0
-    q, z = x.q, x.z
-    if q < abs(z):
-        z = face * math.sqrt((1.0 - q) * (1.0 + q))
-    else:
-        q = math.sqrt((1.0 - z) * (1.0 + z))
-    S, log_S = depth_below_vertical(q, z)
-    f = chaplygin.solutions(S, log_S, b.c, disk.series)
-    X = pinned.sigma3_bar / b.r0
-    Y = (pinned.eta_plus if face > 0.0 else pinned.eta_minus) / b.I1
-    _sigma3, sigma4 = chaplygin.sigma_from_constants(face, X, Y, f, b.k)
-    # sigma3/q written so that S may underflow
-    rho = X * f.rho_over_S * (q / (1.0 + abs(z))) + Y * (f.D / q)
-    return with_reduced(x, q, z, x.p, rho, sigma4)

@@ -26,39 +26,36 @@ _SINE = taylor(lambda n: (-1.0) ** n * _QUARTER ** (2 * n) / math.factorial(2 * 
 _EXP = taylor(lambda n: (-_SHORT) ** n / math.factorial(n), 14)
 _ATANH = taylor(lambda n: 9.0**-n / (2 * n + 1), 10)
 # The same to 1e-8 or better.
-_EXP_SHORT = taylor(lambda n: (-_SHORT) ** n / math.factorial(n), 9)
-_ATANH_SHORT = taylor(lambda n: 9.0**-n / (2 * n + 1), 4)
+EXP_SHORT = taylor(lambda n: (-_SHORT) ** n / math.factorial(n), 9)
+ATANH_SHORT = taylor(lambda n: 9.0**-n / (2 * n + 1), 4)
 _ATAN = taylor(lambda n: (-_STEEPEST) ** n / (2 * n + 1), 12)
+
+
+@contracted_device
+def exp_fall_by(powers: tuple[float, ...], d: float) -> float:
+    """exp(-d) for 0 <= d <= DEEPEST, to the digits of its powers."""
+    e = horner(powers, 2.0 / DEEPEST * d - 1.0)
+    for _ in range(_SQUARINGS):
+        e = e * e
+    return e
 
 
 @contracted_device
 def exp_fall(d: float) -> float:
     """exp(-d) for 0 <= d <= DEEPEST."""
-    e = horner(_EXP, 2.0 / DEEPEST * d - 1.0)
-    for _ in range(_SQUARINGS):
-        e = e * e
-    return e
+    return exp_fall_by(_EXP, d)
+
+
+@contracted_device
+def log_ratio_by(powers: tuple[float, ...], s: float) -> float:
+    """ln((1 + s)/(1 - s)) for |s| <= 1/3, to the digits of its powers."""
+    return 2.0 * s * horner(powers, 18.0 * s * s - 1.0)
 
 
 @contracted_device
 def log_ratio(s: float) -> float:
     """ln((1 + s)/(1 - s)) for |s| <= 1/3."""
-    return 2.0 * s * horner(_ATANH, 18.0 * s * s - 1.0)
-
-
-@contracted_device
-def exp_fall_short(d: float) -> float:
-    """As `exp_fall`, to eight digits."""
-    e = horner(_EXP_SHORT, 2.0 / DEEPEST * d - 1.0)
-    for _ in range(_SQUARINGS):
-        e = e * e
-    return e
-
-
-@contracted_device
-def log_ratio_short(s: float) -> float:
-    """As `log_ratio`, to eight digits."""
-    return 2.0 * s * horner(_ATANH_SHORT, 18.0 * s * s - 1.0)
+    return log_ratio_by(_ATANH, s)
 
 
 @contracted_device

@@ -13,16 +13,14 @@ import math
 from kernels._jit import subroutine
 from kernels.disk.body import Body
 from kernels.integrals import nodes
+from kernels.integrals.departure import TERMS, WIDEST, rounding_at, value
 from kernels.integrals.nodes import ROOM
 from kernels.integrals.point import Motion, Point
 from kernels.types import Vector
 
-TERMS = 22
-WIDEST = 0.15  # of x: its power TERMS is below rounding
 # Where series begin in row SERIES, behind those of `departure`: sigma3, S_turn/q^2, q/sqrt(S_turn), E - V.
 _SIGMA, _INVERSE, _HEIGHT, _LEFT = 100, 128, 156, 184
-_FIRST, _SECOND = 212, 213  # sums of sizes of what the first two coefficients of E - V are made of
-_ROUNDING = 4.0 * 2.2e-16
+_SIZES = 212  # of the first two coefficients of E - V, as `rounding_at` has them
 
 
 @subroutine
@@ -50,7 +48,7 @@ def expand_turn(W: Vector, turn: Point[float], motion: Motion, b: Body) -> None:
     size = abs(sigma3) + 2.0 * abs(motion.Y * turn.D)
     turning = 2.0 * S * (b.k * abs(turn.sigma4) + abs(motion.X) * b.dr0)
     own = abs(sigma3) * turning + size * abs(slope)
-    W[at + _FIRST] += (b.I1 / (S * inner) + b.J * b.c / (b.k * b.k * S * inner)) * own
+    W[at + _SIZES] += (b.I1 / (S * inner) + b.J * b.c / (b.k * b.k * S * inner)) * own
 
 
 @subroutine
@@ -58,6 +56,7 @@ def _gather_left(W: Vector, b: Body, S: float) -> None:
     """Series of E - V, and the sizes of what its first two coefficients are made of."""
     at = nodes.SERIES * ROOM
     rigid, spin, height = 0.5 * b.I1 / S, 0.5 * b.J / (b.k * b.k * S * S), math.sqrt(S)
+    W[at + _LEFT] = 0.0
     for n in range(1, TERMS):
         total = height * W[at + _HEIGHT + n]
         size = abs(total)
@@ -70,23 +69,19 @@ def _gather_left(W: Vector, b: Body, S: float) -> None:
             total, size = total + gyration + turning, size + abs(gyration) + abs(turning)
         W[at + _LEFT + n] = -total
         if n <= 2:
-            W[at + _FIRST + n - 1] = size
+            W[at + _SIZES + n - 1] = size
 
 
 @subroutine
 def left_beside_turn(W: Vector, x: float) -> float:
     """E - V at x, after `expand_turn`."""
-    at, result = nodes.SERIES * ROOM + _LEFT, 0.0
-    for n in range(TERMS - 1, 0, -1):
-        result = (result + W[at + n]) * x
-    return result
+    return value(W, _LEFT, TERMS, x)
 
 
 @subroutine
 def doubt_beside_turn(W: Vector, x: float) -> float:
     """Rounding of E - V at x."""
-    at = nodes.SERIES * ROOM
-    return _ROUNDING * x * (W[at + _FIRST] + x * W[at + _SECOND])
+    return rounding_at(W, _SIZES, x)
 
 
 @subroutine

@@ -18,9 +18,9 @@ from kernels.integrals.nodes import ROOM
 from kernels.types import Matrix, Vector
 
 TERMS = 22
-WIDEST = 0.15  # of u: its power TERMS is below rounding
+WIDEST = 0.15  # of the variable of a series: its power TERMS is below rounding
 _SIGMA, _LEFT, _QUOTIENT = 0, 32, 64  # where series begin in row SERIES: sigma3, E - V, and E - V over u_turn - u
-_FIRST, _SECOND = 96, 97  # sums of sizes of what the first two coefficients of E - V are made of
+_SIZES = 96  # of the first two coefficients of E - V, as `rounding_at` has them
 _HALVINGS = 64
 _ROUNDING = 4.0 * 2.2e-16
 _LEAST = 1e-300
@@ -42,7 +42,7 @@ def expand_start(W: Vector, moving: float, X: float, Y: float, b: Body) -> None:
     even, odd = rigid * sigma3 * sigma3, 0.0
     height_even = 1.0
     reach = abs(turning) + abs(falling)  # of what sigma4 is a difference
-    W[at + _FIRST], W[at + _SECOND] = 4.0 * (rigid + spin * c) * abs(sigma3) * reach, 0.0
+    W[at + _SIZES], W[at + _SIZES + 1] = 4.0 * (rigid + spin * c) * abs(sigma3) * reach, 0.0
     for n in range(1, TERMS):
         square = turning = size = 0.0
         for i in range(n + 1):
@@ -57,7 +57,7 @@ def expand_start(W: Vector, moving: float, X: float, Y: float, b: Body) -> None:
             odd += square
             W[at + _LEFT + n] = -(odd + turning)
         if n == 2:
-            W[at + _SECOND] = size + rigid * sigma3 * sigma3 + 1.0
+            W[at + _SIZES + 1] = size + rigid * sigma3 * sigma3 + 1.0
 
 
 @subroutine
@@ -91,8 +91,15 @@ def value(W: Vector, first: int, terms: int, u: float) -> float:
 @subroutine
 def doubt(W: Vector, u: float) -> float:
     """Rounding of E - V at u."""
-    at = nodes.SERIES * ROOM
-    return _ROUNDING * u * (W[at + _FIRST] + u * W[at + _SECOND])
+    return rounding_at(W, _SIZES, u)
+
+
+@subroutine
+def rounding_at(W: Vector, sizes: int, u: float) -> float:
+    """Rounding at u of a series without its constant. Of the next two coefficients, the sums of sizes of what they
+    are made of stand at `sizes` of row SERIES."""
+    at = nodes.SERIES * ROOM + sizes
+    return _ROUNDING * u * (W[at] + u * W[at + 1])
 
 
 @subroutine

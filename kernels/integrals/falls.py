@@ -10,7 +10,6 @@ from typing import NamedTuple
 from kernels._jit import subroutine
 from kernels.disk.body import Body, Disk
 from kernels.integrals import nodes
-from kernels.integrals.arrival import WIDEST as BESIDE_TURN
 from kernels.integrals.arrival import doubt_beside_turn, expand_turn, left_beside_turn
 from kernels.integrals.departure import (
     WIDEST,
@@ -140,7 +139,7 @@ def know_beside_rest(W: Vector, n: int, begin: Begin, least: float, rounding: fl
     for j in range(n):
         half = 0.5 * W[nodes.GAP * ROOM + j]
         x = -math.sin(begin.theta - half) * math.sin(half) / (sine * sine)
-        if x > -BESIDE_TURN:
+        if x > -WIDEST:
             known = max(left_beside_turn(W, x), LEAST)
             W[nodes.KNOWN * ROOM + j] = known
             W[nodes.NOISE * ROOM + j] = (rounding + doubt_beside_turn(W, -x)) * min(1.0, known / least)

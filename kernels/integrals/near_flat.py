@@ -16,7 +16,15 @@ from typing import NamedTuple
 
 from kernels._jit import contracted_device
 from kernels.disk.body import Body
-from kernels.disk.elementary import arctan, exp_fall, exp_fall_short, log_ratio, log_ratio_short
+from kernels.disk.elementary import (
+    ATANH_SHORT,
+    EXP_SHORT,
+    arctan,
+    exp_fall,
+    exp_fall_by,
+    log_ratio,
+    log_ratio_by,
+)
 from kernels.disk.falling import contracted_potential_above_flat
 from kernels.disk.polynomials import horner
 from kernels.integrals.point import Motion
@@ -83,13 +91,13 @@ class Smooth(NamedTuple):
 @contracted_device
 def fall_off(d: float, low: Series) -> float:
     """exp(-d), to the digits of the series."""
-    return exp_fall_short(d) if len(low.v) == SHORT_DEGREE + 1 else exp_fall(d)
+    return exp_fall_by(EXP_SHORT, d) if len(low.v) == SHORT_DEGREE + 1 else exp_fall(d)
 
 
 @contracted_device
 def log_of_ratio(s: float, low: Series) -> float:
     """ln((1 + s)/(1 - s)), to the digits of the series."""
-    return log_ratio_short(s) if len(low.v) == SHORT_DEGREE + 1 else log_ratio(s)
+    return log_ratio_by(ATANH_SHORT, s) if len(low.v) == SHORT_DEGREE + 1 else log_ratio(s)
 
 
 @contracted_device

@@ -136,13 +136,19 @@ def motion_of(W: Vector, i: int) -> Motion:
     return Motion(W[X * LANES + i], W[Y * LANES + i], W[LEVEL * LANES + i])
 
 
-@contracted_subroutine
-def turn(W: Vector, limits: Limits, b: Body, low: Series) -> None:
-    """H_TURN and LOG_TURN by Newton in ln h; CHECK is raised where that has not converged."""
-    for _ in range(int(limits.rounds)):
+@contracted_device
+def newton_in_lanes(W: Vector, rounds: int, b: Body, low: Series) -> None:
+    """H_TURN and LOG_TURN by Newton in ln h, and STEP, the last step."""
+    for _ in range(rounds):
         for i in range(LANES):
             h, log_h, step = newton(W[H_TURN * LANES + i], W[LOG_TURN * LANES + i], motion_of(W, i), b, low)
             W[H_TURN * LANES + i], W[LOG_TURN * LANES + i], W[STEP * LANES + i] = h, log_h, step
+
+
+@contracted_subroutine
+def turn(W: Vector, limits: Limits, b: Body, low: Series) -> None:
+    """H_TURN and LOG_TURN; CHECK is raised where Newton's method has not converged."""
+    newton_in_lanes(W, int(limits.rounds), b, low)
     for i in range(LANES):
         inside = W[H_TURN * LANES + i] < WIDEST
         good = (abs(W[STEP * LANES + i]) < limits.settled) & inside

@@ -15,7 +15,7 @@ from kernels.disk.body import Body
 from kernels.disk.elementary import exp_fall
 from kernels.disk.falling import contracted_potential_above_flat
 from kernels.integrals import tables
-from kernels.integrals.near_flat import near_flat, newton, slope_of
+from kernels.integrals.near_flat import near_flat, slope_of
 from kernels.integrals.point import VERTICAL
 from kernels.integrals.tables import SCAN_STEP, Fixed, Grade, Series, Tables, fixed
 from kernels.integrals.tabulated import (
@@ -50,6 +50,7 @@ from kernels.integrals.tabulated import (
     gather,
     keep_least,
     motion_of,
+    newton_in_lanes,
     told_by_the_worst,
 )
 from kernels.types import Matrix, Vector
@@ -113,11 +114,8 @@ def seek(W: Vector, scan: Matrix, b: Body) -> None:
 
 @contracted_subroutine
 def turn(W: Vector, b: Body, low: Series) -> None:
-    """H_TURN and LOG_TURN by Newton in ln h, WIDTH, WAY and the noise; CHECK is raised where there is no root."""
-    for _ in range(_ROUNDS):
-        for i in range(LANES):
-            h, log_h, step = newton(W[H_TURN * LANES + i], W[LOG_TURN * LANES + i], motion_of(W, i), b, low)
-            W[H_TURN * LANES + i], W[LOG_TURN * LANES + i], W[STEP * LANES + i] = h, log_h, step
+    """H_TURN, LOG_TURN, WIDTH, WAY and the noise; CHECK is raised where Newton's method finds no root."""
+    newton_in_lanes(W, _ROUNDS, b, low)
     for i in range(LANES):
         motion, h, log_h = motion_of(W, i), W[H_TURN * LANES + i], W[LOG_TURN * LANES + i]
         width = _LOG_VERTICAL - log_h

@@ -5,7 +5,7 @@ from typing import Generic, NamedTuple
 
 from kernels._jit import device, subroutine
 from kernels.disk.body import Body
-from kernels.disk.constants import Constants
+from kernels.disk.constants import Constants, nearer_plus
 from kernels.disk.field import ANGLES, REDUCED, State, field, shift
 from kernels.disk.rows import Entry
 from kernels.status import Status
@@ -262,6 +262,35 @@ def verdict(moved: ConstantsError[float], eta: float, spin_scale: float, constan
     if not abs(moved.eta) <= RESOLVED_SHARE * abs(eta):
         return _UNRESOLVED
     return _OK
+
+
+class Ending(NamedTuple):
+    """How a motion ended: its status so far, its time, the energy taken out on the way, whether it was held to
+    its constants, and how far these may move."""
+
+    code: int
+    t: float
+    removed: float
+    held: bool
+    bound: float
+
+
+@subroutine
+def judge(
+    end: Ending, start: Constants[float], last: Constants[float], b: Body
+) -> tuple[int, ConstantsError[float]]:
+    """The status of a motion with these constants at its start and at its end, and their errors."""
+    # It may come to both faces; whichever is nearer decides whether the direction of its races is known.
+    plus, code = nearer_plus(start.eta_plus, start.eta_minus), end.code
+    moved = constants_error(start, last, plus)
+    energy_error = moved.energy + end.removed / start.energy
+    if code == _OK and end.held:
+        # The accuracy is per passage, which takes about two units of time; errors add up.
+        code = _OK if abs(energy_error) <= end.bound * max(1.0, 0.5 * end.t) else _DRIFT
+    elif code == _OK:
+        eta = start.eta_plus if plus else start.eta_minus
+        code = verdict(moved, eta, math.sqrt(2.0 * start.energy / b.I1), end.bound)
+    return code, ConstantsError(energy_error, moved.sigma3_bar, moved.eta)
 
 
 @device

@@ -2,8 +2,8 @@
 
 LANES samples advance side by side, each with its own step; the loop over lanes has no branch.
 A lane whose sample has met its event takes the next sample at once, so nobody waits for the slowest.
-Lane and scalar code do the same strict arithmetic: the results of samples that run free equal `trajectory`'s
-bit for bit. None depends on a sample's neighbours.
+Lane and scalar code do the same strict arithmetic: the results of samples that run free equal those of a
+plain loop bit for bit. None depends on a sample's neighbours.
 """
 
 import math

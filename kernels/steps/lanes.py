@@ -1,7 +1,7 @@
 """Lanes: samples that advance side by side, one attempted step at a time, in loops without a branch.
 
-Each lane has its own step. Constants of motion that a sample is held to are put back after every step, as
-`onto_constants` and `onto_energy` do for one trajectory; what that moves is added up and tells the error.
+Each lane has its own step. Constants of motion that a sample is held to are put back after every step; what that
+moves is added up and tells the error.
 """
 
 import math
@@ -144,7 +144,11 @@ class Held(NamedTuple):
 
 @contracted_device
 def rates(held: Held, x: State, inv_k: float, whole: Whole, b: Body) -> tuple[float, float]:
-    """(rho, sigma4) at the tilt of x, from the constants of its lane."""
+    """(rho, sigma4) at the tilt of x, from the constants of its lane.
+
+    The saddle beside flat amplifies an error in rho by 1/theta_min. Set anew after every step, rho never carries
+    one: eta stays what it was given as, down to 1e-300.
+    """
     S, log_S = depth(x, held.mantissa, held.exponent - OFFSET)
     f = whole_solutions(S, log_S, b.c, whole)
     Y = held.plus if x.z >= 0.0 else held.minus

@@ -1,8 +1,7 @@
 """Lanes of motions in time: as `lanes`, with the path, with times to be met on the way, and with the energy held.
 
-A motion is put back onto its constants after every step as `trajectory.hold` does it for one, by sums and products
-that the compiler may round together; so motions that are held equal `trajectory`'s to rounding, and motions that
-run free bit for bit.
+A motion is put back onto its constants after every step by sums and products that the compiler may round together;
+so motions that are held equal to rounding what a plain loop gives, and motions that run free bit for bit.
 """
 
 import math
@@ -13,7 +12,7 @@ import numpy as np
 from kernels._jit import contracted_subroutine, device, subroutine
 from kernels.disk.body import Body
 from kernels.disk.chaplygin import Whole
-from kernels.disk.constants import contracted_fastest_within, contracted_onto_energy
+from kernels.disk.constants import fastest_within, onto_energy
 from kernels.disk.field import State, with_reduced
 from kernels.disk.rows import Entry
 from kernels.steps.adaptive import SHORTEST_STEP
@@ -105,7 +104,8 @@ def sweep(attempt_by: Any, W: Vector, b: Body) -> int:
 def hold(W: Vector, bits: Longs, whole: Whole, b: Body) -> None:
     """Put every lane that is held back onto its constants, and where it is fastest onto its energy.
 
-    bits: W seen as integers. Needs I3 > 0 of lanes that are held.
+    That is once in each swing: what steps do to the energy on the way down is mostly undone on the way up, and p
+    would take up an error of the tilt. bits: W seen as integers. Needs I3 > 0 of lanes that are held.
     """
     split(bits, NOW, EXPONENT, MANTISSA)
     inv_kappa, weight, inv_k = 1.0 / b.kappa, math.sqrt(b.J_over_M), 1.0 / b.k
@@ -116,8 +116,8 @@ def hold(W: Vector, bits: Longs, whole: Whole, b: Body) -> None:
         held = Held(bar, plus, minus, W[MANTISSA * LANES + i], W[EXPONENT * LANES + i])
         rho, sigma4 = rates(held, x, inv_k, whole, b)
         y = with_reduced(x, x.q, x.z, x.p, rho, sigma4)
-        fastest = contracted_fastest_within(read(W, BEFORE, i), y, b)
-        faster, excess = contracted_onto_energy(y, W[ENERGY * LANES + i], b)
+        fastest = fastest_within(read(W, BEFORE, i), y, b)
+        faster, excess = onto_energy(y, W[ENERGY * LANES + i], b)
         excess = excess if fastest & (bar == bar) else 0.0
         W[REMOVED * LANES + i] += excess
         W[EXCESS * LANES + i] += abs(excess)

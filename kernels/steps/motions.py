@@ -20,12 +20,23 @@ from kernels.disk.rows import put
 from kernels.status import Status
 from kernels.steps import attempt as by
 from kernels.steps import motion_lanes as lanes
-from kernels.steps.attempt import DOP853, DOPRI5, RK4, RK8, Integration, Outcome, first_step, settle, to_depth
+from kernels.steps.attempt import (
+    DOP853,
+    DOPRI5,
+    RK4,
+    RK8,
+    Ending,
+    Integration,
+    Outcome,
+    first_step,
+    judge,
+    settle,
+    to_depth,
+)
 from kernels.steps.events import TIME, Stop
 from kernels.steps.lanes import BROKEN, NOTHING, STUCK, onto_circle
 from kernels.steps.motion_lanes import BEFORE, LANES, NOW, Taken, read, work_array, write
 from kernels.steps.trail import Trail, keep, shorten
-from kernels.steps.trajectory import Ending, judge
 from kernels.types import Matrix, Table, Vector
 
 _OK = int(Status.OK)

@@ -274,13 +274,6 @@ states = ex.phi_to_states(disk, **state)
 scene = RaceAngles.of({"samples": 8, "eta_hat": "1e-4:9e-4"})
 tally = scene.tally(0, scene.compute(0))
 faces = FallingSet.of({"samples": 70, "theta_min": "near", "box": "phi=-1:1"}).process(0)[1]["faces"]
-attempt, steps = compiled.attempt, compiled.trajectory
-how = attempt.Integration(attempt.RK4, compiled.field.PATH, np.array([0.1]), 100, 1e-2)
-first = np.concatenate([states.natural, np.zeros((5, 1))])
-one_by_one = np.empty((1, 2, 10))
-outcome = attempt.Outcome(np.zeros(1, np.int8), np.empty(1, np.int32), np.empty((3, 1)))
-stops = compiled.events.Stops(compiled.events.TIME, np.array([0.5, 1.0]))
-steps.trajectory_batch(how, stops, first, np.full((3, 1), np.nan), disk.natural, one_by_one, outcome)
 numbers = [
     ex.passages(disk, [1.0, 0.3], [1e-3, -1e-9], [1.0, 1e-3]).race_angle,
     ex.passages(disk, 1.0, 1e-3, 1.0, accuracy=1e-3).race_angle,
@@ -305,7 +298,6 @@ numbers = [
         for method in ("rk4", "rk8", "dopri5", "dop853")
         for names in (("phi",), ("phi", "path"))
     ),
-    one_by_one,
     list(faces.values()),
     tally["plus"]["bins"], tally["minus"]["sum"], SignedLogCounts(tally["decades"]["-4"]["plus"]).quantile(0.5),
 ]

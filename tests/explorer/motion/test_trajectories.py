@@ -5,6 +5,7 @@ import pytest
 from conftest import BODIES
 from hypothesis import given
 from hypothesis import strategies as st
+from one_by_one import in_turn
 
 import explorer as ex
 from explorer.motion.plan import plan
@@ -62,7 +63,7 @@ def test_every_depth_agrees_with_the_full_eight_dimensional_equations(seed):
 @pytest.mark.parametrize("key", ROWS, ids=str)
 def test_the_four_figure_rows(key, method):
     from kernels.steps import attempt as steps_module
-    from kernels.steps import events, trajectory
+    from kernels.steps import events
 
     name, eta_hat = key
     disk = BODIES[name]
@@ -76,7 +77,7 @@ def test_the_four_figure_rows(key, method):
     how = steps_module.Integration(code, 10, np.array([control]), 10**6, 1e-6)
     stops, free = events.Stops(events.VERTICAL, np.zeros(2)), np.full((3, 1), np.nan)
     outcome = steps_module.Outcome(status, steps, constants_error)
-    trajectory.trajectory_batch(how, stops, initial, free, disk.natural, out, outcome)
+    in_turn(how, stops, initial, free, disk.natural, out, outcome)
     assert status[0] == ex.Status.OK
     tau, chi, psi, theta, distance = ROWS[key]
     after = out[0, 1]

@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from one_by_one import in_turn
 from steppers import CASES, NAMES, UNIFORM, random_states
 
 from kernels.disk.algebra import constants_batch
 from kernels.disk.field import ANGLES, PATH, ROW
 from kernels.status import Status
-from kernels.steps import motions, trajectory
+from kernels.steps import motions
 from kernels.steps.attempt import DOP853, Integration, Outcome
 from kernels.steps.events import TIME, TURNING_POINT, Stops
 from kernels.steps.trail import COLUMNS, Curve, Trail
@@ -49,7 +50,7 @@ def in_lanes(how, states, pinned, **given):
 def one_by_one(how, states, pinned, times=TIMES):
     made = work(how, states, pinned, times)
     stops = Stops(TIME, times)
-    trajectory.trajectory_batch(how, stops, states, pinned, UNIFORM.natural, made.out, made.outcome)
+    in_turn(how, stops, states, pinned, UNIFORM.natural, made.out, made.outcome)
     return made.out, made.outcome
 
 
@@ -140,7 +141,7 @@ def test_a_time_deep_in_a_race_is_found_where_a_cubic_through_the_step_does_not_
     pinned = np.stack([np.ones(32), eta, 2.0 * b.I1 * b.dr0 - eta])
     how, turn = setting(DOP853, 1e-9, ANGLES, 32), np.empty((32, 1, 10))
     stops, outcome = Stops(TURNING_POINT, np.zeros(1)), work(how, states, pinned).outcome
-    trajectory.trajectory_batch(how, stops, states, pinned, UNIFORM.natural, turn, outcome)
+    in_turn(how, stops, states, pinned, UNIFORM.natural, turn, outcome)
     middle = turn[0, 0, ROW.t]
     times = np.append(middle + np.linspace(-1e-8, 1e-8, 41), middle + 0.1)
     out, outcome = in_lanes(how, states, pinned, times=times)

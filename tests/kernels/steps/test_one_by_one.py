@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from one_by_one import in_turn
 from steppers import CASES, NAMES, UNIFORM, random_states, run_batch
 
 from kernels.disk.constants import constants_of
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.field import ANGLES, ROW, State, column
 from kernels.status import Status
-from kernels.steps import trajectory
 from kernels.steps.attempt import DOP853, RK4, Integration, Outcome
 from kernels.steps.events import TIME, TURNING_POINT, Stops
 
@@ -21,7 +21,7 @@ def follow(states, how, values, event=TURNING_POINT, pinned=None):
     full[:8] = states
     free = np.full((3, n), np.nan) if pinned is None else pinned
     outcome = Outcome(status, steps, errors)
-    trajectory.trajectory_batch(how, Stops(event, values), full, free, UNIFORM.natural, out, outcome)
+    in_turn(how, Stops(event, values), full, free, UNIFORM.natural, out, outcome)
     return out, status, steps, errors
 
 

@@ -1,40 +1,33 @@
-"""One trajectory after another, recorded at a list of events. The plain reference of `batch` and `motions`."""
+"""One trajectory after another, recorded at a list of events: the plain reference of the lanes.
+
+What is slow to compile is kept in the cache, as kernels are.
+"""
 
 import math
-from typing import NamedTuple
 
-from kernels._jit import kernel, subroutine
+from kernels._jit import Kernel, subroutine
+from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
-from kernels.disk.constants import (
-    Constants,
-    Pinned,
-    constants_of,
-    fastest_within,
-    nearer_plus,
-    onto_constants,
-    onto_energy,
-)
-from kernels.disk.field import ANGLES, PATH, State, column, energy, pace
+from kernels.disk.constants import Pinned, constants_of, depth_below_vertical, fastest_within, onto_energy
+from kernels.disk.field import ANGLES, PATH, State, column, energy, pace, with_reduced
 from kernels.disk.rows import put
 from kernels.status import Status
 from kernels.steps.adaptive import SHORTEST_STEP
 from kernels.steps.attempt import (
-    ConstantsError,
+    Ending,
     Integration,
     Outcome,
     all_finite,
     attempt,
-    constants_error,
     first_step,
+    judge,
     locate,
     to_depth,
-    verdict,
 )
 from kernels.steps.events import Stop, Stops, crossed, level
 from kernels.types import Matrix, Table
 
 _OK = int(Status.OK)
-_DRIFT = int(Status.INVARIANT_DRIFT)
 _STEP_LIMIT = int(Status.STEP_LIMIT)
 _TOO_SMALL = int(Status.STEP_TOO_SMALL)
 _NOT_FINITE = int(Status.NOT_FINITE)
@@ -48,6 +41,30 @@ def attempt_any(
     if depth == PATH:
         return attempt(method, PATH, x, h, control, unit, b)
     return attempt(method, ANGLES, x, h, control, unit, b)
+
+
+@subroutine
+def onto_constants(x: State, pinned: Pinned[float], disk: Disk) -> State:
+    """x with q^2 + z^2 = 1 restored and rho, sigma4 set to what the constants say at its tilt.
+
+    The saddle beside flat amplifies an error in rho by 1/theta_min. Set anew after every step, rho
+    never carries one: eta stays what it was given as, down to 1e-300. Needs I3 > 0.
+    """
+    b = disk.body
+    face = 1.0 if x.z >= 0.0 else -1.0
+    q, z = x.q, x.z
+    if q < abs(z):
+        z = face * math.sqrt((1.0 - q) * (1.0 + q))
+    else:
+        q = math.sqrt((1.0 - z) * (1.0 + z))
+    S, log_S = depth_below_vertical(q, z)
+    f = chaplygin.solutions(S, log_S, b.c, disk.series)
+    X = pinned.sigma3_bar / b.r0
+    Y = (pinned.eta_plus if face > 0.0 else pinned.eta_minus) / b.I1
+    _sigma3, sigma4 = chaplygin.sigma_from_constants(face, X, Y, f, b.k)
+    # sigma3/q written so that S may underflow
+    rho = X * f.rho_over_S * (q / (1.0 + abs(z))) + Y * (f.D / q)
+    return with_reduced(x, q, z, x.p, rho, sigma4)
 
 
 @subroutine
@@ -69,35 +86,6 @@ def hold(x: State, y: State, pinned: Pinned[float], total: float, disk: Disk) ->
     if fastest_within(x, y, disk.body):
         return onto_energy(y, total, disk.body)
     return y, 0.0
-
-
-class Ending(NamedTuple):
-    """How a motion ended: its status so far, its time, the energy taken out on the way, whether it was held to
-    its constants, and how far these may move."""
-
-    code: int
-    t: float
-    removed: float
-    held: bool
-    bound: float
-
-
-@subroutine
-def judge(
-    end: Ending, start: Constants[float], last: Constants[float], b: Body
-) -> tuple[int, ConstantsError[float]]:
-    """The status of a motion with these constants at its start and at its end, and their errors."""
-    # It may come to both faces; whichever is nearer decides whether the direction of its races is known.
-    plus, code = nearer_plus(start.eta_plus, start.eta_minus), end.code
-    moved = constants_error(start, last, plus)
-    energy_error = moved.energy + end.removed / start.energy
-    if code == _OK and end.held:
-        # The accuracy is per passage, which takes about two units of time; errors add up.
-        code = _OK if abs(energy_error) <= end.bound * max(1.0, 0.5 * end.t) else _DRIFT
-    elif code == _OK:
-        eta = start.eta_plus if plus else start.eta_minus
-        code = verdict(moved, eta, math.sqrt(2.0 * start.energy / b.I1), end.bound)
-    return code, ConstantsError(energy_error, moved.sigma3_bar, moved.eta)
 
 
 @subroutine
@@ -141,7 +129,6 @@ def trajectory(
     return _STEP_LIMIT, how.max_steps, x, removed
 
 
-@kernel
 def trajectory_batch(
     how: Integration, stops: Stops, states: Matrix, pinned: Matrix, disk: Disk, out: Table, outcome: Outcome
 ) -> None:
@@ -162,3 +149,7 @@ def trajectory_batch(
         end = Ending(code, last.t, removed, held, bound)
         status[i], errors = judge(end, start, constants_of(last, disk), disk.body)
         put(errors, outcome.errors, i)
+
+
+# Not among the kernels of the package.
+in_turn = Kernel(trajectory_batch)
