@@ -211,5 +211,7 @@ def test_scripts_beside_the_tests_import_what_is_there(path):
     lines = re.findall(r"^ *from ((?:explorer|kernels)[\w.]*) import (.+)$", path.read_text("utf-8"), re.MULTILINE)
     for module, names in lines:
         for name in re.findall(r"(?:^|, )(\w+)", names):
-            defined = re.search(rf"^(def |class |(\w+, )*){name}\b", path_of(module).read_text("utf-8"), re.MULTILINE)
+            defined = re.search(
+                rf"^(def |class |(\w+, )*){name}\b", path_of(module).read_text("utf-8"), re.MULTILINE
+            )
             assert defined or f"{module}.{name}" in MODULES, f"{module}.{name}"
