@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Polygon
-from scipy.spatial import ConvexHull
 
 from explorer.phase.states import Array
 from explorer.plot.style import DARK
@@ -93,6 +92,8 @@ def shadow(ax: Axes, camera: Camera, pose: Pose, strength: float = 1.0) -> None:
 
 def disk(ax: Axes, camera: Camera, pose: Pose, looks: Looks | None = None, zorder: float = 3.0) -> None:
     """The disk with its edge, the face that is seen, and a mark on it that turns with the body."""
+    from scipy.spatial import ConvexHull
+
     looks = looks or Looks()
     half = _HALF_THICKNESS * pose.r
     lift = np.array([0.0, 0.0, half * abs(math.sin(pose.phi))])  # its lower edge stays on the table

@@ -3,7 +3,8 @@
 run.json carries a format number. Every later version of nearflat reads the run.json of an earlier one: a number
 is raised only together with a reader of the format before. Options in it are those of `Scene.options`, which the
 readers of the scene's table take back, so `ex.run` accepts them too. A run.json without a number was written
-before 0.2; it is read where this version knows all of its options.
+before 0.2; it is read where this version knows all of its options. In format 1 the counts of a chunk stood in
+its schema too; both formats are read where they stand in the file's own metadata.
 """
 
 import contextlib
@@ -28,7 +29,7 @@ from explorer.scenes.base import Scene
 from explorer.scenes.registry import scene_from_options
 from explorer.version import installed_version
 
-FORMAT = 1
+FORMAT = 2
 _LEFT = re.compile(r"\.probe-\d+|(run|summary)\.\d+\.tmp")  # names of a moment, which a killed run leaves
 _PLACES = ("chunks", "bad", "figures")
 _MOST_KINDS = 20  # kinds of processor that run.json names

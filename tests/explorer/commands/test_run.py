@@ -57,7 +57,7 @@ def test_the_record_has_a_format_its_options_and_the_command_line(capsys, tmp_pa
     words = ("run", "race-angles", "--samples", "100", "--eta-hat", "1e-4:1e-3", "--out", tmp_path / "run")
     assert said(capsys, *words)[0] == 0
     record = json.loads((tmp_path / "run" / "run.json").read_text())
-    assert record["format"] == 1
+    assert record["format"] == 2
     assert (
         record["command"] == f"nearflat run race-angles --samples 100 --eta-hat 1e-4:1e-3 --out {tmp_path / 'run'}"
     )

@@ -4,9 +4,11 @@ import json
 
 import numpy as np
 import pyarrow.dataset
+import pyarrow.parquet
 from small_runs import SMALL_RACES
 
 import explorer as ex
+from explorer.phase.results import to_arrow
 from explorer.runs import store
 from explorer.runs.inspect import verify
 
@@ -70,3 +72,38 @@ def test_a_relative_folder_with_a_colon_is_a_folder_and_no_address(tmp_path, mon
     run = ex.run("race-angles", out="uniform:m=1", **SMALL_RACES)
     assert verify(run.folder) == []
     assert ex.open("uniform:m=1").summary == run.summary
+
+
+def test_chunks_of_the_format_before_are_read(finished, tmp_path):
+    path = store.found_chunks(finished.folder)[0]
+    rows, note = store.read_chunk(path), store.read_note(path)
+    content = pyarrow.parquet.read_metadata(path).metadata[b"nearflat"]
+    before = to_arrow(rows).replace_schema_metadata({b"nearflat": content})
+    pyarrow.parquet.write_table(before, tmp_path / path.name, compression="lz4", write_page_checksum=True)
+    assert store.read_note(tmp_path / path.name) == note
+    again = store.read_chunk(tmp_path / path.name)
+    for name, values in rows.items():
+        np.testing.assert_array_equal(again[name], values)
+        assert again[name].dtype == values.dtype
+
+
+def test_columns_whose_numbers_repeat_are_packed_and_others_are_not(tmp_path):
+    rng = np.random.default_rng(0)
+    own, fixed, unknown = rng.random(5000), np.full(5000, 0.1), np.full(5000, np.nan)
+    table = {"phi": fixed, "phidot": own, "theta_min": unknown, "status": np.zeros(5000, np.int8)}
+    tally = {"status": {"ok": 5000}}
+    (tmp_path / "chunks").mkdir()
+    note = store.Note(3, "a", 5000, store.digest_of(table, tally), tally)
+    path = store.write_chunk(tmp_path, note, table)
+    group = pyarrow.parquet.read_metadata(path).row_group(0)
+    kinds = {group.column(i).path_in_schema: group.column(i) for i in range(4)}
+    assert {name: kind.compression for name, kind in kinds.items()} == {
+        "phi": "LZ4",
+        "phidot": "UNCOMPRESSED",
+        "theta_min": "LZ4",
+        "status": "LZ4",
+    }
+    assert kinds["phi"].total_compressed_size < 1000 < own.nbytes <= kinds["phidot"].total_compressed_size
+    assert store.read_note(path) == note
+    for name, values in store.read_chunk(path).items():
+        np.testing.assert_array_equal(values, table[name])
