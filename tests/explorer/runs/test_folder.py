@@ -180,7 +180,7 @@ def rewritten(run, change):
 
 def test_a_record_of_a_later_format_is_refused_and_one_of_none_is_read(finished):
     folder = rewritten(finished, lambda content: content.update(format=folders.FORMAT + 1))
-    with pytest.raises(ex.InputError, match=f"this version of nearflat reads up to {folders.FORMAT}; use the version"):
+    with pytest.raises(ex.InputError, match=f"nearflat reads up to {folders.FORMAT}; use the version"):
         folders.scene_of(folder)
     folder = rewritten(finished, lambda content: content.pop("format"))
     assert folders.scene_of(folder).options() == finished.scene.options()
