@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import Patch
 
 from explorer.plot.captions import Question, captioned
 from explorer.plot.style import (
@@ -25,6 +26,7 @@ from explorer.plot.style import (
 from explorer.portrait.both_sides import BothSides
 
 _SIDES = {1: r"\eta > 0", -1: r"\eta < 0"}
+_FAINT = 0.13  # of bands
 _LAW_ENDS = 0.02  # natural units; the law is of small eta
 _BODY_NAMES = {"matching": r"flat body with $mr^2/I_1 = 3$"}
 
@@ -73,7 +75,7 @@ def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None, **look: 
         colour = SERIES[index % len(SERIES)]
         style = styled(look, color=colour, marker=MARKERS[index % len(MARKERS)], lw=1.6)
         ax.plot(eta, median, label=name, **style)
-        ax.fill_between(eta, median, np.maximum(largest, median), color=colour, alpha=0.13, lw=0)
+        ax.fill_between(eta, median, np.maximum(largest, median), color=colour, alpha=_FAINT, lw=0)
         anchors.append((eta.min(), median[eta.argmin()]))
     if anchors:
         smallest, height = anchors[0]
@@ -81,7 +83,8 @@ def one_sided_distance(summary: dict[str, Any], ax: Axes | None = None, **look: 
         law = eta * np.log(1.0 / eta)
         label = r"$\propto \hat\eta\,\ln(1/\hat\eta)$"
         ax.plot(eta, 0.5 * height * law / law[0], color=LAW, lw=1.4, ls="--", label=label)
-    legend_below(ax, ncols=4)
+    band = Patch(color=LAW, alpha=_FAINT, lw=0, label="median to largest\nover the starts")
+    legend_below(ax, ncols=3, handles=[*ax.get_legend_handles_labels()[0], band])
     return dress(
         ax,
         r"$|\hat\eta|$ ($\sqrt{g/r}$ of each disk)",

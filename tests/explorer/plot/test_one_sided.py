@@ -74,6 +74,8 @@ def test_distances_are_the_worse_medians_of_the_summary_with_the_largest_as_a_ba
     medians, law = ax.lines
     assert list(medians.get_ydata()) == [0.3, 0.04]
     assert ax.collections[0].get_paths()[0].vertices[:, 1].max() == 0.9
+    named = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert [named[0], named[-1]] == ["hoop", "median to largest\nover the starts"]
     x, y = law.get_data()
     assert np.ptp(y / (x * np.log(1.0 / x))) < 1e-12
     assert x.max() <= 0.02
