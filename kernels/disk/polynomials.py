@@ -48,8 +48,7 @@ def _powers(chebyshev: Vector) -> Vector:
     return np.pad(powers, (0, chebyshev.size - powers.size))  # numpy drops trailing zeros
 
 
-@contracted_device
-def horner(coefficients: tuple[float, ...], x: float) -> float:
+def _horner(coefficients: tuple[float, ...], x: float) -> float:
     """The polynomial with the given ascending powers."""
     total = coefficients[len(coefficients) - 1]
     for k in range(len(coefficients) - 2, -1, -1):
@@ -57,13 +56,7 @@ def horner(coefficients: tuple[float, ...], x: float) -> float:
     return total
 
 
-@strict_device
-def strict_horner(coefficients: tuple[float, ...], x: float) -> float:
-    """As `horner`, never contracted."""
-    total = coefficients[len(coefficients) - 1]
-    for k in range(len(coefficients) - 2, -1, -1):
-        total = total * x + coefficients[k]
-    return total
+horner, strict_horner = contracted_device(_horner), strict_device(_horner)
 
 
 @contracted_device

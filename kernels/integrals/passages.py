@@ -5,7 +5,7 @@ what a caller needs compiles in a part of the time.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -97,6 +97,18 @@ def fill(W: Vector, group: Longs, n: int, crossings: Crossings, b: Body) -> None
         W[tabulated.SPEED * LANES + i] = crossings.speed[j] if i < n else 1.0
 
 
+@device
+def settle(room: Room, k: int, found: Any, grade: int, end: int, out: Matrix) -> None:
+    """What a grade found in lane k goes into the results, or its sample waits for a finer grade before `end`."""
+    sample, check = room.group[k], room.lanes[CHECK * LANES + k]
+    if check == 0.0:
+        put(found, out, sample)
+    elif check == 1.0 and grade < end - 1:
+        line_up(room.lines, finer(grade, end), sample)
+    else:
+        blank(out, sample)
+
+
 @subroutine
 def in_lane(W: Vector, i: int, low: Series, b: Body) -> PassageRow[float]:
     """The passage that the tables found for lane i."""
@@ -135,13 +147,7 @@ def by_tables(
             rules = grade_at(of_body, grade)
             tabulated.passages(room.lanes, goal, rules, of_body.vertical, low, disk.body)
             for k in range(taken):
-                check = room.lanes[CHECK * LANES + k]
-                if check == 0.0:
-                    put(in_lane(room.lanes, k, low, disk.body), out, room.group[k])
-                elif check == 1.0 and grade < asked.end - 1:
-                    line_up(room.lines, finer(grade, asked.end), room.group[k])
-                else:
-                    blank(out, room.group[k])
+                settle(room, k, in_lane(room.lanes, k, low, disk.body), grade, asked.end, out)
             grade = next_grade(room.lines, i == n)
 
 
@@ -191,13 +197,7 @@ def wide_batch(
             fill(room.lanes, room.group, taken, crossings, disk.body)
             wide.passages(room.lanes, goal, grade_at(of_body, grade), of_body, disk.body)
             for k in range(taken):
-                check = room.lanes[CHECK * LANES + k]
-                if check == 0.0:
-                    put(in_lane(room.lanes, k, of_body.wide, disk.body), out, room.group[k])
-                elif check == 1.0 and grade < WIDE_END - 1:
-                    line_up(room.lines, finer(grade, WIDE_END), room.group[k])
-                else:
-                    blank(out, room.group[k])
+                settle(room, k, in_lane(room.lanes, k, of_body.wide, disk.body), grade, WIDE_END, out)
             grade = next_grade(room.lines, i == n)
 
 
@@ -273,13 +273,7 @@ def fall_batch(departures: Departures, target: float, of_body: Tables, disk: Dis
             goal = Goal(target if grade < GRADES - 1 else FLOOR, FLOOR)
             tabulated.falls(room.lanes, goal, grade_at(of_body, grade), of_body.vertical, b)
             for k in range(taken):
-                check = room.lanes[CHECK * LANES + k]
-                if check == 0.0:
-                    put(fall_in_lane(room.lanes, k), out, room.group[k])
-                elif check == 1.0 and grade < GRADES - 1:
-                    line_up(room.lines, finer(grade, GRADES), room.group[k])
-                else:
-                    blank(out, room.group[k])
+                settle(room, k, fall_in_lane(room.lanes, k), grade, GRADES, out)
             grade = next_grade(room.lines, i == n)
 
 

@@ -263,19 +263,22 @@ def far_panel(W: Vector, outer: Matrix, b: Body) -> None:
 
 
 @contracted_device
+def tail_of(W: Vector, i: int, rows: Gathered) -> float:
+    """The sum of sizes of the last two coefficients."""
+    return abs(W[rows.last * LANES + i]) + abs(W[rows.last_but_one * LANES + i])
+
+
+@contracted_device
 def remainder(W: Vector, i: int, rows: Gathered) -> float:
     """Error of a Gauss rule of n nodes from coefficients n - 1 and n - 2: of a geometric series about
     size * ratio^(2n), where they are size * ratio^n. Never more than they are themselves."""
-    tail = abs(W[rows.last * LANES + i]) + abs(W[rows.last_but_one * LANES + i])
-    share = tail / (W[rows.size * LANES + i] + 1e-300)  # never 0/0
-    return tail * (share if share < 1.0 else 1.0)
+    return tail_of(W, i, rows) * share_of_tail(W, i, rows)
 
 
 @contracted_device
 def share_of_tail(W: Vector, i: int, rows: Gathered) -> float:
     """The last coefficients over the sum of sizes, 1 at most."""
-    tail = abs(W[rows.last * LANES + i]) + abs(W[rows.last_but_one * LANES + i])
-    share = tail / (W[rows.size * LANES + i] + 1e-300)
+    share = tail_of(W, i, rows) / (W[rows.size * LANES + i] + 1e-300)  # never 0/0
     return share if share < 1.0 else 1.0
 
 
