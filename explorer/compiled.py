@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from kernels.disk import field as field
     from kernels.disk import philox as philox
     from kernels.disk import polynomials as polynomials
+    from kernels.disk import race_law as race_law
     from kernels.disk import sifting as sifting
     from kernels.integrals import bounces as bounces
     from kernels.integrals import ends as ends

@@ -9,11 +9,12 @@ in the run, never on the number of workers.
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from explorer import compiled
 from explorer.errors import InputError, double_of, plain_number, shown, suggest
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array
@@ -62,7 +63,7 @@ class Box:
         """Coordinates that vary."""
         return [name for name in COORDINATES if getattr(self, name)[0] < getattr(self, name)[1]]
 
-    def draw(self, random: np.random.Generator, count: int) -> dict[str, Array]:
+    def draw(self, random: "Stream", count: int) -> dict[str, Array]:
         """`count` states, uniform in the box; one array per coordinate."""
         unit = random.random((len(self.free), count))
         columns = {}
@@ -111,6 +112,34 @@ def parse_range(given: Any, option: str) -> Range:
 def chunk_stream(seed: int, index: int) -> np.random.Generator:
     """The random stream of chunk `index`; only its uniform doubles are used, which no numpy release changes."""
     return np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=(index,))))
+
+
+class Stream(Protocol):
+    """What draws uniform doubles in [0, 1): a generator of NumPy, or its numbers made in lanes."""
+
+    def random(self, size: int | tuple[int, int], /) -> Array: ...
+
+
+class LaneStream:
+    """The numbers of `chunk_stream`, made in lanes: in a third of the time."""
+
+    KERNELS = ("philox.uniform_batch",)
+
+    def __init__(self, seed: int, index: int) -> None:
+        key = chunk_stream(seed, index).bit_generator.state["state"]["key"]
+        self._keys, self._place = compiled.philox.round_keys(key), 0
+
+    def random(self, size: int | tuple[int, int], /) -> Array:
+        """The next numbers."""
+        drawn = np.empty(size)
+        compiled.philox.uniform_batch(self._place, self._keys, drawn.reshape(-1))
+        self._place += drawn.size
+        return drawn
+
+
+def signs(unit: Array) -> Array:
+    """1 where a uniform double is below 1/2, else -1; doubles from a stream are multiples of 2^-53."""
+    return np.copysign(1.0, (0.5 - 2.0**-54) - unit)
 
 
 def gather(

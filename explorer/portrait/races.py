@@ -1,7 +1,7 @@
 """Race angles counted for pictures: by decade of |eta_hat| around their limit, and against their law.
 
-Beside F a race angle is sgn(eta) kappa pi + K eta (ln(1/|eta|) - c) + ..., with K = 2 m g r/(I1 M A^3) for the
-impact speed A. The constant c depends on the motion and, for small eta, no longer on eta.
+Beside F a race angle is sgn(eta) kappa pi + K eta (ln(1/|eta|) - c) + ... The constant c depends on the motion
+and, for small eta, no longer on eta.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from explorer import compiled
 from explorer.errors import whole
 from explorer.measure.log_counts import PER_DECADE, LogCounts, SignedLogCounts
 from explorer.phase.disk import Disk, require_disk
@@ -25,21 +26,11 @@ ANGLE_BINS, _REACH = 585, 1.5
 PER_STEP = 3  # steps of |eta_hat| a decade, at which the law is looked at
 _SHARES = (0.05, 0.25, 0.5, 0.75, 0.95)
 _MOST_BINS = 1_000_000
-_ROUNDING = 1e-12  # rad; a deviation is known to some 1e-15, and its law to a percent from here on
 
 
 def angle_edges(limit: float, bins: int = ANGLE_BINS) -> Array:
     """Edges of the bins of race angles. limit: kappa pi."""
     return np.linspace(-_REACH * limit, _REACH * limit, bins + 1)
-
-
-def law_scale(disk: Disk, eta_hat: Array, impact_speed: Array) -> Array:
-    """|K eta| of passages, K = 2 m g r/(I1 M A^3), dimensionless; eta_hat and A in the units of the disk."""
-    b, unit = disk.body, disk.rate_unit
-    eta = abs(disk.eta_hat_to_eta(eta_hat / unit))
-    with np.errstate(all="ignore"):  # a speed of a user's own may be anything
-        scale: Array = 2.0 / (b.I1 * b.M * (impact_speed / unit) ** 3) * eta
-    return scale
 
 
 @dataclass
@@ -140,19 +131,15 @@ def decades_of(eta_hat: Array) -> Array:
 
 def by_decade(eta_hat: Array, deviation: Array) -> dict[int, dict[int, SignedLogCounts]]:
     """Deviations counted by decade and by side; zeros and what is not finite belong nowhere."""
-    good = np.isfinite(deviation) & np.isfinite(eta_hat) & (eta_hat != 0.0)
-    first, decade = _from_first(decades_of(eta_hat), good)
-    groups = np.where(good, 2 * decade + (eta_hat > 0.0), -1)
-    found = SignedLogCounts.by_group(deviation, groups, 2 * (int(decade.max(initial=-1)) + 1))
-    pairs = enumerate(zip(found[::2], found[1::2], strict=True))
-    return {first + n: {1: plus, -1: minus} for n, (minus, plus) in pairs if plus.total + minus.total}
-
-
-def _from_first(places: Array, good: NDArray[np.bool_]) -> tuple[int, NDArray[np.int64]]:
-    """The smallest of the good ones of whole numbers, and how far each lies from it; -1 where it is not good."""
-    known = places[good]
-    first = float(known.min()) if known.size else 0.0
-    return int(first), np.where(good, places - first, -1.0).astype(np.int64)
+    groups = 2.0 * decades_of(eta_hat)
+    groups += eta_hat > 0.0
+    found = SignedLogCounts.by_group(deviation, groups)
+    sides = {n: {side: found.get(2 * n + (side > 0)) for side in (1, -1)} for n in {n // 2 for n in found}}
+    return {
+        n: {side: counts or SignedLogCounts() for side, counts in both.items()}
+        for n, both in sorted(sides.items())
+        if any(counts and counts.total for counts in both.values())
+    }
 
 
 def law_constants(
@@ -164,17 +151,22 @@ def law_constants(
     rounding is felt in the deviation, or nearer to F than where errors move c by more than 1, in all but a
     hundredth of them: a choice by motions would choose c.
     """
-    eta = abs(disk.eta_hat_to_eta(eta_hat / disk.rate_unit))
-    scale, side = law_scale(disk, eta_hat, speed), np.sign(eta_hat)
-    with np.errstate(all="ignore"):
-        constant = np.log(1.0 / eta) - side * (race_angle - side * disk.race_limit) / scale
-        good = np.isfinite(constant) & (scale > _ROUNDING)
-        if error is not None and good.any():
-            good &= eta > np.quantile((error * eta / scale)[good], 0.99)
-        step = np.floor(PER_STEP * np.log10(eta) + 1e-9)
-    first, groups = _from_first(step, good)
-    found = SignedLogCounts.by_group(constant, groups, int(groups.max(initial=-1)) + 1)
-    return {first + n: counts for n, counts in enumerate(found) if counts.total}
+    n, law, unit = eta_hat.size, compiled.race_law, disk.rate_unit
+    eta = abs(disk.eta_hat_to_eta(eta_hat / unit))
+    constant, doubt, known = np.empty(n), np.empty(n), np.zeros(1, np.int64)
+    side, race, own = map(np.ascontiguousarray, (eta_hat, race_angle, eta if error is None else error))
+    with np.errstate(all="ignore"):  # a speed of a user's own may be anything
+        races = law.Races(side, race, own, eta, (speed / unit) ** 3, np.log(1.0 / eta))
+        law.constant_batch(races, disk.race_limit, disk.body, constant, doubt, known)
+        step = PER_STEP * np.log10(eta)
+    step += 1e-9
+    np.floor(step, out=step)
+    left = np.isnan(constant)
+    if error is not None and known[0]:
+        left |= ~(eta > np.quantile(doubt[: known[0]], 0.99))
+    step[left] = np.nan
+    found = SignedLogCounts.by_group(constant, step)
+    return {n: counts for n, counts in found.items() if counts.total}
 
 
 def law_rows(disk: Disk, found: Mapping[int, SignedLogCounts]) -> list[dict[str, Any]]:

@@ -7,10 +7,8 @@ Shared by the scenes that look along F. The flow preserves the measure, so near 
 from collections.abc import Mapping
 from dataclasses import replace
 
-import numpy as np
-
 from explorer.errors import InputError, read_range
-from explorer.measure.sampling import Box, Range
+from explorer.measure.sampling import Box, Range, Stream, signs
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 from explorer.scenes import options
@@ -72,8 +70,8 @@ def check_eta_hat(span: Range, disk: Disk) -> None:
         )
 
 
-def draw_beside(box: Box, random: np.random.Generator, count: int) -> dict[str, Array]:
+def draw_beside(box: Box, random: Stream, count: int) -> dict[str, Array]:
     """`count` starts as `constants_to_states` takes them, but for eta_hat; both faces equally likely."""
     columns = box.draw(random, count)
-    face = np.where(random.random(count) < 0.5, 1.0, -1.0)
+    face = signs(random.random(count))
     return {"phidot": face * columns["phidot"], "sigma3_bar": columns["sigma3"], "face": face}

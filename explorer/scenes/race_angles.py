@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, RunError, whole
 from explorer.measure import statistics
-from explorer.measure.sampling import BLOCK, Range, chunk_stream, gather, log_uniform
+from explorer.measure.sampling import BLOCK, LaneStream, Range, Stream, gather, log_uniform, signs
 from explorer.motion.bounces import MOST, Bounces, bounce_kernels, bounces
 from explorer.motion.passages import Passages, passage_kernels, passages_by
 from explorer.motion.trials import MotionTrial, PassageTrial, through_time
@@ -37,7 +37,7 @@ from explorer.scenes.beside import box_beside, check_eta_hat, describe_beside, d
 from explorer.scenes.given_states import Block
 from explorer.scenes.of_states import SceneOfStates
 from explorer.scenes.options import Distances, Option, Ranges
-from explorer.scenes.race_counts import SIGNS, RaceCounts, count_bounces, count_races
+from explorer.scenes.race_counts import KERNELS, SIGNS, RaceCounts, count_bounces, count_races
 
 # What is stored of a passage, as fields of `Passages`.
 _FOUND = (
@@ -134,14 +134,14 @@ class RaceAngles(SceneOfStates):
     @property
     def kernels(self) -> tuple[str, ...]:
         if self.eta_hat is None:
-            return *bounce_kernels(self.plan.accuracy), *statistics.KERNELS
+            return *bounce_kernels(self.plan.accuracy), *KERNELS
         some = () if self.energy is None else ("algebra.constants_batch",)
-        return *some, *passage_kernels(self.plan), *statistics.KERNELS
+        return *some, *LaneStream.KERNELS, *passage_kernels(self.plan), *KERNELS
 
     def compute(self, index: int) -> Table:
         if self.eta_hat is None:
             return joined([self._bounces(block) for block in self.blocks(index)])
-        drawn, found = self._drawn_beside(chunk_stream(self.seed, index), self.length(index)), Table()
+        drawn, found = self._drawn_beside(LaneStream(self.seed, index), self.length(index)), Table()
         for first in range(0, self.length(index), _AT_ONCE):
             rows = slice(first, first + _AT_ONCE)
             made = self._passages({name: values[rows] for name, values in drawn.items()})
@@ -171,13 +171,13 @@ class RaceAngles(SceneOfStates):
     def _first(self, count: int) -> Table:
         """The first starts at the vertical, as its chunks draw them."""
         chunks = range(-(-count // self.chunk_size))
-        parts = [self._drawn_beside(chunk_stream(self.seed, k), self.length(k)) for k in chunks]
+        parts = [self._drawn_beside(LaneStream(self.seed, k), self.length(k)) for k in chunks]
         return {name: values[:count] for name, values in joined(parts).items()}
 
     def _drawn(self, random: np.random.Generator, count: int) -> Table:
         return super()._drawn(random, count) if self.eta_hat is None else self._drawn_beside(random, count)
 
-    def _drawn_beside(self, random: np.random.Generator, count: int) -> Table:
+    def _drawn_beside(self, random: Stream, count: int) -> Table:
         """Starts at the vertical: phidot, sigma3_bar, eta_hat and face."""
         if self.energy is None:
             return self._any_energy(random, count)
@@ -191,13 +191,13 @@ class RaceAngles(SceneOfStates):
 
         return gather(block, count, "--energy: only {} draws beside the falling set were kept; widen it")
 
-    def _any_energy(self, random: np.random.Generator, count: int) -> Table:
+    def _any_energy(self, random: Stream, count: int) -> Table:
         assert self.box is not None
         assert self.eta_hat is not None
         start = draw_beside(self.box, random, count)
         face = start.pop("face")
         eta_hat = log_uniform(random.random(count), *self.eta_hat)
-        eta_hat *= np.where(random.random(count) < 0.5, 1.0, -1.0)
+        eta_hat *= signs(random.random(count))
         return {**start, "eta_hat": eta_hat, "face": face}
 
     def _bounces(self, block: Block) -> Table:

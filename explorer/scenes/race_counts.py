@@ -15,6 +15,7 @@ from explorer.portrait.races import ANGLE_BINS, SIDES, angle_edges, by_decade, d
 from explorer.scenes.base import Table, Tally
 
 SIGNS = SIDES
+KERNELS = (*statistics.KERNELS, "race_law.constant_batch")  # of what is counted, for `compiled.warmup`
 
 
 def count_races(table: Table, disk: Disk) -> Tally:

@@ -10,23 +10,28 @@ _LARGEST = 1.7976931348623157e308
 
 @kernel
 def log_count_batch(
-    values: Vector, places: Vector, groups: Longs, first: int, counts: Counts, zeros: Longs, ends: Matrix
+    values: Vector, places: Vector, groups: Vector, first: int, counts: Counts, zeros: Longs, ends: Matrix
 ) -> None:
     """Sizes of signed numbers, counted by group and sign -> counts, zeros, ends; added to what is there.
 
     places (n): where the size lies, in bins; bin k holds k <= place < k + 1, and a row of counts begins with
-    bin `first`. groups (n): of each number; below 0 it is left out, and so is a number that is not finite. Row 2 g
-    is of the negative numbers of group g, and row 2 g + 1 of the others. counts (rows * width), zeros (rows);
-    ends (rows, 2): the smallest and the largest size. A place outside the row is counted nowhere.
+    bin `first`. groups (n): of each number, a whole one. Where that is none of 0, 1, ..., or the number is not
+    finite, it is left out. Row 2 g is of the negative numbers of group g, and row 2 g + 1 of the others. counts
+    (rows * width), zeros (rows); ends (rows, 2): the smallest and the largest size. A place outside the row is
+    counted nowhere.
     """
-    width = counts.size // zeros.size
+    rows, width = zeros.size, counts.size // zeros.size
     for i in range(values.size):
-        size = abs(values[i])
-        if groups[i] < 0 or not size <= _LARGEST:
+        value, group = values[i], groups[i]
+        size = abs(value)
+        if not (0.0 <= group < 0.5 * rows and size <= _LARGEST):
             continue
-        row = 2 * groups[i] + (0 if values[i] < 0.0 else 1)
-        ends[row, 0] = min(ends[row, 0], size)
-        ends[row, 1] = max(ends[row, 1], size)
+        row = 2 * int(group) + (0 if value < 0.0 else 1)
+        # Seldom so: what is only read does not wait for what the number before it wrote.
+        if size < ends[row, 0]:
+            ends[row, 0] = size
+        if size > ends[row, 1]:
+            ends[row, 1] = size
         if size == 0.0:
             zeros[row] += 1
             continue
@@ -39,7 +44,7 @@ def log_count_batch(
 def histogram_batch(values: Vector, groups: Longs, edges: Vector, counts: Counts) -> None:
     """Numbers between equally spaced edges, counted by group -> counts; added to what is there.
 
-    groups (n): as in `log_count_batch`. counts (groups * (bins + 1)): bin k of a group holds
+    groups (n): of each number; below 0 it is left out. counts (groups * (bins + 1)): bin k of a group holds
     edges[k] <= value < edges[k + 1], the last one also its upper edge; what lies outside comes after the bins.
     """
     bins = edges.size - 1
@@ -63,7 +68,7 @@ def histogram_batch(values: Vector, groups: Longs, edges: Vector, counts: Counts
 def sum_batch(values: Vector, groups: Longs, sums: Matrix) -> None:
     """Sums of numbers by group -> sums (groups, 3), which is zero before; the three add up to the sum.
 
-    groups (n): as in `log_count_batch`. What a sum loses by rounding is summed on its own, twice.
+    groups (n): as in `histogram_batch`. What a sum loses by rounding is summed on its own, twice.
     """
     for i in range(values.size):
         g, lost = groups[i], values[i]

@@ -3,9 +3,11 @@
 import math
 from typing import Generic, NamedTuple
 
-from kernels._jit import kernel
+import numpy as np
+
+from kernels._jit import kernel, subroutine
 from kernels.disk.body import Disk
-from kernels.disk.rows import Entry, put
+from kernels.disk.rows import Entry
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
 
@@ -13,6 +15,11 @@ _OK = int(Status.OK)
 _FALLS = int(Status.FALLS)
 _BAD = int(Status.BAD_INPUT)
 _LIMIT = int(Status.STEP_LIMIT)
+LANES = 64
+# Rows of the work array: what is given, and then the rows of RaceRow.
+_ETA, _FACE, _THETA_MIN, _CHI, _PSI, _TIME, _WAY, _ENERGY, _ERROR, _STATUS = range(10)
+_FALL_TIME, _FALL_CHI, _LEVEL, _FALL_ERROR = range(10, 14)
+_FOUND = 14
 
 
 class Units(NamedTuple):
@@ -82,40 +89,95 @@ class RaceRow(NamedTuple, Generic[Entry]):
     wrong_way: Entry
 
 
+# Their places in the work array, as in `RaceRow`.
+_ROW = RaceRow(*(_FOUND + row for row in range(12)))
+_ROWS = _FOUND + len(_ROW)
+
+
+@subroutine
+def load(values: Vector, row: int, W: Vector) -> None:
+    """One row of the work array. Of a slice all indices count from its start, so it is copied in lanes."""
+    room = W[row * LANES : (row + 1) * LANES]
+    for i in range(values.size):
+        room[i] = values[i]
+
+
+@subroutine
+def store(W: Vector, row: int, values: Vector) -> None:
+    """One row of the work array to where it is wanted."""
+    found = W[row * LANES : (row + 1) * LANES]
+    for i in range(values.size):
+        values[i] = found[i]
+
+
+@subroutine
+def measure(W: Vector, terms: Terms) -> None:
+    """Errors of the races, and the status of those that miss."""
+    for i in range(LANES):
+        code, error, fall_error = W[_STATUS * LANES + i], W[_ERROR * LANES + i], W[_FALL_ERROR * LANES + i]
+        ok, fallen = code == _OK, code == _FALLS
+        # The fall angle is a part of the race angle, and all there is of a fall.
+        part = fall_error if fallen else 2.0 * fall_error
+        error = error if ok & (error > part) else part
+        allowed = max(terms.allowed, terms.floor * (1.0 + W[_FALL_TIME * LANES + i]))
+        missed = (ok | fallen) & (not error <= allowed)
+        W[_ERROR * LANES + i] = error
+        W[_STATUS * LANES + i] = _LIMIT if missed else code
+
+
+@subroutine
+def lanes(W: Vector, units: Units, M: float) -> None:
+    """Rows of RaceRow from what is given."""
+    nan = math.nan
+    for i in range(LANES):
+        code, eta, chi = W[_STATUS * LANES + i], W[_ETA * LANES + i], W[_CHI * LANES + i]
+        ok, fallen, bad = code == _OK, code == _FALLS, code == _BAD
+        known = ok | fallen
+        side = 1.0 if eta > 0.0 else -1.0 if eta < 0.0 else 0.0
+        fall_angle = 2.0 * W[_FALL_CHI * LANES + i] if known else nan
+        speed = math.sqrt(2.0 * W[_LEVEL * LANES + i] / M) * units.rate
+        W[_ROW.race_angle * LANES + i] = chi - fall_angle if ok else nan
+        W[_ROW.delta_chi * LANES + i] = chi if ok else nan
+        W[_ROW.delta_psi * LANES + i] = W[_PSI * LANES + i] * W[_FACE * LANES + i] if ok else nan
+        W[_ROW.fall_angle * LANES + i] = fall_angle
+        W[_ROW.theta_min * LANES + i] = W[_THETA_MIN * LANES + i] if ok else 0.0 if fallen else nan
+        W[_ROW.duration * LANES + i] = W[_TIME * LANES + i] * units.time if ok else nan
+        W[_ROW.fall_time * LANES + i] = W[_FALL_TIME * LANES + i] * units.time if fallen else nan
+        W[_ROW.energy * LANES + i] = W[_ENERGY * LANES + i] * units.energy if known else nan
+        W[_ROW.impact_speed * LANES + i] = speed if known else nan
+        W[_ROW.limit * LANES + i] = nan if bad else side * units.race
+        W[_ROW.error_estimate * LANES + i] = W[_ERROR * LANES + i] if known else nan
+        W[_ROW.wrong_way * LANES + i] = 1.0 if ok & (not W[_WAY * LANES + i] * side > 0.0) else 0.0
+
+
 @kernel
 def race_batch(ways: Ways, falls: Falls, terms: Terms, units: Units, disk: Disk, first: int, out: Matrix) -> None:
     """Passages without their falls -> out (12, m), as RaceRow, from column `first` on.
 
     The status of those that miss is marked.
     """
-    b, nan = disk.body, math.nan
-    for i in range(ways.status.size):
-        fall_time, fall_error = falls.time[i], falls.error[i]
-        fallen = ways.status[i] == _FALLS
-        ok = ways.status[i] == _OK
-        # The fall angle is a part of the race angle, and all there is of a fall.
-        error = fall_error if fallen else 2.0 * fall_error
-        error = ways.error[i] if ok and ways.error[i] > error else error
-        allowed = max(terms.allowed, terms.floor * (1.0 + fall_time))
-        if (ok or fallen) and not error <= allowed:
-            ways.status[i] = _LIMIT
-            ok = fallen = False
-        known = ok or fallen
-        eta, energy = ways.eta[i], ways.energy[i]
-        side = 1.0 if eta > 0.0 else -1.0 if eta < 0.0 else 0.0
-        fall_angle = 2.0 * falls.chi[i] if known else nan
-        race = RaceRow(
-            race_angle=ways.chi[i] - fall_angle if ok else nan,
-            delta_chi=ways.chi[i] if ok else nan,
-            delta_psi=ways.psi[i] * ways.face[i] if ok else nan,
-            fall_angle=fall_angle,
-            theta_min=ways.theta_min[i] if ok else 0.0 if fallen else nan,
-            duration=ways.time[i] * units.time if ok else nan,
-            fall_time=fall_time * units.time if fallen else nan,
-            energy=energy * units.energy if known else nan,
-            impact_speed=math.sqrt(2.0 * falls.level[i] / b.M) * units.rate if known else nan,
-            limit=side * units.race if ways.status[i] != _BAD else nan,
-            error_estimate=error if known else nan,
-            wrong_way=1.0 if ok and not ways.way[i] * side > 0.0 else 0.0,
-        )
-        put(race, out, first + i)
+    W = np.zeros(_ROWS * LANES)
+    for begin in range(0, ways.status.size, LANES):
+        end = min(begin + LANES, ways.status.size)
+        status = ways.status[begin:end]
+        for i in range(status.size):
+            W[_STATUS * LANES + i] = float(status[i])
+        load(ways.eta[begin:end], _ETA, W)
+        load(ways.face[begin:end], _FACE, W)
+        load(ways.theta_min[begin:end], _THETA_MIN, W)
+        load(ways.chi[begin:end], _CHI, W)
+        load(ways.psi[begin:end], _PSI, W)
+        load(ways.time[begin:end], _TIME, W)
+        load(ways.way[begin:end], _WAY, W)
+        load(ways.energy[begin:end], _ENERGY, W)
+        load(ways.error[begin:end], _ERROR, W)
+        load(falls.time[begin:end], _FALL_TIME, W)
+        load(falls.chi[begin:end], _FALL_CHI, W)
+        load(falls.level[begin:end], _LEVEL, W)
+        load(falls.error[begin:end], _FALL_ERROR, W)
+        measure(W, terms)
+        lanes(W, units, disk.body.M)
+        for row in range(len(_ROW)):
+            store(W, _FOUND + row, out[row, first + begin : first + end])
+        for i in range(status.size):
+            status[i] = int(W[_STATUS * LANES + i])

@@ -1,6 +1,8 @@
 """Counts in logarithmic bins: sums, quantiles and what JSON keeps of them."""
 
+import base64
 import json
+import zlib
 
 import numpy as np
 import pytest
@@ -58,3 +60,26 @@ def test_signed_quantiles_and_width_are_those_of_a_normal_sample():
 def test_packed_codes_come_back():
     codes = np.arange(1000, dtype=np.uint16) ** 2
     np.testing.assert_array_equal(unpack(pack(codes)), codes)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 4, 500, 501])
+def test_the_text_of_codes_is_base_85(count):
+    codes = np.random.default_rng(count).integers(0, 1 << 16, count).astype(np.uint16)
+    text = base64.b85encode(zlib.compress(codes.astype("<u2").tobytes(), 1)).decode()
+    assert pack(codes) == text
+    np.testing.assert_array_equal(unpack(text), codes)
+    for wrong in (text[:5] + " " + text[6:], text[:5] + "~~~~~" + text[10:]):
+        with pytest.raises((ValueError, zlib.error)):
+            unpack(wrong)
+
+
+def test_groups_are_counted_each_as_by_itself():
+    rng = np.random.default_rng(4)
+    values = np.concatenate([VALUES * rng.choice([1.0, -1.0], VALUES.size), [0.0, 0.0, np.nan, np.inf, 1.0, 1.0]])
+    groups = np.concatenate([rng.integers(-3, 2, VALUES.size), [-3.0, 1.0, 0.0, 0.0, np.nan, np.inf]])
+    found = SignedLogCounts.by_group(values, groups)
+    assert list(found) == [-3, -2, -1, 0, 1]
+    for group, counts in found.items():
+        assert counts.state() == SignedLogCounts.of(values[(groups == group) & np.isfinite(values)]).state()
+    assert not any(counts.total for counts in SignedLogCounts.by_group(np.ones(2), np.full(2, np.nan)).values())
+    assert not any(counts.total for counts in SignedLogCounts.by_group(np.zeros(0), np.zeros(0)).values())

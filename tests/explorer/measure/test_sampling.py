@@ -7,7 +7,7 @@ from scipy.stats import kstest
 
 import explorer as ex
 from explorer.measure.density import Density
-from explorer.measure.sampling import Box, chunk_stream, log_uniform
+from explorer.measure.sampling import Box, LaneStream, chunk_stream, log_uniform, signs
 from explorer.phase.constants import natural_constants
 from explorer.phase.states import phi_to_states
 
@@ -105,3 +105,15 @@ def test_the_reduced_flow_preserves_the_measure():
         step = 1e-5 * np.eye(4)
         divergence = sum((rates(y + step[i])[i] - rates(y - step[i])[i]) / 2e-5 for i in range(4))
         assert abs(divergence) < 1e-6
+
+
+def test_a_stream_in_lanes_goes_on_as_numpys_does():
+    lanes, random = LaneStream(7, 3), chunk_stream(7, 3)
+    for size in (5, (3, 1001), 16_384, 2):
+        np.testing.assert_array_equal(lanes.random(size), random.random(size))
+
+
+def test_signs_are_plus_below_a_half():
+    half = np.array([0.0, 0.5 - 2.0**-53, 0.5, 0.5 + 2.0**-53, 1.0 - 2.0**-53])
+    unit = np.concatenate([half, chunk_stream(1, 1).random(1000)])
+    np.testing.assert_array_equal(signs(unit), np.where(unit < 0.5, 1.0, -1.0))

@@ -6,7 +6,7 @@ from conftest import BODIES, computed
 
 import explorer as ex
 from explorer.measure.log_counts import SignedLogCounts
-from explorer.portrait.races import RaceRidges, binned, by_decade, law_scale, race_law, race_ridges, ridge_rows
+from explorer.portrait.races import RaceRidges, binned, by_decade, race_law, race_ridges, ridge_rows
 from explorer.scenes.registry import build_scene
 
 UNIFORM, COIN = BODIES["uniform"], BODIES["coin"]
@@ -58,18 +58,11 @@ def test_the_constant_of_the_law_does_not_depend_on_the_units():
 def test_races_made_by_the_law_give_its_constant_back(side):
     """Beyond its limit the contact point races K eta (ln(1/eta) - c) further, towards the same side."""
     eta_hat = side * np.geomspace(1e-6, 1e-3, 30)
-    scale, eta = law_scale(UNIFORM, eta_hat, 1.0), abs(UNIFORM.eta_hat_to_eta(eta_hat))
+    eta, b = abs(UNIFORM.eta_hat_to_eta(eta_hat)), UNIFORM.body
+    scale = 2.0 / (b.I1 * b.M) * eta
     race_angle = side * (UNIFORM.race_limit + scale * (np.log(1.0 / eta) - 9.5))
     for row in race_law(UNIFORM, eta_hat, race_angle, 1.0):
         assert row["constant"]["0.5"] == pytest.approx(9.5, rel=0.01)
-
-
-def test_the_scale_of_the_law_is_k_eta():
-    """K = 2 m g r/(I1 M A^3) of the uniform disk, I1 = 1/4, M = 5/4, eta = eta_hat I3 r(0)."""
-    r0 = UNIFORM.body.r0
-    assert law_scale(UNIFORM, np.array([-1e-3]), np.array([2.0])) == pytest.approx(
-        2.0 / (0.25 * 1.25 * 8.0) * 1e-3 * 0.5 * r0
-    )
 
 
 def test_counts_are_shared_out_between_edges_and_none_is_lost():

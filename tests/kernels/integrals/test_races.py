@@ -63,3 +63,48 @@ def test_what_misses_is_refused_and_what_is_not_known_is_no_number():
     assert np.isnan(race.theta_min).tolist() == [False, True, False, False, True, False]
     assert race.theta_min[2] == 0.0
     assert np.isnan(race.limit).tolist() == (ways.status == bad).tolist()
+
+
+def test_lanes_give_what_columns_give_to_the_last_digit():
+    """Of every status, with NaN and races on F among them, and a length that no number of lanes divides."""
+    rng, n, code = np.random.default_rng(2), 1000, Status
+    ways = races.Ways(
+        *rng.uniform(0.1, 2.0, (11, n)),
+        rng.choice(8, n, p=[0.5, 0.1, 0.1, 0.1, 0.05, 0.05, 0.05, 0.05]).astype(np.int8),
+    )
+    ways.eta[:] *= rng.choice([1.0, -1.0, 0.0], n)
+    ways.way[:] *= rng.choice([1.0, -1.0, np.nan], n)
+    ways.error[rng.integers(0, n, 100)] = np.nan
+    falls = races.Falls(*rng.uniform(0.1, 2.0, (4, n)))
+    falls.time[rng.integers(0, n, 50)], falls.level[rng.integers(0, n, 50)] = np.nan, -1.0
+    terms, units, M = races.Terms(1.0, 0.6), races.Units(2.0, 3.0, 5.0, 7.0), BODIES["thick"].body.M
+    ok, fallen = ways.status == code.OK, ways.status == code.FALLS
+    part = np.where(fallen, falls.error, 2.0 * falls.error)
+    error = np.where(ok & (ways.error > part), ways.error, part)
+    late = terms.floor * (1.0 + falls.time)
+    missed = (ok | fallen) & ~(error <= np.where(late > terms.allowed, late, terms.allowed))
+    status = np.where(missed, code.STEP_LIMIT, ways.status)
+    ok, fallen, side = ok & ~missed, fallen & ~missed, np.sign(ways.eta)
+    with np.errstate(invalid="ignore"):
+        speed = np.sqrt(2.0 * falls.level / M) * units.rate
+    plain = races.RaceRow(
+        race_angle=(ways.chi - 2.0 * falls.chi, ok),
+        delta_chi=(ways.chi, ok),
+        delta_psi=(ways.psi * ways.face, ok),
+        fall_angle=(2.0 * falls.chi, ok | fallen),
+        theta_min=(np.where(fallen, 0.0, ways.theta_min), ok | fallen),
+        duration=(ways.time * units.time, ok),
+        fall_time=(falls.time * units.time, fallen),
+        energy=(ways.energy * units.energy, ok | fallen),
+        impact_speed=(speed, ok | fallen),
+        limit=(side * units.race, status != code.BAD_INPUT),
+        error_estimate=(error, ok | fallen),
+        wrong_way=(np.where(ok & ~(ways.way * side > 0.0), 1.0, 0.0), np.ones(n, bool)),
+    )
+    out = np.full((12, n + 9), 99.0)
+    races.race_batch(ways, falls, terms, units, BODIES["thick"].natural, 5, out)
+    assert 50 < ok.sum() < n
+    np.testing.assert_array_equal(ways.status, status)
+    np.testing.assert_array_equal(out[:, 5 : 5 + n], [np.where(where, row, np.nan) for row, where in plain])
+    assert (out[:, :5] == 99.0).all()
+    assert (out[:, 5 + n :] == 99.0).all()
