@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from explorer.paper import eight_dimensions, four_dimensions, pages
@@ -103,6 +104,11 @@ def field(name, factor):
         return wrong
 
     return damage
+
+
+def without_one(_original):
+    """A damage of the race number: sqrt(m r^2/I1) instead of sqrt(1 + m r^2/I1)."""
+    return property(lambda disk: float(np.sqrt(disk.m * disk.r**2 / disk.I1)))
 
 
 class Lifted:

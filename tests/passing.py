@@ -1,11 +1,12 @@
-"""What tests of passages share: samples drawn at random, ordinary or wild, with and without tables."""
+"""What tests of passages, periods and falls share: samples ordinary or wild, with and without tables."""
 
 import numpy as np
 
 from explorer.motion import passages_by_quadrature
 from explorer.phase.gauss import packed_rules
+from explorer.phase.states import constants_to_states
 from kernels.integrals import passages
-from kernels.integrals.point import VERTICAL
+from kernels.integrals.point import VERTICAL, Orbits
 
 
 def batch(disk, sigma3_bar, eta_hat, speed, accuracy, by_tables):
@@ -31,3 +32,18 @@ def draw(rng, n, wild):
     if wild:
         return 10.0 ** rng.uniform(-3, 3, n) * rng.choice([-1.0, 1.0], n), eta_hat, 10.0 ** rng.uniform(-2, 3, n)
     return rng.uniform(-2, 2, n), eta_hat, rng.uniform(0.3, 3, n)
+
+
+def orbits_anywhere(disk, n, seed, least=-4.0):
+    """Motions all over the phase space, as seen from their hemisphere."""
+    rng = np.random.default_rng(seed)
+    b, bar = disk.body, rng.uniform(-1.5, 1.5, n)
+    near = rng.choice([-1.0, 1.0], n) * b.I3 * b.r0 * 10.0 ** rng.uniform(least, 0.0, n)
+    h = rng.uniform(0.1, VERTICAL, n)
+    return Orbits(h, rng.uniform(-1.0, 1.0, n), bar, near, 2.0 * b.I1 * b.dr0 * bar - near, 1.0 - 0.5 * h * h)
+
+
+def start_on_f(disk, face, sigma3_bar=1.0, speed=1.0):
+    """A start at the vertical on F; sigma3_bar and speed in natural units."""
+    unit = disk.rate_unit
+    return constants_to_states(disk, sigma3_bar * unit, 0.0, face * speed * unit, face)

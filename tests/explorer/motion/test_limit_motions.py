@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from passing import start_on_f
 
 import explorer as ex
 from explorer.motion.limit_motions import limit_motion
@@ -15,17 +16,12 @@ ALL = ("phi", "phidot", "chi", "psi", "path", "contact")
 IMPACT = {"uniform": 1.816042, "hoop": 1.758017}
 
 
-def base(disk, face, sigma3_bar=1.0, speed=1.0):
-    unit = disk.rate_unit
-    return constants_to_states(disk, sigma3_bar * unit, 0.0, face * speed * unit, face)
-
-
 @pytest.mark.parametrize("face", [1, -1])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_motions_beside_f_converge_to_the_limit_of_their_side(body, face, sign):
     """Away from the impacts, in every observable, through three falls."""
     unit = body.rate_unit
-    limit = limit_motion(base(body, face), sign)
+    limit = limit_motion(start_on_f(body, face), sign)
     times = np.linspace(0.0, 3 * limit.period, 200)
     times = times[abs(times[:, None] - limit.impacts(4 * limit.period)).min(axis=1) > 0.1 * limit.period]
     want = limit(times)
@@ -47,7 +43,7 @@ def test_motions_beside_f_converge_to_the_limit_of_their_side(body, face, sign):
 @pytest.mark.parametrize("name", IMPACT)
 def test_impact_speed_is_the_published_one(name):
     """Checklist 36."""
-    limit = limit_motion(base(BODIES[name], 1), 1)
+    limit = limit_motion(start_on_f(BODIES[name], 1), 1)
     assert limit.impact_speed == pytest.approx(IMPACT[name], abs=5e-7)
 
 
@@ -55,7 +51,7 @@ def test_impact_speed_is_the_published_one(name):
 def test_jumps_at_an_impact_are_those_of_section_7(body, face):
     """chi by sgn(eta) kappa pi, psi by face times that, phidot reversed; the centre does not jump."""
     for sign in (1, -1):
-        limit = limit_motion(base(body, face), sign)
+        limit = limit_motion(start_on_f(body, face), sign)
         hit = limit.impacts(5 * limit.period)
         step = 1e-7 * body.time_unit
         for time in hit[:3]:
@@ -71,7 +67,7 @@ def test_horizontal_velocity_of_the_centre_turns_by_kappa_pi_at_an_impact():
     """Cor. 2, with the vertical part reflected."""
     disk = BODIES["hoop"]
     for sign in (1, -1):
-        limit = limit_motion(base(disk, 1), sign)
+        limit = limit_motion(start_on_f(disk, 1), sign)
         time, step = limit.impacts(10.0)[0], 1e-6
         before = (limit(time - step).path - limit(time - 2 * step).path) / step
         after = (limit(time + 2 * step).path - limit(time + step).path) / step
@@ -81,7 +77,7 @@ def test_horizontal_velocity_of_the_centre_turns_by_kappa_pi_at_an_impact():
 
 
 def test_the_two_limits_coincide_for_the_matching_body_and_only_for_it(paper_body):
-    plus, minus = (limit_motion(base(paper_body, 1), sign) for sign in (1, -1))
+    plus, minus = (limit_motion(start_on_f(paper_body, 1), sign) for sign in (1, -1))
     times = np.linspace(0.0, 3 * plus.period, 300)
     apart = abs(plus(times).contact - minus(times).contact).max()
     if paper_body.name == "matching":
@@ -95,7 +91,7 @@ def test_the_two_limits_coincide_for_the_matching_body_and_only_for_it(paper_bod
 
 def test_the_limit_starts_where_it_was_asked_and_may_start_anywhere_on_f():
     disk = BODIES["uniform"]
-    first = limit_motion(base(disk, 1), 1)
+    first = limit_motion(start_on_f(disk, 1), 1)
     for time in (0.3, 1.5, 2.9):
         there = first(time)
         sigma = natural_state_on_f(disk, float(there.phi))
@@ -135,9 +131,9 @@ def test_the_fall_is_integrated_well_however_slowly_it_starts(speed):
         return y[0] - 1.5
 
     flat.terminal = True
-    natural = natural_constants(base(disk, 1, 1.0, speed))
+    natural = natural_constants(start_on_f(disk, 1, 1.0, speed))
     slow = solve_ivp(rate, (0, 50), [0.0, speed, 0.0], "DOP853", events=flat, rtol=1e-12, atol=1e-13)
-    limit = limit_motion(base(disk, 1, 1.0, speed), 1)
+    limit = limit_motion(start_on_f(disk, 1, 1.0, speed), 1)
     got = limit(slow.t_events[0][0])
     assert float(got.phi) == pytest.approx(1.5, abs=1e-8)
     assert float(got.chi) == pytest.approx(slow.y_events[0][0][2], abs=1e-8)
@@ -160,7 +156,7 @@ def test_states_without_a_limit_motion_are_refused_in_words(state, sign, message
 
 
 def test_times_before_the_start_are_refused():
-    limit = limit_motion(base(BODIES["uniform"], 1), 1)
+    limit = limit_motion(start_on_f(BODIES["uniform"], 1), 1)
     with pytest.raises(ex.InputError, match="times"):
         limit(-1.0)
 
@@ -173,7 +169,7 @@ def test_limits_at_the_impact_are_those_of_sections_6_and_7(name, face):
     b = disk.body
     sigma3_bar = 0.8
     for sign in (1, -1):
-        limit = limit_motion(base(disk, face, sigma3_bar), sign)
+        limit = limit_motion(start_on_f(disk, face, sigma3_bar), sign)
         A, B = limit.impact_speed, b.I1 * sigma3_bar / (b.I3 * b.r0)
         hit = limit.impacts(20.0)[1]
         before, after = limit(hit * (1 - 4e-16 * 8)), limit(hit * (1 + 4e-16 * 8))
@@ -211,7 +207,7 @@ def test_limit_motions_that_rounding_decides_are_refused(state):
 
 def test_a_state_beside_f_is_moved_onto_it_and_that_is_told():
     disk = BODIES["uniform"]
-    on_f = limit_motion(base(disk, 1), 1)
+    on_f = limit_motion(start_on_f(disk, 1), 1)
     assert abs(on_f.missed) < 1e-15
     beside = ex.constants_to_states(disk, 1.0, 0.01, 1.0)
     with pytest.warns(ex.StateWarning, match=r"eta_hat = 0\.01, and was moved"):
@@ -230,7 +226,7 @@ def test_the_smallest_numbers_that_are_not_zero_have_a_limit_motion_too(sigma3_b
 
 
 def test_times_beyond_all_digits_are_refused():
-    limit = limit_motion(base(BODIES["uniform"], 1), 1)
+    limit = limit_motion(start_on_f(BODIES["uniform"], 1), 1)
     for late in (1e300, np.inf, np.nan, -1.0):
         with pytest.raises(ex.InputError, match="give times from 0 to"):
             limit(late)

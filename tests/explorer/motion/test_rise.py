@@ -3,6 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
+from passing import start_on_f
 
 import explorer as ex
 from explorer.motion.limit_motions import limit_motion
@@ -14,7 +15,7 @@ from explorer.phase.states import constants_to_states
 
 
 def test_the_fall_from_the_vertical_agrees_with_the_limit_motion(paper_body):
-    states = base(paper_body, 1, 0.7, 0.4)
+    states = start_on_f(paper_body, 1, 0.7, 0.4)
     natural = natural_constants(states)
     time, chi, psi, _error = fall_from_vertical(paper_body, natural.sigma3_bar, natural.energy)
     limit = limit_motion(states, 1)
@@ -23,11 +24,6 @@ def test_the_fall_from_the_vertical_agrees_with_the_limit_motion(paper_body):
     before = limit(hit * (1 - 1e-12))
     assert chi[0] == pytest.approx(float(before.chi), abs=1e-9)
     assert psi[0] == pytest.approx(float(before.psi), abs=1e-9)
-
-
-def base(disk, face, sigma3_bar=1.0, speed=1.0):
-    unit = disk.rate_unit
-    return constants_to_states(disk, sigma3_bar * unit, 0.0, face * speed * unit, face)
 
 
 @pytest.mark.parametrize(("sigma3_bar", "energy"), [(0.9, 1.4), (-2.0, 2.5), (0.1, 0.8)])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from paper_rows import Statements, field, first, scaled
+from paper_rows import Statements, field, first, scaled, without_one
 
 from explorer.paper import closed_forms, section_7_1
 from explorer.paper.checks import UNIFORM
@@ -13,11 +13,6 @@ NUMBERS = range(40, 48)
 
 def slow_clock(original):
     return lambda disk, start, times, *names: original(disk, start, 1.0001 * times, *names)
-
-
-def without_one(_original):
-    """sqrt(m r^2/I1) instead of sqrt(1 + m r^2/I1)."""
-    return property(lambda disk: float(np.sqrt(disk.m * disk.r**2 / disk.I1)))
 
 
 DAMAGES = [

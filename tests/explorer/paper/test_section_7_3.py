@@ -2,18 +2,13 @@
 
 import numpy as np
 import pytest
-from paper_rows import Statements, field, first
+from paper_rows import Statements, field, first, without_one
 
 from explorer.paper import closed_forms, section_7_3
 from explorer.paper.checks import UNIFORM
 from explorer.phase.disk import Disk
 
 NUMBERS = range(48, 58)
-
-
-def without_one(_original):
-    """sqrt(m r^2/I1) instead of sqrt(1 + m r^2/I1)."""
-    return property(lambda disk: float(np.sqrt(disk.m * disk.r**2 / disk.I1)))
 
 
 def other_body(original):

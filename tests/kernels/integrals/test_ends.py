@@ -3,19 +3,11 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from passing import orbits_anywhere
 
 from kernels.integrals.ends import Ends, barrier_between, end_batch
 from kernels.integrals.point import VERTICAL, Orbits, Point, point_batch
 from kernels.status import Status
-
-
-def anywhere(disk, n, seed):
-    """Motions through tilts and rates all over the phase space, as seen from their hemisphere."""
-    rng = np.random.default_rng(seed)
-    b, bar = disk.body, rng.uniform(-1.5, 1.5, n)
-    near = rng.choice([-1.0, 1.0], n) * b.I3 * b.r0 * 10.0 ** rng.uniform(-4.0, 0.0, n)
-    h = rng.uniform(0.1, VERTICAL, n)
-    return Orbits(h, rng.uniform(-1.0, 1.0, n), bar, near, 2.0 * b.I1 * b.dr0 * bar - near, 1.0 - 0.5 * h * h)
 
 
 def ends_of(disk, orbits, status=None):
@@ -34,7 +26,7 @@ def potential(disk, h, X, Y):
 @pytest.mark.parametrize("name", ["uniform", "hoop", "thick"])
 def test_the_motion_is_between_its_ends_and_turns_there(name):
     disk, n = BODIES[name], 300
-    b, orbits = disk.body, anywhere(disk, n, 1)
+    b, orbits = disk.body, orbits_anywhere(disk, n, 1)
     ends = ends_of(disk, orbits)
     known = ~np.isnan(ends.here)
     crosses = np.isfinite(ends.there)
@@ -59,7 +51,7 @@ def test_the_motion_is_between_its_ends_and_turns_there(name):
 
 def test_lanes_do_not_depend_on_their_neighbours():
     disk = BODIES["uniform"]
-    orbits, order = anywhere(disk, 101, 2), np.random.default_rng(3).permutation(101)
+    orbits, order = orbits_anywhere(disk, 101, 2), np.random.default_rng(3).permutation(101)
     one, other = ends_of(disk, orbits), ends_of(disk, Orbits(*(column[order] for column in orbits)))
     for column, shuffled in zip(one, other, strict=True):
         np.testing.assert_array_equal(column[order], shuffled)
@@ -78,7 +70,7 @@ def test_near_flat_the_end_is_that_of_first_order():
 
 def test_what_is_not_ok_or_no_number_stays_unknown():
     disk = BODIES["uniform"]
-    orbits = anywhere(disk, 40, 4)
+    orbits = orbits_anywhere(disk, 40, 4)
     orbits.h[3], orbits.rate[4] = np.nan, np.inf
     status = np.zeros(40, np.int8)
     status[5] = Status.BAD_INPUT

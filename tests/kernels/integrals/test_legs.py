@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import BODIES
+from passing import orbits_anywhere
 
 import explorer as ex
 from explorer.motion.legs import first_rule, legs_of
@@ -14,18 +15,9 @@ from explorer.phase.constants import natural_constants
 from explorer.phase.gauss import packed_rules
 from kernels.integrals.legs import leg_batch
 from kernels.integrals.orbits import OrbitRow, orbit_batch, orbits_of_legs
-from kernels.integrals.point import VERTICAL, Orbits
+from kernels.integrals.point import Orbits
 
 ROWS = json.loads((Path(__file__).parents[2] / "reference" / "wobbles.json").read_text(encoding="utf-8"))
-
-
-def motions(disk, n, seed, least=-4.0):
-    """Motions all over the phase space, as seen from their hemisphere."""
-    rng = np.random.default_rng(seed)
-    b, bar = disk.body, rng.uniform(-1.5, 1.5, n)
-    near = rng.choice([-1.0, 1.0], n) * b.I3 * b.r0 * 10.0 ** rng.uniform(least, 0.0, n)
-    h = rng.uniform(0.1, VERTICAL, n)
-    return Orbits(h, rng.uniform(-1.0, 1.0, n), bar, near, 2.0 * b.I1 * b.dr0 * bar - near, 1.0 - 0.5 * h * h)
 
 
 def periods(disk, orbits, accuracy):
@@ -40,7 +32,7 @@ def periods(disk, orbits, accuracy):
 @pytest.mark.parametrize("name", ["uniform", "hoop", "heavy-core", "thick"])
 def test_errors_of_legs_are_told(name):
     disk, n = BODIES[name], 400
-    orbits, best, status = motions(disk, n, 1), np.full((8, n), np.nan), np.zeros(n, np.int8)
+    orbits, best, status = orbits_anywhere(disk, n, 1), np.full((8, n), np.nan), np.zeros(n, np.int8)
     orbit_batch(orbits, 1e-11, packed_rules(), disk.natural, best, status)
     best = OrbitRow(*best)
     for accuracy in (1e-2, 1e-4, 1e-6, 1e-9):
@@ -96,7 +88,7 @@ def test_wobbles_that_legs_answer_are_those_of_forty_digits():
 def test_a_coarse_accuracy_takes_few_nodes():
     """At 1e-2 eight nodes are enough for nine legs of ten, at 1e-9 for hardly any."""
     disk, n = BODIES["uniform"], 400
-    orbits, tables = motions(disk, n, 2, least=-1.0), disk.leg_tables
+    orbits, tables = orbits_anywhere(disk, n, 2, least=-1.0), disk.leg_tables
     few = tables.sizes[tables.sizes <= 8]
     short = tables._replace(sizes=few, rules=np.ascontiguousarray(tables.rules[:, : few.sum()]))
     settled = {}
