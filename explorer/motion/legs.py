@@ -18,11 +18,11 @@ from explorer.phase.disk import Disk
 from explorer.phase.gauss import packed_rules
 from explorer.phase.states import Array
 
-# The rule to begin with at accuracies down to each of these: few motions need a larger one.
-_FIRST = ((1e-2, 1), (1e-3, 2), (1e-4, 3), (1e-6, 4), (1e-8, 6), (1e-9, 7), (0.0, 8))
-# Tables of a body beyond this kappa hold its races to fewer digits than the rules can tell: for kappa = 1000 the
-# errors were up to 55 times their estimates.
-_KAPPA = 16.0
+# The rule to begin with at accuracies down to each of these, for ways of middling length: few need a larger one.
+# A power of ten may be rounded down.
+_FIRST = (
+    (0.9e-2, 3), (0.9e-3, 4), (0.9e-4, 4), (0.9e-5, 6), (0.9e-6, 6), (0.9e-7, 8), (0.9e-8, 9), (0.9e-9, 10), (0.0, 11)
+)  # fmt: skip
 # The kernels of `falls_of_energy`, for `compiled.warmup`.
 FALL_KERNELS = ("passages.fall_batch", "low_falls.low_fall_batch", "passages.fall_by_rules_batch")
 
@@ -54,11 +54,7 @@ def legs_of(
     ends = compiled.ends.Ends(*rows)
     legs = np.full((5, kinds * n), np.nan)
     _near_flat(disk, orbits, ends, accuracy, legs)
-    near = np.isfinite(legs[0])
     compiled.legs.leg_batch(orbits, ends, first_rule(accuracy), accuracy, tables, disk.natural, legs)
-    if disk.kappa > _KAPPA:
-        angle_error = legs[3]
-        legs[:, ~near & ~(angle_error * disk.kappa / _KAPPA <= accuracy)] = np.nan
     return Legs(ends, legs)
 
 

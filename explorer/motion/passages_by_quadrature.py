@@ -60,13 +60,18 @@ def near_flat(
     status: NDArray[np.int8],
 ) -> None:
     """As `by_tables`, only those that come near flat."""
-    kernel = compiled.passages.rough_batch if accuracy >= ROUGH else compiled.passages.passage_batch
+    kernel = compiled.passages.rough_batch if few_digits(accuracy) else compiled.passages.passage_batch
     kernel(crossings, accuracy, disk.tables, disk.natural, out, status)
 
 
 def table_kernel(accuracy: float) -> str:
     """The name of the kernel that `near_flat` calls at an accuracy: it answers most passages."""
-    return "passages.rough_batch" if accuracy >= ROUGH else "passages.passage_batch"
+    return "passages.rough_batch" if few_digits(accuracy) else "passages.passage_batch"
+
+
+def few_digits(accuracy: float) -> bool:
+    """Whether short series and few nodes serve."""
+    return accuracy >= ROUGH
 
 
 def unanswered(out: Array, asked: NDArray[np.bool_]) -> bool:

@@ -86,7 +86,7 @@ def table_rules() -> tuple[tuple[_Array, ...], ...]:
 
 
 # Nodes of the rules for legs: a step in size is a digit or less.
-LEG_SIZES = (4, 5, 6, 8, 10, 12, 15, 18, 22, 27, 33, 40, 50)
+LEG_SIZES = (3, 4, 5, 6, 7, 8, 9, 10, 12, 15, 18, 22, 27, 33, 40, 50)
 
 
 @cache

@@ -50,7 +50,7 @@ def grade_at(of_body: Tables, number: int) -> Grade:
         fall=of_body.fall[:, ends[first + 1] : ends[last + 1]],
         inner=of_body.inner[:, ends[first + 2] : ends[last + 2]],
         wide=of_body.far[:, ends[first + 3] : ends[last + 3]],
-        limits=Limits(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]),
+        limits=Limits(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8]),
     )
 
 

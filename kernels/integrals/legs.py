@@ -22,7 +22,7 @@ from kernels.integrals import leg_tables, tabulated
 from kernels.integrals.ends import Ends, anywhere
 from kernels.integrals.leg_tables import LegTables, Wide
 from kernels.integrals.near_flat import Near, slope_of
-from kernels.integrals.point import Motion, Orbits
+from kernels.integrals.point import VERTICAL, Motion, Orbits
 from kernels.integrals.quadrature import FLOOR, PassageRow
 from kernels.integrals.tabulated import (
     ANGLE_ERROR,
@@ -37,6 +37,7 @@ from kernels.integrals.tabulated import (
     OF_REST,
     OF_TIME,
     PSI,
+    REST,
     SUMS,
     TAILS,
     TIME,
@@ -59,14 +60,18 @@ _NOISE = 100.0  # units of rounding, as in tabulated
 TERMS = 4.0  # units of rounding in E - V, of the sizes of its terms
 _LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y
 _DEPTH, _PER_NODE = 2.5, 1.44  # in y: what rules of so many nodes look at
-_LONG = 3.0  # in y
+_DEEP = 8.0  # in y
 # A motion is slow at an end below this part of |E - V_0| + 1; rules then miss so much, at most, of the share that
-# their last coefficients have.
-_SLOW, _MISSED = 0.02, 0.2
+# their last coefficients have. Elsewhere they miss so much of the square of that share.
+_SLOW, _MISSED, _TRUST = 0.02, 0.2, 0.5
+_ROUND = 16.0  # kappa up to which the tables of a body hold its races as well as its rules tell
 BESIDE = 1e-5  # of h: a state so near an end tells the way there by its rate
-# Beside the turning point, of the angle of the race and of h there: thrice the largest that was seen.
-_TURN_RATE, _TURN_SHARE = 4.36, 3.0
+# Beside the turning point, of the angle of the race and of h there: six times the largest that was seen.
+_TURN_RATE, _TURN_SHARE = 4.36, 6.0
 _LEAST_LEFT = 1e-300
+# Of h at both ends: below the first ratio a way is short, above the others long; rules to leave out or to add.
+_SHORTER, _LONGER, _LONGEST = 1.5, 10.0, 1e3
+_SAVED, _MORE, _MOST = 3, 2, 3
 
 # Rows beside those of `tabulated`: ends in h, and where the motion turns back beyond the outer one (0: not known);
 # E - V there and how much further in y it would go; what `at_depth` takes; y there and below the
@@ -221,9 +226,10 @@ def add_nodes(W: Vector, rules: Matrix, first: int, last: int, of_body: LegTable
 def tell_errors(W: Vector) -> None:
     """Add the errors as the last coefficients tell them, the largest share of all three integrals serving each.
 
-    Coefficients that fall like ratio^k leave the square of their share. On a long way, whose turning point stands
-    apart from all else, a small part of the integrand falls more slowly than the rest, and the share is of that.
-    Where a motion is slow at its end, coefficients oscillate or fall off late, and two in turn may be small.
+    Coefficients that fall like ratio^k leave the square of their share: a part of it, measured on 10^5 legs. On a
+    very long way, whose turning point stands apart from all else, a small part of the integrand falls more slowly
+    than the rest, and the share is of that. Where a motion is slow at its end, coefficients oscillate or fall off
+    late, and two in turn may be small.
     """
     for i in range(LANES):
         chi, rest, time = share_of_tail(W, i, OF_CHI), share_of_tail(W, i, OF_REST), share_of_tail(W, i, OF_TIME)
@@ -231,7 +237,8 @@ def tell_errors(W: Vector) -> None:
         moving = W[MOVING * LANES + i]
         slow = (moving > 0.0) & (moving < _SLOW * (abs(W[LEVEL * LANES + i]) + 1.0))
         root = math.sqrt(share)
-        missed = share * (max(root, _MISSED) if slow else root if W[Y_END * LANES + i] > _LONG else share)
+        part = max(root, _MISSED) if slow else root if W[Y_END * LANES + i] > _DEEP else _TRUST * share
+        missed = share * part
         W[ANGLE_ERROR * LANES + i] += missed * (W[OF_CHI.size * LANES + i] + W[OF_REST.size * LANES + i])
         W[TIME_ERROR * LANES + i] += missed * W[OF_TIME.size * LANES + i]
     clear(W, TAILS)
@@ -243,14 +250,26 @@ def tell_turn(W: Vector, size: int) -> None:
 
     What is left of the race after its closed part is there of the order of h, over a length of 1 in y: too small
     for the last coefficients to tell, and all that is left where the way is long. It falls off with the nodes on
-    such a length, as measured.
+    such a length, as measured. They lie closer there where the panel ends far from a second turning point.
     """
     for i in range(LANES):
-        resolved = 0.25 * _TURN_RATE * size / W[REACH * LANES + i]
+        closer = W[ANGLE * LANES + i] / (0.5 * math.pi) if W[Y_END * LANES + i] < _DEEP else 1.0
+        resolved = 0.25 * _TURN_RATE * size / (W[REACH * LANES + i] * closer)
         unseen = exp_fall(resolved if resolved < DEEPEST else DEEPEST)
         unseen *= unseen
         unseen *= unseen
         W[ANGLE_ERROR * LANES + i] += _TURN_SHARE * abs(W[RACE * LANES + i]) * W[H_TURN * LANES + i] * unseen
+
+
+@contracted_subroutine
+def tell_thin(W: Vector, b: Body) -> None:
+    """Errors of angles are larger by so much where kappa is: tables and closed forms hold a race to a share of it."""
+    over = math.sqrt(b.M / b.I1) / _ROUND - 1.0
+    if over > 0.0:
+        for i in range(LANES):
+            turned = abs(W[CHI * LANES + i]) + abs(W[REST * LANES + i])
+            error = W[ANGLE_ERROR * LANES + i]
+            W[ANGLE_ERROR * LANES + i] = error + over * (error + W[NOISE * LANES + i] * turned)
 
 
 @contracted_subroutine
@@ -271,6 +290,7 @@ def integrate(W: Vector, target: float, grade: int, of_body: LegTables, b: Body)
     tell_turn(W, sizes[grade])
     for i in range(LANES):
         W[CHI * LANES + i] += W[RACE * LANES + i]
+    tell_thin(W, b)
     finish(W, target, FLOOR)
 
 
@@ -312,6 +332,16 @@ def serves(W: Vector, k: int, whole: float, target: float) -> bool:
     return check == 0.0 or (known and error <= max(target, FLOOR) * whole)
 
 
+@subroutine
+def first_rule(kind: int, i: int, middling: int, orbits: Orbits, ends: Ends) -> int:
+    """The rule to begin with, from that of ways of middling length."""
+    turn = ends.there[i] if kind == THERE else ends.here[i]
+    ratio = (orbits.h[i] if kind == LEAD else VERTICAL if kind == THERE else ends.outer[i]) / turn
+    if ratio < _SHORTER:
+        return max(middling - _SAVED, 0)
+    return middling + (_MOST if ratio > _LONGEST else _MORE if ratio > _LONGER else 0)
+
+
 @kernel
 def leg_batch(
     orbits: Orbits, ends: Ends, first: int, target: float, of_body: LegTables, disk: Disk, out: Matrix
@@ -319,19 +349,23 @@ def leg_batch(
     """Legs there and back of samples with known ends -> out (5, kinds * n), rows as LegRow, a block for each kind.
 
     Two blocks are of the passages HERE and THERE, a third one of LEAD, from the state to its flattest moment. What
-    is not NaN in `out` is left as it is. first: the rule to begin with. A leg that no rule settles stays NaN. Of a
-    lead the time alone counts, as part of that of the passage.
+    is not NaN in `out` is left as it is. first: the rule to begin with on ways of middling length. A leg that no rule
+    settles stays NaN. Of a lead the time alone counts, as part of that of the passage.
     """
-    n, b = orbits.h.size, disk.body
+    n, b, last = orbits.h.size, disk.body, of_body.sizes.size
     W = np.ones(ROWS * LANES)
     waiting, group = np.empty(out.shape[1], np.int64), np.zeros(LANES, np.int64)
-    count = 0
+    begins = np.full(out.shape[1], last)
     for j in range(out.shape[1]):
         if math.isnan(out[0, j]) and wanted(j // n, j % n, orbits, ends):
-            waiting[count] = j
-            count += 1
-    for grade in range(first, of_body.sizes.size):
-        left = 0
+            begins[j] = min(first_rule(j // n, j % n, first, orbits, ends), last - 1)
+    left = 0
+    for grade in range(last):
+        count, left = left, 0
+        for j in range(out.shape[1]):
+            if begins[j] == grade:
+                waiting[count] = j
+                count += 1
         for start in range(0, count, LANES):
             taken = min(LANES, count - start)
             group[:taken] = waiting[start : start + taken]
@@ -351,4 +385,3 @@ def leg_batch(
                 else:
                     waiting[left] = group[k]
                     left += 1
-        count = left

@@ -108,7 +108,8 @@ class Limits(NamedTuple):
     the turning point, and settled: the last of them at most. missed: share of what the inner rule adds up that it
     misses at most; 0 where its last coefficients tell. slowest: share of the energy above V_0 with which a motion
     must leave the vertical. trust, trust_of_fall, trust_of_wide: what the other rules miss of what they add up, in
-    squares of the share that their last coefficients have; 0 where these coefficients tell by themselves.
+    squares of the share that their last coefficients have; 0 where these coefficients tell by themselves. spun: how
+    many times that of chi the inner rule misses of the time and of chi less psi, to which a fast spin adds it.
     """
 
     depth: float
@@ -119,6 +120,7 @@ class Limits(NamedTuple):
     trust: float
     trust_of_fall: float
     trust_of_wide: float
+    spun: float
 
 
 class Grade(NamedTuple):
@@ -135,7 +137,7 @@ class Tables(NamedTuple):
     """Tables of one body.
 
     vertical (8, 1), scan (8, SCANNED): single tilts. low, short, wide: series. outer, fall, inner, far: nodes of
-    all grades side by side; ends: where those of a grade end, four numbers for each. limits (GRADES, 8): fields
+    all grades side by side; ends: where those of a grade end, four numbers for each. limits (GRADES, 9): fields
     of Limits.
     """
 
@@ -163,17 +165,20 @@ ROUGH, WIDE_END = 4, 6
 # and at least twice the largest share of 96,000 passages of those of twelve bodies with I1 >= _ROUND; below that
 # it grows like the power _GROWS, since kappa does.
 _ROUND, _GROWS = 0.05, 1.5
+# What is left of the time falls like e^(-3y), which rules of few nodes see worst. Where I3/I1 is below _SPINNING,
+# the spin makes large angles of it.
+_SPINNING = 0.03
 _GRADES = (
-    Limits(3.0, 2, 3e-2, 4e-3, 2e-2, 0.0055, 0.005, 0.007),
-    Limits(4.5, 3, 2e-3, 4e-4, 5e-3, 0.04, 0.22, 0.3),
-    Limits(5.5, 3, 2e-3, 1e-4, 5e-3, 0.17, 0.9, 0.5),
-    Limits(7.0, 4, 3e-5, 5e-6, 2e-2, 0.03, 0.07, 0.8),
-    Limits(8.5, 4, 3e-5, 6e-7, 3e-3, 15.0, 20.0, 0.8),
-    Limits(9.5, 4, 3e-5, 8e-8, 5e-3, 0.35, 1.3, 0.8),
-    Limits(11.0, 5, 1e-6, 1.2e-8, 5e-3, 0.8, 2.2, 0.8),
-    Limits(12.5, 5, 1e-6, 8e-10, 5e-3, 1.2, 7.0, 0.8),
-    Limits(14.0, 5, 1e-6, 7e-11, 3e-3, 2.2, 20.0, 0.8),
-    Limits(16.0, 5, 1e-8, 0.0, 1e-3, 0.0, 0.0, 0.0),
+    Limits(3.0, 2, 3e-2, 4e-3, 2e-2, 0.0055, 0.005, 0.007, 10.0),
+    Limits(4.5, 3, 2e-3, 4e-4, 5e-3, 0.04, 0.22, 0.3, 3.0),
+    Limits(5.5, 3, 2e-3, 1e-4, 5e-3, 0.17, 0.9, 0.5, 1.8),
+    Limits(7.0, 4, 3e-5, 5e-6, 2e-2, 0.03, 0.07, 0.8, 3.0),
+    Limits(8.5, 4, 3e-5, 6e-7, 3e-3, 15.0, 20.0, 0.8, 4.0),
+    Limits(9.5, 4, 3e-5, 8e-8, 5e-3, 0.35, 1.3, 0.8, 2.0),
+    Limits(11.0, 5, 1e-6, 1.2e-8, 5e-3, 0.8, 2.2, 0.8, 2.0),
+    Limits(12.5, 5, 1e-6, 8e-10, 5e-3, 1.2, 7.0, 0.8, 2.0),
+    Limits(14.0, 5, 1e-6, 7e-11, 3e-3, 2.2, 20.0, 0.8, 2.0),
+    Limits(16.0, 5, 1e-8, 0.0, 1e-3, 0.0, 0.0, 0.0, 1.0),
 )
 
 
@@ -220,6 +225,7 @@ def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
         theta = 0.5 * math.pi * u * u * (3.0 - 2.0 * u)
         fallen = at_tilts(disk, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
     thin = 1.0 + (_ROUND / disk.body.I1) ** _GROWS
+    spun = 1.0 + (limits.spun - 1.0) / (1.0 + (disk.body.k / _SPINNING) ** 2)
     places, weights, tails = _half(inner)
     # ln h rises from the turning point like s^2, s = sin(pi v/2): nodes lie close at both ends.
     v, steps, last = _half(wide)
@@ -229,7 +235,7 @@ def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
         fall=np.concatenate([fallen, coefficients(fall, (fall.shape[1] - 1, fall.shape[1] - 2))]),
         inner=np.concatenate([[1.0 - places, weights], tails]),
         wide=np.concatenate([[slope * slope, math.pi * s * slope * steps], last]),
-        limits=limits._replace(missed=limits.missed * thin),
+        limits=limits._replace(missed=limits.missed * thin, spun=spun),
     )
 
 

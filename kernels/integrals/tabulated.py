@@ -309,10 +309,10 @@ def told_by_the_worst(W: Vector, trust: float) -> None:
 
 
 @contracted_subroutine
-def told_by_size(W: Vector, missed: float) -> None:
+def told_by_size(W: Vector, missed: float, spun: float) -> None:
     """Add the errors of an inner rule that misses this share of what it adds up, and clear its sums."""
     for i in range(LANES):
-        size = W[CHI_SIZE * LANES + i] + W[REST_SIZE * LANES + i] + W[TIME_SIZE * LANES + i]
+        size = W[CHI_SIZE * LANES + i] + spun * (W[REST_SIZE * LANES + i] + W[TIME_SIZE * LANES + i])
         error = missed * (size + _LEAST_SIZE) + TURNED * W[STEP * LANES + i] * W[STEP * LANES + i]
         W[ANGLE_ERROR * LANES + i] += error
         W[TIME_ERROR * LANES + i] += error
@@ -346,7 +346,7 @@ def passages(W: Vector, goal: Goal, grade: Grade, vertical: Matrix, low: Series,
     closed(W, limits.depth, b, low)
     near_panel(W, grade.inner, b, low)
     if limits.missed > 0.0:
-        told_by_size(W, limits.missed)
+        told_by_size(W, limits.missed, limits.spun)
     else:
         told_by_coefficients(W)
     far(W, grade.outer, limits.trust, b)
