@@ -263,7 +263,7 @@ def tell_turn(W: Vector, size: int) -> None:
 
 @contracted_subroutine
 def tell_thin(W: Vector, b: Body) -> None:
-    """Errors of angles are larger by so much where kappa is: tables and closed forms hold a race to a share of it."""
+    """Make errors of angles larger where kappa is: tables and closed forms hold a race to a share of it."""
     over = math.sqrt(b.M / b.I1) / _ROUND - 1.0
     if over > 0.0:
         for i in range(LANES):
@@ -349,8 +349,8 @@ def leg_batch(
     """Legs there and back of samples with known ends -> out (5, kinds * n), rows as LegRow, a block for each kind.
 
     Two blocks are of the passages HERE and THERE, a third one of LEAD, from the state to its flattest moment. What
-    is not NaN in `out` is left as it is. first: the rule to begin with on ways of middling length. A leg that no rule
-    settles stays NaN. Of a lead the time alone counts, as part of that of the passage.
+    is not NaN in `out` is left as it is. first: the rule to begin with on ways of middling length. A leg that no
+    rule settles stays NaN. Of a lead the time alone counts, as part of that of the passage.
     """
     n, b, last = orbits.h.size, disk.body, of_body.sizes.size
     W = np.ones(ROWS * LANES)

@@ -108,8 +108,8 @@ class Limits(NamedTuple):
     the turning point, and settled: the last of them at most. missed: share of what the inner rule adds up that it
     misses at most; 0 where its last coefficients tell. slowest: share of the energy above V_0 with which a motion
     must leave the vertical. trust, trust_of_fall, trust_of_wide: what the other rules miss of what they add up, in
-    squares of the share that their last coefficients have; 0 where these coefficients tell by themselves. spun: how
-    many times that of chi the inner rule misses of the time and of chi less psi, to which a fast spin adds it.
+    squares of the share that their last coefficients have; 0 where these coefficients tell by themselves. spun:
+    how many times as much as of chi the inner rule misses of the time, and where spin is fast of chi less psi.
     """
 
     depth: float
@@ -166,7 +166,7 @@ ROUGH, WIDE_END = 4, 6
 # it grows like the power _GROWS, since kappa does.
 _ROUND, _GROWS = 0.05, 1.5
 # What is left of the time falls like e^(-3y), which rules of few nodes see worst. Where I3/I1 is below _SPINNING,
-# the spin makes large angles of it.
+# the spin makes large angles of it, and of what is missed elsewhere.
 _SPINNING = 0.03
 _GRADES = (
     Limits(3.0, 2, 3e-2, 4e-3, 2e-2, 0.0055, 0.005, 0.007, 10.0),
@@ -225,7 +225,7 @@ def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
         theta = 0.5 * math.pi * u * u * (3.0 - 2.0 * u)
         fallen = at_tilts(disk, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
     thin = 1.0 + (_ROUND / disk.body.I1) ** _GROWS
-    spun = 1.0 + (limits.spun - 1.0) / (1.0 + (disk.body.k / _SPINNING) ** 2)
+    spinning = 1.0 / (1.0 + (disk.body.k / _SPINNING) ** 2)
     places, weights, tails = _half(inner)
     # ln h rises from the turning point like s^2, s = sin(pi v/2): nodes lie close at both ends.
     v, steps, last = _half(wide)
@@ -235,7 +235,11 @@ def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
         fall=np.concatenate([fallen, coefficients(fall, (fall.shape[1] - 1, fall.shape[1] - 2))]),
         inner=np.concatenate([[1.0 - places, weights], tails]),
         wide=np.concatenate([[slope * slope, math.pi * s * slope * steps], last]),
-        limits=limits._replace(missed=limits.missed * thin, spun=spun),
+        limits=limits._replace(
+            missed=limits.missed * thin,
+            trust=limits.trust * (1.0 + spinning),
+            spun=1.0 + (limits.spun - 1.0) * spinning,
+        ),
     )
 
 

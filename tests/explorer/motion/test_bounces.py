@@ -200,13 +200,14 @@ def across(disk, count, seed):
     return ex.constants_to_states(disk, unit * bar, unit * eta, unit * speed)
 
 
-@pytest.mark.parametrize(("made", "least"), [(across, 1e-2), (anywhere, 1e-3)])
-@pytest.mark.parametrize("disk", [*DISKS.values(), ex.Disk(I1=0.5, I3=0.3)], ids=str)
-def test_a_coarse_accuracy_is_not_paid_for_as_a_fine_one(disk, made, least):
+@pytest.mark.parametrize("made", [across, anywhere])
+@pytest.mark.parametrize("disk", [*DISKS.values(), ex.Disk(I1=0.5, I3=0.3), ex.Disk(I1=0.25, I3=0.02)], ids=str)
+def test_a_coarse_accuracy_is_not_paid_for_as_a_fine_one(disk, made):
     """The 99th percentile of true errors is within the accuracy, and not below a hundredth of it.
 
-    Of motions that do not come near flat, whose smallest rules do better than they know, a thousandth.
+    Where I3 is little nearly all motions are slow at an end, whose rules know less than they hold: half of that.
     """
+    least = 0.01 if disk.body.I3 > 0.1 else 0.005
     states = made(disk, 1000, 8)
     best = ex.bounces(states, 1, 1e-11)
     for accuracy in 10.0 ** -np.arange(2, 11):

@@ -122,6 +122,24 @@ def answer(row, accuracy):
     return ex.passages(ex.Disk(I1=row["I1"], I3=row["I3"]), *start, accuracy=accuracy)
 
 
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize("moments", [(0.25, 2.5e-3), (1.0, 1e-3), (0.25, 1e-4), (5.0, 0.03)])
+def test_of_a_body_with_little_axial_inertia_the_turns_of_a_fast_spin_are_as_accurate_as_asked(moments, accuracy):
+    """What is missed of the time becomes many times as large an angle there."""
+    disk, n, rng = ex.Disk(*moments), 2000, np.random.default_rng(29)
+    sigma3_bar = rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-1.0, 1.0, n)
+    eta_hat = rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-8.0, 1.0, n)
+    starts = sigma3_bar, eta_hat, 10.0 ** rng.uniform(-0.3, 1.5, n)
+    best = ex.passages(disk, *starts, accuracy=1e-12)
+    found = ex.passages(disk, *starts, accuracy=accuracy)
+    both = best.ok & found.ok
+    assert both.sum() == best.ok.sum() > 0.9 * n
+    angles = found.delta_chi - best.delta_chi, found.delta_psi - best.delta_psi
+    error = np.max(np.abs([*angles, found.duration / best.duration - 1.0]), axis=0)[both]
+    assert np.percentile(error, 99) <= accuracy
+    assert (error <= 6.0 * (found.error_estimate + best.error_estimate)[both]).all()
+
+
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-10])
 def test_estimates_hold_in_the_nastiest_corners(corners, accuracy):
     """Also those of the race, of which the fall on F with the same energy is a part."""

@@ -46,6 +46,21 @@ def test_errors_of_legs_are_told(name):
         assert np.percentile(np.fmax(angle, time), 99) <= accuracy
 
 
+@pytest.mark.parametrize("moments", [(1e-5, 2e-5), (1e-6, 2e-6)])
+def test_estimates_know_how_well_tables_hold_a_race_of_many_turns(moments):
+    """Of bodies with kappa = 316 and 1000, by legs alone."""
+    disk, n = ex.Disk(*moments), 1000
+    orbits, best, status = motions(disk, n, 5, -8.0), np.full((8, n), np.nan), np.zeros(n, np.int8)
+    orbit_batch(orbits, 1e-11, packed_rules(), disk.natural, best, status)
+    best = OrbitRow(*best)
+    for accuracy in (1e-3, 1e-5, 1e-7):
+        found = periods(disk, orbits, accuracy)
+        both = np.isfinite(found.time) & (status == 0)
+        assert both.sum() > 10
+        angle = np.fmax(abs(found.chi - best.chi), abs(found.psi - best.psi))[both]
+        assert (angle <= 10.0 * (found.angle_error + best.angle_error)[both]).all()
+
+
 @pytest.mark.parametrize("disk", [BODIES["hoop"], BODIES["thick"], ex.Disk(I1=5.0, I3=3.0)], ids=str)
 def test_errors_of_slow_crossings_are_told_also_below_the_energy_of_flat(disk):
     """The last coefficients may be small there while those behind them are not."""
