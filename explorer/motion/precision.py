@@ -20,7 +20,7 @@ _PASSAGE = 2.0  # units of time
 _WAY, _KAPPA = 3.0, 2.5
 # In a step of rk8 chi turns by no more than the first of these (rad) and the second times the fourth root of the
 # accuracy: measured for kappa = 32, where its path errs by 2e-3 at 26 rad, 1e-4 at 14 and 1e-10 at 4.
-_TURN, _TURN_MORE = 3.5, 60.0
+_TURN, _TURN_MORE = 4.0, 58.0
 # Errors are some units of what holding has moved, up to _MOVED, and of the energy that it has taken out, up to
 # _TAKEN. By luck a motion may show neither although it errs, so a share of the accuracy, which was calibrated, is
 # always added, and the rounding of a passage. More may be hidden of a path in which chi turns many times within a

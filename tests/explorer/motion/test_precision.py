@@ -61,7 +61,7 @@ def test_the_accuracy_asked_is_met_far_from_the_bodies_it_was_calibrated_on(exac
     assert got.ok.all()
     passages = np.maximum(1.0, 0.5 * TIMES)
     angles, path = (np.percentile((error / passages).max(axis=1), 99) for error in errors(got, exact(name)))
-    assert 0.002 * accuracy < max(angles, path) < accuracy
+    assert 0.01 * accuracy < max(angles, path) < accuracy
 
 
 @pytest.mark.parametrize("method", METHODS[1:])
