@@ -21,7 +21,7 @@ from explorer.phase.states import Array
 # The rule to begin with at accuracies down to each of these, for ways of middling length: few need a larger one.
 # A power of ten may be rounded down.
 _FIRST = (
-    (0.9e-2, 3), (0.9e-3, 4), (0.9e-4, 4), (0.9e-5, 6), (0.9e-6, 6),
+    (0.9e-2, 4), (0.9e-3, 5), (0.9e-4, 5), (0.9e-5, 6), (0.9e-6, 6),
     (0.9e-7, 8), (0.9e-8, 9), (0.9e-9, 10), (0.0, 11),
 )  # fmt: skip
 # The kernels of `falls_of_energy`, for `compiled.warmup`.

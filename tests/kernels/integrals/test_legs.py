@@ -50,7 +50,7 @@ def test_errors_of_legs_are_told(name):
 def test_estimates_know_how_well_tables_hold_a_race_of_many_turns(moments):
     """Of bodies with kappa = 316 and 1000, by legs alone."""
     disk, n = ex.Disk(*moments), 1000
-    orbits, best, status = motions(disk, n, 5, -8.0), np.full((8, n), np.nan), np.zeros(n, np.int8)
+    orbits, best, status = orbits_anywhere(disk, n, 5, -8.0), np.full((8, n), np.nan), np.zeros(n, np.int8)
     orbit_batch(orbits, 1e-11, packed_rules(), disk.natural, best, status)
     best = OrbitRow(*best)
     for accuracy in (1e-3, 1e-5, 1e-7):
