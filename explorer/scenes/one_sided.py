@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import islice
+from itertools import chain, islice
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypedDict
 
 import numpy as np
@@ -175,12 +175,17 @@ class OneSided(Scene):
         return joined([self._approach(disk, first + i, start) for i, start in enumerate(starts[:count])])
 
     def motions(self, count: int, t_end: float | None) -> MotionTrial:
-        """All its motions beside its first `count` starts, at the times of the scene unless `t_end` is given."""
+        """`count` motions beside its first starts, at the times of the scene unless `t_end` is given.
+
+        Every start has motions at all distances, and every disk as many starts: one, or as many as `count` allows.
+        """
         groups = []
-        for index in range(self.chunks()):
-            disk, starts = self.disks[index // self.blocks], self.starts(index)
-            for start in starts[:count]:
-                states = beside(disk, start, self._distances(disk))
+        for number, disk in enumerate(self.disks):
+            distances = self._distances(disk)
+            chunks = range(number * self.blocks, (number + 1) * self.blocks)
+            starts = chain.from_iterable(self.starts(index) for index in chunks)
+            for start in islice(starts, max(1, count // (len(self.disks) * distances.size))):
+                states = beside(disk, start, distances)
                 times = sample_times(limits_at(disk, start)[1])[0] if t_end is None else even_times(t_end)
                 groups.append((states, times))
         return MotionTrial(groups)

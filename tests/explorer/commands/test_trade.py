@@ -53,7 +53,7 @@ def test_tilts_of_measure_zero_are_those_of_its_plain_draws():
 
 def test_motions_of_a_trade_are_those_of_the_scene():
     scene = build_scene("one-sided", disk=["uniform", "hoop"], samples=2, eta_hat="1e-4:1e-2")
-    trial = scene.motions(2, None)
+    trial = scene.motions(24, None)
     found = trial.call(trial.plan("dop853", 1e-6))
     tables = [scene.compute(index) for index in range(scene.chunks())]
     for table, both in zip(tables, (found[:2], found[2:]), strict=True):
@@ -62,6 +62,16 @@ def test_motions_of_a_trade_are_those_of_the_scene():
         assert sigma3_bar == pytest.approx(table["sigma3_bar"])
         middle = [motion.chi[row] for motion in both for row in range(len(motion))]
         assert all(chi in line for chi, line in zip(table["chi_between"], middle, strict=True))
+
+
+@pytest.mark.parametrize(("count", "starts"), [(1, 1), (23, 1), (24, 2), (1000, 20)])
+def test_so_many_motions_of_a_trade_go_to_all_bodies(count, starts):
+    """Six motions beside each start, and two bodies: as many starts of both as the number allows."""
+    scene = build_scene("one-sided", disk=["uniform", "hoop"], samples=20, eta_hat="1e-4:1e-2")
+    groups = scene.motions(count, None).groups
+    names = [states.disk.name for states, _ in groups]
+    assert names == ["uniform"] * starts + ["hoop"] * starts
+    assert {len(states) for states, _ in groups} == {6}
 
 
 def test_states_of_the_user_are_measured(tmp_path):
