@@ -8,6 +8,7 @@ from explorer.motion.plan import Plan
 from explorer.motion.vertical import Starts
 from explorer.phase.disk import Disk
 from explorer.phase.gauss import packed_rules
+from explorer.phase.lines import line_slope
 from explorer.phase.states import Array
 
 # The least accuracies for which there are rules of few digits, and of passages that do not come near flat; less by
@@ -104,8 +105,7 @@ def _ways(
 
 def energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
     """Energy of a start at the vertical on a line l_+-, eqs (2.19), (6.1); natural units."""
-    b = disk.body
-    sigma4 = b.I1 * b.dr0 * sigma3_bar / (b.I3 * b.r0)
+    b, sigma4 = disk.body, line_slope(disk) * sigma3_bar
     return 0.5 * b.M * speed**2 + 0.5 * b.I1 * sigma3_bar**2 + 0.5 * b.J * sigma4**2 + 1.0
 
 
