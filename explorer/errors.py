@@ -6,30 +6,30 @@ the command line and files from users have their arguments read here: a reader r
 type, raises InputError for what it cannot use, and never changes what it was given.
 
 Numbers are those of Python and numpy, and text in plain digits; never a bool, bytes, a date or a complex number.
-Readers of arrays, states and disks, which need numpy, are in `phase.arguments`, `phase.states` and `phase.disk`.
+Readers of arrays, states and disks, which need numpy, are in `phase.arguments`, `phase.states` and `phase.disk`,
+those of files in `phase.paths`.
 """
 
 import contextlib
 import math
-import os
 import re
-import stat
 import sys
-import tomllib
 import warnings
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from decimal import Decimal
 from difflib import get_close_matches
+from functools import wraps
 from itertools import islice
 from numbers import Integral, Real
-from pathlib import Path
-from typing import Any
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
+P = ParamSpec("P")
+R = TypeVar("R")
 MOST_JOBS = 1024  # threads or processes: more only take memory
 MOST_WORDS = 1000
+_PLAIN = (type(None), bool, int, float, complex, str, bytes)  # they have no methods of a user
 _LONGEST = 300  # characters of a message
-_SHOWN = 60  # characters of a value in it
-_LARGEST_TOML = 1 << 20  # bytes
+SHOWN = 60  # characters of a value in it
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(inf|infinity|nan)", re.ASCII | re.IGNORECASE)
 _WHOLE = re.compile(r"[+-]?\d{1,400}", re.ASCII)
 # How a remedy of the command line is written in Python, the longest first.
@@ -150,11 +150,11 @@ def shown(value: Any) -> str:
     try:
         if getattr(value, "ndim", 0) and isinstance(getattr(value, "shape", None), tuple):  # no module or class
             return f"{type(value).__name__} of shape {value.shape} {getattr(value, 'dtype', '')}".rstrip()
-        if isinstance(value, list | tuple | dict | set | bytes | bytearray) and len(value) > _SHOWN:
+        if isinstance(value, list | tuple | dict | set | bytes | bytearray) and len(value) > SHOWN:
             return f"{type(value).__name__} of {len(value)}"
-        if isinstance(value, int) and abs(value) >= 10**_SHOWN:
+        if isinstance(value, int) and abs(value) >= 10**SHOWN:
             return f"an integer of some {int(value.bit_length() * math.log10(2.0)) + 1} digits"
-        return shorten(" ".join(repr(value).split()), _SHOWN)
+        return shorten(" ".join(repr(value).split()), SHOWN)
     except Exception:  # whatever a foreign object does when it is asked for its text
         return f"an object of type {type(value).__name__}"
 
@@ -162,11 +162,59 @@ def shown(value: Any) -> str:
 def said(name: str, value: Any) -> str:
     """An argument with its value as the user wrote it: "--samples 0", "samples = 0" or "--disk: m = 0"."""
     name = in_words(name)
-    text = shorten(value, _SHOWN) if isinstance(value, str) else shown(value)
+    text = shorten(value, SHOWN) if type(value) is str else shown(value)
     bare = name.startswith("--") and ":" not in name
     return f"{name} {text}" if bare else f"{name} = {text}"
 
 
+def reader(read: Callable[Concatenate[str, Any, P], R]) -> Callable[Concatenate[str, Any, P], R]:
+    """Let a reader, called as read(name, value, ...), say as InputError that the value fails when it is looked at.
+
+    Objects of users and of other packages have methods of their own for all that a reader may ask, also for what
+    they are: any of them may raise. What fails on a plain number or text is a mistake of this program.
+    """
+
+    @wraps(read)
+    def safely(name: str, value: Any, *more: P.args, **named: P.kwargs) -> R:
+        try:
+            return read(name, value, *more, **named)
+        except Exception as error:
+            if is_ours(error) or type(value) in _PLAIN:
+                raise
+            deep = isinstance(error, RecursionError)
+            why = "is nested too deeply, or holds itself" if deep else f"fails when it is read ({_kind_of(error)})"
+            raise InputError(f"{said(name, value)} {why}; give plain numbers or text") from error
+
+    return cast(Callable[Concatenate[str, Any, P], R], safely)
+
+
+def is_ours(error: BaseException) -> bool:
+    """Whether an exception is a message of this program, and not one that an object of a user raised."""
+    place = error.__traceback__
+    while place is not None and place.tb_next is not None:
+        place = place.tb_next
+    raised = place.tb_frame.f_globals.get("__name__") if place is not None else None
+    return isinstance(error, InputError | RunError) and str(raised).partition(".")[0] == __name__.partition(".")[0]
+
+
+def is_a(value: Any, kind: Any) -> bool:
+    """As isinstance, also of an object that fails when it is asked for its class."""
+    try:
+        return isinstance(value, kind)
+    except Exception:  # a proxy of what has gone, for instance
+        return False
+
+
+def text_of(value: Any) -> str | None:
+    """Text as a plain str, whatever class of its own it has; None for anything else."""
+    return str.__str__(value) if is_a(value, str) else None
+
+
+def _kind_of(error: BaseException) -> str:
+    return shorten(type(error).__name__, SHOWN)
+
+
+@reader
 def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:
     """Read a finite number.
 
@@ -204,8 +252,8 @@ def plain_number(value: Any) -> Any:
 
 def double_of(value: Any) -> float | None:
     """A number of Python as a double; None where it is no real number, or a long double that is no double."""
-    if isinstance(value, str):
-        return float(value) if len(value) < 1000 and _NUMBER.fullmatch(value.strip()) else None
+    if (text := text_of(value)) is not None:
+        return float(text) if len(text) < 1000 and _NUMBER.fullmatch(text.strip()) else None
     if isinstance(value, bool) or not isinstance(value, Real | Decimal):
         return None
     try:
@@ -218,6 +266,7 @@ def double_of(value: Any) -> float | None:
     return None if cut else read
 
 
+@reader
 def positive(name: str, value: Any) -> float:
     """Read a finite number above 0. Raises InputError."""
     read = number(name, value)
@@ -226,6 +275,7 @@ def positive(name: str, value: Any) -> float:
     return read
 
 
+@reader
 def whole(name: str, value: Any, low: int = 0, high: int | None = None) -> int:
     """Read a whole number from `low` to `high`, written in any way: 1000000, "1000000", 1e6, "1e6".
 
@@ -249,6 +299,7 @@ def whole(name: str, value: Any, low: int = 0, high: int | None = None) -> int:
     return read
 
 
+@reader
 def sign(name: str, value: Any) -> int:
     """Read +1 or -1, a face or a side, written as any number is. Raises InputError."""
     read = double_of(plain_number(value))
@@ -262,6 +313,7 @@ def jobs_of(name: str, value: Any) -> int:
     return whole(name, value, 1, MOST_JOBS)
 
 
+@reader
 def flag(name: str, value: Any) -> bool:
     """Read True or False. Raises InputError."""
     if not isinstance(value, bool) and type(value).__name__ != "bool":  # numpy has one of its own
@@ -269,60 +321,38 @@ def flag(name: str, value: Any) -> bool:
     return bool(value)
 
 
+@reader
 def one_of(name: str, value: Any, known: Collection[str]) -> str:
     """Read one of the words `known`. Raises InputError with the nearest of them."""
-    if not isinstance(value, str) or value not in known:
-        raise InputError(f"{name} {shown(value)} is not known; {suggest(value, known)}")
-    return value
+    text = text_of(value)
+    if text is None or text not in known:
+        raise InputError(f"{name} {shown(value)} is not known; {suggest(text, known)}")
+    return text
 
 
+@reader
 def words(name: str, value: Any) -> tuple[str, ...]:
     """Read a sequence of words. Raises InputError."""
     if isinstance(value, str) or not isinstance(value, Iterable) or getattr(value, "ndim", 1) != 1:
         raise InputError(f"{name} = {shown(value)}: give a list of words")
-    several = tuple(islice(value, MOST_WORDS + 1))
-    if len(several) > MOST_WORDS or not all(isinstance(each, str) for each in several):
+    several = tuple(map(text_of, islice(value, MOST_WORDS + 1)))
+    read = tuple(each for each in several if each is not None)
+    if len(several) > MOST_WORDS or len(read) < len(several):
         raise InputError(f"{name} = {shown(value)}: give a list of at most {MOST_WORDS} words")
-    return several
+    return read
 
 
+@reader
 def word(name: str, value: Any) -> str:
     """Read a name that may stand in the name of a file: up to 80 printable characters. Raises InputError."""
-    if not isinstance(value, str) or not 0 < len(value) <= 80 or value.startswith(".") or value != value.strip():
+    text = text_of(value)
+    if text is None or not 0 < len(text) <= 80 or text.startswith(".") or text != text.strip():
         raise InputError(f"{said(name, value)} is no name; give up to 80 letters, digits or signs")
-    if not value.isprintable() or set(value) & set('/\\:*?"<>|'):
+    if not text.isprintable() or set(text) & set('/\\:*?"<>|'):
         raise InputError(
             f"{said(name, value)} is no name: it stands in names of files; leave out its special signs"
         )
-    return value
-
-
-def path_of(name: str, value: Any) -> Path:
-    """Read a path: text or a Path that a file system could hold. Raises InputError."""
-    if not isinstance(value, str | os.PathLike):
-        raise InputError(f"{said(name, value)} is no path; give text or a Path")
-    text = os.fspath(value)
-    if not isinstance(text, str) or not text or "\0" in text:
-        raise InputError(f"{said(name, value)} is no path; give text that is not empty and has no NUL")
-    parts = Path(text).parts
-    if len(text) > 4000 or any(len(part.encode(errors="replace")) > 255 for part in parts):
-        raise InputError(f"{name} {shorten(text, _SHOWN)} is too long for a path; give a shorter one")
-    return Path(text)
-
-
-def regular_file(name: str, path: Path, largest: float = math.inf) -> Path:
-    """Check that a path is a plain file of so many bytes at most, before it is opened. Raises InputError."""
-    try:
-        found = path.stat()
-    except (OSError, ValueError) as error:
-        fault = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{name} {shorten(str(path), 120)}: cannot be read ({fault})") from None
-    if not stat.S_ISREG(found.st_mode):
-        raise InputError(f"{name} {shorten(str(path), 120)}: cannot be read (is no file of its own)")
-    if found.st_size > largest:
-        most = f"{largest:,.0f} is the most that is read"
-        raise InputError(f"{name} {shorten(str(path), 120)}: has {found.st_size:,} bytes; {most}")
-    return path
+    return text
 
 
 def suggest(value: Any, known: Collection[str]) -> str:
@@ -332,52 +362,6 @@ def suggest(value: Any, known: Collection[str]) -> str:
         # The beginning of a name says more than a few of its letters do.
         near = sorted((name for name in known if name.startswith(value)), key=len)[:1] or near
     return (f"did you mean {near[0]!r}? " if near else "") + f"known: {shorten(', '.join(known), 160)}"
-
-
-def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, float]:
-    """Read (low, high) with low <= high.
-
-    Parameters
-    ----------
-    name : str
-        As for `number`.
-    value : str or pair of numbers
-        "LOW:HIGH", or one number as text for a range of one point, or a pair of numbers.
-    unbounded : bool
-        Whether an end may be left out, as in "LOW:", ":HIGH" or a pair with None, and is then infinite.
-
-    Raises
-    ------
-    InputError
-        Where `value` is no range, or the range is empty.
-    """
-    form = "LOW:HIGH, LOW: or :HIGH" if unbounded else "LOW:HIGH"
-    ends = value.split(":") if isinstance(value, str) else value
-    if isinstance(value, str) and len(ends) == 1:
-        ends *= 2
-    if not isinstance(ends, list | tuple) or len(ends) != 2:
-        raise InputError(f"{name} {shown(value)} is not a range; give {form}")
-    try:
-        low, high = (
-            bound if unbounded and (end is None or end in ("", bound)) else number(name, end)
-            for end, bound in zip(ends, (-math.inf, math.inf), strict=True)
-        )
-    except (InputError, ArithmeticError):  # a NaN of Decimal that signals
-        raise InputError(f"{name} {shown(value)} is not a range; give {form} with finite numbers") from None
-    if low > high:
-        raise InputError(f"{name} {low:g}:{high:g} is empty; give {form}, the smaller number first")
-    return low, high
-
-
-def read_toml(path: Path, option: str) -> dict[str, Any]:
-    """The content of a TOML file of at most 1 MB. Raises InputError naming the option and the file."""
-    regular_file(option, path_of(option, path), _LARGEST_TOML)
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{option} {path}: cannot be read ({error.strerror})") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{option} {path}: not valid TOML ({error})") from None
 
 
 def _of_commas(value: Any) -> str:

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, number, read_range, shown
+from explorer.errors import InputError, number, reader, shown, text_of
 from explorer.measure.sampling import BLOCK, Box, Range, gather, parse_ranges
-from explorer.phase.arguments import returned_numbers, users_own
+from explorer.phase.arguments import read_range, returned_numbers, users_own
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, phi_to_states
@@ -89,12 +89,8 @@ class Density:
         density: Function | None = None,
     ) -> "Density":
         """A density from what users give; the box defaults to Box.default. Raises InputError."""
-        if box is None or isinstance(box, str):
-            box = Box.parse(box, Box.default(disk)) if box else Box.default(disk)
-        elif not isinstance(box, Box):
-            raise InputError(f'--box {shown(box)}: write "phi=0,sigma3=-2:2"; what is left out keeps its range')
-        bells = _bells(gaussian)
-        for name, reach in zip(COORDINATES[1:], (box.phidot, box.sigma3, box.sigma4), strict=True):
+        found, bells = _read_box("--box", box, disk), _bells("--gaussian", gaussian)
+        for name, reach in zip(COORDINATES[1:], (found.phidot, found.sigma3, found.sigma4), strict=True):
             if max(map(abs, reach)) > _FASTEST * disk.rate_unit:
                 raise InputError(f"--box {name}: rates beyond {_FASTEST:g} sqrt(g/r) are not sampled; narrow it")
         if not (disk.body.I1 >= _LEAST and disk.body.k >= _LEAST):
@@ -103,7 +99,7 @@ class Density:
                 "falling set are too steep for this; give a disk with larger ones"
             )
         return cls(
-            box,
+            found,
             ANY_ENERGY if energy is None else read_range("--energy", energy, unbounded=True),
             tuple(bells.items()),
             density,
@@ -228,14 +224,26 @@ class Density:
         return described
 
 
-def _bells(gaussian: Any) -> dict[str, Range]:
+@reader
+def _read_box(name: str, value: Any, disk: Disk) -> Box:
+    """A box, or the text of one; by default that of the disk. Raises InputError."""
+    if isinstance(value, Box):
+        return value
+    text = "" if value is None else text_of(value)
+    if text is None:
+        raise InputError(f'{name} {shown(value)}: write "phi=0,sigma3=-2:2"; what is left out keeps its range')
+    return Box.parse(text, Box.default(disk)) if text else Box.default(disk)
+
+
+@reader
+def _bells(flag: str, gaussian: Any) -> dict[str, Range]:
     """Means and deviations by coordinate, from text or a mapping. Raises InputError."""
     if gaussian is None or isinstance(gaussian, str):
-        return {} if gaussian is None else parse_ranges(gaussian, "--gaussian")
+        return {} if gaussian is None else parse_ranges(gaussian, flag)
     pairs: list[Any] = list(gaussian.values()) if isinstance(gaussian, Mapping) else [None]
     if not all(isinstance(pair, list | tuple) and len(pair) == 2 for pair in pairs):
-        raise InputError(f'--gaussian {shown(gaussian)}: write "phidot=0.5:0.1", MEAN:DEVIATION of a coordinate')
+        raise InputError(f'{flag} {shown(gaussian)}: write "phidot=0.5:0.1", MEAN:DEVIATION of a coordinate')
     return {
-        str(name): (number(f"--gaussian {name}", mean), number(f"--gaussian {name}", deviation))
+        str(name): (number(f"{flag} {name}", mean), number(f"{flag} {name}", deviation))
         for name, (mean, deviation) in gaussian.items()
     }

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, flag, jobs_of, one_of, shown, whole
+from explorer.errors import InputError, flag, jobs_of, one_of, reader, shown, text_of, whole
 from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
 from explorer.phase.arguments import returned_numbers, users_own
@@ -161,7 +161,7 @@ def _computed(states: States, observable: Observable, work: _Work) -> list[dict[
     from joblib import Parallel, delayed
     from tqdm import tqdm
 
-    call, alone = _function_of(observable)
+    call, alone = _function_of("observable", observable)
     n, size = len(states), work.batch
     parts = [np.arange(first, min(first + size, n)) for first in range(0, max(n, 1), size)]
     made = Parallel(n_jobs=work.jobs, backend="threading", return_as="generator")(
@@ -172,16 +172,17 @@ def _computed(states: States, observable: Observable, work: _Work) -> list[dict[
     return list(tqdm(made, alone, len(parts), disable=hidden, delay=wait, unit="batch", leave=False))
 
 
-def _function_of(observable: Observable) -> tuple[Callable[[States], Any], str]:
+@reader
+def _function_of(flag: str, observable: Any) -> tuple[Callable[[States], Any], str]:
     """A function of states, and what a single array that it returns is called. Raises InputError."""
     if isinstance(observable, str):
-        return _function_of([observable])[0], observable
+        return _function_of(flag, [observable])[0], str.__str__(observable)
     if callable(observable):
-        name = getattr(observable, "__name__", "observable")
-        return partial(_called, observable), "observable" if name == "<lambda>" else name
+        name = text_of(getattr(observable, "__name__", None)) or flag
+        return partial(_called, observable), flag if name == "<lambda>" else name
     if not isinstance(observable, list | tuple) or not observable:
-        raise InputError(f"observable = {shown(observable)} is neither a name nor a function of States")
-    names = [one_of("observable", name, OBSERVABLES) for name in observable]
+        raise InputError(f"{flag} = {shown(observable)} is neither a name nor a function of States")
+    names = [one_of(flag, name, OBSERVABLES) for name in observable]
 
     def by_name(part: States) -> dict[str, NDArray[Any]]:
         results = {call: call(part) for call in {OBSERVABLES[name] for name in names}}

@@ -1,4 +1,4 @@
-"""Readers of arrays: what users give as coordinates, constants of motion or times.
+"""Readers of arrays and ranges: what users give as coordinates, constants of motion or times.
 
 Arrays of real numbers are read, also those of pandas. Integers are rounded to the nearest double; a long double
 must be one. What is masked, None or NA becomes NaN, which is a sample with the status bad_input. Text, bool, dates
@@ -12,16 +12,34 @@ import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import wraps
+from itertools import islice
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, RunError, double_of, plain_number, shown, suggest
+from explorer.errors import (
+    SHOWN,
+    InputError,
+    RunError,
+    double_of,
+    number,
+    plain_number,
+    reader,
+    shorten,
+    shown,
+    suggest,
+    text_of,
+)
 
 Array = NDArray[np.float64]
 F = TypeVar("F", bound=Callable[..., Any])
 K = TypeVar("K")
+# What numpy reads by itself and to an end, and what says that it is an array.
+_OWN = frozenset((bool, int, float, complex, str, bytes, type(None), range, memoryview, np.ndarray, np.float64))
+_ARRAYS = ("__array__", "__array_interface__", "__array_struct__")
+_LONGEST = 10**7  # entries of a sequence that is none of Python's
+_DEEPEST = 64  # lists in lists: numpy has no more axes
 _LARGEST_TABLE = 10**9  # entries to which arguments may broadcast: 8 GB for each column
 
 
@@ -60,12 +78,14 @@ def read_columns(named: dict[str, ArrayLike]) -> tuple[list[Array], tuple[int, .
     return [np.ravel(np.broadcast_to(array, shape)).astype(np.float64) for array in arrays], shape
 
 
+@reader
 def column(name: str, value: Any) -> Array:
     """Read one array of real numbers, as this module describes it. Raises InputError."""
     if isinstance(value, np.ndarray) and value.dtype == np.float64 and type(value) is np.ndarray:
         return value
     try:
-        given = np.ma.asanyarray(value) if isinstance(value, np.ma.MaskedArray) else np.asarray(value)
+        bounded = _bounded(value)
+        given = np.ma.asanyarray(bounded) if isinstance(bounded, np.ma.MaskedArray) else np.asarray(bounded)
     except Exception:  # ragged lists, and objects with an own way to fail
         raise InputError(
             f"{name} = {shown(value)} is not an array of real numbers; give one of one shape"
@@ -78,6 +98,16 @@ def column(name: str, value: Any) -> Array:
         kind = "" if given.dtype.kind in "US" else kind
         raise InputError(f"{name} = {shown(value)} is not an array of real numbers{kind}; {remedy}")
     return read if masked is None else np.where(masked, np.nan, read)
+
+
+def _bounded(value: Any, depth: int = 0) -> Any:
+    """Sequences of foreign kinds as lists of the length that they say they have: numpy asks some without end."""
+    if isinstance(value, list | tuple):
+        foreign = depth < _DEEPEST and not _OWN.issuperset(map(type, value))
+        return [_bounded(each, depth + 1) for each in value] if foreign else value
+    if type(value) in _OWN or any(hasattr(value, name) for name in _ARRAYS) or not hasattr(value, "__getitem__"):
+        return value
+    return list(islice(value, min(len(value), _LONGEST)))
 
 
 def _real(given: NDArray[Any]) -> Array | None:
@@ -108,15 +138,56 @@ def _missing(value: Any) -> bool:
     return value is None or type(value).__name__ in ("NAType", "NaTType", "MaskedConstant")
 
 
+@reader
+def read_range(name: str, value: Any, unbounded: bool = False) -> tuple[float, float]:
+    """Read (low, high) with low <= high.
+
+    Parameters
+    ----------
+    name : str
+        As for `number`.
+    value : str or pair of numbers
+        "LOW:HIGH", or one number as text for a range of one point, or a pair of numbers.
+    unbounded : bool
+        Whether an end may be left out, as in "LOW:", ":HIGH" or a pair with None, and is then infinite.
+
+    Raises
+    ------
+    InputError
+        Where `value` is no range, or the range is empty.
+    """
+    form = "LOW:HIGH, LOW: or :HIGH" if unbounded else "LOW:HIGH"
+    text = text_of(value)
+    ends = value if text is None else text.split(":")
+    if text is not None and len(ends) == 1:
+        ends *= 2
+    if not isinstance(ends, list | tuple) or len(ends) != 2:
+        raise InputError(f"{name} {shown(value)} is not a range; give {form}")
+    try:
+        low, high = (
+            bound if unbounded and (end is None or text_of(end) == "" or end == bound) else number(name, end)
+            for end, bound in zip(ends, (-math.inf, math.inf), strict=True)
+        )
+    except (InputError, ArithmeticError):  # a NaN of Decimal that signals
+        raise InputError(f"{name} {shown(value)} is not a range; give {form} with finite numbers") from None
+    if low > high:
+        raise InputError(f"{name} {low:g}:{high:g} is empty; give {form}, the smaller number first")
+    return low, high
+
+
 @contextmanager
 def users_own(name: str, remedy: str) -> Iterator[None]:
     """Say as InputError what goes wrong in a function of the user's, or in what it returned."""
     try:
         yield
-    except (InputError, RunError):
+    except RunError:
         raise
     except Exception as error:
-        raise InputError(f"{name}: {type(error).__name__}: {error}; {remedy}") from error
+        try:
+            why = shorten(str(error), 150)
+        except Exception:  # an exception whose text raises
+            why = ""
+        raise InputError(f"{name}: {shorten(type(error).__name__, SHOWN)}: {why}; {remedy}") from error
 
 
 def returned_numbers(value: Any) -> NDArray[Any]:

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, note, number, positive, read_toml, shown, word
+from explorer.errors import InputError, is_a, note, number, positive, shown, text_of, word
 from explorer.phase.arguments import column, explained
 from explorer.phase.gauss import leg_rules, table_rules
+from explorer.phase.paths import read_toml
 
 Array = NDArray[np.float64]
 Number = TypeVar("Number", float, Array)
@@ -29,6 +30,7 @@ SYNTAX = (
 )
 # I3 may exceed 2 I1 by rounding of doubles; numbers that are not text have no last digit to be rounded at.
 _ROUNDING = 1e-12
+_LARGEST = 1e150  # of a rate in natural units whose square is wanted
 
 
 class Description(dict[str, float | str]):
@@ -152,8 +154,10 @@ class Disk:
     @classmethod
     def parse(cls, text: str) -> Disk:
         """A disk from what the command line accepts. Raises InputError."""
-        if not isinstance(text, str):
+        read = text_of(text)
+        if read is None:
             raise InputError(f"disk = {shown(text)} is no text; choose {SYNTAX}")
+        text = read
         head, _, rest = text.strip().partition(":")
         if head in PRESETS:
             made: Disk = getattr(cls, head)(**_scales(rest))
@@ -212,7 +216,12 @@ class Disk:
 
     def energy_at_flat(self, sigma3_bar: Number) -> Number:
         """V_0, the amended potential at flat on a line l_+-, eq. (6.9); natural units. Needs I3 > 0."""
-        return 0.5 * self.body.J * (read_number("sigma3_bar", sigma3_bar) / (self.body.k * self.body.r0)) ** 2
+        bar = read_number("sigma3_bar", sigma3_bar)
+        if np.any(abs(bar) > _LARGEST):
+            raise InputError(
+                f"sigma3_bar = {shown(sigma3_bar)}: squares overflow; give up to {_LARGEST:g} in size"
+            )
+        return 0.5 * self.body.J * (bar / (self.body.k * self.body.r0)) ** 2
 
     @property
     def kappa(self) -> float:
@@ -292,7 +301,7 @@ def _units(m: Any, r: Any, g: Any) -> tuple[float, float, float]:
 
 def _plain(name: str, value: Any) -> tuple[str, Any]:
     """How messages call a quantity, and its value. Raises InputError for text, which `Disk.parse` reads."""
-    if isinstance(value, str):
+    if is_a(value, str):
         raise InputError(f"--disk: {name} = {shown(value)} is text; give a number, or all of it to Disk.parse")
     return f"--disk: {name}", value
 
@@ -358,7 +367,7 @@ def _last_digit(text: str) -> float:
 
 def require_disk(disk: Disk) -> None:
     """Raise InputError where something else was given, a name for instance."""
-    if not isinstance(disk, Disk):
+    if not is_a(disk, Disk):
         raise InputError(f"disk = {shown(disk)} is not a Disk; make one, for instance Disk.parse('uniform')")
 
 
@@ -371,7 +380,7 @@ def require_axial_inertia(disk: Disk) -> None:
 
 def read_number(name: str, value: Number) -> Number:
     """A number, or an array of numbers, as it is. Raises InputError for anything else."""
-    if isinstance(value, float):
+    if type(value) is float:
         return value
     read = column(name, value)
     return read if read.ndim else float(read)  # type: ignore[return-value]

@@ -1,11 +1,58 @@
-"""Files that users name to be written."""
+"""Files that users name: paths, what may be read, and what is written."""
 
+import math
+import os
+import stat
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from explorer.errors import InputError, path_of, shown
+from explorer.errors import SHOWN, InputError, reader, said, shorten, shown, text_of
+
+_LARGEST_TOML = 1 << 20  # bytes
+
+
+@reader
+def path_of(name: str, value: Any) -> Path:
+    """Read a path: text or a Path that a file system could hold. Raises InputError."""
+    if not isinstance(value, str | os.PathLike):
+        raise InputError(f"{said(name, value)} is no path; give text or a Path")
+    text = text_of(os.fspath(value))
+    if not text or "\0" in text:
+        raise InputError(f"{said(name, value)} is no path; give text that is not empty and has no NUL")
+    if any("\ud800" <= letter <= "\udfff" for letter in text):  # half of a letter, or a byte of another encoding
+        raise InputError(f"{said(name, value)} is no path in UTF-8; give it another name")
+    if len(text) > 4000 or any(len(part.encode()) > 255 for part in Path(text).parts):
+        raise InputError(f"{name} {shorten(text, SHOWN)} is too long for a path; give a shorter one")
+    return Path(text)
+
+
+def regular_file(name: str, path: Path, largest: float = math.inf) -> Path:
+    """Check that a path is a plain file of so many bytes at most, before it is opened. Raises InputError."""
+    try:
+        found = path.stat()
+    except (OSError, ValueError) as error:
+        fault = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{name} {shorten(str(path), 120)}: cannot be read ({fault})") from None
+    if not stat.S_ISREG(found.st_mode):
+        raise InputError(f"{name} {shorten(str(path), 120)}: cannot be read (is no file of its own)")
+    if found.st_size > largest:
+        most = f"{largest:,.0f} is the most that is read"
+        raise InputError(f"{name} {shorten(str(path), 120)}: has {found.st_size:,} bytes; {most}")
+    return path
+
+
+def read_toml(path: Path, option: str) -> dict[str, Any]:
+    """The content of a TOML file of at most 1 MB. Raises InputError naming the option and the file."""
+    regular_file(option, path_of(option, path), _LARGEST_TOML)
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{option} {path}: cannot be read ({error.strerror})") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{option} {path}: not valid TOML ({error})") from None
 
 
 @contextmanager
@@ -27,14 +74,14 @@ def writing(name: str, value: Any, endings: tuple[str, ...], what: str = "") -> 
         For what is no path, another ending, a folder that is not there, and a file that the system does not take.
     """
     path = path_of(name, value)
-    said = f"{name} = {shown(str(path))}"
+    named = f"{name} = {shown(str(path))}"
     if path.suffix.lower() not in endings:
         *others, last = endings
         choice = f"{', '.join(others)} or {last}" if others else last
-        raise InputError(f"{said}: {what}give a name that ends in {choice}")
+        raise InputError(f"{named}: {what}give a name that ends in {choice}")
     if not path.parent.is_dir():
-        raise InputError(f"{said}: there is no folder {shown(str(path.parent))}; make it first")
+        raise InputError(f"{named}: there is no folder {shown(str(path.parent))}; make it first")
     try:
         yield path
     except OSError as error:
-        raise InputError(f"{said}: cannot be written ({error.strerror or error})") from None
+        raise InputError(f"{named}: cannot be written ({error.strerror or error})") from None

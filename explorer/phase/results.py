@@ -182,7 +182,7 @@ class Result(Table):
         try:
             shape = tuple(whole("shape", length) for length in shape)
             arrays = {name: v.reshape(*shape, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
-        except (TypeError, ValueError):
+        except Exception:  # whatever a foreign object does when it is asked for its entries
             raise InputError(f"shape = {shown(shape)}: give a shape of {len(self)} entries, as a tuple") from None
         return replace(self, **arrays)  # type: ignore[type-var]
 

@@ -7,13 +7,13 @@ Users give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, shown
+from explorer.errors import InputError, is_a, shown
 from explorer.phase.arguments import columns_of as columns_of
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Array as Array
@@ -95,7 +95,7 @@ class States:
         if not made or self.natural.dtype != np.float64 or self.natural.shape != (5, self.status.size):
             what = f"natural = {shown(self.natural)}, status = {shown(self.status)}"
             raise InputError(f"States: {what}; let phi_to_states and its like make them")
-        if not isinstance(self.exact, LinearConstants | None) or not isinstance(self.shape, tuple):
+        if not is_a(self.exact, LinearConstants | None) or not is_a(self.shape, tuple):
             raise InputError(f"States: exact = {shown(self.exact)}, shape = {shown(self.shape)}; leave both out")
         object.__setattr__(self, "shape", self.shape or (int(self.natural.shape[1]),))
 
@@ -111,7 +111,7 @@ class States:
 
     def __getitem__(self, rows: int | slice | NDArray[Any]) -> States:
         """Some of the states, chosen as entries of a flat array are: by a number, a slice, a mask or numbers."""
-        if isinstance(rows, int | np.integer) and not -len(self) <= rows < len(self):
+        if is_a(rows, int | np.integer) and not -len(self) <= cast(int, rows) < len(self):
             raise _BeyondError(f"states[{shown(rows)}]: there are {len(self)} states; give a number below that")
         return self.at(self._rows_of(rows))
 
@@ -119,7 +119,7 @@ class States:
         """Numbers of states. Raises InputError for what chooses none in a row."""
         try:
             chosen = np.atleast_1d(np.arange(len(self))[rows])
-            if chosen.ndim == 1 and not isinstance(rows, np.ma.MaskedArray):
+            if chosen.ndim == 1 and not is_a(rows, np.ma.MaskedArray):
                 return chosen
         except Exception:  # whatever numpy says of what is no index
             chosen = None
@@ -338,9 +338,9 @@ def _states(disk: Disk, x: _Chart, good: NDArray[np.bool_], shape: tuple[int, ..
 
 def require_states(states: Any) -> States:
     """`states` as they are. Raises InputError where they are anything else, rows of numbers for instance."""
-    if not isinstance(states, States):
+    if not is_a(states, States):
         raise InputError(
             f"states = {shown(states)}: give States, which know their disk; "
             "phi_to_states(disk, phi, phidot, sigma3, sigma4) and its like make them"
         )
-    return states
+    return cast(States, states)

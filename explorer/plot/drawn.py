@@ -16,9 +16,10 @@ from typing import Any, NamedTuple, ParamSpec, TypeVar, Union, get_args, get_ori
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from explorer.errors import InputError, RunError, flag, number, path_of, read_range, shorten, shown, whole
-from explorer.phase.arguments import column
+from explorer.errors import InputError, RunError, flag, number, reader, shorten, shown, whole
+from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import Array, Disk, require_disk
+from explorer.phase.paths import path_of
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -57,7 +58,7 @@ def call(draw: Callable[..., R], given: tuple[Any, ...], named: dict[str, Any]) 
         raise InputError(f"{draw.__name__}: {error}; it takes {', '.join(form.kinds)}") from None
     for name, kind in form.kinds.items():
         if name in bound.arguments:
-            bound.arguments[name] = _Argument(draw, name).read(kind, bound.arguments[name])
+            bound.arguments[name] = _read(name, bound.arguments[name], draw, kind)
     try:
         return draw(*bound.args, **bound.kwargs)
     except (InputError, RunError):
@@ -68,6 +69,11 @@ def call(draw: Callable[..., R], given: tuple[Any, ...], named: dict[str, Any]) 
             raise
         why = shorten(f"{type(error).__name__}: {error}", 120)
         raise InputError(f"{draw.__name__}: {' or '.join(foreign)} cannot be drawn ({why})") from error
+
+
+@reader
+def _read(name: str, value: Any, draw: Callable[..., Any], kind: Any) -> Any:
+    return _Argument(draw, name).read(kind, value)
 
 
 class _Form(NamedTuple):

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from explorer.errors import InputError, one_of, whole
+from explorer.errors import InputError, one_of, text_of, whole
 from explorer.motion.scan import Scan
 from explorer.phase.arguments import column, users_own
 from explorer.phase.columns import COLUMNS
@@ -29,6 +29,7 @@ from explorer.plot.style import (
 from explorer.portrait.slices import SliceMap
 
 _DEFAULT_BINS, _MOST_BINS = 200, 1_000_000
+_WIDEST = 1e100  # rad: far beyond any race, and differences of such ends are numbers
 _FEW = 50  # states that are marked one by one
 _COLOURS = "viridis"
 
@@ -196,16 +197,21 @@ def race_angle_histogram(
 
 def _edges(race: Array, bins: Any, reach: tuple[float, float] | None) -> Array:
     """The edges of bins that are given as a number, as edges, or by the name of a rule of numpy."""
-    if not isinstance(bins, str):
+    rule = text_of(bins)
+    if rule is None:
         several = column("bins", bins)
         bins = several if several.ndim else whole("bins", bins, 1, _MOST_BINS)
+    low, high = reach or (-_WIDEST, _WIDEST)
+    if not -_WIDEST <= low < high <= _WIDEST:
+        raise InputError(f"range = {low:g}:{high:g}: give two race angles from {-_WIDEST:g} to {_WIDEST:g} rad")
     with users_own("bins", f"give 1 to {_MOST_BINS:,}, edges that increase, or a rule such as 'auto'"):
-        edges: Array = np.histogram_bin_edges(race, bins, reach)
+        edges: Array = np.histogram_bin_edges(race, rule or bins, reach)
         if edges.size < 2 or edges.size > _MOST_BINS + 1 or not np.isfinite(edges).all():
             raise ValueError(f"there would be {edges.size:,} edges, from {edges.min():g} to {edges.max():g}")
-        if not np.histogram(race, edges)[0].any():
-            ends = f"{race.min():g} to {race.max():g} rad"
-            raise InputError(f"range: holds none of the race angles, which go from {ends}; give a wider one")
+        held = np.histogram(race, edges)[0].any()
+    if not held:
+        ends = f"{race.min():g} to {race.max():g} rad"
+        raise InputError(f"range: holds none of the race angles, which go from {ends}; give a wider one")
     return edges
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from explorer.errors import InputError, shown
+from explorer.errors import InputError, is_a, shown
 from explorer.phase.arguments import users_own
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
@@ -80,7 +80,7 @@ def figure_of(draw: Callable[..., Any] | Axes | Figure, *arguments: Any) -> Figu
     '$m r^2/I_1$'
     """
     drawn = draw
-    if not isinstance(draw, Axes | Figure):
+    if not is_a(draw, Axes | Figure):
         if not callable(draw):
             raise InputError(f"draw = {shown(draw)} is no picture; give a function of explorer.plot, or Axes")
         with users_own("draw", "give a function of explorer.plot, and its arguments after it"):

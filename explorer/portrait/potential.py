@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, number, shown, sign, whole
+from explorer.errors import InputError, is_a, number, shown, sign, whole
 from explorer.phase.arguments import column
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, other_eta_hat
@@ -28,6 +28,7 @@ _EPS = float(np.finfo(float).eps)
 _FLAT = 1e-8  # tilt (rad), at rates of order 1, below which V' keeps its sign where V ends at V_0
 _WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall is far above all else
 _SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
+_FARTHEST = 700.0  # in size, of y: there they do
 _POINTS, _MOST_POINTS = 400, 1_000_000  # of a curve, and some more where it runs to flat
 CENTRE, SADDLE, DEGENERATE = "centre", "saddle", "degenerate"
 TURNING, FLAT = "turning point", "flat"
@@ -170,9 +171,7 @@ class Potential:
         return Terms(V, slope, curvature, size)
 
     def _of_phi(self, phi: ArrayLike, term: str) -> Array:
-        angle = column("phi", phi)
-        if not np.all(abs(angle) < 0.5 * np.pi):
-            raise InputError("phi: V is defined between the flat states; give -pi/2 < phi < pi/2 (rad)")
+        angle = _between_flat(phi)
         flat = np.ravel(angle)
         values: Array = getattr(self.terms(np.cos(flat), np.sin(flat)), term)
         return (values * self.disk.energy_unit).reshape(angle.shape)
@@ -191,7 +190,7 @@ class Potential:
 
     def rho(self, phi: ArrayLike) -> Array:
         """sigma3/cos phi at phi (rad), units of the disk: by q times the speed of chi, so finite beside flat."""
-        angle = column("phi", phi)
+        angle = _between_flat(phi)
         q = np.cos(angle.ravel())
         sigma3, _ = line_chart(self.disk, q, self.face * np.sin(angle.ravel())).rates(self.bar, self.eta)
         values: Array = sigma3 / q * self.disk.rate_unit
@@ -200,6 +199,8 @@ class Potential:
     def at_y(self, y: ArrayLike) -> Terms:
         """As `terms`, where sin phi = tanh y."""
         values = np.ravel(column("y", y))
+        if np.any(abs(values) > _FARTHEST):
+            raise InputError(f"y = {shown(y)}: sin phi = tanh y is flat there; give up to {_FARTHEST:g} in size")
         return self.terms(1.0 / np.cosh(values), np.tanh(values))
 
     def flat_value(self, face: int) -> float:
@@ -321,7 +322,7 @@ class Potential:
 
     def curve(self, component: Component, points: int = _POINTS) -> tuple[Array, Array]:
         """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, units of the disk."""
-        if not isinstance(component, Component):
+        if not is_a(component, Component):
             raise InputError(f"component = {shown(component)}: give one of what components() returns")
         points = whole("points", points, 2, _MOST_POINTS)
         low, high = component.y
@@ -354,6 +355,14 @@ class Potential:
                 barrier = np.where(face * (at - y) > 0.0, np.maximum(barrier, height), barrier)
             highest = np.minimum(highest, np.maximum(barrier, V))
         return np.sqrt(2.0 * np.maximum(highest - V, 0.0) / self.disk.body.M) * self.disk.rate_unit
+
+
+def _between_flat(phi: ArrayLike) -> Array:
+    """Tilts that were read. Raises InputError where one is flat or none."""
+    angle = column("phi", phi)
+    if not np.all(abs(angle) < 0.5 * np.pi):
+        raise InputError("phi: V is defined between the flat states; give -pi/2 < phi < pi/2 (rad)")
+    return angle
 
 
 def _phi(y: float, end: str = TURNING) -> float:

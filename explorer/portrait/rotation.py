@@ -27,7 +27,8 @@ class RotationMap:
     sigma3_bar, sigma4_bar : (n,) array
         The sides of the grid, rad per unit of time.
     turns : (n, n) array
-        By sigma4_bar and by sigma3_bar, NaN where no motion of this energy passes the vertical.
+        By sigma4_bar and by sigma3_bar, NaN where no motion of this energy passes the
+        vertical, and on F.
     slope : float
         sigma4_bar/sigma3_bar on l_+.
 

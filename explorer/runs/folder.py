@@ -20,7 +20,8 @@ from pathlib import Path
 from typing import Any
 
 from explorer import compiled
-from explorer.errors import InputError, RunError, path_of, shorten, shown
+from explorer.errors import InputError, RunError, shorten, shown
+from explorer.phase.paths import path_of
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
 from explorer.runs.pictures import KNOWN, files_of

@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 
-from explorer.errors import InputError, RunError
+from explorer.errors import InputError, RunError, is_a, shown
 from explorer.runs import folder as folders
 from explorer.runs.chunks import Part
 from explorer.runs.run import Run
@@ -41,8 +41,8 @@ def merge(*runs: Run) -> Run:
     (2000, [1, 2], 0)
     """
     for run in runs:
-        if not isinstance(run, Run):
-            raise InputError(f'merge: {run!r} is no run; give what ex.run(...) or ex.open("folder") returns')
+        if not is_a(run, Run):
+            raise InputError(f'merge: {shown(run)} is no run; give what ex.run(...) or ex.open("folder") returns')
     parts = sorted((part for run in runs for part in run.parts), key=lambda part: part.scene.seed)
     if len(parts) < 2:
         raise InputError("merge: takes two runs or more; give them one after the other")

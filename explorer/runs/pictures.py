@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from explorer.errors import InputError, shown, suggest
+from explorer.errors import InputError, is_a, shown, suggest
 from explorer.runs.progress import Progress
 from explorer.scenes.base import Picture
 
@@ -32,7 +32,7 @@ def draw(
 ) -> "Figure":
     """The picture of that name. Raises InputError where there is none, or where it takes no such keywords."""
     known: list[str] = []
-    for each, picture in pictures if isinstance(name, str) else ():
+    for each, picture in pictures if is_a(name, str) else ():
         known.append(each)
         if each == name:
             return _drawn(picture, name, {**({} if ax is None else {"ax": ax}), **options})

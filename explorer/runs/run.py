@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from explorer import compiled
-from explorer.errors import InputError, Interrupted, RunError, in_words, note, one_of, path_of, shown, words
+from explorer.errors import InputError, Interrupted, RunError, in_words, note, one_of, reader, shown, words
+from explorer.phase.paths import path_of
 from explorer.phase.results import to_arrow
 from explorer.runs import folder as folders
 from explorer.runs import inspect, pictures, store
@@ -24,6 +25,13 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+@reader
+def _read_parts(name: str, value: Any) -> tuple[Part, ...]:
+    if not isinstance(value, Sequence) or not value or not all(isinstance(part, Part) for part in value):
+        raise InputError(f"{name} = {shown(value)}: run(...), open(folder) and merge(...) make runs")
+    return tuple(value)
 
 
 class Run:
@@ -54,9 +62,7 @@ class Run:
     folder: Path | None
 
     def __init__(self, parts: Sequence[Part]) -> None:
-        if not isinstance(parts, Sequence) or not parts or not all(isinstance(part, Part) for part in parts):
-            raise InputError(f"parts = {shown(parts)}: run(...), open(folder) and merge(...) make runs")
-        self._parts = tuple(parts)
+        self._parts = _read_parts("parts", parts)
         self.scene = whole_scene(self._parts)
         self.folder = self._parts[0].folder if len(self._parts) == 1 else None
         self._known: tuple[Any, dict[str, Any]] | None = None

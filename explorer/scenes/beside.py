@@ -7,8 +7,9 @@ Shared by the scenes that look along F. The flow preserves the measure, so near 
 from collections.abc import Mapping
 from dataclasses import replace
 
-from explorer.errors import InputError, read_range
+from explorer.errors import InputError
 from explorer.measure.sampling import Box, Range, Stream, signs
+from explorer.phase.arguments import read_range
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 from explorer.scenes import options

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, path_of, regular_file, whole
+from explorer.errors import InputError, whole
 from explorer.phase.charts import Chart, recognise
 from explorer.phase.disk import Disk
+from explorer.phase.paths import path_of, regular_file
 from explorer.phase.states import COORDINATES, States
 from explorer.scenes.given_columns import (
     Columns,

@@ -13,7 +13,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, one_of, read_range, whole
+from explorer.errors import InputError, one_of, whole
 from explorer.measure import invariance
 from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density, Function
@@ -22,6 +22,7 @@ from explorer.motion.plan import Plan
 from explorer.motion.trials import MotionTrial, TiltTrial, through_time
 from explorer.motion.turning_points import tilt_kernels
 from explorer.phase import membership
+from explorer.phase.arguments import read_range
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import COORDINATES, Array
 from explorer.scenes.base import Chunks, Picture, SampledScene, Table, Tally, part_of

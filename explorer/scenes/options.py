@@ -13,10 +13,11 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
-from explorer.errors import InputError, flag, number, one_of, read_range, shown, whole
+from explorer.errors import InputError, flag, number, one_of, shown, whole
 from explorer.measure.density import Function
 from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion.plan import METHODS
+from explorer.phase.arguments import read_range
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.portrait.slices import Slice
 from explorer.scenes.given_states import GivenStates

@@ -11,8 +11,9 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from explorer.errors import InputError, flag, number, read_range
+from explorer.errors import InputError, flag, number
 from explorer.measure.sampling import Range
+from explorer.phase.arguments import read_range
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.membership import require_well, well
 from explorer.portrait.potential import Component, Potential

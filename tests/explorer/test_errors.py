@@ -15,13 +15,14 @@ from explorer.errors import (
     number,
     one_of,
     positive,
-    read_range,
+    reader,
     shown,
     sign,
     suggest,
     whole,
     words_of_the_command,
 )
+from explorer.phase.arguments import read_range
 
 
 @pytest.mark.parametrize(
@@ -195,3 +196,64 @@ def test_the_beginning_of_a_name_is_taken_for_it():
     assert suggest("race", known).startswith("did you mean 'race_angle'?")
     assert suggest("eta", known).startswith("did you mean 'eta_hat'?")
     assert suggest("fase", known).startswith("did you mean 'face'?")
+
+
+class Cursed:
+    """It fails when it is looked at, as a proxy of what has gone does."""
+
+    @property
+    def __class__(self):
+        raise ReferenceError("gone")
+
+    __repr__ = __float__ = __len__ = __iter__ = __bool__ = lambda self: 1 / 0
+
+
+def holds_itself(kind, key):
+    made = kind([[0.1, 0.2]]) if kind is list else kind(phi=0.1)
+    made[key] = made
+    return made
+
+
+@pytest.mark.parametrize("read", [number, positive, whole, sign, flag, read_range])
+@pytest.mark.parametrize("kind", ["cursed", "list", "dict", "text"])
+def test_what_fails_when_it_is_read_is_refused_by_the_name_of_the_argument(read, kind):
+    made = {"cursed": Cursed(), "list": holds_itself(list, 0), "dict": holds_itself(dict, "phi"), "text": "\ud800"}
+    with pytest.raises(InputError) as refused:
+        read("--eta-hat", made[kind])
+    assert str(refused.value).startswith("eta_hat")
+    str(refused.value).encode()
+
+
+def test_an_error_of_the_kind_of_ours_that_an_object_raises_is_not_taken_for_ours():
+    class Own(str):
+        def __eq__(self, other):
+            raise InputError("accuracy = 3 is wrong")
+
+        __hash__ = str.__hash__
+
+    with pytest.raises(InputError, match=r"^box = .* fails when it is read"):
+        reader(lambda name, value: value == "x")("box", Own("y"))
+
+
+def test_faults_of_this_program_and_interrupts_are_not_taken_for_those_of_a_value():
+    def faulty(name, value):
+        return value.nonsense
+
+    def stopped(name, value):
+        raise KeyboardInterrupt
+
+    with pytest.raises(AttributeError):
+        reader(faulty)("box", 0.1)
+    with pytest.raises(KeyboardInterrupt):
+        reader(stopped)("box", object())
+
+
+def test_text_of_a_class_of_its_own_is_read_as_plain_text():
+    class Own(str):
+        def strip(self):
+            raise RuntimeError
+
+        split = __str__ = strip
+
+    assert type(one_of("method", Own("rk4"), ["rk4"])) is str
+    assert read_range("--energy", Own("1:2")) == (1.0, 2.0)

@@ -58,7 +58,7 @@ RULES = {
     ("Constants", "eta_hat_plus"): _has_no_axis,
     ("Constants", "eta_hat_minus"): _has_no_axis,
     ("ContactForces", "friction"): lambda found, wrong: wrong & (found.normal > 0.0),
-    ("RotationMap", "turns"): lambda found, wrong: _sampled(_does_not_cross, found, wrong),
+    ("RotationMap", "turns"): lambda found, wrong: _sampled(_has_no_turns, found, wrong),
     ("ConstantsPlane", "smallest"): lambda found, wrong: wrong & np.isinf(found.smallest),  # a cell without states
     ("Zoom", "race_angle"): lambda found, wrong: wrong & np.isinf(found.race_angle),  # a start without a passage
     ("FallingConstant", "value"): lambda found, wrong: wrong & (found.value != np.inf),
@@ -77,12 +77,13 @@ _LAST = {("Trajectories", "constants_error")}
 _OWN = {"Scan", "SliceMap"}
 
 
-def _does_not_cross(found, at):
-    """No motion of this energy passes the vertical with these constants of motion."""
+def _has_no_turns(found, at):
+    """No motion of this energy passes the vertical with these constants of motion, or it falls."""
     row, column = at
     bar, spin = float(found.sigma3_bar[column]), float(found.sigma4_bar[row])
-    at_vertical = float(ex.portrait.at_constants(found.disk, bar, spin).V(0.0))
-    return found.energy <= at_vertical + _ROUNDING * abs(at_vertical)
+    potential = ex.portrait.at_constants(found.disk, bar, spin)
+    at_vertical = float(potential.V(0.0))
+    return 0.0 in potential.etas().values() or found.energy <= at_vertical + _ROUNDING * abs(at_vertical)
 
 
 def not_finite(value):

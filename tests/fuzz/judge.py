@@ -20,6 +20,7 @@ from .finite import not_finite
 
 FAULTS = ("traceback", "warning", "too long a message", "hang", "not finite", "changed argument")
 LONGEST = 300  # characters of a message
+DEEPEST = 20  # lists in lists: a change further down is not seen
 # Seconds of processor time that a call may take, and those that it may take more for each sample. Where other
 # programs slow a machine down it has a tenth of a processor at least.
 SLOWEST, EACH, SHARE = 10.0, 1e-4, 0.1
@@ -36,28 +37,34 @@ class Verdict:
     samples: int = 0
 
 
-def image(value):
+def image(value, depth=DEEPEST):
     """Something that differs where the value was changed; None for what cannot be changed or seen."""
+    try:
+        return _image(value, depth)
+    except Exception:  # an object that fails when it is looked at
+        return None
+
+
+def _image(value, depth):
     if isinstance(value, ex.States):
         return value.natural.tobytes(), value.status.tobytes(), pickle.dumps(value.exact)
     if isinstance(value, ex.Disk):
         return value.describe()
+    if isinstance(value, dict | list | tuple) and depth == 0:
+        return None
     if isinstance(value, dict):
-        return {name: image(each) for name, each in value.items()}
+        return {name: image(each, depth - 1) for name, each in value.items()}
     if isinstance(value, list | tuple):
-        return [image(each) for each in value]
+        return [image(each, depth - 1) for each in value]
     if is_dataclass(value) and not isinstance(value, type):  # its fields: what it keeps of answers may grow
-        return {field.name: image(getattr(value, field.name)) for field in fields(value)}
+        return {field.name: image(getattr(value, field.name), depth) for field in fields(value)}
     if isinstance(value, Artist):  # whoever draws on one changes it
         return None
     if isinstance(value, np.ma.MaskedArray):
         return value.data.tobytes(), np.ma.getmaskarray(value).tobytes()
-    try:
-        if hasattr(value, "to_numpy") and getattr(value, "ndim", 0):  # objects of pandas cache what they are asked
-            return [repr(entry) for entry in np.ravel(value.to_numpy(dtype=object))]
-        return pickle.dumps(value)
-    except Exception:
-        return None
+    if hasattr(value, "to_numpy") and getattr(value, "ndim", 0):  # objects of pandas cache what they are asked
+        return [repr(entry) for entry in np.ravel(value.to_numpy(dtype=object))]
+    return pickle.dumps(value)
 
 
 def judge(call, arguments):

@@ -10,6 +10,8 @@ import pandas as pd
 
 import explorer as ex
 
+from . import hostile
+
 SIZES = (
     0.0,
     -0.0,
@@ -65,19 +67,6 @@ def column(random):
     return float(values) if shape == () and random.random() < 0.7 else values
 
 
-class Odd:
-    """An object that fails in its own way whatever is asked of it."""
-
-    def __float__(self):
-        raise RuntimeError("no")
-
-    def __len__(self):
-        raise RuntimeError("no")
-
-    def __repr__(self):
-        raise RuntimeError("no")
-
-
 NASTY = (
     lambda r: None,
     lambda r: r.choice((True, False, np.True_)),
@@ -129,7 +118,7 @@ NASTY = (
     lambda r: np.matrix([[0.1, 0.2]]),
     lambda r: np.zeros(2, [("phi", float), ("phidot", float)]),
     lambda r: np.broadcast_to(0.1, (200_000, 1)) if r.random() < 0.1 else np.zeros((1, 0)),
-    lambda r: Odd(),
+    *(hostile.any_of,) * 6,
     lambda r: object(),
     lambda r: np.random.default_rng(0),
     lambda r: lambda *given, **named: None,

@@ -1,4 +1,4 @@
-"""Files that users name to be written."""
+"""Files that users name: what may be read, and what is written."""
 
 from pathlib import Path
 
@@ -14,6 +14,8 @@ from explorer.phase.paths import writing
         (None, "path = None is no path; give text or a Path"),
         (b"x.png", "path = b'x.png' is no path"),
         ("x\0.png", "give text that is not empty and has no NUL"),
+        ("/tmp/\ud800.png", "is no path in UTF-8; give it another name"),
+        ("\udcff.png", r"path = \\udcff.png is no path in UTF-8"),
         ("x.jpg", "path = 'x.jpg': a picture; give a name that ends in .png, .svg or .pdf"),
         ("no such folder/x.png", "there is no folder 'no such folder'; make it first"),
     ],
