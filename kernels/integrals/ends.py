@@ -27,12 +27,14 @@ _OK = int(Status.OK)
 _ROUNDS = 14  # of Newton's method
 _SETTLED = 1e-8  # the relative step after which the next is rounding
 AT_VERTICAL = 8.0 * 2.2e-16  # of h
+_HIDDEN = 64.0 * 2.2e-16  # rounding of E - V, for each unit of its terms
 _LARGEST_STEP = 1.0 / 3.0  # (h' - h)/(h' + h): as far as `log_ratio` goes
 
-ROWS = 26
+ROWS = 27
 (
-    # the sample: its constants, tilt and speed; LEVEL, SLOPE, KINETIC: E - V_0, h dV/dh and M theta-dot^2/2 there
-    X, NEAR, FAR, H0, RATE, LEVEL, SLOPE, KINETIC,
+    # the sample: its constants, tilt, speed and cos(tilt); LEVEL, SLOPE, KINETIC: E - V_0, h dV/dh and
+    # M theta-dot^2/2 there
+    X, NEAR, FAR, H0, RATE, UP, LEVEL, SLOPE, KINETIC,
     # at the tilt tried before: E - V and dV/dtheta; MOVING: E - V at the vertical; CHECK: 0 where all is
     # well; CROSSES: 1 where nothing bars the vertical
     GAP, DV, MOVING, CHECK, CROSSES,
@@ -133,7 +135,7 @@ def begin(W: Vector, wide: Wide, b: Body) -> None:
 @contracted_subroutine
 def look_around(W: Vector, tilts: Matrix, b: Body) -> None:
     """Brackets on both sides of the states, BARRED being 0 where nothing bars the vertical; MOVING there."""
-    before = tilt(tilts, 0)
+    before = at = tilt(tilts, 0)
     for k in range(tilts.shape[1]):
         at = tilt(tilts, k)
         u = at.h * at.h
@@ -159,8 +161,16 @@ def look_around(W: Vector, tilts: Matrix, b: Body) -> None:
             W[GAP * LANES + i], W[DV * LANES + i] = gap, dV
         before = at
     for i in range(LANES):
+        x, y, gap = W[X * LANES + i], W[NEAR * LANES + i], W[GAP * LANES + i]
         upright = W[H0 * LANES + i] >= VERTICAL - AT_VERTICAL
-        W[MOVING * LANES + i] = W[KINETIC * LANES + i] if upright else W[GAP * LANES + i]
+        # Beside the vertical V falls by half of h dV/dh times cos(tilt).
+        beside = W[KINETIC * LANES + i] - 0.5 * W[UP * LANES + i] * W[SLOPE * LANES + i]
+        W[MOVING * LANES + i] = beside if upright else gap
+        ratio, rise = x * at.ratio_x + y * at.ratio_y, x * at.rise_x + y * at.rise_y
+        terms = 0.5 * b.I1 * ratio * ratio + 0.5 * b.J * abs(rise) * (2.0 * abs(x / b.k) + abs(rise)) + 1.0
+        # Whether the vertical is crossed is told by others where this difference cannot.
+        hidden = abs(gap) <= _HIDDEN * (terms + abs(W[LEVEL * LANES + i]) + W[KINETIC * LANES + i])
+        W[CHECK * LANES + i] = 1.0 if hidden else W[CHECK * LANES + i]
 
 
 @contracted_subroutine
@@ -263,6 +273,7 @@ def fill(W: Vector, first: int, n: int, orbits: Orbits, b: Body) -> None:
         W[FAR * LANES + i] = orbits.far[j] / b.I1 if j < n else 1.0
         W[H0 * LANES + i] = orbits.h[j] if j < n else 1.0
         W[RATE * LANES + i] = orbits.rate[j] if j < n else 1.0
+        W[UP * LANES + i] = orbits.z[j] if j < n else 0.5
 
 
 @contracted_subroutine

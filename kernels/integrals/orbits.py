@@ -29,6 +29,7 @@ _SOON = 0.15  # of sin(phi) at the other turning point
 _SHARP = 1e-8  # an accuracy that a soon return does not reach by rules
 _SMALL = 0.02  # in x: turning points of larger wobbles are as sharp without their series
 _ROUNDING = 8.0 * 2.2e-16  # of E - V at the vertical, for each unit of its terms
+_HIDDEN = 64.0 * 2.2e-16  # the same, where it decides whether the vertical is crossed
 
 
 class OrbitRow(NamedTuple, Generic[Entry]):
@@ -46,7 +47,10 @@ class OrbitRow(NamedTuple, Generic[Entry]):
 
 
 class Crossed(NamedTuple):
-    """E - V at the vertical where it is known better than as a difference, else NaN; and its rounding."""
+    """E - V at the vertical where it is known better than as a difference, else NaN; and its rounding.
+
+    Below 0 the motion turns back before.
+    """
 
     moving: float
     rounding: float
@@ -57,7 +61,28 @@ def crossed(seen: Seen, motion: Motion, disk: Disk, W: Vector) -> Crossed:
     """What a state beside the vertical tells of how fast the motion crosses it."""
     moving = 0.5 * disk.body.M * seen.rate * seen.rate
     there, rounding = at_vertical(W, seen.z, moving, motion.X, motion.Y, disk.body)
-    return Crossed(there if there > 0.0 else math.nan, rounding)
+    return Crossed(there, rounding)
+
+
+@subroutine
+def way_out(seen: Seen, motion: Motion, disk: Disk, W: Vector) -> float:
+    """h of the turning point towards the vertical; NaN where that is crossed, 0 where rounding hides which.
+
+    The difference E - V tells, and where that is rounding, what is known of a state beside the vertical.
+    """
+    outer, at = turning_point_outward(seen.h, motion, disk), point(VERTICAL, motion.X, motion.Y, disk)
+    doubt = _HIDDEN * magnitude(at, motion, disk.body)
+    if abs(motion.level - at.V) > doubt:
+        return outer
+    known = crossed(seen, motion, disk, W)
+    if known.moving > known.rounding:
+        return math.nan
+    if known.moving < -known.rounding:
+        return outer if outer > 0.0 else VERTICAL
+    if seen.z == 0.0:  # at rest there
+        return outer
+    barred = outer > 0.0 and motion.level - point(0.5 * (outer + VERTICAL), motion.X, motion.Y, disk).V < -doubt
+    return outer if barred else 0.0
 
 
 @device
@@ -117,11 +142,13 @@ def orbit(
     Returns status, the passage of this face (or between both turning points) and that of the other
     face (chi = psi = time = 0 if the motion does not cross the vertical).
     """
-    known = crossed(seen, motion, disk, W)
-    outer = math.nan if known.moving > 0.0 else turning_point_outward(seen.h, motion, disk)
+    outer = way_out(seen, motion, disk, W)
+    if outer == 0.0:
+        return _LIMIT, NOT_THERE, NOT_THERE
     if outer > 0.0:
         status, here = passage(Start(outer, True, 0.0), motion, target, rules, disk, W)
         return status, here, NOT_THERE
+    known = crossed(seen, motion, disk, W)
     status, here = from_vertical(motion, known, target, rules, disk, W)
     other_status, there = from_vertical(Motion(motion.X, far, motion.level), known, target, rules, disk, W)
     return max(status, other_status), here, there
@@ -203,8 +230,14 @@ def tilt_batch(orbits: Orbits, target: float, disk: Disk, out: Vector, status: C
             if well.outer >= well.inner and well.shift <= target:
                 out[i] = least_tilt(well, W)
                 continue
-        least = turning_point(h, rate == 0.0, motion, disk, W)
-        if not turning_point_outward(h, motion, disk) > 0.0:
+        least, outer = (
+            turning_point(h, rate == 0.0, motion, disk, W),
+            way_out(Seen(h, rate, orbits.z[i]), motion, disk, W),
+        )
+        if outer == 0.0:
+            status[i] = _LIMIT
+            continue
+        if not outer > 0.0:
             mirrored = Motion(X, orbits.far[i] / b.I1, motion.level)
             least = min(least, turning_point(VERTICAL, False, mirrored, disk, W))
         out[i] = 2.0 * math.asin(0.5 * least)

@@ -107,3 +107,16 @@ def test_periods_of_steady_motions_are_those_of_the_linear_wobble(name):
         wobble = ex.periods(pushed, 1e-10)
         assert wobble.ok.all()
         np.testing.assert_allclose(wobble.period, expected, rtol=10.0 * push**2 + 1e-9)
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-8, 1e-10, 1e-12])
+@pytest.mark.parametrize("phidot", [2.794852785676193e-08, 1e-7, 3e-7])
+def test_a_motion_that_is_at_the_vertical_and_moves_crosses_it_at_any_accuracy(accuracy, phidot):
+    """E - V there is 5e-16 and more: the speed tells it, and a difference of energies does not."""
+    states = ex.constants_to_states(ex.Disk.uniform(), 1.5203067953112497, 4.1155149013182496e-07, phidot)
+    found, bounces = ex.periods(states, accuracy=accuracy), ex.bounces(states, 2, accuracy=accuracy)
+    assert found.ok.all()
+    assert found.crosses.all()
+    assert bounces.ok.all()
+    assert (bounces.face == [1, -1]).all()
+    assert bounces.duration[0, 1] == pytest.approx(0.98969326 * phidot, rel=1e-3)
