@@ -67,7 +67,8 @@ class _Told:
     """An exception whose message speaks the words of its reader; where it was raised does not matter."""
 
     def __str__(self) -> str:
-        return in_words(super().__str__())
+        # Half of a letter, which no stream can write, is shown by its number.
+        return in_words(super().__str__()).encode(errors="backslashreplace").decode()
 
 
 class InputError(_Told, ValueError):

@@ -105,7 +105,8 @@ def _bounded(value: Any, depth: int = 0) -> Any:
     if isinstance(value, list | tuple):
         foreign = depth < _DEEPEST and not _OWN.issuperset(map(type, value))
         return [_bounded(each, depth + 1) for each in value] if foreign else value
-    if type(value) in _OWN or any(hasattr(value, name) for name in _ARRAYS) or not hasattr(value, "__getitem__"):
+    known = type(value) in _OWN or isinstance(value, Mapping) or any(hasattr(value, name) for name in _ARRAYS)
+    if known or not hasattr(value, "__getitem__"):
         return value
     return list(islice(value, min(len(value), _LONGEST)))
 

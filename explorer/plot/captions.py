@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from PIL import Image, ImageChops, UnidentifiedImageError
 from PIL.PngImagePlugin import PngInfo
 
+from explorer.errors import InputError, shorten
 from explorer.phase.paths import writing
 from explorer.plot.drawn import call, reads_arguments
 from explorer.plot.style import whole_figure
@@ -159,7 +160,15 @@ def save(figure: Figure, path: Path | str, dpi: int = DPI) -> None:
     >>> plot.save(plot.figure_of(plot.race_number, race_numbers()), "bodies.png")  # doctest: +SKIP
     """
     with writing("path", path, (".png", ".svg", ".pdf")) as file:
-        write_figure(figure, file, dpi)
+        try:
+            write_figure(figure, file, dpi)
+        except (OSError, InputError):
+            raise
+        except (
+            Exception
+        ) as error:  # whatever matplotlib says of what is drawn there, half of a letter for instance
+            why = shorten(f"{type(error).__name__}: {error}", 120)
+            raise InputError(f"figure: cannot be drawn ({why}); look at its texts and artists") from error
 
 
 def write_figure(figure: Figure, path: Path, dpi: int = DPI) -> None:

@@ -102,12 +102,23 @@ def as_own(name: str, values: Any, what: str) -> NDArray[Any]:
     """A column of the user's own as it can be stored: numbers, truth values, times, or text."""
     column = _plain(name, values, what)
     if column.dtype.kind in "fiubMmU":
-        return column
+        return _written(name, column, what)
     cells = column.tolist()
     empty = [cell is None or cell != cell or str(cell) == "<NA>" for cell in cells]
     if all(none or isinstance(cell, int | float) for cell, none in zip(cells, empty, strict=True)):
         return np.array([np.nan if none else float(c) for c, none in zip(cells, empty, strict=True)], float)
-    return np.array(["" if none else str(cell) for cell, none in zip(cells, empty, strict=True)], dtype=np.str_)
+    text = np.array(["" if none else str(cell) for cell, none in zip(cells, empty, strict=True)], dtype=np.str_)
+    return _written(name, text, what)
+
+
+def _written(name: str, column: NDArray[Any], what: str) -> NDArray[Any]:
+    """A column that can be stored. Raises InputError where its name or its text is none in UTF-8."""
+    try:
+        name.encode()
+        "".join(column.tolist() if column.dtype.kind == "U" else ()).encode()
+    except UnicodeEncodeError:
+        raise InputError(f"{what}: column {name!r} holds text that is none in UTF-8; mend it") from None
+    return column
 
 
 def _plain(name: str, values: Any, what: str) -> NDArray[Any]:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import explorer as ex
-from fuzz import api, commands, folders, judge, kernels, methods, plots, values
+from fuzz import api, commands, folders, hostile, judge, kernels, methods, plots, values
 
 DISK = ex.Disk.uniform()
 
@@ -126,6 +126,26 @@ def test_a_planted_fault_of_each_kind_is_found(planted, kind, monkeypatch):
     assert judge.judge(planted, {"phi": np.array([1.0, 0.5])}).kind == kind
     monkeypatch.undo()
     assert judge.judge(lambda phi: phi + 1.0, {"phi": np.array([1.0, 0.5])}).kind == "value"
+
+
+def test_a_reader_that_trusts_what_it_is_given_is_found():
+    """By objects that fail when they are looked at, that hold themselves, and by text that is no UTF-8."""
+
+    def trusts(phi):
+        return sum(phi.values()) if isinstance(phi, dict) else float(phi) if len(phi) else str(phi).encode()
+
+    def careful(phi):
+        return ex.phi_to_states(DISK, phi, 1.0, 1.0, 0.7)
+
+    chosen = [value for number, (_, value) in enumerate(hostile.every()) if number < 30 or number % 9 == 0]
+    assert {judge.judge(careful, {"phi": value}).kind for value in chosen} == {"value", "refused"}
+    assert sum(judge.judge(trusts, {"phi": value}).kind == "traceback" for value in chosen) > 50
+
+
+def test_objects_that_fail_are_among_the_cases():
+    rng = random.Random(2)
+    kinds = [type(values.nasty(rng)) for _ in range(300)]
+    assert sum(kind.__module__ == hostile.__name__ for kind in kinds) > 5
 
 
 def test_planted_faults_are_found_where_cases_are_made(monkeypatch, tmp_path):

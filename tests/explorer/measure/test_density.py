@@ -119,3 +119,23 @@ def test_a_density_says_what_it_is_and_tells_functions_apart():
 def test_bad_input_is_named(options, message):
     with pytest.raises(ex.InputError, match=message):
         Density.of(**{"disk": UNIFORM, "box": BOX, **options})
+
+
+def test_what_a_density_of_the_user_raises_is_told_as_its_own_even_as_an_error_of_ours():
+    def wrong(*state):
+        raise ex.InputError("accuracy = 3 must be less")
+
+    density = Density.of(UNIFORM, BOX, density=wrong)
+    with pytest.raises(ex.InputError, match=r"^density: InputError: accuracy = 3 must be less"):
+        density.describe()
+
+
+def test_a_box_or_a_bell_that_fails_when_it_is_read_is_named():
+    class Gone:
+        @property
+        def __class__(self):
+            raise ReferenceError("gone")
+
+    for name in ("box", "gaussian"):
+        with pytest.raises(ex.InputError, match=rf"^{name} = .*ReferenceError"):
+            Density.of(UNIFORM, **{name: Gone()})

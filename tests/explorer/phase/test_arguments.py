@@ -148,3 +148,20 @@ def test_keywords_that_travel_together_are_checked_by_name(call):
     disk = ex.Disk.uniform()
     with pytest.raises(ex.InputError, match="takes no 'acuracy'; did you mean 'accuracy'"):
         call(disk, ex.phi_to_states(disk, 0.0, 1.0, 1.0, 0.7))
+
+
+class Endless:
+    """It says that it holds two numbers, and gives one after the other for ever."""
+
+    def __len__(self):
+        return 2
+
+    def __getitem__(self, row):
+        return 0.5
+
+
+def test_a_sequence_is_as_long_as_it_says_and_a_mapping_is_none():
+    np.testing.assert_array_equal(column("phi", Endless()), [0.5, 0.5])
+    np.testing.assert_array_equal(column("phi", [Endless(), [0.1, 0.2]]), [[0.5, 0.5], [0.1, 0.2]])
+    with pytest.raises(InputError, match=r"^phi = \{0.1: 2\}"):
+        column("phi", {0.1: 2})

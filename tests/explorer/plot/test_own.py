@@ -63,3 +63,10 @@ def test_what_nobody_knows_is_said_and_bins_without_a_race_angle_are_refused():
     for bins in (0, [2.0, 1.0], "nonsense", 10**9, [np.nan, 1.0]):
         with pytest.raises(ex.InputError, match="bins"):
             plot.race_angle_histogram(table, bins=bins)
+
+
+@pytest.mark.parametrize("reach", [(-1e308, 1e308), (2.0, 2.0)])
+def test_ends_that_are_no_race_angles_are_told_of_the_range(reach):
+    found = ex.passages(ex.Disk.uniform(), 1.0, [1e-3, -1e-3], 1.0)
+    with pytest.raises(ex.InputError, match=r"^range = "):
+        ex.plot.race_angle_histogram(found, range=reach)

@@ -5,6 +5,7 @@ import pandas as pd
 import pyarrow
 import pytest
 
+from explorer.errors import InputError
 from explorer.scenes.given_columns import as_columns, as_numbers, as_own, read_csv
 
 TEXT = """tilt,precession,name,id
@@ -55,3 +56,9 @@ def test_a_masked_cell_is_no_number():
 def test_a_number_stands_for_a_column():
     table = as_columns({"tilt": [0.1, 0.2], "spin": 3.0}, "states")
     np.testing.assert_array_equal(table["spin"], [3.0, 3.0])
+
+
+@pytest.mark.parametrize("cells", [np.array(["a", "\ud800"]), np.array([None, "\udcff"], object)])
+def test_text_that_no_file_can_hold_is_refused_by_its_column(cells):
+    with pytest.raises(InputError, match=r"^states: column 'x' holds text that is none in UTF-8"):
+        as_own("x", cells, "states")
