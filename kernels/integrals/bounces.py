@@ -15,7 +15,7 @@ from kernels.integrals.orbits import Crossed, crossed, orbit
 from kernels.integrals.point import VERTICAL, Motion, Orbits, Seen, met, point
 from kernels.integrals.quadrature import FLOOR, PassageRow, Rules, Start, magnitude, passage
 from kernels.integrals.wells import WIDEST, Well, find_well, guess
-from kernels.integrals.wobbles import parted_wobble, time_to_flattest_of_wobble
+from kernels.integrals.wobbles import parted_wobble, time_to_flattest_of_wobble, told
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
 
@@ -227,7 +227,7 @@ def bounce_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: M
             continue
         h, rate = orbits.h[i], orbits.rate[i]
         at, motion = met(h, rate, orbits.sigma3_bar[i] / b.r0, orbits.near[i] / b.I1, disk)
-        well = find_well(h, rate, at, motion, guess(h, rate, at, b), disk, W)
+        well = told(rate, find_well(h, rate, at, motion, guess(h, rate, at, b), disk, W))
         code, here, there, lead = by_series(rate, well, motion, target, rules, disk, W)
         if code != _OK:
             seen = Seen(h, rate, orbits.z[i])
@@ -235,7 +235,7 @@ def bounce_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: M
             lead_code, lead = time_to_flattest(seen, here, motion, target, rules, disk, W)
             code = max(code, lead_code)
         if code != _OK:
-            well = find_well(h, rate, at, motion, WIDEST, disk, W)
+            well = told(rate, find_well(h, rate, at, motion, WIDEST, disk, W))
             code, here, there, lead = by_series(rate, well, motion, target, rules, disk, W)
         status[i] = code
         put(bounces_of(rate, here, there, lead), out, i)

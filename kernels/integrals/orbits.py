@@ -17,7 +17,7 @@ from kernels.integrals.point import VERTICAL, Motion, Orbits, Seen, met, point
 from kernels.integrals.quadrature import FLOOR, PassageRow, Rules, Start, magnitude, passage
 from kernels.integrals.turning import turning_point, turning_point_outward
 from kernels.integrals.wells import WIDEST, find_well, guess
-from kernels.integrals.wobbles import NOT_THERE, least_tilt, whole_wobble
+from kernels.integrals.wobbles import NOT_THERE, least_tilt, told, whole_wobble
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
 
@@ -197,13 +197,13 @@ def orbit_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Ma
             continue
         h, rate = orbits.h[i], orbits.rate[i]
         at, motion = met(h, rate, orbits.sigma3_bar[i] / b.r0, orbits.near[i] / b.I1, disk)
-        well = find_well(h, rate, at, motion, guess(h, rate, at, b), disk, W)
+        well = told(rate, find_well(h, rate, at, motion, guess(h, rate, at, b), disk, W))
         code, here, there = whole_wobble(well, motion, target, rules, disk, W)
         if code != _OK:
             seen = Seen(h, rate, orbits.z[i])
             code, here, there = orbit(seen, motion, orbits.far[i] / b.I1, target, rules, disk, W)
         if code != _OK:
-            well = find_well(h, rate, at, motion, WIDEST, disk, W)
+            well = told(rate, find_well(h, rate, at, motion, WIDEST, disk, W))
             code, here, there = whole_wobble(well, motion, target, rules, disk, W)
         status[i] = code
         put(period_of(here, there), out, i)

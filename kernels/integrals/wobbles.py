@@ -15,7 +15,7 @@ from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.integrals.point import Motion
 from kernels.integrals.quadrature import FLOOR, PassageRow, Rules, good_enough
-from kernels.integrals.wells import RHO, SHARE, SIGMA4, Q, Well, Z, value
+from kernels.integrals.wells import RHO, SHARE, SIGMA4, Q, Well, Z, outside, value
 from kernels.status import Status
 from kernels.types import Matrix, Vector
 
@@ -23,6 +23,7 @@ _OK = int(Status.OK)
 _LIMIT = int(Status.STEP_LIMIT)
 _QUARTER = 0.5 * math.pi
 _LEAST = 1e-300
+_BESIDE = 4.0  # units of rounding
 NOT_THERE = PassageRow(math.nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -105,6 +106,17 @@ def stretch(W: Vector, well: Well, arc: Arc, target: float, rules: Rules, b: Bod
 def crosses(well: Well) -> bool:
     """Whether the motion passes the vertical; no wobble at all beside the vertical does not."""
     return well.inner < well.vertical < well.outer and well.outer - well.inner > 4.0 * well.shift
+
+
+@device
+def told(rate: float, well: Well) -> Well:
+    """The well, unless rounding hides on which side of the vertical the motion of a moving state turns back.
+
+    The state itself may tell; a well tells of what is at rest, or moves no more than its rounding.
+    """
+    beside = min(abs(well.outer - well.vertical), abs(well.vertical - well.inner))
+    hidden = beside <= _BESIDE * well.shift and well.outer - well.inner > 4.0 * _BESIDE * well.shift
+    return outside(well.terms) if hidden and rate != 0.0 else well
 
 
 @device
