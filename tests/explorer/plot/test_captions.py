@@ -120,6 +120,7 @@ def test_films_carry_captions_too_and_other_files_none(tmp_path):
     assert caption_in(tmp_path / "other.gif") is None
 
 
+@pytest.mark.rendered
 def test_a_figure_whose_text_no_font_can_write_is_refused_in_a_sentence(tmp_path):
     figure = Figure()
     figure.subplots().set_title("\ud800")
