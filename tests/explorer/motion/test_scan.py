@@ -54,7 +54,7 @@ def test_a_function_sees_no_more_states_than_a_batch():
         (lambda batch: {"own": batch.phi + 1j}, "it returned complex128"),
         (lambda batch: np.full(len(batch), "2026-01-01", "M8[D]"), "it returned datetime64"),
         (lambda batch: ["up"] * len(batch), "it returned <U2"),
-        (lambda batch: ex.simulate(batch, -1.0), "^t_end = -1.0 must be"),
+        (lambda batch: ex.simulate(batch, -1.0), "^observable: InputError: t_end = -1.0 must be"),
     ],
 )
 def test_what_is_no_observable_is_refused_in_words(observable, message):

@@ -178,3 +178,9 @@ def test_moments_that_are_left_out_are_those_of_a_flat_uniform_disk():
 def test_text_and_misspelt_names_are_refused_in_words(make, said):
     with pytest.raises(ex.InputError, match=said):
         make()
+
+
+@pytest.mark.parametrize("bar", [-1e200, [1.0, 1e300]])
+def test_a_rate_whose_square_overflows_has_no_energy_at_flat(bar):
+    with pytest.raises(ex.InputError, match=r"^sigma3_bar = .* squares overflow"):
+        ex.Disk.uniform().energy_at_flat(bar)

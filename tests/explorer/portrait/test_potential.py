@@ -259,3 +259,9 @@ def test_bad_arguments_get_a_sentence():
         on_line(UNIFORM, 0.2, 0.0, 2)
     with pytest.raises(ex.InputError, match="between the flat states"):
         on_line(UNIFORM, 0.2).V(2.0)
+
+
+@pytest.mark.parametrize(("method", "wrong"), [("at_y", 1e3), ("falling_edge", [0.0, -(2**64)]), ("rho", np.inf)])
+def test_what_lies_beyond_flat_is_refused_by_its_name(method, wrong):
+    with pytest.raises(ex.InputError, match=r"^(y = |phi: )"):
+        getattr(ex.portrait.on_line(ex.Disk.uniform(), 0.25, 0.01), method)(wrong)
