@@ -1,6 +1,7 @@
 """Counts of many samples that can be added up: a chunk has them of samples whose rows it does not keep."""
 
 import base64
+import math
 import zlib
 from typing import Any
 
@@ -21,6 +22,7 @@ _VALUES = np.full(256, -1, np.int64)
 _VALUES[_DIGITS] = np.arange(85)
 _POWERS = 85 ** np.arange(4, -1, -1)
 _WIDTHS = ("<u1", "<u2", "<u4", "<u8")
+_KINDS = {kind[-1]: kind for kind in _WIDTHS}
 
 
 class LogCounts:
@@ -39,11 +41,24 @@ class LogCounts:
             self.zeros = state["zeros"]
             self.smallest, self.largest = state["range"]
             if bins.size:
-                if max(-bins[0], bins[-1]) > -LOWEST_BIN:
-                    raise ValueError("counts in bins beyond those of doubles")
                 self.first = int(bins[0])
                 self.counts = np.zeros(bins[-1] - bins[0] + 1, np.int64)
                 self.counts[bins - self.first] = counts
+
+    @staticmethod
+    def size_of(state: dict[str, Any]) -> tuple[int, int]:
+        """How many values a state counts, and how many bins it spans, without making them.
+
+        Raises KeyError, TypeError or ValueError where `state` is not what the method of that name gives.
+        """
+        bins, counts = _bins_of(state)
+        ends, zeros = [float(end) for end in state["range"]], state["zeros"]
+        if type(zeros) is not int or zeros < 0 or ((zeros or counts.size) and len(ends) != 2):
+            raise ValueError("no counts of zeros, or no smallest and largest value")
+        if not (all(map(math.isfinite, ends)) and sorted(ends) == ends and min(ends, default=0.0) >= 0.0):
+            raise ValueError("no range of magnitudes")
+        # Doubles add up what integers of 64 bits might not hold.
+        return zeros + int(counts.sum(dtype=np.float64)), int(bins[-1] - bins[0]) + 1 if bins.size else 0
 
     @classmethod
     def of(cls, values: Array) -> "LogCounts":
@@ -204,14 +219,26 @@ def _ends(places: Array) -> tuple[float, float]:
 
 
 def _bins_of(state: dict[str, Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Bins and their counts, from `LogCounts.state` or from two lists."""
+    """Bins and their counts, from `LogCounts.state` or from two lists. Raises ValueError where they are none."""
     if "bins" in state:
-        return np.array(state["bins"], np.int64), np.array(state["counts"], np.int64)
-    counts = _read(state["counts"])
-    bins = np.empty(counts.size, np.int64)
-    bins[:1] = state["first"]
-    bins[1:] = _read(state["gaps"])
-    return bins.cumsum(), counts
+        bins, counts = _integers(state["bins"]), _integers(state["counts"])
+    else:
+        counts, gaps = _read(state["counts"]), _read(state["gaps"])
+        bins = np.empty(counts.size, np.int64)
+        bins[:1], bins[1:] = _integers([state["first"]]), np.minimum(gaps, -2 * LOWEST_BIN)
+        bins = bins.cumsum()
+    if bins.shape != counts.shape or counts.min(initial=0) < 0 or np.diff(bins).min(initial=1) < 1:
+        raise ValueError("counts are negative, or not one for each bin")
+    if bins.size and max(-bins[0], bins[-1]) > -LOWEST_BIN:
+        raise ValueError("counts in bins beyond those of doubles")
+    return bins, counts
+
+
+def _integers(values: list[int]) -> NDArray[np.int64]:
+    found = np.array(values)
+    if found.ndim != 1 or (found.size and found.dtype.kind not in "iu"):
+        raise ValueError("no whole numbers of 64 bits")
+    return found.astype(np.int64)
 
 
 def _written(values: NDArray[np.int64]) -> str:
@@ -223,7 +250,7 @@ def _written(values: NDArray[np.int64]) -> str:
 
 def _read(text: str) -> NDArray[np.int64]:
     """The numbers that `_written` was given. Raises ValueError where it was given none."""
-    return np.frombuffer(base64.b64decode(text[1:], validate=True), f"<u{int(text[0])}").astype(np.int64)
+    return np.frombuffer(base64.b64decode(text[1:], validate=True), _KINDS[text[0]]).astype(np.int64)
 
 
 def pack(values: NDArray[np.uint16]) -> str:
@@ -231,9 +258,16 @@ def pack(values: NDArray[np.uint16]) -> str:
     return _to_base_85(zlib.compress(values.astype("<u2").tobytes(), 1))
 
 
-def unpack(text: str) -> NDArray[np.uint16]:
-    """The array that `pack` was given, flat."""
-    return np.frombuffer(zlib.decompress(_from_base_85(text)), dtype="<u2")
+def unpack(text: str, size: int) -> NDArray[np.uint16]:
+    """The array of so many integers that `pack` was given, flat. Raises ValueError for any other text."""
+    packed = zlib.decompressobj()
+    try:
+        content = packed.decompress(_from_base_85(text), 2 * size + 1)
+    except (AttributeError, zlib.error) as error:
+        raise ValueError(f"no packed integers ({error})") from None
+    if len(content) != 2 * size:
+        raise ValueError(f"not {size:,} integers")
+    return np.frombuffer(content, dtype="<u2")
 
 
 def _to_base_85(data: bytes) -> str:

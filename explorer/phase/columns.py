@@ -13,7 +13,7 @@ ANGLE, RATE, TIME, LENGTH, ENERGY, NUMBER = "rad", "rad/time", "time", "length",
 
 @dataclass(frozen=True)
 class Column:
-    """A named quantity; its three texts stand in the metadata of a Parquet column.
+    """A named quantity; its first three texts stand in the metadata of a Parquet column.
 
     Parameters
     ----------
@@ -23,11 +23,22 @@ class Column:
         'rad', 'rad/time', 'time', 'length', 'energy' in the units of the disk; empty for a pure number.
     equation : str
         Where Cushman & Duistermaat (2006) define it; empty where the paper does not.
+    kind : str
+        Type of its numbers in stored runs, as NumPy calls it; "status" for words.
     """
 
     meaning: str
     unit: str = NUMBER
     equation: str = ""
+    kind: str = "float64"
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """What the metadata of a Parquet column say."""
+        return {"meaning": self.meaning, "unit": self.unit, "equation": self.equation}
+
+
+SIGN, COUNT, STEPS, TRUTH = "int8", "int64", "int32", "bool"
 
 
 COLUMNS = {
@@ -50,8 +61,8 @@ COLUMNS = {
     "eta_plus": Column("eta_hat_plus times I3 r(0).", "mass length^2 rad/time", "(6.2)"),
     "eta_minus": Column("eta_hat_minus times I3 r(0).", "mass length^2 rad/time", "(6.2)"),
     "energy": Column("Total energy.", ENERGY, "(2.19)"),
-    "face": Column("Which face comes down: +1 for flat at phi = +pi/2, -1 for flat at phi = -pi/2."),
-    "side": Column("Sign of eta on `face`: the side of the falling set on which the motion is."),
+    "face": Column("Which face comes down: +1 for flat at phi = +pi/2, -1 for flat at phi = -pi/2.", kind=SIGN),
+    "side": Column("Sign of eta on `face`: the side of the falling set on which the motion is.", kind=SIGN),
     "distance": Column(
         "Of a state: signed distance of its (sigma3_bar, sigma4_bar) to the nearer line l_+-. In one-sided "
         "the largest of the distances to the limit motion, in natural units.",
@@ -60,10 +71,10 @@ COLUMNS = {
     ),
     "distance_plus": Column("Signed distance of (sigma3_bar, sigma4_bar) to the line l_+.", RATE, "(6.2)"),
     "distance_minus": Column("Signed distance of (sigma3_bar, sigma4_bar) to the line l_-.", RATE, "(6.2)"),
-    "could_fall": Column("Whether the disk would fall if eta were exactly 0.", NUMBER, "section 6.2"),
-    "could_fall_plus": Column("Whether it would fall on face +1 if eta there were exactly 0."),
-    "could_fall_minus": Column("Whether it would fall on face -1 if eta there were exactly 0."),
-    "on_f": Column("Whether the state lies on the falling set to rounding."),
+    "could_fall": Column("Whether the disk would fall if eta were exactly 0.", NUMBER, "section 6.2", kind=TRUTH),
+    "could_fall_plus": Column("Whether it would fall on face +1 if eta there were exactly 0.", kind=TRUTH),
+    "could_fall_minus": Column("Whether it would fall on face -1 if eta there were exactly 0.", kind=TRUTH),
+    "on_f": Column("Whether the state lies on the falling set to rounding.", kind=TRUTH),
     # a passage near flat
     "race_angle": Column("delta_chi less fall_angle; its limit is side times kappa pi.", ANGLE, "(7.9)"),
     "fall_angle": Column(
@@ -80,17 +91,19 @@ COLUMNS = {
     "time": Column("Time since the given state.", TIME),
     "impact_speed": Column("Rate of phi at which the limit motion meets the table.", RATE, "(7.1)"),
     "limit": Column("The limit of race_angle: side times kappa pi.", ANGLE, "(7.9)"),
-    "wrong_way": Column("Whether the contact point moves against the sign of eta at the flattest moment."),
+    "wrong_way": Column(
+        "Whether the contact point moves against the sign of eta at the flattest moment.", kind=TRUTH
+    ),
     "error_estimate": Column(
         "Estimated error: of angles in rad, of times and theta_min relative; the larger of both."
     ),
-    "status": Column("What became of the sample; `nearflat columns` lists the codes."),
-    "steps": Column("Steps of the integration; 0 where there was none."),
+    "status": Column("What became of the sample; `nearflat columns` lists the codes.", kind="status"),
+    "steps": Column("Steps of the integration; 0 where there was none.", kind=STEPS),
     # a whole period
     "period": Column("Time from one turning point of the tilt back to it.", TIME, "(3.12)"),
     "chi": Column("Angle of the contact point in space, or its increase per period.", ANGLE, "(2.30)"),
     "psi": Column("Angle of the contact point in the body, or its increase per period.", ANGLE, "(2.21)"),
-    "crosses": Column("Whether the motion passes the vertical."),
+    "crosses": Column("Whether the motion passes the vertical.", kind=TRUTH),
     "min_normal_force": Column("Least normal force, over m g; where it is negative a real disk would lift off."),
     "max_friction": Column("Largest friction coefficient that the motion needs."),
     # a motion at times
@@ -111,17 +124,17 @@ COLUMNS = {
     # scenes
     "delta": Column("Tilt whose probability the draw estimates; NaN for plain draws.", ANGLE),
     "weight": Column("Density times volume that the draw stands for, over that of a plain draw."),
-    "base": Column("Number of the start beside which the motion was followed."),
+    "base": Column("Number of the start beside which the motion was followed.", kind=COUNT),
     "distance_phi": Column("Largest distance of phi to the limit motion of the same side.", ANGLE),
     "distance_chi": Column("Largest distance of chi to the limit motion of the same side.", ANGLE),
     "distance_psi": Column("Largest distance of psi to the limit motion of the same side.", ANGLE),
     "distance_path": Column("Largest distance of the centre to that of the limit motion.", LENGTH),
     "distance_contact": Column("Largest distance of the contact point to that of the limit motion.", LENGTH),
     "chi_between": Column("chi half-way between the first two impacts.", ANGLE),
-    "piece": Column("Number of the connected piece of the level."),
-    "falls": Column("Whether motions on this piece fall flat."),
-    "row": Column("Row of the given states, counted from 0."),
-    "bounce": Column("Number of the approach to flat since the given state, counted from 0."),
+    "piece": Column("Number of the connected piece of the level.", kind=COUNT),
+    "falls": Column("Whether motions on this piece fall flat.", kind=TRUTH),
+    "row": Column("Row of the given states, counted from 0.", kind=COUNT),
+    "bounce": Column("Number of the approach to flat since the given state, counted from 0.", kind=COUNT),
 }
 
 

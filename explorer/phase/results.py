@@ -2,7 +2,7 @@
 
 import html
 from collections import Counter
-from dataclasses import asdict, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -226,5 +226,5 @@ def to_arrow(columns: dict[str, NDArray[Any]]) -> "pa.Table":
             array = pa.array(values.ravel())
         known = COLUMNS.get(name) or COLUMNS.get(name.rpartition("_")[0])
         arrays.append(array)
-        kinds.append(pa.field(name, array.type, metadata=asdict(known) if known else None))
+        kinds.append(pa.field(name, array.type, metadata=known.texts if known else None))
     return pa.Table.from_arrays(arrays, schema=pa.schema(kinds))

@@ -23,15 +23,16 @@ class Chunk(Protocol):
 
 @dataclass(frozen=True)
 class StoredChunk:
-    """A chunk in a file."""
+    """A chunk in a file, which may be anyone's: it is compared with the one that is due before it is used."""
 
     path: Path
+    place: store.Place
 
     def note(self) -> store.Note:
-        return store.read_note(self.path)
+        return store.read_note(self.path, self.place)
 
     def table(self, columns: Columns = None) -> Table:
-        return store.read_chunk(self.path, columns)
+        return store.read_chunk(self.path, columns, self.place)
 
 
 @dataclass(frozen=True)
@@ -60,18 +61,25 @@ class Part:
         return str(self.folder or "the run in memory")
 
     def found(self) -> Mapping[int, Chunk]:
-        """The chunks that are there, by number."""
-        if self.folder is None:
-            return self.held
-        return {index: StoredChunk(path) for index, path in store.found_chunks(self.folder).items()}
+        """The chunks that are there, by number; of two with the same number, one."""
+        return self.held if self.folder is None else self._stored(store.all_chunks(self.folder))
+
+    def _stored(self, paths: Mapping[int, list[Path]]) -> dict[int, Chunk]:
+        return {index: StoredChunk(some[-1], store.Place(self.scene, index)) for index, some in paths.items()}
 
     def complete(self) -> list[Chunk]:
-        """All chunks, in order. Raises RunError where one is missing."""
-        found, count = self.found(), self.scene.chunks()
+        """All chunks, in order. Raises RunError where one is missing, or where there are two of its number."""
+        paths = {} if self.folder is None else store.all_chunks(self.folder)
+        found, count = self.held if self.folder is None else self._stored(paths), self.scene.chunks()
         missing = sum(index not in found for index in range(count))
         if missing:
             raise RunError(
                 f"{self}: {missing} of {count} chunks are missing; continue with: nearflat resume {self}"
+            )
+        twice = [index for index, some in paths.items() if len(some) > 1]
+        if twice:
+            raise store.DamagedError(
+                f"{self}: holds two of chunk {twice[0]}; continue with: nearflat resume {self}"
             )
         return [found[index] for index in range(count)]
 

@@ -25,7 +25,7 @@ from explorer.phase.paths import path_of
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
 from explorer.runs.pictures import KNOWN, files_of
-from explorer.runs.strangers import StrangeError, no_link, plain_file, plain_names
+from explorer.runs.strangers import FILE, StrangeError, no_link, plain_file, plain_names, what_stands
 from explorer.scenes.base import Scene
 from explorer.scenes.registry import scene_from_options
 from explorer.version import installed_version
@@ -108,7 +108,7 @@ def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str],
     for leftover in (*begun, *(folder / "chunks").glob(".chunk-*.tmp")):
         with contextlib.suppress(OSError):  # a folder of that name for instance
             leftover.unlink(missing_ok=True)
-    good = set()
+    good: dict[int, list[Path]] = {}
     for path in sorted((folder / "chunks").glob("*.parquet")):
         index = store.number_of(path)
         if index is not None and index >= scene.chunks():
@@ -119,11 +119,17 @@ def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str],
         if index is None:
             fault: str | None = "is no chunk of a run"
         else:
-            fault = store.fault_of(path, index, shared, scene.length(index))
+            fault = store.fault_of(path, store.Place(scene, index), shared)
         if fault is None and index is not None:
-            good.add(index)
+            good.setdefault(index, []).append(path)
         else:
             say(f"{path.name}: {fault}; it is put aside in {folder / 'bad'}")
+            _put_aside(path, folder / "bad")
+    for index, paths in [(index, paths) for index, paths in good.items() if len(paths) > 1]:
+        # Nothing says which is the right one.
+        del good[index]
+        for path in paths:
+            say(f"{path.name}: there are two of its number; both are put aside in {folder / 'bad'}")
             _put_aside(path, folder / "bad")
     return [index for index in range(scene.chunks()) if index not in good]
 
@@ -141,12 +147,15 @@ def read_record(folder: Path) -> dict[str, Any]:
     """What run.json says, of this format or an earlier one. Raises InputError."""
     record = path_of("DIR", folder) / "run.json"
     try:
-        there = record.is_file()
+        stands = what_stands(record)
     except OSError as error:
         raise InputError(f"{shorten(str(folder), 120)}: cannot be read ({error.strerror})") from None
-    if not there:
+    if stands is None:
         raise InputError(f"{shorten(str(folder), 120)}: holds no run (there is no {record.name})")
     refuse_links(record.parent)
+    if stands != FILE:
+        where = shorten(str(folder), 120)
+        raise InputError(f"{where}: holds no run (its {record.name} is {stands}); put the file back")
     try:
         content = dict(store.read_json(record))
         written, identity = content.get("format", 0), dict(content["identity"])

@@ -1,5 +1,6 @@
 """What a stored run says of itself: how far, intact, its numbers."""
 
+import contextlib
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from explorer.runs import folder as folders
 from explorer.runs import store
 from explorer.runs.chunks import Part, summary_of
 from explorer.runs.pictures import KNOWN, there
-from explorer.runs.strangers import plain_names
+from explorer.runs.strangers import plain_names, what_stands
 from explorer.scenes.base import Scene
 
 
@@ -104,25 +105,34 @@ def verify(folder: Path) -> list[str]:
     for what in ("kernels", "code", "calibration"):
         if before.get(what) != now.get(what):
             # Its own code made these chunks; only what they say of themselves can be checked.
-            shared = next((store.read_note(path).identity for path in paths.values()), shared)
+            shared = _said_identity(paths) or shared
             faults.append(f"run.json: other {what} than these computed the run; it cannot be resumed with them")
-    known = set(paths.values())
+    doubled = {path for some in store.all_chunks(folder).values() if len(some) > 1 for path in some}
+    known = set(paths.values()) - doubled
     strangers = [p for p in sorted((folder / "chunks").glob("*.parquet")) if p not in known]
     faults += [f"{path.name}: is no chunk of this run, or there are two of its number" for path in strangers]
     for index in range(scene.chunks()):
         if index not in paths:
             faults.append(f"chunk {index}: is missing")
             continue
-        fault = store.fault_of(paths[index], index, shared, scene.length(index))
+        fault = store.fault_of(paths[index], store.Place(scene, index), shared)
         if fault:
             faults.append(f"{paths[index].name}: {fault}")
     faults += [f"{paths[i].name}: is beyond the end of the run" for i in sorted(paths) if i >= scene.chunks()]
     return faults or _summary_faults(folder, paths, scene.chunks())
 
 
+def _said_identity(paths: dict[int, Path]) -> str | None:
+    """The run to which the first chunk that can be read says to belong."""
+    for path in paths.values():
+        with contextlib.suppress(RunError):
+            return store.read_note(path).identity
+    return None
+
+
 def _summary_faults(folder: Path, paths: dict[int, Path], count: int) -> list[str]:
     """A summary that does not belong to the chunks."""
-    if not (folder / "summary.json").exists():
+    if what_stands(folder / "summary.json") is None:
         return []
     try:
         digest = dict(store.read_json(folder / "summary.json")).get("digest")
@@ -135,16 +145,15 @@ def _summary_faults(folder: Path, paths: dict[int, Path], count: int) -> list[st
 def summary(folder: Path) -> dict[str, Any]:
     """The numbers of a complete run, added up anew from its chunks. Raises InputError or RunError."""
     scene = folders.scene_of(folder)
-    notes = {index: store.read_note(path) for index, path in store.found_chunks(folder).items()}
+    notes = {index: chunk.note() for index, chunk in Part(scene, folder).found().items()}
     strange = {note.identity for note in notes.values()}
     before, now = folders.read_record(folder)["identity"], folders.identity(scene)
     if all(before.get(what) == now.get(what) for what in ("kernels", "calibration")):
         strange |= {folders.digest_of_identity(scene)}
-    for index, note in notes.items():
-        if len(strange) > 1 or index >= scene.chunks() or note.samples != scene.length(index):
-            raise RunError(
-                f"{folder}: its chunks are not those that run.json describes; see: nearflat verify {folder}"
-            )
+    if len(strange) > 1:
+        raise RunError(
+            f"{folder}: its chunks are not those that run.json describes; see: nearflat verify {folder}"
+        )
     numbers = summary_of([Part(scene, folder)])[1]
     store.write_json(folder / "summary.json", numbers)
     return numbers

@@ -11,6 +11,7 @@ import json
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,26 +19,32 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import RunError
+from explorer.errors import InputError, RunError, shorten, shown
 from explorer.phase.results import status_codes, to_arrow
+from explorer.runs import schema
 from explorer.runs.strangers import (
     LARGEST_JSON,
     StrangeError,
-    check_counts,
     check_kinds,
     parquet_file,
     parse_json,
     plain_file,
 )
-from explorer.scenes.base import Table
+from explorer.scenes.base import Scene, Table
 
 if TYPE_CHECKING:
     import pyarrow as pa
+    import pyarrow.parquet as pq
 
 _NAME = re.compile(r"chunk-(\d{6,})-([0-9a-f]{16})\.parquet")
 _KEY = b"nearflat"
 _LOOKED_AT = 256  # rows of a column, which tell whether its numbers repeat
+_LONGEST, _SHOWN = 300, 40  # characters of a message, and of a name in it
 _NOTE: dict[str, type] = {"index": int, "identity": str, "samples": int, "digest": str, "tally": dict}
+
+
+class DamagedError(InputError, RunError):
+    """A file of a run is damaged, or is none; the message says how, and what would do."""
 
 
 @dataclass(frozen=True)
@@ -51,13 +58,36 @@ class Note:
     tally: dict[str, Any]
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where a chunk is due: which number, of which run. Readers ask whether a file may stand there."""
+
+    scene: Scene
+    index: int
+
+    def check(self, note: Note) -> None:
+        """Raise ValueError where a chunk that says this is not the one that is due."""
+        if note.index != self.index:
+            raise StrangeError(f"it is chunk {shown(note.index)}")
+        schema.check_counts(self.scene, self.index, note.samples, note.tally)
+
+    def check_held(self, file: "pq.ParquetFile") -> None:
+        """Raise ValueError where a file does not hold such columns, or so many rows."""
+        schema.check_held(self.scene, self.index, schema.held_by(file.schema_arrow, file.metadata.num_rows))
+
+
 def found_chunks(folder: Path) -> dict[int, Path]:
     """The chunk files of a run by number; of two with the same number, one."""
-    paths = {}
+    return {number: paths[-1] for number, paths in all_chunks(folder).items()}
+
+
+def all_chunks(folder: Path) -> dict[int, list[Path]]:
+    """All files whose name is that of a chunk, by number."""
+    paths: dict[int, list[Path]] = {}
     for path in sorted((folder / "chunks").glob("chunk-*.parquet")):
         match = _NAME.fullmatch(path.name)
         if match:
-            paths[int(match[1])] = path
+            paths.setdefault(int(match[1]), []).append(path)
     return paths
 
 
@@ -154,73 +184,135 @@ def _digest_of_bytes(path: Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def read_note(path: Path) -> Note:
-    """What the footer of a chunk says. Raises RunError naming the file."""
-    import pyarrow.parquet as pq
-
+def read_note(path: Path, place: Place | None = None) -> Note:
+    """What the footer of a chunk says. Raises DamagedError naming the file, also where another one is due."""
     try:
-        content = parse_json((pq.read_metadata(parquet_file(path)).metadata or {})[_KEY])
-        if _sha(content["note"].encode()) != content["check"]:
-            raise ValueError("checksum of its metadata")
-        said = parse_json(content["note"])
-        check_kinds(said, _NOTE)
-        check_counts(said["tally"])
-        return Note(**said)
+        with closing(_opened(path)) as file:
+            note = _noted(file)
+            if place is not None:
+                place.check(note)
+                place.check_held(file)
+            return note
     except _damage() as error:
         raise _damaged(path, error) from error
 
 
-def read_chunk(path: Path, columns: Sequence[str] | None = None) -> Table:
-    """The kept rows of a chunk, checksums verified; some columns, or all. Raises RunError naming the file."""
-    import pyarrow.parquet as pq
-
+def read_chunk(path: Path, columns: Sequence[str] | None = None, place: Place | None = None) -> Table:
+    """The kept rows of a chunk, checksums verified; some columns, or all. Raises DamagedError as `read_note`."""
     try:
-        arrow = pq.read_table(parquet_file(path), columns=columns, page_checksum_verification=True)
-        return {name: _values(arrow.column(name)) for name in arrow.column_names}
+        with closing(_opened(path)) as file:
+            if place is not None:
+                place.check_held(file)
+            return _rows(file, columns)
     except _damage() as error:
         raise _damaged(path, error) from error
+
+
+def _opened(path: Path) -> "pq.ParquetFile":
+    import pyarrow.parquet as pq
+
+    return pq.ParquetFile(parquet_file(path), page_checksum_verification=True)
+
+
+def _noted(file: "pq.ParquetFile") -> Note:
+    """What a footer says, its checksum verified. Raises one of `_damage`."""
+    content = (file.metadata.metadata or {})[_KEY]
+    if len(content) > LARGEST_JSON:
+        raise StrangeError(f"its metadata have {len(content):,} bytes; {LARGEST_JSON:,} is the most that is read")
+    signed = parse_json(content)
+    check_kinds(signed, {"note": str, "check": str})
+    if _sha(signed["note"].encode()) != signed["check"]:
+        raise ValueError("checksum of its metadata")
+    said = parse_json(signed["note"])
+    check_kinds(said, _NOTE)
+    return Note(**said)
+
+
+def _rows(file: "pq.ParquetFile", columns: Sequence[str] | None) -> Table:
+    """Columns of a chunk in the order asked. Raises one of `_damage`."""
+    arrow = file.read(columns=None if columns is None else list(columns))
+    if arrow.num_rows != file.metadata.num_rows:
+        raise StrangeError(f"it has {arrow.num_rows:,} rows, and says {file.metadata.num_rows:,}")
+    return {name: _values(name, arrow.column(name)) for name in columns or arrow.column_names}
 
 
 def _damage() -> tuple[type[Exception], ...]:
     """What reading a damaged file may raise."""
     import pyarrow as pa
 
-    return (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, pa.ArrowException)
+    return (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, OverflowError, pa.ArrowException)
 
 
-def _values(column: "pa.ChunkedArray") -> NDArray[Any]:
+def _values(name: str, column: "pa.ChunkedArray") -> NDArray[Any]:
     """A column as it was before it was written: statuses are numbers here."""
     import pyarrow as pa
 
-    if not pa.types.is_dictionary(column.type):
+    kind = column.type
+    empty = column.null_count and not (pa.types.is_temporal(kind) or pa.types.is_string(kind))
+    if empty:
+        raise StrangeError(f"column {name[:_SHOWN]!r} lacks {column.null_count:,} values")
+    if not pa.types.is_dictionary(kind):
         return np.asarray(column)
     names = column.unify_dictionaries().combine_chunks()
     codes = status_codes(np.array(names.dictionary.to_pylist(), dtype=str))
     return np.asarray(codes[np.asarray(names.indices)])
 
 
-def _damaged(path: Path, error: Exception) -> RunError:
-    return RunError(f"{path}: cannot be read or is damaged ({error}); continue with: nearflat resume DIR")
+def _damaged(path: Path, error: Exception) -> DamagedError:
+    """In one line, with the remedy: it is long where the path is."""
+    folder = path.parents[1]
+    fault = shorten(" ".join(str(error).split()), 110)
+    then = f"continue with: nearflat resume {folder}"
+    return DamagedError(f"{_named(path, then, fault)}: cannot be read or is damaged ({fault}); {then}")
 
 
-def fault_of(path: Path, index: int, identity: str, samples: int) -> str | None:
-    """What is wrong with a chunk that should have this number, identity and size; None if nothing is."""
-    match = _NAME.fullmatch(path.name)
+def _named(path: Path, *others: str) -> str:
+    """A path as long as a message has room for it."""
+    room = _LONGEST - sum(map(len, others)) - 40
+    return str(path) if len(str(path)) <= room else path.name
+
+
+def fault_of(path: Path, place: Place, identity: str) -> str | None:
+    """What is wrong with a chunk that is due in this place of this run, to the last value; None if nothing is."""
+    fault = _fault_of_bytes(path)
+    if fault is not None:
+        return fault
     try:
-        if match is None or _digest_of_bytes(parquet_file(path))[:16] != match[2]:
-            return "its bytes are not those that were written"
-        note = read_note(path)
-    except StrangeError as error:
-        return f"its bytes are not those that were written: {error}"
-    except (OSError, RunError) as error:
-        return str(error)
-    if note.identity != identity:
-        return "it belongs to another run"
-    if note.index != index:
-        return f"it is chunk {note.index}"
-    if note.samples != samples:
-        return f"it stands for {note.samples} samples, not {samples}"
+        with closing(_opened(path)) as file:
+            note = _noted(file)
+            if note.identity != identity:
+                return "it belongs to another run"
+            place.check(note)
+            place.check_held(file)
+            table = _rows(file, None)
+        schema.check_values(place.scene, place.index, table, note.tally)
+        _check_digest(place.scene, table, note)
+    except _damage() as error:
+        return shorten(" ".join(str(error).split()), 150)
     return None
+
+
+def _fault_of_bytes(path: Path) -> str | None:
+    """What is wrong with a file whose name has a digest of its bytes; None if nothing is."""
+    match, other = _NAME.fullmatch(path.name), "its bytes are not those that were written"
+    try:
+        same = match is not None and _digest_of_bytes(parquet_file(path))[:16] == match[2]
+    except StrangeError as error:
+        return f"{other}: {error}"
+    except OSError as error:
+        return str(error)
+    return None if same else other
+
+
+def _check_digest(scene: Scene, table: Table, note: Note) -> None:
+    """Raise StrangeError where rows and counts are not those of which the note has a digest.
+
+    Text and times come back as other types than they were written from, and so may what a user's scene stores.
+    """
+    numbers = all(values.dtype.kind in "fiub" for values in table.values())
+    ours = type(scene).__module__.startswith("explorer.")
+    if ours and numbers and digest_of(table, note.tally) != note.digest:
+        raise StrangeError("its rows and counts have another digest than it says")
 
 
 def digest_of(table: Table, tally: dict[str, Any]) -> str:

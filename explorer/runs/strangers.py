@@ -14,6 +14,14 @@ from typing import Any
 LARGEST_JSON = 1 << 26  # bytes; a summary with several histograms has some hundred kilobytes
 _ENDS = b"PAR1"  # with which a Parquet file begins and ends
 _CONTAINERS = (dict, list)
+FILE = "a file"
+_WHAT = {
+    FILE: stat.S_ISREG,
+    "a folder": stat.S_ISDIR,
+    "a pipe": stat.S_ISFIFO,
+    "a socket": stat.S_ISSOCK,
+    "a device": lambda mode: stat.S_ISCHR(mode) or stat.S_ISBLK(mode),
+}
 _DEEPEST = 40  # levels of JSON; what nearflat writes has less than ten
 
 
@@ -28,11 +36,25 @@ def no_link(path: Path) -> Path:
     return path
 
 
+def what_stands(path: Path) -> str | None:
+    """What has this name: FILE, "a folder", "a pipe", "a device", "a socket" or "a link"; None where nothing has.
+
+    Raises OSError.
+    """
+    try:
+        mode = path.lstat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    if stat.S_ISLNK(mode):
+        return "a link" if path.exists() else "a link to nothing"
+    return next((name for name, test in _WHAT.items() if test(mode)), "no plain file")
+
+
 def plain_file(path: Path, largest: float = float("inf")) -> Path:
     """`path`, where it is a file of its own with so many bytes at most. Raises StrangeError or OSError."""
     found = no_link(path).lstat()
     if not stat.S_ISREG(found.st_mode):
-        raise StrangeError("it is no plain file")
+        raise StrangeError(f"it is {what_stands(path)}, no plain file")
     if found.st_size > largest:
         raise StrangeError(f"it has {found.st_size:,} bytes; {largest:,.0f} is the most that is read")
     return path
@@ -55,13 +77,17 @@ def parquet_file(path: Path) -> Path:
 def parse_json(text: str | bytes) -> dict[str, Any]:
     """A JSON object that is not too deep. Raises StrangeError or ValueError."""
     try:
-        content = json.loads(text)
+        content = json.loads(text, parse_constant=_no_constant)
     except RecursionError:
         raise StrangeError("it is nested too deeply") from None
     if not isinstance(content, dict):
         raise StrangeError("it holds no JSON object")
     _check_depth(content)
     return content
+
+
+def _no_constant(name: str) -> None:
+    raise StrangeError(f"it holds {name}, which is no JSON")
 
 
 def _check_depth(content: Any) -> None:
@@ -92,10 +118,3 @@ def plain_names(value: Any, known: Collection[str] | None = None) -> list[str] |
         return None
     good = all(re.fullmatch(r"[\w.,+-]{1,100}", name) and not name.startswith(".") for name in value)
     return value if good and (known is None or set(value) <= set(known)) else None
-
-
-def check_counts(tally: dict[str, Any]) -> None:
-    """Raise StrangeError where the counts of statuses in a tally are none."""
-    counts = tally.get("status")
-    if not isinstance(counts, dict) or not all(type(n) is int and 0 <= n < 1 << 63 for n in counts.values()):
-        raise StrangeError("its counts of statuses are none")

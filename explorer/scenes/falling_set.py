@@ -29,7 +29,15 @@ from explorer.phase.membership import could_fall, falls_of
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.portrait.slices import ConstantsPlane, Slice, slice_map
 from explorer.scenes.base import Chunks, Picture, Table, Tally, joined
-from explorer.scenes.falling_counts import MAP_CELLS, NO_CODE, FallingCounts, count_faces, nearer, no_cells
+from explorer.scenes.falling_counts import (
+    MAP_CELLS,
+    NO_CODE,
+    FallingCounts,
+    check_falling,
+    count_faces,
+    nearer,
+    no_cells,
+)
 from explorer.scenes.given_states import Block
 from explorer.scenes.of_states import BLOCK, SceneOfStates
 from explorer.scenes.options import BOX, Option, Ranges, read_slices
@@ -134,6 +142,14 @@ class FallingSet(SceneOfStates):
     def _method_of_slices(self) -> str:
         """Pictures show the motions, not the formula that says where they turn; by what integrates here anyway."""
         return "dopri5" if self.plan.method == "quadrature" else self.plan.method
+
+    @property
+    def stored(self) -> tuple[str, ...]:
+        return self.columns if self.states is None else (*self.columns, *self.columns_of_given)
+
+    @property
+    def may_be_unknown(self) -> tuple[str, ...]:
+        return () if self.theta_min == "all" else ("theta_min",)
 
     def compute(self, index: int) -> Table:
         return joined([self._table(block) for block in self.blocks(index)])
@@ -261,6 +277,9 @@ class FallingSet(SceneOfStates):
         counts.distance = LogCounts.of(nearer(table)[table["could_fall"]])
         counts.plane = self._cells(table)
         return counts
+
+    def check_tally(self, index: int, tally: Tally) -> None:
+        check_falling(self.counts(index), tally)
 
     def add_up(self, chunks: Chunks) -> FallingCounts:
         total = FallingCounts()

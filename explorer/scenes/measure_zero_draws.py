@@ -11,6 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from explorer import compiled
+from explorer.errors import shown
 from explorer.measure import statistics
 from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density
@@ -24,12 +25,15 @@ from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.base import Table, Tally
+from explorer.scenes.tallies import CountError, Counts
 
 # The next term of the law is of order delta: 1e-4 of C here, and rungs above only measure it.
 LAW_LIMIT = 1e-4
 _NEAREST_FLAT = 0.01  # share of the box's distance from flat up to which the law may be tested
 _NARROWEST = 1e-3  # half-width of a tube over the narrowest width of the density, likewise
 ENERGY_BINS = 6
+_SKIPPED = "not followed"  # the status of draws that are counted only
+_WAYS = "right", "wrong", "not_resolved"
 _CHECKED = 256  # hits per chunk whose race is followed by integration,
 CHECKED_BY = "dopri5"  # by this method
 # The draws near F that say where the bins of energy end: how many, their stream, and their tilt (rad).
@@ -149,7 +153,7 @@ class PlainDraws:
         """Hits of every rung by face and by sign of eta (0 counts as +), and the way their races go."""
         theta, plus, above = table["theta_min"], table["face"] == 1, table["eta_hat"] >= 0.0
         kinds = [face & sign for face in (plus, ~plus) for sign in (above, ~above)]
-        skipped = {"not followed": self.count - theta.size}
+        skipped = {_SKIPPED: self.count - theta.size}
         return {
             "kind": "plain",
             "draws": self.count,
@@ -160,13 +164,22 @@ class PlainDraws:
             "race": self._race(table),
         }
 
+    def check(self, counts: Counts, tally: Tally) -> None:
+        """Raise CountError unless these are what `tally` gives."""
+        counts.entries("counts", tally, ("kind", "draws", "hits", "status", "race"))
+        _check_draws(counts, tally, "plain")
+        for row in counts.listed("hits", tally["hits"], (self.question.deltas.size,)):
+            counts.count("sum of hits", sum(counts.count("hits", n) for n in counts.listed("hits", row, (4,))))
+        for name, count in counts.entries("race", tally["race"], _WAYS).items():
+            counts.count(f"race: {name}", count)
+
     def _race(self, table: Table) -> dict[str, int]:
         """Which way the contact point races at the flattest moment, by integration, against the sign of eta."""
         rows = np.flatnonzero(self.near(table) & (table["theta_min"] > 0.0))[:_CHECKED]
         theta, face, eta_hat = (table[name][rows] for name in ("theta_min", "face", "eta_hat"))
         states = phi_to_states(self.question.disk, **{name: table[name][rows] for name in COORDINATES})
         natural, how = natural_constants(states), checking()
-        counts = {"right": 0, "wrong": 0, "not_resolved": 0}
+        counts = dict.fromkeys(_WAYS, 0)
         for each in (states, states.reversed()):
             turn = turning_points(each, how, natural)
             here = (turn.face == face) & (abs(turn.theta / theta - 1.0) < 0.5)
@@ -245,3 +258,27 @@ class TubeDraws:
             tally[name] = np.bincount(place, hit[rows], size).tolist()
             tally[f"{name}_squares"] = np.bincount(place, hit[rows] ** 2, size).tolist()
         return tally
+
+    def check(self, counts: Counts, tally: Tally) -> None:
+        """Raise CountError unless these are what `tally` gives."""
+        bins = {"energy": (1, ENERGY_BINS), "tilt": (SHAPE_BINS,)}
+        sums = "sum", "squares", "sum_eta_positive", "unresolved"
+        histograms = [name for each in bins for name in (each, f"{each}_squares")]
+        places = "rung", "face"
+        counts.entries("counts", tally, ("kind", *places, "draws", *sums, "hits", "status", *histograms))
+        _check_draws(counts, tally, "tube")
+        for name in places:
+            if tally[name] != getattr(self, name):
+                raise CountError(f"its {name} is {shown(tally[name])}, not {getattr(self, name)}")
+        counts.count("hits", tally["hits"])
+        for name in sums:
+            counts.number(name, tally[name])
+        for name in histograms:
+            counts.numbers(name, tally[name], bins[name.removesuffix("_squares")])
+
+
+def _check_draws(counts: Counts, tally: Tally, kind: str) -> None:
+    """Raise CountError unless all draws of a chunk of this kind have a status."""
+    known = counts.statuses(tally["status"], (_SKIPPED,))
+    if tally["kind"] != kind or not counts.most == known == counts.count("draws", tally["draws"]):
+        raise CountError(f"its counts are not those of {counts.most:,} {kind} draws")

@@ -37,7 +37,7 @@ from explorer.scenes.beside import box_beside, check_eta_hat, describe_beside, d
 from explorer.scenes.given_states import Block
 from explorer.scenes.of_states import SceneOfStates
 from explorer.scenes.options import Distances, Option, Ranges
-from explorer.scenes.race_counts import KERNELS, SIGNS, RaceCounts, count_bounces, count_races
+from explorer.scenes.race_counts import KERNELS, SIGNS, RaceCounts, check_races, count_bounces, count_races
 
 # What is stored of a passage, as fields of `Passages`.
 _FOUND = (
@@ -138,6 +138,21 @@ class RaceAngles(SceneOfStates):
         some = () if self.energy is None else ("algebra.constants_batch",)
         return *some, *LaneStream.KERNELS, *passage_kernels(self.plan), *KERNELS
 
+    @property
+    def stored(self) -> tuple[str, ...]:
+        if self.eta_hat is not None:
+            return self.columns
+        return *self.columns, *self.columns_of_given[self.states is None :]
+
+    @property
+    def may_be_unknown(self) -> tuple[str, ...]:
+        # Where a motion has not the energy to come flat.
+        return () if self.eta_hat is not None else ("race_angle", "fall_angle", "impact_speed")
+
+    @property
+    def rows_of_a_sample(self) -> int:
+        return self.bounces or 1
+
     def compute(self, index: int) -> Table:
         if self.eta_hat is None:
             return joined([self._bounces(block) for block in self.blocks(index)])
@@ -216,6 +231,9 @@ class RaceAngles(SceneOfStates):
         # Every bounce of a state has the state's status.
         status = statistics.count_status([table["status"][:: self.bounces]])
         return {"status": status, **counted, **count_bounces(table)}
+
+    def check_tally(self, index: int, tally: Tally) -> None:
+        check_races(self.counts(index), tally, self.bounces)
 
     def add_up(self, chunks: Chunks) -> RaceCounts:
         total = RaceCounts()

@@ -11,11 +11,21 @@ from explorer.measure import statistics
 from explorer.measure.log_counts import LogCounts, SignedLogCounts
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
-from explorer.portrait.races import ANGLE_BINS, SIDES, angle_edges, by_decade, decades_of, law_constants
+from explorer.portrait.races import (
+    ANGLE_BINS,
+    PER_STEP,
+    SIDES,
+    angle_edges,
+    by_decade,
+    decades_of,
+    law_constants,
+)
 from explorer.scenes.base import Table, Tally
+from explorer.scenes.tallies import CountError, Counts
 
 SIGNS = SIDES
 KERNELS = (*statistics.KERNELS, "race_law.constant_batch")  # of what is counted, for `compiled.warmup`
+_EXPONENTS = -400, 400  # that powers of ten of doubles have, and more
 
 
 def count_races(table: Table, disk: Disk) -> Tally:
@@ -69,6 +79,48 @@ def _signs(race: Array, deviation: Array, eta_hat: Array, limit: float) -> Tally
             "sum": sums[group],
         }
     return tally
+
+
+def check_races(counts: Counts, tally: Tally, bounces: int | None) -> None:
+    """Raise CountError unless these are what `count_races` gives, and `count_bounces` where there are bounces."""
+    more = () if bounces is None else ("bounces", "without_race", "sums")
+    sizes = "impact_speed", "energy", "error_estimate"
+    counts.entries("counts", tally, ("status", "wrong_way", *SIGNS, "decades", "constants", *sizes, *more))
+    if counts.statuses(tally["status"]) * (bounces or 1) != counts.most:
+        raise CountError(f"its status counts not all of {counts.most:,} rows")
+    for name in ("wrong_way", *more[:2]):
+        counts.count(name, tally[name])
+    for name in SIGNS:
+        _check_sign(counts, name, tally[name])
+    total = 0
+    for exponent, sides in counts.named("decades", tally["decades"]).items():
+        counts.whole("decades", exponent, *_EXPONENTS)
+        found = counts.entries("decades", sides, SIGNS)
+        total += sum(counts.signed(f"decades {exponent} {name}", found[name]) for name in SIGNS)
+    counts.count("sum of decades", total)
+    for step, state in counts.named("constants", tally["constants"]).items():
+        counts.whole("constants", step, *(PER_STEP * end for end in _EXPONENTS))
+        counts.signed(f"constants {step}", state)
+    for name in sizes:
+        counts.log_counts(name, tally[name])
+    for exponent, signs in counts.named("sums", tally.get("sums", {})).items():
+        counts.whole("sums", exponent, *_EXPONENTS)
+        for name, pair in counts.entries("sums", signs, SIGNS).items():
+            size, total_of = counts.listed(f"sums {exponent} {name}", pair, (2,))
+            counts.count("sums", size)
+            counts.number("sums", total_of)
+
+
+def _check_sign(counts: Counts, name: str, value: Any) -> None:
+    """Raise CountError unless this is what `_signs` gives of one sign."""
+    sign = counts.entries(name, value, ("bins", "counts", "outside", "sum"))
+    bins = counts.listed(f"{name}: bins", sign["bins"], range(ANGLE_BINS + 1))
+    if not all(type(place) is int and 0 <= place < ANGLE_BINS for place in bins):
+        raise CountError(f"its {name}: bins are no numbers below {ANGLE_BINS}")
+    inside = counts.listed(f"{name}: counts", sign["counts"], (len(bins),))
+    total = sum(counts.count(f"{name}: counts", each) for each in (*inside, sign["outside"]))
+    counts.count(f"sum of {name}", total)
+    counts.number(f"{name}: sum", sign["sum"])
 
 
 @dataclass
