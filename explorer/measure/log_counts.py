@@ -22,6 +22,7 @@ _VALUES = np.full(256, -1, np.int64)
 _VALUES[_DIGITS] = np.arange(85)
 _POWERS = 85 ** np.arange(4, -1, -1)
 _WIDTHS = ("<u1", "<u2", "<u4", "<u8")
+_NONE = "1"  # no numbers, as `_written` has it
 _KINDS = {kind[-1]: kind for kind in _WIDTHS}
 
 
@@ -51,14 +52,25 @@ class LogCounts:
 
         Raises KeyError, TypeError or ValueError where `state` is not what the method of that name gives.
         """
-        bins, counts = _bins_of(state)
         ends, zeros = [float(end) for end in state["range"]], state["zeros"]
-        if type(zeros) is not int or zeros < 0 or ((zeros or counts.size) and len(ends) != 2):
-            raise ValueError("no counts of zeros, or no smallest and largest value")
-        if not (all(map(math.isfinite, ends)) and sorted(ends) == ends and min(ends, default=0.0) >= 0.0):
+        first = 0 if "bins" in state else int(_integers([state["first"]])[0])
+        if type(zeros) is not int or zeros < 0:
+            raise ValueError("no counts of zeros")
+        if "bins" not in state and not ends:
+            if zeros or first or state["counts"] != _NONE or state["gaps"] != _NONE:
+                raise ValueError("no smallest and largest value")
+            return 0, 0
+        if len(ends) != 2 or not 0.0 <= ends[0] <= ends[1] < math.inf:
             raise ValueError("no range of magnitudes")
+        if "bins" in state:
+            bins, counts = _bins_of(state)
+            return zeros + sum(counts.tolist()), int(bins[-1] - bins[0]) + 1 if bins.size else 0
+        packed, gaps = _unpacked(state["counts"]), _unpacked(state["gaps"])
         # Doubles add up what integers of 64 bits might not hold.
-        return zeros + int(counts.sum(dtype=np.float64)), int(bins[-1] - bins[0]) + 1 if bins.size else 0
+        width = int(gaps.sum(dtype=np.float64)) + 1
+        if gaps.size != max(packed.size - 1, 0) or not gaps.all() or max(-first, first + width) > -LOWEST_BIN:
+            raise ValueError("bins that are none of doubles, or not one for each count")
+        return zeros + int(packed.sum(dtype=np.float64)), width
 
     @classmethod
     def of(cls, values: Array) -> "LogCounts":
@@ -227,7 +239,7 @@ def _bins_of(state: dict[str, Any]) -> tuple[NDArray[np.int64], NDArray[np.int64
         bins = np.empty(counts.size, np.int64)
         bins[:1], bins[1:] = _integers([state["first"]]), np.minimum(gaps, -2 * LOWEST_BIN)
         bins = bins.cumsum()
-    if bins.shape != counts.shape or counts.min(initial=0) < 0 or np.diff(bins).min(initial=1) < 1:
+    if bins.shape != counts.shape or counts.min(initial=0) < 0 or (bins[1:] <= bins[:-1]).any():
         raise ValueError("counts are negative, or not one for each bin")
     if bins.size and max(-bins[0], bins[-1]) > -LOWEST_BIN:
         raise ValueError("counts in bins beyond those of doubles")
@@ -250,7 +262,11 @@ def _written(values: NDArray[np.int64]) -> str:
 
 def _read(text: str) -> NDArray[np.int64]:
     """The numbers that `_written` was given. Raises ValueError where it was given none."""
-    return np.frombuffer(base64.b64decode(text[1:], validate=True), _KINDS[text[0]]).astype(np.int64)
+    return _unpacked(text).astype(np.int64)
+
+
+def _unpacked(text: str) -> NDArray[Any]:
+    return np.frombuffer(base64.b64decode(text[1:], validate=True), _KINDS[text[0]])
 
 
 def pack(values: NDArray[np.uint16]) -> str:

@@ -8,7 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from explorer import compiled
-from explorer.errors import InputError, Interrupted, RunError, in_words, note, one_of, reader, shown, words
+from explorer.errors import (
+    InputError,
+    Interrupted,
+    RunError,
+    in_words,
+    note,
+    one_of,
+    reader,
+    shorten,
+    shown,
+    words,
+)
 from explorer.phase.paths import path_of
 from explorer.phase.results import to_arrow
 from explorer.runs import folder as folders
@@ -107,7 +118,13 @@ class Run:
         """
         import pyarrow as pa  # loaded only by those who ask for a table
 
-        return pa.concat_tables(map(to_arrow, self._checked(columns))).unify_dictionaries()
+        parts = map(to_arrow, self._checked(columns))
+        try:
+            # A user's own column of whole numbers may lack one in another chunk, and is of doubles there.
+            return pa.concat_tables(parts, promote_options="permissive").unify_dictionaries()
+        except pa.ArrowException as error:
+            fault = shorten(" ".join(str(error).split()), 120)
+            raise RunError(f"columns of chunks do not go together ({fault}); look at: verify()") from None
 
     def frame(self, columns: Columns = None) -> "pd.DataFrame":
         """The kept samples as a pandas DataFrame, status by name; needs pandas.

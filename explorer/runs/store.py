@@ -133,6 +133,20 @@ def write_chunk(folder: Path, note: Note, table: Table) -> Path:
     return path
 
 
+def check_made(place: Place, note: Note, table: Table) -> None:
+    """Raise RunError where a scene made what readers of its chunks would refuse; a user's may."""
+    try:
+        arrow = to_arrow({name: values[:1] for name, values in table.items()})
+        rows = {values.size for values in table.values()}
+        if len(rows) != 1:
+            raise StrangeError(f"its columns have {sorted(rows)} rows")
+        place.check(note)
+        schema.check_held(place.scene, place.index, schema.held_by(arrow.schema, rows.pop()))
+    except _damage() as error:
+        fault = shorten(" ".join(str(error).split()), 150)
+        raise RunError(f"chunk {note.index}: {place.scene.name} made what cannot be stored ({fault})") from None
+
+
 def write_parquet(table: "pa.Table", stream: Any, metadata: Mapping[bytes, bytes]) -> None:
     """Write the rows of a chunk as they are stored, and what the file says of itself.
 

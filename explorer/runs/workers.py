@@ -152,6 +152,7 @@ def compute_chunk(task: Task, index: int) -> Done:
         kept, tally = scene.process(index)
         tally = json.loads(json.dumps(tally, allow_nan=False))  # as a footer gives it back
         note = store.Note(index, task.identity, scene.length(index), store.digest_of(kept, tally), tally)
+        store.check_made(store.Place(scene, index), note, kept)
         if task.folder is None:
             return Done(index, tally["status"], HeldChunk(note, kept))
         store.write_chunk(task.folder, note, kept)

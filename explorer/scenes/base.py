@@ -337,8 +337,9 @@ class SampledScene(Scene):
         return together(self, others)
 
     def rows(self, index: int) -> tuple[int, float]:
-        all_of_them = self.length(index) * self.rows_of_a_sample
-        return {"all": (all_of_them, all_of_them), "none": (0, 0)}.get(self.keep, (0, all_of_them))
+        most = 0 if self.keep == "none" else self.length(index) * self.rows_of_a_sample
+        some = self.keep == "near" and type(self).near is not SampledScene.near
+        return 0 if some else most, most
 
     def near(self, index: int, table: Table) -> NDArray[np.bool_]:
         """Rows of chunk `index` that lie near F."""

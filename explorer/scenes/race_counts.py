@@ -90,14 +90,13 @@ def check_races(counts: Counts, tally: Tally, bounces: int | None) -> None:
         raise CountError(f"its status counts not all of {counts.most:,} rows")
     for name in ("wrong_way", *more[:2]):
         counts.count(name, tally[name])
-    for name in SIGNS:
-        _check_sign(counts, name, tally[name])
-    total = 0
+    races, total = sum(_checked_sign(counts, name, tally[name]) for name in SIGNS), 0
     for exponent, sides in counts.named("decades", tally["decades"]).items():
         counts.whole("decades", exponent, *_EXPONENTS)
         found = counts.entries("decades", sides, SIGNS)
         total += sum(counts.signed(f"decades {exponent} {name}", found[name]) for name in SIGNS)
-    counts.count("sum of decades", total)
+    if total != counts.count("sum of races", races):
+        raise CountError(f"its decades count {total:,} races of {races:,}")
     for step, state in counts.named("constants", tally["constants"]).items():
         counts.whole("constants", step, *(PER_STEP * end for end in _EXPONENTS))
         counts.signed(f"constants {step}", state)
@@ -111,16 +110,16 @@ def check_races(counts: Counts, tally: Tally, bounces: int | None) -> None:
             counts.number("sums", total_of)
 
 
-def _check_sign(counts: Counts, name: str, value: Any) -> None:
-    """Raise CountError unless this is what `_signs` gives of one sign."""
+def _checked_sign(counts: Counts, name: str, value: Any) -> int:
+    """How many races of one sign there are; CountError unless this is what `_signs` gives of it."""
     sign = counts.entries(name, value, ("bins", "counts", "outside", "sum"))
     bins = counts.listed(f"{name}: bins", sign["bins"], range(ANGLE_BINS + 1))
     if not all(type(place) is int and 0 <= place < ANGLE_BINS for place in bins):
         raise CountError(f"its {name}: bins are no numbers below {ANGLE_BINS}")
     inside = counts.listed(f"{name}: counts", sign["counts"], (len(bins),))
     total = sum(counts.count(f"{name}: counts", each) for each in (*inside, sign["outside"]))
-    counts.count(f"sum of {name}", total)
     counts.number(f"{name}: sum", sign["sum"])
+    return total
 
 
 @dataclass

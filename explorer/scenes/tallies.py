@@ -1,6 +1,6 @@
 """Checks of the counts of a chunk, whose footer anyone may have written: kinds, bounds and lengths."""
 
-import math
+import sys
 from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any
@@ -63,7 +63,7 @@ class Counts:
 
     def number(self, what: str, value: Any) -> float:
         """A finite number."""
-        if type(value) not in (int, float) or not math.isfinite(value):
+        if type(value) not in (int, float) or not abs(value) <= sys.float_info.max:
             raise CountError(f"its {what} is {shown(value)}, which is no finite number")
         return float(value)
 

@@ -10,8 +10,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 import explorer as ex
+from explorer.runs import store
 
-from .judge import judge_command
+from .forged import NUMBERS, ROWS, TYPES, forge, refilled, retyped
+from .judge import judge, judge_command
 
 VALUES = (
     None,
@@ -36,6 +38,7 @@ VALUES = (
     float("nan"),
 )
 COMMANDS = ("status", "verify", "summary", "resume")
+PYTHON = "python"  # in place of a command
 
 
 def small_run(place):
@@ -119,11 +122,48 @@ def damage(path, rng):
     path.write_bytes(bytes(content))
 
 
+def forge_one(folder, rng):
+    """A chunk that is written anew with rightful checksums; what was done, in words."""
+    index = rng.choice(sorted(store.found_chunks(folder)))
+    names = pq.read_schema(store.found_chunks(folder)[index]).names
+    what = rng.choice(("type", "rows", "values", "note"))
+    if what == "type":
+        name, kind = rng.choice(names), rng.choice(TYPES)
+        forge(folder, index, retyped(name, kind))
+        return f"{name} of chunk {index} holds {kind}"
+    if what == "rows":
+        done = rng.choice(list(ROWS))
+        forge(folder, index, ROWS[done])
+        return f"{done} in chunk {index}"
+    if what == "values":
+        name, value = rng.choice(("race_angle", "phidot", "error_estimate")), rng.choice((np.nan, np.inf, 1e308))
+        forge(folder, index, refilled(name, value))
+        return f"{name} of chunk {index} is {value}"
+    value, said = rng.choice((*VALUES, *NUMBERS)), []
+
+    def change(note):
+        place, before = rng.choice([place for place in _paths(note) if place]), json.dumps(note)
+        owner = note
+        for key in place[:-1]:
+            owner = owner[key]
+        if rng.random() < 0.15:
+            del owner[place[-1]]
+        else:
+            owner[place[-1]] = value
+        same = json.dumps(note) == before
+        said.append(f"{place} in the footer of chunk {index} is " + ("as it was" if same else str(value)[:40]))
+
+    forge(folder, index, said=change)
+    return said[0]
+
+
 def spoil(folder, rng):
     """One fault in a run folder; what was done, in words."""
     records = [folder / "run.json", folder / "summary.json"]
     chunks = sorted((folder / "chunks").glob("*.parquet"))
-    what = rng.choices(("json", "something else", "bytes", "missing", "chunks"), (8, 3, 3, 1, 1))[0]
+    what = rng.choices(("json", "something else", "bytes", "missing", "chunks", "forged"), (8, 3, 3, 1, 1, 8))[0]
+    if what == "forged":
+        return f"forged: {forge_one(folder, rng)}"
     target = rng.choice(records if what == "json" else [*records, *chunks])
     if what == "json":
         edit_json(target, rng)
@@ -140,14 +180,28 @@ def spoil(folder, rng):
     return f"{what}: {target.name}"
 
 
+def in_python(folder, forged):
+    """Verdict on what a user does with a run in Python; a chunk that was forged must not pass for one of it."""
+
+    def call():
+        run = ex.open(folder)
+        if forged and not run.verify():
+            raise AssertionError("a forged chunk passes for one of the run")
+        _ = run.summary, run.status
+        return run.frame().shape
+
+    return judge(call, {})
+
+
 def run(cases, seed, place):
-    """(what was done, words, verdict) of commands on run folders with one fault each."""
+    """(what was done, words, verdict) of commands, or of Python, on run folders with one fault each."""
     rng, good = random.Random(seed), small_run(place / "good")
     for number in range(cases):
         folder = place / f"{number}"
         shutil.copytree(good, folder)
-        done, words = spoil(folder, rng), [rng.choice(COMMANDS), str(folder)]
-        yield done, words, judge_command(words)
+        done, words = spoil(folder, rng), [rng.choice((*COMMANDS, PYTHON)), str(folder)]
+        forged = done.startswith("forged") and not done.endswith("as it was")
+        yield done, words, in_python(folder, forged) if words[0] == PYTHON else judge_command(words)
         shutil.rmtree(folder, ignore_errors=True)
 
 

@@ -1,0 +1,160 @@
+"""Chunks with rightful checksums whose content is not what the scene stores are refused by all who read them."""
+
+import json
+
+import numpy as np
+import pytest
+from fuzz.forged import ROWS, TYPES, forge, refilled, retyped
+
+import explorer as ex
+from explorer.commands.main import main
+from explorer.runs import store
+from explorer.runs.inspect import status, verify
+
+
+def refused(run, path):
+    """Every reader of rows and counts names the chunk, in a sentence, with the remedy."""
+    opened = ex.open(run.folder)
+    for read in (opened.arrow, lambda: list(opened.tables(["race_angle"]))):
+        with pytest.raises(ex.RunError) as caught:
+            read()
+        said = str(caught.value)
+        assert path.name in said
+        assert ".resume()" in said
+        assert len(said) <= 300
+        assert "\n" not in said
+    (fault,) = verify(run.folder)
+    assert fault.startswith(f"{path.name}: ")
+    return fault
+
+
+def refuses_to_count(run, path, capsys):
+    """As `refused`, by those who read counts only."""
+    capsys.readouterr()
+    assert main(["summary", str(run.folder)]) == 2
+    said = capsys.readouterr().err
+    assert path.name in said
+    assert len(said.splitlines()) == 1
+    assert len(said) <= 330
+    (fault,) = verify(run.folder)
+    assert fault.startswith(f"{path.name}: ")
+    return fault
+
+
+@pytest.mark.parametrize("kind", TYPES)
+def test_a_column_of_another_type_is_refused(finished, kind):
+    path = forge(finished.folder, 1, retyped("race_angle", kind))
+    fault = refused(finished, path)
+    assert "race_angle" in fault
+
+
+@pytest.mark.parametrize("kind", ["whole", "text", "words"])
+def test_statuses_are_words_that_are_known(finished, kind):
+    path = forge(finished.folder, 1, retyped("status", kind))
+    fault = refused(finished, path) if kind != "words" else verify(finished.folder)[0]
+    assert "status" in fault or "nonsense" in fault
+    with pytest.raises(ex.RunError, match=r"status|nonsense"):
+        finished.arrow()
+
+
+@pytest.mark.parametrize("what", ROWS)
+def test_other_columns_and_other_rows_are_refused(finished, what):
+    refused(finished, forge(finished.folder, 1, ROWS[what]))
+
+
+@pytest.mark.parametrize(("name", "value"), [("wrong_way", -5), ("plus", 10**400), ("energy", [])])
+def test_counts_that_are_none_are_refused(finished, name, value, capsys):
+    path = forge(finished.folder, 1, said=lambda note: note["tally"].update({name: value}))
+    refuses_to_count(finished, path, capsys)
+    assert status(finished.folder).chunks_done == 4
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda note: note.update(samples=10**15),
+        lambda note: note.update(index=3),
+        lambda note: note["tally"]["status"].update(ok=10**18),
+        lambda note: note["tally"].update(status={"ok": 1}),
+        lambda note: note["tally"].update(more=1),
+        lambda note: note["tally"].pop("decades"),
+        lambda note: note["tally"]["plus"].update(bins=[10**9], counts=[1]),
+        lambda note: note["tally"]["energy"].update(first=10**6),
+        lambda note: note["tally"]["energy"].update(zeros=-1),
+        lambda note: note["tally"]["energy"].update(range=[float("nan"), 1.0]),
+        lambda note: note["tally"]["decades"].update({"9" * 5000: {}}),
+        lambda note: note["tally"]["plus"].update(sum=float("inf")),
+    ],
+)
+def test_a_footer_that_says_more_than_can_be_is_refused(finished, change, capsys):
+    refuses_to_count(finished, forge(finished.folder, 1, said=change), capsys)
+
+
+def test_a_number_that_is_missing_is_found_by_verify_alone(finished):
+    """Whoever wrote it made all digests anew."""
+    note = store.read_note(store.found_chunks(finished.folder)[1])
+    rows = dict(store.read_chunk(store.found_chunks(finished.folder)[1]))
+    rows["race_angle"] = np.full(note.samples, np.nan)
+
+    def signed(said):
+        said["digest"] = store.digest_of(rows, note.tally)
+
+    path = forge(finished.folder, 1, refilled("race_angle", float("nan")), signed)
+    assert verify(finished.folder) == [f"{path.name}: column 'race_angle' is not finite in a row with status ok"]
+    assert ex.open(finished.folder).arrow().num_rows == 3000
+
+
+def test_other_rows_than_the_digest_is_of_are_found(finished):
+    path = forge(finished.folder, 1, refilled("race_angle", 0.5))
+    assert verify(finished.folder) == [f"{path.name}: its rows and counts have another digest than it says"]
+
+
+def test_resume_computes_anew_what_was_forged(finished, capsys):
+    before = store.found_chunks(finished.folder)[1].read_bytes()
+    forge(finished.folder, 1, ROWS["no rows"])
+    forge(finished.folder, 3, said=lambda note: note["tally"].update(wrong_way=-1))
+    assert len(verify(finished.folder)) == 2
+    assert main(["resume", str(finished.folder), "--no-figures"]) == 0
+    assert "it holds 0 rows, not 700" in capsys.readouterr().err
+    assert verify(finished.folder) == []
+    assert store.found_chunks(finished.folder)[1].read_bytes() == before
+
+
+def test_two_chunks_of_one_number_are_refused_and_computed_anew(finished, capsys):
+    path = store.found_chunks(finished.folder)[3]
+    content = path.read_bytes()
+    other = forge(finished.folder, 3, said=lambda note: None)
+    path.write_bytes(content)
+    assert store.all_chunks(finished.folder)[3] == sorted([path, other])
+    with pytest.raises(ex.RunError, match="holds two of chunk 3"):
+        finished.arrow()
+    assert {fault.split(":")[1] for fault in verify(finished.folder)} == {
+        " is no chunk of this run, or there are two of its number"
+    }
+    assert main(["resume", str(finished.folder), "--no-figures"]) == 0
+    assert "both are put aside" in capsys.readouterr().err
+    assert verify(finished.folder) == []
+
+
+def test_a_scene_that_makes_what_readers_refuse_is_told_so(monkeypatch):
+    from explorer.scenes.race_angles import RaceAngles
+
+    compute = RaceAngles.compute
+    monkeypatch.setattr(RaceAngles, "compute", lambda self, index: {**compute(self, index), "more": np.zeros(1)})
+    with pytest.raises(ex.RunError, match="race-angles made what cannot be stored"):
+        ex.run("race-angles", samples=10, eta_hat="1e-4:1e-2", keep="all")
+
+
+def test_own_columns_may_be_of_other_types_in_other_chunks(tmp_path):
+    """Whole numbers of which one is missing come as doubles."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    columns = {name: np.linspace(0.1, 0.5, 8) for name in ("phi", "phidot", "sigma3", "sigma4")}
+    table = pa.table({**columns, "own": pa.array([1, 2, 3, 4, 5, None, 7, 8])})
+    pq.write_table(table, tmp_path / "states.parquet", row_group_size=4)
+    how = {"chunk_size": 4, "keep": "all", "out": tmp_path / "run", "figures": False}
+    run = ex.run("falling-set", states=tmp_path / "states.parquet", **how)
+    assert verify(run.folder) == []
+    assert run.arrow(["own"])["own"].to_pylist()[:2] == [1.0, 2.0]
+    assert json.loads((run.folder / "summary.json").read_text())["samples"] == 8
