@@ -41,7 +41,7 @@ def _kind(kind: "pa.DataType") -> str:
     if t.is_dictionary(kind):
         return _STATUS if t.is_string(kind.value_type) and t.is_int8(kind.index_type) else "a dictionary"
     if t.is_boolean(kind) or t.is_integer(kind) or t.is_floating(kind):
-        return np.dtype(kind.to_pandas_dtype()).name
+        return str(np.dtype(kind.to_pandas_dtype()).name)
     if t.is_string(kind) or t.is_large_string(kind):
         return _TEXT
     times = t.is_timestamp(kind) or t.is_date(kind) or t.is_time(kind) or t.is_duration(kind)

@@ -7,7 +7,7 @@ Nothing in it is executed: JSON and Parquet hold data only.
 import json
 import re
 import stat
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ LARGEST_JSON = 1 << 26  # bytes; a summary with several histograms has some hund
 _ENDS = b"PAR1"  # with which a Parquet file begins and ends
 _CONTAINERS = (dict, list)
 FILE = "a file"
-_WHAT = {
+_WHAT: dict[str, Callable[[int], bool]] = {
     FILE: stat.S_ISREG,
     "a folder": stat.S_ISDIR,
     "a pipe": stat.S_ISFIFO,
