@@ -1,8 +1,10 @@
 """Counts of many samples that can be added up: a chunk has them of samples whose rows it does not keep."""
 
 import base64
+import binascii
 import math
 import zlib
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -22,8 +24,9 @@ _VALUES = np.full(256, -1, np.int64)
 _VALUES[_DIGITS] = np.arange(85)
 _POWERS = 85 ** np.arange(4, -1, -1)
 _WIDTHS = ("<u1", "<u2", "<u4", "<u8")
+_REMEMBERED = 1 << 16  # characters of counts that are remembered until they are added up; longer ones are rare
 _NONE = "1"  # no numbers, as `_written` has it
-_KINDS = {kind[-1]: kind for kind in _WIDTHS}
+_KINDS = {kind[-1]: np.dtype(kind) for kind in _WIDTHS}
 
 
 class LogCounts:
@@ -38,13 +41,20 @@ class LogCounts:
         self.zeros = 0
         self.smallest, self.largest = np.inf, -np.inf
         if state is not None and state["range"]:
-            bins, counts = _bins_of(state)
             self.zeros = state["zeros"]
             self.smallest, self.largest = state["range"]
-            if bins.size:
-                self.first = int(bins[0])
-                self.counts = np.zeros(bins[-1] - bins[0] + 1, np.int64)
-                self.counts[bins - self.first] = counts
+            if "bins" in state:
+                bins, counts = _bins_of(state)
+                first, places = int(bins[0]) if bins.size else 0, bins[1:] - bins[:1]
+                width = int(places[-1]) + 1 if places.size else 1
+            else:
+                first, width, gaps, counts = _packed(state)
+                places = gaps.cumsum(dtype=np.int64)
+            if counts.size:
+                self.first = first
+                self.counts = np.zeros(width, np.int64)
+                self.counts[0] = counts[0]
+                self.counts[places] = counts[1:]
 
     @staticmethod
     def size_of(state: dict[str, Any]) -> tuple[int, int]:
@@ -53,11 +63,11 @@ class LogCounts:
         Raises KeyError, TypeError or ValueError where `state` is not what the method of that name gives.
         """
         ends, zeros = [float(end) for end in state["range"]], state["zeros"]
-        first = 0 if "bins" in state else int(_integers([state["first"]])[0])
         if type(zeros) is not int or zeros < 0:
             raise ValueError("no counts of zeros")
         if "bins" not in state and not ends:
-            if zeros or first or state["counts"] != _NONE or state["gaps"] != _NONE:
+            empty = (state["first"], state["counts"], state["gaps"]) == (0, _NONE, _NONE)
+            if zeros or not empty or type(state["first"]) is not int:
                 raise ValueError("no smallest and largest value")
             return 0, 0
         if len(ends) != 2 or not 0.0 <= ends[0] <= ends[1] < math.inf:
@@ -65,12 +75,8 @@ class LogCounts:
         if "bins" in state:
             bins, counts = _bins_of(state)
             return zeros + sum(counts.tolist()), int(bins[-1] - bins[0]) + 1 if bins.size else 0
-        packed, gaps = _unpacked(state["counts"]), _unpacked(state["gaps"])
-        # Doubles add up what integers of 64 bits might not hold.
-        width = int(gaps.sum(dtype=np.float64)) + 1
-        if gaps.size != max(packed.size - 1, 0) or not gaps.all() or max(-first, first + width) > -LOWEST_BIN:
-            raise ValueError("bins that are none of doubles, or not one for each count")
-        return zeros + int(packed.sum(dtype=np.float64)), width
+        _, width, _, packed = _packed(state)
+        return zeros + _sum(packed), width
 
     @classmethod
     def of(cls, values: Array) -> "LogCounts":
@@ -231,19 +237,45 @@ def _ends(places: Array) -> tuple[float, float]:
 
 
 def _bins_of(state: dict[str, Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Bins and their counts, from `LogCounts.state` or from two lists. Raises ValueError where they are none."""
-    if "bins" in state:
-        bins, counts = _integers(state["bins"]), _integers(state["counts"])
-    else:
-        counts, gaps = _read(state["counts"]), _read(state["gaps"])
-        bins = np.empty(counts.size, np.int64)
-        bins[:1], bins[1:] = _integers([state["first"]]), np.minimum(gaps, -2 * LOWEST_BIN)
-        bins = bins.cumsum()
+    """Bins and their counts, from two lists. Raises ValueError where they are none."""
+    bins, counts = _integers(state["bins"]), _integers(state["counts"])
     if bins.shape != counts.shape or counts.min(initial=0) < 0 or (bins[1:] <= bins[:-1]).any():
         raise ValueError("counts are negative, or not one for each bin")
     if bins.size and max(-bins[0], bins[-1]) > -LOWEST_BIN:
         raise ValueError("counts in bins beyond those of doubles")
     return bins, counts
+
+
+def _packed(state: dict[str, Any]) -> tuple[int, int, NDArray[Any], NDArray[Any]]:
+    """The first bin, how many they span, how far each next one is, and their counts, from `LogCounts.state`.
+
+    A chunk has some fifty of these, which are used once to check them and once to add them up, and decoded once.
+    Raises KeyError, TypeError or ValueError where they are none.
+    """
+    first, counts, gaps = state["first"], state["counts"], state["gaps"]
+    return (_decoded if len(counts) + len(gaps) > _REMEMBERED else _decoded_once)(first, counts, gaps)
+
+
+def _decoded(first: int, text: str, text_of_gaps: str) -> tuple[int, int, NDArray[Any], NDArray[Any]]:
+    counts, gaps = _unpacked(text), _unpacked(text_of_gaps)
+    if type(first) is not int:
+        raise ValueError("no whole number")
+    if gaps.size != max(counts.size - 1, 0) or np.count_nonzero(gaps) != gaps.size:
+        raise ValueError("counts are not one for each bin")
+    width = _sum(gaps) + 1
+    if max(-first, first + width) > -LOWEST_BIN:
+        raise ValueError("counts in bins beyond those of doubles")
+    if counts.itemsize == 8 and counts.max(initial=0) >> np.uint64(63):
+        raise ValueError("counts that integers of 64 bits do not hold")
+    return first, width, gaps, counts
+
+
+_decoded_once = lru_cache(maxsize=128, typed=True)(_decoded)
+
+
+def _sum(values: NDArray[Any]) -> int:
+    """Of unsigned numbers. Doubles add up what integers of 64 bits might not hold."""
+    return int(np.add.reduce(values, dtype=np.float64 if values.itemsize == 8 else np.int64))
 
 
 def _integers(values: list[int]) -> NDArray[np.int64]:
@@ -260,13 +292,9 @@ def _written(values: NDArray[np.int64]) -> str:
     return kind[-1] + base64.b64encode(values.astype(kind).tobytes()).decode()
 
 
-def _read(text: str) -> NDArray[np.int64]:
-    """The numbers that `_written` was given. Raises ValueError where it was given none."""
-    return _unpacked(text).astype(np.int64)
-
-
 def _unpacked(text: str) -> NDArray[Any]:
-    return np.frombuffer(base64.b64decode(text[1:], validate=True), _KINDS[text[0]])
+    """The numbers that `_written` was given. Raises ValueError where it was given none."""
+    return np.frombuffer(binascii.a2b_base64(text[1:], strict_mode=True), _KINDS[text[0]])
 
 
 def pack(values: NDArray[np.uint16]) -> str:

@@ -65,7 +65,10 @@ class Part:
         return self.held if self.folder is None else self._stored(store.all_chunks(self.folder))
 
     def _stored(self, paths: Mapping[int, list[Path]]) -> dict[int, Chunk]:
-        return {index: StoredChunk(some[-1], store.Place(self.scene, index)) for index, some in paths.items()}
+        seen = store.Seen()
+        return {
+            index: StoredChunk(some[-1], store.Place(self.scene, index, seen)) for index, some in paths.items()
+        }
 
     def complete(self) -> list[Chunk]:
         """All chunks, in order. Raises RunError where one is missing, or where there are two of its number."""

@@ -108,7 +108,7 @@ def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str],
     for leftover in (*begun, *(folder / "chunks").glob(".chunk-*.tmp")):
         with contextlib.suppress(OSError):  # a folder of that name for instance
             leftover.unlink(missing_ok=True)
-    good: dict[int, list[Path]] = {}
+    good, seen = dict[int, list[Path]](), store.Seen()
     for path in sorted((folder / "chunks").glob("*.parquet")):
         index = store.number_of(path)
         if index is not None and index >= scene.chunks():
@@ -119,7 +119,7 @@ def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str],
         if index is None:
             fault: str | None = "is no chunk of a run"
         else:
-            fault = store.fault_of(path, store.Place(scene, index), shared)
+            fault = store.fault_of(path, store.Place(scene, index, seen), shared)
         if fault is None and index is not None:
             good.setdefault(index, []).append(path)
         else:

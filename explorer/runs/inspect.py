@@ -100,7 +100,7 @@ def verify(folder: Path) -> list[str]:
     """Everything that is wrong with a stored run, a line each; empty where all is well. Raises InputError."""
     scene = folders.scene_of(folder)
     shared, paths = folders.digest_of_identity(scene), store.found_chunks(folder)
-    faults = []
+    faults, seen = [], store.Seen()
     before, now = folders.read_record(folder)["identity"], folders.identity(scene)
     for what in ("kernels", "code", "calibration"):
         if before.get(what) != now.get(what):
@@ -115,7 +115,7 @@ def verify(folder: Path) -> list[str]:
         if index not in paths:
             faults.append(f"chunk {index}: is missing")
             continue
-        fault = store.fault_of(paths[index], store.Place(scene, index), shared)
+        fault = store.fault_of(paths[index], store.Place(scene, index, seen), shared)
         if fault:
             faults.append(f"{paths[index].name}: {fault}")
     faults += [f"{paths[i].name}: is beyond the end of the run" for i in sorted(paths) if i >= scene.chunks()]

@@ -4,6 +4,7 @@ Whoever writes a file can give it the checksums of what it holds. So names and t
 and the counts are compared with what the scene stores; `verify` and `resume` look at each value besides.
 """
 
+from collections import Counter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -50,19 +51,29 @@ def _kind(kind: "pa.DataType") -> str:
 
 def check_held(scene: Scene, index: int, held: Held) -> None:
     """Raise StrangeError where chunk `index` of a scene does not hold such columns, or so many rows."""
+    check_columns(scene, held)
+    check_rows(scene, index, held.rows)
+
+
+def check_columns(scene: Scene, held: Held) -> None:
+    """Raise StrangeError where chunks of a scene do not hold such columns."""
     names = [name for name, _ in held.columns]
     missing = [name for name in scene.stored if name not in names]
-    twice = [name for name in names if names.count(name) > 1]
+    twice = [name for name, times in Counter(names).items() if times > 1]
     strange = [] if scene.stores_others else [name for name in names if name not in scene.stored]
     for what, found in (("is missing", missing), ("is there twice", twice), ("is not one of this scene", strange)):
         if found:
             raise StrangeError(f"column {shown(found[0][:_SHOWN])} {what}")
     for name, kind in held.columns:
         _check_kind(scene, name, kind)
+
+
+def check_rows(scene: Scene, index: int, rows: int) -> None:
+    """Raise StrangeError where chunk `index` of a scene does not hold so many rows."""
     low, high = scene.rows(index)
-    if not low <= held.rows <= high:
+    if not low <= rows <= high:
         due = f"{low:,}" if low == high else f"{low:,} to {high:,}"
-        raise StrangeError(f"it holds {held.rows:,} rows, not {due}")
+        raise StrangeError(f"it holds {rows:,} rows, not {due}")
 
 
 def _check_kind(scene: Scene, name: str, kind: str) -> None:

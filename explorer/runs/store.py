@@ -12,7 +12,7 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,7 +38,10 @@ if TYPE_CHECKING:
 
 _NAME = re.compile(r"chunk-(\d{6,})-([0-9a-f]{16})\.parquet")
 _KEY = b"nearflat"
+_ARROW = b"ARROW:schema"  # where Arrow writes what Parquet's types do not say
 _LOOKED_AT = 256  # rows of a column, which tell whether its numbers repeat
+_SMALL, _DENSEST = 1 << 26, 256  # bytes that may be packed at will; lz4 packs so many into one at most
+_FEW = 1 << 14  # rows, which one thread has read before others are asked to
 _LONGEST, _SHOWN = 300, 40  # characters of a message, and of a name in it
 _NOTE: dict[str, type] = {"index": int, "identity": str, "samples": int, "digest": str, "tally": dict}
 
@@ -58,12 +61,26 @@ class Note:
     tally: dict[str, Any]
 
 
+@dataclass
+class Seen:
+    """Which columns were found good last: chunks of a run hold the same, which are looked at once.
+
+    good: as Parquet has them, and what Arrow says of them.
+    """
+
+    good: "tuple[pq.ParquetSchema, bytes | None] | None" = None
+
+
 @dataclass(frozen=True)
 class Place:
-    """Where a chunk is due: which number, of which run. Readers ask whether a file may stand there."""
+    """Where a chunk is due: which number, of which run. Readers ask whether a file may stand there.
+
+    seen: shared by all places of a scene where many chunks are read.
+    """
 
     scene: Scene
     index: int
+    seen: Seen = field(default_factory=Seen, compare=False, repr=False)
 
     def check(self, note: Note) -> None:
         """Raise ValueError where a chunk that says this is not the one that is due."""
@@ -73,7 +90,18 @@ class Place:
 
     def check_held(self, file: "pq.ParquetFile") -> None:
         """Raise ValueError where a file does not hold such columns, or so many rows."""
-        schema.check_held(self.scene, self.index, schema.held_by(file.schema_arrow, file.metadata.num_rows))
+        rows, said = file.metadata.num_rows, (file.metadata.metadata or {}).get(_ARROW)
+        columns, before = self.seen.good or (None, None)
+        if columns is None or said != before or not file.schema.equals(columns):
+            schema.check_columns(self.scene, schema.held_by(file.schema_arrow, rows))
+            self.seen.good = file.schema, said
+        schema.check_rows(self.scene, self.index, rows)
+        groups = [file.metadata.row_group(i) for i in range(file.metadata.num_row_groups)]
+        columns_of = [group.column(i) for group in groups for i in range(group.num_columns)]
+        size = sum(column.total_uncompressed_size for column in columns_of)
+        most = _SMALL + _DENSEST * sum(column.total_compressed_size for column in columns_of)
+        if size > most:
+            raise StrangeError(f"its columns unpack to {size:,} bytes; {most:,} is the most that is read")
 
 
 def found_chunks(folder: Path) -> dict[int, Path]:
@@ -244,7 +272,8 @@ def _noted(file: "pq.ParquetFile") -> Note:
 
 def _rows(file: "pq.ParquetFile", columns: Sequence[str] | None) -> Table:
     """Columns of a chunk in the order asked. Raises one of `_damage`."""
-    arrow = file.read(columns=None if columns is None else list(columns))
+    wanted = None if columns is None else list(columns)
+    arrow = file.read(columns=wanted, use_threads=file.metadata.num_rows > _FEW)
     if arrow.num_rows != file.metadata.num_rows:
         raise StrangeError(f"it has {arrow.num_rows:,} rows, and says {file.metadata.num_rows:,}")
     return {name: _values(name, arrow.column(name)) for name in columns or arrow.column_names}

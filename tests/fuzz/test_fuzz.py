@@ -158,7 +158,7 @@ def test_planted_faults_are_found_where_cases_are_made(monkeypatch, tmp_path):
     assert judge.judge_command(["columns"]).kind == "traceback"
     good = folders.small_run(tmp_path / "run")
     monkeypatch.setattr(store, "_check_digest", lambda *_: None)
-    spoilt = {"rows": ("check_held", folders.ROWS["half the rows"], None)}
+    spoilt = {"rows": ("check_rows", folders.ROWS["half the rows"], None)}
     spoilt["counts"] = "check_counts", None, lambda note: note["tally"].update(wrong_way=10**18)
     for name, (check, rows, note) in spoilt.items():
         good = folders.small_run(tmp_path / name)
