@@ -31,6 +31,7 @@ POINTS = 401  # a side of a slice
 _BODIES = (0.5, 2.0, 3.0, 4.0, 8.0, 12.0)  # m r^2/I1 at which race numbers are measured
 # Paths: beside F, natural units; speeds and sigma3_bar at which a resonance is sought; periods shown.
 _ETA_HAT, _SPEEDS, _BARS, _PERIODS = 0.01, (1.0, 0.5, 2.0, 0.25), (0.1, 1.4), 12
+# sigma3_bar of a path without a resonance; values of it that are tried for the radius; periods of what closes.
 _GENERIC, _TRIED, _WALKED = 0.7, 53, 4
 
 

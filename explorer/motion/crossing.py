@@ -26,7 +26,7 @@ _TURN = 3.0  # its half: at v = 3 the chord is ten times its least
 _TAIL = 1e-14  # what the last coefficients of a piece may leave of time and angles
 _SHORTEST = 1e-6  # a piece that is not halved any more
 _TABLE = 33  # entries of a piece from which Newton's method starts
-_NEWTON_STEPS = 5
+_NEWTON_STEPS = 5  # from the table, three double the digits up to rounding; two to spare
 _MARGIN = 2.0  # by which the least chord may be off its leading order, in its logarithm
 _SMALLEST = 1e-300
 

@@ -27,7 +27,7 @@ ASKED = tuple(10.0 ** -np.arange(2.0, 10.1, 2.0))
 # Errors nearer to each other than this ratio are the same: two samplings differ by a fifth, and at rounding a
 # finer setting gains as little.
 _SAME = 1.5
-_ROUNDS = 4
+_ROUNDS = 4  # in which all settings take turns; of the times the least counts, so one undisturbed round is enough
 _LEAST = 1e-16  # an error of 0 is one of rounding,
 ROUNDING = 1e-14  # and below this all are
 Errors = dict[tuple[str, float], float]  # by method and setting

@@ -31,6 +31,8 @@ SECTIONS = (
     figure_numbers,
 )
 
+_EACH = 10  # statements after which a line says how far the checks are
+
 
 @dataclass(frozen=True)
 class Row:
@@ -74,13 +76,19 @@ def check_row(row: Statement) -> Row:
         return Row(row, (), f"{type(error).__name__}: {error}")
 
 
-def check_all(only: str | None = None, jobs: int = 2) -> list[Row]:
-    """Check all statements, or one. Raises InputError where `only` names none of them."""
+def check_all(only: str | None = None, jobs: int = 2, quiet: bool = True) -> list[Row]:
+    """Check all statements, or one, and say how far it is. Raises InputError where `only` names none of them."""
     from joblib import Parallel, delayed
 
     rows = chosen(only)
     compiled.warmup()
-    return list(Parallel(n_jobs=jobs, backend="threading")(delayed(check_row)(row) for row in rows))
+    done = []
+    side_by_side = Parallel(n_jobs=jobs, backend="threading", return_as="generator")
+    for row in side_by_side(delayed(check_row)(statement) for statement in rows):
+        done.append(row)
+        if len(done) % _EACH == 0:
+            note(f"checked {len(done)} of {len(rows)}", quiet)
+    return done
 
 
 def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: bool = True) -> list[Row]:
@@ -93,7 +101,7 @@ def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: boo
         raise InputError(f"--out {folder}: is a file; give a folder")
     chosen(only)
     note("checking the statements", quiet)
-    rows = check_all(only, jobs)
+    rows = check_all(only, jobs, quiet)
     if only is None:
         try:
             _write(folder, rows, quiet)
@@ -107,8 +115,8 @@ def _write(folder: Path, rows: Sequence[Row], quiet: bool) -> None:
     (folder / "figures").mkdir(parents=True, exist_ok=True)
     for name, page in pages(rows).items():
         (folder / name).write_text(page, encoding="utf-8")
-    note("drawing the figures", quiet)
     for number in sorted(FIGURES):
+        note(f"drawing figure {number}", quiet)
         drawn = figure(number)
         for kind in ("png", "svg"):
             save(drawn, folder / "figures" / f"figure-{number}.{kind}")

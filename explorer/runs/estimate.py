@@ -18,9 +18,9 @@ from explorer.errors import note
 from explorer.runs.settings import Asked
 from explorer.scenes.base import Scene, Table, Tally
 
-_SECONDS = 0.05
+_SECONDS = 0.05  # of computing: long against the clock's steps, short for whoever waits for a plan
 _PARTS = 16  # of a chunk, one of which is computed
-_MOST_PROBES = 16
+_MOST_PROBES = 16  # parts in all: a whole chunk
 _MOST_COUNTED = 100_000  # chunks whose lengths are added up one by one
 _DRAWING = 90e6  # memory that drawing takes, measured
 # Of Parquet files: time for each byte before compression, and the footer's share of each column; measured.
