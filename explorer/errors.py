@@ -358,11 +358,17 @@ def word(name: str, value: Any) -> str:
 
 def suggest(value: Any, known: Collection[str]) -> str:
     """The end of a message about an unknown word: the word that was probably meant, and all that are known."""
+    near = nearest(value, known)
+    return (f"did you mean {near!r}? " if near else "") + f"known: {shorten(', '.join(known), 160)}"
+
+
+def nearest(value: Any, known: Collection[str]) -> str:
+    """The word that was probably meant; empty where none is near."""
     near = get_close_matches(value[:100], known, n=1) if isinstance(value, str) else []
     if isinstance(value, str) and len(value.strip("-")) > 2 and not get_close_matches(value[:100], near, 1, 0.8):
         # The beginning of a name says more than a few of its letters do.
         near = sorted((name for name in known if name.startswith(value)), key=len)[:1] or near
-    return (f"did you mean {near[0]!r}? " if near else "") + f"known: {shorten(', '.join(known), 160)}"
+    return near[0] if near else ""
 
 
 def _of_commas(value: Any) -> str:

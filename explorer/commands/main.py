@@ -20,7 +20,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any, NamedTuple, NoReturn, Self
 
-from explorer.errors import InputError, Interrupted, RunError, shorten, words_of_the_command
+from explorer.errors import InputError, Interrupted, RunError, nearest, shorten, words_of_the_command
 from explorer.runs.interrupt import STATUS, as_interrupts, ignore, leave_lost_terminal, was_told
 from explorer.version import installed_version
 
@@ -144,8 +144,15 @@ class _CommandParser(_Parser):
         self.loaded()
         found, unknown = super().parse_known_args(args, namespace)
         if unknown:  # said here, where it is known which command was meant
-            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{self._meant(unknown)}")
         return found, unknown
+
+    def _meant(self, unknown: list[str]) -> str:
+        """The options that were probably meant, each beside what was written."""
+        words = [word.partition("=")[0].lstrip("-") for word in unknown if word.startswith("-")]
+        names = [option.lstrip("-") for option in self._option_string_actions]  # dashes would make all alike
+        near = [f"--{name}" for word in words if (name := nearest(word, names))]
+        return f"; did you mean {' '.join(near)}?" if near else ""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -174,7 +174,8 @@ def passages(
     >>> found.race_angle.round(4)
     array([ 7.0248, -7.0248,  7.0248])
     """
-    given = keywords_of("passages", computation, _Computation, _Computation._fields)
+    known = ("disk", "sigma3_bar", "eta_hat", "phidot", "face", "window", *_Computation._fields)
+    given = keywords_of("passages", computation, _Computation, known)
     how = plan(OBSERVABLES, given.accuracy, given.method)
     columns, shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot, "face": face})
     edge, jobs = _edge_of(window, how.method), jobs_of("jobs", given.jobs)

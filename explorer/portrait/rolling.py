@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import flag, number
-from explorer.phase.arguments import read_columns
+from explorer.phase.arguments import explained, read_columns
 from explorer.phase.coordinates import from_rates, warn_of_degrees
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
@@ -58,6 +58,7 @@ class SteadyMotions(Result):
     states: States
 
 
+@explained
 def steady_motions(
     disk: Disk, tilt: ArrayLike, precession: ArrayLike, face: ArrayLike = 1, degrees: bool = False
 ) -> SteadyMotions:
@@ -74,7 +75,7 @@ def steady_motions(
     face : array_like of +1 or -1
         Which face would come down; the spins for the other one are those for the mirror image.
     degrees : bool
-        Whether `tilt` is in degrees and `precession` in degrees per unit of time.
+        Whether `tilt` is in degrees and `precession` counts degrees, not radians, per time.
 
     Returns
     -------
@@ -111,20 +112,20 @@ def steady_motions(
     True
     """
     require_axial_inertia(disk)
-    (angle, rate, side), shape = read_columns({"tilt": tilt, "precession": precession, "face": face})
+    (angle, rate, face_of_each), shape = read_columns({"tilt": tilt, "precession": precession, "face": face})
     if flag("degrees", degrees):
         angle, rate = np.radians(angle), np.radians(rate)
     else:
         warn_of_degrees(angle)
-    flat = _steady(disk, angle, rate, side)
+    flat = _steady(disk, angle, rate, face_of_each)
     return replace(flat.reshaped(shape), states=replace(flat.states, shape=shape))
 
 
-def _steady(disk: Disk, angle: Array, rate: Array, side: Array) -> SteadyMotions:
-    """Steady motions of one row; angle: tilt; side: face."""
+def _steady(disk: Disk, angle: Array, rate: Array, face: Array) -> SteadyMotions:
+    """Steady motions of one row; angle: tilt."""
     with np.errstate(all="ignore"):
-        phi = side * (0.5 * np.pi - angle)
-        possible = (abs(phi) < 0.5 * np.pi) & np.isfinite(rate) & (rate != 0.0) & (abs(side) == 1.0)
+        phi = face * (0.5 * np.pi - angle)
+        possible = (abs(phi) < 0.5 * np.pi) & np.isfinite(rate) & (rate != 0.0) & (abs(face) == 1.0)
     # Something steady stands in for what is not.
     with np.errstate(all="ignore"):
         found = steady.steady_motions(disk, np.where(possible, phi, 0.0), np.where(possible, rate, disk.rate_unit))
@@ -133,7 +134,7 @@ def _steady(disk: Disk, angle: Array, rate: Array, side: Array) -> SteadyMotions
     def known(values: Array) -> Array:
         return np.where(possible, values, np.nan)
 
-    states = from_rates(disk, (known(angle), np.zeros_like(angle), rate, found.sigma4), side)
+    states = from_rates(disk, (known(angle), np.zeros_like(angle), rate, found.sigma4), face)
     code = compiled.status.Status
     return SteadyMotions(
         tilt=angle,
@@ -146,6 +147,7 @@ def _steady(disk: Disk, angle: Array, rate: Array, side: Array) -> SteadyMotions
     )
 
 
+@explained
 def circular_rolling(disk: Disk, lean: float, radius: float) -> SteadyMotions:
     """The motion in which a disk rolls round a circle, leaning inwards.
 

@@ -260,6 +260,20 @@ def test_an_unknown_option_is_named_by_its_command(words, capsys):
     assert f"Try 'nearflat {words[0]} --help'." in error
 
 
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (["run", "race-angles", "--sampels", "10"], "--sampels 10; did you mean --samples?"),
+        (["plan", "race-angles", "--sampels=10"], "--sampels=10; did you mean --samples?"),
+        (["passage", "--sigma3-bar=1", "--eta-hat=1", "--phidot=1", "--fase=1"], "did you mean --face?"),
+    ],
+)
+def test_a_misspelt_option_is_answered_with_the_nearest_one(words, meant, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(words)
+    assert meant in capsys.readouterr().err.splitlines()[0]
+
+
 def test_a_warning_is_a_sentence(capsys, tmp_path):
     path = tmp_path / "coin.csv"
     path.write_text("tilt,precession,spin\n2,60,-40\n3,60,-40\n")

@@ -150,6 +150,14 @@ def test_keywords_that_travel_together_are_checked_by_name(call):
         call(disk, ex.phi_to_states(disk, 0.0, 1.0, 1.0, 0.7))
 
 
+def test_a_misspelt_keyword_is_compared_with_all_of_the_function():
+    disk = ex.Disk.uniform()
+    with pytest.raises(ex.InputError, match="takes no 'fase'; did you mean 'face'"):
+        ex.passages(disk, 1.0, 1e-3, 1.0, fase=1)
+    with pytest.raises(ex.InputError, match="circular_rolling: takes no 'raduis'; did you mean 'radius'"):
+        ex.circular_rolling(disk, 0.3, raduis=2.0)
+
+
 class Endless:
     """It says that it holds two numbers, and gives one after the other for ever."""
 
