@@ -235,7 +235,7 @@ class LineIntegral:
         gain = 2.0 / b.M * (V - disk.energy_at_flat(bar))
         least = self._least_speed(phi, bar, V)
         most = np.sqrt(np.maximum(2.0 / b.M * (self.energy - V), 0.0))
-        weight = weight * (self.energy >= V) * (2.0 * math.sqrt(b.I1 * b.M) / (b.I3 * b.r0))
+        weight = weight * (self.energy >= V) * disk.eta_to_eta_hat(2.0 * math.sqrt(b.I1 * b.M))
         columns = face * phi[:, None], a[:, None] * bar, face * c[:, None] * bar
         total: Array = (weight * self.natural.over_speeds(columns, least, most, gain, panels)).sum(axis=-1)
         return total

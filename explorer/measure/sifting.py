@@ -55,8 +55,8 @@ def sift(disk: Disk, box: Box, chunk: Chunk, near: float) -> Sifted:
     low, high = np.array([getattr(box, name) for name in COORDINATES]).T.copy()
     keys = compiled.philox.round_keys(chunk_stream(chunk.seed, chunk.index).bit_generator.state["state"]["key"])
     draw = compiled.sifting.Draw(keys, low, high - low, chunk.block, disk.rate_unit)
-    eta_unit = disk.eta_hat_to_eta(1.0)
-    sieve = compiled.sifting.Sieve(obstacle(disk), eta_unit, near, float(PER_DECADE), -LOWEST_BIN)
+    eta_per_eta_hat = disk.eta_hat_to_eta(1.0)
+    sieve = compiled.sifting.Sieve(obstacle(disk), eta_per_eta_hat, near, float(PER_DECADE), -LOWEST_BIN)
     found = compiled.sifting.Found(
         faces=np.zeros(len(FACES), np.int64),
         bins=np.zeros(-2 * LOWEST_BIN, np.int32),

@@ -25,7 +25,10 @@ from explorer.phase.states import Array
 # bound that it would otherwise creep up to; a tube that is 2 % too wide wastes 2 % of its draws.
 _MARGIN = 1.02
 _ROUNDS = 12  # what has not settled by then takes the bound that holds in all of the box
-_TIE = 1.0 - 1e-12  # ratio of two |eta_hat| that are equal up to rounding
+# Ratio of two |eta_hat| that are equal up to rounding. The tubes of both faces meet a state beside both lines, and
+# each has drawn one of its two eta_hat and rounded the other. Where they are equal, as with phi = sigma3 = 0,
+# `phase.lines.nearer_plus` would by chance count such a state twice or not at all.
+_TIE = 1.0 - 1e-12
 _SCAN = 2001  # tilts at which it is looked up where the tube meets the box
 
 
@@ -75,10 +78,9 @@ def widest_eta(energy: Array, delta: float, disk: Disk) -> Array:
     # rho(S) and rho'(S) are the chart's columns of sigma3_bar times r(0) and k r(0); rho >= S
     recessive, slope = max(b.r0 * chart.bar_to_sigma3[0], S), b.k * b.r0 * chart.bar_to_sigma4[0]
     most = np.sqrt(2.0 * np.maximum(energy, 0.0))
-    widest: Array = (
-        most * (math.sqrt(b.I1) * math.sin(delta) * slope + b.I3 / math.sqrt(b.J) * recessive) / (b.I3 * b.r0)
+    return disk.eta_to_eta_hat(
+        most * (math.sqrt(b.I1) * math.sin(delta) * slope + b.I3 / math.sqrt(b.J) * recessive)
     )
-    return widest
 
 
 @dataclass(frozen=True)

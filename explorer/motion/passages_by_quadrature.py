@@ -7,6 +7,7 @@ from explorer import compiled
 from explorer.motion.plan import Plan
 from explorer.motion.vertical import Starts
 from explorer.phase.disk import Disk
+from explorer.phase.energy import energy_at, potential_at_flat, spin_at_flat
 from explorer.phase.gauss import packed_rules
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array
@@ -105,8 +106,8 @@ def _ways(
 
 def energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
     """Energy of a start at the vertical on a line l_+-, eqs (2.19), (6.1); natural units."""
-    b, sigma4 = disk.body, line_slope(disk) * sigma3_bar
-    return 0.5 * b.M * speed**2 + 0.5 * b.I1 * sigma3_bar**2 + 0.5 * b.J * sigma4**2 + 1.0
+    energy: Array = energy_at(disk.body, speed, sigma3_bar, line_slope(disk) * sigma3_bar, 1.0)
+    return energy
 
 
 def chord(phi: float) -> float:
@@ -141,9 +142,12 @@ def falls_of(
 
 
 def vertical_above_flat(disk: Disk, sigma3_bar: Array) -> Array:
-    """V - V_0 at the vertical on F, eq. (3.8), natural units: of sigma4 from the difference itself."""
+    """V - V_0 at the vertical on F, eq. (3.8), natural units.
+
+    The squares of sigma4 there and at flat are not subtracted: where they are large, nothing would be left of 1.
+    """
     b = disk.body
-    flat = sigma3_bar / (b.r0 * b.k)
+    flat = spin_at_flat(b, sigma3_bar)
     # The polynomial of (r'(S) - 1)/S at S = 1.
     rise = flat * disk.natural.series[4].sum()
     above: Array = 0.5 * b.I1 * sigma3_bar**2 + 0.5 * b.J * rise * (2.0 * flat + rise) + 1.0
@@ -153,8 +157,8 @@ def vertical_above_flat(disk: Disk, sigma3_bar: Array) -> Array:
 @np.errstate(over="ignore", invalid="ignore")  # of motions that are no input
 def departures_of_energy(disk: Disk, sigma3_bar: Array, energy: Array) -> "compiled.passages.Departures":
     """Falls with these energies, as far as a difference of energies tells their start; natural units."""
-    b, bar, given = disk.body, np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
-    at_flat = 0.5 * b.J * (bar / (b.r0 * b.k)) ** 2
+    bar, given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
+    at_flat = potential_at_flat(disk.body, bar)
     level = given - at_flat
     moving = level - vertical_above_flat(disk, bar)
     return compiled.passages.Departures(bar, level, moving, _ROUNDING * (abs(given) + at_flat))
@@ -167,7 +171,7 @@ def departures_beside(disk: Disk, crossings: "compiled.passages.Crossings") -> "
     sigma4 at the vertical is less by eta_hat than on F, eq. (6.2): no energies are subtracted.
     """
     b, (bar, eta, speed) = disk.body, crossings
-    eta_hat = eta / (b.I3 * b.r0)
+    eta_hat = disk.eta_to_eta_hat(eta)
     on_f = b.dr0 / (b.r0 * b.k) * bar
     given, turning = 0.5 * b.M * speed**2, 0.5 * b.J * eta_hat
     moving = given - turning * (2.0 * on_f - eta_hat)

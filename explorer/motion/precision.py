@@ -13,6 +13,7 @@ from explorer import compiled
 from explorer.motion.plan import PATH, Plan
 from explorer.phase.constants import NaturalConstants
 from explorer.phase.disk import Disk
+from explorer.phase.energy import energy_at
 from explorer.phase.states import Array
 
 _PASSAGE = 2.0  # units of time
@@ -81,8 +82,7 @@ def error_estimate(disk: Disk, how: Plan, start: NaturalConstants, ends: Ends) -
 
 def _speed_at_vertical(disk: Disk, constants: NaturalConstants) -> Array:
     """How fast motions pass the vertical or, where they turn before, would at as much more energy as they lack."""
-    b = disk.body
     sigma4_bar = 0.5 * disk.eta_to_eta_hat(constants.eta_minus - constants.eta_plus)
-    there = 1.0 + 0.5 * (b.I1 * constants.sigma3_bar**2 + b.J * sigma4_bar**2)
-    speed: Array = np.sqrt(2.0 * b.inv_M * abs(constants.energy - there))
+    there = energy_at(disk.body, 0.0, constants.sigma3_bar, sigma4_bar, 1.0)
+    speed: Array = np.sqrt(2.0 * disk.body.inv_M * abs(constants.energy - there))
     return speed

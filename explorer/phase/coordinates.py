@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from explorer.errors import InputError, flag, shown, suggest
 from explorer.phase.arguments import explained, read_columns
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
+from explorer.phase.energy import energy_at
 from explorer.phase.lines import line_chart, line_slope, linear_constants
 from explorer.phase.states import Array, States, StateWarning, phi_to_states, theta_to_states
 
@@ -184,14 +185,14 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
         require_axial_inertia(disk)
         with np.errstate(invalid="ignore", over="ignore"):
             eta_hat = second if spins[1] == "eta_hat" else line_slope(disk) * first - second
-        angle, side = np.where(inside, phi, 0.0), np.where(inside, face, 1.0)
+        angle, seen = np.where(inside, phi, 0.0), np.where(inside, face, 1.0)
         # The mirror image of a motion on the other face: phi and sigma4 change their signs.
-        chart = line_chart(disk, np.cos(angle), side * np.sin(angle))
+        chart = line_chart(disk, np.cos(angle), seen * np.sin(angle))
         unit = disk.rate_unit
         with np.errstate(invalid="ignore", over="ignore"):
-            exact = linear_constants(disk, first / unit, eta_hat / unit, side > 0.0)
+            exact = linear_constants(disk, first / unit, eta_hat / unit, seen > 0.0)
             first, second = chart.rates(first, eta_hat)
-        second = side * second
+        second = seen * second
     if speed == "energy":
         rate = _speed(disk, np.where(inside, phi, 0.0), rate, first, second)
     states = phi_to_states(disk, np.where(inside, phi, np.nan), rate, first, second)
@@ -219,8 +220,7 @@ def complete_set(names: Collection[str], what: str) -> tuple[tuple[str, str], st
 
 def _speed(disk: Disk, phi: Array, energy: Array, sigma3: Array, sigma4: Array) -> Array:
     """phidot >= 0 of the states with this energy; NaN where the energy is too small for the place."""
-    b, unit, q = disk.body, disk.rate_unit, np.cos(phi)
+    unit, q = disk.rate_unit, np.cos(phi)
     with np.errstate(invalid="ignore", over="ignore"):
-        turning = 0.5 * b.I1 * (sigma3 / (q * unit)) ** 2 + 0.5 * b.J * (sigma4 / unit) ** 2 + q
-        left = energy / disk.energy_unit - turning
-        return np.sqrt(np.where(left >= 0.0, left, np.nan) * 2.0 / b.M) * unit
+        left = energy / disk.energy_unit - energy_at(disk.body, 0.0, sigma3 / (q * unit), sigma4 / unit, q)
+        return np.sqrt(np.where(left >= 0.0, left, np.nan) * 2.0 / disk.body.M) * unit

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, is_a, note, number, positive, shown, text_of, word
 from explorer.phase.arguments import column, explained
+from explorer.phase.energy import potential_at_flat
 from explorer.phase.gauss import leg_rules, table_rules
 from explorer.phase.paths import read_toml
 
@@ -221,7 +222,8 @@ class Disk:
             raise InputError(
                 f"sigma3_bar = {shown(sigma3_bar)}: squares overflow; give up to {_LARGEST:g} in size"
             )
-        return 0.5 * self.body.J * (bar / (self.body.k * self.body.r0)) ** 2
+        flat: Number = potential_at_flat(self.body, bar)
+        return flat
 
     @property
     def kappa(self) -> float:

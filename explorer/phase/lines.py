@@ -58,8 +58,7 @@ def line_chart(disk: Disk, q: Array, z: Array) -> LineChart:
 def line_slope(disk: Disk) -> float:
     """sigma4_bar / sigma3_bar on l_+, eq. (6.1); minus that on l_-. Needs I3 > 0."""
     require_axial_inertia(disk)
-    b = disk.body
-    return b.I1 * b.dr0 / (b.I3 * b.r0)
+    return disk.eta_to_eta_hat(disk.body.I1 * disk.body.dr0)
 
 
 def other_eta_hat(disk: Disk, sigma3_bar: Any, eta_hat: Any) -> Any:
@@ -75,8 +74,10 @@ def linear_constants(disk: Disk, sigma3_bar: Array, eta_hat: Array, plus: NDArra
 
 
 def nearer_plus(plus: Array, minus: Array) -> NDArray[np.bool_]:
-    """True where the face of the smaller |eta| is +1: the one rule for "the nearer face".
+    """True where the face of the smaller |eta| is +1: the rule for "the nearer face" of a state.
 
-    plus, minus: eta or eta_hat on face +1 and on face -1. Ties and NaN count as +1.
+    plus, minus: eta or eta_hat on face +1 and on face -1. Ties and NaN count as +1. Compiled passes have the same
+    rule (`kernels`). Tubes, which meet one state from either face, call equal what is so up to rounding
+    (`explorer.measure.tubes`).
     """
     return ~(abs(minus) < abs(plus))
