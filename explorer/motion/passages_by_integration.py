@@ -20,10 +20,10 @@ from explorer.phase.states import Array, constants_to_states
 
 # An estimate above the accuracy asked by less than this is let pass.
 LENIENCE = 10.0
-# Angles, times and tilts of the whole passage err by some units of the drift, up to _DRIFTS. By luck a passage may
-# have no drift although it errs: a share of the accuracy, which was calibrated, is always added, and more where
-# the turning point is so far from flat that the way to it takes a few steps only.
-_DRIFTS, _SHARE, _SHORT = 15.0, 0.5, 8.0
+# Angles, times and tilts of the whole passage err by some units of the constants error, up to _UNITS. By luck a
+# passage may have none although it errs: a share of the accuracy, which was calibrated, is always added, and more
+# where the turning point is so far from flat that the way to it takes a few steps only.
+_UNITS, _SHARE, _SHORT = 15.0, 0.5, 8.0
 # The rounding of some hundred steps, each of some ten operations.
 _ROUNDING = 3e-12
 # Near the vertical at rest the motion leaves an unstable equilibrium, which amplifies errors like 1/speed: below
@@ -43,7 +43,8 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.rac
     # Where little happens in the first steps, an adaptive method would take them too long. Fixed ones are as much
     # shorter as takes back what is amplified.
     turn = turning_points(states, how, natural, slow ** (-2.0 if how.adaptive else -1.0 / FIXED[how.method]))
-    error = slow * (_DRIFTS * turn.drift + _ROUNDING) + _SHARE * (1.0 + _SHORT * turn.theta) * how.accuracy
+    share = _SHARE * (1.0 + _SHORT * turn.theta)
+    error = slow * (_UNITS * turn.constants_error + _ROUNDING) + share * how.accuracy
     status = np.where(starts.eta_hat == 0.0, code.FALLS, turn.status)
     status = np.where(starts.status == code.OK, status, starts.status).astype(np.int8)
     ok = status == code.OK

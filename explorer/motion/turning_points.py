@@ -20,9 +20,9 @@ class TurningPoints:
     """The next points at which motions stop tilting (p = 0), natural units except where said.
 
     theta: tilt from the nearer flat state (rad). face: which flat state that is. way: sigma3/q there,
-    whose sign is the direction in which the contact point moves. time, chi, psi:
-    increase since the start; zero on the reduced rung. drift: how far the constants of motion tried to move on
-    the way, relative to their bounds, which is in proportion to the error. Entries are NaN where status is not OK.
+    whose sign is the direction in which the contact point moves. time, chi, psi: increase since the start; zero
+    on the reduced rung. constants_error: how far the constants of motion tried to move on the way, relative to
+    their bounds, which is in proportion to the error. Entries are NaN where status is not OK.
     """
 
     theta: Array
@@ -33,7 +33,7 @@ class TurningPoints:
     psi: Array
     status: NDArray[np.int8]
     steps: NDArray[np.int32]
-    drift: Array
+    constants_error: Array
 
 
 def turning_points(
@@ -59,7 +59,7 @@ def turning_points(
         psi=out[row.psi],
         status=outcome.status,
         steps=outcome.steps,
-        drift=abs(outcome.errors[0]) + abs(outcome.errors[1]),
+        constants_error=abs(outcome.errors[0]) + abs(outcome.errors[1]),
     )
 
 

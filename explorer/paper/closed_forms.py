@@ -42,7 +42,7 @@ def recessive_at_vertical(disk: Disk) -> tuple[float, float]:
     return float(r0.real), float(dr0.real)
 
 
-def eta_unit(disk: Disk) -> float:
+def eta_per_eta_hat(disk: Disk) -> float:
     """I3 r(0), which is eta over eta_hat."""
     return disk.I3 * recessive_at_vertical(disk)[0]
 
@@ -55,7 +55,7 @@ def line_ratio(disk: Disk) -> float:
 
 def flat_spin(disk: Disk, sigma3_bar: float = 1.0) -> float:
     """The limit of sigma4 at face +1 on l_+, eq. (6.15), which is B of eq. (7.19)."""
-    return disk.I1 * sigma3_bar / eta_unit(disk)
+    return disk.I1 * sigma3_bar / eta_per_eta_hat(disk)
 
 
 def flat_potential(disk: Disk, sigma3_bar: float = 1.0) -> float:

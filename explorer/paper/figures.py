@@ -259,7 +259,7 @@ class PaperFigure:
             kappa=f"{disk.kappa:.4g}",
             turns=f"{self.turns:g}",
             eta=number(eta_hat),
-            side=number(self.panels[0][0] * eta_hat),
+            signed=number(self.panels[0][0] * eta_hat),
         )
         own = _same_body(disk, self.disk) and eta_hat == ETA_HAT
         name = f"Fig. {self.number}." if own else f"As Fig. {self.number}."
@@ -274,7 +274,7 @@ _CHI = (
     "κ = {kappa}: up on one side of F, down on the other."
 )
 _AXIS = (
-    "The horizontal projection of the axis v = A e₃ of {body} over {turns} periods, with η̂₊ = {side}: all of it "
+    "The horizontal projection of the axis v = A e₃ of {body} over {turns} periods, with η̂₊ = {signed}: all of it "
     "on the left, the middle on the right. It starts on the equator, comes in to the origin, where the disk is "
     "nearly flat, turns round it by κπ, with κ = {kappa}, and leaves; it is broken where v₃ < 0."
 )

@@ -149,17 +149,17 @@ def energy() -> Iterator[Finding]:
         apart.append(plain.full_energy(disk, A[2], omega) / sigma_energy(disk, sigma_at(*state)) - 1.0)
     yield near("(2.19) over T + V of (2.2), (2.7), less 1, 100 states", distance(apart, 0.0), 0.0, 1e-13, ROUNDING)
 
-    def drift(disk: Disk, full: plain.PlainMotion) -> float:
+    def constants_error(disk: Disk, full: plain.PlainMotion) -> float:
         values = sigma_energy(disk, full.sigma.T)
         return distance(values / values[0], 1.0)
 
-    relative = worst(lambda disk: drift(disk, tumble(disk)[0]))
+    relative = worst(lambda disk: constants_error(disk, tumble(disk)[0]))
     lifted = plain.integrate(_lifted(UNIFORM), sample(UNIFORM), tumble(UNIFORM)[0].t)
-    text = f"relative drift of E along the 8-dimensional motion: {OF_BODIES}; as printed gravity pulls up"
-    yield near(text, relative, 0.0, 1e-10, "rtol 1e-12", {"(2.12), last term": drift(UNIFORM, lifted)})
+    text = f"relative change of E along the 8-dimensional motion: {OF_BODIES}; as printed gravity pulls up"
+    yield near(text, relative, 0.0, 1e-10, "rtol 1e-12", {"(2.12), last term": constants_error(UNIFORM, lifted)})
     steps = 2.0 / np.array([50, 100, 200, 400])
-    order = exponent(steps, [_runge_kutta_drift(UNIFORM, h) for h in steps])
-    text = "order of the drift in the step of the classical Runge–Kutta method, steps 0.04 to 0.005"
+    order = exponent(steps, [_runge_kutta_error(UNIFORM, h) for h in steps])
+    text = "order of the constants error in the step of the classical Runge–Kutta method, steps 0.04 to 0.005"
     yield near(text, order, 4.0, 0.15, "terms of the next order at the largest step")
 
 
@@ -168,7 +168,7 @@ def _lifted(disk: Disk) -> Any:
     return SimpleNamespace(m=disk.m, r=disk.r, g=-disk.g, I1=disk.I1, I3=disk.I3)
 
 
-def _runge_kutta_drift(disk: Disk, h: float) -> float:
+def _runge_kutta_error(disk: Disk, h: float) -> float:
     x = sigma_at(*sample(disk))
     energies = [sigma_energy(disk, x)]
     for _ in range(round(2.0 / h)):

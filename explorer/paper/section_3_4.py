@@ -86,7 +86,7 @@ def chaplygin_equations() -> Iterator[Finding]:
 def constants_of_motion() -> Iterator[Finding]:
     """(3.5): σ₃, σ₄ continued to the vertical are constants of motion."""
 
-    def drifts(disk: Disk) -> tuple[float, float]:
+    def errors(disk: Disk) -> tuple[float, float]:
         full = plain.integrate(disk, sample(disk), np.linspace(0.0, 3.0 * disk.time_unit, 31))
         z, s2, s3, s4 = full.sigma.T
         phi = np.arcsin(z)
@@ -95,9 +95,9 @@ def constants_of_motion() -> Iterator[Finding]:
         start = _along(disk, np.array([z[0], 0.0]), full.sigma[0, 2:])[:, -1] / disk.rate_unit
         return distance(columns, columns[:, :1]), distance(columns[:, 0], start)
 
-    drift, apart = worst(drifts)
-    text = f"drift of the explorer's constants along the plain motion: {OF_BODIES}"
-    yield near(text, drift, 0.0, 1e-10, "rtol 1e-12 over some hundred steps")
+    moved, apart = worst(errors)
+    text = f"constants error of the explorer along the plain motion: {OF_BODIES}"
+    yield near(text, moved, 0.0, 1e-10, "rtol 1e-12 over some hundred steps")
     text = "the explorer's constants of a state less (3.1) integrated to σ₁ = 0"
     yield near(text, apart, 0.0, 1e-12, "rtol 1e-13 over some ten steps")
 

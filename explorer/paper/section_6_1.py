@@ -14,7 +14,13 @@ from explorer.measure.tubes import widest_eta
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.paper.checks import BODIES, HOOP, THICK, UNIFORM, at_most, exponent, near, observed
-from explorer.paper.closed_forms import eta_unit, flat_potential, line_ratio, parameters, recessive_at_vertical
+from explorer.paper.closed_forms import (
+    eta_per_eta_hat,
+    flat_potential,
+    line_ratio,
+    parameters,
+    recessive_at_vertical,
+)
 from explorer.paper.four_dimensions import potential, rates_down, reduced, shot_slope
 from explorer.paper.statement import Finding, statement
 from explorer.phase.constants import constants_of
@@ -120,7 +126,7 @@ def equilibria_near_flat() -> Iterator[Finding]:
             return float(slope[0]), np.array([s3[0], s4[0]])
 
         etas = 10.0 ** -np.arange(6.0, 15.0)
-        want = ((etas * eta_unit(disk)) ** 2 / disk.I1) ** (1.0 / 3.0)
+        want = ((etas * eta_per_eta_hat(disk)) ** 2 / disk.I1) ** (1.0 / 3.0)
         root = [
             brentq(lambda y, e=e: down(y, e)[0], np.log(0.2 * t), np.log(5.0 * t), xtol=1e-14)
             for e, t in zip(etas, want, strict=True)

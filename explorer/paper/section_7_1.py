@@ -31,7 +31,7 @@ from explorer.paper.checks import (
     near,
     observed,
 )
-from explorer.paper.closed_forms import eta_unit, flat_potential, impact_speed
+from explorer.paper.closed_forms import eta_per_eta_hat, flat_potential, impact_speed
 from explorer.paper.four_dimensions import (
     potential,
     rates_down,
@@ -78,7 +78,7 @@ def passage(disk: Disk, eta_hat: float, face: int = 1) -> Passage:
     energy = float(sigma_energy(disk, sigma_at(*start)))
     middle, tilt = float(motion.t_events[0][0]), float(motion.y_events[0][0][0])
     V0, A = flat_potential(disk), impact_speed(disk, energy)
-    return Passage(eta_unit(disk) * eta_hat, energy, V0, A, middle, tilt, motion.sol)
+    return Passage(eta_per_eta_hat(disk) * eta_hat, energy, V0, A, middle, tilt, motion.sol)
 
 
 def level(run: Passage, share: float) -> tuple[float, float]:
@@ -114,7 +114,7 @@ def bounce() -> Iterator[Finding]:
         left = logarithmic(eta[1:], lead[1:] - 1.0)[1]
         yield at_most(f"{disk.name}: θ_min√(2I₁(E−V₀))/η − 1, misfit of η ln(1/η) and η", left, 0.05, "η² ln²η")
         tiny = passages(disk, 1.0, [1e-8, -1e-8, 1e-12, -1e-12], 1.0, accuracy=EXACT)
-        lead = tiny.theta_min * tiny.impact_speed * np.sqrt(disk.I1 * (disk.I1 + 1.0)) / eta_unit(disk)
+        lead = tiny.theta_min * tiny.impact_speed * np.sqrt(disk.I1 * (disk.I1 + 1.0)) / eta_per_eta_hat(disk)
         lead /= [1e-8, 1e-8, 1e-12, 1e-12]
         yield near(f"{disk.name}: θ_min√(2I₁(E−V₀))/η at ±1e-8, ±1e-12 by quadrature", lead, 1.0, 1e-6, _LOG)
         times = np.array([np.diff(level(run, 0.5))[0] for run in runs])
@@ -236,7 +236,7 @@ def race_angle() -> Iterator[Finding]:
             yield near(f"{where} race angle at η̂ = 1e-12", deep.race_angle[0], want, 1e-10, _LOG)
             small = sign * 10.0 ** -np.arange(4.0, 8.0)
             runs = passages(disk, 1.0, small, 1.0, accuracy=1e-13)
-            lead = logarithmic(small * eta_unit(disk), runs.race_angle - runs.limit)[0]
+            lead = logarithmic(small * eta_per_eta_hat(disk), runs.race_angle - runs.limit)[0]
             want = 2.0 / (disk.I1 * (disk.I1 + 1.0) * deep.impact_speed[0] ** 3)
             why = "η² ln²η, rounding 1e-13/η"
             yield near(f"{where} coefficient of η ln(1/η), over 2mgr/I₁MA³", lead / want, 1.0, 0.01, why)
@@ -274,7 +274,7 @@ def race_of_psi() -> Iterator[Finding]:
             away = runs.delta_psi - fall_angle - face * sign * disk.kappa * np.pi
             where = f"{disk.name}, face {face:+d}, sgn η {sign:+.0f}:"
             yield near(f"{where} Δψ − ±sgn(η)Δχ at η̂ = 1e-8", away[-1], 0.0, 1e-6, _LOG)
-            lead = face * logarithmic(sign * etas * eta_unit(disk), away)[0]
+            lead = face * logarithmic(sign * etas * eta_per_eta_hat(disk), away)[0]
             want = 2.0 / (disk.I1 * (disk.I1 + 1.0) * runs.impact_speed[-1] ** 3)
             why = "η² ln²η, rounding 1e-13/η"
             yield near(f"{where} its coefficient of ±η ln(1/η), over that of χ", lead / want, 1.0, 0.01, why)

@@ -29,7 +29,7 @@ from explorer.paper.checks import (
     near,
     observed,
 )
-from explorer.paper.closed_forms import eta_unit, flat_spin
+from explorer.paper.closed_forms import eta_per_eta_hat, flat_spin
 from explorer.paper.four_dimensions import upright
 from explorer.paper.statement import Finding, statement
 from explorer.phase.disk import Disk
@@ -276,7 +276,7 @@ def speed_of_the_contact_point() -> Iterator[Finding]:
             whole, run = _through_the_race(disk, eta_hat)
             speed.append(float(run.contact_speed.max()))
             excess = (disk.I1 + 1.0) * whole.impact_speed[0] ** 2  # 2 (E - V0), eq. (7.1)
-            ratio.append(speed[-1] * eta_hat * eta_unit(disk) / excess)
+            ratio.append(speed[-1] * eta_hat * eta_per_eta_hat(disk) / excess)
         yield near(f"{disk.name}: exponent of its largest speed in η", exponent(_ETAS, speed), -1.0, 0.02, _LOG)
         why = "η ln(1/η); the difference quotient is good to 1e-4"
         yield near(f"{disk.name}: its largest speed over 2r(E−V₀)/|η|, η̂ = 1e-5", ratio[-1], 1.0, 1e-3, why)

@@ -67,9 +67,9 @@ def contact_forces(
     ----------
     disk : Disk
     eta_hat : sequence of float
-        Distances from F, not 0, rad per unit of time.
+        Distances from F, not 0, units of the disk.
     sigma3_bar, phidot : float
-        At the vertical, rad per unit of time.
+        At the vertical, units of the disk.
 
     Returns
     -------

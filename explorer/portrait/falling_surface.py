@@ -25,7 +25,7 @@ class FallingSurface:
     disk : Disk
         The body.
     phi, sigma3, sigma4 : dict of int to (n, n) array
-        By the face, +1 and -1; phi in rad, the others rad per unit of time.
+        By the face, +1 and -1; phi in rad, the others in units of the disk.
 
     Examples
     --------
@@ -48,7 +48,7 @@ def falling_surface(disk: Disk, size: float = 1.0, points: int = 41) -> FallingS
     ----------
     disk : Disk
     size : float
-        The sheets lie in the box |sigma3|, |sigma4| <= size, rad per unit of time.
+        The sheets lie in the box |sigma3|, |sigma4| <= size, units of the disk.
     points : int
         On each side of the grid.
 
@@ -92,9 +92,9 @@ class Zoom:
     disk : Disk
         The body.
     sigma3_bar : float
-        Where they lie, rad per unit of time.
+        Where they lie, units of the disk.
     half : (k,) array
-        Half the side of each square, rad per unit of time.
+        Half the side of each square, units of the disk.
     offset : (n,) array
         The places in a square, in halves.
     race_angle : (k, n, n) array
@@ -126,9 +126,9 @@ def zoom(
     ----------
     disk : Disk
     halves : sequence of float
-        Half the sides of the squares, rad per unit of time.
+        Half the sides of the squares, units of the disk.
     sigma3_bar, phidot : float
-        Where they lie, rad per unit of time.
+        Where they lie, units of the disk.
     points : int
         On each side of a square; an even number, so that none lies on F.
 

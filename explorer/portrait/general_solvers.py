@@ -29,7 +29,7 @@ class GeneralSolvers:
     disk : Disk
         The body.
     eta_hat : (n,) array
-        With its sign, rad per unit of time.
+        With its sign, units of the disk.
     race_angle : dict of str to (n,) array
         By the solver's name, NaN where it gave up.
     beyond : dict of str to (n,) array
@@ -86,9 +86,9 @@ def general_solvers(
     ----------
     disk : Disk
     eta_hat : array_like
-        Distances from F with their signs, rad per unit of time.
+        Distances from F with their signs, units of the disk.
     sigma3_bar, phidot : float
-        At the vertical, rad per unit of time.
+        At the vertical, units of the disk.
 
     Returns
     -------

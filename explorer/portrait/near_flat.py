@@ -30,15 +30,15 @@ class NearFlat:
     disk : Disk
         The body.
     eta_hat : float
-        With its sign, rad per unit of time.
+        With its sign, units of the disk.
     theta, chi : (nt,) array
         Tilt from flat and contact angle (rad).
     p, rho : (nt,) array
-        dtheta/dt, and sigma3 / sin(theta), both rad per unit of time; rho is bounded where dchi/dt is not.
+        dtheta/dt, and sigma3 / sin(theta), both in units of the disk; rho is bounded where dchi/dt is not.
     theta_min : float
         The smallest tilt (rad).
     impact_speed : float
-        A of eq. (7.1), rad per unit of time.
+        A of eq. (7.1), units of the disk.
 
     Examples
     --------
@@ -78,9 +78,9 @@ def near_flat(
     ----------
     disk : Disk
     eta_hat : array_like
-        Distances from F, rad per unit of time; from 1e-10 sqrt(g/r) up.
+        Distances from F, units of the disk; from 1e-10 sqrt(g/r) up.
     sigma3_bar, phidot : float
-        At the vertical, rad per unit of time.
+        At the vertical, units of the disk.
 
     Returns
     -------

@@ -25,7 +25,7 @@ class RotationMap:
     energy : float
         In its unit of energy.
     sigma3_bar, sigma4_bar : (n,) array
-        The sides of the grid, rad per unit of time.
+        The sides of the grid, units of the disk.
     turns : (n, n) array
         By sigma4_bar and by sigma3_bar, NaN where no motion of this energy passes the
         vertical, and on F.

@@ -22,7 +22,7 @@ def test_the_known_numbers_at_the_vertical(disk, r0, dr0, ratio):
     assert closed_forms.recessive_at_vertical(disk) == pytest.approx((r0, dr0), rel=1e-14)
     assert closed_forms.recessive(closed_forms.parameters(disk).c, 0.0) == pytest.approx((r0, dr0), rel=1e-14)
     assert closed_forms.line_ratio(disk) == pytest.approx(ratio, rel=1e-14)
-    assert closed_forms.eta_unit(disk) == pytest.approx(disk.I3 * r0, rel=1e-14)
+    assert closed_forms.eta_per_eta_hat(disk) == pytest.approx(disk.I3 * r0, rel=1e-14)
 
 
 def test_the_known_potential_and_speed_at_flat():
