@@ -57,7 +57,7 @@ def _verify(options: argparse.Namespace) -> int:
     else:
         for fault in faults:
             print(fault)
-        many = f"{len(faults)} faults; mend them with: nearflat resume {options.folder}"
+        many = f"mend what is wrong with: nearflat resume {options.folder}"
         print(many if faults else "intact")
     return 1 if faults else 0
 

@@ -12,7 +12,7 @@ from explorer import compiled
 from explorer.commands import trade_report
 from explorer.commands.common import add_json
 from explorer.commands.run import add_options, add_scene, document, given_by
-from explorer.errors import InputError, flag, note, positive, whole
+from explorer.errors import InputError, flag, note, positive, said, whole
 from explorer.motion import calibration
 from explorer.motion.trade import Errors, Measured, Row, curves, largest_errors, measure, only_errors
 from explorer.motion.trials import Trial
@@ -216,11 +216,11 @@ def scene_of(scene: str | type[Scene] | None, options: dict[str, Any]) -> Scene:
     """The scene whose samples are measured. Raises InputError."""
     for word in _LEFT_OUT:
         if options.get(word) is not None:
-            raise InputError(f"--{word} {options[word]}: trade measures all of them; leave it out")
-    kind = scene_class(scene or PLAIN)
+            raise InputError(f"{said(f'--{word}', options[word])}: trade measures all of them; leave it out")
+    kind = scene_class(PLAIN if scene is None else scene)
     own = (option for option in kind.OPTIONS if option.word not in (*_LEFT_OUT, *_IDLE))
     kind.require_options(options, (*own, *TRADING))
-    made = build_scene(scene or PLAIN, **options)
+    made = build_scene(kind, **options)
     plain = scene is None and options.get("eta_hat") is None
     if plain and isinstance(made, RaceAngles) and made.eta_hat is not None:
         low, high = (size * made.disk.rate_unit for size in ALL_DISTANCES)

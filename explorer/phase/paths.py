@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 import stat
 import tomllib
 from collections.abc import Iterator
@@ -12,6 +13,9 @@ from typing import Any
 from explorer.errors import SHOWN, InputError, reader, said, shorten, shown, text_of
 
 _LARGEST_TOML = 1 << 20  # bytes
+_MOST_PARTS = 20  # of a key with dots, which tomllib reads in a time that grows as their square
+_PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n]){0,100}+"|'[^'\n]{0,100}+')"""
+_LONG_KEY = re.compile(rf"(?:^|[\[{{,])[ \t]*+(?:{_PART}[ \t]*+\.[ \t]*+){{{_MOST_PARTS}}}", re.MULTILINE)
 
 
 @reader
@@ -48,11 +52,25 @@ def read_toml(path: Path, option: str) -> dict[str, Any]:
     """The content of a TOML file of at most 1 MB. Raises InputError naming the option and the file."""
     regular_file(option, path_of(option, path), _LARGEST_TOML)
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return _parsed(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f"{option} {path}: cannot be read ({error.strerror})") from None
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise InputError(f"{option} {path}: not valid TOML ({error})") from None
+
+
+def _parsed(text: str) -> dict[str, Any]:
+    """The content of TOML. Raises ValueError, in words that say nothing of Python."""
+    if _LONG_KEY.search(text):
+        raise ValueError(f"a key has more than {_MOST_PARTS} parts")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
+    except ValueError:
+        raise ValueError("a number has too many digits") from None
 
 
 @contextmanager

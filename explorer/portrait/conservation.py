@@ -2,14 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from explorer.errors import InputError, whole
+from explorer.errors import InputError, number, reader, shown, whole
 from explorer.motion.periods import periods
+from explorer.motion.plan import plan
 from explorer.motion.trajectories import trajectories
 from explorer.phase.constants import constants
-from explorer.phase.disk import Disk
+from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, constants_to_states, phi_to_states
 from explorer.portrait.general_solvers import PlainField
 
@@ -17,6 +19,7 @@ _LEAST = 1e-17  # an error of exactly 0 counts as this, below the rounding of do
 _CONSTANTS = ("energy", "sigma3_bar", "eta_hat_plus")
 _OBSERVABLES = ("phi", "phidot", "sigma3", "sigma4", "chi")
 _MOST_STEPS = 10**8
+_MOST_ACCURACIES = 20
 _MOST_PERIODS = 10**6  # of some hundred steps each
 TOLERANCES = {"rtol": 1e-8, "atol": 1e-10}
 
@@ -83,7 +86,8 @@ def conservation(
     Raises
     ------
     InputError
-        Where a motion could not be followed to its end.
+        For what is no disk, number of passages or list of accuracies, and where a motion could not be followed
+        to its end.
 
     Examples
     --------
@@ -92,20 +96,34 @@ def conservation(
     >>> bool(found.ours[1e-6].chi.max() < 1e-5)
     True
     """
+    require_axial_inertia(disk)
+    asked = _accuracies("accuracies", accuracies)
+    most = whole("most", most, 1, _MOST_PERIODS)
+    by_solver = _counts(whole("most_by_solver", most_by_solver, 1, _MOST_PERIODS))
     unit = disk.rate_unit
     start = constants_to_states(disk, unit, 0.01 * unit, unit)
     whole_period = periods(start, 1e-11)
     period, turn = float(whole_period.period[0]), float(whole_period.chi[0])
     ours = {}
-    for accuracy in accuracies:
-        counts = _counts(whole("most", most, 1, _MOST_PERIODS))
+    counts = _counts(most)
+    for accuracy in asked:
         motion = trajectories(start, None, counts * period, _OBSERVABLES, accuracy=accuracy, max_steps=_MOST_STEPS)
         if not motion.lengths.all():
             raise InputError(f"most = {most}: the motion could not be followed so far; give a smaller number")
         ours[accuracy] = _errors(start, counts, [getattr(motion, name)[0] for name in _OBSERVABLES], turn)
-    counts = _counts(whole("most_by_solver", most_by_solver, 1, _MOST_PERIODS))
-    solver = _errors(start, counts, _by_solver(start, counts, period), turn)
+    solver = _errors(start, by_solver, _by_solver(start, by_solver, period), turn)
     return Conservation(disk, 0.01 * unit, ours, solver)
+
+
+@reader
+def _accuracies(name: str, value: Any) -> list[float]:
+    """Read the accuracies that `simulate` is asked for. Raises InputError."""
+    several = value.tolist() if isinstance(value, np.ndarray) else value
+    if not isinstance(several, list | tuple) or not 0 < len(several) <= _MOST_ACCURACIES:
+        raise InputError(
+            f"{name} = {shown(value)}: give a list of 1 to {_MOST_ACCURACIES} numbers, such as [1e-6]"
+        )
+    return [plan(_OBSERVABLES, number(name, each)).accuracy for each in several]
 
 
 def _counts(most: int) -> Array:

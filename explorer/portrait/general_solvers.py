@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, one_of
+from explorer.errors import InputError, one_of, said
 from explorer.motion.passages import passages
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, columns_of, constants_to_states
@@ -18,6 +18,7 @@ METHODS = ("RK45", "DOP853", "LSODA")  # of scipy.integrate.solve_ivp
 OURS = "nearflat"
 # Evaluations after which a solver is stopped: far more than any of them needs where it works.
 _MOST_EVALUATIONS = 30_000
+_MOST_PASSAGES = 10_000  # by solvers that take milliseconds for each
 
 
 @dataclass(frozen=True)
@@ -111,10 +112,12 @@ def general_solvers(
     [False, False]
     """
     signed = columns_of(eta_hat=eta_hat)[0]
+    if not 0 < signed.size <= _MOST_PASSAGES:
+        raise InputError(f"{said('eta_hat', eta_hat)} has {signed.size:,} entries; give 1 to {_MOST_PASSAGES:,}")
     ours = passages(disk, sigma3_bar, signed, phidot)
     if ours.status.any():
         raise InputError(
-            f"eta_hat = {eta_hat!r}, phidot = {phidot!r}: no passage; give phidot above 0, eta_hat not 0"
+            f"{said('eta_hat', eta_hat)}, {said('phidot', phidot)}: no passage; give phidot above 0, eta_hat not 0"
         )
     unit = disk.rate_unit
     starts = constants_to_states(disk, sigma3_bar, signed, phidot)

@@ -80,7 +80,7 @@ def refuse_links(folder: Path) -> None:
         try:
             check(path)
         except StrangeError as error:
-            raise InputError(f"{path}: {error}; remove it or give another folder") from None
+            raise InputError(f"{path}: {error}; move it away or give another folder") from None
         except OSError:
             continue  # it is not there; what cannot be read is noticed where it is used
 
@@ -89,9 +89,17 @@ def _used(folder: Path) -> Iterator[tuple[Path, Callable[[Path], Path]]]:
     """What a run reads, writes or deletes in its folder, and how it is checked; places before what they hold."""
     for name in (*_PLACES, "run.json", "summary.json"):
         yield folder / name, no_link
+    yield folder / "summary.json", _no_folder
     yield folder / ".lock", plain_file
     yield from ((path, no_link) for path in _inside(folder) if _LEFT.fullmatch(path.name))
     yield from ((path, plain_file) for path in _inside(folder / "figures") if path.suffix[1:] in KNOWN)
+
+
+def _no_folder(path: Path) -> Path:
+    """`path`, unless it is a folder, which no rename of a file replaces. Raises StrangeError or OSError."""
+    if what_stands(path) == "a folder":
+        raise StrangeError("it is a folder, and a run writes a file of that name")
+    return path
 
 
 def _inside(place: Path) -> list[Path]:
@@ -111,13 +119,10 @@ def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str],
     good, seen = dict[int, list[Path]](), store.Seen()
     for path in sorted((folder / "chunks").glob("*.parquet")):
         index = store.number_of(path)
-        if index is not None and index >= scene.chunks():
-            raise InputError(
-                f"--samples: {folder} holds {path.name}, which a run of {scene.chunks()} chunks does not have; "
-                "give as many samples as it has, or more"
-            )
         if index is None:
             fault: str | None = "is no chunk of a run"
+        elif index >= scene.chunks():
+            fault = f"is beyond the end of the run, which has {scene.chunks():,} chunks"
         else:
             fault = store.fault_of(path, store.Place(scene, index, seen), shared)
         if fault is None and index is not None:

@@ -4,6 +4,7 @@ import contextlib
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ from explorer.runs.chunks import Part, summary_of
 from explorer.runs.pictures import KNOWN, there
 from explorer.runs.strangers import plain_names, what_stands
 from explorer.scenes.base import Scene
+
+_MOST_MISSING = 10  # chunks that are named one by one
 
 
 @dataclass(frozen=True)
@@ -111,10 +114,11 @@ def verify(folder: Path) -> list[str]:
     known = set(paths.values()) - doubled
     strangers = [p for p in sorted((folder / "chunks").glob("*.parquet")) if p not in known]
     faults += [f"{path.name}: is no chunk of this run, or there are two of its number" for path in strangers]
-    for index in range(scene.chunks()):
-        if index not in paths:
-            faults.append(f"chunk {index}: is missing")
-            continue
+    due, missing = range(scene.chunks()), scene.chunks() - sum(index < scene.chunks() for index in paths)
+    faults += [f"chunk {i}: is missing" for i in islice((i for i in due if i not in paths), _MOST_MISSING)]
+    if missing > _MOST_MISSING:
+        faults.append(f"chunks: {missing - _MOST_MISSING:,} more are missing, {missing:,} of {len(due):,} in all")
+    for index in sorted(index for index in paths if index in due):
         fault = store.fault_of(paths[index], store.Place(scene, index, seen), shared)
         if fault:
             faults.append(f"{paths[index].name}: {fault}")

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-_NAME = re.compile(r"chunk-(\d{6,})-([0-9a-f]{16})\.parquet")
+_NAME = re.compile(r"chunk-([0-9]{6}|[1-9][0-9]{6,8})-([0-9a-f]{16})\.parquet")
 _KEY = b"nearflat"
 _ARROW = b"ARROW:schema"  # where Arrow writes what Parquet's types do not say
 _LOOKED_AT = 256  # rows of a column, which tell whether its numbers repeat
@@ -258,7 +258,9 @@ def _opened(path: Path) -> "pq.ParquetFile":
 
 def _noted(file: "pq.ParquetFile") -> Note:
     """What a footer says, its checksum verified. Raises one of `_damage`."""
-    content = (file.metadata.metadata or {})[_KEY]
+    content = (file.metadata.metadata or {}).get(_KEY)
+    if content is None:
+        raise StrangeError("its metadata do not say which chunk it is")
     if len(content) > LARGEST_JSON:
         raise StrangeError(f"its metadata have {len(content):,} bytes; {LARGEST_JSON:,} is the most that is read")
     signed = parse_json(content)

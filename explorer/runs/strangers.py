@@ -80,6 +80,10 @@ def parse_json(text: str | bytes) -> dict[str, Any]:
         content = json.loads(text, parse_constant=_no_constant)
     except RecursionError:
         raise StrangeError("it is nested too deeply") from None
+    except (json.JSONDecodeError, UnicodeDecodeError, StrangeError):
+        raise
+    except ValueError:  # Python speaks of its own bound here
+        raise StrangeError("it holds a number of too many digits") from None
     if not isinstance(content, dict):
         raise StrangeError("it holds no JSON object")
     _check_depth(content)

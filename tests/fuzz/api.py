@@ -8,6 +8,7 @@ import warnings
 from types import ModuleType
 
 import explorer as ex
+from explorer import errors
 from explorer.scenes.registry import SCENES, build_scene
 
 from . import methods, plots
@@ -16,11 +17,16 @@ from .values import DISKS, nasty, sensible
 
 # Public names that are not called here: they write or read folders, and command lines try them.
 FOLDERS = {"run", "open", "merge", "register", "plan"}
-# Names that take seconds each time; their arguments are read by the same readers as those of all others.
-LONG = {"trade", "portrait.conservation", "portrait.general_solvers"}
+# Names that take seconds or minutes, and arguments with which they end at once: one of the others is always
+# spoilt, and is no number of passages that would take long. `trade` refuses so few samples before it draws any.
+LONG = {
+    "trade": {"samples": 3},
+    "portrait.conservation": {"disk": ex.Disk.uniform(), "most": 2, "most_by_solver": 1, "accuracies": [1e-6]},
+    "portrait.general_solvers": {"disk": ex.Disk.uniform(), "eta_hat": [0.1]},
+}
 # How often a function is tried, where it takes long: the others count as 1.
 SELDOM = {"falling_constant": 0.004, "push_forward": 0.02, "slice_map": 0.1, "both_sides": 0.2}
-SELDOM |= {"view": 0.3, "simulate": 0.3, "limit_motion": 0.3}
+SELDOM |= {"trade": 0.3, "view": 0.3, "simulate": 0.3, "limit_motion": 0.3}
 SELDOM_OF_PORTRAITS = 0.03  # several periods of several motions each
 SELDOM_OF_PICTURES = 0.03
 
@@ -31,10 +37,9 @@ def functions():
     found = {
         name: value
         for name, value in public.items()
-        if inspect.isfunction(value) and not isinstance(value, ModuleType) and name not in FOLDERS | LONG
+        if inspect.isfunction(value) and not isinstance(value, ModuleType) and name not in FOLDERS
     }
-    makers_of_data = {f"portrait.{name}": getattr(ex.portrait, name) for name in ex.portrait.__all__}
-    found |= {name: value for name, value in makers_of_data.items() if name not in LONG}
+    found |= {f"portrait.{name}": getattr(ex.portrait, name) for name in ex.portrait.__all__}
     makers = ("annulus", "uniform", "hoop", "matching", "parse")
     found |= {f"Disk.{name}": getattr(ex.Disk, name) for name in makers}
     found |= {"Disk": ex.Disk} | {f"scene {name}": scene_maker(name) for name in SCENES}
@@ -90,6 +95,8 @@ def case(name, function, rng):
         return plots.case(name.removeprefix("plot."), rng)
     if name.startswith("method "):
         return methods.case(name.removeprefix("method "), rng)
+    if name in LONG:
+        return spoilt_case(name, rng)
     known = arguments_of(function)
     needed = [argument for argument, optional in known.items() if not optional]
     chosen = needed + [a for a in known if a not in needed and rng.random() < 0.3]
@@ -111,6 +118,24 @@ def case(name, function, rng):
     for argument in rng.sample(list(given), min(spoilt, len(given))):
         given[argument] = nasty(rng)
     return given
+
+
+def spoilt_case(name, rng):
+    """Keyword arguments of one call that takes long unless it is refused."""
+    given = dict(LONG[name])
+    others = {"trade": ("scene", "disk", "accuracy", "motions", "eta_hat")}.get(name, tuple(given))
+    value = nasty(rng)
+    while takes_long(value):
+        value = nasty(rng)
+    return given | {rng.choice(others): value}
+
+
+def takes_long(value):
+    """Whether it is read as a number of passages that is more than a few."""
+    try:
+        return errors.whole("most", value) > 9
+    except errors.InputError:
+        return False
 
 
 def run(cases, seed=0, only=None):

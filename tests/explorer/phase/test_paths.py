@@ -1,11 +1,12 @@
 """Files that users name: what may be read, and what is written."""
 
+import time
 from pathlib import Path
 
 import pytest
 
 from explorer.errors import InputError
-from explorer.phase.paths import writing
+from explorer.phase.paths import read_toml, writing
 
 
 @pytest.mark.parametrize(
@@ -34,3 +35,39 @@ def test_what_the_system_says_against_a_file_is_told_and_the_path_is_as_it_was_g
         writing("path", tmp_path / "x.png", (".png",)) as path,
     ):
         path.write_text("x")
+
+
+LONG_KEYS = ("a.", " a .\t", "1.", '"a b".', "'a b' . ", '"\\"".')
+
+
+@pytest.mark.parametrize("part", LONG_KEYS)
+@pytest.mark.parametrize("form", ["{}=1", "[{}]", "[[{}]]", "x = {{{} = 1}}", "x = {{y = 1, {} = 1}}"])
+def test_a_key_of_very_many_parts_is_refused_before_it_is_parsed(part, form, tmp_path):
+    path = tmp_path / "long.toml"
+    path.write_text(form.format(50_000 * part + "a"), encoding="utf-8")
+    begun = time.process_time()
+    with pytest.raises(InputError, match="a key has more than 20 parts"):
+        read_toml(path, "--disk")
+    assert time.process_time() - begun < 1.0
+
+
+def test_keys_of_some_parts_and_lists_of_many_numbers_are_read(tmp_path):
+    path = tmp_path / "some.toml"
+    numbers = ", ".join(["0.25"] * 5000)
+    path.write_text(f"a.b.c = 1\nsome = [{numbers}]\ntext = '{'. ' * 500}'\n", encoding="utf-8")
+    read = read_toml(path, "SCENE")
+    assert (read["a"], len(read["some"]), len(read["text"])) == ({"b": {"c": 1}}, 5000, 1000)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("a = " + "9" * 5000, "a number has too many digits"),
+        ("a = " + "[" * 50_000, "it is nested too deeply"),
+        ("a = ", "Invalid value"),
+    ],
+)
+def test_what_is_no_toml_is_said_without_words_of_python(text, says, tmp_path):
+    (tmp_path / "x.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=rf"not valid TOML \({says}"):
+        read_toml(tmp_path / "x.toml", "--disk")

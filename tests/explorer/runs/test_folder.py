@@ -106,7 +106,7 @@ def test_a_pipe_or_a_folder_is_no_lock_and_no_picture(name, make, finished, caps
     make(entry)
     assert main(["resume", str(finished.folder)]) == 2
     what = "a folder" if make is os.mkdir else "a pipe"
-    assert f"{entry}: it is {what}, no plain file; remove it" in capsys.readouterr().err
+    assert f"{entry}: it is {what}, no plain file; move it away" in capsys.readouterr().err
 
 
 def test_a_lock_that_is_a_link_is_refused_where_there_is_no_run_yet(tmp_path):

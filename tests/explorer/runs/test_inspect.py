@@ -39,3 +39,20 @@ def test_a_summary_of_other_chunks_is_a_fault(finished):
     assert verify(finished.folder) == ["summary.json: does not belong to these chunks; run `nearflat summary`"]
     assert summary(finished.folder) == finished.summary
     assert verify(finished.folder) == []
+
+
+def test_of_many_missing_chunks_the_first_are_named_and_the_others_counted(finished):
+    for number in (0, 2):
+        store.found_chunks(finished.folder)[number].unlink()
+    assert verify(finished.folder) == ["chunk 0: is missing", "chunk 2: is missing"]
+    record = finished.folder / "run.json"
+    content = json.loads(record.read_text())
+    content["identity"]["options"]["samples"] = 700 * 400
+    record.write_text(json.dumps(content))
+    faults = [fault for fault in verify(finished.folder) if "missing" in fault]
+    assert faults[:2] + faults[9:] == [
+        "chunk 0: is missing",
+        "chunk 2: is missing",
+        "chunk 12: is missing",
+        "chunks: 387 more are missing, 397 of 400 in all",
+    ]

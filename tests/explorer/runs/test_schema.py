@@ -1,8 +1,10 @@
 """Chunks with rightful checksums whose content is not what the scene stores are refused by all who read them."""
 
 import json
+import time
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from fuzz.forged import ROWS, TYPES, forge, refilled, retyped
 
@@ -147,7 +149,6 @@ def test_a_scene_that_makes_what_readers_refuse_is_told_so(monkeypatch):
 
 def test_own_columns_may_be_of_other_types_in_other_chunks(tmp_path):
     """Whole numbers of which one is missing come as doubles."""
-    import pyarrow as pa
     import pyarrow.parquet as pq
 
     columns = {name: np.linspace(0.1, 0.5, 8) for name in ("phi", "phidot", "sigma3", "sigma4")}
@@ -158,3 +159,39 @@ def test_own_columns_may_be_of_other_types_in_other_chunks(tmp_path):
     assert verify(run.folder) == []
     assert run.arrow(["own"])["own"].to_pylist()[:2] == [1.0, 2.0]
     assert json.loads((run.folder / "summary.json").read_text())["samples"] == 8
+
+
+def test_what_unpacks_to_far_more_than_is_stored_is_refused_unread(finished, monkeypatch):
+    """A Parquet bomb: a few kilobytes of which a reader would make gigabytes. Here one column is packed."""
+    path, place = store.found_chunks(finished.folder)[1], store.Place(finished.scene, 1)
+    note, rows = store.read_note(path), store.read_chunk(path)
+    bomb = store.write_chunk(finished.folder, note, {**rows, "race_angle": np.full(note.samples, 0.5)})
+    assert store.read_chunk(bomb, None, place)["race_angle"].size == note.samples
+    monkeypatch.setattr(store, "_SMALL", 0)
+    monkeypatch.setattr(store, "_DENSEST", 1)
+    monkeypatch.setattr(store, "_rows", lambda *_: pytest.fail("it was unpacked"))
+    for read in (store.read_note, lambda path, place: store.read_chunk(path, None, place)):
+        with pytest.raises(ex.RunError, match=r"its columns unpack to .* bytes; .* is the most that is read"):
+            read(bomb, place)
+
+
+def test_very_many_columns_are_refused_at_once(finished):
+    wide = pa.table({f"x{i}": pa.array([0.5]) for i in range(5_000)})
+    path = forge(finished.folder, 2, lambda _: wide)
+    begun = time.process_time()
+    with pytest.raises(ex.RunError, match="is missing"):
+        store.read_chunk(path, None, store.Place(finished.scene, 2))
+    assert time.process_time() - begun < 5.0
+
+
+def test_columns_of_a_run_are_looked_at_once_and_those_that_differ_again(finished, monkeypatch):
+    looked = []
+    check = store.schema.check_columns
+    monkeypatch.setattr(store.schema, "check_columns", lambda *each: looked.append(each) or check(*each))
+    assert verify(finished.folder) == []
+    assert len(looked) == 1
+    path = forge(finished.folder, 3, retyped("race_angle", "single"))
+    looked.clear()
+    (fault,) = verify(finished.folder)
+    assert fault.startswith(f"{path.name}: column 'race_angle' holds float32")
+    assert len(looked) == 2
