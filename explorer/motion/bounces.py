@@ -16,7 +16,7 @@ from explorer.motion.passages_by_integration import LENIENCE
 from explorer.motion.passages_by_quadrature import unanswered
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
-from explorer.motion.starts import fallen, held_constants, orbit_starts
+from explorer.motion.starts import fallen, held_constants, orbit_starts, seen_from
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.gauss import packed_rules
@@ -195,7 +195,7 @@ def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], ac
     def in_turn(here: Array, there: Array) -> Array:
         return np.where(from_here, here, there)
 
-    own = np.where(states.rows.z >= 0.0, 1.0, -1.0)
+    own = seen_from(states, linear)
     energy = np.where(status == code.OK, found.energy, np.nan)
     fall = falls_of_energy(disk, linear.sigma3_bar, energy, accuracy, orbits)
     error = in_turn(found.error_here, found.error_there) + np.nan_to_num(2.0 * fall.error)

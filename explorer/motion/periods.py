@@ -11,10 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of
 from explorer.motion.legs import legs_of
+from explorer.motion.passages import FLOOR
+from explorer.motion.passages_by_integration import LENIENCE
 from explorer.motion.passages_by_quadrature import unanswered
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
-from explorer.motion.starts import fallen, held_constants, orbit_starts
+from explorer.motion.starts import fallen, held_constants, orbit_starts, seen_from
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.gauss import packed_rules
@@ -118,7 +120,7 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     flat = Periods(
         period=found.time * disk.time_unit,
         chi=found.chi,
-        psi=found.psi * np.where(states.rows.z >= 0.0, 1.0, -1.0),
+        psi=found.psi * seen_from(states, linear),
         theta_min=np.fmin(found.theta_here, found.theta_there),
         crosses=np.isfinite(found.theta_there),
         energy=found.energy * disk.energy_unit,
@@ -143,6 +145,10 @@ def _orbits(
     compiled.orbits.orbits_of_legs(some, ends, legs, disk.natural, out, code)
     if unanswered(out, code == compiled.status.Status.OK):
         compiled.orbits.orbit_batch(some, accuracy, packed_rules(), disk.natural, out, code)
+    found = compiled.orbits.OrbitRow(*out)
+    allowed = np.fmax(LENIENCE * accuracy, FLOOR * (1.0 + np.nan_to_num(found.time)))
+    missed = ~(np.fmax(found.angle_error, found.time_error) <= allowed)
+    code[(code == compiled.status.Status.OK) & missed] = compiled.status.Status.STEP_LIMIT
     out[:, code != compiled.status.Status.OK] = np.nan
     return out, code
 

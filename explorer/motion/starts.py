@@ -7,7 +7,7 @@ from explorer import compiled
 from explorer.phase.constants import NaturalConstants
 from explorer.phase.lines import LinearConstants, nearer_plus
 from explorer.phase.membership import falls_of
-from explorer.phase.states import States
+from explorer.phase.states import Array, States
 
 
 def status_at_start(states: States, natural: NaturalConstants) -> NDArray[np.int8]:
@@ -48,10 +48,21 @@ def held_constants(states: States, natural: NaturalConstants) -> tuple[NDArray[n
     return status.astype(np.int8), LinearConstants(*held)
 
 
+def seen_from(states: States, linear: LinearConstants) -> Array:
+    """The face, +1 or -1, in whose hemisphere states are; one that crosses the vertical is in both.
+
+    It is seen from the face of the smaller |eta|: as a difference of two large numbers the energy has few digits
+    where I3 is small.
+    """
+    z = states.rows.z
+    nearer = nearer_plus(linear.eta_plus, linear.eta_minus) | (states.rows.p == 0.0)
+    return np.where((z > 0.0) | ((z == 0.0) & nearer), 1.0, -1.0)
+
+
 def orbit_starts(states: States, linear: LinearConstants) -> "compiled.point.Orbits":
     """Motions in the chart of the quadrature kernels, as seen from the hemisphere they start in."""
     q, z, p, _, _ = states.rows
-    plus = z >= 0.0
+    plus = seen_from(states, linear) > 0.0
     near = np.where(plus, linear.eta_plus, linear.eta_minus)
     far = np.where(plus, linear.eta_minus, linear.eta_plus)
     h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))

@@ -7,6 +7,7 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
+from explorer.phase.lines import other_eta_hat
 from explorer.phase.states import constants_to_states, phi_to_states
 from explorer.portrait.steady import steady_motions
 
@@ -120,3 +121,39 @@ def test_a_motion_that_is_at_the_vertical_and_moves_crosses_it_at_any_accuracy(a
     assert bounces.ok.all()
     assert (bounces.face == [1, -1]).all()
     assert bounces.duration[0, 1] == pytest.approx(0.98969326 * phidot, rel=1e-3)
+
+
+@pytest.mark.parametrize("inertia", [(0.25, 0.02), (0.25, 1e-4), (0.25, 1e-6), (1.0, 1e-8)], ids=str)
+def test_motions_and_their_mirror_images_are_those_of_their_passages(inertia):
+    """From the vertical, whichever face's eta was given; the other is a difference of large numbers."""
+    disk, rng, n = ex.Disk(I1=inertia[0], I3=inertia[1]), np.random.default_rng(7), 40
+    eta_hat = 10.0 ** rng.uniform(-8.0, 0.0, n) * rng.choice([-1.0, 1.0], n)
+    given = rng.normal(0.0, 1.2, n), eta_hat, rng.uniform(0.02, 2.5, n)
+    true = ex.passages(disk, *given, 1, accuracy=1e-12)
+    other = ex.passages(disk, given[0], other_eta_hat(disk, given[0], eta_hat), given[2], 1, accuracy=1e-12)
+    plus, minus = (constants_to_states(disk, *given, face) for face in (1, -1))
+    for accuracy in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10):
+        one, two = ex.periods(plus, accuracy), ex.periods(minus, accuracy)
+        assert (one.status == two.status).all()
+        assert one.ok.any()
+        for found, sign in ((one, 1.0), (two, -1.0)):
+            known = found.ok & true.ok & other.ok
+            error = 10.0 * (found.error_estimate + true.error_estimate + other.error_estimate)[known]
+            assert (abs(found.chi - true.delta_chi - other.delta_chi)[known] <= error).all()
+            assert (abs(found.psi - sign * (true.delta_psi - other.delta_psi))[known] <= error).all()
+            assert (
+                found.error_estimate[known] <= np.fmax(10.0 * accuracy, 1e-9 * (1.0 + found.period[known]))
+            ).all()
+        for states, face in ((plus, 1), (minus, -1)):
+            _assert_bounces_are_passages(ex.bounces(states, 2, accuracy), face, true, other)
+
+
+def _assert_bounces_are_passages(found, face, true, other):
+    """Two bounces of each state are the passages towards `face` and the other, within ten times the errors."""
+    for column in (0, 1):
+        own = found.face[:, column] == face
+        for of_face, best in ((own, true), (~own, other)):
+            known = of_face & found.ok[:, column] & best.ok
+            error = 10.0 * (found.error_estimate[:, column] + best.error_estimate)[known]
+            assert (abs(found.delta_chi[:, column] - best.delta_chi)[known] <= error).all()
+            assert (abs(abs(found.delta_psi[:, column]) - abs(best.delta_psi))[known] <= error).all()
