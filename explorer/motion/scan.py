@@ -21,6 +21,8 @@ from explorer.phase.states import COORDINATES, States, require_states
 
 _MOST_BATCH = 10**9  # states; more than memory holds
 BATCH = 4096  # states; a trajectory of a few hundred times for each still takes some ten megabytes
+_LONGEST_NAME = 80  # letters of the name of an array
+_TAKEN = (*COORDINATES, "status")  # names of columns that no function gives
 _PATIENCE = 2.0  # seconds before a bar is shown
 Observable = str | Sequence[str] | Callable[[States], ArrayLike | Mapping[str, ArrayLike]]
 
@@ -121,7 +123,7 @@ def scan(
     ------
     InputError
         Where a name is not known, or the function fails or does not return one real number, or a row of them, for
-        each state.
+        each state, and where it calls an array by no text, or by the name of a coordinate or of the status.
 
     Examples
     --------
@@ -200,10 +202,27 @@ def _called(observable: Callable[[States], Any], part: States) -> NDArray[Any] |
         return returned_numbers(returned)
 
 
+def _name_of(key: Any) -> str:
+    """What a function calls an array, as the name of a column. Raises InputError for what can be none."""
+    text = text_of(key)
+    if text is None or not 0 < len(text) <= _LONGEST_NAME or not text.isprintable():
+        raise InputError(
+            f"observable: the function returned {shown(key)} as a name; give text of 1 to {_LONGEST_NAME} letters "
+            "that can be printed"
+        )
+    if text in _TAKEN:
+        raise InputError(
+            f"observable: the function returned {text!r} as a name, which results have for their own column; give "
+            "another name"
+        )
+    return text
+
+
 def _checked(observable: Callable[[States], Any], part: States, alone: str) -> dict[str, NDArray[Any]]:
     """What the function returned for some states, by name. alone: what a single array is called."""
     returned = observable(part)
-    arrays = dict(returned) if isinstance(returned, Mapping) else {alone: returned}
+    arrays = returned if isinstance(returned, Mapping) else {alone: returned}
+    arrays = {_name_of(name): values for name, values in arrays.items()}
     for name, values in arrays.items():
         if values.ndim == 0 or values.shape[0] != len(part):
             raise InputError(

@@ -1,5 +1,7 @@
 """An observable of one's own for every state."""
 
+import zipfile
+
 import numpy as np
 import pytest
 from pyarrow.parquet import read_table
@@ -27,10 +29,10 @@ def test_a_name_is_the_column_of_its_call():
 def test_batches_and_jobs_do_not_change_what_a_function_returns():
     def turns(batch):
         motion = ex.simulate(batch, t_eval=[3.0], observables=("chi", "phi"))
-        return {"turns": motion.chi[:, 0] / (2.0 * np.pi), "phi": motion.phi}
+        return {"turns": motion.chi[:, 0] / (2.0 * np.pi), "tilted": motion.phi}
 
     whole, parts = scan(STATES, turns), scan(STATES, turns, jobs=2, batch=5)
-    assert whole["phi"].shape == (23, 1)
+    assert whole["tilted"].shape == (23, 1)
     for name in whole:
         np.testing.assert_array_equal(whole[name], parts[name])
 
@@ -84,3 +86,53 @@ def test_arrays_have_the_shape_of_the_states_and_are_stored_with_it(tmp_path):
         found.save(tmp_path / "own.txt")
     with pytest.raises(ex.InputError, match="there is no folder"):
         found.save(tmp_path / "nowhere" / "own.npz")
+
+
+class Fails(str):
+    def __eq__(self, other):
+        raise KeyError("x")
+
+    __hash__ = str.__hash__
+
+
+@pytest.mark.parametrize(
+    ("key", "says"),
+    [
+        (1, "returned 1 as a name; give text"),
+        (None, "returned None as a name"),
+        (("a", "b"), r"returned \('a', 'b'\) as a name"),
+        ("", "returned '' as a name"),
+        ("\ud800", r"returned '\\ud800' as a name"),
+        ("a\nb", "as a name; give text of 1 to 80 letters"),
+        ("x" * 81, "as a name; give text of 1 to 80 letters"),
+        ("status", "returned 'status' as a name, which results have for their own column"),
+        ("phi", "returned 'phi' as a name"),
+        (Fails("sigma4"), "returned 'sigma4' as a name"),
+    ],
+)
+def test_a_name_that_no_column_can_have_is_refused_at_once(key, says):
+    calls = []
+    with pytest.raises(ex.InputError, match=f"^observable: the function {says}" if "returned" in says else says):
+        scan(STATES, lambda batch: calls.append(1) or {key: batch.phi + 1.0}, batch=4)
+    assert len(calls) == 1
+
+
+def test_a_function_with_the_name_of_a_column_is_refused():
+    def status(batch):
+        return batch.phi
+
+    with pytest.raises(ex.InputError, match="returned 'status' as a name"):
+        scan(STATES, status)
+
+
+def test_arrays_of_any_name_are_stored(tmp_path):
+    names = ("file", "args", "self", "compress", "η of a/b", "arr_0", "x.npy")
+    found = scan(STATES, lambda batch: {name: batch.sigma3 + i for i, name in enumerate(names)})
+    stored = np.load(found.save(tmp_path / "own.npz"))
+    table = read_table(found.save(tmp_path / "own.parquet"))
+    for name in names:
+        np.testing.assert_array_equal(table[name], found[name])
+    with zipfile.ZipFile(tmp_path / "own.npz") as file:
+        assert [each.removesuffix(".npy") for each in file.namelist()] == list(found.columns)
+    np.testing.assert_array_equal(stored["file"], found["file"])
+    np.testing.assert_array_equal(stored["η of a/b"], found["η of a/b"])
