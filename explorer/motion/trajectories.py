@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import CoarseTimesWarning, InputError, jobs_of, number, positive, whole
+from explorer.errors import CoarseTimesWarning, InputError, jobs_of, number, positive, said, whole
 from explorer.motion import recording
 from explorer.motion.plan import ALGEBRA, QUADRATURE, Plan, plan
 from explorer.motion.turning_points import MAX_STEPS
@@ -136,7 +136,9 @@ class Trajectories:
         """
         times = columns_of(t=t)[0]
         if not (np.isfinite(times).all() and np.all((times >= 0.0) & (times <= self.t_end * _ROUNDED))):
-            raise InputError(f"t: times must lie between 0 and {self.t_end:g}, to which the motion was followed")
+            raise InputError(
+                f"{said('t', t)}: times must lie between 0 and {self.t_end:g}, to which the motion was followed"
+            )
         return self._followed.trajectories(times.reshape(np.shape(t)), self)
 
     def __repr__(self) -> str:
@@ -317,7 +319,7 @@ def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array 
         return positive("t_end", t_end), None
     times = columns_of(t_eval=t_eval)[0]
     if not (times.size > 0 and np.all(np.diff(times) > 0.0) and np.isfinite(times).all() and times[0] >= 0.0):
-        raise InputError("t_eval must be a non-empty list of finite, increasing times >= 0")
+        raise InputError(f"{said('t_eval', t_eval)} must be a non-empty list of finite, increasing times >= 0")
     last = float(times[-1])
     if t_end is None:
         return last, times

@@ -132,7 +132,8 @@ class Scene(ABC):
         """Raise InputError for a name of no option, with what is offered: by default all options of the scene."""
         for name in names:
             if name not in cls._by_name():
-                flag = f"--{name.replace('_', '-')}"
+                plain = re.fullmatch("[a-z][a-z0-9_]*", name)
+                flag = f"--{name.replace('_', '-')}" if plain else shown(name)
                 flags = [option.flag for option in offered or cls.OPTIONS]
                 raise InputError(f"{flag}: {cls.name} takes no such option; {suggest(flag, flags)}")
 

@@ -350,3 +350,11 @@ def test_the_accuracy_asked_is_the_accuracy_met(method, accuracy):
     errors[:, abs(exact.phi) > 0.5 * np.pi - 0.1] = 0.0  # in a race errors of the time count many times
     p99 = np.percentile((errors / np.maximum(1.0, 0.5 * got.t)).max(axis=(0, 2)), 99)
     assert 0.01 * accuracy < p99 < accuracy
+
+
+def test_times_that_cannot_be_are_shown():
+    states = ex.phi_to_states(ex.Disk.uniform(), 0.2, 0.5, 0.4, 0.3)
+    with pytest.raises(ex.InputError, match="t_eval = -1 must be a non-empty list"):
+        ex.simulate(states, t_eval=-1)
+    with pytest.raises(ex.InputError, match=r"t = -1: times must lie between 0 and 0\.5"):
+        ex.simulate(states, 0.5)(-1)

@@ -99,3 +99,9 @@ def test_a_scene_names_the_kernels_that_it_calls_and_no_others(way, monkeypatch)
     for name in run.pictures:
         run.figure(name)
     assert set(scene.kernels_of_figures) <= called <= {*scene.kernels, *scene.kernels_of_figures}
+
+
+@pytest.mark.parametrize(("word", "shown"), [("\ud800", r"'\\ud800'"), ("A b", "'A b'"), ("sampels", "sampels")])
+def test_a_word_that_is_no_option_is_shown_as_it_was_written(word, shown):
+    with pytest.raises(ex.InputError, match=f"^{shown}: race-angles takes no such option"):
+        ex.run("race-angles", **{word: 1})
