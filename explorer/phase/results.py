@@ -56,7 +56,10 @@ class Table:
             entries = values.shape[len(self.shape) :]
             for place in np.ndindex(entries):
                 letters = [_AXES[n][i] if n in _AXES else str(i) for i, n in zip(place, entries, strict=True)]
-                flat["_".join([name, *letters])] = values[(..., *place)].ravel()
+                entry = "_".join([name, *letters])
+                if entry in flat or (letters and entry in self.columns):
+                    raise InputError(f"a table would have two columns {shown(entry)}; give arrays other names")
+                flat[entry] = values[(..., *place)].ravel()
         return flat
 
     def to_pandas(self) -> "pd.DataFrame":

@@ -136,3 +136,11 @@ def test_arrays_of_any_name_are_stored(tmp_path):
         assert [each.removesuffix(".npy") for each in file.namelist()] == list(found.columns)
     np.testing.assert_array_equal(stored["file"], found["file"])
     np.testing.assert_array_equal(stored["η of a/b"], found["η of a/b"])
+
+
+def test_two_columns_of_one_name_are_refused_and_none_is_lost():
+    for names in (("pair", "pair_0"), ("pair_0", "pair")):
+        arrays = {"pair": np.zeros((23, 2)), "pair_0": np.ones(23)}
+        found = scan(STATES, lambda batch, names=names, arrays=arrays: {name: arrays[name] for name in names})
+        with pytest.raises(ex.InputError, match="two columns 'pair_0'; give arrays other names"):
+            found.to_arrow()
