@@ -24,6 +24,8 @@ from explorer.phase.lines import LinearConstants, linear_constants
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, columns_of, require_states
 
+_LARGEST = 1e100  # natural units: squares of larger numbers overflow
+
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Periods(Result):
@@ -161,7 +163,7 @@ def _known(states: States, eta_hat: ArrayLike | None) -> tuple[NDArray[np.int8],
     given = columns_of(eta_hat=eta_hat, states=natural.sigma3_bar.reshape(states.shape))[0] / states.disk.rate_unit
     if given.size != len(states):
         raise InputError(f"eta_hat broadcasts to {given.size} entries for {len(states)} states; give one for each")
-    linear = linear_constants(states.disk, natural.sigma3_bar, given, states.rows.z >= 0.0)
-    good = (states.status == compiled.status.Status.OK) & np.isfinite(given)
+    good = (states.status == compiled.status.Status.OK) & (abs(given) < _LARGEST)
+    linear = linear_constants(states.disk, natural.sigma3_bar, np.where(good, given, np.nan), states.rows.z >= 0.0)
     status = np.where(good, compiled.status.Status.OK, compiled.status.Status.BAD_INPUT).astype(np.int8)
     return status, linear

@@ -217,7 +217,8 @@ def _record(given: Motions, t_end: float, number: int) -> Records:
         room = used
     state_at_end, depth = work.out, work.how.depth
     course = compiled.recording.Course(
-        curve, trail.rows[:used], work.last, state_at_end, outcome.status, t_end, depth
+        *(curve, trail.rows[:used], work.last, state_at_end, outcome.status, t_end, depth),
+        most=MOST_POINTS // max(number, 1),
     )
     return Records(*_drawn(course, given.disk, max(used, likely), number), outcome)
 

@@ -13,7 +13,7 @@ from kernels.disk.field import State, column, contracted_energy, reduced_state
 from kernels.disk.rows import put
 from kernels.types import Longs, Matrix, Vector
 
-LANES = 64
+LANES = 64  # eight AVX-512 registers; columns of a block stay in the first cache
 # Rows of the work array: entry (row, i) stands at row * LANES + i, as in `batch`.
 _Q, _Z, _P, _RHO, _SIGMA4 = range(5)
 _OUT = 5  # six rows, as Constants

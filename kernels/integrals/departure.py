@@ -21,7 +21,7 @@ TERMS = 22
 WIDEST = 0.15  # of the variable of a series: its power TERMS is below rounding
 _SIGMA, _LEFT, _QUOTIENT = 0, 32, 64  # where series begin in row SERIES: sigma3, E - V, and E - V over u_turn - u
 _SIZES = 96  # of the first two coefficients of E - V, as `rounding_at` has them
-_HALVINGS = 64
+_HALVINGS = 64  # more than a number has bits: bisection ends at rounding
 _ROUNDING = 4.0 * 2.2e-16
 _LEAST = 1e-300
 

@@ -17,7 +17,7 @@ from kernels.integrals.point import VERTICAL
 from kernels.integrals.tables import at_tilts, coefficients
 from kernels.types import Longs, Matrix
 
-TILTS = 24
+TILTS = 24  # tried: as many as `turning` looks at for a single motion
 # Rows of the table of rules.
 NODE, WEIGHT, EVEN, EVEN_BUT_ONE = range(4)
 

@@ -57,7 +57,7 @@ HERE, THERE, LEAD = 0, 1, 2  # kinds of legs, in blocks of as many as there are 
 _LN2 = math.log(2.0)
 _EPSILON = 2.2e-16
 _NOISE = 100.0  # units of rounding, as in tabulated
-TERMS = 4.0  # units of rounding in E - V, of the sizes of its terms
+ROUNDING_UNITS = 4.0  # units of rounding in E - V, of the sizes of its terms
 _LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y
 _DEPTH, _PER_NODE = 2.5, 1.44  # in y: what rules of so many nodes look at
 _DEEP = 8.0  # in y
@@ -166,7 +166,8 @@ def lay_panel(W: Vector, depth: float, wide: Wide, b: Body) -> None:
         W[CLOSED * LANES + i] = closed
         W[RACE * LANES + i] = closed * motion.Y / turn * W[RACE * LANES + i]
         last = anywhere(end, W[LOG_END * LANES + i], motion, b, wide)
-        rounding = TERMS * _EPSILON * (abs(level) + terms_of(turn, at, motion, b) + terms_of(end, last, motion, b))
+        terms = abs(level) + terms_of(turn, at, motion, b) + terms_of(end, last, motion, b)
+        rounding = ROUNDING_UNITS * _EPSILON * terms
         W[ROUNDING * LANES + i], W[NOISE * LANES + i] = rounding, _NOISE * _EPSILON + rounding / slope
         # In y. Where V does not rise towards the end, the motion would not turn back soon.
         rise = slope_of(end, last, motion.X, b) * (2.0 * W[CAP * LANES + i] - end) / end

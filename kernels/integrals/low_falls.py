@@ -78,7 +78,7 @@ def begin(W: Vector, V: Vector, of_body: LegTables, b: Body) -> None:
         motion = Motion(W[tabulated.X * LANES + i], 0.0, level)
         at = anywhere(h, 0.0, motion, b, of_body.wide)
         # The energy comes from a start at the vertical, where q = 1.
-        rounding = legs.TERMS * _EPSILON * (abs(level) + legs.terms_of(h, at, motion, b) + 1.0)
+        rounding = legs.ROUNDING_UNITS * _EPSILON * (abs(level) + legs.terms_of(h, at, motion, b) + 1.0)
         slope = slope_of(h, at, motion.X, b)
         W[legs.ROUNDING * LANES + i] = rounding
         W[tabulated.NOISE * LANES + i] = _NOISE * _EPSILON + rounding / (slope if slope > rounding else rounding)

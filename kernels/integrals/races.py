@@ -15,7 +15,7 @@ _OK = int(Status.OK)
 _FALLS = int(Status.FALLS)
 _BAD = int(Status.BAD_INPUT)
 _LIMIT = int(Status.STEP_LIMIT)
-LANES = 64
+LANES = 64  # as in `algebra`
 # Rows of the work array: what is given, and then the rows of RaceRow.
 _ETA, _FACE, _THETA_MIN, _CHI, _PSI, _TIME, _WAY, _ENERGY, _ERROR, _STATUS = range(10)
 _FALL_TIME, _FALL_CHI, _LEVEL, _FALL_ERROR = range(10, 14)

@@ -26,7 +26,7 @@ _UNRESOLVED = int(Status.UNRESOLVED_SIDE)
 RESOLVED_SHARE = 0.1
 # Newton's method on the partial step converges in 2 or 3 steps; bisection guards the rest.
 LOCATE_LIMIT = 60
-_CUBIC_STEPS = 3
+_CUBIC_STEPS = 3  # on the cubic, which is itself off by the fourth power of the step: more would be too good
 # Shares of a step whose fifth power, third power and square are rounding.
 _SHORT, _SHORTER, _LAST = 1e-3, 1e-5, 1e-8
 

@@ -21,7 +21,7 @@ from kernels.steps.events import TIME, Stop
 from kernels.steps.lanes import BROKEN, HIT, NOTHING, STUCK, Held, max_of, onto_circle, rates, split
 from kernels.types import Longs, Vector
 
-LANES = 16
+LANES = 16  # as in `lanes`
 # Rows of the work array, entry (row, i) at row * LANES + i: one flat array, for the reason that `lanes` gives.
 NOW, BEFORE = 0, 10  # states: after and before the latest attempted step
 (

@@ -41,7 +41,8 @@ _WORK = _Y + _WIDTH
 
 class Course(NamedTuple):
     """What motions did: the rows of their `Trail`; last (10, n), end (n, 1, 10): where their last step ended, and
-    where in it they came to t_end; status (n); the components that their depth carries."""
+    where in it they came to t_end; status (n); the components that their depth carries; most: points of a curve,
+    beyond which it is not drawn to its end."""
 
     curve: Curve
     rows: Matrix
@@ -50,6 +51,7 @@ class Course(NamedTuple):
     status: Codes
     t_end: float
     depth: int
+    most: int
 
 
 class Drawing(NamedTuple):
@@ -244,11 +246,22 @@ def draw_pieces(W: Vector, used: int, how: Piecewise, goal: Goal, points: Matrix
         number += 1 + number // 8
 
 
+class Extent(NamedTuple):
+    """Steps of a motion, and the point beyond which its curve is too long to be drawn to its end."""
+
+    steps: int
+    most: int
+
+
 @subroutine
-def draw_motion(ends: Matrix, steps: int, end: State, curve: Curve, points: Matrix, point: int, b: Body) -> int:
-    """The points of a motion of so many steps, whose last one comes to its `end`; returns the one after them."""
-    W = np.empty(_WORK)
+def draw_motion(
+    ends: Matrix, extent: Extent, end: State, curve: Curve, points: Matrix, point: int, b: Body
+) -> int:
+    """The points of a motion, whose last step comes to its `end`; returns the one after them."""
+    W, steps = np.empty(_WORK), extent.steps
     for i in range(steps):
+        if point > extent.most:
+            break
         x, y, h = state(ends, i), state(ends, i + 1), ends[i, _STEP]
         length = h
         if i == steps - 1:
@@ -282,7 +295,8 @@ def draw_batch(course: Course, drawing: Drawing, disk: Disk) -> None:
             y = state(end, j)
             # The time where it was located, but for rounding
             y = State(y.q, y.z, y.p, y.rho, y.sigma4, course.t_end, y.chi, y.psi, y.a1, y.a2)
-            point = draw_motion(ends, own.size, y, course.curve, drawing.points, point, disk.body)
+            extent = Extent(own.size, point + course.most)
+            point = draw_motion(ends, extent, y, course.curve, drawing.points, point, disk.body)
     drawing.first[n] = point
 
 

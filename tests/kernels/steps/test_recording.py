@@ -28,7 +28,7 @@ def course(states, how, curve):
     trail = Trail(curve, np.empty((1000 * n, COLUMNS)), np.zeros(1, np.int64), 1000 * n)
     motions.MOTIONS[how.method, how.depth](work, trail, UNIFORM.natural, UNIFORM.whole)
     rows = trail.rows[: trail.used[0]]
-    return recording.Course(curve, rows, last, out, outcome.status, T_END, how.depth)
+    return recording.Course(curve, rows, last, out, outcome.status, T_END, how.depth, 1000 * n)
 
 
 def draw(found, room=100_000):
@@ -68,6 +68,15 @@ def test_points_within_steps_lie_on_the_motion(number, control):
     for ours, theirs in zip(curves(draw(found)), curves(fine), strict=True):
         for row in (ROW.q, ROW.chi, ROW.psi, ROW.a1, ROW.a2):
             np.testing.assert_allclose(ours[row], np.interp(ours[ROW.t], theirs[ROW.t], theirs[row]), atol=4e-3)
+
+
+def test_a_curve_that_is_too_long_is_given_up_where_it_gets_too_long():
+    found = course(random_states(3), setting(DOP853, 0.01, 3), Curve(1e-3, 1e-3))
+    whole, short = draw(found).first, draw(found._replace(most=500)).first
+    assert (np.diff(whole) > 1000).all()
+    longest_step = np.diff(whole).max() / 5
+    assert (np.diff(short) > 500).all()
+    assert (np.diff(short) < 500 + longest_step).all()
 
 
 def test_the_polynomial_has_the_states_and_slopes_of_its_nodes():
