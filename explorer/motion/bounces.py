@@ -16,7 +16,7 @@ from explorer.motion.passages_by_integration import LENIENCE
 from explorer.motion.passages_by_quadrature import unanswered
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
-from explorer.motion.starts import fallen, held_constants, orbit_starts, seen_from
+from explorer.motion.starts import crossing_doubt, fallen, held_constants, orbit_starts, seen_from
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.gauss import packed_rules
@@ -200,6 +200,10 @@ def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], ac
     fall = falls_of_energy(disk, linear.sigma3_bar, energy, accuracy, orbits)
     error = in_turn(found.error_here, found.error_there) + np.nan_to_num(2.0 * fall.error)
     error = np.fmax(error, found.first_error)
+    doubt = np.where(crosses, crossing_doubt(disk, orbits, energy), 0.0)
+    if doubt.any():
+        turned = in_turn(abs(found.chi_here) + abs(found.psi_here), abs(found.chi_there) + abs(found.psi_there))
+        error += doubt * (1.0 + np.where(doubt > 0.0, turned, 0.0))
     allowed = np.fmax(LENIENCE * accuracy, FLOOR * (1.0 + np.nan_to_num(fall.time)))
     status[(status == code.OK) & ~(error <= allowed).all(axis=0)] = code.STEP_LIMIT
     time = found.time_here + np.nan_to_num(found.time_there)

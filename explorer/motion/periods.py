@@ -16,7 +16,7 @@ from explorer.motion.passages_by_integration import LENIENCE
 from explorer.motion.passages_by_quadrature import unanswered
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
-from explorer.motion.starts import fallen, held_constants, orbit_starts, seen_from
+from explorer.motion.starts import crossing_doubt, fallen, held_constants, orbit_starts, seen_from
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.gauss import packed_rules
@@ -148,6 +148,11 @@ def _orbits(
     if unanswered(out, code == compiled.status.Status.OK):
         compiled.orbits.orbit_batch(some, accuracy, packed_rules(), disk.natural, out, code)
     found = compiled.orbits.OrbitRow(*out)
+    crossing = (code == compiled.status.Status.OK) & np.isfinite(found.theta_there)
+    doubt = np.where(crossing, crossing_doubt(disk, some, found.energy), 0.0)
+    if doubt.any():
+        found.angle_error[:] += doubt * np.where(doubt > 0.0, abs(found.chi) + abs(found.psi), 0.0)
+        found.time_error[:] += doubt
     allowed = np.fmax(LENIENCE * accuracy, FLOOR * (1.0 + np.nan_to_num(found.time)))
     missed = ~(np.fmax(found.angle_error, found.time_error) <= allowed)
     code[(code == compiled.status.Status.OK) & missed] = compiled.status.Status.STEP_LIMIT

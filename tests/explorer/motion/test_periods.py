@@ -1,5 +1,6 @@
 """Whole periods by quadrature: the numbers of the paper, returns, and eta at the extremes."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -146,6 +147,24 @@ def test_motions_and_their_mirror_images_are_those_of_their_passages(inertia):
             ).all()
         for states, face in ((plus, 1), (minus, -1)):
             _assert_bounces_are_passages(ex.bounces(states, 2, accuracy), face, true, other)
+
+
+@pytest.mark.parametrize("inertia", [(0.25, 0.02), (0.25, 1e-4), (0.25, 1e-6), (1.0, 1e-8)])
+def test_beside_the_vertical_periods_are_told_by_their_errors_from_either_face(inertia):
+    """Seen from the face of the larger |eta| the energy is a difference; what rounding leaves open is refused."""
+    disk, rng, n = ex.Disk(I1=inertia[0], I3=inertia[1]), np.random.default_rng(5), 100
+    eta_hat = 10.0 ** rng.uniform(-8.0, 0.0, n) * rng.choice([-1.0, 1.0], n)
+    upright = constants_to_states(disk, rng.normal(0.0, 1.2, n), eta_hat, rng.uniform(0.02, 2.5, n), -1)
+    natural = np.array(upright.natural)
+    natural[1] = 1e-16  # of z = cos theta: in the hemisphere of face +1
+    beside, true = dataclasses.replace(upright, natural=natural), ex.periods(upright, 1e-10)
+    for accuracy in (1e-2, 1e-6, 1e-10):
+        found = ex.periods(beside, accuracy)
+        known = found.ok & true.ok
+        error = 10.0 * (found.error_estimate + true.error_estimate)[known]
+        assert (abs(found.psi - true.psi)[known] <= error).all()
+    if inertia[1] > 1e-7:
+        assert ex.periods(beside, 1e-2).ok.mean() > 0.7
 
 
 def _assert_bounces_are_passages(found, face, true, other):
