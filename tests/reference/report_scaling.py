@@ -1,6 +1,7 @@
 """Writes results/scaling/: time and memory against the number of samples, jobs, and distance from F.
 
     python tests/reference/report_scaling.py         # some minutes on two cores; ends quietly on one
+    python tests/reference/report_scaling.py sizes   # the first table only
     python tests/reference/report_scaling.py cost    # against the distance only, half a minute
     python tests/reference/report_scaling.py jobs    # the second job only; `jobs 1000000`: so many samples
 
@@ -187,8 +188,8 @@ def draw_cost(rows: list[tuple[int, list[float | None]]]) -> Figure:
     return dress(ax, x, "time per passage (µs), one core", title, grid=True).figure
 
 
-def main():
-    OUT.mkdir(parents=True, exist_ok=True)
+def sizes():
+    """The part of the page about numbers of samples, with its picture."""
     rows = []
     for name, sizes in (("algebra", STATES), ("race-angles", PASSAGES)):
         for samples in sizes:
@@ -210,8 +211,7 @@ def main():
     for name, n, jobs, seconds, memory in rows:
         gain = f"{single[name, n] / seconds:.2f}" if jobs > 1 else ""
         lines.append(f"| {name} | {n:,} | {jobs} | {n / seconds:,.0f} | {memory:.0f} | {gain} |")
-    lines += ["", "![time and memory](scaling.png)", "", *cost(), "", *jobs(BOTH_JOBS)]
-    leave_page(OUT, lines, "python tests/reference/report_scaling.py")
+    return [*lines, "", "![time and memory](scaling.png)", ""]
 
 
 COST = "Microseconds per passage against the distance from F,"
@@ -234,7 +234,7 @@ def cost():
 JOBS = "## What the second job is worth"
 
 
-def jobs(samples):
+def gains(samples):
     """The part of the page about the second job."""
     return [JOBS, "", *second_job.lines(samples, second_job.measure(samples))]
 
@@ -248,18 +248,27 @@ def parts():
 
 
 def only(which, samples=BOTH_JOBS):
-    """Make one part anew, "cost" or "jobs", and leave the rest of the page."""
+    """Make one part anew, "sizes", "cost" or "jobs", and leave the rest of the page."""
     above, of_cost, of_jobs = parts()
-    if which == "cost":
+    if which == "sizes":
+        above = sizes()
+    elif which == "cost":
         of_cost = [*cost(), ""]
     else:
-        of_jobs = jobs(samples)
+        of_jobs = gains(samples)
     leave_page(OUT, [*above, *of_cost, *of_jobs], "python tests/reference/report_scaling.py")
 
 
+def main():
+    """The whole page."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    lines = [*sizes(), *cost(), "", *gains(BOTH_JOBS)]
+    leave_page(OUT, lines, "python tests/reference/report_scaling.py")
+
+
 if __name__ == "__main__":
-    if sys.argv[1:] == ["cost"]:
-        only("cost")
+    if sys.argv[1:] in (["sizes"], ["cost"]):
+        only(sys.argv[1])
     elif sys.argv[1:2] == ["jobs"]:
         only("jobs", *map(int, sys.argv[2:]))
     elif len(sys.argv) > 1:
