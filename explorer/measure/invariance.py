@@ -24,6 +24,7 @@ from explorer.phase.states import COORDINATES, Array, States, phi_to_states, req
 
 _ACCURACY = 1e-6  # of the motions (rad), far below what a test of some thousand states can see
 _PARTS = 3  # of each coordinate, in the test of all four together: 81 cells
+_STEPS_IN_ALL = 150_000_000  # of all motions together: some seven seconds; those that need more count as failed
 _FEWEST = 20  # states in a cell of both samples; with fewer its share of chi-square is not distributed so
 _MOST_STEPS, _MOST_WORK = 10**7, 10**9  # the latter take some minutes
 _MOST_SAMPLES = 10**7  # of a test; their coordinates take a gigabyte
@@ -180,7 +181,7 @@ def push_forward(
     Raises
     ------
     InputError
-        Where `energy` does not exceed that of an upright disk at rest.
+        Where `energy` does not exceed that of an upright disk at rest, and where no motion reaches `time`.
 
     Examples
     --------
@@ -197,8 +198,13 @@ def push_forward(
     density = energy_density(disk, _HIGHEST * disk.energy_unit if energy is None else number("energy", energy))
     still, start = (density.draw(disk, chunk_stream(seed, index), samples) for index in (0, 1))
     states = phi_to_states(disk, **start)
-    motions = trajectories(states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY)
+    most = _STEPS_IN_ALL // samples
+    motions = trajectories(states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY, max_steps=most)
     good = motions.status == compiled.status.Status.OK
+    if not good.any():
+        raise InputError(
+            f"time = {time:g}: no motion reached it in {most:,} steps; give a shorter time or fewer samples"
+        )
     pushed = np.stack([getattr(motions, name)[good, 0] for name in COORDINATES])
     first = np.stack([still[name] for name in COORDINATES])
     p_values = {

@@ -67,3 +67,14 @@ def test_bad_input_is_named():
         ex.flow_stretch(ex.phi_to_states(disk, 0.0, 1.0, 1.0, 1.0), steps=0)
     with pytest.raises(ex.InputError, match="for 200 states; give up to 1,000,000,000 steps in all"):
         ex.flow_stretch(ex.phi_to_states(disk, np.zeros(200), 1.0, 1.0, 1.0), steps=10**7)
+
+
+def test_the_steps_of_all_motions_are_bounded(monkeypatch):
+    """Motions that need more count as failed; where none arrives there is nothing to compare."""
+    disk = BODIES["uniform"]
+    monkeypatch.setattr(invariance, "_STEPS_IN_ALL", 60 * 2000)
+    some = ex.push_forward(disk, 4.0, 2000)
+    assert 0 < some.failed < 2000
+    assert some.pushed.shape[1] == 2000 - some.failed
+    with pytest.raises(ex.InputError, match="no motion reached it in 60 steps; give a shorter time"):
+        ex.push_forward(disk, 1e4, 2000)
