@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, double_of, plain_number, shown, suggest
+from explorer.errors import InputError, double_of, plain_number, reader, shown, suggest
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array
 
@@ -81,6 +81,11 @@ class Box:
 
 def parse_ranges(given: Any, option: str, known: Collection[str] = COORDINATES) -> dict[str, Range]:
     """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2" or a mapping. Raises InputError naming the option."""
+    return _ranges(option, given, known)
+
+
+@reader
+def _ranges(option: str, given: Any, known: Collection[str]) -> dict[str, Range]:
     if not isinstance(given, str | Mapping):
         raise InputError(f'{option} {shown(given)} is no text; write "phi=0,phidot=-2:2"')
     ranges: dict[str, Range] = {}

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from explorer.errors import InputError
+from explorer.errors import InputError, number
 from explorer.motion.periods import periods
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -103,7 +103,7 @@ def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HA
     require_axial_inertia(disk)
     b, unit = disk.body, disk.rate_unit
     ratio = columns_of(excess=EXCESS if excess is None else excess)[0]
-    eta = disk.eta_hat_to_eta(columns_of(eta_hat=eta_hat)[0][0] / unit)
+    eta = disk.eta_hat_to_eta(number("eta_hat", eta_hat) / unit)
     if ratio.size == 0 or not (np.isfinite(ratio).all() and (ratio > 1.0).all()):
         raise InputError(f"excess = {excess!r}: give finite numbers above 1; the bottom of the well is at 1")
     theta_0 = math.exp((2.0 * math.log(abs(eta)) - math.log(b.I1)) / 3.0) if abs(eta) > 0.0 else math.nan

@@ -66,6 +66,7 @@ def test_the_euler_disk_turns_at_the_rate_of_the_steady_motion():
         (lambda: rocking(UNIFORM, [0.9, 2.0]), "excess = [0.9, 2.0]"),
         (lambda: rocking(UNIFORM, []), "excess = []"),
         (lambda: rocking(UNIFORM, [2.0], 0.0), "eta_hat = 0.0"),
+        (lambda: rocking(UNIFORM, [2.0], [[]]), "eta_hat = [[]] is not a number"),
         (lambda: rocking(UNIFORM, [1e4], 1e-3), "eta_hat = 0.001"),
     ],
 )
