@@ -124,5 +124,5 @@ def test_ranges_that_fail_when_they_are_read_are_refused_by_name():
         def items(self):
             raise ReferenceError("gone")
 
-    with pytest.raises(ex.InputError, match="slice .* fails when it is read"):
+    with pytest.raises(ex.InputError, match=r"slice .* fails when it is read"):
         parse_ranges(Gone(), "slice")
