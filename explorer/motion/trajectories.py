@@ -318,7 +318,7 @@ def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array 
             raise InputError("t_end: give the end of the time, or the times themselves as t_eval")
         return positive("t_end", t_end), None
     times = columns_of(t_eval=t_eval)[0]
-    if not (times.size > 0 and np.all(np.diff(times) > 0.0) and np.isfinite(times).all() and times[0] >= 0.0):
+    if not (times.size > 0 and np.isfinite(times).all() and np.all(np.diff(times) > 0.0) and times[0] >= 0.0):
         raise InputError(f"{said('t_eval', t_eval)} must be a non-empty list of finite, increasing times >= 0")
     last = float(times[-1])
     if t_end is None:

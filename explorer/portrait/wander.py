@@ -245,8 +245,13 @@ def wander_path(states: States, count: int) -> WanderPath:
     if each.status[0] != compiled.status.Status.OK:
         raise InputError(f"states: no period. {compiled.status.Status(int(each.status[0])).sentence}")
     period = float(each.period[0])
-    within = trajectories(states, period, observables=("chi",), accuracy=_ACCURACY).t[0, :-1]
+    course = trajectories(states, period, observables=("chi",), accuracy=_ACCURACY)
+    if course.status[0] != compiled.status.Status.OK:
+        raise InputError(f"states: no path. {compiled.status.Status(int(course.status[0])).sentence}")
+    within = course.t[0, :-1]
     t = np.append((period * np.arange(count)[:, None] + within).ravel(), count * period)
+    if not (np.isfinite(t).all() and (np.diff(t) > 0.0).all()):
+        raise InputError(f"states: points of the path cannot be told apart within a period of {period:.3g}")
     motion = trajectories(states, t_eval=t, observables=("path", "contact"), accuracy=_ACCURACY)
     assert motion.path is not None
     assert motion.contact is not None

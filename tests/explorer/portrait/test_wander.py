@@ -86,6 +86,10 @@ def test_a_motion_without_a_period_has_no_numbers_and_says_why():
         (lambda: wander_path(start(UNIFORM, [1.0, 1.1], 0.01), 3), "2 were given"),
         (lambda: wander_path(start(UNIFORM, 1.0, 0.01), 0), "count = 0"),
         (lambda: wander_path(start(UNIFORM, 1.0, 0.0), 3), "no period"),
+        (
+            lambda: wander_path(ex.phi_to_states(ex.Disk(I1=1e-6), 0.15, 0.1, -0.3, 1e100), 2),
+            "cannot be told apart",
+        ),
     ],
 )
 def test_bad_input_gets_a_sentence(call, says):
