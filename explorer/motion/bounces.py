@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
 from explorer.motion.legs import FALL_KERNELS, falls_of_energy, leg_kernels, legs_of
-from explorer.motion.passages import FLOOR
-from explorer.motion.passages_by_integration import LENIENCE
+from explorer.motion.passages import allowed
 from explorer.motion.passages_by_quadrature import unanswered
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
@@ -204,8 +203,7 @@ def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], ac
     if doubt.any():
         turned = in_turn(abs(found.chi_here) + abs(found.psi_here), abs(found.chi_there) + abs(found.psi_there))
         error += doubt * (1.0 + np.where(doubt > 0.0, turned, 0.0))
-    allowed = np.fmax(LENIENCE * accuracy, FLOOR * (1.0 + np.nan_to_num(fall.time)))
-    status[(status == code.OK) & ~(error <= allowed).all(axis=0)] = code.STEP_LIMIT
+    status[(status == code.OK) & ~(error <= allowed(accuracy, fall.time)).all(axis=0)] = code.STEP_LIMIT
     time = found.time_here + np.nan_to_num(found.time_there)
     return _Pairs(
         face=in_turn(own, -own).astype(np.int8),

@@ -30,7 +30,7 @@ from explorer.phase.states import Array
 
 OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
 # An accuracy below this, times one plus the time of the fall, is met as far as rounding allows.
-FLOOR = 1e-9
+_FLOOR = 1e-9
 # Starts that quadrature answers at a time, so that what is found between stays in the cache.
 _BLOCK = 8192
 
@@ -203,6 +203,12 @@ def passage_kernels(how: Plan) -> tuple[str, ...]:
     return *by, "passages.fall_batch", "races.race_batch"
 
 
+def allowed(accuracy: float, time: Array) -> Array:
+    """The largest error of an answer, for motions that take a time; NaN counts as 0. As `races.measure`."""
+    most: Array = np.fmax(LENIENCE * accuracy, _FLOOR * (1.0 + np.nan_to_num(time)))
+    return most
+
+
 def _in_parts(disk: Disk, given: list[Array], how: Plan, edge: float, jobs: int) -> Passages:
     """Passages, a part of them by each of so many threads."""
     starts = starts_at_vertical(disk, *given)
@@ -241,7 +247,7 @@ def _assemble(
 ) -> Passages:
     """Results in the units of the disk, with the fall taken out of chi. parts: ways of the starts, in order."""
     races, n, first = compiled.races, starts.status.size, 0
-    terms = races.Terms(LENIENCE * how.accuracy, FLOOR)
+    terms = races.Terms(LENIENCE * how.accuracy, _FLOOR)
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
     out, status = rows_apart(12, n), np.empty(n, np.int8)
     for ways in parts:

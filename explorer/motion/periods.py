@@ -11,20 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of
 from explorer.motion.legs import legs_of
-from explorer.motion.passages import FLOOR
-from explorer.motion.passages_by_integration import LENIENCE
+from explorer.motion.passages import allowed
 from explorer.motion.passages_by_quadrature import unanswered
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
 from explorer.motion.starts import crossing_doubt, fallen, held_constants, orbit_starts, seen_from
+from explorer.motion.vertical import LARGEST
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.gauss import packed_rules
 from explorer.phase.lines import LinearConstants, linear_constants
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, columns_of, require_states
-
-_LARGEST = 1e100  # natural units: squares of larger numbers overflow
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -153,8 +151,7 @@ def _orbits(
     if doubt.any():
         found.angle_error[:] += doubt * np.where(doubt > 0.0, abs(found.chi) + abs(found.psi), 0.0)
         found.time_error[:] += doubt
-    allowed = np.fmax(LENIENCE * accuracy, FLOOR * (1.0 + np.nan_to_num(found.time)))
-    missed = ~(np.fmax(found.angle_error, found.time_error) <= allowed)
+    missed = ~(np.fmax(found.angle_error, found.time_error) <= allowed(accuracy, found.time))
     code[(code == compiled.status.Status.OK) & missed] = compiled.status.Status.STEP_LIMIT
     out[:, code != compiled.status.Status.OK] = np.nan
     return out, code
@@ -168,7 +165,7 @@ def _known(states: States, eta_hat: ArrayLike | None) -> tuple[NDArray[np.int8],
     given = columns_of(eta_hat=eta_hat, states=natural.sigma3_bar.reshape(states.shape))[0] / states.disk.rate_unit
     if given.size != len(states):
         raise InputError(f"eta_hat broadcasts to {given.size} entries for {len(states)} states; give one for each")
-    good = (states.status == compiled.status.Status.OK) & (abs(given) < _LARGEST)
+    good = (states.status == compiled.status.Status.OK) & (abs(given) < LARGEST)
     linear = linear_constants(states.disk, natural.sigma3_bar, np.where(good, given, np.nan), states.rows.z >= 0.0)
     status = np.where(good, compiled.status.Status.OK, compiled.status.Status.BAD_INPUT).astype(np.int8)
     return status, linear

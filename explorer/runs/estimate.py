@@ -89,7 +89,7 @@ def estimate(asked: Asked) -> Estimate:
 
 def bytes_stored(rows: Table, tally: Tally, times: float = 1.0) -> float:
     """What a chunk with these counts, and so many times these rows, takes as a Parquet file, about."""
-    size = 1.0 * len(json.dumps(json.dumps(tally)))  # as text in the footer
+    size = float(len(json.dumps(json.dumps(tally))))  # as text in the footer
     for values in rows.values():
         some = values[:_PACKED_ROWS]
         text = some.tobytes() if some.dtype.kind in "biuf" else "\n".join(map(str, some)).encode()
