@@ -31,7 +31,7 @@ SYNTAX = (
 )
 # I3 may exceed 2 I1 by rounding of doubles; numbers that are not text have no last digit to be rounded at.
 _ROUNDING = 1e-12
-_LARGEST = 1e150  # of a rate in natural units whose square is wanted
+LARGEST_RATE = 1e150  # natural units: squares of rates overflow beyond
 
 
 class Description(dict[str, float | str]):
@@ -218,9 +218,9 @@ class Disk:
     def energy_at_flat(self, sigma3_bar: Number) -> Number:
         """V_0, the amended potential at flat on a line l_+-, eq. (6.9); natural units. Needs I3 > 0."""
         bar = read_number("sigma3_bar", sigma3_bar)
-        if np.any(abs(bar) > _LARGEST):
+        if np.any(abs(bar) > LARGEST_RATE):
             raise InputError(
-                f"sigma3_bar = {shown(sigma3_bar)}: squares overflow; give up to {_LARGEST:g} in size"
+                f"sigma3_bar = {shown(sigma3_bar)}: squares overflow; give up to {LARGEST_RATE:g} in size"
             )
         flat: Number = potential_at_flat(self.body, bar)
         return flat

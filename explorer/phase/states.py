@@ -16,12 +16,11 @@ from explorer import compiled
 from explorer.errors import InputError, is_a, shown
 from explorer.phase.arguments import columns_of as columns_of
 from explorer.phase.arguments import read_columns
+from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
-from explorer.phase.disk import Disk, require_disk
 from explorer.phase.lines import LinearConstants, line_slope, linear_constants
 
 COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
-_LARGEST = 1e150  # natural units: squares of rates overflow beyond
 
 
 class StateWarning(UserWarning):
@@ -326,8 +325,8 @@ def _states(disk: Disk, x: _Chart, good: NDArray[np.bool_], shape: tuple[int, ..
         np.divide(x.sigma4, unit, out=row.sigma4)
     # Squares beyond overflow; NaN fails the comparison as well. rho may be large near flat.
     rates = row.p, row.rho * x.q, row.sigma4
-    if not all(rate.min(initial=0.0) > -_LARGEST and rate.max(initial=0.0) < _LARGEST for rate in rates):
-        good &= np.all([abs(rate) < _LARGEST for rate in rates], axis=0)
+    if not all(rate.min(initial=0.0) > -LARGEST_RATE and rate.max(initial=0.0) < LARGEST_RATE for rate in rates):
+        good &= np.all([abs(rate) < LARGEST_RATE for rate in rates], axis=0)
     good &= np.isfinite(row.rho)
     # A placeholder keeps the kernels away from values that mean nothing; the status says so.
     natural[:, ~good] = 0.0
