@@ -17,6 +17,7 @@ from explorer import compiled
 from explorer.measure.box_integrals import NaturalDensity, ends_of_bar, mirrored
 from explorer.measure.density import Density
 from explorer.measure.sampling import Range
+from explorer.motion.turning_points import lowest_tilts
 from explorer.phase.disk import Disk
 from explorer.phase.lines import LineChart, line_chart, other_eta_hat
 from explorer.phase.states import Array
@@ -215,8 +216,8 @@ class Tube:
         here, there = np.where(place.z >= 0.0, [eta, other], [other, eta]) * disk.eta_hat_to_eta(1.0)
         starts = np.stack([place.h, place.phidot, bar, here, there, abs(place.z)])[:, rows]
         orbits = compiled.point.Orbits(*np.ascontiguousarray(starts))
-        out, code = np.empty(rows.size), np.zeros(rows.size, np.int8)
-        compiled.orbits.tilt_batch(orbits, accuracy, disk.natural, out, code)
+        code = np.zeros(rows.size, np.int8)
+        out = lowest_tilts(disk, orbits, accuracy, code)
         theta, status = np.full(bar.size, np.nan), np.zeros(bar.size, np.int8)
         theta[rows], status[rows] = np.where(code == 0, out, np.nan), code
         return theta, status

@@ -9,6 +9,7 @@ from explorer import compiled
 from explorer.motion.plan import Plan
 from explorer.motion.starts import held_constants, orbit_starts, status_at_start
 from explorer.phase.constants import NaturalConstants, natural_constants
+from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 
 # Some thousand passages at the finest settings; only a start beside an equilibrium needs more.
@@ -83,7 +84,8 @@ def followed(
 
 def tilt_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `smallest_tilt`, for `compiled.warmup`."""
-    return "algebra.constants_batch", "orbits.tilt_batch" if how.method == "quadrature" else how.first_event
+    by_roots = ("ends.end_batch", "orbits.tilt_batch")
+    return "algebra.constants_batch", *(by_roots if how.method == "quadrature" else (how.first_event,))
 
 
 def smallest_tilt(
@@ -99,13 +101,22 @@ def smallest_tilt(
     if natural is None:
         natural = natural_constants(states)
     if how.method == "quadrature":
-        disk, theta, steps = states.disk, np.empty(len(states)), np.zeros(len(states), np.int32)
-        status = status_at_start(states, natural)
-        starts = orbit_starts(states, natural.linear)
-        compiled.orbits.tilt_batch(starts, how.accuracy, disk.natural, theta, status)
+        status, steps = status_at_start(states, natural), np.zeros(len(states), np.int32)
+        theta = lowest_tilts(states.disk, orbit_starts(states, natural.linear), how.accuracy, status)
     else:
         theta, status, steps = _both_ways(states, how, natural)
     return np.where(status == code.OK, theta, np.nan), status, steps
+
+
+def lowest_tilts(disk: Disk, orbits: "compiled.point.Orbits", accuracy: float, status: NDArray[np.int8]) -> Array:
+    """The tilt of motions at their flattest moment (rad), from the roots of E - V, which lanes look for first.
+
+    status: samples that come in as not OK are skipped; it becomes the outcome's.
+    """
+    theta, rows = np.empty(status.size), np.empty((5, status.size))
+    compiled.ends.end_batch(orbits, disk.leg_tables, disk.natural, rows, status)
+    compiled.orbits.tilt_batch(orbits, compiled.ends.Ends(*rows), accuracy, disk.natural, theta, status)
+    return theta
 
 
 def _both_ways(

@@ -5,6 +5,7 @@ and the counts are compared with what the scene stores; `verify` and `resume` lo
 """
 
 from collections import Counter
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -35,6 +36,7 @@ def held_by(schema: "pa.Schema", rows: int) -> Held:
     return Held([(field.name, _kind(field.type)) for field in schema], rows)
 
 
+@lru_cache(256)
 def _kind(kind: "pa.DataType") -> str:
     import pyarrow as pa
 

@@ -13,7 +13,7 @@ from kernels.integrals import nodes
 from kernels.integrals.departure import at_vertical
 from kernels.integrals.ends import Ends
 from kernels.integrals.legs import passages_of
-from kernels.integrals.point import VERTICAL, Motion, Orbits, Seen, met, point
+from kernels.integrals.point import VERTICAL, Motion, Orbits, Point, Seen, met, point
 from kernels.integrals.quadrature import FLOOR, PassageRow, Rules, Start, magnitude, passage
 from kernels.integrals.turning import turning_point, turning_point_outward
 from kernels.integrals.wells import WIDEST, find_well, guess
@@ -30,6 +30,7 @@ _SHARP = 1e-8  # an accuracy that a soon return does not reach by rules
 _SMALL = 0.02  # in x: turning points of larger wobbles are as sharp without their series
 _ROUNDING = 8.0 * 2.2e-16  # of E - V at the vertical, for each unit of its terms
 _HIDDEN = 64.0 * 2.2e-16  # the same, where it decides whether the vertical is crossed
+_APART = 1.1  # of h: between ends nearer than this a motion is a wobble, which series tell sharper
 
 
 class OrbitRow(NamedTuple, Generic[Entry]):
@@ -209,9 +210,35 @@ def orbit_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Ma
         put(period_of(here, there), out, i)
 
 
+@device
+def told_by_lanes(ends: Ends, i: int) -> float:
+    """h at the flattest moment, where both ends are known and apart; else NaN."""
+    here, there = ends.here[i], ends.there[i]
+    if not ends.outer[i] > _APART * here:
+        return math.nan
+    return there if there < here else here
+
+
+@subroutine
+def flattest(seen: Seen, at: Point[float], motion: Motion, far: float, disk: Disk, W: Vector) -> float:
+    """h at the flattest moment of a motion through a state on face +1; NaN if it is not found.
+
+    at: that state; far: Y of the other face.
+    """
+    # At rest, where nothing draws it towards flat, it is flattest there.
+    rest = seen.rate == 0.0
+    least = seen.h if rest and not at.slope > 0.0 else turning_point(seen.h, rest, motion, disk, W)
+    outer = way_out(seen, motion, disk, W)
+    if outer == 0.0:
+        return math.nan
+    if not outer > 0.0:
+        least = min(least, turning_point(VERTICAL, False, Motion(motion.X, far, motion.level), disk, W))
+    return least
+
+
 @kernel
-def tilt_batch(orbits: Orbits, target: float, disk: Disk, out: Vector, status: Codes) -> None:
-    """Smallest tilt of every motion, from both of its turning points.
+def tilt_batch(orbits: Orbits, ends: Ends, target: float, disk: Disk, out: Vector, status: Codes) -> None:
+    """Smallest tilt of every motion, from both of its turning points; ends: those that lanes have found.
 
     A sample whose energy is not known to `target` times what it has above V_0 is STEP_LIMIT; those that
     come in as not OK are skipped.
@@ -222,25 +249,18 @@ def tilt_batch(orbits: Orbits, target: float, disk: Disk, out: Vector, status: C
         out[i] = math.nan
         if status[i] != _OK:
             continue
-        h, rate, X, Y = orbits.h[i], orbits.rate[i], orbits.sigma3_bar[i] / b.r0, orbits.near[i] / b.I1
-        at, motion = met(h, rate, X, Y, disk)
-        far = guess(h, rate, at, b)
-        if far <= _SMALL:
-            well = find_well(h, rate, at, motion, far, disk, W)
-            if well.outer >= well.inner and well.shift <= target:
-                out[i] = least_tilt(well, W)
-                continue
-        least, outer = (
-            turning_point(h, rate == 0.0, motion, disk, W),
-            way_out(Seen(h, rate, orbits.z[i]), motion, disk, W),
-        )
-        if outer == 0.0:
-            status[i] = _LIMIT
-            continue
-        if not outer > 0.0:
-            mirrored = Motion(X, orbits.far[i] / b.I1, motion.level)
-            least = min(least, turning_point(VERTICAL, False, mirrored, disk, W))
+        X, least, level = orbits.sigma3_bar[i] / b.r0, told_by_lanes(ends, i), ends.level[i]
+        if not least > 0.0:
+            seen = Seen(orbits.h[i], orbits.rate[i], orbits.z[i])
+            at, motion = met(seen.h, seen.rate, X, orbits.near[i] / b.I1, disk)
+            reach = guess(seen.h, seen.rate, at, b)
+            if reach <= _SMALL:
+                well = find_well(seen.h, seen.rate, at, motion, reach, disk, W)
+                if well.outer >= well.inner and well.shift <= target:
+                    out[i] = least_tilt(well, W)
+                    continue
+            least, level = flattest(seen, at, motion, orbits.far[i] / b.I1, disk, W), motion.level
         out[i] = 2.0 * math.asin(0.5 * least)
         scale = potential_at_flat(X, b)
-        if not (least > 0.0 and _ROUNDING_AT_FLAT * scale <= target * abs(motion.level + scale)):
+        if not (least > 0.0 and _ROUNDING_AT_FLAT * scale <= target * abs(level + scale)):
             status[i] = _LIMIT

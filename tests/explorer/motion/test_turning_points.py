@@ -68,3 +68,14 @@ def test_a_motion_that_fails_one_way_has_no_smallest_tilt():
     theta, status, _ = smallest_tilt(constants_to_states(disk, 0.7, [0.0, 1e-3], 1.0), plan(("theta_min",)))
     assert status[0] == ex.Status.FALLS
     assert np.isnan(theta).tolist() == [True, False]
+
+
+def test_a_state_at_rest_is_flattest_there_or_at_its_other_end():
+    """As states beside it that hardly move are; one at rest that rises was left unresolved."""
+    disk, phi = BODIES["uniform"], [0.5, -0.3, 0.2]
+    by_roots, near_rest = (
+        smallest_tilt(phi_to_states(disk, phi, rate, [0.3, 1.5, 0.1], [0.3, 1.2, 0.0]), plan(("theta_min",)))
+        for rate in (0.0, 1e-9)
+    )
+    assert (by_roots[1] == ex.Status.OK).all()
+    np.testing.assert_allclose(by_roots[0], near_rest[0], rtol=1e-12)
