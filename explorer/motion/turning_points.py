@@ -89,19 +89,25 @@ def tilt_kernels(how: Plan) -> tuple[str, ...]:
 
 
 def smallest_tilt(
-    states: States, how: Plan, natural: NaturalConstants | None = None
+    states: States,
+    how: Plan,
+    natural: NaturalConstants | None = None,
+    of_states: NDArray[np.int8] | None = None,
 ) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
     """theta_min of every motion (rad), with status and number of steps.
 
     A motion swings between two turning points. By quadrature they are roots of the amended
     potential; by integration, following it forward to one and backward to the other costs half a
     period in all, and if either fails the sample fails.
+
+    of_states: the status that `falls_of` gives them, where it is known already.
     """
     code = compiled.status.Status
     if natural is None:
         natural = natural_constants(states)
     if how.method == "quadrature":
-        status, steps = status_at_start(states, natural), np.zeros(len(states), np.int32)
+        status = status_at_start(states, natural) if of_states is None else of_states.copy()
+        steps = np.zeros(len(states), np.int32)
         theta = lowest_tilts(states.disk, orbit_starts(states, natural.linear), how.accuracy, status)
     else:
         theta, status, steps = _both_ways(states, how, natural)

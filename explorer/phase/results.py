@@ -4,6 +4,7 @@ import html
 import zipfile
 from collections import Counter
 from dataclasses import fields, replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -209,6 +210,7 @@ def _write_npz(place: Path, arrays: dict[str, Any]) -> None:
                 np.lib.format.write_array(entry, np.asanyarray(values), allow_pickle=False)
 
 
+@cache
 def _names() -> list[str]:
     return [code.name.lower() for code in compiled.status.Status]
 

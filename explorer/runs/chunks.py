@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from explorer.errors import InputError, RunError
-from explorer.runs import store
+from explorer.runs import schema, store
 from explorer.scenes.base import Chunks, Scene, Table, Tally
 
 Columns = Sequence[str] | None
@@ -26,7 +26,7 @@ class StoredChunk:
     """A chunk in a file, which may be anyone's: it is compared with the one that is due before it is used."""
 
     path: Path
-    place: store.Place
+    place: schema.Place
 
     def note(self) -> store.Note:
         return store.read_note(self.path, self.place)
@@ -65,9 +65,9 @@ class Part:
         return self.held if self.folder is None else self._stored(store.all_chunks(self.folder))
 
     def _stored(self, paths: Mapping[int, list[Path]]) -> dict[int, Chunk]:
-        seen = store.Seen()
+        seen = schema.Seen()
         return {
-            index: StoredChunk(some[-1], store.Place(self.scene, index, seen)) for index, some in paths.items()
+            index: StoredChunk(some[-1], schema.Place(self.scene, index, seen)) for index, some in paths.items()
         }
 
     def complete(self) -> list[Chunk]:

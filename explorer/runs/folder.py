@@ -22,7 +22,7 @@ from typing import Any
 from explorer import compiled
 from explorer.errors import InputError, RunError, shorten, shown
 from explorer.phase.paths import path_of
-from explorer.runs import store
+from explorer.runs import schema, store
 from explorer.runs.machine import arithmetic, machine
 from explorer.runs.pictures import KNOWN, files_of
 from explorer.runs.strangers import FILE, StrangeError, no_link, plain_file, plain_names, what_stands
@@ -116,19 +116,19 @@ def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str],
     for leftover in (*begun, *(folder / "chunks").glob(".chunk-*.tmp")):
         with contextlib.suppress(OSError):  # a folder of that name for instance
             leftover.unlink(missing_ok=True)
-    good, seen = dict[int, list[Path]](), store.Seen()
-    for path in sorted((folder / "chunks").glob("*.parquet")):
+    good, seen = dict[int, list[Path]](), schema.Seen()
+    for path in store.files(folder):
         index = store.number_of(path)
         if index is None:
-            fault: str | None = "is no chunk of a run"
+            found: store.Note | str = "is no chunk of a run"
         elif index >= scene.chunks():
-            fault = f"is beyond the end of the run, which has {scene.chunks():,} chunks"
+            found = f"is beyond the end of the run, which has {scene.chunks():,} chunks"
         else:
-            fault = store.fault_of(path, store.Place(scene, index, seen), shared)
-        if fault is None and index is not None:
-            good.setdefault(index, []).append(path)
+            found = store.examined(path, schema.Place(scene, index, seen), shared)
+        if isinstance(found, store.Note):
+            good.setdefault(found.index, []).append(path)
         else:
-            say(f"{path.name}: {fault}; it is put aside in {folder / 'bad'}")
+            say(f"{path.name}: {found}; it is put aside in {folder / 'bad'}")
             _put_aside(path, folder / "bad")
     for index, paths in [(index, paths) for index, paths in good.items() if len(paths) > 1]:
         # Nothing says which is the right one.

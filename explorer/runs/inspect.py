@@ -11,7 +11,7 @@ from typing import Any
 from explorer.errors import RunError
 from explorer.measure import statistics
 from explorer.runs import folder as folders
-from explorer.runs import store
+from explorer.runs import schema, store
 from explorer.runs.chunks import Part, summary_of
 from explorer.runs.pictures import KNOWN, there
 from explorer.runs.strangers import plain_names, what_stands
@@ -102,28 +102,31 @@ def faults(part: Part) -> list[str]:
 def verify(folder: Path) -> list[str]:
     """Everything that is wrong with a stored run, a line each; empty where all is well. Raises InputError."""
     scene = folders.scene_of(folder)
-    shared, paths = folders.digest_of_identity(scene), store.found_chunks(folder)
-    faults, seen = [], store.Seen()
+    shared, files = folders.digest_of_identity(scene), store.files(folder)
+    numbered = store.by_number(files)
+    paths = {number: some[-1] for number, some in numbered.items()}
+    faults, seen, digests = list[str](), schema.Seen(), list[str]()
     before, now = folders.read_record(folder)["identity"], folders.identity(scene)
     for what in ("kernels", "code", "calibration"):
         if before.get(what) != now.get(what):
             # Its own code made these chunks; only what they say of themselves can be checked.
             shared = _said_identity(paths) or shared
             faults.append(f"run.json: other {what} than these computed the run; it cannot be resumed with them")
-    doubled = {path for some in store.all_chunks(folder).values() if len(some) > 1 for path in some}
-    known = set(paths.values()) - doubled
-    strangers = [p for p in sorted((folder / "chunks").glob("*.parquet")) if p not in known]
+    known = {some[0] for some in numbered.values() if len(some) == 1}
+    strangers = [path for path in files if path not in known]
     faults += [f"{path.name}: is no chunk of this run, or there are two of its number" for path in strangers]
     due, missing = range(scene.chunks()), scene.chunks() - sum(index < scene.chunks() for index in paths)
     faults += [f"chunk {i}: is missing" for i in islice((i for i in due if i not in paths), _MOST_MISSING)]
     if missing > _MOST_MISSING:
         faults.append(f"chunks: {missing - _MOST_MISSING:,} more are missing, {missing:,} of {len(due):,} in all")
     for index in sorted(index for index in paths if index in due):
-        fault = store.fault_of(paths[index], store.Place(scene, index, seen), shared)
-        if fault:
-            faults.append(f"{paths[index].name}: {fault}")
+        found = store.examined(paths[index], schema.Place(scene, index, seen), shared)
+        if isinstance(found, store.Note):
+            digests.append(found.digest)
+        else:
+            faults.append(f"{paths[index].name}: {found}")
     faults += [f"{paths[i].name}: is beyond the end of the run" for i in sorted(paths) if i >= scene.chunks()]
-    return faults or _summary_faults(folder, paths, scene.chunks())
+    return faults or _summary_faults(folder, digests)
 
 
 def _said_identity(paths: dict[int, Path]) -> str | None:
@@ -134,16 +137,16 @@ def _said_identity(paths: dict[int, Path]) -> str | None:
     return None
 
 
-def _summary_faults(folder: Path, paths: dict[int, Path], count: int) -> list[str]:
-    """A summary that does not belong to the chunks."""
+def _summary_faults(folder: Path, digests: list[str]) -> list[str]:
+    """A summary that does not belong to the chunks, whose digests are given in order."""
     if what_stands(folder / "summary.json") is None:
         return []
     try:
         digest = dict(store.read_json(folder / "summary.json")).get("digest")
     except (RunError, TypeError, ValueError) as error:
         return [str(error)]
-    of_chunks = store.digest_of_all(store.read_note(paths[index]).digest for index in range(count))
-    return [] if digest == of_chunks else ["summary.json: does not belong to these chunks; run `nearflat summary`"]
+    same = digest == store.digest_of_all(digests)
+    return [] if same else ["summary.json: does not belong to these chunks; run `nearflat summary`"]
 
 
 def summary(folder: Path) -> dict[str, Any]:

@@ -5,6 +5,7 @@ and the counts are compared with what the scene stores; `verify` and `resume` lo
 """
 
 from collections import Counter
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -19,8 +20,11 @@ from explorer.scenes.base import Scene, Table, Tally
 
 if TYPE_CHECKING:
     import pyarrow as pa
+    import pyarrow.parquet as pq
 
 _TEXT, _TIME, _STATUS = "text", "time", "status"
+_ARROW = b"ARROW:schema"  # where Arrow writes what Parquet's types do not say
+_SMALL, _DENSEST = 1 << 26, 256  # bytes that may be packed at will; lz4 packs so many into one at most
 _SHOWN = 40  # characters of a name or a type in a message
 
 
@@ -100,13 +104,56 @@ def check_counts(scene: Scene, index: int, samples: int, tally: Tally) -> None:
     scene.check_tally(index, tally)
 
 
+@dataclass
+class Seen:
+    """Which columns were found good last: chunks of a run hold the same, which are looked at once.
+
+    good: as Parquet has them, and what Arrow says of them.
+    """
+
+    good: "tuple[pq.ParquetSchema, bytes | None] | None" = None
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a chunk is due: which number, of which run. Readers ask whether a file may stand there.
+
+    seen: shared by all places of a scene where many chunks are read.
+    """
+
+    scene: Scene
+    index: int
+    seen: Seen = field(default_factory=Seen, compare=False, repr=False)
+
+    def check(self, index: int, samples: int, tally: Tally) -> None:
+        """Raise ValueError where a chunk that says this is not the one that is due."""
+        if index != self.index:
+            raise StrangeError(f"it is chunk {shown(index)}")
+        check_counts(self.scene, self.index, samples, tally)
+
+    def check_held(self, file: "pq.ParquetFile") -> None:
+        """Raise ValueError where a file does not hold such columns, or so many rows."""
+        rows, said = file.metadata.num_rows, (file.metadata.metadata or {}).get(_ARROW)
+        columns, before = self.seen.good or (None, None)
+        if columns is None or said != before or not file.schema.equals(columns):
+            check_columns(self.scene, held_by(file.schema_arrow, rows))
+            self.seen.good = file.schema, said
+        check_rows(self.scene, self.index, rows)
+        groups = [file.metadata.row_group(i) for i in range(file.metadata.num_row_groups)]
+        columns_of = [group.column(i) for group in groups for i in range(group.num_columns)]
+        size = sum(column.total_uncompressed_size for column in columns_of)
+        most = _SMALL + _DENSEST * sum(column.total_compressed_size for column in columns_of)
+        if size > most:
+            raise StrangeError(f"its columns unpack to {size:,} bytes; {most:,} is the most that is read")
+
+
 def check_values(scene: Scene, index: int, table: Table, tally: Tally) -> None:
     """Raise StrangeError where a number is missing though the status is ok, or rows are more than were counted."""
     status = table["status"]
     ok = status == compiled.status.Status.OK
     if type(scene).columns != Scene.columns:
         for name in scene.stored:
-            if name not in scene.may_be_unknown and not _finite(table[name][ok]):
+            if name not in scene.may_be_unknown and not _finite(table[name], ok):
                 raise StrangeError(f"column {name!r} is not finite in a row with status ok")
     rows, counted = statistics.count_status([status]), tally["status"]
     all_of_them = len(set(scene.rows(index))) == 1
@@ -116,8 +163,12 @@ def check_values(scene: Scene, index: int, table: Table, tally: Tally) -> None:
             raise StrangeError(f"it holds {here:,} rows with status {name}, and counts {there:,}")
 
 
-def _finite(values: np.ndarray) -> bool:
-    return values.dtype.kind != "f" or bool(np.isfinite(values).all())
+def _finite(values: np.ndarray, rows: np.ndarray) -> bool:
+    if values.dtype.kind != "f":
+        return True
+    # A sum is a number only where every term is one; it may overflow.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool(np.isfinite(values.sum()) or np.isfinite(values[rows]).all())
 
 
 def _counts_rows(scene: Scene) -> bool:

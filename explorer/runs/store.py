@@ -10,16 +10,16 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import closing
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, RunError, shorten, shown
+from explorer.errors import InputError, RunError, shorten
 from explorer.phase.results import status_codes, to_arrow
 from explorer.runs import schema
 from explorer.runs.strangers import (
@@ -38,9 +38,8 @@ if TYPE_CHECKING:
 
 _NAME = re.compile(r"chunk-([0-9]{6}|[1-9][0-9]{6,8})-([0-9a-f]{16})\.parquet")
 _KEY = b"nearflat"
-_ARROW = b"ARROW:schema"  # where Arrow writes what Parquet's types do not say
 _LOOKED_AT = 256  # rows of a column, which tell whether its numbers repeat
-_SMALL, _DENSEST = 1 << 26, 256  # bytes that may be packed at will; lz4 packs so many into one at most
+_SMALL = 1 << 26  # bytes of a file that is read at once
 _FEW = 1 << 14  # rows, which one thread has read before others are asked to
 _LONGEST, _SHOWN = 300, 40  # characters of a message, and of a name in it
 _NOTE: dict[str, type] = {"index": int, "identity": str, "samples": int, "digest": str, "tally": dict}
@@ -61,49 +60,6 @@ class Note:
     tally: dict[str, Any]
 
 
-@dataclass
-class Seen:
-    """Which columns were found good last: chunks of a run hold the same, which are looked at once.
-
-    good: as Parquet has them, and what Arrow says of them.
-    """
-
-    good: "tuple[pq.ParquetSchema, bytes | None] | None" = None
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where a chunk is due: which number, of which run. Readers ask whether a file may stand there.
-
-    seen: shared by all places of a scene where many chunks are read.
-    """
-
-    scene: Scene
-    index: int
-    seen: Seen = field(default_factory=Seen, compare=False, repr=False)
-
-    def check(self, note: Note) -> None:
-        """Raise ValueError where a chunk that says this is not the one that is due."""
-        if note.index != self.index:
-            raise StrangeError(f"it is chunk {shown(note.index)}")
-        schema.check_counts(self.scene, self.index, note.samples, note.tally)
-
-    def check_held(self, file: "pq.ParquetFile") -> None:
-        """Raise ValueError where a file does not hold such columns, or so many rows."""
-        rows, said = file.metadata.num_rows, (file.metadata.metadata or {}).get(_ARROW)
-        columns, before = self.seen.good or (None, None)
-        if columns is None or said != before or not file.schema.equals(columns):
-            schema.check_columns(self.scene, schema.held_by(file.schema_arrow, rows))
-            self.seen.good = file.schema, said
-        schema.check_rows(self.scene, self.index, rows)
-        groups = [file.metadata.row_group(i) for i in range(file.metadata.num_row_groups)]
-        columns_of = [group.column(i) for group in groups for i in range(group.num_columns)]
-        size = sum(column.total_uncompressed_size for column in columns_of)
-        most = _SMALL + _DENSEST * sum(column.total_compressed_size for column in columns_of)
-        if size > most:
-            raise StrangeError(f"its columns unpack to {size:,} bytes; {most:,} is the most that is read")
-
-
 def found_chunks(folder: Path) -> dict[int, Path]:
     """The chunk files of a run by number; of two with the same number, one."""
     return {number: paths[-1] for number, paths in all_chunks(folder).items()}
@@ -111,12 +67,22 @@ def found_chunks(folder: Path) -> dict[int, Path]:
 
 def all_chunks(folder: Path) -> dict[int, list[Path]]:
     """All files whose name is that of a chunk, by number."""
-    paths: dict[int, list[Path]] = {}
-    for path in sorted((folder / "chunks").glob("chunk-*.parquet")):
-        match = _NAME.fullmatch(path.name)
-        if match:
-            paths.setdefault(int(match[1]), []).append(path)
-    return paths
+    return by_number(files(folder))
+
+
+def files(folder: Path) -> list[Path]:
+    """What stands among the chunks of a run, in order of names; files that are being written have other names."""
+    return sorted((folder / "chunks").glob("*.parquet"))
+
+
+def by_number(paths: Iterable[Path]) -> dict[int, list[Path]]:
+    """Those files whose name is that of a chunk, by number."""
+    numbered: dict[int, list[Path]] = {}
+    for path in paths:
+        number = number_of(path)
+        if number is not None:
+            numbered.setdefault(number, []).append(path)
+    return numbered
 
 
 def number_of(path: Path) -> int | None:
@@ -125,8 +91,10 @@ def number_of(path: Path) -> int | None:
     return int(match[1]) if match else None
 
 
-def write_chunk(folder: Path, note: Note, table: Table) -> Path:
+def write_chunk(folder: Path, note: Note, table: "pa.Table") -> Path:
     """Write a chunk so that its name exists only if its content is complete and on disk.
+
+    table: as `made_table` gives it.
 
     Page checksums are on: without them Parquet reads most single flipped bits back as data. The name is of the
     bytes that were to be written, so that a disk that kept others is found out.
@@ -139,7 +107,7 @@ def write_chunk(folder: Path, note: Note, table: Table) -> Path:
         text = json.dumps(vars(note), allow_nan=False)
         content = json.dumps({"note": text, "check": _sha(text.encode())})
         made = pa.BufferOutputStream()
-        write_parquet(to_arrow(table), made, {_KEY: content.encode()})  # with units and meanings; status by name
+        write_parquet(table, made, {_KEY: content.encode()})
         whole = memoryview(made.getvalue())
         with temporary.open("wb") as stream:
             stream.write(whole)
@@ -161,15 +129,19 @@ def write_chunk(folder: Path, note: Note, table: Table) -> Path:
     return path
 
 
-def check_made(place: Place, note: Note, table: Table) -> None:
-    """Raise RunError where a scene made what readers of its chunks would refuse; a user's may."""
+def made_table(place: schema.Place, note: Note, table: Table) -> "pa.Table":
+    """What a scene made as it is stored: with units and meanings, status by name.
+
+    Raises RunError where readers of its chunks would refuse it; a user's scene may make such.
+    """
     try:
-        arrow = to_arrow({name: values[:1] for name, values in table.items()})
         rows = {values.size for values in table.values()}
         if len(rows) != 1:
             raise StrangeError(f"its columns have {sorted(rows)} rows")
-        place.check(note)
+        arrow = to_arrow(table)
+        place.check(note.index, note.samples, note.tally)
         schema.check_held(place.scene, place.index, schema.held_by(arrow.schema, rows.pop()))
+        return arrow
     except _damage() as error:
         fault = shorten(" ".join(str(error).split()), 150)
         raise RunError(f"chunk {note.index}: {place.scene.name} made what cannot be stored ({fault})") from None
@@ -204,7 +176,9 @@ def write_parquet(table: "pa.Table", stream: Any, metadata: Mapping[bytes, bytes
 def _repeats(column: "pa.ChunkedArray") -> bool:
     """Whether numbers repeat among the first ones: a coordinate that is fixed, NaN of what was not computed."""
     some = np.asarray(column.slice(0, _LOOKED_AT))
-    return np.unique(some).size < some.size
+    # Bits, so that NaN repeats too.
+    ordered = np.sort(some.view(f"u{some.itemsize}"))
+    return bool((ordered[1:] == ordered[:-1]).any())
 
 
 def _sync(place: Path) -> None:
@@ -226,23 +200,23 @@ def _digest_of_bytes(path: Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def read_note(path: Path, place: Place | None = None) -> Note:
+def read_note(path: Path, place: schema.Place | None = None) -> Note:
     """What the footer of a chunk says. Raises DamagedError naming the file, also where another one is due."""
     try:
-        with closing(_opened(path)) as file:
+        with _opened(path) as file:
             note = _noted(file)
             if place is not None:
-                place.check(note)
+                place.check(note.index, note.samples, note.tally)
                 place.check_held(file)
             return note
     except _damage() as error:
         raise _damaged(path, error) from error
 
 
-def read_chunk(path: Path, columns: Sequence[str] | None = None, place: Place | None = None) -> Table:
+def read_chunk(path: Path, columns: Sequence[str] | None = None, place: schema.Place | None = None) -> Table:
     """The kept rows of a chunk, checksums verified; some columns, or all. Raises DamagedError as `read_note`."""
     try:
-        with closing(_opened(path)) as file:
+        with _opened(path) as file:
             if place is not None:
                 place.check_held(file)
             return _rows(file, columns)
@@ -250,10 +224,16 @@ def read_chunk(path: Path, columns: Sequence[str] | None = None, place: Place | 
         raise _damaged(path, error) from error
 
 
-def _opened(path: Path) -> "pq.ParquetFile":
+@contextmanager
+def _opened(path: Path, content: bytes | None = None) -> "Iterator[pq.ParquetFile]":
+    """A chunk, whose file is read again only where its bytes are not at hand."""
+    import pyarrow as pa
     import pyarrow.parquet as pq
 
-    return pq.ParquetFile(parquet_file(path), page_checksum_verification=True)
+    # Arrow would look for the kind of file system in a path, which takes as long as to open the file.
+    whole = pa.OSFile(str(parquet_file(path))) if content is None else pa.BufferReader(content)
+    with whole as stream, closing(pq.ParquetFile(stream, page_checksum_verification=True)) as file:
+        yield file
 
 
 def _noted(file: "pq.ParquetFile") -> Note:
@@ -317,36 +297,38 @@ def _named(path: Path, *others: str) -> str:
     return str(path) if len(str(path)) <= room else path.name
 
 
-def fault_of(path: Path, place: Place, identity: str) -> str | None:
-    """What is wrong with a chunk that is due in this place of this run, to the last value; None if nothing is."""
-    fault = _fault_of_bytes(path)
-    if fault is not None:
-        return fault
+def examined(path: Path, place: schema.Place, identity: str) -> Note | str:
+    """What the chunk says that is due in this place of this run, or what is wrong with it, to the last value."""
+    content = _intact(path)
+    if isinstance(content, str):
+        return content
     try:
-        with closing(_opened(path)) as file:
+        with _opened(path, content) as file:
             note = _noted(file)
             if note.identity != identity:
                 return "it belongs to another run"
-            place.check(note)
+            place.check(note.index, note.samples, note.tally)
             place.check_held(file)
             table = _rows(file, None)
         schema.check_values(place.scene, place.index, table, note.tally)
         _check_digest(place.scene, table, note)
     except _damage() as error:
         return shorten(" ".join(str(error).split()), 150)
-    return None
+    return note
 
 
-def _fault_of_bytes(path: Path) -> str | None:
-    """What is wrong with a file whose name has a digest of its bytes; None if nothing is."""
+def _intact(path: Path) -> bytes | str | None:
+    """The bytes of a file whose name has their digest, None where they are many; or what is wrong with it."""
     match, other = _NAME.fullmatch(path.name), "its bytes are not those that were written"
     try:
-        same = match is not None and _digest_of_bytes(parquet_file(path))[:16] == match[2]
+        plain = parquet_file(path)
+        content = plain.read_bytes() if plain.stat().st_size <= _SMALL else None
+        digest = _digest_of_bytes(plain) if content is None else _sha(content)
     except StrangeError as error:
         return f"{other}: {error}"
     except OSError as error:
         return str(error)
-    return None if same else other
+    return content if match is not None and digest[:16] == match[2] else other
 
 
 def _check_digest(scene: Scene, table: Table, note: Note) -> None:

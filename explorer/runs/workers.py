@@ -26,7 +26,7 @@ import cloudpickle
 from explorer import compiled
 from explorer.errors import InputError, RunError, jobs_of, one_of, shorten
 from explorer.runs import folder as folders
-from explorer.runs import store
+from explorer.runs import schema, store
 from explorer.runs.chunks import HeldChunk
 from explorer.runs.interrupt import SIGNALS, withheld
 from explorer.scenes.base import Scene
@@ -152,10 +152,10 @@ def compute_chunk(task: Task, index: int) -> Done:
         kept, tally = scene.process(index)
         tally = json.loads(json.dumps(tally, allow_nan=False))  # as a footer gives it back
         note = store.Note(index, task.identity, scene.length(index), store.digest_of(kept, tally), tally)
-        store.check_made(store.Place(scene, index), note, kept)
+        table = store.made_table(schema.Place(scene, index), note, kept)
         if task.folder is None:
             return Done(index, tally["status"], HeldChunk(note, kept))
-        store.write_chunk(task.folder, note, kept)
+        store.write_chunk(task.folder, note, table)
     except MemoryError:
         raise RunError(
             f"chunk {index}: {scene.length(index):,} samples do not fit into memory; start the run anew with "

@@ -250,12 +250,13 @@ class FallingSet(SceneOfStates):
     ) -> Table:
         """theta_min, status and steps; where theta_min is not computed it is NaN."""
         if self.theta_min == "all":
-            theta, status, steps = smallest_tilt(states, self.plan, natural)
+            theta, status, steps = smallest_tilt(states, self.plan, natural, status)
             return {"theta_min": theta, "status": status.astype(np.int8), "steps": steps}
         rows = np.flatnonzero(self._is_near(table))
         n = len(states)
         flattest, code, steps = np.full(n, np.nan), status.astype(np.int8), np.zeros(n, np.int32)
-        flattest[rows], code[rows], steps[rows] = smallest_tilt(states.at(rows), self.plan, natural.at(rows))
+        near = states.at(rows), self.plan, natural.at(rows), code[rows]
+        flattest[rows], code[rows], steps[rows] = smallest_tilt(*near)
         return {"theta_min": flattest, "status": code, "steps": steps}
 
     def near(self, index: int, table: Table) -> NDArray[np.bool_]:

@@ -10,7 +10,8 @@ from fuzz.forged import ROWS, TYPES, forge, refilled, retyped
 
 import explorer as ex
 from explorer.commands.main import main
-from explorer.runs import store
+from explorer.phase.results import to_arrow
+from explorer.runs import schema, store
 from explorer.runs.inspect import status, verify
 
 
@@ -163,12 +164,13 @@ def test_own_columns_may_be_of_other_types_in_other_chunks(tmp_path):
 
 def test_what_unpacks_to_far_more_than_is_stored_is_refused_unread(finished, monkeypatch):
     """A Parquet bomb: a few kilobytes of which a reader would make gigabytes. Here one column is packed."""
-    path, place = store.found_chunks(finished.folder)[1], store.Place(finished.scene, 1)
+    path, place = store.found_chunks(finished.folder)[1], schema.Place(finished.scene, 1)
     note, rows = store.read_note(path), store.read_chunk(path)
-    bomb = store.write_chunk(finished.folder, note, {**rows, "race_angle": np.full(note.samples, 0.5)})
+    packed = to_arrow({**rows, "race_angle": np.full(note.samples, 0.5)})
+    bomb = store.write_chunk(finished.folder, note, packed)
     assert store.read_chunk(bomb, None, place)["race_angle"].size == note.samples
-    monkeypatch.setattr(store, "_SMALL", 0)
-    monkeypatch.setattr(store, "_DENSEST", 1)
+    monkeypatch.setattr(schema, "_SMALL", 0)
+    monkeypatch.setattr(schema, "_DENSEST", 1)
     monkeypatch.setattr(store, "_rows", lambda *_: pytest.fail("it was unpacked"))
     for read in (store.read_note, lambda path, place: store.read_chunk(path, None, place)):
         with pytest.raises(ex.RunError, match=r"its columns unpack to .* bytes; .* is the most that is read"):
@@ -180,14 +182,14 @@ def test_very_many_columns_are_refused_at_once(finished):
     path = forge(finished.folder, 2, lambda _: wide)
     begun = time.process_time()
     with pytest.raises(ex.RunError, match="is missing"):
-        store.read_chunk(path, None, store.Place(finished.scene, 2))
+        store.read_chunk(path, None, schema.Place(finished.scene, 2))
     assert time.process_time() - begun < 5.0
 
 
 def test_columns_of_a_run_are_looked_at_once_and_those_that_differ_again(finished, monkeypatch):
     looked = []
-    check = store.schema.check_columns
-    monkeypatch.setattr(store.schema, "check_columns", lambda *each: looked.append(each) or check(*each))
+    check = schema.check_columns
+    monkeypatch.setattr(schema, "check_columns", lambda *each: looked.append(each) or check(*each))
     assert verify(finished.folder) == []
     assert len(looked) == 1
     path = forge(finished.folder, 3, retyped("race_angle", "single"))

@@ -94,7 +94,7 @@ def test_columns_whose_numbers_repeat_are_packed_and_others_are_not(tmp_path):
     tally = {"status": {"ok": 5000}}
     (tmp_path / "chunks").mkdir()
     note = store.Note(3, "a", 5000, store.digest_of(table, tally), tally)
-    path = store.write_chunk(tmp_path, note, table)
+    path = store.write_chunk(tmp_path, note, to_arrow(table))
     group = pyarrow.parquet.read_metadata(path).row_group(0)
     kinds = {group.column(i).path_in_schema: group.column(i) for i in range(4)}
     assert {name: kind.compression for name, kind in kinds.items()} == {
