@@ -10,15 +10,13 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
-from explorer.motion.legs import FALL_KERNELS, falls_of_energy, leg_kernels, legs_of
+from explorer.motion.legs import FALL_KERNELS, by_rules, falls_of_energy, leg_kernels, legs_of
 from explorer.motion.passages import allowed
-from explorer.motion.passages_by_quadrature import unanswered
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
-from explorer.motion.starts import crossing_doubt, fallen, held_constants, orbit_starts, seen_from
+from explorer.motion.starts import fallen, held_constants, orbit_starts, seen_from
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.gauss import packed_rules
 from explorer.phase.lines import LinearConstants
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
@@ -183,10 +181,9 @@ def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], ac
     orbits = orbit_starts(states, linear)
     status = fallen(orbits, status)
     out = np.empty((len(compiled.bounces.BounceRow._fields), status.size))
-    ends, legs = legs_of(disk, orbits, status, accuracy, 3)
+    ends, legs, upright = legs_of(disk, orbits, status, accuracy, 3)
     compiled.bounces.bounces_of_legs(orbits, ends, legs, disk.natural, out, status)
-    if unanswered(out, status == code.OK):
-        compiled.bounces.bounce_batch(orbits, accuracy, packed_rules(), disk.natural, out, status)
+    by_rules(compiled.bounces.bounce_batch, disk, orbits, upright, accuracy, out, status)
     found = compiled.bounces.BounceRow(*out)
     crosses, first_here = np.isfinite(found.theta_there), found.first_here == 1.0
     from_here = np.stack([first_here, np.where(crosses, ~first_here, True)])
@@ -196,13 +193,10 @@ def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], ac
 
     own = seen_from(states, linear)
     energy = np.where(status == code.OK, found.energy, np.nan)
-    fall = falls_of_energy(disk, linear.sigma3_bar, energy, accuracy, orbits)
+    moving = np.where(upright & (status == code.OK), found.moving, np.nan)
+    fall = falls_of_energy(disk, linear.sigma3_bar, energy, accuracy, orbits, moving)
     error = in_turn(found.error_here, found.error_there) + np.nan_to_num(2.0 * fall.error)
     error = np.fmax(error, found.first_error)
-    doubt = np.where(crosses, crossing_doubt(disk, orbits, energy), 0.0)
-    if doubt.any():
-        turned = in_turn(abs(found.chi_here) + abs(found.psi_here), abs(found.chi_there) + abs(found.psi_there))
-        error += doubt * (1.0 + np.where(doubt > 0.0, turned, 0.0))
     status[(status == code.OK) & ~(error <= allowed(accuracy, fall.time)).all(axis=0)] = code.STEP_LIMIT
     time = found.time_here + np.nan_to_num(found.time_there)
     return _Pairs(

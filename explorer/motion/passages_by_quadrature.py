@@ -164,16 +164,24 @@ def departures_of_energy(disk: Disk, sigma3_bar: Array, energy: Array) -> "compi
     return compiled.passages.Departures(bar, level, moving, _ROUNDING * (abs(given) + at_flat))
 
 
-@np.errstate(over="ignore", invalid="ignore")  # of motions that are no input
 def departures_beside(disk: Disk, crossings: "compiled.passages.Crossings") -> "compiled.passages.Departures":
-    """Falls on F with the sigma3_bar and energies of motions beside it that cross the vertical; natural units.
+    """Falls on F with the sigma3_bar and energies of motions beside it that cross the vertical; natural units."""
+    with np.errstate(over="ignore", invalid="ignore"):  # of motions that are no input
+        given = 0.5 * disk.body.M * crossings.speed**2
+    return departures_of_moving(disk, crossings.sigma3_bar, crossings.eta, given, given)
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def departures_of_moving(
+    disk: Disk, sigma3_bar: Array, eta: Array, given: Array, size: Array
+) -> "compiled.passages.Departures":
+    """The same from E - V of the motions beside F at the vertical, and the size of what that is a difference of.
 
     sigma4 at the vertical is less by eta_hat than on F, eq. (6.2): no energies are subtracted.
     """
-    b, (bar, eta, speed) = disk.body, crossings
-    eta_hat = disk.eta_to_eta_hat(eta)
-    on_f = b.dr0 / (b.r0 * b.k) * bar
-    given, turning = 0.5 * b.M * speed**2, 0.5 * b.J * eta_hat
+    b, eta_hat = disk.body, disk.eta_to_eta_hat(eta)
+    on_f = b.dr0 / (b.r0 * b.k) * sigma3_bar
+    turning = 0.5 * b.J * eta_hat
     moving = given - turning * (2.0 * on_f - eta_hat)
-    doubt = _ROUNDING * (given + abs(turning) * (2.0 * abs(on_f) + abs(eta_hat)))
-    return compiled.passages.Departures(bar, moving + vertical_above_flat(disk, bar), moving, doubt)
+    doubt = _ROUNDING * (size + abs(turning) * (2.0 * abs(on_f) + abs(eta_hat)))
+    return compiled.passages.Departures(sigma3_bar, moving + vertical_above_flat(disk, sigma3_bar), moving, doubt)

@@ -10,16 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of
-from explorer.motion.legs import legs_of
+from explorer.motion.legs import by_rules, legs_of
 from explorer.motion.passages import allowed
-from explorer.motion.passages_by_quadrature import unanswered
 from explorer.motion.plan import plan
 from explorer.motion.recording import in_parts
-from explorer.motion.starts import crossing_doubt, fallen, held_constants, orbit_starts, seen_from
+from explorer.motion.starts import fallen, held_constants, orbit_starts, seen_from
 from explorer.motion.vertical import LARGEST
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.gauss import packed_rules
 from explorer.phase.lines import LinearConstants, linear_constants
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, columns_of, require_states
@@ -141,16 +139,10 @@ def _orbits(
     """Some of the orbits (8, n), NaN where the status, which is the second result, is not OK."""
     some = compiled.point.Orbits(*(column[rows] for column in starts))
     code, out = status[rows], np.empty((8, rows.size))
-    ends, legs = legs_of(disk, some, code, accuracy, 2)
+    ends, legs, upright = legs_of(disk, some, code, accuracy, 2)
     compiled.orbits.orbits_of_legs(some, ends, legs, disk.natural, out, code)
-    if unanswered(out, code == compiled.status.Status.OK):
-        compiled.orbits.orbit_batch(some, accuracy, packed_rules(), disk.natural, out, code)
+    by_rules(compiled.orbits.orbit_batch, disk, some, upright, accuracy, out, code)
     found = compiled.orbits.OrbitRow(*out)
-    crossing = (code == compiled.status.Status.OK) & np.isfinite(found.theta_there)
-    doubt = np.where(crossing, crossing_doubt(disk, some, found.energy), 0.0)
-    if doubt.any():
-        found.angle_error[:] += doubt * np.where(doubt > 0.0, abs(found.chi) + abs(found.psi), 0.0)
-        found.time_error[:] += doubt
     missed = ~(np.fmax(found.angle_error, found.time_error) <= allowed(accuracy, found.time))
     code[(code == compiled.status.Status.OK) & missed] = compiled.status.Status.STEP_LIMIT
     out[:, code != compiled.status.Status.OK] = np.nan

@@ -10,9 +10,8 @@ from explorer.phase.lines import LinearConstants, nearer_plus
 from explorer.phase.membership import falls_of
 from explorer.phase.states import Array, States
 
-# Of the energy, for each unit of its terms: of 16,000 periods none erred by more than 0.6 of what follows. And how
-# much larger the terms of one face are where that is felt.
-_ROUNDING, _FELT = 0.03 * 2.2e-16, 100.0
+# Of a potential, for each unit of its terms; and how much larger those from flat are where that is felt.
+_ROUNDING, _FELT = 2.2e-16, 1000.0
 
 
 def status_at_start(states: States, natural: NaturalConstants) -> NDArray[np.int8]:
@@ -76,22 +75,25 @@ def orbit_starts(states: States, linear: LinearConstants) -> "compiled.point.Orb
     )
 
 
-def crossing_doubt(disk: Disk, starts: "compiled.point.Orbits", energy: Array) -> Array:
-    """Relative error of what a motion, seen from the face of the larger |eta|, has at the vertical; else 0.
+def told_upright(
+    disk: Disk, starts: "compiled.point.Orbits", one_face: NDArray[np.bool_]
+) -> tuple[NDArray[np.bool_], Array]:
+    """Whether the potential of motions is told from the vertical, and the rounding of what it is told from flat.
 
-    The spin's energy there is a difference of terms of the size of 1/I3^2 on that face, and not on the other.
-    energy: of those that cross the vertical, natural units.
+    Where I3 is little, sigma4 at flat may be of the size of 1/I3, and V - V_0 a difference of squares of that.
+    From the vertical on sigma4 changes by no more than sigma3 does. one_face: which do not cross the vertical.
     """
     b = disk.body
-    # Rows of samples that have no energy hold any numbers.
+    # Rows of samples that are no motions hold any numbers.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        X, here, there = abs(starts.sigma3_bar) / b.r0, starts.near / b.I1, starts.far / b.I1
         flat = starts.sigma3_bar / b.r0 / b.k
-        upright = flat * b.dr0 - starts.near / (b.I1 * b.r0 * b.k)
-        near, far = (b.J * abs(rise) * (2.0 * abs(flat) + abs(rise)) for rise in (upright - flat, upright + flat))
-        moving = energy - 0.5 * b.I1 * starts.sigma3_bar**2 - 0.5 * b.J * upright**2 - 1.0
-        doubt = _ROUNDING * near
-        felt = (abs(starts.far) < abs(starts.near)) & (near > _FELT * (1.0 + far))
-        return np.where(felt, doubt / np.fmax(moving, doubt), 0.0)
+        upright = flat * b.dr0 - here / b.r0 / b.k
+        rise = X + abs(here) + abs(there)
+        from_upright = rise * (2.0 * abs(upright) + rise)
+        near, far = (abs(rise) * (2.0 * abs(flat) + abs(rise)) for rise in (upright - flat, upright + flat))
+        from_flat = b.J * np.where(one_face, near, np.fmax(near, far))
+        return from_flat > _FELT * (1.0 + from_upright), _ROUNDING * from_flat
 
 
 def fallen(starts: "compiled.point.Orbits", status: NDArray[np.int8]) -> NDArray[np.int8]:

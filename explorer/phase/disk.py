@@ -248,6 +248,11 @@ class Disk:
         unit = self._inertia_unit
         return compiled.body.make_disk(self.I1 / unit, min(self.I3 / unit, 2.0 * self.I1 / unit))
 
+    @cached_property
+    def upright(self) -> compiled.body.Disk:
+        """The same disk for motions whose potential is told from the vertical."""
+        return compiled.body.make_upright(self.natural)
+
     @property
     def body(self) -> compiled.body.Body:
         """Dimensionless constants of the disk."""

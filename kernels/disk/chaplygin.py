@@ -20,7 +20,7 @@ from numba import types as nb
 
 from kernels._jit import both_devices, contracted_device, device
 from kernels.disk.polynomials import economise, long_horner
-from kernels.types import Matrix
+from kernels.types import Matrix, Vector
 
 # The nearest singularity is S = 2, so Chebyshev coefficients on [0, 1] fall like 5.8^-n:
 # degree 20 is at rounding (17 leaves 4e-14 in D'), and the monomial form in 2S - 1 loses nothing.
@@ -60,6 +60,17 @@ def make_series(c: float) -> tuple[Matrix, float, float]:
     return np.ascontiguousarray(np.stack([economise(row, DEGREE) for row in rows])), r0, dr0
 
 
+def make_upright_series(c: float) -> tuple[Matrix, float]:
+    """The rows of make_series with v' + 1/r(0) in the place of v'; and r'(0) - 1.
+
+    Both are of the order of c, and known to as many digits: nothing is subtracted.
+    """
+    (g, drho, v, dv, excess), r0, _dr0 = power_series(c)
+    dv = np.append(-math.fsum(_unsettled(c)[1][2:]) / r0, dv[1:])
+    rows = g, drho, v, dv, excess
+    return np.ascontiguousarray(np.stack([economise(row, DEGREE) for row in rows])), math.fsum(excess)
+
+
 def make_whole(series: Matrix) -> Whole:
     """Rows of make_series as tuples, which lanes keep at hand."""
     return Whole(*(tuple(map(float, row)) for row in series[:4]))
@@ -70,6 +81,17 @@ def power_series(c: float) -> tuple[Matrix, float, float]:
 
     Eqs (5.1)-(5.3), and v of Lemma 2.
     """
+    r, v = _unsettled(c)
+    # A multiple of rho may be added to v; v(1) = 0 fixes it.
+    v -= math.fsum(v) / math.fsum(r) * r
+    orders = np.arange(r.size)
+    drho, dv = np.roll(r * orders, -1), np.roll(v * orders, -1)
+    rows = np.stack([np.roll(r, -1), drho, v, dv, np.append(drho[1:], 0.0)])
+    return rows, math.fsum(r), math.fsum(r * orders)
+
+
+def _unsettled(c: float) -> tuple[Vector, Vector]:
+    """Ascending powers of r, and of v before a multiple of r is added to it."""
     r = np.zeros(TERMS + 2)
     r[1] = 1.0
     for n in range(1, TERMS + 1):
@@ -79,12 +101,7 @@ def power_series(c: float) -> tuple[Matrix, float, float]:
     for k in range(1, TERMS + 1):
         source = 0.5 * c * (2 * (2 * k + 1) * r[k + 1] - (2 * k - 1) * r[k])
         v[k + 1] = ((k * (k - 1) + c) * v[k] - source) / (2 * k * (k + 1))
-    # A multiple of rho may be added to v; v(1) = 0 fixes it.
-    v -= math.fsum(v) / math.fsum(r) * r
-    orders = np.arange(r.size)
-    drho, dv = np.roll(r * orders, -1), np.roll(v * orders, -1)
-    rows = np.stack([np.roll(r, -1), drho, v, dv, np.append(drho[1:], 0.0)])
-    return rows, math.fsum(r), math.fsum(r * orders)
+    return r, v
 
 
 def _combined(S: float, log_S: float, c: float, smooth: tuple[float, float, float, float]) -> Solutions:

@@ -5,7 +5,7 @@ import math
 from kernels._jit import kernel
 from kernels.types import Counts, Longs, Matrix, Vector
 
-_LARGEST = 1.7976931348623157e308
+LARGEST = 1.7976931348623157e308
 
 
 @kernel
@@ -24,7 +24,7 @@ def log_count_batch(
     for i in range(values.size):
         value, group = values[i], groups[i]
         size = abs(value)
-        if not (0.0 <= group < 0.5 * rows and size <= _LARGEST):
+        if not (0.0 <= group < 0.5 * rows and size <= LARGEST):
             continue
         row = 2 * int(group) + (0 if value < 0.0 else 1)
         # Seldom so: what is only read does not wait for what the number before it wrote.
@@ -51,7 +51,7 @@ def histogram_batch(values: Vector, groups: Longs, edges: Vector, counts: Counts
     scale = bins / (edges[bins] - edges[0])
     for i in range(values.size):
         value = values[i]
-        if groups[i] < 0 or not abs(value) <= _LARGEST:
+        if groups[i] < 0 or not abs(value) <= LARGEST:
             continue
         k = bins
         if edges[0] <= value <= edges[bins]:
@@ -72,7 +72,7 @@ def sum_batch(values: Vector, groups: Longs, sums: Matrix) -> None:
     """
     for i in range(values.size):
         g, lost = groups[i], values[i]
-        if g < 0 or not abs(lost) <= _LARGEST:
+        if g < 0 or not abs(lost) <= LARGEST:
             continue
         for k in range(3):
             before = sums[g, k]

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 from kernels._jit import kernel
 from kernels.disk.body import Body
+from kernels.disk.counting import LARGEST
 from kernels.types import Longs, Vector
 
 _ROUNDING = 1e-12  # rad; a deviation is known to some 1e-15, and its law to a percent from here on
-_LARGEST = 1.7976931348623157e308
 
 
 class Races(NamedTuple):
@@ -39,7 +39,7 @@ def constant_batch(races: Races, limit: float, b: Body, constant: Vector, doubt:
         side = 1.0 if eta_hat > 0.0 else -1.0 if eta_hat < 0.0 else 0.0
         scale = 2.0 / (b.I1 * b.M * races.cube[i]) * size
         c = races.log[i] - side * (races.race[i] - side * limit) / scale
-        good = (abs(c) <= _LARGEST) & (scale > _ROUNDING)
+        good = (abs(c) <= LARGEST) & (scale > _ROUNDING)
         constant[i] = c if good else math.nan
         doubt[count] = races.error[i] * size / scale
         count += 1 if good else 0

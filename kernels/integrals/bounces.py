@@ -11,7 +11,7 @@ from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
 from kernels.integrals.ends import AT_VERTICAL, Ends
 from kernels.integrals.legs import BESIDE, LEAD, leg_at, passages_of, wanted
-from kernels.integrals.orbits import Crossed, crossed, orbit
+from kernels.integrals.orbits import Crossed, crossed, moving_there, orbit
 from kernels.integrals.point import VERTICAL, Motion, Orbits, Seen, met, point
 from kernels.integrals.quadrature import FLOOR, PassageRow, Rules, Start, magnitude, passage
 from kernels.integrals.wells import WIDEST, Well, find_well, guess
@@ -31,7 +31,7 @@ class BounceRow(NamedTuple, Generic[Entry]):
     first: time from the state to the first approach; first_here: 1 where that is to this face, else 0. Then the
     passage of this face (from vertical to vertical, or from turning point to turning point where the motion
     does not cross the vertical) and that of the other face, NaN where there is none. first_error: of `first`, in
-    periods.
+    periods. moving: E - V at the vertical, below 0 what the motion lacks to be there; NaN where legs gave the row.
     """
 
     first: Entry
@@ -48,6 +48,7 @@ class BounceRow(NamedTuple, Generic[Entry]):
     psi_there: Entry
     time_there: Entry
     error_there: Entry
+    moving: Entry
 
 
 @subroutine
@@ -155,7 +156,9 @@ def by_series(
 
 
 @subroutine
-def bounces_of(rate: float, here: PassageRow[float], there: PassageRow[float], lead: Lead) -> BounceRow[float]:
+def bounces_of(
+    rate: float, here: PassageRow[float], there: PassageRow[float], lead: Lead, moving: float
+) -> BounceRow[float]:
     """The bounces of a period from its passages; there.theta_min is NaN where there is none on the other face."""
     crosses = there.theta_min > 0.0
     first, first_here = first_approach(rate, lead.time, here.time, there.time if crosses else math.nan)
@@ -178,6 +181,7 @@ def bounces_of(rate: float, here: PassageRow[float], there: PassageRow[float], l
         psi_there=there.psi if crosses else math.nan,
         time_there=there.time if crosses else math.nan,
         error_there=max(there.angle_error, there.time_error) if crosses else math.nan,
+        moving=moving,
     )
 
 
@@ -201,7 +205,7 @@ def lead_of(i: int, orbits: Orbits, ends: Ends, legs: Matrix, disk: Disk) -> Lea
 
 @kernel
 def bounces_of_legs(orbits: Orbits, ends: Ends, legs: Matrix, disk: Disk, out: Matrix, status: Codes) -> None:
-    """The bounces of a period of every sample whose legs (5, 3n) are all known -> out (14, n), rows as BounceRow.
+    """The bounces of a period of every sample whose legs (5, 3n) are all known -> out (15, n), rows as BounceRow.
 
     NaN where they are not, and where status (n) is not OK.
     """
@@ -211,12 +215,12 @@ def bounces_of_legs(orbits: Orbits, ends: Ends, legs: Matrix, disk: Disk, out: M
         lead = lead_of(i, orbits, ends, legs, disk)
         here, there = passages_of(i, orbits.sigma3_bar[i] / b.r0, ends, legs, b)
         if status[i] == _OK and here.time > 0.0 and there.time >= 0.0 and lead.time >= 0.0:
-            put(bounces_of(orbits.rate[i], here, there, lead), out, i)
+            put(bounces_of(orbits.rate[i], here, there, lead, math.nan), out, i)
 
 
 @kernel
 def bounce_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: Matrix, status: Codes) -> None:
-    """The bounces of a period of every sample that is still NaN in out (14, n), rows as BounceRow.
+    """The bounces of a period of every sample that is still NaN in out (15, n), rows as BounceRow.
 
     status (n): samples that come in as not OK are skipped. Series and rules take turns as in `orbits.orbit_batch`.
     """
@@ -238,4 +242,5 @@ def bounce_batch(orbits: Orbits, target: float, rules: Rules, disk: Disk, out: M
             well = told(rate, find_well(h, rate, at, motion, WIDEST, disk, W))
             code, here, there, lead = by_series(rate, well, motion, target, rules, disk, W)
         status[i] = code
-        put(bounces_of(rate, here, there, lead), out, i)
+        moving = moving_there(crossed(Seen(h, rate, orbits.z[i]), motion, disk, W), motion, disk)
+        put(bounces_of(rate, here, there, lead, moving), out, i)

@@ -265,7 +265,7 @@ def tell_turn(W: Vector, size: int) -> None:
 @contracted_subroutine
 def tell_thin(W: Vector, b: Body) -> None:
     """Make errors of angles larger where kappa is: tables and closed forms hold a race to a share of it."""
-    over = math.sqrt(b.M / b.I1) / _ROUND - 1.0
+    over = b.kappa / _ROUND - 1.0
     if over > 0.0:
         for i in range(LANES):
             turned = abs(W[CHI * LANES + i]) + abs(W[REST * LANES + i])

@@ -14,7 +14,7 @@ import numpy as np
 from kernels._jit import device, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import DEGREE
-from kernels.disk.falling import potential_above_flat
+from kernels.disk.falling import potential_above_flat, spin_at_anchor
 from kernels.disk.polynomials import interpolate
 from kernels.integrals.point import Motion
 from kernels.types import Matrix, Vector
@@ -167,7 +167,7 @@ def expanded(W: Vector, j: int) -> Series:
 class Node(NamedTuple):
     """The motion at one node: what `point.Point` is for one tilt; smooth: the part of sigma3/q by X, times shape.
 
-    V: amended potential above V_0; flat: sigma4 at flat, rise: what sigma4 has above that.
+    V: amended potential above V_0; flat: sigma4 at the anchor, rise: what sigma4 has above that.
     """
 
     S: float
@@ -190,14 +190,14 @@ class Weights(NamedTuple):
 @device
 def at_node(h: float, log_S: float, f: Series, X: float, Y: float, b: Body) -> Node:
     """The motion with constants X, Y at h."""
-    half_c, inv_k, flat = 0.5 * b.c, 1.0 / b.k, X / b.k
+    half_c, inv_k, flat = 0.5 * b.c, 1.0 / b.k, spin_at_anchor(X, Y, b)
     S = 0.5 * h * h
     shape = math.sqrt(1.0 - 0.5 * S)
     D = half_c * S * f.g * log_S + f.v
     dD = half_c * (f.drho * log_S + f.g) + f.dv
     smooth = 0.5 * X * f.g * h
     ratio = (smooth + Y * D / h) / shape
-    rise = (X * S * f.excess + Y * dD) * inv_k
+    rise = (X * S * f.excess - X * b.anchor.excess + Y * dD) * inv_k
     V, _spin = potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * flat, h * shape, b)
     return Node(S, shape, smooth, D, ratio, flat, rise, V)
 

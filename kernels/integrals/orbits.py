@@ -7,7 +7,7 @@ import numpy as np
 
 from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Disk
-from kernels.disk.falling import potential_at_flat
+from kernels.disk.falling import potential_at_flat, spin_at_anchor
 from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
 from kernels.integrals.departure import at_vertical
@@ -31,6 +31,7 @@ _SMALL = 0.02  # in x: turning points of larger wobbles are as sharp without the
 _ROUNDING = 8.0 * 2.2e-16  # of E - V at the vertical, for each unit of its terms
 _HIDDEN = 64.0 * 2.2e-16  # the same, where it decides whether the vertical is crossed
 _APART = 1.1  # of h: between ends nearer than this a motion is a wobble, which series tell sharper
+_TOLD = 2.0 * 2.2e-16  # the same, with the vertical as anchor
 
 
 class OrbitRow(NamedTuple, Generic[Entry]):
@@ -66,16 +67,34 @@ def crossed(seen: Seen, motion: Motion, disk: Disk, W: Vector) -> Crossed:
 
 
 @subroutine
-def way_out(seen: Seen, motion: Motion, disk: Disk, W: Vector) -> float:
+def moving_there(known: Crossed, motion: Motion, disk: Disk) -> float:
+    """E - V at the vertical, as a difference if it is not known better."""
+    if math.isnan(known.moving):
+        return motion.level - point(VERTICAL, motion.X, motion.Y, disk).V
+    return known.moving
+
+
+@subroutine
+def told_there(known: Crossed, motion: Motion, disk: Disk) -> Motion:
+    """The motion with its level told at the vertical, if that is the anchor and E - V is known there.
+
+    Where I3 is little, V varies so fast with h that the rounding of h itself is felt.
+    """
+    if disk.body.anchor.dD == 0.0 or math.isnan(known.moving):
+        return motion
+    return Motion(motion.X, motion.Y, point(VERTICAL, motion.X, motion.Y, disk).V + known.moving)
+
+
+@subroutine
+def way_out(seen: Seen, known: Crossed, motion: Motion, disk: Disk) -> float:
     """h of the turning point towards the vertical; NaN where that is crossed, 0 where rounding hides which.
 
-    The difference E - V tells, and where that is rounding, what is known of a state beside the vertical.
+    The difference E - V tells, and where that is rounding, what is known of a state beside the vertical, `crossed`.
     """
     outer, at = turning_point_outward(seen.h, motion, disk), point(VERTICAL, motion.X, motion.Y, disk)
     doubt = _HIDDEN * magnitude(at, motion, disk.body)
     if abs(motion.level - at.V) > doubt:
         return outer
-    known = crossed(seen, motion, disk, W)
     if known.moving > known.rounding:
         return math.nan
     if known.moving < -known.rounding:
@@ -105,6 +124,18 @@ def doubted(status: int, row: PassageRow[float], doubt: float, target: float) ->
 
 
 @subroutine
+def upright_start(known: Crossed, motion: Motion, disk: Disk) -> Crossed:
+    """E - V at the vertical, which is the anchor, and its rounding, which `explorer` judges."""
+    if not math.isnan(known.moving):
+        return known
+    b = disk.body
+    at = point(VERTICAL, motion.X, motion.Y, disk)
+    # What V rose or fell by since the state is some parts of this, and may be more than what is left.
+    risen = b.J * (abs(motion.X) + abs(motion.Y)) * abs(spin_at_anchor(motion.X, motion.Y, b))
+    return Crossed(motion.level - at.V, _TOLD * (risen + magnitude(at, motion, b)))
+
+
+@subroutine
 def from_vertical(
     motion: Motion, known: Crossed, target: float, rules: Rules, disk: Disk, W: Vector
 ) -> tuple[int, PassageRow[float]]:
@@ -115,6 +146,12 @@ def from_vertical(
     that is lost.
     """
     status, row = _LIMIT, NOT_THERE
+    if disk.body.anchor.dD != 0.0:
+        start = upright_start(known, motion, disk)
+        if start.moving > 0.0:
+            status, row = passage(Start(VERTICAL, False, start.moving), motion, target, rules, disk, W)
+            status, row = doubted(status, row, start.rounding / start.moving, math.inf)
+        return status, row
     if known.moving > 0.0:
         status, row = passage(Start(VERTICAL, False, known.moving), motion, target, rules, disk, W)
         status, row = doubted(status, row, known.rounding / known.moving, target)
@@ -143,13 +180,14 @@ def orbit(
     Returns status, the passage of this face (or between both turning points) and that of the other
     face (chi = psi = time = 0 if the motion does not cross the vertical).
     """
-    outer = way_out(seen, motion, disk, W)
+    known = crossed(seen, motion, disk, W)
+    motion = told_there(known, motion, disk)
+    outer = way_out(seen, known, motion, disk)
     if outer == 0.0:
         return _LIMIT, NOT_THERE, NOT_THERE
     if outer > 0.0:
         status, here = passage(Start(outer, True, 0.0), motion, target, rules, disk, W)
         return status, here, NOT_THERE
-    known = crossed(seen, motion, disk, W)
     status, here = from_vertical(motion, known, target, rules, disk, W)
     other_status, there = from_vertical(Motion(motion.X, far, motion.level), known, target, rules, disk, W)
     return max(status, other_status), here, there
@@ -228,7 +266,7 @@ def flattest(seen: Seen, at: Point[float], motion: Motion, far: float, disk: Dis
     # At rest, where nothing draws it towards flat, it is flattest there.
     rest = seen.rate == 0.0
     least = seen.h if rest and not at.slope > 0.0 else turning_point(seen.h, rest, motion, disk, W)
-    outer = way_out(seen, motion, disk, W)
+    outer = way_out(seen, crossed(seen, motion, disk, W), motion, disk)
     if outer == 0.0:
         return math.nan
     if not outer > 0.0:

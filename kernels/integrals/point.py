@@ -9,7 +9,7 @@ from typing import Generic, NamedTuple
 from kernels._jit import kernel, subroutine
 from kernels.disk import chaplygin
 from kernels.disk.body import Disk
-from kernels.disk.falling import potential_above_flat
+from kernels.disk.falling import potential_above_flat, spin_at_anchor
 from kernels.disk.rows import Entry, put
 from kernels.types import Matrix, Vector
 
@@ -18,7 +18,10 @@ VERTICAL = math.sqrt(2.0)  # h there
 
 
 class Motion(NamedTuple):
-    """Constants of one motion: X = sigma3_bar / r(0), Y = eta_+ / I1, and level = E - V_0."""
+    """Constants of one motion: X = sigma3_bar / r(0), Y = eta_+ / I1, and level = E - V_0.
+
+    With a body whose anchor is the vertical, V_0 here and below is the part of V by sigma4 there.
+    """
 
     X: float
     Y: float
@@ -73,10 +76,11 @@ def point(h: float, X: float, Y: float, disk: Disk) -> Point[float]:
     shape = math.sqrt(1.0 - 0.5 * S)
     smooth = 0.5 * X * f.rho_over_S * h
     ratio = (smooth + Y * f.D / h) / shape
-    sigma4 = (X * f.drho + Y * f.dD) / b.k
     q, z = h * shape, 1.0 - S
-    rise = (X * S * chaplygin.slope_excess(S, disk.series) + Y * f.dD) / b.k
-    V, _spin = potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * (X / b.k), q, b)
+    anchored = spin_at_anchor(X, Y, b)
+    rise = (X * S * chaplygin.slope_excess(S, disk.series) - X * b.anchor.excess + Y * f.dD) / b.k
+    sigma4 = (X * f.drho + Y * f.dD) / b.k if b.anchor.dD == 0.0 else anchored + rise
+    V, _spin = potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * anchored, q, b)
     slope = h / shape * (b.J * ratio * sigma4 + z) - b.I1 * z * ratio * ratio / (shape * shape)
     return Point(S, shape, f.D, ratio, sigma4, V, slope)
 

@@ -18,7 +18,7 @@ from typing import Generic, NamedTuple
 
 from kernels._jit import device, subroutine
 from kernels.disk.body import Body, Disk
-from kernels.disk.falling import potential_at_flat
+from kernels.disk.falling import potential_at_anchor, rounding_at_anchor, spin_at_anchor
 from kernels.disk.rows import Entry
 from kernels.integrals import nodes
 from kernels.integrals.arrival import expand_turn, know_beside_turn
@@ -49,6 +49,7 @@ FLOOR = 1e-11  # an accuracy below this is met as far as rounding allows
 # Units of rounding, some times the largest errors seen against 60 digits: of what races beside the turning
 # point, and of what is smooth there.
 _NOISE, _QUIET = 40.0, 10.0
+_SPUN = 3.0  # the same, of sigma4 at the vertical
 LEAST = 1e-300  # of what is divided by
 
 _OK = int(Status.OK)
@@ -120,8 +121,9 @@ class Panels(NamedTuple):
 @device
 def magnitude(at: Point, motion: Motion, b: Body) -> float:
     """Sum of the sizes of what E - V is a difference of: its rounding is some units of that."""
-    flat = motion.X / b.k
-    spin = b.J * abs(at.sigma4 - flat) * (abs(flat) + abs(at.sigma4))
+    flat = spin_at_anchor(motion.X, motion.Y, b)
+    size = abs(flat) + rounding_at_anchor(motion.Y, b)
+    spin = b.J * abs(at.sigma4 - flat) * (size + abs(at.sigma4))
     return abs(motion.level) + 0.5 * b.I1 * at.ratio * at.ratio + spin + math.sqrt(2.0 * at.S) * at.shape
 
 
@@ -170,12 +172,21 @@ def rounding_noise(start: Start, turn: Point, y_cut: float, motion: Motion, disk
 
     The terms of V may be larger than their sum, the spin's at the start most of all where I3 is small.
     """
-    gyration = 0.5 * disk.body.I1 * turn.ratio * turn.ratio
+    b = disk.body
+    gyration = 0.5 * b.I1 * turn.ratio * turn.ratio
+    rise = turn.sigma4 - spin_at_anchor(motion.X, motion.Y, b)
     terms = abs(motion.level) + gyration + abs(point(start.h, motion.X, motion.Y, disk).V)
     few = 1.0 + min(2.0 / y_cut, 2.0)  # on a short way
     # Of a way that is very short doubles hold little: y^2/2 is h/h_turn - 1.
     units = _NOISE * few + 4.0 / (y_cut * y_cut)
-    return units * EPSILON * (1.0 + terms / max(-turn.slope, EPSILON * gyration))
+    spin, least = b.J * abs(rise) * rounding_at_anchor(motion.Y, b), max(-turn.slope, EPSILON * gyration)
+    return units * EPSILON * (1.0 + terms / least) + _SPUN * EPSILON * (spin / least)
+
+
+@device
+def spin_noise(time: float, motion: Motion, b: Body) -> float:
+    """Error of psi from rounding in sigma4 at the vertical, where motions are measured from there."""
+    return _SPUN * EPSILON * rounding_at_anchor(motion.Y, b) * time
 
 
 @device
@@ -244,14 +255,14 @@ def short_passage(
         chi, rest, time, least = there_and_back(W, u_turn, u_before, rules.packed[0, :, first:last], b)
         first, psi = last, chi - rest
         noise = return_noise(W, u_turn, least)
-        angle_noise = noise * (abs(chi) + abs(rest))
+        angle_noise = noise * (abs(chi) + abs(rest)) + spin_noise(time, motion, b)
         angle_error, time_error = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
         floor = FLOOR * max(1.0, abs(chi), abs(psi))
         if good_enough(angle_error, angle_noise, target, floor) and good_enough(time_error, noise, target, FLOOR):
             angle_error, time_error = 2.0 * (angle_error + angle_noise), 2.0 * (time_error + noise)
             status = _OK
             break
-    energy = motion.level + potential_at_flat(motion.X, b)
+    energy = motion.level + potential_at_anchor(motion.X, motion.Y, b)
     theta_min, way = math.acos(u_turn), way_at(W, u_turn)
     return status, PassageRow(theta_min, chi, psi, time, energy, angle_error, time_error, way)
 
@@ -265,7 +276,7 @@ def passage(
     Orders of the rules rise until two in turn agree to `target` (rad, relative in time).
     """
     b = disk.body
-    energy = motion.level + potential_at_flat(motion.X, b)
+    energy = motion.level + potential_at_anchor(motion.X, motion.Y, b)
     if start.moving > 0.0:
         expand_start(W, start.moving, motion.X, motion.Y, b)
         u_turn = first_root(W, 1.0, 1.0)
@@ -302,7 +313,7 @@ def passage(
         if math.isnan(angle_error):
             continue  # nothing yet to compare the first rule with
         slow_angles, slow_time = known_noise(W, 0 if h_turn > _DEEP else n // 2, n, 2.0 * rounding, motion.level)
-        quiet = _QUIET * EPSILON * abs(psi - chi)
+        quiet = _QUIET * EPSILON * abs(psi - chi) + spin_noise(time, motion, b)
         angle_noise = noise * (abs(race) + abs(chi)) + quiet + slow_angles
         time_noise = noise + slow_time / time
         if good_enough(angle_error, angle_noise, target, FLOOR * max(1.0, abs(chi), abs(psi))) and good_enough(

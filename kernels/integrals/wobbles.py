@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from kernels._jit import device, subroutine
 from kernels.disk.body import Body, Disk
-from kernels.disk.falling import potential_at_flat
+from kernels.disk.falling import potential_at_anchor
 from kernels.integrals.point import Motion
 from kernels.integrals.quadrature import FLOOR, PassageRow, Rules, good_enough
 from kernels.integrals.wells import RHO, SHARE, SIGMA4, Q, Well, Z, outside, value
@@ -141,7 +141,7 @@ def row_of(
     """The passage row of a part whose flattest moment on `face` is at x."""
     theta = tilt(x, face, W)
     way = value(W, RHO, RHO + well.terms, x)
-    energy = motion.level + potential_at_flat(motion.X, b)
+    energy = motion.level + potential_at_anchor(motion.X, motion.Y, b)
     return PassageRow(theta, part.chi, face * part.psi, part.time, energy, part.angle_error, part.time_error, way)
 
 

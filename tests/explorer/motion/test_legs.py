@@ -16,7 +16,7 @@ def test_near_flat_a_leg_from_the_vertical_is_the_passage():
     disk, eta = BODIES["uniform"], np.array([1e-3, -1e-200])
     states = ex.constants_to_states(disk, 1.0, eta, 1.0)
     status, linear = held_constants(states, natural_constants(states))
-    ends, legs = legs_of(disk, orbit_starts(states, linear), status, 1e-6, 3)
+    ends, legs, _upright = legs_of(disk, orbit_starts(states, linear), status, 1e-6, 3)
     passages = ex.passages(disk, 1.0, eta, 1.0)
     np.testing.assert_allclose(legs[0, :2], passages.delta_chi, rtol=1e-12)
     np.testing.assert_allclose(legs[2, :2], passages.duration, rtol=1e-12)

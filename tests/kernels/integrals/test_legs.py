@@ -24,7 +24,7 @@ def periods(disk, orbits, accuracy):
     """Periods by legs alone; NaN where lanes do not settle them."""
     n = orbits.h.size
     out, status = np.empty((8, n)), np.zeros(n, np.int8)
-    ends, legs = legs_of(disk, orbits, status, accuracy, 2)
+    ends, legs, _upright = legs_of(disk, orbits, status, accuracy, 2)
     orbits_of_legs(orbits, ends, legs, disk.natural, out, status)
     return OrbitRow(*out)
 
@@ -108,7 +108,7 @@ def test_a_coarse_accuracy_takes_few_nodes():
     short = tables._replace(sizes=few, rules=np.ascontiguousarray(tables.rules[:, : few.sum()]))
     settled = {}
     for accuracy in (1e-2, 1e-9):
-        ends, every = legs_of(disk, orbits, np.zeros(n, np.int8), accuracy, 3)
+        ends, every, _upright = legs_of(disk, orbits, np.zeros(n, np.int8), accuracy, 3)
         out = np.full((5, 3 * n), np.nan)
         leg_batch(orbits, ends, 0, accuracy, short, disk.natural, out)
         settled[accuracy] = np.isfinite(out[0]).sum() / np.isfinite(every[0]).sum()
