@@ -72,7 +72,7 @@ def make_disk(I1: float, I3: float) -> Disk:
 
 
 def make_upright(disk: Disk) -> Disk:
-    """The same disk for motions whose V is told from the vertical, where D' = -1/r(0); `series` have D' above that.
+    """The same disk for motions whose V is told from the vertical, where D' = -1/r(0); `series` has D' above that.
 
     Where I3 is little, sigma_4 at flat may be as large as 1/I3 where that of the motion is not: V - V_0 is then a
     difference of squares of that size. From the vertical on sigma_4 changes by no more than sigma_3 does.

@@ -89,7 +89,7 @@ def told_there(known: Crossed, motion: Motion, disk: Disk) -> Motion:
 def way_out(seen: Seen, known: Crossed, motion: Motion, disk: Disk) -> float:
     """h of the turning point towards the vertical; NaN where that is crossed, 0 where rounding hides which.
 
-    The difference E - V tells, and where that is rounding, what is known of a state beside the vertical, `crossed`.
+    The difference E - V tells, and where that is rounding, what is `known` of a state beside the vertical.
     """
     outer, at = turning_point_outward(seen.h, motion, disk), point(VERTICAL, motion.X, motion.Y, disk)
     doubt = _HIDDEN * magnitude(at, motion, disk.body)
@@ -143,7 +143,7 @@ def from_vertical(
 
     Unless it is known, a difference tells how fast it is there. Where it is slow or soon back rules lose some
     digits to that, or do not settle: the series of `departure` carry this number on, whose rounding is then all
-    that is lost.
+    that is lost. With the vertical as anchor it is known as well as it ever is.
     """
     status, row = _LIMIT, NOT_THERE
     if disk.body.anchor.dD != 0.0:
