@@ -15,7 +15,7 @@ import stat
 import sys
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -97,10 +97,29 @@ def _load(module: str) -> ModuleType:
             f"nearflat found another package called 'kernels' first ({where}) instead of its own ({_OURS}); "
             "install nearflat in a fresh virtual environment, or take the other one off PYTHONPATH"
         )
-    loaded = importlib.import_module(module)
+    with _uninterrupted():
+        loaded = importlib.import_module(module)
     if module != "kernels._jit" and "kernels._jit" in sys.modules:  # some modules have no kernels
         _check_cache()
     return loaded
+
+
+@contextlib.contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Let Ctrl-C wait until numba is loaded: broken off half-way, it cannot be loaded again in that process."""
+    main = threading.current_thread() is threading.main_thread()
+    before = signal.getsignal(signal.SIGINT)
+    if "numba" in sys.modules or not main or before is None:  # None: another language handles it
+        yield
+        return
+    heard = threading.Event()
+    signal.signal(signal.SIGINT, lambda *_: heard.set())
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if heard.is_set():
+        signal.raise_signal(signal.SIGINT)
 
 
 @cache

@@ -6,6 +6,7 @@ are distributed as before after any time.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy
@@ -16,6 +17,7 @@ from explorer.errors import InputError, number, whole
 from explorer.measure.density import Density
 from explorer.measure.sampling import Box, chunk_stream
 from explorer.measure.statistics import either_p
+from explorer.motion.parts import attended, blocks
 from explorer.motion.plan import Plan, plan
 from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -26,6 +28,7 @@ _ACCURACY = 1e-6  # of the motions (rad), far below what a test of some thousand
 _PARTS = 3  # of each coordinate, in the test of all four together: 81 cells
 _STEPS_IN_ALL = 150_000_000  # of all motions together: some seven seconds; those that need more count as failed
 _FEWEST = 20  # states in a cell of both samples; with fewer its share of chi-square is not distributed so
+_STEPS_AT_ONCE = 200_000  # some tenths of a second; one motion may take more
 _MOST_STEPS, _MOST_WORK = 10**7, 10**9  # the latter take some minutes
 _MOST_SAMPLES = 10**7  # of a test; their coordinates take a gigabyte
 _HIGHEST = 3.0  # energy over m g r, up to which states are drawn unless the user says otherwise
@@ -107,9 +110,15 @@ def flow_stretch(states: States, steps: int = 200, step: float = 0.05) -> Stretc
     if steps * len(states) > _MOST_WORK:
         raise InputError(f"steps = {steps} for {len(states):,} states; give up to {_MOST_WORK:,} steps in all")
     n, disk, code = len(states), states.disk, compiled.status.Status
-    matrix, ends = np.empty((n, 4, 4)), np.empty((6, n))
-    compiled.variation.variation_batch(states.natural, step, steps, disk.body, matrix, ends)
-    time = ends[compiled.field.ROW.t] * disk.time_unit
+    matrix, time = np.empty((n, 4, 4)), np.empty(n)
+    for rows in blocks(n, max(1, _STEPS_AT_ONCE // steps)):
+        start, ends = np.ascontiguousarray(states.natural[:, rows]), np.empty((6, rows.stop - rows.start))
+        some = start, step, steps, disk.body, matrix[rows], ends
+        if steps > _STEPS_AT_ONCE:
+            attended(partial(compiled.variation.variation_batch, *some))
+        else:
+            compiled.variation.variation_batch(*some)
+        time[rows] = ends[compiled.field.ROW.t] * disk.time_unit
     with np.errstate(all="ignore"):
         determinant, size = np.linalg.det(matrix), abs(matrix).max(axis=(1, 2), initial=0.0)
     finite = np.isfinite(time) & np.isfinite(determinant) & np.isfinite(size)

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
 from explorer.motion.legs import FALL_KERNELS, by_rules, falls_of_energy, leg_kernels, legs_of
+from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.passages import allowed
 from explorer.motion.plan import plan
-from explorer.motion.recording import in_parts
 from explorer.motion.starts import fallen, held_constants, orbit_starts, seen_from
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
@@ -144,7 +144,7 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
         of_rows = LinearConstants(*(c[rows] for c in linear))
         return _pairs(states.at(rows), of_rows, status[rows], how.accuracy)
 
-    return _in_turn(states, _joined(in_parts(jobs, len(states), some)), count)
+    return _in_turn(states, _joined(in_parts(jobs, len(states), some, 4 * BLOCK)), count)
 
 
 def bounce_kernels(accuracy: float) -> tuple[str, ...]:

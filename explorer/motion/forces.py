@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.motion.vertical import starts_at_vertical
+from explorer.motion.parts import blocks
+from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
 from explorer.phase.results import Result
@@ -87,8 +88,7 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     """
     (bar, eta, speed), shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot})
     starts = starts_at_vertical(disk, bar, eta, speed, np.ones_like(bar))
-    out = np.empty((2, starts.status.size))
-    compiled.forces.forces_batch(starts.natural(disk), disk.natural, out)
+    out = np.concatenate([_extremes(disk, starts.at(rows)) for rows in blocks(starts.status.size)], axis=1)
     out[:, starts.status != compiled.status.Status.OK] = np.nan
     found = compiled.forces.ForceRow(*out)
     code, falls = compiled.status.Status, starts.eta_hat == 0.0
@@ -97,3 +97,10 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     out[:, lost] = np.nan
     flat = Forces(disk, bar, eta, speed, found.normal, found.friction, status)
     return flat.reshaped(shape)
+
+
+def _extremes(disk: Disk, starts: Starts) -> Array:
+    """(2, n): rows as ForceRow."""
+    out = np.empty((2, starts.status.size))
+    compiled.forces.forces_batch(starts.natural(disk), disk.natural, out)
+    return out

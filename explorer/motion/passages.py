@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, number, shown
+from explorer.motion.parts import blocks, in_parts
 from explorer.motion.passages_by_integration import LENIENCE, by_integration
 from explorer.motion.passages_by_quadrature import (
     by_quadrature,
@@ -21,7 +22,6 @@ from explorer.motion.passages_by_quadrature import (
     table_kernel,
 )
 from explorer.motion.plan import Plan, plan
-from explorer.motion.recording import in_parts
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import keywords_of, read_columns
 from explorer.phase.disk import Disk
@@ -31,8 +31,6 @@ from explorer.phase.states import Array
 OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
 # An accuracy below this, times one plus the time of the fall, is met as far as rounding allows.
 _FLOOR = 1e-9
-# Starts that quadrature answers at a time, so that what is found between stays in the cache.
-_BLOCK = 8192
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -193,7 +191,8 @@ def passages_by(disk: Disk, starts: Starts, how: Plan) -> tuple[Passages, NDArra
 def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-11) -> Passages:
     """Passages by adaptive rules: by quadrature, but by none of the tables of the body."""
     how = plan(OBSERVABLES, accuracy, "quadrature")
-    return _assemble(disk, starts, [by_rules(disk, starts, how)], how, 0.0)
+    parts = (by_rules(disk, starts.at(rows), how) for rows in blocks(starts.status.size))
+    return _assemble(disk, starts, parts, how, 0.0)
 
 
 def passage_kernels(how: Plan) -> tuple[str, ...]:
@@ -237,8 +236,8 @@ def _edge_of(window: float | None, method: str) -> float:
 
 def _passages(disk: Disk, starts: Starts, how: Plan, edge: float) -> Passages:
     if how.method == "quadrature":
-        parts = (starts.at(slice(i, i + _BLOCK)) for i in range(0, max(starts.status.size, 1), _BLOCK))
-        return _assemble(disk, starts, (by_quadrature(disk, part, how, edge) for part in parts), how, edge)
+        parts = (by_quadrature(disk, starts.at(rows), how, edge) for rows in blocks(starts.status.size))
+        return _assemble(disk, starts, parts, how, edge)
     return _assemble(disk, starts, [by_integration(disk, starts, how)[0]], how, edge)
 
 

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of
 from explorer.motion.legs import by_rules, legs_of
+from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.passages import allowed
 from explorer.motion.plan import plan
-from explorer.motion.recording import in_parts
 from explorer.motion.starts import fallen, held_constants, orbit_starts, seen_from
 from explorer.motion.vertical import LARGEST
 from explorer.phase.constants import natural_constants
@@ -112,7 +112,7 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     status = fallen(starts, status)
 
     call = partial(_orbits, disk, starts, status, how.accuracy)
-    parts = in_parts(jobs_of("jobs", jobs), len(states), call)
+    parts = in_parts(jobs_of("jobs", jobs), len(states), call, 4 * BLOCK)
     out, status = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
     found = compiled.orbits.OrbitRow(*out)
     flat = Periods(

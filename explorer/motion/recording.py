@@ -5,8 +5,8 @@ All in natural units. A state has the ten components of kernels.disk.field.State
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple, TypeVar
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion import precision
+from explorer.motion.parts import attended, blocks, in_parts
 from explorer.motion.plan import Plan
 from explorer.motion.starts import held_constants
 from explorer.phase.constants import NaturalConstants, natural_constants
@@ -21,13 +22,14 @@ from explorer.phase.disk import Disk
 from explorer.phase.lines import LinearConstants
 from explorer.phase.states import Array, States
 
-Done = TypeVar("Done")
-
 # Chords of such arcs of the rim stay within half a per cent of the radius.
 LONGEST_ANGLE = 0.2  # rad of chi
 # In this time, in units of 1/speed, no other angle changes by much more than as many radians.
 LONGEST_TIME = 0.1
 MOST_POINTS = 4_000_000  # of all curves of a call, padding included: about a gigabyte with all observables
+# Units of time, of all motions together, that take so long that it does not matter to wait for a thread.
+_LONG = 20_000.0
+_AT_ONCE = 200_000  # states between points in one call of a kernel: a tenth of a second of most
 _POINTS, _PER_TIME = 256, 512  # for which there is room at first: of each motion, and in each unit of its time
 
 
@@ -92,16 +94,6 @@ def motions(states: States, how: Plan, chi0: float, max_steps: int) -> Motions:
     return Motions(states.disk, how, max_steps, initial, np.array(natural), held, status, control)
 
 
-def in_parts(jobs: int, count: int, call: Callable[[NDArray[np.intp]], Done]) -> list[Done]:
-    """`call` on the numbers of up to `jobs` parts of `count` motions, in as many threads."""
-    parts = np.array_split(np.arange(count), max(1, min(jobs, count)))
-    if len(parts) == 1:
-        return [call(parts[0])]
-    from joblib import Parallel, delayed
-
-    return list(Parallel(n_jobs=len(parts), backend="threading")(delayed(call)(rows) for rows in parts))
-
-
 def sample(given: Motions, times: Array, jobs: int = 1) -> tuple[Array, Outcome]:
     """States (n, nt, 10) at increasing times >= 0, NaN where a motion is not OK."""
     if min(jobs, given.number) <= 1:
@@ -139,9 +131,16 @@ def _work(given: Motions, times: Array, outcome: Outcome) -> compiled.motions.Mo
 
 
 def _follow(given: Motions, work: compiled.motions.Motions, trail: compiled.trail.Trail, outcome: Outcome) -> None:
-    """Follow motions, and judge them unless their trail was cut off."""
+    """Follow motions, and judge them unless their trail was cut off.
+
+    A kernel skips motions whose status is not OK when their turn comes: by that it ends where nobody waits for it.
+    """
     disk, how = given.disk, work.how
-    compiled.motions.MOTIONS[how.method, how.depth](work, trail, disk.natural, disk.whole)
+    follow = partial(compiled.motions.MOTIONS[how.method, how.depth], work, trail, disk.natural, disk.whole)
+    if given.number * work.times[-1] < _LONG:
+        follow()
+    else:
+        attended(follow, partial(outcome.status.fill, compiled.status.Status.STEP_LIMIT))
     if not 0 < trail.most <= trail.used[0]:
         last = np.empty_like(given.constants)
         compiled.algebra.constants_batch(work.last[:5], disk.whole, disk.natural, last)
@@ -249,7 +248,9 @@ def _require(enough: bool, number: int) -> None:
 def between(given: Motions, records: Records, times: Array) -> Array:
     """States (n, nt, 10) of recorded motions at any times in the units of the disk; NaN where not OK."""
     out, disk, kernels = np.empty((given.number, times.size, 10)), given.disk, compiled.recording
-    drawing = kernels.Drawing(records.points, records.first)
-    moments = kernels.Moments(times, disk.time_unit, disk.rate_unit)
-    kernels.at_times(given.how, drawing, moments, disk.natural, out)
+    for rows in blocks(given.number, max(1, _AT_ONCE // max(times.size, 1))):
+        curves = kernels.Drawing(records.points, records.first[rows.start : rows.stop + 1])
+        for some in blocks(times.size, _AT_ONCE):
+            moments = kernels.Moments(times[some], disk.time_unit, disk.rate_unit)
+            kernels.at_times(given.how, curves, moments, disk.natural, out[rows, some])
     return out

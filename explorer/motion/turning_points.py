@@ -1,11 +1,13 @@
 """Turning points, where motions stop tilting: the next by integration, and the smallest tilt by either method."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
+from explorer.motion.parts import BLOCK, attended
 from explorer.motion.plan import Plan
 from explorer.motion.starts import held_constants, orbit_starts, status_at_start
 from explorer.phase.constants import NaturalConstants, natural_constants
@@ -78,7 +80,11 @@ def followed(
     outcome = compiled.attempt.Outcome(status, np.empty(n, np.int32), np.empty((3, n)))
     stop = compiled.events.Stop(compiled.events.TURNING_POINT, 0.0)
     work = compiled.batch.Work(how, stop, initial, pinned, out, outcome)
-    compiled.batch.FIRST_EVENT[how.method](work, disk.natural, disk.whole)
+    follow = partial(compiled.batch.FIRST_EVENT[how.method], work, disk.natural, disk.whole)
+    if n <= BLOCK:
+        follow()
+    else:  # a kernel skips samples that are not OK when their turn comes
+        attended(follow, partial(status.fill, compiled.status.Status.STEP_LIMIT))
     return out, outcome
 
 

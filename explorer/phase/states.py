@@ -110,17 +110,21 @@ class States:
 
     def __getitem__(self, rows: int | slice | NDArray[Any]) -> States:
         """Some of the states, chosen as entries of a flat array are: by a number, a slice, a mask or numbers."""
-        if is_a(rows, int | np.integer) and not -len(self) <= cast(int, rows) < len(self):
-            raise _BeyondError(f"states[{shown(rows)}]: there are {len(self)} states; give a number below that")
         return self.at(self._rows_of(rows))
 
     def _rows_of(self, rows: Any) -> NDArray[np.intp]:
         """Numbers of states. Raises InputError for what chooses none in a row."""
         try:
+            if is_a(rows, int | np.integer) and not -len(self) <= rows < len(self):
+                raise _BeyondError(
+                    f"states[{shown(rows)}]: there are {len(self)} states; give a number below that"
+                )
             chosen = np.atleast_1d(np.arange(len(self))[rows])
             if chosen.ndim == 1 and not is_a(rows, np.ma.MaskedArray):
                 return chosen
-        except Exception:  # whatever numpy says of what is no index
+        except _BeyondError:
+            raise
+        except Exception:  # whatever numpy says of what is no index, and a foreign number of being compared
             chosen = None
         remedy = f"give a number below {len(self)}, a slice, a mask of {len(self)} or a list of numbers"
         raise InputError(f"states[{shown(rows)}] chooses no states; {remedy}")

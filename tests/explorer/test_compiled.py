@@ -1,6 +1,8 @@
 """The door to the kernels keeps their types: what is wrong with a call is seen before it is made."""
 
+import _thread
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -139,3 +141,20 @@ def test_a_cache_that_others_can_change_is_refused_before_a_kernel_is_there(tmp_
     )
     assert done.returncode == 2
     assert f"compiled code is not loaded: {inside} can be written by other users; remove" in done.stderr
+
+
+def test_ctrl_c_waits_until_numba_is_loaded(monkeypatch):
+    """A package that was loaded by half lacks its own parts when it is loaded again."""
+    done = []
+
+    def loads(module):
+        _thread.interrupt_main()
+        done.extend(range(1000))
+        return module
+
+    monkeypatch.delitem(sys.modules, "numba")
+    monkeypatch.setattr(compiled.importlib, "import_module", loads)
+    with pytest.raises(KeyboardInterrupt):
+        compiled._load("kernels.status")
+    assert len(done) == 1000
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

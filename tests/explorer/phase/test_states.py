@@ -54,7 +54,19 @@ def test_what_is_no_number_is_named():
         phi_to_states(BODIES["uniform"], 0.0, 1.0, "x", 0.7)
 
 
-@pytest.mark.parametrize("rows", [None, 1.0, "x", [[0, 1]], [0.5], np.ma.array([0, 1], mask=[0, 1]), object()])
+class Incomparable(int):
+    """A number that fails when it is compared."""
+
+    def __ge__(self, other):
+        raise ReferenceError("no")
+
+    __le__ = __lt__ = __gt__ = __ge__
+
+
+NO_ROWS = [None, 1.0, "x", [[0, 1]], [0.5], np.ma.array([0, 1], mask=[0, 1]), object(), Incomparable(1)]
+
+
+@pytest.mark.parametrize("rows", NO_ROWS)
 def test_what_chooses_no_states_is_refused(rows):
     states = ex.phi_to_states(ex.Disk.uniform(), 0.1, [0.2, 0.3], 0.4, 0.5)
     with pytest.raises(ex.InputError, match=r"chooses no states; give a number below 2"):

@@ -1,0 +1,145 @@
+"""Work in parts: in threads, and such that Ctrl-C is answered while kernels are at work.
+
+Python hears a signal between two steps of its own, never within a kernel. So samples go to kernels in blocks that
+take less than a second. Integrators follow all motions at once, since lanes stand empty at the end of a block: a
+thread does that, and the one that hears signals waits for it.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from functools import partial
+from typing import Generic, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Done = TypeVar("Done")
+
+BLOCK = 8192  # samples at a time: hundredths of a second, and what is found between stays in the cache
+_HEARD = 0.2  # seconds between two looks at signals, on systems where these do not break off a wait
+
+
+class _Group:
+    """Calls side by side that somebody waits for, and what ends the kernels that are at work for them."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._wanted = True
+        self._ends = list[Callable[[], None]]()
+
+    @contextmanager
+    def ended_by(self, end: Callable[[], None]) -> Iterator[None]:
+        """While a kernel is at work, `end` is what ends it."""
+        with self._lock:
+            self.require()
+            self._ends.append(end)
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._ends.remove(end)
+
+    def require(self) -> None:
+        """Raise _UnwantedError where nobody waits any more."""
+        if not self._wanted:
+            raise _UnwantedError
+
+    def leave(self) -> None:
+        """Nobody waits any more."""
+        with self._lock:
+            self._wanted = False
+            for end in self._ends:
+                end()
+
+
+class _UnwantedError(Exception):
+    """Nobody waits for this call, so nobody sees this."""
+
+
+class _Here(threading.local):
+    group: _Group | None = None  # that this thread works for
+
+
+class _Ended(NamedTuple, Generic[Done]):
+    """How a call ended: its place among the others, and its result in a list, or an error."""
+
+    place: int
+    result: list[Done]
+    error: BaseException | None
+
+
+_here = _Here()
+
+
+def blocks(count: int, size: int = BLOCK) -> Iterator[slice]:
+    """The rows of `count` samples, some at a time; an empty slice where there are none."""
+    for first in range(0, max(count, 1), size):
+        if _here.group is not None:
+            _here.group.require()
+        yield slice(first, min(first + size, count))
+
+
+def in_parts(
+    jobs: int, count: int, call: Callable[[NDArray[np.intp]], Done], size: int | None = None
+) -> list[Done]:
+    """`call` on the numbers of up to `jobs` parts of `count` samples, in as many threads.
+
+    size: samples at a time; by default all of a part.
+    """
+
+    def in_turn(part: NDArray[np.intp]) -> list[Done]:
+        return [call(part[rows]) for rows in blocks(part.size, size or max(part.size, 1))]
+
+    parts = np.array_split(np.arange(count), max(1, min(jobs, count)))
+    if len(parts) == 1:
+        return in_turn(parts[0])
+    return [each for part in _side_by_side([partial(in_turn, part) for part in parts]) for each in part]
+
+
+def attended(kernel: Callable[[], None], end: Callable[[], None] = lambda: None) -> None:
+    """Call a kernel that may take long; where Ctrl-C breaks that off, `end` makes the kernel end soon.
+
+    What nothing ends goes on to its end, unseen.
+    """
+    group = _here.group
+    if group is not None:
+        with group.ended_by(end):
+            kernel()
+    elif threading.current_thread() is threading.main_thread():
+        _side_by_side([partial(attended, kernel, end)])
+    else:
+        kernel()
+
+
+def _side_by_side(calls: Sequence[Callable[[], Done]]) -> list[Done]:
+    """The results of calls, each in a thread of its own; where one fails, its error, and the others are left.
+
+    Python does not wait for these threads where it ends.
+    """
+    group, ended = _Group(), queue.SimpleQueue[_Ended[Done]]()
+
+    def run(place: int) -> None:
+        _here.group = group
+        try:
+            ended.put(_Ended(place, [calls[place]()], None))
+        except BaseException as error:
+            ended.put(_Ended(place, [], error))
+
+    found = dict[int, list[Done]]()
+    try:
+        for place in range(len(calls)):
+            threading.Thread(target=run, args=(place,), daemon=True).start()
+        while len(found) < len(calls):
+            with suppress(queue.Empty):
+                place, result, error = ended.get(timeout=_HEARD)
+                if error is not None:
+                    raise error
+                found[place] = result
+    except BaseException:
+        group.leave()
+        raise
+    return [found[place][0] for place in range(len(calls))]

@@ -1,0 +1,115 @@
+"""Work in parts: all of it, in its order; and Ctrl-C is answered while a kernel is at work, which then ends."""
+
+import _thread
+import threading
+import time
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer.measure import invariance
+from explorer.motion import parts, recording, turning_points
+
+DISK = BODIES["uniform"]
+
+
+def interrupted_during(call):
+    """Press Ctrl-C while a call is at work in this thread."""
+    timer = threading.Timer(0.1, _thread.interrupt_main)
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            call()
+    finally:
+        timer.cancel()
+
+
+def threads_end(before, seconds=60.0):
+    """Whether all threads that were not there before come to their end."""
+    end = time.monotonic() + seconds
+    while set(threading.enumerate()) - before:
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.01)
+    return True
+
+
+@pytest.mark.parametrize("jobs", [1, 3, 50])
+@pytest.mark.parametrize("size", [None, 1, 4, 100])
+@pytest.mark.parametrize("count", [0, 1, 10])
+def test_every_sample_is_in_one_part_in_its_order(jobs, size, count):
+    found = parts.in_parts(jobs, count, lambda rows: rows, size)
+    assert np.concatenate(found).tolist() == list(range(count))
+    assert size is None or max(rows.size for rows in found) <= size
+
+
+def test_an_error_in_one_thread_is_raised_and_the_others_are_left():
+    before, begun, ended = set(threading.enumerate()), threading.Barrier(2), threading.Event()
+
+    def call(rows):
+        if rows[0] == 0:
+            begun.wait()
+            raise ex.InputError("no")
+        parts.attended(lambda: (begun.wait() and None) or ended.wait(60.0), ended.set)
+
+    with pytest.raises(ex.InputError, match="no"):
+        parts.in_parts(2, 2, call)
+    assert ended.is_set()
+    assert threads_end(before)
+
+
+def test_ctrl_c_ends_blocks_that_threads_have_still_before_them():
+    before, seen = set(threading.enumerate()), []
+
+    def call(rows):
+        seen.append(rows[0])
+        time.sleep(0.05)
+
+    interrupted_during(lambda: parts.in_parts(2, 2000, call, 1))
+    assert threads_end(before)
+    assert 2 <= len(seen) < 1000
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_ctrl_c_is_answered_while_motions_are_followed_and_none_is_begun_any_more(jobs):
+    """All of them would take a minute."""
+    states = ex.phi_to_states(DISK, 0.3, 1.0, 0.5, np.linspace(0.5, 1.0, 20_000))
+    assert ex.simulate(states[:2], 1.0).ok.all()
+    before, start = set(threading.enumerate()), time.process_time()
+    interrupted_during(lambda: ex.simulate(states, t_eval=[2e4], observables=["phidot"], jobs=jobs))
+    assert threads_end(before)
+    assert time.process_time() - start < 15.0
+    assert ex.simulate(states[:2], 1.0).ok.all()
+
+
+def test_ctrl_c_is_answered_while_many_passages_are_integrated(monkeypatch):
+    """A kernel that waits until its samples are not OK any more stands for one that would begin no other."""
+    ended, statuses = threading.Event(), []
+
+    def kernel(work, *given):
+        statuses.append(work.outcome.status)
+        ended.wait(60.0)
+
+    monkeypatch.setitem(turning_points.compiled.batch.FIRST_EVENT, turning_points.compiled.attempt.RK8, kernel)
+    interrupted_during(lambda: ex.passages(DISK, np.ones(parts.BLOCK + 1), 0.1, 1.0, method="rk8"))
+    ended.set()
+    assert (statuses[0] != 0).all()
+
+
+def test_blocks_of_any_size_give_the_same_numbers(monkeypatch):
+    states = ex.constants_to_states(DISK, 1.0, 10.0 ** -np.arange(1.0, 8.0), 1.0)
+    times, motion = np.linspace(0.0, 4.0, 9), ex.simulate(states, 4.0)
+
+    def all_of_them():
+        found = ex.bounces(states).race_angle, ex.periods(states).chi, motion(times).chi
+        return *found, ex.flow_stretch(states, 30).matrix
+
+    whole = all_of_them()
+    for name in ("bounces", "periods"):
+        monkeypatch.setattr(f"explorer.motion.{name}.BLOCK", 1)
+    monkeypatch.setattr(recording, "_AT_ONCE", 4)
+    monkeypatch.setattr(invariance, "_STEPS_AT_ONCE", 70)
+    for one, other in zip(whole, all_of_them(), strict=True):
+        np.testing.assert_array_equal(one, other)
