@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, number, shown
-from explorer.motion.parts import blocks, in_parts
+from explorer.motion.parts import BLOCK, blocks, in_parts
 from explorer.motion.passages_by_integration import LENIENCE, by_integration
 from explorer.motion.passages_by_quadrature import (
     by_quadrature,
@@ -215,7 +215,9 @@ def _in_parts(disk: Disk, given: list[Array], how: Plan, edge: float, jobs: int)
     if min(jobs, n) <= 1:
         found = _passages(disk, starts, how, edge)
     else:
-        found, *others = in_parts(jobs, n, lambda rows: _passages(disk, starts.at(rows), how, edge))
+        # Threads that nobody waits for any more, after Ctrl-C, do no more than this many.
+        some = 64 * BLOCK
+        found, *others = in_parts(jobs, n, lambda rows: _passages(disk, starts.at(rows), how, edge), some)
         for name, first in found.columns.items():
             columns[name] = np.concatenate([first, *(part.columns[name] for part in others)])
     # The numbers as they were given, also where a placeholder stood for them.
@@ -236,8 +238,8 @@ def _edge_of(window: float | None, method: str) -> float:
 
 def _passages(disk: Disk, starts: Starts, how: Plan, edge: float) -> Passages:
     if how.method == "quadrature":
-        parts = (by_quadrature(disk, starts.at(rows), how, edge) for rows in blocks(starts.status.size))
-        return _assemble(disk, starts, parts, how, edge)
+        parts = (starts.at(slice(i, i + BLOCK)) for i in range(0, max(starts.status.size, 1), BLOCK))
+        return _assemble(disk, starts, (by_quadrature(disk, part, how, edge) for part in parts), how, edge)
     return _assemble(disk, starts, [by_integration(disk, starts, how)[0]], how, edge)
 
 
