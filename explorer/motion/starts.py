@@ -11,7 +11,7 @@ from explorer.phase.membership import falls_of
 from explorer.phase.states import Array, States
 
 # Of a potential, for each unit of its terms; and how much larger those from flat are where that is felt.
-_ROUNDING, _FELT = 2.2e-16, 1000.0
+_ROUNDING, _FELT = 2.2e-16, 50.0
 
 
 def status_at_start(states: States, natural: NaturalConstants) -> NDArray[np.int8]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from kernels._jit import device, kernel, subroutine
 from kernels.disk.body import Disk
-from kernels.disk.falling import potential_at_flat, spin_at_anchor
+from kernels.disk.falling import potential_at_flat, rounding_at_anchor, spin_at_anchor
 from kernels.disk.rows import Entry, put
 from kernels.integrals import nodes
 from kernels.integrals.departure import at_vertical
@@ -131,7 +131,8 @@ def upright_start(known: Crossed, motion: Motion, disk: Disk) -> Crossed:
     b = disk.body
     at = point(VERTICAL, motion.X, motion.Y, disk)
     # What V rose or fell by since the state is some parts of this, and may be more than what is left.
-    risen = b.J * (abs(motion.X) + abs(motion.Y)) * abs(spin_at_anchor(motion.X, motion.Y, b))
+    spin = abs(spin_at_anchor(motion.X, motion.Y, b)) + rounding_at_anchor(motion.Y, b)
+    risen = b.J * (abs(motion.X) + abs(motion.Y)) * spin
     return Crossed(motion.level - at.V, _TOLD * (risen + magnitude(at, motion, b)))
 
 

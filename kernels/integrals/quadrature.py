@@ -122,8 +122,7 @@ class Panels(NamedTuple):
 def magnitude(at: Point, motion: Motion, b: Body) -> float:
     """Sum of the sizes of what E - V is a difference of: its rounding is some units of that."""
     flat = spin_at_anchor(motion.X, motion.Y, b)
-    size = abs(flat) + rounding_at_anchor(motion.Y, b)
-    spin = b.J * abs(at.sigma4 - flat) * (size + abs(at.sigma4))
+    spin = b.J * abs(at.sigma4 - flat) * (abs(flat) + abs(at.sigma4))
     return abs(motion.level) + 0.5 * b.I1 * at.ratio * at.ratio + spin + math.sqrt(2.0 * at.S) * at.shape
 
 
