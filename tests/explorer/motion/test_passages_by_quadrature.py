@@ -10,7 +10,15 @@ from reference.report_extremes import measure, rows
 
 import explorer as ex
 from explorer import compiled
-from explorer.motion.passages_by_quadrature import chord, energy_on_f, fall_from_vertical
+from explorer.motion.passages_by_quadrature import (
+    chord,
+    departures_of_energy,
+    departures_of_moving,
+    energy_on_f,
+    fall_from_vertical,
+)
+from explorer.phase.energy import energy_at
+from explorer.phase.lines import line_slope
 from kernels.integrals.grades import grade_at
 from kernels.integrals.tables import GRADES
 
@@ -178,3 +186,16 @@ def test_a_fall_knows_how_slowly_it_leaves_the_vertical(phidot):
     assert (got.error_estimate < 1e-10).all()
     # Twice kappa pi, but for the falls: that of one side has more energy at the vertical, the other none.
     assert got.race_angle[0] - got.race_angle[1] == pytest.approx(2.0 * disk.race_limit, abs=1e-2)
+
+
+def test_a_fall_leaves_the_vertical_as_its_energy_tells_also_where_the_motion_does_not_come_there():
+    """E - V of the motion at the vertical may be below 0."""
+    disk, rng = BODIES["thick"], np.random.default_rng(8)
+    bar, eta_hat = rng.normal(0.0, 1.0, (2, 50))
+    moving = rng.uniform(-0.5, 0.5, 50)
+    energy = moving + energy_at(disk.body, np.zeros(50), bar, line_slope(disk) * bar - eta_hat, 1.0)
+    given = departures_of_energy(disk, bar, energy)
+    found = departures_of_moving(disk, bar, disk.eta_hat_to_eta(eta_hat), moving, abs(moving))
+    np.testing.assert_allclose(found.moving, given.moving, atol=1e-13)
+    np.testing.assert_allclose(found.level, given.level, atol=1e-13)
+    assert (found.doubt <= given.doubt).mean() > 0.5

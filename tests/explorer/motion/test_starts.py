@@ -4,7 +4,7 @@ import numpy as np
 from conftest import BODIES
 
 import explorer as ex
-from explorer.motion.starts import fallen, held_constants, orbit_starts, status_at_start
+from explorer.motion.starts import fallen, held_constants, orbit_starts, status_at_start, told_upright
 from explorer.phase.constants import natural_constants
 from explorer.phase.lines import line_slope
 from explorer.phase.states import constants_to_states, phi_to_states, theta_to_states
@@ -58,3 +58,21 @@ def test_orbits_are_seen_from_the_hemisphere_they_start_in(body):
     np.testing.assert_array_equal(sigma3_bar, natural.sigma3_bar)
     np.testing.assert_array_equal(near, [natural.eta_plus[0], natural.eta_minus[1]])
     np.testing.assert_array_equal(far, [natural.eta_minus[0], natural.eta_plus[1]])
+
+
+def test_potentials_are_told_from_the_vertical_where_little_i3_makes_sigma4_large_at_flat():
+    rng, one_face = np.random.default_rng(4), np.zeros(200, np.bool_)
+    rates = np.array([rng.normal(0.0, size, 200) for size in (1.0, 3.0, 3.0)])
+    share = {}
+    for I3 in (0.5, 0.05, 1e-3, 1e-8):
+        states = phi_to_states(ex.Disk(I1=0.25, I3=I3), rng.uniform(-1.4, 1.4, 200), *rates)
+        starts = orbit_starts(states, natural_constants(states).linear)
+        upright, rounding = told_upright(states.disk, starts, one_face)
+        share[I3] = upright.mean()
+        # On one face the terms are no more than on both.
+        alone, less = told_upright(states.disk, starts, ~one_face)
+        assert (less <= rounding).all()
+        assert not (alone & ~upright).any()
+    assert share[0.5] == share[0.05] == 0.0
+    assert share[1e-3] > 0.9
+    assert share[1e-8] == 1.0
