@@ -185,7 +185,7 @@ class _Help(argparse.Action):
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: Any = None) -> None:
         kind = SCENES.get(getattr(namespace, "scene", None) or "")
         if kind is not None:
-            text = f"Run the scene {kind.name}. {(kind.__doc__ or '').splitlines()[0]}"
+            text = f"Run the scene {kind.name}. {_first_line(kind)}"
             example = f"example: nearflat run {kind.name} --disk hoop --out results/mine"
             parser = argparse.ArgumentParser(parser.prog, None, text, example, add_help=False)
             _add_settings(parser)
@@ -193,6 +193,12 @@ class _Help(argparse.Action):
             add_options(parser.add_argument_group(f"options of {kind.name}"), [kind])
         parser.print_help()
         parser.exit()
+
+
+def _first_line(kind: type[Scene]) -> str:
+    """What a scene says of itself; one without a docstring has none, or what `dataclass` writes in its place."""
+    lines = (kind.__doc__ or "").strip().splitlines()
+    return lines[0] if lines and not lines[0].startswith(f"{kind.__name__}(") else ""
 
 
 def given_by(options: argparse.Namespace, apart: Sequence[str] = ()) -> tuple[Any, dict[str, Any]]:

@@ -217,4 +217,5 @@ def _digest(arrays: Mapping[str, Any]) -> str:
 
 
 def _in_one_line(error: Exception) -> str:
-    return str(getattr(error, "strerror", None) or error).splitlines()[0][:120]
+    lines = str(getattr(error, "strerror", None) or error).splitlines()
+    return lines[0][:120] if lines else type(error).__name__

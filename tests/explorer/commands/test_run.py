@@ -6,6 +6,7 @@ import pytest
 from told import said
 
 import explorer as ex
+from explorer.scenes.registry import scene_class
 
 
 def test_help_for_a_scene_shows_its_options_and_those_of_no_other(capsys):
@@ -16,6 +17,16 @@ def test_help_for_a_scene_shows_its_options_and_those_of_no_other(capsys):
     assert "--eta-hat" not in out
     assert "How rarely does it nearly fall?" in out
     assert "example: nearflat run" in out
+
+
+@pytest.mark.parametrize("docstring", [None, "", "\n", "RaceAngles(*, disks: tuple = ())"])
+def test_help_for_a_scene_that_says_nothing_of_itself(docstring, capsys, monkeypatch):
+    """As all scenes do where docstrings are left out (python -OO)."""
+    monkeypatch.setattr(scene_class("race-angles"), "__doc__", docstring)
+    status, out, _ = said(capsys, "run", "race-angles", "--help")
+    assert status == 0
+    assert "Run the scene race-angles." in out
+    assert "disks: tuple" not in out
 
 
 def test_help_without_a_scene_says_which_scene_takes_what(capsys):

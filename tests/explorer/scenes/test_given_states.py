@@ -8,10 +8,24 @@ import pytest
 
 import explorer as ex
 from explorer.runs import folder as folders
+from explorer.scenes import given_states
 from explorer.scenes.given_states import GivenStates
 
 DISK = ex.Disk.uniform()
 NAMES = ("phi", "phidot", "sigma3", "sigma4")
+
+
+def test_a_failure_without_words_is_named_by_its_kind(tmp_path, monkeypatch):
+    """As of a network's file system that says nothing."""
+
+    def fails(*given):
+        raise OSError
+
+    monkeypatch.setattr(given_states, "csv_header", fails)
+    path = tmp_path / "states.csv"
+    path.write_text("phi,phidot,sigma3,sigma4\n0,1,1,1\n")
+    with pytest.raises(ex.InputError, match=r"cannot be read \(OSError\)"):
+        GivenStates.of("--states", path)
 
 
 @pytest.fixture
