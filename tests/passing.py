@@ -3,9 +3,11 @@
 import numpy as np
 
 from explorer.motion import passages_by_quadrature
+from explorer.motion.legs import legs_of
 from explorer.phase.gauss import packed_rules
 from explorer.phase.states import constants_to_states
 from kernels.integrals import passages
+from kernels.integrals.orbits import OrbitRow, orbits_of_legs
 from kernels.integrals.point import VERTICAL, Orbits
 
 
@@ -41,6 +43,15 @@ def orbits_anywhere(disk, n, seed, least=-4.0):
     near = rng.choice([-1.0, 1.0], n) * b.I3 * b.r0 * 10.0 ** rng.uniform(least, 0.0, n)
     h = rng.uniform(0.1, VERTICAL, n)
     return Orbits(h, rng.uniform(-1.0, 1.0, n), bar, near, 2.0 * b.I1 * b.dr0 * bar - near, 1.0 - 0.5 * h * h)
+
+
+def periods_by_legs(disk, orbits, accuracy):
+    """Periods by legs alone; NaN where lanes do not settle them."""
+    n = orbits.h.size
+    out, status = np.empty((8, n)), np.zeros(n, np.int8)
+    ends, legs, _upright = legs_of(disk, orbits, status, accuracy, 2)
+    orbits_of_legs(orbits, ends, legs, disk.natural, out, status)
+    return OrbitRow(*out)
 
 
 def start_on_f(disk, face, sigma3_bar=1.0, speed=1.0):

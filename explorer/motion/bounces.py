@@ -142,7 +142,7 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
 
     def some(rows: NDArray[np.intp]) -> _Pairs:
         of_rows = LinearConstants(*(c[rows] for c in linear))
-        return _pairs(states.at(rows), of_rows, status[rows], how.accuracy)
+        return _pairs(states.at(rows), of_rows, status[rows], how.accuracy, count == 1)
 
     return _in_turn(states, _joined(in_parts(jobs, len(states), some, 4 * BLOCK)), count)
 
@@ -156,7 +156,8 @@ def bounce_kernels(accuracy: float) -> tuple[str, ...]:
 class _Pairs(NamedTuple):
     """The bounces of one period, in natural units: (2, n) for the even and the odd ones, (n) for what both share.
 
-    first: time to bounce 0; between: time from each bounce to the next.
+    (1, n) where the first one is all that was asked for. first: time to bounce 0; between: time from each bounce
+    to the next.
     """
 
     face: NDArray[np.int8]
@@ -176,17 +177,20 @@ def _joined(parts: list[_Pairs]) -> _Pairs:
     return _Pairs(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
 
 
-def _pairs(states: States, linear: LinearConstants, status: NDArray[np.int8], accuracy: float) -> _Pairs:
+def _pairs(
+    states: States, linear: LinearConstants, status: NDArray[np.int8], accuracy: float, first_only: bool
+) -> _Pairs:
+    """first_only: nothing is asked but the first one; the other passage of a motion may stay unknown then."""
     disk, code = states.disk, compiled.status.Status
     orbits = orbit_starts(states, linear)
     status = fallen(orbits, status)
     out = np.empty((len(compiled.bounces.BounceRow._fields), status.size))
-    ends, legs, upright = legs_of(disk, orbits, status, accuracy, 3)
+    ends, legs, upright = legs_of(disk, orbits, status, accuracy, 3, first_only)
     compiled.bounces.bounces_of_legs(orbits, ends, legs, disk.natural, out, status)
     by_rules(compiled.bounces.bounce_batch, disk, orbits, upright, accuracy, out, status)
     found = compiled.bounces.BounceRow(*out)
     crosses, first_here = np.isfinite(found.theta_there), found.first_here == 1.0
-    from_here = np.stack([first_here, np.where(crosses, ~first_here, True)])
+    from_here = np.stack([first_here, *([] if first_only else [np.where(crosses, ~first_here, True)])])
 
     def in_turn(here: Array, there: Array) -> Array:
         return np.where(from_here, here, there)

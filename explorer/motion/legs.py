@@ -24,11 +24,14 @@ from explorer.phase.states import Array
 # The rule to begin with at accuracies down to each of these, for ways of middling length: few need a larger one.
 # A power of ten may be rounded down.
 _FIRST = (
-    (0.9e-2, 4), (0.9e-3, 5), (0.9e-4, 5), (0.9e-5, 6), (0.9e-6, 6),
-    (0.9e-7, 8), (0.9e-8, 9), (0.9e-9, 10), (0.0, 11),
+    (0.9e-2, 4), (0.9e-3, 5), (0.9e-4, 5), (0.9e-5, 6), (0.9e-6, 7),
+    (0.9e-7, 8), (0.9e-8, 8), (0.9e-9, 9), (0.0, 10),
 )  # fmt: skip
 # Of the accuracy: rounding of the energy at the vertical that is not felt.
 _UNFELT = 1e-3
+# So many rules further on for bodies from each kappa on: their coefficients fall off later, or sooner. Where
+# kappa is very large, later on some ways only.
+_OF_KAPPA = (16.0, 0), (4.0, 1), (1.2, 0), (0.0, -1)
 # The kernels of `falls_of_energy`, for `compiled.warmup`.
 FALL_KERNELS = ("passages.fall_batch", "low_falls.low_fall_batch", "passages.fall_by_rules_batch")
 
@@ -44,9 +47,10 @@ class Legs(NamedTuple):
     upright: NDArray[np.bool_]
 
 
-def first_rule(accuracy: float) -> int:
-    """The rule for legs to begin with."""
-    return next(rule for least, rule in _FIRST if accuracy >= least)
+def first_rule(disk: Disk, accuracy: float) -> int:
+    """The rule for legs of a disk to begin with."""
+    rule = next(rule for least, rule in _FIRST if accuracy >= least)
+    return rule + next(more for least, more in _OF_KAPPA if disk.kappa >= least)
 
 
 def leg_kernels(accuracy: float) -> tuple[str, ...]:
@@ -55,9 +59,17 @@ def leg_kernels(accuracy: float) -> tuple[str, ...]:
 
 
 def legs_of(
-    disk: Disk, orbits: "compiled.point.Orbits", status: NDArray[np.int8], accuracy: float, kinds: int
+    disk: Disk,
+    orbits: "compiled.point.Orbits",
+    status: NDArray[np.int8],
+    accuracy: float,
+    kinds: int,
+    first_only: bool = False,
 ) -> Legs:
-    """The legs of motions. kinds: 2 for the passages of both faces, 3 for the way from the state as well."""
+    """The legs of motions. kinds: 2 for the passages of both faces, 3 for the way from the state as well.
+
+    first_only: motions on their way to this face leave out the other one, whose flattest tilt is NaN then.
+    """
     n, tables = status.size, disk.leg_tables
     rows = np.empty((5, n))
     compiled.ends.end_batch(orbits, tables, disk.natural, rows, status)
@@ -66,9 +78,11 @@ def legs_of(
     if upright.any():
         # Lanes measure potentials from flat, and count the rounding of that on their own face alone.
         rows[:, upright & (rounding > _UNFELT * accuracy * np.minimum(ends.moving, 1.0))] = np.nan
+    if first_only:
+        ends = ends._replace(there=np.where(orbits.rate <= 0.0, np.nan, ends.there))
     legs = np.full((5, kinds * n), np.nan)
     _near_flat(disk, orbits, ends, accuracy, legs)
-    compiled.legs.leg_batch(orbits, ends, first_rule(accuracy), accuracy, tables, disk.natural, legs)
+    compiled.legs.leg_batch(orbits, ends, first_rule(disk, accuracy), accuracy, tables, disk.natural, legs)
     return Legs(ends, legs, upright)
 
 
@@ -145,7 +159,7 @@ def falls_of_energy(
     compiled.passages.fall_batch(departures, accuracy, disk.tables, disk.natural, out)
     asked = np.isfinite(energy)
     if unanswered(out, asked):
-        first, tables = first_rule(accuracy), disk.leg_tables
+        first, tables = first_rule(disk, accuracy), disk.leg_tables
         compiled.low_falls.low_fall_batch(*given, first, accuracy, tables, disk.natural, out)
     if unanswered(out, asked):
         compiled.passages.fall_by_rules_batch(departures, chord(0.0), packed_rules(), disk.natural, out)

@@ -211,11 +211,12 @@ def bounces_of_legs(orbits: Orbits, ends: Ends, legs: Matrix, disk: Disk, out: M
     """
     b, n = disk.body, status.size
     for i in range(n):
-        out[:, i] = math.nan
         lead = lead_of(i, orbits, ends, legs, disk)
         here, there = passages_of(i, orbits.sigma3_bar[i] / b.r0, ends, legs, b)
         if status[i] == _OK and here.time > 0.0 and there.time >= 0.0 and lead.time >= 0.0:
             put(bounces_of(orbits.rate[i], here, there, lead, math.nan), out, i)
+        else:
+            out[:, i] = math.nan
 
 
 @kernel

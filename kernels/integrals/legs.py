@@ -18,8 +18,34 @@ from kernels.disk.body import Body, Disk
 from kernels.disk.elementary import DEEPEST, cosine, exp_fall, log_ratio, sine
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import Entry, put
-from kernels.integrals import leg_tables, tabulated
+from kernels.integrals import leg_tables
 from kernels.integrals.ends import Ends, anywhere
+from kernels.integrals.leg_errors import (
+    ANGLE,
+    BELOW,
+    CAP,
+    CLOSED,
+    FURTHER,
+    H_BEYOND,
+    H_END,
+    H_TURN,
+    LOG_CAP,
+    LOG_END,
+    LOG_TURN,
+    MOVING,
+    RACE,
+    REACH,
+    ROUNDING,
+    ROWS,
+    SINE_END,
+    SLOW,
+    TURN2,
+    Y_END,
+    slowness,
+    tell_errors,
+    tell_thin,
+    tell_turn,
+)
 from kernels.integrals.leg_tables import LegTables, Wide
 from kernels.integrals.near_flat import Near, slope_of
 from kernels.integrals.point import VERTICAL, Motion, Orbits
@@ -37,7 +63,6 @@ from kernels.integrals.tabulated import (
     OF_REST,
     OF_TIME,
     PSI,
-    REST,
     SUMS,
     TAILS,
     TIME,
@@ -48,7 +73,6 @@ from kernels.integrals.tabulated import (
     finish,
     gather,
     keep_least,
-    share_of_tail,
 )
 from kernels.integrals.wobbles import NOT_THERE
 from kernels.types import Longs, Matrix, Vector
@@ -60,27 +84,12 @@ _NOISE = 100.0  # units of rounding, as in tabulated
 ROUNDING_UNITS = 4.0  # units of rounding in E - V, of the sizes of its terms
 _LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y
 _DEPTH, _PER_NODE = 2.5, 1.44  # in y: what rules of so many nodes look at
-_DEEP = 8.0  # in y
-# A motion is slow at an end below this part of |E - V_0| + 1; rules then miss so much, at most, of the share that
-# their last coefficients have. Elsewhere they miss so much of the square of that share.
-_SLOW, _MISSED, _TRUST = 0.02, 0.2, 0.5
-_ROUND = 16.0  # kappa up to which the tables of a body hold its races as well as its rules tell
 BESIDE = 1e-5  # of h: a state so near an end tells the way there by its rate
-# Beside the turning point, of the angle of the race and of h there: six times the largest that was seen.
-_TURN_RATE, _TURN_SHARE = 4.36, 6.0
 _LEAST_LEFT = 1e-300
 # Of h at both ends: below the first ratio a way is short, above the others long; rules to leave out or to add.
 _SHORTER, _LONGER, _LONGEST = 1.5, 10.0, 1e3
 _SAVED, _MORE, _MOST = 3, 2, 3
-
-# Rows beside those of `tabulated`: ends in h, and where the motion turns back beyond the outer one (0: not known);
-# E - V there and how much further in y it would go; what `at_depth` takes; y there and below the
-# panel; the panel; the closed part; rounding of E - V.
-(
-    H_TURN, H_END, H_BEYOND, MOVING, FURTHER, LOG_TURN, LOG_END, CAP, LOG_CAP, TURN2, Y_END, BELOW,
-    REACH, ANGLE, SINE_END, CLOSED, RACE, ROUNDING,
-) = range(tabulated.ROWS, tabulated.ROWS + 18)  # fmt: skip
-ROWS = tabulated.ROWS + 18
+_FAR = 30.0  # times the accuracy: an error after which the next rule but one is tried
 
 
 class LegRow(NamedTuple, Generic[Entry]):
@@ -170,7 +179,8 @@ def lay_panel(W: Vector, depth: float, wide: Wide, b: Body) -> None:
         rounding = ROUNDING_UNITS * _EPSILON * terms
         W[ROUNDING * LANES + i], W[NOISE * LANES + i] = rounding, _NOISE * _EPSILON + rounding / slope
         # In y. Where V does not rise towards the end, the motion would not turn back soon.
-        rise = slope_of(end, last, motion.X, b) * (2.0 * W[CAP * LANES + i] - end) / end
+        at_end = slope_of(end, last, motion.X, b)
+        rise = at_end * (2.0 * W[CAP * LANES + i] - end) / end
         width = W[Y_END * LANES + i] if W[Y_END * LANES + i] < depth else depth
         moving = W[MOVING * LANES + i]
         further = moving / rise if rise * width > moving else width
@@ -178,6 +188,7 @@ def lay_panel(W: Vector, depth: float, wide: Wide, b: Body) -> None:
         further = further if known == 0.0 else known if known < width else width
         further = further if moving > 0.0 else 0.0
         W[REACH * LANES + i], W[SINE_END * LANES + i] = width + further, width / (width + further)
+        W[SLOW * LANES + i] = slowness(W, i, at_end)
         W[LEAST * LANES + i] = 1.0
     for i in range(LANES):
         W[ANGLE * LANES + i] = math.asin(min(max(W[SINE_END * LANES + i], 0.0), 1.0))
@@ -224,56 +235,6 @@ def add_nodes(W: Vector, rules: Matrix, first: int, last: int, of_body: LegTable
 
 
 @contracted_subroutine
-def tell_errors(W: Vector) -> None:
-    """Add the errors as the last coefficients tell them, the largest share of all three integrals serving each.
-
-    Coefficients that fall like ratio^k leave the square of their share: a part of it, measured on 10^5 legs. On a
-    very long way, whose turning point stands apart from all else, a small part of the integrand falls more slowly
-    than the rest, and the share is of that. Where a motion is slow at its end, coefficients oscillate or fall off
-    late, and two in turn may be small.
-    """
-    for i in range(LANES):
-        chi, rest, time = share_of_tail(W, i, OF_CHI), share_of_tail(W, i, OF_REST), share_of_tail(W, i, OF_TIME)
-        share = max(max(chi, rest), time)
-        moving = W[MOVING * LANES + i]
-        slow = (moving > 0.0) & (moving < _SLOW * (abs(W[LEVEL * LANES + i]) + 1.0))
-        root = math.sqrt(share)
-        part = max(root, _MISSED) if slow else root if W[Y_END * LANES + i] > _DEEP else _TRUST * share
-        missed = share * part
-        W[ANGLE_ERROR * LANES + i] += missed * (W[OF_CHI.size * LANES + i] + W[OF_REST.size * LANES + i])
-        W[TIME_ERROR * LANES + i] += missed * W[OF_TIME.size * LANES + i]
-    clear(W, TAILS)
-
-
-@contracted_subroutine
-def tell_turn(W: Vector, size: int) -> None:
-    """Add what a rule of `size` nodes misses beside the turning point.
-
-    What is left of the race after its closed part is there of the order of h, over a length of 1 in y: too small
-    for the last coefficients to tell, and all that is left where the way is long. It falls off with the nodes on
-    such a length, as measured. They lie closer there where the panel ends far from a second turning point.
-    """
-    for i in range(LANES):
-        closer = W[ANGLE * LANES + i] / (0.5 * math.pi) if W[Y_END * LANES + i] < _DEEP else 1.0
-        resolved = 0.25 * _TURN_RATE * size / (W[REACH * LANES + i] * closer)
-        unseen = exp_fall(resolved if resolved < DEEPEST else DEEPEST)
-        unseen *= unseen
-        unseen *= unseen
-        W[ANGLE_ERROR * LANES + i] += _TURN_SHARE * abs(W[RACE * LANES + i]) * W[H_TURN * LANES + i] * unseen
-
-
-@contracted_subroutine
-def tell_thin(W: Vector, b: Body) -> None:
-    """Make errors of angles larger where kappa is: tables and closed forms hold a race to a share of it."""
-    over = b.kappa / _ROUND - 1.0
-    if over > 0.0:
-        for i in range(LANES):
-            turned = abs(W[CHI * LANES + i]) + abs(W[REST * LANES + i])
-            error = W[ANGLE_ERROR * LANES + i]
-            W[ANGLE_ERROR * LANES + i] = error + over * (error + W[NOISE * LANES + i] * turned)
-
-
-@contracted_subroutine
 def integrate(W: Vector, target: float, grade: int, of_body: LegTables, b: Body) -> None:
     """The legs in the lanes by one rule."""
     sizes = of_body.sizes
@@ -287,7 +248,7 @@ def integrate(W: Vector, target: float, grade: int, of_body: LegTables, b: Body)
     measure(W, depth)
     lay_panel(W, depth, of_body.wide, b)
     add_nodes(W, of_body.rules, first, first + sizes[grade], of_body, b)
-    tell_errors(W)
+    tell_errors(W, sizes[grade])
     tell_turn(W, sizes[grade])
     for i in range(LANES):
         W[CHI * LANES + i] += W[RACE * LANES + i]
@@ -343,6 +304,15 @@ def first_rule(kind: int, i: int, middling: int, orbits: Orbits, ends: Ends) -> 
     return middling + (_MOST if ratio > _LONGEST else _MORE if ratio > _LONGER else 0)
 
 
+@subroutine
+def finer(W: Vector, k: int, grade: int, last: int, target: float) -> int:
+    """The rule to try after this one for the leg in lane k; `last` where none will do better."""
+    if W[CHECK * LANES + k] == 2.0:
+        return last
+    far = max(W[ANGLE_ERROR * LANES + k], W[TIME_ERROR * LANES + k]) > _FAR * target
+    return max(grade + 1, min(grade + 2, last - 1)) if far else grade + 1
+
+
 @kernel
 def leg_batch(
     orbits: Orbits, ends: Ends, first: int, target: float, of_body: LegTables, disk: Disk, out: Matrix
@@ -360,9 +330,8 @@ def leg_batch(
     for j in range(out.shape[1]):
         if math.isnan(out[0, j]) and wanted(j // n, j % n, orbits, ends):
             begins[j] = min(first_rule(j // n, j % n, first, orbits, ends), last - 1)
-    left = 0
     for grade in range(last):
-        count, left = left, 0
+        count = 0
         for j in range(out.shape[1]):
             if begins[j] == grade:
                 waiting[count] = j
@@ -384,5 +353,4 @@ def leg_batch(
                     )
                     put(leg, out, group[k])
                 else:
-                    waiting[left] = group[k]
-                    left += 1
+                    begins[group[k]] = finer(W, k, grade, last, target)

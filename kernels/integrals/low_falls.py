@@ -13,7 +13,7 @@ from kernels.disk.body import Body, Disk
 from kernels.disk.elementary import sine
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import put
-from kernels.integrals import ends, leg_tables, legs, tabulated
+from kernels.integrals import ends, leg_errors, leg_tables, legs, tabulated
 from kernels.integrals.ends import anywhere, at_tilt, barrier_between, settle
 from kernels.integrals.leg_tables import LegTables, tilt
 from kernels.integrals.near_flat import slope_of
@@ -71,8 +71,8 @@ def begin(W: Vector, V: Vector, of_body: LegTables, b: Body) -> None:
         )
         W[tabulated.CHECK * LANES + i], W[tabulated.Y * LANES + i] = V[ends.CHECK * LANES + i], 0.0
         # Such a way is short, and no end of it slow but that from rest.
-        W[legs.Y_END * LANES + i], W[legs.MOVING * LANES + i] = 0.0, 0.0
-        W[legs.ANGLE * LANES + i] = 2.0 * math.asin(0.5 * V[ends.H * LANES + i])
+        W[leg_errors.Y_END * LANES + i], W[leg_errors.SLOW * LANES + i] = 0.0, 0.0
+        W[leg_errors.ANGLE * LANES + i] = 2.0 * math.asin(0.5 * V[ends.H * LANES + i])
     for i in range(LANES):
         h, level = V[ends.H * LANES + i], W[tabulated.LEVEL * LANES + i]
         motion = Motion(W[tabulated.X * LANES + i], 0.0, level)
@@ -80,7 +80,7 @@ def begin(W: Vector, V: Vector, of_body: LegTables, b: Body) -> None:
         # The energy comes from a start at the vertical, where q = 1.
         rounding = legs.ROUNDING_UNITS * _EPSILON * (abs(level) + legs.terms_of(h, at, motion, b) + 1.0)
         slope = slope_of(h, at, motion.X, b)
-        W[legs.ROUNDING * LANES + i] = rounding
+        W[leg_errors.ROUNDING * LANES + i] = rounding
         W[tabulated.NOISE * LANES + i] = _NOISE * _EPSILON + rounding / (slope if slope > rounding else rounding)
         W[tabulated.LEAST * LANES + i] = 1.0
 
@@ -96,7 +96,7 @@ def integrate(W: Vector, target: float, first: int, last: int, of_body: LegTable
         node, weight = rules[leg_tables.NODE, j], rules[leg_tables.WEIGHT, j]
         even, but_one = rules[leg_tables.EVEN, j], rules[leg_tables.EVEN_BUT_ONE, j]
         for i in range(LANES):
-            whole = W[legs.ANGLE * LANES + i]
+            whole = W[leg_errors.ANGLE * LANES + i]
             h = 2.0 * sine(0.5 * whole * (1.0 - node * node))
             motion = Motion(W[tabulated.X * LANES + i], 0.0, W[tabulated.LEVEL * LANES + i])
             at = anywhere(h, 0.0, motion, b, of_body.wide)
@@ -109,10 +109,10 @@ def integrate(W: Vector, target: float, first: int, last: int, of_body: LegTable
             gather(W, i, OF_CHI, chi, even, but_one)
             gather(W, i, OF_REST, rest, even, but_one)
             gather(W, i, OF_TIME, dt, even, but_one)
-            doubt = W[legs.ROUNDING * LANES + i] / left
+            doubt = W[leg_errors.ROUNDING * LANES + i] / left
             W[tabulated.ANGLE_ERROR * LANES + i] += doubt * (abs(chi) + abs(rest))
             W[tabulated.TIME_ERROR * LANES + i] += doubt * dt
-    legs.tell_errors(W)
+    leg_errors.tell_errors(W, last - first)
     finish(W, target, FLOOR)
 
 
@@ -143,7 +143,7 @@ def low_fall_batch(
     first: the rule to begin with. Those that reach the vertical, and those that no rule settles, stay NaN.
     """
     b, sizes = disk.body, of_body.sizes
-    V, W = np.ones(ends.ROWS * LANES), np.ones(legs.ROWS * LANES)
+    V, W = np.ones(ends.ROWS * LANES), np.ones(leg_errors.ROWS * LANES)
     waiting, group = np.empty(energy.size, np.int64), np.zeros(LANES, np.int64)
     count = 0
     for i in range(energy.size):

@@ -19,6 +19,7 @@ from numba import types as nb
 from kernels._jit import contracted_device
 from kernels.disk import chaplygin
 from kernels.disk.body import Disk
+from kernels.disk.elementary import DEEPEST
 from kernels.disk.polynomials import economise
 from kernels.types import Longs, Matrix
 
@@ -165,6 +166,10 @@ ROUGH, WIDE_END = 4, 6
 # and at least twice the largest share of 96,000 passages of those of twelve bodies with I1 >= _ROUND; below that
 # it grows like the power _GROWS, since kappa does.
 _ROUND, _GROWS = 0.05, 1.5
+# Bodies with I1 below SMALL have larger inner rules in fine grades, which look so deep: they miss as much as those
+# of other bodies, twice as much at _SMALLEST.
+SMALL, _SMALLEST = 0.01, 1e-3
+_DEEPER = {4: 11.5, 5: 12.5, 6: 14.0, 7: DEEPEST, 8: DEEPEST}
 # What is left of the time falls like e^(-3y), which rules of few nodes see worst. Where I3/I1 is below _SPINNING,
 # the spin makes large angles of it, and of what is missed elsewhere.
 _SPINNING = 0.03
@@ -189,7 +194,7 @@ def make_tables(disk: Disk, rules: Sequence[tuple[np.ndarray, ...]]) -> Tables:
     number of nodes; their positive half is used.
     """
     power_series = chaplygin.power_series(disk.body.c)[0]
-    grades = [_grade(disk, each, limits) for each, limits in zip(rules, _GRADES, strict=True)]
+    grades = [_grade(disk, each, _limits(disk, g)) for g, each in enumerate(rules)]
     sizes = [[nodes.shape[1] for nodes in grade[:4]] for grade in grades]
     outer, fall, inner, far = (np.concatenate(nodes, axis=1) for nodes in list(zip(*grades, strict=True))[:4])
     return Tables(
@@ -224,8 +229,6 @@ def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
         u = 0.5 * (1.0 + fall[0])
         theta = 0.5 * math.pi * u * u * (3.0 - 2.0 * u)
         fallen = at_tilts(disk, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
-    thin = 1.0 + (_ROUND / disk.body.I1) ** _GROWS
-    spinning = 1.0 / (1.0 + (disk.body.k / _SPINNING) ** 2)
     places, weights, tails = _half(inner)
     # ln h rises from the turning point like s^2, s = sin(pi v/2): nodes lie close at both ends.
     v, steps, last = _half(wide)
@@ -235,11 +238,21 @@ def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
         fall=np.concatenate([fallen, coefficients(fall, (fall.shape[1] - 1, fall.shape[1] - 2))]),
         inner=np.concatenate([[1.0 - places, weights], tails]),
         wide=np.concatenate([[slope * slope, math.pi * s * slope * steps], last]),
-        limits=limits._replace(
-            missed=limits.missed * thin,
-            trust=limits.trust * (1.0 + spinning),
-            spun=1.0 + (limits.spun - 1.0) * spinning,
-        ),
+        limits=limits,
+    )
+
+
+def _limits(disk: Disk, number: int) -> Limits:
+    """The limits of a grade for a body."""
+    body, limits = disk.body, _GRADES[number]
+    fine = body.I1 < SMALL and number in _DEEPER
+    thin = 1.0 + ((_SMALLEST if fine else _ROUND) / body.I1) ** _GROWS
+    spinning = 1.0 / (1.0 + (body.k / _SPINNING) ** 2)
+    return limits._replace(
+        depth=_DEEPER[number] if fine else limits.depth,
+        missed=limits.missed * thin,
+        trust=limits.trust * (1.0 + spinning),
+        spun=1.0 + (limits.spun - 1.0) * spinning,
     )
 
 

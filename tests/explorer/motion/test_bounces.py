@@ -192,6 +192,10 @@ def test_bounces_meet_the_accuracy_asked(disk):
         assert (worst <= 10.0 * (found.error_estimate + best.error_estimate)[both]).all()
 
 
+# Thick, with little I3, heavy at the rim and at the core: rules miss more of one and less of another.
+UNLIKE = [ex.Disk(I1=I1, I3=I3) for I1, I3 in ((0.5, 0.3), (0.25, 0.02), (5.0, 3.0), (1e3, 2e3), (0.02, 0.04))]
+
+
 def across(disk, count, seed):
     """States at the vertical, of any distance from F between 1e-8 and 1."""
     random, unit = np.random.default_rng(seed), disk.rate_unit
@@ -201,13 +205,9 @@ def across(disk, count, seed):
 
 
 @pytest.mark.parametrize("made", [across, anywhere])
-@pytest.mark.parametrize("disk", [*DISKS.values(), ex.Disk(I1=0.5, I3=0.3), ex.Disk(I1=0.25, I3=0.02)], ids=str)
+@pytest.mark.parametrize("disk", [*DISKS.values(), *UNLIKE], ids=str)
 def test_a_coarse_accuracy_is_not_paid_for_as_a_fine_one(disk, made):
-    """The 99th percentile of true errors is within the accuracy, and not below a hundredth of it.
-
-    Where I3 is little nearly all motions are slow at an end, whose rules know less than they hold: half of that.
-    """
-    least = 0.01 if disk.body.I3 > 0.1 else 0.005
+    """The 99th percentile of true errors is within the accuracy, and not below a hundredth of it."""
     states = made(disk, 1000, 8)
     best = ex.bounces(states, 1, 1e-11)
     for accuracy in 10.0 ** -np.arange(2, 11):
@@ -219,7 +219,7 @@ def test_a_coarse_accuracy_is_not_paid_for_as_a_fine_one(disk, made):
             found.duration / best.duration - 1,
         )
         worst = np.percentile(np.max([abs(error[both]) for error in errors], axis=0), 99)
-        assert least * accuracy <= worst <= accuracy
+        assert 0.01 * accuracy <= worst <= accuracy
 
 
 @pytest.mark.filterwarnings("ignore:t_eval")  # only the two ends of the stretch are asked for

@@ -41,7 +41,9 @@ def test_legs_call_the_kernels_that_are_named_and_no_others(accuracy, monkeypatc
 
 
 def test_a_coarser_accuracy_begins_with_a_smaller_rule():
-    rules = [first_rule(accuracy) for accuracy in (0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-13)]
+    rules = [
+        first_rule(BODIES["uniform"], accuracy) for accuracy in (0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-13)
+    ]
     assert rules == sorted(rules)
     assert rules[0] < rules[-1]
 
