@@ -41,6 +41,10 @@ if ARITHMETIC not in _FLAGS:
     raise ImportError(f"NEARFLAT_ARITHMETIC = {ARITHMETIC!r}: give 'strict' or 'relaxed'")
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": _FLAGS[ARITHMETIC]}
 _CONTRACTED: dict[str, Any] = {"error_model": "numpy", "fastmath": _FLAGS[ARITHMETIC] | {"contract"}}
+# numba counts who holds an array: two atomic additions wherever a function is given one or reads it from a tuple,
+# which took half of the time of passages by integration. A kernel holds its arrays as long as it runs, so what it
+# calls need not count; what makes arrays does (`maker`).
+_HELD: dict[str, Any] = {"_nrt": False}
 _LOCK = threading.RLock()
 
 _NUMBERS = {float: numba.float64, int: numba.int64, bool: numba.boolean}
@@ -64,28 +68,37 @@ def numba_type(hint: Any) -> Any:
 
 
 def device(function: F) -> F:
-    """A function inlined into compiled callers; it compiles together with them."""
-    return _callee(function, forceinline=True, **_OPTIONS)
+    """A function inlined into compiled callers; it compiles together with them. It makes no arrays."""
+    return _callee(function, forceinline=True, **_OPTIONS, **_HELD)
 
 
 def strict_device(function: F) -> F:
     """As `device`; strict also where arithmetic is relaxed, for what rounds on purpose."""
-    return _callee(function, forceinline=True, error_model="numpy")
+    return _callee(function, forceinline=True, error_model="numpy", **_HELD)
 
 
 def subroutine(function: F) -> F:
-    """A function called from compiled code but not inlined, where inlining only costs compile time."""
+    """A function called from compiled code but not inlined, where inlining only costs compile time.
+
+    It makes no arrays. One that gives back some of those that it was given is not called by a kernel, which would
+    let go of them.
+    """
+    return _callee(function, **_OPTIONS, **_HELD)
+
+
+def maker(function: F) -> F:
+    """As `subroutine`, but it may make arrays; only kernels and other makers call one that gives them back."""
     return _callee(function, **_OPTIONS)
 
 
 def contracted_device(function: F) -> F:
     """As `device`; the compiler may round a product and a sum together, once instead of twice."""
-    return _callee(function, forceinline=True, **_CONTRACTED)
+    return _callee(function, forceinline=True, **_CONTRACTED, **_HELD)
 
 
 def contracted_subroutine(function: F) -> F:
     """As `subroutine`, with products and sums rounded together."""
-    return _callee(function, **_CONTRACTED)
+    return _callee(function, **_CONTRACTED, **_HELD)
 
 
 def _callee(function: F, **options: Any) -> F:
@@ -111,7 +124,8 @@ class Callee:
 
     @cached_property
     def _for_python(self) -> Any:
-        return numba.njit(**self.targetoptions)(self.py_func)
+        counted = {name: value for name, value in self.targetoptions.items() if name not in _HELD}
+        return numba.njit(**counted)(self.py_func)
 
     def __call__(self, *arguments: Any, **keywords: Any) -> Any:
         return self._for_python(*arguments, **keywords)

@@ -3,7 +3,7 @@
 import math
 
 from kernels._jit import contracted_device, strict_device
-from kernels.disk.polynomials import horner, strict_horner, taylor
+from kernels.disk.polynomials import horner, long_horner, strict_horner, taylor
 
 # Largest range in y, below the handover, that nodes cover. What the closed forms leave decays like e^(-2y):
 # e^-32 of it lies deeper.
@@ -24,7 +24,7 @@ _SINES = tuple((-1.0) ** n / math.factorial(2 * n + 1) for n in range(8))
 _COSINES = tuple((-1.0) ** n / math.factorial(2 * n) for n in range(9))
 _SINE = taylor(lambda n: (-1.0) ** n * _QUARTER ** (2 * n) / math.factorial(2 * n + 1), 11)
 _EXP = taylor(lambda n: (-_SHORT) ** n / math.factorial(n), 14)
-_ATANH = taylor(lambda n: 9.0**-n / (2 * n + 1), 10)
+ATANH = taylor(lambda n: 9.0**-n / (2 * n + 1), 10)
 # The same to 1e-8 or better.
 EXP_SHORT = taylor(lambda n: (-_SHORT) ** n / math.factorial(n), 9)
 ATANH_SHORT = taylor(lambda n: 9.0**-n / (2 * n + 1), 4)
@@ -34,10 +34,20 @@ _ATAN = taylor(lambda n: (-_STEEPEST) ** n / (2 * n + 1), 12)
 @contracted_device
 def exp_fall_by(powers: tuple[float, ...], d: float) -> float:
     """exp(-d) for 0 <= d <= DEEPEST, to the digits of its powers."""
-    e = horner(powers, 2.0 / DEEPEST * d - 1.0)
+    return _squared(horner(powers, 2.0 / DEEPEST * d - 1.0))
+
+
+@contracted_device
+def _squared(e: float) -> float:
     for _ in range(_SQUARINGS):
         e = e * e
     return e
+
+
+@contracted_device
+def exp_fall_at_once(d: float) -> float:
+    """As `exp_fall`, even and odd powers apart, where all that follows waits for it."""
+    return _squared(long_horner(_EXP, 2.0 / DEEPEST * d - 1.0))
 
 
 @contracted_device
@@ -53,9 +63,15 @@ def log_ratio_by(powers: tuple[float, ...], s: float) -> float:
 
 
 @contracted_device
+def log_ratio_at_once(powers: tuple[float, ...], s: float) -> float:
+    """As `log_ratio_by`, even and odd powers apart, where all that follows waits for it."""
+    return 2.0 * s * long_horner(powers, 18.0 * s * s - 1.0)
+
+
+@contracted_device
 def log_ratio(s: float) -> float:
     """ln((1 + s)/(1 - s)) for |s| <= 1/3."""
-    return log_ratio_by(_ATANH, s)
+    return log_ratio_by(ATANH, s)
 
 
 @contracted_device

@@ -94,8 +94,9 @@ def anywhere(h: float, log_h: float, motion: Motion, b: Body, wide: Wide) -> Nea
         v=long_horner(wide.v, t),
         dv=long_horner(wide.dv, t),
         excess=excess,
+        inv_shape=1.0 / math.sqrt(1.0 - 0.5 * S),
     )
-    return joined(h, log_h, f, motion, b)
+    return joined(h, 1.0 / h, log_h, f, motion, b)
 
 
 @contracted_device

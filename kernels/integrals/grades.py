@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kernels._jit import subroutine
+from kernels._jit import maker, subroutine
 from kernels.integrals.tables import GRADES, TARGETS, Grade, Limits, Tables
 from kernels.integrals.tabulated import LANES
 from kernels.types import Longs
@@ -25,7 +25,7 @@ class Lines(NamedTuple):
     counts: Longs
 
 
-@subroutine
+@maker
 def empty_lines() -> Lines:
     """Lines in which nobody waits."""
     return Lines(np.zeros(GRADES * _ROOM, np.int64), np.zeros(GRADES, np.int64))

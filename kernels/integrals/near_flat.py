@@ -17,13 +17,13 @@ from typing import NamedTuple
 from kernels._jit import contracted_device
 from kernels.disk.body import Body
 from kernels.disk.elementary import (
+    ATANH,
     ATANH_SHORT,
     EXP_SHORT,
     arctan,
-    exp_fall,
+    exp_fall_at_once,
     exp_fall_by,
-    log_ratio,
-    log_ratio_by,
+    log_ratio_at_once,
 )
 from kernels.disk.falling import contracted_potential_above_flat
 from kernels.disk.polynomials import horner
@@ -38,7 +38,8 @@ _LONGEST = 0.25  # step of Newton's method, in ln h
 class Near(NamedTuple):
     """The motion at h <= HANDOVER: n = sigma3/q cos(theta/2) = smooth + Y D/h.
 
-    rise: of sigma4 above its value at flat; V: amended potential above V_0; shape2: cos^2(theta/2).
+    rise: of sigma4 above its value at flat; V: amended potential above V_0; shape: cos(theta/2); shape2: its
+    square.
     """
 
     smooth: float
@@ -49,6 +50,7 @@ class Near(NamedTuple):
     inv_h: float
     shape2: float
     shape: float
+    inv_shape: float
 
 
 class Closed(NamedTuple):
@@ -79,25 +81,28 @@ class Integrals(NamedTuple):
 
 
 class Smooth(NamedTuple):
-    """Chaplygin's series at one tilt, as `chaplygin.make_series`."""
+    """Chaplygin's series at one tilt, as `chaplygin.make_series`; and 1/cos(theta/2)."""
 
     g: float
     drho: float
     v: float
     dv: float
     excess: float
+    inv_shape: float
 
 
 @contracted_device
 def fall_off(d: float, low: Series) -> float:
     """exp(-d), to the digits of the series."""
-    return exp_fall_by(EXP_SHORT, d) if len(low.v) == SHORT_DEGREE + 1 else exp_fall(d)
+    return exp_fall_by(EXP_SHORT, d) if len(low.v) == SHORT_DEGREE + 1 else exp_fall_at_once(d)
 
 
 @contracted_device
 def log_of_ratio(s: float, low: Series) -> float:
     """ln((1 + s)/(1 - s)), to the digits of the series."""
-    return log_ratio_by(ATANH_SHORT, s) if len(low.v) == SHORT_DEGREE + 1 else log_ratio(s)
+    if len(low.v) == SHORT_DEGREE + 1:
+        return log_ratio_at_once(ATANH_SHORT, s)
+    return log_ratio_at_once(ATANH, s)
 
 
 @contracted_device
@@ -110,7 +115,7 @@ def tilt_of(h: float, low: Series) -> float:
 
 
 @contracted_device
-def joined(h: float, log_h: float, f: Smooth, motion: Motion, b: Body) -> Near:
+def joined(h: float, inv_h: float, log_h: float, f: Smooth, motion: Motion, b: Body) -> Near:
     """The motion at h from the series there."""
     x, y = motion.X, motion.Y
     S = 0.5 * h * h
@@ -119,27 +124,35 @@ def joined(h: float, log_h: float, f: Smooth, motion: Motion, b: Body) -> Near:
     D = half_c * S * f.g * log_S + f.v
     dD = half_c * (f.drho * log_S + f.g) + f.dv
     rise = (x * S * f.excess + y * dD) * inv_k
-    inv_h = 1.0 / h
     smooth = 0.5 * x * f.g * h
     n = smooth + y * inv_h * D
     shape2 = 1.0 - 0.5 * S
-    shape = math.sqrt(shape2)
-    V, _spin = contracted_potential_above_flat(0.5 * b.I1 * n * n / shape2, rise, 2.0 * x * inv_k, h * shape, b)
-    return Near(smooth, D, n, rise, V, inv_h, shape2, shape)
+    shape, ratio = shape2 * f.inv_shape, n * f.inv_shape
+    V, _spin = contracted_potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * x * inv_k, h * shape, b)
+    return Near(smooth, D, n, rise, V, inv_h, shape2, shape, f.inv_shape)
 
 
 @contracted_device
 def near_flat(h: float, log_h: float, motion: Motion, b: Body, low: Series) -> Near:
     """The motion at h."""
-    t = low.per_S * (0.5 * h * h) - 1.0
+    return near_flat_at(h, 1.0 / h, log_h, motion, b, low)
+
+
+@contracted_device
+def near_flat_at(h: float, inv_h: float, log_h: float, motion: Motion, b: Body, low: Series) -> Near:
+    """The same where 1/h is known."""
+    S = 0.5 * h * h
+    t = low.per_S * S - 1.0
+    excess = horner(low.excess, t)
     f = Smooth(
         g=horner(low.rho_over_S, t),
-        drho=horner(low.drho, t),
+        drho=1.0 + S * excess,
         v=horner(low.v, t),
         dv=horner(low.dv, t),
-        excess=horner(low.excess, t),
+        excess=excess,
+        inv_shape=horner(low.inv_shape, t),
     )
-    return joined(h, log_h, f, motion, b)
+    return joined(h, inv_h, log_h, f, motion, b)
 
 
 @contracted_device
@@ -147,8 +160,8 @@ def slope_of(h: float, at: Near, x: float, b: Body) -> float:
     """h dV/dh."""
     z = 1.0 - 0.5 * h * h
     spin = x / b.k + at.rise
-    pull = h / at.shape * (b.J * at.n / at.shape * spin + z)
-    return pull - b.I1 * z * at.n * at.n / (at.shape2 * at.shape2)
+    ratio, inv_shape2 = at.n * at.inv_shape, at.inv_shape * at.inv_shape
+    return h * at.inv_shape * (b.J * ratio * spin + z) - b.I1 * z * ratio * ratio * inv_shape2
 
 
 @contracted_device
@@ -166,7 +179,7 @@ def closed_forms(
 ) -> tuple[Closed, Integrals]:
     """What is known in closed form between the turning point h and the handover; slope = -h dV/dh there."""
     x, y, inv_k = motion.X, motion.Y, 1.0 / b.k
-    slow = 1.0 / (at.shape2 * at.shape * math.sqrt(slope * b.inv_M))
+    slow = at.inv_shape * at.inv_shape * at.inv_shape / math.sqrt(slope * b.inv_M)
     race = at.D * slow
     tau = math.sqrt(HANDOVER * HANDOVER - h * h)
     # ln((HANDOVER + tau)/2) is ln(HANDOVER) + ln(1 - s) with a small s.
@@ -192,33 +205,53 @@ def closed_forms(
     return factors, Integrals(chi, rest, slow * tau)
 
 
+class Place(NamedTuple):
+    """Where a node stands, and tau there."""
+
+    h: float
+    tau: float
+    log_h: float
+    inv_h: float
+    inv_tau2: float
+
+
 @contracted_device
-def left_at_node(
-    gap: float, motion: Motion, h_turn: float, log_turn: float, known: Closed, b: Body, low: Series
-) -> tuple[float, Integrals]:
-    """(theta-dot^2, what the closed forms leave of the integrands) at y below the handover by gap widths."""
-    x, y, inv_k = motion.X, motion.Y, 1.0 / b.k
+def place_of_node(gap: float, known: Closed, low: Series) -> Place:
+    """The node at y below the handover by gap widths."""
     d = known.width * gap
     # h and tau are the sum and the difference of h_m e^y / 2 and h_m e^-y / 2.
     rising = known.cap * fall_off(d, low)
-    inv_rising = 1.0 / rising
-    falling = known.turn2 * inv_rising
+    # A division takes as long as some ten products, so two numbers share each: rising and 2 + falling/rising here,
+    # h and tau^2 below.
+    double = 2.0 * rising * rising + known.turn2
+    inv_both = 1.0 / (rising * double)
+    falling = known.turn2 * (double * inv_both)
     h, tau = rising + falling, rising - falling
-    fraction = falling * inv_rising
-    log_h = known.log_cap - d + log_of_ratio(fraction / (2.0 + fraction), low)
-    at = near_flat(h, log_h, motion, b, low)
+    log_h = known.log_cap - d + log_of_ratio(known.turn2 * (rising * inv_both), low)
+    tau2 = tau * tau
+    inv_product = 1.0 / (h * tau2)
+    return Place(h, tau, log_h, tau2 * inv_product, h * inv_product)
+
+
+@contracted_device
+def left_at_node(
+    place: Place, motion: Motion, h_turn: float, log_turn: float, known: Closed, b: Body, low: Series
+) -> tuple[float, Integrals]:
+    """(theta-dot^2, what the closed forms leave of the integrands) at a node."""
+    x, y, inv_k = motion.X, motion.Y, 1.0 / b.k
+    h, tau, log_h, inv_h, inv_tau2 = place
+    at = near_flat_at(h, inv_h, log_h, motion, b, low)
     speed2 = 2.0 * b.inv_M * (motion.level - at.V)
-    inv_shape2 = 1.0 / at.shape2
-    w = tau * at.inv_h * inv_shape2 / (at.shape * math.sqrt(speed2 if speed2 > 0.0 else 1.0))
+    inv_shape2 = at.inv_shape * at.inv_shape
+    w = tau * inv_h * inv_shape2 * at.inv_shape / math.sqrt(speed2 if speed2 > 0.0 else 1.0)
     dt = h * w * at.shape2
-    inv_tau2 = 1.0 / (tau * tau)
     log_rise = log_h - log_turn
     chi = (
         at.smooth * w
         - 0.5 * x * h * known.slow
-        + y * at.inv_h * (at.D * w - known.race)
-        - known.pull * (h * (h - h_turn) * inv_tau2 - 0.5 * h_turn * at.inv_h)
-        - known.spin * (log_rise * h * inv_tau2 - 0.5 * at.inv_h)
+        + y * inv_h * (at.D * w - known.race)
+        - known.pull * (h * (h - h_turn) * inv_tau2 - 0.5 * h_turn * inv_h)
+        - known.spin * (log_rise * h * inv_tau2 - 0.5 * inv_h)
     )
     rest = dt * (0.5 * h * at.n * inv_shape2 + x * inv_k + at.rise) - known.slow * h * (
         known.rest0 + known.rest1 * log_h

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kernels._jit import device, kernel, subroutine
+from kernels._jit import device, kernel, maker, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import put
@@ -74,7 +74,7 @@ class Room(NamedTuple):
     group: Longs
 
 
-@subroutine
+@maker
 def make_room() -> Room:
     """Room in which nobody waits."""
     return Room(np.ones(tabulated.ROWS * LANES), empty_lines(), np.zeros(LANES, np.int64))
@@ -124,12 +124,20 @@ def in_lane(W: Vector, i: int, low: Series, b: Body) -> PassageRow[float]:
     )
 
 
+class Work(NamedTuple):
+    """Passages to find: from where, how exactly, and where they go."""
+
+    crossings: Crossings
+    asked: Asked
+    out: Matrix
+    status: Codes
+
+
 @subroutine
-def by_tables(
-    crossings: Crossings, asked: Asked, of_body: Tables, low: Series, disk: Disk, out: Matrix, status: Codes
-) -> None:
+def by_tables(work: Work, room: Room, of_body: Tables, low: Series, disk: Disk) -> None:
     """`passage_batch` and `rough_batch`, with the series of their grades."""
-    room, goal, n = make_room(), Goal(asked.target, FLOOR), status.size
+    crossings, asked, out, status = work
+    goal, n = Goal(asked.target, FLOOR), status.size
     for i in range(n + 1):
         if i < n:
             if status[i] == _OK and crossings.eta[i] == 0.0:
@@ -162,7 +170,7 @@ def passage_batch(
     `wide_batch` and `passage_by_rules_batch`.
     """
     asked = Asked(target, max(first_grade(target), ROUGH), GRADES)
-    by_tables(crossings, asked, of_body, of_body.low, disk, out, status)
+    by_tables(Work(crossings, asked, out, status), make_room(), of_body, of_body.low, disk)
 
 
 @kernel
@@ -171,7 +179,27 @@ def rough_batch(
 ) -> None:
     """As `passage_batch`, for targets down to 1e-5: by short series and few nodes."""
     asked = Asked(target, min(first_grade(target), ROUGH), ROUGH + 1)
-    by_tables(crossings, asked, of_body, of_body.short, disk, out, status)
+    by_tables(Work(crossings, asked, out, status), make_room(), of_body, of_body.short, disk)
+
+
+@subroutine
+def by_wide_tables(work: Work, room: Room, of_body: Tables, disk: Disk) -> None:
+    """`wide_batch`."""
+    crossings, asked, out, status = work
+    goal, n = Goal(asked.target, FLOOR), status.size
+    for i in range(n + 1):
+        if i < n and status[i] == _OK and math.isnan(out[0, i]):
+            line_up(room.lines, asked.first, i)
+        if i < n and room.lines.counts[asked.first] < LANES:
+            continue
+        grade = next_grade(room.lines, i == n)
+        while grade >= 0:
+            taken = take(room.lines, grade, room.group)
+            fill(room.lanes, room.group, taken, crossings, disk.body)
+            wide.passages(room.lanes, goal, grade_at(of_body, grade), of_body, disk.body)
+            for k in range(taken):
+                settle(room, k, in_lane(room.lanes, k, of_body.wide, disk.body), grade, asked.end, out)
+            grade = next_grade(room.lines, i == n)
 
 
 @kernel
@@ -182,23 +210,9 @@ def wide_batch(
 
     Those that stay NaN are left to `passage_by_rules_batch`.
     """
-    room, goal, n = make_room(), Goal(target, FLOOR), status.size
-    first = first_grade(target)
-    if first >= WIDE_END:
-        return
-    for i in range(n + 1):
-        if i < n and status[i] == _OK and math.isnan(out[0, i]):
-            line_up(room.lines, first, i)
-        if i < n and room.lines.counts[first] < LANES:
-            continue
-        grade = next_grade(room.lines, i == n)
-        while grade >= 0:
-            taken = take(room.lines, grade, room.group)
-            fill(room.lanes, room.group, taken, crossings, disk.body)
-            wide.passages(room.lanes, goal, grade_at(of_body, grade), of_body, disk.body)
-            for k in range(taken):
-                settle(room, k, in_lane(room.lanes, k, of_body.wide, disk.body), grade, WIDE_END, out)
-            grade = next_grade(room.lines, i == n)
+    asked = Asked(target, first_grade(target), WIDE_END)
+    if asked.first < WIDE_END:
+        by_wide_tables(Work(crossings, asked, out, status), make_room(), of_body, disk)
 
 
 @kernel
@@ -249,14 +263,12 @@ def fall_in_lane(W: Vector, i: int) -> FallRow[float]:
     )
 
 
-@kernel
-def fall_batch(departures: Departures, target: float, of_body: Tables, disk: Disk, out: Matrix) -> None:
-    """The fall on F from the vertical on face +1 of every sample -> out (4, n or more), as FallRow.
-
-    target: accuracy of there and back, as for passages; the last grade gives the best there is. NaN where tables
-    do not serve: those are left to `fall_by_rules_batch`.
-    """
-    b, n, room = disk.body, departures.level.size, make_room()
+@subroutine
+def falls_by_tables(
+    departures: Departures, target: float, room: Room, of_body: Tables, disk: Disk, out: Matrix
+) -> None:
+    """`fall_batch`."""
+    b, n = disk.body, departures.level.size
     first = first_grade(target)
     for i in range(n + 1):
         if i < n:
@@ -275,6 +287,16 @@ def fall_batch(departures: Departures, target: float, of_body: Tables, disk: Dis
             for k in range(taken):
                 settle(room, k, fall_in_lane(room.lanes, k), grade, GRADES, out)
             grade = next_grade(room.lines, i == n)
+
+
+@kernel
+def fall_batch(departures: Departures, target: float, of_body: Tables, disk: Disk, out: Matrix) -> None:
+    """The fall on F from the vertical on face +1 of every sample -> out (4, n or more), as FallRow.
+
+    target: accuracy of there and back, as for passages; the last grade gives the best there is. NaN where tables
+    do not serve: those are left to `fall_by_rules_batch`.
+    """
+    falls_by_tables(departures, target, make_room(), of_body, disk, out)
 
 
 @kernel

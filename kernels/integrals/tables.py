@@ -27,6 +27,9 @@ from kernels.types import Longs, Matrix
 HANDOVER = 0.5
 # On S <= 1/8 the nearest singularity is 16 intervals away: coefficients fall like 62^-n; on S <= 1 like 5.8^-n.
 LOW_DEGREE, SHORT_DEGREE, WIDE_DEGREE = 9, 3, 18
+_SHORT_SHAPE = (
+    5  # degree of cos(theta/2) among short ones: its error counts in all of the race, not in what is left
+)
 # Tilts at which wide passages look for their turning point: SCANNED of them, in equal steps of ln h.
 SCANNED, _LOWEST = 20, 0.02
 SCAN_STEP = math.log(math.sqrt(2.0) / _LOWEST) / SCANNED
@@ -63,18 +66,22 @@ def fixed(table: Matrix, j: int) -> Fixed:
 
 LowPowers = Annotated[tuple[float, ...], nb.UniTuple(float64, LOW_DEGREE + 1)]
 ShortPowers = Annotated[tuple[float, ...], nb.UniTuple(float64, SHORT_DEGREE + 1)]
+ShapePowers = Annotated[tuple[float, ...], nb.UniTuple(float64, _SHORT_SHAPE + 1)]
 WidePowers = Annotated[tuple[float, ...], nb.UniTuple(float64, WIDE_DEGREE + 1)]
 
 
 class Low(NamedTuple):
-    """Chaplygin's series for S <= 2/per_S, ascending powers of per_S S - 1: here for S <= 1/8."""
+    """Chaplygin's series for S <= 2/per_S, ascending powers of per_S S - 1: here for S <= 1/8.
+
+    inv_shape: 1/cos(theta/2), which is as smooth. rho' is 1 + S excess.
+    """
 
     per_S: float
     rho_over_S: LowPowers
-    drho: LowPowers
     v: LowPowers
     dv: LowPowers
     excess: LowPowers
+    inv_shape: LowPowers
 
 
 class Short(NamedTuple):
@@ -82,10 +89,10 @@ class Short(NamedTuple):
 
     per_S: float
     rho_over_S: ShortPowers
-    drho: ShortPowers
     v: ShortPowers
     dv: ShortPowers
     excess: ShortPowers
+    inv_shape: ShapePowers
 
 
 class Wide(NamedTuple):
@@ -93,10 +100,10 @@ class Wide(NamedTuple):
 
     per_S: float
     rho_over_S: WidePowers
-    drho: WidePowers
     v: WidePowers
     dv: WidePowers
     excess: WidePowers
+    inv_shape: WidePowers
 
 
 Series = Low | Short | Wide
@@ -200,9 +207,11 @@ def make_tables(disk: Disk, rules: Sequence[tuple[np.ndarray, ...]]) -> Tables:
     return Tables(
         vertical=at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1)),
         scan=at_tilts(disk, 2.0 * np.arcsin(0.5 * scanned_tilts()), np.zeros(SCANNED)),
-        low=Low(4.0 / HANDOVER**2, *_series(power_series, 0.5 * HANDOVER * HANDOVER, LOW_DEGREE)),
-        short=Short(4.0 / HANDOVER**2, *_series(power_series, 0.5 * HANDOVER * HANDOVER, SHORT_DEGREE)),
-        wide=Wide(2.0, *_series(power_series, 1.0, WIDE_DEGREE)),
+        low=Low(4.0 / HANDOVER**2, *_series(power_series, 0.5 * HANDOVER * HANDOVER, (LOW_DEGREE, LOW_DEGREE))),
+        short=Short(
+            4.0 / HANDOVER**2, *_series(power_series, 0.5 * HANDOVER * HANDOVER, (SHORT_DEGREE, _SHORT_SHAPE))
+        ),
+        wide=Wide(2.0, *_series(power_series, 1.0, (WIDE_DEGREE, WIDE_DEGREE))),
         outer=outer,
         fall=fall,
         inner=inner,
@@ -290,7 +299,11 @@ def coefficients(rule: np.ndarray, degrees: tuple[int, int]) -> np.ndarray:
     return np.stack([(2 * k + 1) * np.polynomial.legendre.legval(rule[0], eye[k]) for k in degrees])
 
 
-def _series(power_series: np.ndarray, widest: float, degree: int) -> list[tuple[float, ...]]:
-    """Powers of 2 S/widest - 1 of Chaplygin's series for S <= widest."""
-    shrink = widest ** np.arange(power_series.shape[1])
-    return [tuple(map(float, economise(row * shrink, degree))) for row in power_series]
+def _series(power_series: np.ndarray, widest: float, degrees: tuple[int, int]) -> list[tuple[float, ...]]:
+    """Powers of 2 S/widest - 1 of the fields of `Low` for S <= widest. degrees: of Chaplygin's, of the last."""
+    orders = np.arange(power_series.shape[1])
+    rho_over_S, _drho, v, dv, excess = power_series
+    # (1 - S/2)^(-1/2)
+    inv_shape = np.cumprod(np.concatenate([[1.0], (orders[1:] - 0.5) / (2.0 * orders[1:])]))
+    rows = [(row, degrees[0]) for row in (rho_over_S, v, dv, excess)] + [(inv_shape, degrees[1])]
+    return [tuple(map(float, economise(row * widest**orders, degree))) for row, degree in rows]

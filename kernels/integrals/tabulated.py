@@ -18,12 +18,22 @@ from kernels._jit import contracted_device, contracted_subroutine
 from kernels.disk.body import Body
 from kernels.disk.falling import contracted_potential_above_flat
 from kernels.integrals import tables
-from kernels.integrals.near_flat import Closed, Integrals, closed_forms, left_at_node, near_flat, newton, slope_of
+from kernels.integrals.near_flat import (
+    Closed,
+    Integrals,
+    Place,
+    closed_forms,
+    left_at_node,
+    near_flat,
+    newton,
+    place_of_node,
+    slope_of,
+)
 from kernels.integrals.point import Motion
 from kernels.integrals.tables import Fixed, Grade, Limits, Series, fixed
 from kernels.types import Matrix, Vector
 
-LANES = 32  # ROWS rows of them are 10 kB, a third of the first cache
+LANES = 32  # ROWS rows of them are 11 kB, a third of the first cache
 WIDEST = 0.2  # of h_m: well inside HANDOVER
 NARROWEST = 1e-303  # of |Y|: h_m must not be denormal
 _LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y, or ends at the turning point
@@ -36,7 +46,7 @@ EPSILON = 2.2e-16
 NOISE_UNITS = 100.0  # units of rounding, as in quadrature
 
 # Rows of the work array: entry (row, i) stands at row * LANES + i, as in `batch`. Their order means nothing.
-ROWS = 38
+ROWS = 43
 (
     # the sample; NOISE: of E - V, START: what it does at a slow start; LEAST: least theta-dot^2 met
     X, Y, SPEED, LEVEL, H_TURN, LOG_TURN, STEP, NOISE, START, LEAST,
@@ -47,6 +57,8 @@ ROWS = 38
     # of a panel, as in Gathered
     CHI_SIZE, CHI_LAST, CHI_LAST_BUT_ONE, REST_SIZE, REST_LAST, REST_LAST_BUT_ONE,
     TIME_SIZE, TIME_LAST, TIME_LAST_BUT_ONE,
+    # fields of Place
+    NODE, TAU, LOG_NODE, INV_NODE, INV_TAU2,
 ) = range(ROWS)  # fmt: skip
 
 
@@ -165,7 +177,7 @@ def closed(W: Vector, depth: float, b: Body, low: Series) -> None:
         motion, h, log_h = motion_of(W, i), W[H_TURN * LANES + i], W[LOG_TURN * LANES + i]
         at = near_flat(h, log_h, motion, b, low)
         slope = -slope_of(h, at, motion.X, b)
-        W[WAY * LANES + i] = at.n / at.shape
+        W[WAY * LANES + i] = at.n * at.inv_shape
         W[NOISE * LANES + i] = NOISE_UNITS * EPSILON * (1.0 + W[NOISE * LANES + i] / slope) + W[START * LANES + i]
         good = slope > 0.0
         W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else 2.0
@@ -186,18 +198,10 @@ def closed(W: Vector, depth: float, b: Body, low: Series) -> None:
 @contracted_device
 def known_of(W: Vector, i: int) -> Closed:
     """The factors of the closed forms in lane i."""
-    return Closed(
-        cap=W[CAP * LANES + i],
-        log_cap=W[LOG_CAP * LANES + i],
-        width=W[WIDTH * LANES + i],
-        turn2=W[TURN2 * LANES + i],
-        race=W[RACE * LANES + i],
-        pull=W[PULL * LANES + i],
-        spin=W[SPIN * LANES + i],
-        slow=W[SLOW * LANES + i],
-        rest0=W[REST0 * LANES + i],
-        rest1=W[REST1 * LANES + i],
-    )
+    cap, log_cap, width = W[CAP * LANES + i], W[LOG_CAP * LANES + i], W[WIDTH * LANES + i]
+    turn2, race, pull = W[TURN2 * LANES + i], W[RACE * LANES + i], W[PULL * LANES + i]
+    spin, slow = W[SPIN * LANES + i], W[SLOW * LANES + i]
+    return Closed(cap, log_cap, width, turn2, race, pull, spin, slow, W[REST0 * LANES + i], W[REST1 * LANES + i])
 
 
 @contracted_device
@@ -222,9 +226,16 @@ def near_panel(W: Vector, inner: Matrix, b: Body, low: Series) -> None:
     for j in range(inner.shape[1]):
         gap, weight = inner[tables.GAP, j], inner[tables.WEIGHT, j]
         last, last_but_one = inner[tables.EVEN, j], inner[tables.EVEN_BUT_ONE, j]
+        # Apart from what follows: one chain of all these operations is longer than a processor looks ahead.
+        for i in range(LANES):
+            at = place_of_node(gap, known_of(W, i), low)
+            W[NODE * LANES + i], W[TAU * LANES + i], W[LOG_NODE * LANES + i] = at.h, at.tau, at.log_h
+            W[INV_NODE * LANES + i], W[INV_TAU2 * LANES + i] = at.inv_h, at.inv_tau2
         for i in range(LANES):
             h_turn, log_turn, known = W[H_TURN * LANES + i], W[LOG_TURN * LANES + i], known_of(W, i)
-            speed2, node = left_at_node(gap, motion_of(W, i), h_turn, log_turn, known, b, low)
+            h, tau, log_h = W[NODE * LANES + i], W[TAU * LANES + i], W[LOG_NODE * LANES + i]
+            at = Place(h, tau, log_h, W[INV_NODE * LANES + i], W[INV_TAU2 * LANES + i])
+            speed2, node = left_at_node(at, motion_of(W, i), h_turn, log_turn, known, b, low)
             keep_least(W, i, speed2)
             step = weight * known.width
             gather(W, i, OF_CHI, step * node.chi, last, last_but_one)

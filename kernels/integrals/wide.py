@@ -124,7 +124,7 @@ def turn(W: Vector, b: Body, low: Series) -> None:
         good = (abs(W[STEP * LANES + i]) < _SETTLED) & (width > _SHORTEST) & (width < _LONGEST) & (slope > 0.0)
         W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else 2.0
         W[WIDTH * LANES + i] = width if good else _SHORTEST
-        W[WAY * LANES + i] = at.n / at.shape
+        W[WAY * LANES + i] = at.n * at.inv_shape
         noise = _BLUR * EPSILON * (1.0 + W[NOISE * LANES + i] / slope) + W[START * LANES + i]
         W[NOISE * LANES + i] = noise if good else 0.0
         W[LEAST * LANES + i] = 1.0
@@ -146,8 +146,8 @@ def panel(W: Vector, wide: Matrix, b: Body, low: Series) -> None:
             at = near_flat(h, _LOG_VERTICAL - d, motion, b, low)
             speed2 = 2.0 * b.inv_M * (motion.level - at.V)
             keep_least(W, i, speed2)
-            inv_shape2 = 1.0 / at.shape2
-            step = weight * width / (at.shape * math.sqrt(speed2 if speed2 > 0.0 else 1.0))
+            inv_shape2 = at.inv_shape * at.inv_shape
+            step = weight * width * at.inv_shape / math.sqrt(speed2 if speed2 > 0.0 else 1.0)
             rest = h * (0.5 * h * at.n * inv_shape2 + motion.X / b.k + at.rise)
             gather(W, i, OF_CHI, step * at.n * inv_shape2, last, last_but_one)
             gather(W, i, OF_REST, step * rest, last, last_but_one)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kernels._jit import device, kernel, subroutine
+from kernels._jit import device, kernel, maker, subroutine
 from kernels.disk.body import Disk
 from kernels.disk.chaplygin import Whole
 from kernels.disk.constants import constants_of
@@ -167,11 +167,10 @@ def finish(work: Work, j: int, W: Vector, i: int, disk: Disk) -> None:
 def put_down(attempt_by: Any, work: Work, at: Group, disk: Disk, whole: Whole) -> None:
     """Locate the events of a group within their last steps, and store its samples."""
     W, stop, b = at.W, work.stop, disk.body
-    length = W[lanes.TAKEN * LANES : (lanes.TAKEN + 1) * LANES].copy()
     aim(W, stop, b)
     lanes.sweep(attempt_by, W, stop, b)
     lanes.hold(W, W.view(np.int64), whole, b)
-    approach_events(W, length, stop, b)
+    approach_events(W, stop, b)
     for i in range(LANES):
         j = at.samples[i]
         if j >= 0 and W[lanes.NOTE * LANES + i] == NOTHING:
@@ -197,16 +196,15 @@ def leave(work: Work, at: Group, sweeps: int, landing: Group, waiting: int, i: i
     return waiting + 1
 
 
-@device
+@maker
 def empty() -> Group:
     """A group without samples."""
     return Group(np.zeros(ROWS * LANES), np.full(LANES, -1), np.zeros(LANES, np.int64))
 
 
 @device
-def follow(attempt_by: Any, work: Work, disk: Disk, whole: Whole) -> None:
-    """Follow every motion until it comes to the stop."""
-    at, landing = empty(), empty()
+def follow(attempt_by: Any, work: Work, at: Group, landing: Group, disk: Disk, whole: Whole) -> None:
+    """Follow every motion until it comes to the stop. `at`, `landing`: empty groups."""
     bits = at.W.view(np.int64)
     sweeps = waiting = 0
     place = fill(work, at, 0, 0, disk)
@@ -227,25 +225,25 @@ def follow(attempt_by: Any, work: Work, disk: Disk, whole: Whole) -> None:
 @kernel
 def first_event_rk4(work: Work, disk: Disk, whole: Whole) -> None:
     """Follow every motion by rk4 to its stop."""
-    follow(rk4_attempt, work, disk, whole)
+    follow(rk4_attempt, work, empty(), empty(), disk, whole)
 
 
 @kernel
 def first_event_rk8(work: Work, disk: Disk, whole: Whole) -> None:
     """Follow every motion by rk8 to its stop."""
-    follow(rk8_attempt, work, disk, whole)
+    follow(rk8_attempt, work, empty(), empty(), disk, whole)
 
 
 @kernel
 def first_event_dopri5(work: Work, disk: Disk, whole: Whole) -> None:
     """Follow every motion by dopri5 to its stop."""
-    follow(dopri5_attempt, work, disk, whole)
+    follow(dopri5_attempt, work, empty(), empty(), disk, whole)
 
 
 @kernel
 def first_event_dop853(work: Work, disk: Disk, whole: Whole) -> None:
     """Follow every motion by dop853 to its stop."""
-    follow(dop853_attempt, work, disk, whole)
+    follow(dop853_attempt, work, empty(), empty(), disk, whole)
 
 
 FIRST_EVENT: dict[int, Callable[[Work, Disk, Whole], None]] = {

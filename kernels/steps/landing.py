@@ -8,7 +8,7 @@ from kernels._jit import subroutine
 from kernels.disk.body import Body
 from kernels.steps.attempt import first_guess, land
 from kernels.steps.events import Stop
-from kernels.steps.lanes import BEFORE, LANES, NOTE, NOTHING, NOW, ROWS, STEP, STUCK, TAKEN, read, write
+from kernels.steps.lanes import BEFORE, LANES, NOTE, NOTHING, NOW, ROWS, STEP, STUCK, TAKEN, WHOLE, read, write
 from kernels.types import Vector
 
 
@@ -24,17 +24,15 @@ def aim(W: Vector, stop: Stop, b: Body) -> None:
     """Put all columns back to the start of their last step, to go only about as far as the event."""
     for i in range(LANES):
         x, end = read(W, BEFORE, i), read(W, NOW, i)
-        W[STEP * LANES + i] = first_guess(x, end, W[TAKEN * LANES + i], stop, b)
+        W[WHOLE * LANES + i] = W[TAKEN * LANES + i]
+        W[STEP * LANES + i] = first_guess(x, end, W[WHOLE * LANES + i], stop, b)
         write(W, NOW, i, x)
 
 
 @subroutine
-def approach_events(W: Vector, length: Vector, stop: Stop, b: Body) -> None:
-    """From the ends of the partial steps to the events; the note is STUCK where that did not succeed.
-
-    length: of the whole steps.
-    """
+def approach_events(W: Vector, stop: Stop, b: Body) -> None:
+    """From the ends of the partial steps to the events; the note is STUCK where that did not succeed."""
     for i in range(LANES):
-        y, found = land(read(W, NOW, i), length[i], stop, b)
+        y, found = land(read(W, NOW, i), W[WHOLE * LANES + i], stop, b)
         W[NOTE * LANES + i] = NOTHING if found else STUCK
         write(W, NOW, i, y)

@@ -30,8 +30,9 @@ NOW, BEFORE = 0, 8  # states: after and before the latest attempted step
     # the sum of what holding has moved, rho and sigma4 by their bounds; the largest error of the energy, by itself
     MOVED, EXCESS,
     EXPONENT, MANTISSA,
-) = range(16, 29)  # fmt: skip
-ROWS = 29
+    WHOLE,  # in a landing: the length of the step in which the event is
+) = range(16, 30)  # fmt: skip
+ROWS = 30
 # notes of a sweep on a lane
 NOTHING, HIT, BROKEN, STUCK = 0.0, 1.0, 2.0, 3.0
 

@@ -9,7 +9,7 @@ from typing import Any, Generic, NamedTuple
 
 import numpy as np
 
-from kernels._jit import contracted_subroutine, device, subroutine
+from kernels._jit import contracted_subroutine, device, maker, subroutine
 from kernels.disk.body import Body
 from kernels.disk.chaplygin import Whole
 from kernels.disk.constants import fastest_within, onto_energy
@@ -236,7 +236,7 @@ def land_all(attempt_by: Any, W: Vector, b: Body) -> None:
         write(W, NOW, i, y)
 
 
-@device
+@maker
 def work_array() -> Vector:
     """Lanes without samples."""
     W = np.zeros(ROWS * LANES)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kernels._jit import device, kernel, subroutine
+from kernels._jit import device, kernel, maker, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Whole
 from kernels.disk.constants import Constants
@@ -168,13 +168,27 @@ def put_down(attempt_by: Any, work: Motions, W: Vector, waiting: int, b: Body) -
             out[j, k, component] = y[component]
 
 
+class Room(NamedTuple):
+    """Work arrays: of the samples under way, of those that are ready to go, and of those that land."""
+
+    W: Vector
+    ready: Vector
+    landing: Vector
+
+
+@maker
+def make_room() -> Room:
+    """Room in which there are no samples."""
+    return Room(work_array(), work_array(), work_array())
+
+
 @device
-def follow(attempt_by: Any, work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
+def follow(attempt_by: Any, work: Motions, trail: Trail, room: Room, disk: Disk, whole: Whole) -> None:
     """Follow every motion to all of the times, by steps of `attempt_by`, which the trail keeps.
 
     Where there is one and it is cut off, the outcome means nothing.
     """
-    W, ready, landing = work_array(), work_array(), work_array()
+    W, ready, landing = room.W, room.ready, room.landing
     bits, times, max_steps, b = W.view(np.int64), work.times, work.how.max_steps, disk.body
     sweeps = waiting = 0
     place = fill(work, W, ready, Place(0, LANES, 0, 0), 0, disk, whole)
@@ -262,49 +276,49 @@ def dop853_path(x: State, h: float, control: float, unit: float, b: Body) -> tup
 @kernel
 def motions_rk4_angles(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by rk4, with time and angles."""
-    follow(rk4_angles, work, trail, disk, whole)
+    follow(rk4_angles, work, trail, make_room(), disk, whole)
 
 
 @kernel
 def motions_rk8_angles(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by rk8, with time and angles."""
-    follow(rk8_angles, work, trail, disk, whole)
+    follow(rk8_angles, work, trail, make_room(), disk, whole)
 
 
 @kernel
 def motions_dopri5_angles(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by dopri5, with time and angles."""
-    follow(dopri5_angles, work, trail, disk, whole)
+    follow(dopri5_angles, work, trail, make_room(), disk, whole)
 
 
 @kernel
 def motions_dop853_angles(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by dop853, with time and angles."""
-    follow(dop853_angles, work, trail, disk, whole)
+    follow(dop853_angles, work, trail, make_room(), disk, whole)
 
 
 @kernel
 def motions_rk4_path(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by rk4, with the path."""
-    follow(rk4_path, work, trail, disk, whole)
+    follow(rk4_path, work, trail, make_room(), disk, whole)
 
 
 @kernel
 def motions_rk8_path(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by rk8, with the path."""
-    follow(rk8_path, work, trail, disk, whole)
+    follow(rk8_path, work, trail, make_room(), disk, whole)
 
 
 @kernel
 def motions_dopri5_path(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by dopri5, with the path."""
-    follow(dopri5_path, work, trail, disk, whole)
+    follow(dopri5_path, work, trail, make_room(), disk, whole)
 
 
 @kernel
 def motions_dop853_path(work: Motions, trail: Trail, disk: Disk, whole: Whole) -> None:
     """Follow every motion by dop853, with the path."""
-    follow(dop853_path, work, trail, disk, whole)
+    follow(dop853_path, work, trail, make_room(), disk, whole)
 
 
 MOTIONS: dict[tuple[int, int], Callable[[Motions, Trail, Disk, Whole], None]] = {

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kernels._jit import device, kernel, subroutine
+from kernels._jit import device, kernel, maker, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.field import ROW, State, column, field, reduced, speed
 from kernels.status import Status
@@ -62,7 +62,7 @@ class Drawing(NamedTuple):
     first: Longs
 
 
-@subroutine
+@maker
 def in_order(course: Course, begins: Longs, order: Longs) -> int:
     """Which rows are of which motion: order from begins[j] to begins[j + 1]; returns how many the longest has."""
     rows, n = course.rows, course.status.size
@@ -253,7 +253,7 @@ class Extent(NamedTuple):
     most: int
 
 
-@subroutine
+@maker
 def draw_motion(
     ends: Matrix, extent: Extent, end: State, curve: Curve, points: Matrix, point: int, b: Body
 ) -> int:

@@ -6,7 +6,7 @@ the flow at a fixed time follows by taking out of every vector what its differen
 
 import numpy as np
 
-from kernels._jit import device, kernel, subroutine
+from kernels._jit import device, kernel, maker, subroutine
 from kernels.disk.body import Body
 from kernels.disk.field import State, column, reduced, reduced_state, speed
 from kernels.steps.tableaux import DORMAND_PRINCE_853
@@ -72,7 +72,7 @@ def add(total: Matrix, weight: float, part: Matrix) -> None:
             total[row, j] += weight * part[row, j]
 
 
-@subroutine
+@maker  # an assignment of slices may copy
 def advance(Y: Matrix, h: float, b: Body, X: Matrix, K: Table) -> None:
     """One step of length h in s, by the method of order 8; X and K are room for a state and for the stages."""
     for stage in range(_STAGES):

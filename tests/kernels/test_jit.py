@@ -1,16 +1,21 @@
 """The compiler's cache: never stale, never in the way."""
 
+import importlib
 import json
 import os
+import pkgutil
 import re
 import shutil
 import subprocess
 import sys
 import warnings
 from pathlib import Path
+from typing import Annotated, get_args, get_origin, get_type_hints
 
 import pytest
+from numba import types as nb
 
+import kernels
 from kernels import _jit
 
 ROOT = Path(__file__).parents[2]
@@ -209,6 +214,35 @@ def test_the_annotations_of_a_kernel_are_its_signature():
     assert str(falling.critical_X2_batch.signature.return_type) == "none"
 
 
+def gives_arrays(hint):
+    """Whether what is annotated so is or holds an array."""
+    if get_origin(hint) is Annotated:
+        return isinstance(get_args(hint)[1], nb.Array)
+    record = get_origin(hint) or hint
+    fields = get_type_hints(record, include_extras=True).values() if hasattr(record, "_fields") else []
+    return any(map(gives_arrays, [*fields, *get_args(hint)]))
+
+
+def test_arrays_that_are_given_back_are_counted_on_both_sides_or_on_neither():
+    """A kernel would free what a function gives back that does not count; that would keep what is new for ever."""
+    names = [found.name for found in pkgutil.walk_packages(kernels.__path__, "kernels.")]
+    modules = [importlib.import_module(name) for name in names]
+    found = [each for module in modules for each in vars(module).values()]
+    callees = {each.py_func: "_nrt" not in each.targetoptions for each in found if isinstance(each, _jit.Callee)}
+    givers = {made.__name__: n for made, n in callees.items() if gives_arrays(_hints(made).get("return"))}
+    assert givers.keys() >= {"grade_at", "make_room", "work_array"}
+    assert givers["make_room"]
+    assert not givers["grade_at"]
+    callers = callees | {each.function: True for each in found if isinstance(each, _jit.Kernel)}
+    for caller, counts in callers.items():
+        called = set(caller.__code__.co_names) & givers.keys()
+        assert {name for name in called if givers[name] != counts} == set(), caller
+
+
+def _hints(function):
+    return get_type_hints(function, include_extras=True)
+
+
 PLAIN = """
 import sys, numpy as np, numba
 MOVED = [0]  # units of rounding
@@ -263,6 +297,8 @@ from explorer.phase.states import constants_to_states
 from explorer.measure.log_counts import SignedLogCounts
 from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.race_angles import RaceAngles
+from numba.core.runtime import _nrt_python, rtsys
+_nrt_python.memsys_enable_stats()
 called, compiled_call = set(), compiled._load("kernels._jit").Kernel.__call__
 def call(kernel, *arguments, **keywords):
     called.add(kernel.name)
@@ -303,16 +339,20 @@ numbers = [
 ]
 print(json.dumps([float(x) for row in numbers for x in np.ravel(row)]))
 print(sorted(set(compiled._load("kernels._jit").KERNELS) - called))
+print(*rtsys.get_allocation_stats())
 """
 
 
 @pytest.mark.long
 def test_every_interpreted_kernel_agrees_with_the_compiled_one_and_stays_inside_its_arrays():
     """Python checks every index. Where a compiler may fuse a product and a sum, the last digits differ."""
-    plain, left_out = run(EVERY_KERNEL, ROOT, NUMBA_DISABLE_JIT="1").stdout.splitlines()
+    plain, left_out, _nothing = run(EVERY_KERNEL, ROOT, NUMBA_DISABLE_JIT="1").stdout.splitlines()
     assert left_out == "[]"
-    compiled = run(EVERY_KERNEL, ROOT).stdout.splitlines()[0]
+    compiled, _, counts = run(EVERY_KERNEL, ROOT).stdout.splitlines()
     assert json.loads(plain) == pytest.approx(json.loads(compiled), rel=1e-12)
+    made, freed, counted, let_go = map(int, counts.split())
+    assert made > 100
+    assert (made, counted) == (freed, let_go)  # no kernel keeps an array
 
 
 def numbers_of(printed):

@@ -24,8 +24,9 @@ def test_the_low_series_are_those_of_the_whole_range(name):
         whole = chaplygin.solutions(S, math.log(S), disk.body.c, disk.natural.series)
         t = 16.0 * S - 1.0
         low = disk.tables.low
-        got = [polynomials.horner(row, t) for row in (low.rho_over_S, low.drho)]
-        assert got == pytest.approx([whole.rho_over_S, whole.drho], rel=1e-15)
+        got = [polynomials.horner(row, t) for row in (low.rho_over_S, low.excess, low.inv_shape)]
+        drho, inv_shape = 1.0 + S * got[1], 1.0 / math.sqrt(1.0 - 0.5 * S)
+        assert (got[0], drho, got[2]) == pytest.approx((whole.rho_over_S, whole.drho, inv_shape), rel=1e-15)
         D = 0.5 * disk.body.c * S * got[0] * math.log(S) + polynomials.horner(low.v, t)
         assert pytest.approx(whole.D, rel=3e-15) == D
 
@@ -36,8 +37,10 @@ def test_short_and_wide_series_are_those_of_the_whole_range_to_their_digits():
         assert series.per_S == 2.0 / widest
         for S in np.linspace(1e-6, widest, 20):
             whole = chaplygin.solutions(S, math.log(S), disk.body.c, disk.natural.series)
-            got = [polynomials.horner(row, series.per_S * S - 1.0) for row in (series.rho_over_S, series.drho)]
-            assert got == pytest.approx([whole.rho_over_S, whole.drho], rel=digits)
+            rows, inv_shape = (series.rho_over_S, series.excess, series.inv_shape), 1.0 / math.sqrt(1.0 - 0.5 * S)
+            g, excess, shape = (polynomials.horner(row, series.per_S * S - 1.0) for row in rows)
+            found, wanted = (g, 1.0 + S * excess, shape), (whole.rho_over_S, whole.drho, inv_shape)
+            assert found == pytest.approx(wanted, rel=digits)
 
 
 def test_weights_of_time_sum_to_the_tilts_they_cover():
