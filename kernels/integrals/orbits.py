@@ -86,6 +86,19 @@ def told_there(known: Crossed, motion: Motion, disk: Disk) -> Motion:
 
 
 @subroutine
+def upright_start(known: Crossed, motion: Motion, disk: Disk) -> Crossed:
+    """E - V at the vertical, which is the anchor, and its rounding, which `explorer` judges."""
+    if not math.isnan(known.moving):
+        return known
+    b = disk.body
+    at = point(VERTICAL, motion.X, motion.Y, disk)
+    # What V rose or fell by since the state is some parts of this, and may be more than what is left.
+    spin = abs(spin_at_anchor(motion.X, motion.Y, b)) + rounding_at_anchor(motion.Y, b)
+    risen = b.J * (abs(motion.X) + abs(motion.Y)) * spin
+    return Crossed(motion.level - at.V, _TOLD * (risen + magnitude(at, motion, b)))
+
+
+@subroutine
 def way_out(seen: Seen, known: Crossed, motion: Motion, disk: Disk) -> float:
     """h of the turning point towards the vertical; NaN where that is crossed, 0 where rounding hides which.
 
@@ -93,6 +106,8 @@ def way_out(seen: Seen, known: Crossed, motion: Motion, disk: Disk) -> float:
     """
     outer, at = turning_point_outward(seen.h, motion, disk), point(VERTICAL, motion.X, motion.Y, disk)
     doubt = _HIDDEN * magnitude(at, motion, disk.body)
+    if disk.body.anchor.dD != 0.0:
+        doubt = max(doubt, upright_start(known, motion, disk).rounding)
     if abs(motion.level - at.V) > doubt:
         return outer
     if known.moving > known.rounding:
@@ -121,19 +136,6 @@ def doubted(status: int, row: PassageRow[float], doubt: float, target: float) ->
         time_error=row.time_error + doubt,
         way=row.way,
     )
-
-
-@subroutine
-def upright_start(known: Crossed, motion: Motion, disk: Disk) -> Crossed:
-    """E - V at the vertical, which is the anchor, and its rounding, which `explorer` judges."""
-    if not math.isnan(known.moving):
-        return known
-    b = disk.body
-    at = point(VERTICAL, motion.X, motion.Y, disk)
-    # What V rose or fell by since the state is some parts of this, and may be more than what is left.
-    spin = abs(spin_at_anchor(motion.X, motion.Y, b)) + rounding_at_anchor(motion.Y, b)
-    risen = b.J * (abs(motion.X) + abs(motion.Y)) * spin
-    return Crossed(motion.level - at.V, _TOLD * (risen + magnitude(at, motion, b)))
 
 
 @subroutine
