@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -27,11 +27,12 @@ ASKED = tuple(10.0 ** -np.arange(2.0, 10.1, 2.0))
 # Errors nearer to each other than this ratio are the same: two samplings differ by a fifth, and at rounding a
 # finer setting gains as little.
 _SAME = 1.5
-_ROUNDS = 4  # in which all settings take turns; of the times the least counts, so one undisturbed round is enough
+# In which all settings take turns, until one took so many seconds in all; of its times the least counts, so one
+# undisturbed round is enough.
+_ROUNDS, _ENOUGH = 4, 0.3
 _LEAST = 1e-16  # an error of 0 is one of rounding,
 ROUNDING = 1e-14  # and below this all are
 Errors = dict[tuple[str, float], float]  # by method and setting
-_LONG = 0.5  # seconds for a call, which is then repeated once only
 
 
 @dataclass(frozen=True)
@@ -106,13 +107,18 @@ class _Timed:
 
     row: Row
     call: Callable[[], Any]
-    best: float = np.inf
+    times: list[float] = field(default_factory=list)
 
     def again(self) -> None:
         """Repeat it; the least time counts, as others may be at work on this machine."""
-        begin = time.thread_time()
-        self.call()
-        self.best = min(self.best, time.thread_time() - begin)
+        self.times.append(_seconds(self.call)[1])
+
+
+def _seconds(call: Callable[[], Any]) -> tuple[Any, float]:
+    """What a call returns, and how long it took."""
+    begin = time.thread_time()
+    found = call()
+    return found, time.thread_time() - begin
 
 
 def measure(trial: Trial, say: Callable[[str], None] = lambda text: None) -> Measured:
@@ -120,7 +126,7 @@ def measure(trial: Trial, say: Callable[[str], None] = lambda text: None) -> Mea
     count, known = trial.known.size, int(trial.known.sum())
     rows, asked = [], []
     for method, settings in SETTINGS.items():
-        say(f"measuring {trial.kind} by {method}")
+        say(f"measuring {count:,} {trial.kind} by {method}")
         rows += [_at_setting(trial, method, float(setting)) for setting in settings]
         asked += [_at_accuracy(trial, method, accuracy) for accuracy in ASKED if accuracy >= TIGHTEST[method]]
     if not trial.in_time:
@@ -128,15 +134,18 @@ def measure(trial: Trial, say: Callable[[str], None] = lambda text: None) -> Mea
         asked = [_at_accuracy(trial, "quadrature", accuracy) for accuracy in ASKED] + asked
     say(f"timing {trial.kind}")
     _time([*rows, *asked])
-    done = [[replace(timed.row, nanoseconds=timed.best / count * 1e9) for timed in each] for each in (rows, asked)]
+    done = [
+        [replace(timed.row, nanoseconds=min(timed.times) / count * 1e9) for timed in each]
+        for each in (rows, asked)
+    ]
     return Measured(trial.kind, trial.unit, trial.error, count, known, mark_front(done[0]), done[1])
 
 
 def _time(timed: list[_Timed]) -> None:
     """Time all, one after the other, in rounds: what disturbs a machine for a while disturbs all alike."""
-    for number in range(_ROUNDS):
+    for _ in range(_ROUNDS):
         for each in timed:
-            if number == 0 or each.best < _LONG:
+            if sum(each.times) < _ENOUGH:
                 each.again()
 
 
@@ -147,15 +156,19 @@ def _at_setting(trial: Trial, method: str, setting: float) -> _Timed:
     errors = _quantiles(tried, trial.known)
     accuracy = float(np.clip(SAFETY * errors[1], TIGHTEST[method], LOOSEST))
     how = trial.plan(method, accuracy, setting)
-    met = trial.compare(trial.call(how), accuracy)
-    return _Timed(_row(trial, how.method, (setting, accuracy), (tried, met)), lambda: trial.call(how))
+    # The call before has compiled what this one needs: a long one need not be made again to be timed.
+    found, seconds = _seconds(lambda: trial.call(how))
+    tried_and_met = tried, trial.compare(found, accuracy)
+    return _Timed(_row(trial, how.method, (setting, accuracy), tried_and_met), lambda: trial.call(how), [seconds])
 
 
 def _at_accuracy(trial: Trial, method: str, accuracy: float) -> _Timed:
-    """A method as `--accuracy` sets it."""
+    """A method as `--accuracy` sets it; an integrator after its settings, by which it is compiled."""
     how = trial.plan(method, float(accuracy))
-    met = trial.compare(trial.call(how), accuracy)
-    return _Timed(_row(trial, method, (float(accuracy), float(accuracy)), (met, met)), lambda: trial.call(how))
+    found, seconds = _seconds(lambda: trial.call(how))
+    met = trial.compare(found, accuracy)
+    row = _row(trial, method, (float(accuracy), float(accuracy)), (met, met))
+    return _Timed(row, lambda: trial.call(how), [seconds] if method in SETTINGS else [])
 
 
 def _row(trial: Trial, method: str, setting_and_accuracy: tuple[float, float], tried: tuple[Tried, Tried]) -> Row:
