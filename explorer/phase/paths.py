@@ -26,11 +26,26 @@ def path_of(name: str, value: Any) -> Path:
     text = text_of(os.fspath(value))
     if not text or "\0" in text:
         raise InputError(f"{said(name, value)} is no path; give text that is not empty and has no NUL")
-    if any("\ud800" <= letter <= "\udfff" for letter in text):  # half of a letter, or a byte of another encoding
+    if _no_utf8(text):
         raise InputError(f"{said(name, value)} is no path in UTF-8; give it another name")
+    if not Path(text).is_absolute() and _no_utf8(_here()):  # Arrow reads and writes whole paths in UTF-8 only
+        raise InputError(f"{said(name, value)}: the current folder is no path in UTF-8; work in another one")
     if len(text) > 4000 or any(len(part.encode()) > 255 for part in Path(text).parts):
         raise InputError(f"{name} {shorten(text, SHOWN)} is too long for a path; give a shorter one")
     return Path(text)
+
+
+def _no_utf8(text: str) -> bool:
+    """Whether there is half of a letter, or a byte of another encoding."""
+    return any("\ud800" <= letter <= "\udfff" for letter in text)
+
+
+def _here() -> str:
+    """The current folder; empty where it is gone, which is told where something is read or written."""
+    try:
+        return str(Path.cwd())
+    except OSError:
+        return ""
 
 
 def regular_file(name: str, path: Path, largest: float = math.inf) -> Path:

@@ -38,7 +38,7 @@ PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pyar
 
 
 def default_folder(scene: Scene) -> Path:
-    return Path("results") / f"{scene.name}-{scene.label}-{scene.seed}"
+    return path_of("--out", f"results/{scene.name}-{scene.label}-{scene.seed}")
 
 
 def identity(scene: Scene) -> dict[str, Any]:

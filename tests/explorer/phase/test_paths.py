@@ -1,12 +1,13 @@
 """Files that users name: what may be read, and what is written."""
 
+import sys
 import time
 from pathlib import Path
 
 import pytest
 
 from explorer.errors import InputError
-from explorer.phase.paths import read_toml, writing
+from explorer.phase.paths import path_of, read_toml, writing
 
 
 @pytest.mark.parametrize(
@@ -35,6 +36,19 @@ def test_what_the_system_says_against_a_file_is_told_and_the_path_is_as_it_was_g
         writing("path", tmp_path / "x.png", (".png",)) as path,
     ):
         path.write_text("x")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems keep names of folders in letters")
+def test_from_a_folder_that_has_no_name_in_utf_8_whole_paths_are_read_only(tmp_path, monkeypatch):
+    """Chunks written from there were called damaged."""
+    odd = tmp_path / "\udcff"
+    odd.mkdir()
+    monkeypatch.chdir(odd)
+    with pytest.raises(InputError, match="the current folder is no path in UTF-8; work in another one"):
+        path_of("--out", "races")
+    assert path_of("--out", tmp_path / "races") == tmp_path / "races"
+    odd.rmdir()
+    assert path_of("--out", "races") == Path("races")
 
 
 LONG_KEYS = ("a.", " a .\t", "1.", '"a b".', "'a b' . ", '"\\"".')
