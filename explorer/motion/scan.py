@@ -161,7 +161,6 @@ class _Work(NamedTuple):
 def _computed(states: States, observable: Observable, work: _Work) -> list[dict[str, NDArray[Any]]]:
     """What the function returned, batch by batch."""
     from joblib import Parallel, delayed
-    from tqdm import tqdm
 
     call, alone = _function_of("observable", observable)
     n, size = len(states), work.batch
@@ -171,7 +170,13 @@ def _computed(states: States, observable: Observable, work: _Work) -> list[dict[
     )
     hidden = None if work.progress is None else not work.progress
     wait = 0 if work.progress else _PATIENCE
-    return list(tqdm(made, alone, len(parts), disable=hidden, delay=wait, unit="batch", leave=False))
+    try:
+        from tqdm import tqdm
+
+        shown_by = tqdm(made, alone, len(parts), disable=hidden, delay=wait, unit="batch", leave=False)
+    except Exception:  # what the environment says of tqdm (TQDM_NCOLS and the like) cannot be used
+        return list(made)
+    return list(shown_by)
 
 
 @reader

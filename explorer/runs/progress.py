@@ -1,5 +1,6 @@
 """Progress as users see it: a bar on a terminal and in a notebook, plain lines elsewhere, nothing when quiet."""
 
+import contextlib
 import os
 import sys
 import time
@@ -12,15 +13,18 @@ class Progress:
     """Steps of a run, its chunks and then its pictures, with samples per second, time left and failures."""
 
     def __init__(self, total: int, label: str, quiet: bool) -> None:
-        from tqdm.auto import tqdm
-
         self._total, self._label, self._quiet = total, label, quiet
         self._done = self._fresh = 0
         self._counts: dict[str, int] = {}
         self._started = self._spoke = time.monotonic()
         self._bar: Any = None
         if not quiet and (in_notebook() or sys.stderr.isatty()):
-            self._bar = tqdm(total=total, desc=label, unit="step", ncols=_width(), file=sys.stderr, leave=False)
+            # Lines are left where the environment says of tqdm what it cannot use (TQDM_NCOLS and the like).
+            with contextlib.suppress(Exception):
+                from tqdm.auto import tqdm
+
+                how: dict[str, Any] = {"total": total, "desc": label, "unit": "step", "leave": False}
+                self._bar = tqdm(**how, ncols=_width(), file=sys.stderr)
 
     def already(self, chunks: int) -> None:
         """So many chunks were there before."""

@@ -37,6 +37,13 @@ def test_batches_and_jobs_do_not_change_what_a_function_returns():
         np.testing.assert_array_equal(whole[name], parts[name])
 
 
+def test_a_bar_that_the_environment_spoils_is_left_out(monkeypatch):
+    """As TQDM_NCOLS=x does."""
+    monkeypatch.setattr("tqdm.tqdm", lambda *given, **named: int("x"))
+    states = ex.phi_to_states(ex.Disk.uniform(), 0.1, [0.2, 0.3], 0.4, 0.5)
+    assert ex.scan(states, lambda batch: batch.phidot, progress=True)["observable"].tolist() == [0.2, 0.3]
+
+
 def test_a_function_sees_no_more_states_than_a_batch():
     sizes = []
     scan(STATES, lambda batch: sizes.append(len(batch)) or np.zeros(len(batch)), batch=10)

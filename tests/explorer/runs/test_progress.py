@@ -27,3 +27,13 @@ def test_quiet_says_nothing(capsys, monkeypatch):
     shown.advance({"ok": 1})
     shown.close()
     assert capsys.readouterr().err == ""
+
+
+def test_lines_are_left_where_the_environment_spoils_the_bar(monkeypatch):
+    """As TQDM_NCOLS=x does."""
+    monkeypatch.setattr("tqdm.auto.tqdm", lambda **named: int("x"))
+    monkeypatch.setattr(progress, "in_notebook", lambda: True)
+    shown = progress.Progress(3, "races", quiet=False)
+    shown.already(1)
+    shown.drawn()
+    assert shown._bar is None
