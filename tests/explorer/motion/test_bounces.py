@@ -192,8 +192,8 @@ def test_bounces_meet_the_accuracy_asked(disk):
         assert (worst <= 10.0 * (found.error_estimate + best.error_estimate)[both]).all()
 
 
-# Thick, with little I3, heavy at the rim and at the core: rules miss more of one and less of another.
-UNLIKE = [ex.Disk(I1=I1, I3=I3) for I1, I3 in ((0.5, 0.3), (0.25, 0.02), (5.0, 3.0), (1e3, 2e3), (0.02, 0.04))]
+# Thick, with little I3, with large I1 and with small: rules miss more of one and less of another.
+UNLIKE = [ex.Disk(I1=I1, I3=I3) for I1, I3 in ((0.5, 0.3), (0.25, 0.02), (5.0, 3.0), (0.02, 0.04))]
 
 
 def across(disk, count, seed):
