@@ -9,6 +9,8 @@ from pathlib import Path
 import explorer
 from explorer.commands.main import main
 from explorer.compiled import warmup
+from explorer.phase.disk import Disk
+from explorer.phase.gauss import table_rules
 from explorer.plot import race_histogram  # noqa: F401 - loaded here, so that loading is no part of the way
 from explorer.scenes.registry import build_scene
 
@@ -60,6 +62,7 @@ def entered(call):
 def test_a_sample_goes_the_way_that_the_map_of_the_house_tells(tmp_path):
     command = ["run", "race-angles", "--samples", "200", "--out", str(tmp_path / "races"), "--format", "png"]
     warmup(build_scene("race-angles").kernels)  # to note all that compiling calls would take minutes
+    table_rules(Disk.uniform().body.I1)  # kept for a process: no part of the way of a sample
     seen = entered(lambda: main([*command, "--quiet"]))
     files = told()
     assert all((ROOT / name).is_file() for name in files)
