@@ -87,7 +87,8 @@ def steps():
     outcome = eighth._outcome
     # Nobody asks a fixed step for its errors, and the compiler drops them.
     eighth._outcome = lambda x, h, w, stages: outcome(x, h, w, stages) if w is eighth._B else x
-    body = _disk().body._make(map(Number, _disk().body))
+    *constants, anchor = _disk().body
+    body = type(_disk().body)(*map(Number, constants), anchor)
     counts = {}
     for name, step in (("rk4", rk4_step), ("dopri5", dopri5_step), ("rk8", eighth_order_step)):
         Number.made.clear()
