@@ -16,6 +16,7 @@ from explorer.motion.passages import OBSERVABLES, passage_kernels, passages
 from explorer.motion.plan import plan
 from explorer.phase.disk import Disk
 
+_ROUNDING = 1e-12  # of a normal force, m g: a hoop may touch zero
 _UNITS = {
     "duration": "units of the disk (time)",
     "fall_time": "units of the disk (time)",
@@ -87,10 +88,12 @@ def _continuations(disk: Disk, fall_angle: float, face: int) -> dict[str, dict[s
 
 
 def _physicality(normal: float, friction: float) -> list[str]:
-    if normal <= 0.0:
+    if normal < -_ROUNDING:
         return [
             f"the model keeps contact, but the normal force falls to {normal:.3g} m g: a real disk would lift off"
         ]
+    if normal < _ROUNDING:
+        return ["the model does not slip, but the normal force falls to 0 m g, where no friction holds a disk"]
     if friction > 1.0:
         return [f"the model does not slip, but this motion needs a friction coefficient of {friction:.3g}"]
     return []

@@ -139,7 +139,7 @@ def _side_by_side(calls: Sequence[Callable[[], Done]]) -> list[Done]:
                 if error is not None:
                     raise error
                 found[place] = result
-    except BaseException:
+    except BaseException as error:
         group.leave()
-        raise
+        raise error from None  # an interrupt may come while the queue is found empty, which is nobody's concern
     return [found[place][0] for place in range(len(calls))]

@@ -93,7 +93,7 @@ def column(name: str, value: Any) -> Array:
     masked, given = np.ma.getmaskarray(given) if isinstance(given, np.ma.MaskedArray) else None, np.asarray(given)
     read = _real(given)
     if read is None:
-        kind = "" if given.dtype.kind == "O" and given.ndim == 0 else f" of {given.dtype}"
+        kind = "" if given.dtype.kind == "O" and given.ndim == 0 else f" but of {given.dtype}"
         remedy = "give numbers, not text" if given.dtype.kind in "US" else "give numbers in doubles"
         kind = "" if given.dtype.kind in "US" else kind
         raise InputError(f"{name} = {shown(value)} is not an array of real numbers{kind}; {remedy}")

@@ -15,6 +15,12 @@ from explorer.errors import SHOWN, InputError, reader, said, shorten, shown, tex
 _LARGEST_TOML = 1 << 20  # bytes
 _MOST_PARTS = 20  # of a key with dots, which tomllib reads in a time that grows as their square
 _PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n]){0,100}+"|'[^'\n]{0,100}+')"""
+# Comments and strings, of which those of many lines may look like keys. One without an end goes on to the last
+# character, where it is an error anyway: so each is looked at once.
+_WORDS = re.compile(
+    r"""#[^\n]*+|"{3}(?:\\.|[^\\])*?(?:"{3}|\\?\Z)|'{3}.*?(?:'{3}|\Z)|"(?:\\.|[^"\\\n])*+"?|'[^'\n]*+'?""",
+    re.DOTALL,
+)
 _LONG_KEY = re.compile(rf"(?:^|[\[{{,])[ \t]*+(?:{_PART}[ \t]*+\.[ \t]*+){{{_MOST_PARTS}}}", re.MULTILINE)
 
 
@@ -76,7 +82,7 @@ def read_toml(path: Path, option: str) -> dict[str, Any]:
 
 def _parsed(text: str) -> dict[str, Any]:
     """The content of TOML. Raises ValueError, in words that say nothing of Python."""
-    if _LONG_KEY.search(text):
+    if _LONG_KEY.search(_WORDS.sub(_without_lines, text)):
         raise ValueError(f"a key has more than {_MOST_PARTS} parts")
     try:
         return tomllib.loads(text)
@@ -86,6 +92,11 @@ def _parsed(text: str) -> dict[str, Any]:
         raise ValueError("it is nested too deeply") from None
     except ValueError:
         raise ValueError("a number has too many digits") from None
+
+
+def _without_lines(words: re.Match[str]) -> str:
+    """A string of one line as it is; an empty one for others and for comments."""
+    return '""' if words[0].startswith(('"""', "'''", "#")) else words[0]
 
 
 @contextmanager

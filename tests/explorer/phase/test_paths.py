@@ -65,6 +65,19 @@ def test_a_key_of_very_many_parts_is_refused_before_it_is_parsed(part, form, tmp
     assert time.process_time() - begun < 1.0
 
 
+@pytest.mark.parametrize("quotes", ['"""', "'''"])
+def test_strings_of_many_lines_are_not_taken_for_keys(quotes, tmp_path):
+    path = tmp_path / "words.toml"
+    line = "x" + 25 * ".a"
+    path.write_text(
+        f"text = {quotes}\n{line}{quotes}\n# {quotes}\n{line.replace('.', '_')} = 1\n", encoding="utf-8"
+    )
+    assert read_toml(path, "SCENE")["text"] == line
+    path.write_text(f"# {quotes}\n{line} = 1\n# {quotes}\n", encoding="utf-8")
+    with pytest.raises(InputError, match="a key has more than 20 parts"):
+        read_toml(path, "SCENE")
+
+
 def test_keys_of_some_parts_and_lists_of_many_numbers_are_read(tmp_path):
     path = tmp_path / "some.toml"
     numbers = ", ".join(["0.25"] * 5000)
