@@ -23,6 +23,7 @@ _OK = int(Status.OK)
 _LIMIT = int(Status.STEP_LIMIT)
 _ROUNDING = 8.0 * 2.2e-16  # of dV/dh, of the sizes of the terms of V
 _COARSEST = 0.1  # accuracy of a lead by itself
+_VARIES = 0.5  # of theta-dot-dot on the way to a turning point: where it varies more there may be none
 
 
 class BounceRow(NamedTuple, Generic[Entry]):
@@ -91,6 +92,8 @@ def lead_beside_turn(h: float, rate: float, half: Lead, motion: Motion, disk: Di
     push, first = at.slope * at.shape / h, turn.slope * turn.shape / h_turn
     time = 3.0 * b.M * abs(rate / (2.0 * first + push))
     change = push / first - 1.0
+    if not abs(change) <= _VARIES:
+        return Lead(math.nan, math.inf)
     rounding = _ROUNDING * magnitude(turn, motion, b) / abs(turn.slope)
     error = time * (change * change + way * way + rounding)
     if way < 0.0:

@@ -138,13 +138,14 @@ def bottom(W: Vector, terms: int) -> float:
             low = x
         else:
             high = x
-        guess = x - down * slope / bend if bend > 0.0 else low
+        # Where the slope falls Newton's step leads away.
+        guess = x - down * slope / bend if bend > 0.0 else math.nan
         if not low <= guess <= high:
             guess = 0.5 * (low + high)
         if abs(guess - x) <= 2.0 * _EPSILON * x:
             return down * guess
         x = guess
-    return down * x
+    return math.nan
 
 
 @subroutine
@@ -153,7 +154,8 @@ def turning(W: Vector, terms: int, excess: float, way: float) -> float:
 
     Between the bottom and that point V must rise: a barrier or a second well is not for the series.
     """
-    low, high = 0.0, _FIRST_STEP * math.sqrt(excess / W[LEVEL + 2])
+    # Beyond WIDEST the series may be of any size, and a bracket there holds no root or a false one.
+    low, high = 0.0, min(_FIRST_STEP * math.sqrt(excess / W[LEVEL + 2]), WIDEST)
     if high == 0.0:
         return 0.0
     while high * high * value(W, LEVEL + 2, LEVEL + terms, way * high) < excess:
@@ -168,13 +170,13 @@ def turning(W: Vector, terms: int, excess: float, way: float) -> float:
         else:
             high = x
         slope = slope_and_bend(W, terms, way * x)[0] * way
-        guess = x - above / slope if slope > 0.0 else low
+        guess = x - above / slope if slope > 0.0 else math.nan
         if not low <= guess <= high:
             guess = 0.5 * (low + high)
         if abs(guess - x) <= _EPSILON * x:
             return guess
         x = guess
-    return x
+    return math.nan
 
 
 @subroutine

@@ -311,3 +311,23 @@ def test_almost_without_axial_inertia_a_motion_bounces_as_it_passes(I3):
     error = abs(bounces.delta_chi[:, 0] - passages.delta_chi)[known]
     assert (error <= (bounces.error_estimate[:, 0] + passages.error_estimate)[known]).all()
     np.testing.assert_allclose(bounces.duration[known, 0], passages.duration[known], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("inertia", "state", "first"),
+    [
+        (
+            (4.468589021312591, 8.937178042625183),
+            (4.1359975031821563e-10, 7.955398412493051e-07, -0.000128210328129765, 9.954566627099726e-05),
+            33.822154,
+        ),
+        ((1 / 63, 0.00024552115271746244), (-3.7e-12, 2.22e-7, -1.05e-6, -0.0017), 16.633311),
+    ],
+)
+def test_the_first_bounce_of_a_start_beside_the_vertical_is_told_by_its_error(inertia, state, first):
+    """Its rate is tiny, and so is what draws it: neither tells that it turns back just there."""
+    states = ex.phi_to_states(ex.Disk(I1=inertia[0], I3=inertia[1]), *state)
+    for accuracy in (1e-2, 1e-3, 1e-4, 1e-6):
+        found = ex.bounces(states, 2, accuracy=accuracy)
+        assert found.ok.all()
+        assert found.time[0, 0] == pytest.approx(first, rel=10.0 * accuracy, abs=1e-5)

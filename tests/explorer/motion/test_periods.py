@@ -188,6 +188,27 @@ def test_bodies_of_little_inertia_about_their_axis_are_told_by_their_errors(row)
             assert found.theta_min[0] == pytest.approx(row["theta_min"], rel=1e-6)
 
 
+def test_a_motion_that_comes_fast_to_flat_never_turns_back_where_series_end():
+    """Slower accuracies say where it turns; sharper ones say the same or nothing."""
+    state = 1.5693424333744794, -1.4770374080039275, 1.2415135732670817e-09, 14.157380516772877
+    random = np.random.default_rng(4)
+    beside = np.array(state)[:, None] * (1.0 + 1e-4 * random.normal(size=(4, 100)))
+    beside[:, 0] = state
+    states = phi_to_states(ex.Disk.uniform(), *beside[:, beside[0] < 0.5 * np.pi])
+    true = ex.periods(states, 1e-8)
+    assert true.ok.all()
+    assert true.period[0] == pytest.approx(0.216034, abs=1e-6)
+    assert true.chi[0] == pytest.approx(-3.95894, abs=1e-5)
+    for accuracy in (1e-2, 1e-10, 1e-11, 1e-12, 1e-13):
+        found = ex.periods(states, accuracy)
+        known = found.ok
+        error = 10.0 * (true.error_estimate + found.error_estimate)[known]
+        assert (abs(found.chi - true.chi)[known] <= error).all()
+        assert (abs(found.period / true.period - 1.0)[known] <= error).all()
+        np.testing.assert_allclose(found.theta_min[known], true.theta_min[known], rtol=1e-7)
+        assert known.all() or accuracy <= 1e-10
+
+
 def _assert_bounces_are_passages(found, face, true, other):
     """Two bounces of each state are the passages towards `face` and the other, within ten times the errors."""
     for column in (0, 1):

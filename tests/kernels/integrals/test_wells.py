@@ -100,3 +100,16 @@ def test_beyond_a_barrier_there_is_no_turning_point():
     assert wells.turning(W, TERMS, 0.15, -1.0) > 0.0
     # Beyond WIDEST the series are not to be trusted.
     assert math.isnan(wells.turning(with_levels(0.0, 1.0), TERMS, 9.0, 1.0))
+
+
+@pytest.mark.parametrize("last", [1e-9, -1e-9])
+def test_beyond_its_series_a_low_well_has_no_turning_point(last):
+    """A parabola as low as this ends far beyond WIDEST, where the last terms of the series are all there is."""
+    W = with_levels(0.0, 9e-4, *[0.0] * (TERMS - 3), last)
+    for way in (1.0, -1.0):
+        assert math.isnan(wells.turning(W, TERMS, 1.36, way))
+    # V' = -1e-3 - 0.5 x^2 + 12 x^5: its slope falls first, and the bottom is beyond.
+    W = with_levels(-1e-3, 0.0, -0.5 / 3.0, 0.0, 0.0, 2.0)
+    slope, bend = wells.slope_and_bend(W, TERMS, wells.bottom(W, TERMS))
+    assert abs(slope) < 1e-14
+    assert bend > 0.0
