@@ -41,11 +41,12 @@ class Curve:
     evaluations: Array
     nanoseconds: Array
 
-    def at(self, target: Any, safety: float = SAFETY) -> Array:
+    def at(self, target: Any, safety: float = SAFETY, beyond: Any = False) -> Array:
         """The setting whose error is `target` over `safety`.
 
         Beyond the finest setting whose error is above rounding the method's order is continued, as far as
-        settings have been measured; beyond the coarsest it is that one.
+        settings have been measured, or where `beyond` says so to a target of rounding; beyond the coarsest it is
+        that one.
         """
         resolved = self.error > _ROUNDING
         log_setting, log_error = np.log(self.setting[resolved]), np.log(self.error[resolved])
@@ -55,7 +56,9 @@ class Curve:
         wanted = np.log(np.maximum(target, 1e-300) / safety)
         measured = np.interp(wanted, log_error[::-1], log_setting[::-1])
         continued = measured + slope * np.minimum(wanted - log_error[-1], 0.0)
-        settings: Array = np.exp(np.maximum(continued, np.log(self.setting[-1])))
+        finest = np.log(self.setting[-1])
+        of_rounding = log_setting[-1] + slope * min(np.log(_ROUNDING / safety) - log_error[-1], 0.0)
+        settings: Array = np.exp(np.maximum(continued, np.where(beyond, min(finest, of_rounding), finest)))
         return settings
 
     def cost(self, target: float) -> tuple[float, float]:
@@ -80,11 +83,11 @@ class Calibration:
         """The method that follows motions in least time to an error of `target`, among those that can."""
         return _cheapest(self, methods, target)
 
-    def in_time(self, method: str, target: Any) -> Array:
-        """The setting of a method with which motions in time err by `target`."""
+    def in_time(self, method: str, target: Any, beyond: Any = False) -> Array:
+        """The setting of a method with which motions in time err by `target`; beyond: see `Curve.at`."""
         if method in self.motions:
-            return self.motions[method].at(target, SAFETY_IN_TIME)
-        return self.curves[method].at(target / _STRICTER)
+            return self.motions[method].at(target, SAFETY_IN_TIME, beyond)
+        return self.curves[method].at(target / _STRICTER, beyond=beyond)
 
 
 @lru_cache(maxsize=256)

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, number, one_of, words
@@ -122,11 +123,11 @@ class Plan:
         setting = calibration.setting_in_time(calibration.current(), self.method, self.accuracy)
         return float(self._at_least(setting))
 
-    def held_controls(self, share: Array) -> Array:
-        """The same of several trajectories, each to a share of the accuracy."""
+    def held_controls(self, share: Array, beyond: NDArray[np.bool_]) -> Array:
+        """The same of several trajectories, each to a share of the accuracy; beyond: see `Curve.at`."""
         if (share == 1.0).all():
             return np.full(share.size, self.held_control)
-        found: Array = self._at_least(calibration.current().in_time(self.method, self.accuracy * share))
+        found: Array = self._at_least(calibration.current().in_time(self.method, self.accuracy * share, beyond))
         return found
 
     @property

@@ -146,9 +146,12 @@ def _follow(given: Motions, work: compiled.motions.Motions, trail: compiled.trai
         compiled.algebra.constants_batch(work.last[:5], disk.whole, disk.natural, last)
         compiled.motions.judge_batch(work, given.constants, last, disk.natural)
         start, ok = NaturalConstants(*given.constants), outcome.status == compiled.status.Status.OK
-        ends = precision.Ends(work.last[compiled.field.ROW.t], outcome.constants_error[0], work.taken)
+        reached = work.last[compiled.field.ROW.t]
+        ends = precision.Ends(reached, outcome.steps, outcome.constants_error[0], work.taken)
         found = precision.error_estimate(disk, given.plan, start, ends)
         outcome.error_estimate[ok] = found[ok]
+        lost = ok & precision.lost_to_rounding(disk, given.plan, start.energy, ends)
+        outcome.status[lost] = compiled.status.Status.STEP_TOO_SMALL
 
 
 class Records(NamedTuple):

@@ -49,14 +49,16 @@ class Trajectories:
     path, contact : (n, nt, 3) array or None
         Centre of mass and contact point, in the unit of length. The centre starts above the origin.
     status : (n,) array of int8
-        `Status` of each motion.
+        `Status` of each motion; STEP_TOO_SMALL also where a path is so long, thousands of r in a unit of time,
+        that rounding alone moves it by more than the accuracy asked.
     steps : (n,) array of int32
         Attempted steps of the integrator.
     constants_error : (3, n) array
         How far the constants moved: energy (relative), sigma3_bar and eta (natural units).
     error_estimate : (n,) array
         Of the angles (rad) and of the path (r) at the end, whichever is larger, outside of races, where an error
-        of the time counts more. It follows from what was moved to hold the constants.
+        of the time counts more. It follows from what was moved to hold the constants, and from what rounding
+        does to a long path; of a path that this keeps from the accuracy asked it says what can be had.
     lengths : (n,) array of int
         How many times of its row each motion has; 0 where the status is not OK.
     t_end : float

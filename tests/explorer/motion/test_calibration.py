@@ -79,6 +79,15 @@ def test_a_table_of_other_kernels_is_not_used(private):
     assert "measured with other kernels" in plan(("chi",), 1e-6).reason
 
 
+def test_settings_go_beyond_those_measured_only_where_this_is_asked_for_and_end_at_rounding(private):
+    curve = calibration.current().motions["dopri5"]
+    assert curve.at(1e-14) == pytest.approx(curve.setting[-1], rel=1e-12)
+    found = curve.at(np.array([1e-6, 1e-12, 1e-14, 0.0]), 3.5, [False, True, True, True])
+    assert found[0] == curve.at(1e-6, 3.5)
+    assert 0.01 < found[1] / curve.setting[-1] < 0.1
+    assert found[1:].max() == pytest.approx(found[1:].min(), rel=1e-12)
+
+
 def test_settings_are_monotone_in_the_accuracy(private):
     targets = 10.0 ** -np.arange(1.0, 12.0)
     for curve in calibration.current().curves.values():

@@ -78,6 +78,34 @@ def test_estimates_cover_errors_of_slow_and_quick_motions_and_say_something(exac
     assert method == "rk8" or np.median(np.array(covered)[:, 1::2]) < 30.0
 
 
+@pytest.mark.parametrize("method", METHODS[1:])
+def test_paths_of_thousands_of_radii_meet_their_accuracy_or_are_refused(method):
+    disk, rng = ex.Disk(I1=0.25, I3=1e-4), np.random.default_rng(4)
+    eta_hat = rng.choice([-1.0, 1.0], 30) * 10.0 ** rng.uniform(-8.0, 0.0, 30)
+    states = ex.constants_to_states(disk, rng.uniform(-1.5, 1.5, 30), eta_hat, rng.uniform(0.3, 2.0, 30))
+    other = "dop853" if method == "rk8" else "rk8"
+    how = replace(plan(NAMES, 1e-9, other), accuracy=1.0, setting=3e-14 if other == "dop853" else 0.06)
+    true = trajectories_by(states, how, np.array([1.0]), NAMES)
+    got = {a: trajectories(states, None, [1.0], NAMES, method=method, accuracy=a) for a in (1e-6, 1e-8, 1e-10)}
+    assert all(got[accuracy].ok.all() for accuracy in (1e-6, 1e-8))
+    assert abs(true.psi).max() > 2e3
+    for accuracy in (1e-6, 1e-8):
+        angles, path = errors(got[accuracy], true)
+        assert max(angles.max(), path.max()) < accuracy
+        assert np.all(got[accuracy].error_estimate >= 0.2 * np.maximum(angles, path)[:, 0])
+    # Rounding alone moves these paths by some 1e-10 to 1e-9, whatever is asked; angles and short paths stand.
+    refused = got[1e-10].status == ex.Status.STEP_TOO_SMALL
+    long = abs(states.natural[4]) > 2e3
+    assert refused[long].all()
+    assert not refused[abs(states.natural[4]) < 20.0].any()
+    assert (got[1e-10].ok | refused).all()
+    assert np.isnan(got[1e-10].path[refused]).all()
+    assert got[1e-10].error_estimate[refused].min() > 1e-10
+    assert got[1e-10].error_estimate.max() < 1e-8
+    angles_only = trajectories(states, None, [1.0], NAMES[:3], method=method, accuracy=1e-10)
+    assert angles_only.ok.all()
+
+
 @pytest.mark.parametrize("t_eval", [None, [1.0, 2.0]])
 def test_motions_without_an_answer_have_no_estimate_and_those_that_stand_have_none_to_make(t_eval):
     states = ex.constants_to_states(BODIES["hoop"], 1.0, [1e-3, 0.0, np.nan], 1.0)
