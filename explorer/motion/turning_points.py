@@ -9,13 +9,17 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.motion.parts import BLOCK, attended
 from explorer.motion.plan import Plan
-from explorer.motion.starts import held_constants, orbit_starts, status_at_start
-from explorer.phase.constants import NaturalConstants, natural_constants
+from explorer.motion.starts import held_constants, orbit_starts, status_at_start, told_upright
+from explorer.phase.constants import NaturalConstants, best_constants, natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 
 # Some thousand passages at the finest settings; only a start beside an equilibrium needs more.
 MAX_STEPS = 2_000_000
+# Of the accuracy: rounding of potentials that is not felt in a tilt, where V is steep at it; and how steep it is
+# where a motion does not cross the vertical.
+_UNFELT, _GENTLE = 0.5, 0.1
+_MUCH = 1.0  # of I3/I1: from here on rounding at flat is that at the vertical
 
 
 @dataclass(frozen=True)
@@ -106,11 +110,12 @@ def smallest_tilt(
     potential; by integration, following it forward to one and backward to the other costs half a
     period in all, and if either fails the sample fails.
 
+    natural: without them the constants that were given with the states win over those computed from them.
     of_states: the status that `falls_of` gives them, where it is known already.
     """
     code = compiled.status.Status
     if natural is None:
-        natural = natural_constants(states)
+        natural = best_constants(states)
     if how.method == "quadrature":
         status = status_at_start(states, natural) if of_states is None else of_states.copy()
         steps = np.zeros(len(states), np.int32)
@@ -123,12 +128,38 @@ def smallest_tilt(
 def lowest_tilts(disk: Disk, orbits: "compiled.point.Orbits", accuracy: float, status: NDArray[np.int8]) -> Array:
     """The tilt of motions at their flattest moment (rad), from the roots of E - V, which lanes look for first.
 
+    Where rounding of what is told from flat is felt, potentials are told from the vertical instead.
     status: samples that come in as not OK are skipped; it becomes the outcome's.
     """
-    theta, rows = np.empty(status.size), np.empty((5, status.size))
+    theta, rows, code = np.empty(status.size), np.empty((5, status.size)), compiled.status.Status
     compiled.ends.end_batch(orbits, disk.leg_tables, disk.natural, rows, status)
-    compiled.orbits.tilt_batch(orbits, compiled.ends.Ends(*rows), accuracy, disk.natural, theta, status)
+    ends = compiled.ends.Ends(*rows)
+    if disk.body.k >= _MUCH:
+        compiled.orbits.tilt_batch(orbits, ends, accuracy, disk.natural, theta, status)
+        return theta
+    upright, felt = _told_upright(disk, orbits, ends, accuracy)
+    upright &= status == code.OK
+    status[upright & felt] = code.STEP_LIMIT
+    compiled.orbits.tilt_batch(orbits, ends, accuracy, disk.natural, theta, status)
+    again = upright & (status == code.STEP_LIMIT)
+    if again.any():
+        rows[:, again] = np.nan
+        found = np.where(again, code.OK, code.STEP_LIMIT).astype(np.int8)
+        tilts = np.empty(status.size)
+        compiled.orbits.tilt_batch(orbits, ends, accuracy, disk.upright, tilts, found)
+        theta[again], status[again] = tilts[again], found[again]
     return theta
+
+
+def _told_upright(
+    disk: Disk, orbits: "compiled.point.Orbits", ends: "compiled.ends.Ends", accuracy: float
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether potentials of motions may be told from the vertical, and whether they have to be."""
+    crosses = np.isfinite(ends.moving)
+    upright, rounding = told_upright(disk, orbits, np.isfinite(ends.here) & ~crosses)
+    # E - V at the vertical is a measure of its slopes on both faces; a wobble may have gentler ones.
+    steepness = np.where(crosses, np.fmin(ends.moving, 1.0), _GENTLE)
+    return upright, rounding > _UNFELT * accuracy * steepness
 
 
 def _both_ways(

@@ -261,28 +261,54 @@ def told_by_lanes(ends: Ends, i: int) -> float:
 
 
 @subroutine
-def flattest(seen: Seen, at: Point[float], motion: Motion, far: float, disk: Disk, W: Vector) -> float:
-    """h at the flattest moment of a motion through a state on face +1; NaN if it is not found.
+def tilt_doubt(least: float, at: Point[float], known: Crossed, motion: Motion, disk: Disk) -> float:
+    """Relative error of h at a turning point from rounding, where the vertical is the anchor; at: the state."""
+    b = disk.body
+    end = point(least, motion.X, motion.Y, disk)
+    spin = abs(spin_at_anchor(motion.X, motion.Y, b)) + rounding_at_anchor(motion.Y, b)
+    terms = b.J * (abs(motion.X) + abs(motion.Y)) * spin + magnitude(end, motion, b)
+    if math.isnan(known.moving):
+        # Rounding of the h of the state is felt, too.
+        rounding = _TOLD * (terms + magnitude(at, motion, b) + abs(at.slope))
+    else:
+        rounding = known.rounding + _TOLD * terms
+    # d(E - V)/d ln h = -slope
+    return rounding / -end.slope if end.slope < 0.0 else math.inf
 
-    at: that state; far: Y of the other face.
+
+@subroutine
+def flattest(
+    seen: Seen, at: Point[float], motion: Motion, far: float, disk: Disk, W: Vector
+) -> tuple[float, float]:
+    """(h, its relative error) at the flattest moment of a motion through a state on face +1; NaN if not found.
+
+    at: that state; far: Y of the other face. The error is 0 where potentials are told from flat.
     """
     # At rest, where nothing draws it towards flat, it is flattest there.
     rest = seen.rate == 0.0
-    least = seen.h if rest and not at.slope > 0.0 else turning_point(seen.h, rest, motion, disk, W)
-    outer = way_out(seen, crossed(seen, motion, disk, W), motion, disk)
+    stays, told_upright = rest and not at.slope > 0.0, disk.body.anchor.dD != 0.0
+    known = crossed(seen, motion, disk, W)
+    motion = told_there(known, motion, disk)
+    least = seen.h if stays else turning_point(seen.h, rest, motion, disk, W)
+    doubt = tilt_doubt(least, at, known, motion, disk) if told_upright and not stays else 0.0
+    outer = way_out(seen, known, motion, disk)
     if outer == 0.0:
-        return math.nan
+        return math.nan, doubt
     if not outer > 0.0:
-        least = min(least, turning_point(VERTICAL, False, Motion(motion.X, far, motion.level), disk, W))
-    return least
+        beyond = Motion(motion.X, far, motion.level)
+        there = turning_point(VERTICAL, False, beyond, disk, W)
+        if told_upright and not there >= least:
+            doubt = tilt_doubt(there, at, known, beyond, disk)
+        least = min(least, there)
+    return least, doubt
 
 
 @kernel
 def tilt_batch(orbits: Orbits, ends: Ends, target: float, disk: Disk, out: Vector, status: Codes) -> None:
-    """Smallest tilt of every motion, from both of its turning points; ends: those that lanes have found.
+    """Smallest tilt of every motion -> out (n), from both of its turning points.
 
-    A sample whose energy is not known to `target` times what it has above V_0 is STEP_LIMIT; those that
-    come in as not OK are skipped.
+    ends: those that lanes have found. A sample whose energy is not known to `target` times what it has above V_0,
+    or whose tilt is not where the vertical is the anchor, is STEP_LIMIT; those that come in as not OK are skipped.
     """
     b = disk.body
     W = np.zeros(nodes.ROWS * nodes.ROOM)
@@ -290,7 +316,7 @@ def tilt_batch(orbits: Orbits, ends: Ends, target: float, disk: Disk, out: Vecto
         out[i] = math.nan
         if status[i] != _OK:
             continue
-        X, least, level = orbits.sigma3_bar[i] / b.r0, told_by_lanes(ends, i), ends.level[i]
+        X, least, level, doubt = orbits.sigma3_bar[i] / b.r0, told_by_lanes(ends, i), ends.level[i], 0.0
         if not least > 0.0:
             seen = Seen(orbits.h[i], orbits.rate[i], orbits.z[i])
             at, motion = met(seen.h, seen.rate, X, orbits.near[i] / b.I1, disk)
@@ -300,8 +326,10 @@ def tilt_batch(orbits: Orbits, ends: Ends, target: float, disk: Disk, out: Vecto
                 if well.outer >= well.inner and well.shift <= target:
                     out[i] = least_tilt(well, W)
                     continue
-            least, level = flattest(seen, at, motion, orbits.far[i] / b.I1, disk, W), motion.level
+            (least, doubt), level = flattest(seen, at, motion, orbits.far[i] / b.I1, disk, W), motion.level
         out[i] = 2.0 * math.asin(0.5 * least)
-        scale = potential_at_flat(X, b)
-        if not (least > 0.0 and _ROUNDING_AT_FLAT * scale <= target * abs(level + scale)):
+        # From flat, V_0 is the largest term; where the vertical is the anchor each term is counted in `doubt`.
+        scale = potential_at_flat(X, b) if b.anchor.dD == 0.0 else 0.0
+        told_well = doubt <= target and _ROUNDING_AT_FLAT * scale <= target * abs(level + scale)
+        if not (least > 0.0 and told_well):
             status[i] = _LIMIT

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from slow_chaplygin import SlowMotion
 from small_runs import coverage
 
 import explorer as ex
@@ -67,6 +68,20 @@ def test_draws_of_a_tube_are_states_with_the_eta_they_claim(box, face):
     np.testing.assert_allclose(known.energy, found.energy[rows], rtol=1e-12)
     theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-8))
     np.testing.assert_allclose(theta[status == 0], found.theta_min[rows][status == 0], rtol=1e-6)
+
+
+def test_draws_of_a_tube_of_little_I3_have_the_tilts_of_their_constants():
+    disk = ex.Disk(I1=0.25, I3=1e-4)
+    density = Density.of(disk, "sigma4=-100:100")
+    unit = np.random.default_rng(3).random((4000, dimensions(density)))
+    found = draw_tube(disk, density, constant_of(disk, density).mass, 1, 0.01, unit, 1e-9)
+    rows = np.flatnonzero((found.weight > 0.0) & (found.phi >= 0.0))
+    assert rows.size > 20
+    assert (found.status[rows] == ex.Status.OK).all()
+    for i in rows[:15]:
+        given = found.sigma3_bar[i], found.eta_hat[i], found.phidot[i], found.phi[i]
+        motion = SlowMotion.of_constants(disk, *map(float, given))
+        assert motion.turns_between(found.theta_min[i] * (1.0 - 1e-9), found.theta_min[i] * (1.0 + 1e-9))
 
 
 @pytest.mark.parametrize("delta", [1e-100, 1e-12, 1.0])

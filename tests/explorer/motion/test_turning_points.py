@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import BODIES
+from slow_chaplygin import SlowMotion
 
 import explorer as ex
 from explorer.motion.plan import plan
@@ -79,3 +80,41 @@ def test_a_state_at_rest_is_flattest_there_or_at_its_other_end():
     )
     assert (by_roots[1] == ex.Status.OK).all()
     np.testing.assert_allclose(by_roots[0], near_rest[0], rtol=1e-12)
+
+
+@pytest.mark.parametrize(("I1", "I3", "accuracy"), [(0.25, 1e-4, 1e-9), (0.25, 1e-6, 1e-6), (1.0, 1e-8, 1e-6)])
+def test_the_smallest_tilt_of_bodies_of_little_I3_is_known_to_the_accuracy(I1, I3, accuracy):
+    """Of states whose sigma4 at flat would be of the size of 1/I3; from flat nearly all of them were refused."""
+    disk, draw = ex.Disk(I1=I1, I3=I3), np.random.default_rng(3)
+    given = draw.uniform(-1.4, 1.4, 400), *draw.normal(0.0, 1.0, (3, 400))
+    theta, status, _ = smallest_tilt(phi_to_states(disk, *given), plan(("theta_min",), accuracy))
+    assert (status == ex.Status.OK).mean() > 0.99
+    for i in np.flatnonzero(status == ex.Status.OK)[:12]:
+        motion = SlowMotion.of_state(disk, *(float(column[i]) for column in given))
+        assert motion.turns_between(theta[i] * (1.0 - accuracy), theta[i] * (1.0 + accuracy))
+
+
+def test_an_accuracy_that_rounding_forbids_is_refused_and_what_is_answered_has_it():
+    """Where I3 = 1e-8 the sigma4 of a state is known to some 1e-8 of sigma3."""
+    disk, draw = ex.Disk(I1=1.0, I3=1e-8), np.random.default_rng(3)
+    given = draw.uniform(-1.4, 1.4, 400), *draw.normal(0.0, 1.0, (3, 400))
+    theta, status, _ = smallest_tilt(phi_to_states(disk, *given), plan(("theta_min",), 1e-9))
+    refused = status == ex.Status.STEP_LIMIT
+    assert 0.5 < refused.mean() < 0.95
+    assert np.isnan(theta[refused]).all()
+    for i in np.flatnonzero(~refused)[:12]:
+        motion = SlowMotion.of_state(disk, *(float(column[i]) for column in given))
+        assert motion.turns_between(theta[i] * (1.0 - 1e-9), theta[i] * (1.0 + 1e-9))
+
+
+@pytest.mark.parametrize("method", ["quadrature", "dop853"])
+def test_the_smallest_tilt_has_the_constants_that_were_given_with_the_states(method):
+    """Computed from the states, eta has an error here that is felt in the second digit of the tilt."""
+    disk, draw, n = ex.Disk(I1=1.0, I3=1e-8), np.random.default_rng(5), 12
+    given = draw.uniform(-1.5, 1.5, n), 10.0 ** draw.uniform(-6.0, 0.0, n), draw.uniform(0.3, 2.0, n)
+    states = constants_to_states(disk, *given)
+    theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-6, method))
+    assert (status == ex.Status.OK).all()
+    for i in range(n):
+        motion = SlowMotion.of_constants(disk, *(float(column[i]) for column in given))
+        assert motion.turns_between(theta[i] * (1.0 - 1e-6), theta[i] * (1.0 + 1e-6))
