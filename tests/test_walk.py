@@ -62,7 +62,8 @@ def entered(call):
 def test_a_sample_goes_the_way_that_the_map_of_the_house_tells(tmp_path):
     command = ["run", "race-angles", "--samples", "200", "--out", str(tmp_path / "races"), "--format", "png"]
     warmup(build_scene("race-angles").kernels)  # to note all that compiling calls would take minutes
-    table_rules(Disk.uniform().body.I1)  # kept for a process: no part of the way of a sample
+    body = Disk.uniform().body
+    table_rules(body.I1, body.I3)  # kept for a process: no part of the way of a sample
     seen = entered(lambda: main([*command, "--quiet"]))
     files = told()
     assert all((ROOT / name).is_file() for name in files)

@@ -18,6 +18,8 @@ ROUGH, WIDE = 1e-5 * (1.0 - 1e-9), 1e-7 * (1.0 - 1e-9)
 # Rows of doubles whose lengths are multiples of this displace one another in the cache.
 _ALIKE = 512
 _ROUNDING = 4.0 * 2.2e-16
+# Of speeds at the vertical, natural units. Where a motion at rest there is known to fall, less changes no digit.
+_AS_FROM_REST = 1e-60
 
 
 def rows_apart(rows: int, n: int) -> Array:
@@ -35,10 +37,29 @@ def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> "compil
     else:
         out.fill(np.nan)
     if unanswered(out, status == compiled.status.Status.OK):
-        compiled.passages.passage_by_rules_batch(
-            crossings, chord(edge), how.accuracy, packed_rules(), disk.natural, out, status
-        )
+        _by_adaptive_rules(disk, crossings, chord(edge), how.accuracy, out, status)
     return _ways(disk, starts.face, crossings, out[:, :n], status)
+
+
+def _by_adaptive_rules(
+    disk: Disk,
+    crossings: "compiled.passages.Crossings",
+    h_end: float,
+    accuracy: float,
+    out: Array,
+    status: NDArray[np.int8],
+) -> None:
+    """Passages that are still NaN in `out`, cut at h_end; the slowest that no rule finds start as from rest."""
+    batch, code, rules = compiled.passages.passage_by_rules_batch, compiled.status.Status, packed_rules()
+    batch(crossings, h_end, accuracy, rules, disk.natural, out, status)
+    slow = (crossings.speed < _AS_FROM_REST) & (crossings.speed > 0.0)
+    rows = np.flatnonzero(slow & (status == code.STEP_LIMIT))
+    if rows.size:
+        rest = compiled.passages.Crossings(crossings.sigma3_bar[rows], crossings.eta[rows], np.zeros(rows.size))
+        found, told = np.full((out.shape[0], rows.size), np.nan), np.full(rows.size, code.OK, np.int8)
+        batch(rest, h_end, accuracy, rules, disk.natural, found, told)
+        kept = told == code.OK
+        out[:, rows[kept]], status[rows[kept]] = found[:, kept], code.OK
 
 
 def by_tables(
@@ -85,9 +106,7 @@ def by_rules(disk: Disk, starts: Starts, how: Plan) -> "compiled.races.Ways":
     """As `by_quadrature` from the vertical, all by adaptive rules, without tables of the body."""
     crossings = starts.natural(disk)
     out, status = np.full((8, starts.status.size), np.nan), starts.status.copy()
-    compiled.passages.passage_by_rules_batch(
-        crossings, chord(0.0), how.accuracy, packed_rules(), disk.natural, out, status
-    )
+    _by_adaptive_rules(disk, crossings, chord(0.0), how.accuracy, out, status)
     return _ways(disk, starts.face, crossings, out, status)
 
 

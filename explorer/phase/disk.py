@@ -266,7 +266,7 @@ class Disk:
     @cached_property
     def tables(self) -> compiled.tables.Tables:
         """Tables by which the kernels integrate from the vertical."""
-        return compiled.tables.make_tables(self.natural, table_rules(self.body.I1))
+        return compiled.tables.make_tables(self.natural, table_rules(self.body.I1, self.body.I3))
 
     @cached_property
     def leg_tables(self) -> compiled.leg_tables.LegTables:

@@ -74,24 +74,26 @@ _ORDERS = (
 )
 
 
-# Inner rules of fine grades, for bodies with I1 from a value on, and for those below one: less is left to be
-# integrated near flat where I1 is large, more where it is small.
+# Inner rules of fine grades, for bodies with I1 from a value on: less is left to be integrated near flat there.
 _LARGE, _INNER_OF_LARGE = 2.0, {7: 30, 8: 34}
-_INNER_OF_SMALL = {4: 32, 5: 38, 6: 42, 7: 46, 8: 52}
+# Of other bodies with I1 below _SLIGHT or I3/I1 below _SLENDER: more is left, and less smooth. Both bounds lie
+# apart from 0.1, which other units may round to either side.
+_SLIGHT, _SLENDER = 0.099, 0.099
+_INNER_OF_SLIGHT = dict(enumerate((8, 12, 16, 22, 34, 44, 48, 52, 64, 64)))
 
 
 @cache
-def table_rules(I1: float) -> tuple[tuple[_Array, ...], ...]:
+def table_rules(I1: float, I3: float) -> tuple[tuple[_Array, ...], ...]:
     """Rules for kernels.integrals.tables.make_tables: outer, fall, inner and wide of its grades, coarse to fine.
 
-    I1: of the body, natural units.
+    I1, I3: of the body, natural units.
 
     The finest: orders at which the estimated error is below 1e-11 for all of 12,800 ordinary passages (speeds of
     0.5 to 2 at the vertical, |sigma3_bar| <= 2, any eta down to 1e-280); the true one is near 1e-13. The others:
     orders at which few of them miss the accuracy of their grade and have to be computed again.
     """
-    small = I1 < compiled.tables.SMALL
-    own = _INNER_OF_SMALL if small else _INNER_OF_LARGE if I1 >= _LARGE else {}
+    slight = I1 < _SLIGHT or I3 < _SLENDER * I1
+    own = _INNER_OF_LARGE if I1 >= _LARGE else _INNER_OF_SLIGHT if slight else {}
     orders = [(outer, fall, own.get(g, inner), wide) for g, (outer, fall, inner, wide) in enumerate(_ORDERS)]
     return tuple(tuple(np.stack(gauss(n)) for n in each) for each in orders)
 

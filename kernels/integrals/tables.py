@@ -173,9 +173,10 @@ ROUGH, WIDE_END = 4, 6
 # and at least twice the largest share of 96,000 passages of those of twelve bodies with I1 >= _ROUND; below that
 # it grows like the power _GROWS, since kappa does.
 _ROUND, _GROWS = 0.05, 1.5
-# Bodies with I1 below SMALL have larger inner rules in fine grades, which look so deep: they miss as much as those
-# of other bodies, twice as much at _SMALLEST.
-SMALL, _SMALLEST = 0.01, 1e-3
+# Bodies with I1 below _SMALL have larger inner rules in fine grades, which look so deep: they miss as much as
+# those of other bodies, twice as much at _SMALLEST. Their angles turn more with the turning point: Newton's method
+# takes a step more, and the last one must be smaller by _SHARPER.
+_SMALL, _SMALLEST, _SHARPER = 0.01, 1e-3, 10.0
 _DEEPER = {4: 11.5, 5: 12.5, 6: 14.0, 7: DEEPEST, 8: DEEPEST}
 # What is left of the time falls like e^(-3y), which rules of few nodes see worst. Where I3/I1 is below _SPINNING,
 # the spin makes large angles of it, and of what is missed elsewhere.
@@ -254,11 +255,13 @@ def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
 def _limits(disk: Disk, number: int) -> Limits:
     """The limits of a grade for a body."""
     body, limits = disk.body, _GRADES[number]
-    fine = body.I1 < SMALL and number in _DEEPER
+    fine = body.I1 < _SMALL and number in _DEEPER
     thin = 1.0 + ((_SMALLEST if fine else _ROUND) / body.I1) ** _GROWS
     spinning = 1.0 / (1.0 + (body.k / _SPINNING) ** 2)
     return limits._replace(
         depth=_DEEPER[number] if fine else limits.depth,
+        rounds=limits.rounds + fine,
+        settled=limits.settled / (_SHARPER if fine else 1.0),
         missed=limits.missed * thin,
         trust=limits.trust * (1.0 + spinning),
         spun=1.0 + (limits.spun - 1.0) * spinning,

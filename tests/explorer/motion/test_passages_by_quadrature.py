@@ -148,6 +148,23 @@ def test_of_a_body_with_little_axial_inertia_the_turns_of_a_fast_spin_are_as_acc
     assert (error <= 6.0 * (found.error_estimate + best.error_estimate)[both]).all()
 
 
+@pytest.mark.parametrize("moments", [(0.02, 0.001), (0.01, 3e-4), (0.02, 0.005), (0.007, 0.0035), (0.001, 2e-4)])
+def test_of_a_body_with_little_transverse_inertia_passages_are_as_accurate_as_asked(moments):
+    """More is left to the rules near flat, and less smooth; the angles turn more with the turning point."""
+    disk, n, rng = ex.Disk(*moments), 1000, np.random.default_rng(31)
+    eta_hat = rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-3.0, 0.0, n)
+    starts = rng.uniform(-1.5, 1.5, n), eta_hat, rng.uniform(0.3, 2.0, n)
+    best = ex.passages(disk, *starts, accuracy=1e-13)
+    for accuracy in 10.0 ** -np.arange(2, 11):
+        found = ex.passages(disk, *starts, accuracy=accuracy)
+        both = best.ok & found.ok
+        assert both.sum() == best.ok.sum() > 0.9 * n
+        angles = found.delta_chi - best.delta_chi, found.delta_psi - best.delta_psi
+        error = np.max(np.abs([*angles, found.duration / best.duration - 1.0]), axis=0)[both]
+        assert np.percentile(error, 99) <= accuracy
+        assert (error <= 10.0 * (found.error_estimate + best.error_estimate)[both]).all()
+
+
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-10])
 def test_estimates_hold_in_the_nastiest_corners(corners, accuracy):
     """Also those of the race, of which the fall on F with the same energy is a part."""
@@ -175,6 +192,17 @@ def test_without_a_limit_motion_there_is_no_race_and_no_answer(corners):
     assert without
     for row in without:
         assert answer(row, 1e-3).status[0] == ex.Status.STEP_LIMIT
+
+
+def test_a_speed_that_changes_no_digit_starts_as_from_rest():
+    """Also where its square underflows; but a motion that would stay at the vertical is not taken from there."""
+    speeds = [0.0, 1e-300, 1e-200, 1e-160, 1e-130, 1e-100]
+    for sigma3_bar in (1.0, -2.0):
+        got = ex.passages(BODIES["uniform"], sigma3_bar, -1e-3, speeds)
+        assert got.ok.all()
+        assert got.phidot.tolist() == speeds
+        assert (abs(got.race_angle - got.race_angle[0]) <= got.error_estimate).all()
+    assert not ex.passages(BODIES["uniform"], 0.0, 1e-10, [0.0, 1e-200]).ok.any()
 
 
 @pytest.mark.parametrize("phidot", [1e-3, 1e-6, 1e-9])
