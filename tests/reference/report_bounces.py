@@ -67,6 +67,15 @@ def row(disk, made):
 
 
 def main():
+    rows, every = [], []
+    for name, disk in BODIES.items():
+        for made in (upright, anywhere):
+            shares, optimism, answered = row(disk, made)
+            numbers = " | ".join(f"{share:.2g}" for share in shares)
+            rows.append(f"| {name} | {made.__name__} | {numbers} | {optimism:.2g} | {answered:.1%} |")
+            every += shares
+            print(rows[-1], flush=True)
+    less, more = (np.array(every) < 0.01).sum(), (np.array(every) > 1.0).sum()
     lines = [
         "# Bounces: the accuracy asked and the accuracy paid for",
         "",
@@ -78,15 +87,12 @@ def main():
         "accuracy of 1e-13, or 1e-11 where rounding leaves no more. *Over estimate*: the largest error over",
         "the sum of both estimates, at any accuracy. *Answered*: the least share of motions with an answer.",
         "",
+        f"Of {len(every)} shares {less} lie below 0.01 and {more} above 1.",
+        "",
         "| disk | states | " + " | ".join(f"{a:.0e}" for a in ACCURACIES) + " | over estimate | answered |",
         "|---" * (len(ACCURACIES) + 4) + "|",
+        *rows,
     ]
-    for name, disk in BODIES.items():
-        for made in (upright, anywhere):
-            shares, optimism, answered = row(disk, made)
-            numbers = " | ".join(f"{share:.2g}" for share in shares)
-            lines.append(f"| {name} | {made.__name__} | {numbers} | {optimism:.2g} | {answered:.1%} |")
-            print(lines[-1], flush=True)
     OUT.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
