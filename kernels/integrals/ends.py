@@ -246,14 +246,18 @@ def settle(W: Vector, bracket: Bracket, y_row: int, wide: Wide, b: Body) -> None
             share = slope / (slope - 2.0 * gap)
             better = h * math.sqrt(share if share > 0.0 else 0.0)
             inside = (better - barred) * (better - opened) <= 0.0
+            newton = (better - h) / (better + h)
             better = better if inside else 0.5 * (barred + opened)
             step = (better - h) / (better + h)
+            # So short a bisection is not yet at rounding; Newton's step is, if rounding led it out of the bracket.
+            short = (not inside) & (abs(step) < _SETTLED)
+            step = newton if short & (abs(newton) < _SETTLED) else step
+            right = (W[WAY * LANES + i] * slope < 0.0) & ((not short) | (abs(newton) < _SETTLED))
             step = max(min(step, _LARGEST_STEP), -_LARGEST_STEP)
             settled = W[STEP * LANES + i] < _SETTLED
             W[H * LANES + i] = h if settled else h * (1.0 + step) / (1.0 - step)
             W[LOG_H * LANES + i] = log_h if settled else log_h + log_ratio(step)
             W[bracket.barred * LANES + i], W[bracket.open * LANES + i] = barred, opened
-            right = W[WAY * LANES + i] * slope < 0.0
             W[STEP * LANES + i] = W[STEP * LANES + i] if settled else abs(step) if right else 1.0
         for i in range(LANES):
             waited = W[STEP * LANES + i] if W[CHECK * LANES + i] == 0.0 else 0.0

@@ -19,6 +19,8 @@ from kernels.integrals.tabulated import (
     REST,
     TAILS,
     TIME_ERROR,
+    X,
+    Y,
     clear,
     share_of_tail,
 )
@@ -33,6 +35,8 @@ _MISSED, _SPARSE = 0.06, 8.0
 # E - V there, whichever is larger; the third over how steeply V rises where it does turn.
 _NEAR, _LITTLE, _LEVEL = 0.006, 0.01, 0.001
 _NEAREST, _MOST_MISSED = 1e-7, 0.05
+_SPUN = 10.0  # times h at the turning point: where spin changes the race by more, it is that which counts
+_LEAST = 1e-300  # of what is divided by
 _ROUND = 16.0  # kappa up to which the tables of a body hold its races as well as its rules tell
 # Beside the turning point, of the angle of the race and of h there: six times the largest that was seen.
 _TURN_RATE, _TURN_SHARE = 4.36, 6.0
@@ -97,7 +101,11 @@ def tell_turn(W: Vector, size: int) -> None:
         unseen = exp_fall(resolved if resolved < DEEPEST else DEEPEST)
         unseen *= unseen
         unseen *= unseen
-        W[ANGLE_ERROR * LANES + i] += _TURN_SHARE * abs(W[RACE * LANES + i]) * W[H_TURN * LANES + i] * unseen
+        h = W[H_TURN * LANES + i]
+        # What a fast spin adds to sigma3 at the turning point, as a part of it, may be far more than h.
+        spun = 0.5 * abs(W[X * LANES + i]) * h * h / (abs(W[Y * LANES + i]) + _LEAST)
+        beside = spun if spun > _SPUN * h else h
+        W[ANGLE_ERROR * LANES + i] += _TURN_SHARE * abs(W[RACE * LANES + i]) * beside * unseen
 
 
 @contracted_subroutine

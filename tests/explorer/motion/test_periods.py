@@ -209,6 +209,38 @@ def test_a_motion_that_comes_fast_to_flat_never_turns_back_where_series_end():
         assert known.all() or accuracy <= 1e-10
 
 
+NEAR_FLAT = [  # in 60 digits: theta_min, chi, psi, period, as `make_little_inertia` has them
+    (
+        (8.0, 16.0),
+        (1.5707862030670934, 1.2226573119762036, 0.0, -3990.1351396677123),
+        (3.151538526791397e-07, 0.18983338849741216, 3.3317598500909864, 0.0007874235517167938),
+    ),
+    (
+        (8.0, 16.0),
+        (1.5707955642235067, -1.0386056648674165, -7.6e-10, -38825.8),
+        (1.979700039046573e-08, 0.1900118800814193, 3.3318722221523025, 8.092197305595137e-05),
+    ),
+    (
+        (2.336977151693502, 4.673954303387004),
+        (1.570790889801188, 0.0, 1.6488613567037726e-9, 0.0),
+        (8.200132375489744e-07, 4.10167906372634, 4.1016790637180085, 0.01230695555961168),
+    ),
+]
+
+
+@pytest.mark.parametrize(("inertia", "state", "true"), NEAR_FLAT)
+def test_periods_of_fast_spin_or_from_rest_near_flat_are_told_by_their_errors(inertia, state, true):
+    """A race that spin bends at its turning point, and a motion that rests at its outer end."""
+    states, theta = phi_to_states(ex.Disk(I1=inertia[0], I3=inertia[1]), *state), true[0]
+    for accuracy in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10):
+        found = ex.periods(states, accuracy)
+        assert found.ok[0] or accuracy < 1e-8
+        if found.ok[0]:
+            turned = found.chi[0] - true[1], found.psi[0] - true[2], found.period[0] / true[3] - 1.0
+            assert max(map(abs, turned)) <= 10.0 * found.error_estimate[0] <= 1e2 * max(accuracy, 1e-9)
+            assert found.theta_min[0] == pytest.approx(theta, rel=1e-11)
+
+
 def _assert_bounces_are_passages(found, face, true, other):
     """Two bounces of each state are the passages towards `face` and the other, within ten times the errors."""
     for column in (0, 1):
