@@ -16,7 +16,7 @@ from explorer.motion.turning_points import turning_points
 from explorer.motion.vertical import Starts
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, constants_to_states
+from explorer.phase.states import Array, States, constants_to_states
 
 # An estimate above the accuracy asked by less than this is let pass.
 LENIENCE = 10.0
@@ -29,6 +29,9 @@ _ROUNDING = 3e-12
 # Near the vertical at rest the motion leaves an unstable equilibrium, which amplifies errors like 1/speed: below
 # this speed (natural units) it is felt. Rounding also ends a rest: it acts like this least speed.
 _SLOW, _LEAST_SPEED = 0.15, 5e-5
+# What rounding moves p by while a slow start leaves the vertical, for each unit of the rates there: some units of
+# the last digit. It covers the errors of starts with any eta_hat up to 1e4, down to speeds of 1e-11, within 2.
+_UNIT = 1e-15
 
 
 def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.races.Ways, NDArray[np.int32]]":
@@ -45,6 +48,7 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.rac
     turn = turning_points(states, how, natural, slow ** (-2.0 if how.adaptive else -1.0 / FIXED[how.method]))
     share = _SHARE * (1.0 + _SHORT * turn.theta)
     error = slow * (_UNITS * turn.constants_error + _ROUNDING) + share * how.accuracy
+    error = error + rounding_at_rest(disk, starts, states, turn.time)
     status = np.where(starts.eta_hat == 0.0, code.FALLS, turn.status)
     status = np.where(starts.status == code.OK, status, starts.status).astype(np.int8)
     ok = status == code.OK
@@ -54,6 +58,21 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.rac
     bar, eta, speed = starts.natural(disk)
     followed = turn.theta, 2.0 * turn.chi, 2.0 * turn.psi * face, 2.0 * turn.time, turn.way
     return compiled.races.Ways(bar, eta, speed, face, *followed, natural.energy, error, status), turn.steps
+
+
+def rounding_at_rest(disk: Disk, starts: Starts, states: States, time: Array) -> Array:
+    """What the rounding of a slow start adds to the angles (rad), which all turn while it leaves the vertical.
+
+    time: of the way to the turning point, natural units, in which the angles turn by rate * time. Rounding moves p
+    by a share of the rates, and the start is early or late by as much as that is beside what p was, or becomes in
+    a unit of time by the force at the vertical, eq. (2.16).
+    """
+    _q, _z, p, rho, sigma4 = states.rows
+    body, rate = disk.body, np.fmax(abs(rho), abs(sigma4))
+    short = np.minimum(time, 1.0)
+    leaves = abs(p) + body.J_over_M * abs(rho * sigma4) * short
+    found: Array = _UNIT * rate * np.fmax(rate * time, short) / (leaves + np.finfo(float).tiny)
+    return found
 
 
 def slowness(disk: Disk, starts: Starts) -> Array:

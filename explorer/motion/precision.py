@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.plan import PATH, Plan
+from explorer.motion.plan import FIXED, PATH, Plan
 from explorer.phase.constants import NaturalConstants
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
@@ -36,6 +36,14 @@ _FAST, _ROUNDED = 30.0, 16.0 * 2.0**-53
 # Near the vertical at rest a motion passes an unstable equilibrium, which amplifies errors like 1/speed: below
 # this speed (natural units) it is felt. It is not felt more than at the least speed: the time there is short.
 _SLOW, _LEAST_SPEED = 0.05, 1e-3
+# Rates (natural units) beyond which adaptive methods are told to err more than their constants show.
+_SPUN = 5.0
+# Motions that run free are followed twice, by other steps: where they come apart by this many times what was asked
+# they have no answer.
+_ASTRAY = 1e3
+# Tolerances of the second run, relative to those of the first: errors of a fast spin may hardly change between two
+# that are ten times apart. Below the least one rounding refuses steps.
+_FINER, _LEAST_TOLERANCE = 1e-3, 1e-14
 
 
 def steps(disk: Disk, how: Plan, energy: Array) -> Array:
@@ -61,6 +69,33 @@ def share_of_accuracy(disk: Disk, how: Plan, energy: Array) -> Array:
         share = np.fmin(share, _WAY / _way(disk, energy))
     share *= min(1.0, _KAPPA / b.kappa) ** (0.5 if how.adaptive else 1.0)
     return share
+
+
+def doubtful(disk: Disk, how: Plan, start: NaturalConstants) -> NDArray[np.bool_]:
+    """Which motions (n) must be followed again by other steps to know how far they erred.
+
+    Of those that run free nothing tells it, and of those that spin fast errors of the phase add up over many
+    periods in a unit of time, which the constants do not show; fixed steps are short enough there. A setting that
+    is named is one that is tried, and nothing was asked of it.
+    """
+    if how.setting is not None:
+        return np.zeros(start.energy.size, np.bool_)
+    if not disk.body.I3 > 0.0:
+        return np.ones(start.energy.size, np.bool_)
+    return np.asarray(how.adaptive & (_way(disk, start.energy) > _SPUN))
+
+
+def finer(how: Plan, control: Array) -> Array:
+    """Other steps or tolerances of motions (n), by which errors are far smaller; larger ones at rounding."""
+    if how.adaptive:
+        tighter = np.fmax(_FINER * control, _LEAST_TOLERANCE)
+        return np.where(control > 10.0 * _LEAST_TOLERANCE, tighter, 10.0 * control)
+    return np.asarray(control * 0.1 ** (1.0 / FIXED[how.method]))
+
+
+def most_apart(how: Plan, time: float) -> float:
+    """How far motions that run free may come apart by other steps, until they are no answer."""
+    return _ASTRAY * how.accuracy * max(1.0, time / _PASSAGE)
 
 
 class Ends(NamedTuple):

@@ -30,6 +30,9 @@ MOST_POINTS = 4_000_000  # of all curves of a call, padding included: about a gi
 # Units of time, of all motions together, that take so long that it does not matter to wait for a thread.
 _LONG = 20_000.0
 _AT_ONCE = 200_000  # states between points in one call of a kernel: a tenth of a second of most
+_RACING = 0.1  # cos phi at the end, below which an error of the time counts more than that of the angles
+# Steps of a second run, at most, for each that a first may take; they are counted in 32 bits.
+_MORE_STEPS, _MOST_COUNTED = 4, 2**31 - 1
 _POINTS, _PER_TIME = 256, 512  # for which there is room at first: of each motion, and in each unit of its time
 
 
@@ -113,8 +116,7 @@ def _sample(given: Motions, times: Array) -> tuple[Array, Outcome]:
         outcome.constants_error[:] = np.where(given.status == compiled.status.Status.OK, 0.0, np.nan)
         outcome.error_estimate[:] = outcome.constants_error[0]
     else:
-        nothing = compiled.trail.Trail(compiled.trail.Curve(0.0, 0.0), np.empty((0, 12)), np.zeros(1, np.int64), 0)
-        _follow(given, work, nothing, outcome)
+        _follow(given, work, _no_trail(), outcome)
     out = work.out
     if later.size < times.size:
         out = np.concatenate([given.initial.T[:, None], out], axis=1)
@@ -149,9 +151,40 @@ def _follow(given: Motions, work: compiled.motions.Motions, trail: compiled.trai
         reached = work.last[compiled.field.ROW.t]
         ends = precision.Ends(reached, outcome.steps, outcome.constants_error[0], work.taken)
         found = precision.error_estimate(disk, given.plan, start, ends)
+        doubtful = np.flatnonzero(ok & precision.doubtful(disk, given.plan, start))
+        if doubtful.size:
+            apart, racing = _apart(given.at(doubtful), work.times[-1:], work.out[doubtful, -1])
+            free = np.isnan(given.held.sigma3_bar[doubtful])
+            most = precision.most_apart(given.plan, work.times[-1])
+            found[doubtful] = np.fmax(found[doubtful], np.where(racing & ~free, 0.0, apart))
+            outcome.status[doubtful[free & ~racing & (apart > most)]] = compiled.status.Status.STEP_LIMIT
+            ok = outcome.status == compiled.status.Status.OK
         outcome.error_estimate[ok] = found[ok]
         lost = ok & precision.lost_to_rounding(disk, given.plan, start.energy, ends)
         outcome.status[lost] = compiled.status.Status.STEP_TOO_SMALL
+
+
+def _apart(given: Motions, time: Array, ended: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """How far motions (n) end from where they do by other steps, angles (rad) or path (r); and which end flat.
+
+    time (1): at which they `ended` (n, 10). Where they take too many steps, the first number is NaN.
+    """
+    row, code = compiled.field.ROW, compiled.status.Status
+    steps = min(_MORE_STEPS * given.max_steps, _MOST_COUNTED)
+    other = given._replace(control=precision.finer(given.plan, given.control), max_steps=steps)
+    outcome = Outcome.of(other)
+    work, kernel = _work(other, time, outcome), compiled.motions.MOTIONS[other.how.method, other.how.depth]
+    follow = partial(kernel, work, _no_trail(), given.disk.natural, given.disk.whole)
+    attended(follow, partial(outcome.status.fill, code.STEP_LIMIT))
+    known = (outcome.status == code.OK)[:, None]
+    apart = np.where(known, abs(work.out[:, 0] - ended), np.nan).T
+    tilt, path = np.hypot(apart[row.q], apart[row.z]), np.hypot(apart[row.a1], apart[row.a2])
+    return np.max([tilt, apart[row.chi], apart[row.psi], path], axis=0), ended[:, row.q] < _RACING
+
+
+def _no_trail() -> compiled.trail.Trail:
+    """Of motions that are sampled only."""
+    return compiled.trail.Trail(compiled.trail.Curve(0.0, 0.0), np.empty((0, 12)), np.zeros(1, np.int64), 0)
 
 
 class Records(NamedTuple):

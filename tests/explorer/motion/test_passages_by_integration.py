@@ -128,3 +128,21 @@ def test_the_accuracy_asked_is_the_accuracy_paid_for(name, method, accuracy):
         both = (exact.status == 0) & (finer.status == 0)
         assert np.percentile(_largest_error(exact, finer)[both], 99) >= 0.9 * p99
     assert (apart <= 10 * other.error_estimate[ok] + exact.error_estimate[ok]).all()
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853", "rk8"])
+@pytest.mark.parametrize("name", ["uniform", "hoop", "core"])
+def test_estimates_cover_slow_starts_with_much_spin_or_refuse_them(name, method):
+    """Where sigma3_bar = 0 nothing but the speed takes such a start off the vertical, and rounding moves that."""
+    rng, n = np.random.default_rng(2), 100
+    eta_hat, phidot = 10 ** rng.uniform(-1, 4, n), 10 ** rng.uniform(-9, -2, n)
+    eta_hat[:3], phidot[:3] = [5.812374532780219, 6.45, 6902.9], [1.3910035448692726e-09, 1.2e-9, 1.5e-9]
+    disk = BODIES.get(name, ex.Disk(I1=1e-3, I3=2e-3))
+    exact = ex.passages(disk, 0.0, eta_hat, phidot, accuracy=1e-11)
+    for accuracy, least in ((1e-4, 0.9), (1e-6, 0.7), (1e-8, 0.3)):
+        other = ex.passages(disk, 0.0, eta_hat, phidot, accuracy=accuracy, method=method)
+        ok = exact.ok & other.ok
+        error = np.fmax(abs(exact.delta_chi - other.delta_chi), abs(exact.delta_psi - other.delta_psi))
+        assert (error <= 10.0 * (exact.error_estimate + other.error_estimate))[ok].all()
+        assert set(other.status_names) <= {"ok", "step_limit"}
+        assert ok.mean() > least

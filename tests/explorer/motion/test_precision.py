@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import BODIES
+from scipy.integrate import solve_ivp
 
 import explorer as ex
+from explorer import compiled
 from explorer.motion import precision
 from explorer.motion.plan import plan
 from explorer.motion.trajectories import trajectories, trajectories_by
@@ -134,3 +136,72 @@ def test_only_bodies_and_rates_beyond_the_calibrated_ones_take_more_work():
     core = FAR["core"]
     assert share(core, "rk4", "chi") == pytest.approx(2.5 / core.kappa)
     assert share(core, "dop853", "chi") == pytest.approx(np.sqrt(2.5 / core.kappa))
+
+
+ANGLES = ("phi", "chi", "psi")
+# Bodies without axial inertia, state, end: beside the vertical, at the vertical, and from nearly flat.
+FREE = [
+    (
+        ex.Disk(I1=0.012638700854527906, I3=0.0),
+        (0.0, -0.004915138562745038, -0.0003689045137871194, -6.588930906164315e-08),
+        20.0,
+    ),
+    (ex.Disk(I1=0.25, I3=0.0), (0.0, 0.0, -0.05315567833161117, -0.09712317676271214), 20.0),
+    (
+        ex.Disk(I1=0.0013545161297431048, I3=0.0),
+        (1.5179847602349271e-05, -22.106204111049877, 0.6429006146386025, -63.24666813778936),
+        4.0,
+    ),
+]
+
+
+@pytest.mark.parametrize("method", ["rk8", "dopri5"])
+@pytest.mark.parametrize(("disk", "state", "end"), FREE)
+def test_estimates_cover_motions_that_nothing_holds_whose_errors_grow(disk, state, end, method):
+    states = ex.phi_to_states(disk, *state)
+    true = scipy_angles(disk, state, end)
+    answered = 0
+    for accuracy in (1e-3, 1e-6, 1e-9):
+        got = ex.simulate(states, t_eval=[end], accuracy=accuracy, method=method, observables=ANGLES)
+        error = max(abs(getattr(got, name)[0, 0] - angle) for name, angle in zip(ANGLES, true, strict=True))
+        # SciPy's own error, amplified as theirs, is 1e-8 or so.
+        assert not got.ok[0] or error <= 10.0 * got.error_estimate[0] + 1e-7
+        answered += got.ok[0]
+    assert answered >= 2
+
+
+def scipy_angles(disk, state, end):
+    """phi, chi and psi at a time, eqs (2.14) with I3 = 0 and (2.31), (2.22), by SciPy."""
+    body = disk.natural.body
+
+    def rates(_t, y):
+        q, z = np.cos(y[0]), np.sin(y[0])
+        _dq, _dz, dp, drho, ds4 = compiled.field.reduced(compiled.field.State(q, z, *y[1:4], *(0.0,) * 5), body)
+        turn = y[2] / q
+        return [-y[1], dp / q, drho / q, ds4 / q, turn, z * turn - y[3]]
+
+    rows = ex.phi_to_states(disk, *state).rows
+    start = [state[0], rows.p[0], rows.rho[0], rows.sigma4[0], 0.0, 0.0]
+    found = solve_ivp(rates, (0.0, end), start, method="DOP853", rtol=3e-14, atol=3e-14).y[:, -1]
+    return found[0], found[4], found[5]
+
+
+@pytest.mark.parametrize(("method", "accuracy"), [("dopri5", 1e-4), ("dopri5", 1e-6), ("dop853", 1e-6)])
+@pytest.mark.parametrize("name", ["uniform", "hoop", "little"])
+def test_estimates_cover_many_periods_of_fast_spins(name, method, accuracy):
+    """True angles are whole periods, by quadrature."""
+    disk, rng, n = BODIES.get(name, ex.Disk(I1=0.25, I3=0.05)), np.random.default_rng(9), 12
+    phi, phidot, sigma3 = rng.uniform(0.1, 1.4, n), rng.normal(size=n), rng.normal(size=n)
+    sigma4 = 30.0 * rng.normal(size=n)
+    phi[0], phidot[0], sigma3[0], sigma4[0] = 0.80858, -0.021278, -0.806347, -99.416567
+    states = ex.phi_to_states(disk, phi, phidot, sigma3 * np.cos(phi), sigma4)
+    true, ratios = ex.periods(states, 1e-11), []
+    for i in np.flatnonzero(true.ok):
+        count = max(1.0, 10.0 // true.period[i])
+        t = [count * true.period[i]]
+        got = ex.simulate(states[int(i)], t_eval=t, accuracy=accuracy, method=method, observables=ANGLES)
+        assert got.ok[0]
+        apart = abs(got.chi[0, 0] - count * true.chi[i]), abs(got.psi[0, 0] - count * true.psi[i])
+        ratios.append(max(apart) / (got.error_estimate[0] + count * true.error_estimate[i]))
+    assert max(ratios) < 10.0
+    assert len(ratios) > 9
