@@ -241,6 +241,18 @@ def test_periods_of_fast_spin_or_from_rest_near_flat_are_told_by_their_errors(in
             assert found.theta_min[0] == pytest.approx(theta, rel=1e-11)
 
 
+def test_rules_that_agree_by_chance_are_not_believed():
+    """From beside the vertical of a body with little I3, rules of 20 and 30 nodes miss psi by the same 0.1 rad."""
+    disk = ex.Disk(I1=1 / 48, I3=0.0007854637296675545)
+    states = phi_to_states(
+        disk, 7.678612032992706e-07, 3.371589902485747e-07, -2.2604129726315185e-07, 3.0132185173704737
+    )
+    coarse, fine = ex.periods(states, 1e-2), ex.periods(states, 1e-4)
+    assert coarse.ok[0]
+    assert fine.ok[0]
+    assert abs(coarse.psi - fine.psi)[0] <= 10.0 * coarse.error_estimate[0] <= 0.1
+
+
 def _assert_bounces_are_passages(found, face, true, other):
     """Two bounces of each state are the passages towards `face` and the other, within ten times the errors."""
     for column in (0, 1):
