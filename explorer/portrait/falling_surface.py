@@ -13,6 +13,7 @@ from explorer.phase.lines import line_chart
 from explorer.phase.states import Array, columns_of
 
 _MOST_POINTS = 2001
+_MOST_PASSAGES = 10_000_000  # in one call
 _EDGE = 1.5  # rad of phi: the sheets are drawn to there, flat is pi/2
 
 
@@ -152,7 +153,11 @@ def zoom(
     if count % 2:
         raise InputError(f"points = {points!r}: give an even number, so that no point lies on F itself")
     offset = np.asarray((np.arange(count) - 0.5 * (count - 1)) / (0.5 * count), np.float64)
-    half = np.array([positive("halves", size) for size in columns_of(halves=halves)[0]])
+    sizes = columns_of(halves=halves)[0]
+    if sizes.size * count * count > _MOST_PASSAGES:
+        most = f"give fewer; {_MOST_PASSAGES:g} passages are the most"
+        raise InputError(f"halves: {sizes.size:,} maps of {count} by {count} points; {most}")
+    half = np.array([positive("halves", size) for size in sizes])
     bar, speed = number("sigma3_bar", sigma3_bar), number("phidot", phidot)
     bars = bar + half[:, None, None] * offset[None, None, :]
     found = passages(disk, bars, half[:, None, None] * offset[None, :, None], speed)

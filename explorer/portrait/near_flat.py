@@ -16,6 +16,7 @@ from explorer.phase.states import Array, columns_of, constants_to_states
 from explorer.portrait.both_sides import BothSides, both_sides
 
 _PARTS = 2  # of a step of the record, for 0.1 rad of chi between two points of a curve
+_MOST = 500  # distances in one call
 _ACCURACY = 1e-9
 # Tilts below are lost in the rounding of phi, which is near pi/2 there.
 _SMALLEST = 1e-10
@@ -104,7 +105,7 @@ def near_flat(
     [0.000723, 0.000725]
     """
     require_axial_inertia(disk)
-    sizes = columns_of(eta_hat=eta_hat)[0]
+    sizes = _distances(eta_hat)
     sigma3_bar, phidot = number("sigma3_bar", sigma3_bar), number("phidot", phidot)
     if not (abs(sizes) >= _SMALLEST * disk.rate_unit).all():
         raise InputError(f"eta_hat = {eta_hat!r}: give numbers of size {_SMALLEST:g} sqrt(g/r) and above")
@@ -122,6 +123,14 @@ def near_flat(
         least, speed = float(ways.theta_min[row]), float(ways.impact_speed[row])
         found.append(NearFlat(disk, float(signed), theta, chi, -phidots, sigma3 / np.sin(theta), least, speed))
     return tuple(found)
+
+
+def _distances(eta_hat: ArrayLike) -> Array:
+    """Distances from F, of which each is a picture's line and takes milliseconds. Raises InputError."""
+    sizes = columns_of(eta_hat=eta_hat)[0]
+    if sizes.size > _MOST:
+        raise InputError(f"eta_hat: {sizes.size:,} distances; give at most {_MOST}, a line of a picture each")
+    return sizes
 
 
 def toward_limits(
@@ -154,6 +163,6 @@ def toward_limits(
     >>> [round(both.eta_hat, 3) for both in ex.portrait.toward_limits(ex.Disk.uniform(), [0.1, 0.01])]
     [0.1, 0.01]
     """
-    sizes = [positive("eta_hat", size) for size in columns_of(eta_hat=eta_hat)[0]]
+    sizes = [positive("eta_hat", size) for size in _distances(eta_hat)]
     start = constants_to_states(disk, number("sigma3_bar", sigma3_bar), 0.0, number("phidot", phidot))
     return tuple(both_sides(start, size * disk.rate_unit) for size in sizes)

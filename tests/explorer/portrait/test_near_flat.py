@@ -7,6 +7,7 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
+from explorer.portrait.falling_surface import zoom
 from explorer.portrait.near_flat import near_flat, toward_limits
 
 HOOP = BODIES["hoop"]
@@ -48,6 +49,9 @@ def test_nearer_to_f_a_path_is_nearer_to_the_limit_of_its_own_side():
     [
         (lambda: near_flat(HOOP, 1e-12), "eta_hat = 1e-12"),
         (lambda: near_flat(HOOP, 1e-3, phidot=-1.0), "phidot = -1.0"),
+        (lambda: near_flat(HOOP, np.full(501, 0.1)), "501 distances"),
+        (lambda: toward_limits(HOOP, np.full(100_000, 0.1)), "100,000 distances"),
+        (lambda: zoom(HOOP, np.full(1_000, 0.1), points=200), "1,000 maps of 200 by 200 points"),
     ],
 )
 def test_bad_input_gets_a_sentence(call, says):
