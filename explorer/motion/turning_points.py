@@ -131,7 +131,10 @@ def lowest_tilts(disk: Disk, orbits: "compiled.point.Orbits", accuracy: float, s
     Where rounding of what is told from flat is felt, potentials are told from the vertical instead.
     status: samples that come in as not OK are skipped; it becomes the outcome's.
     """
-    theta, rows, code = np.empty(status.size), np.empty((5, status.size)), compiled.status.Status
+    theta, rows, code = np.full(status.size, np.nan), np.empty((5, status.size)), compiled.status.Status
+    if not disk.body.I3 > 0.0:  # there is no potential of the tilt alone
+        status[status == code.OK] = code.STEP_LIMIT
+        return theta
     compiled.ends.end_batch(orbits, disk.leg_tables, disk.natural, rows, status)
     ends = compiled.ends.Ends(*rows)
     if disk.body.k >= _MUCH:

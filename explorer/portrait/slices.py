@@ -288,7 +288,7 @@ def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") ->
     >>> plane.smallest.shape
     (10, 10)
     """
-    require_states(states)
+    require_axial_inertia(require_states(states).disk)
     cells = whole("cells", cells, 2, _MOST_POINTS)
     how = plan(("theta_min",), SLICE_ACCURACY, method)
     constants = natural_constants(states)

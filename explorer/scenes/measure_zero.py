@@ -86,11 +86,11 @@ class MeasureZero(SampledScene):
         ]
 
     def __post_init__(self) -> None:
-        super().__post_init__()
-        require_axial_inertia(self.disk)
-        low, high = self.ladder
+        low, high = self.ladder  # first: the rungs are counted below
         if not 1e-100 <= low < high <= 1.0:
             raise InputError(f"--ladder {low:g}:{high:g} must be LOW:HIGH within 1e-100:1 (tilts in rad)")
+        super().__post_init__()
+        require_axial_inertia(self.disk)
         if self.sampling == "sobol" and self.tube < 2 * SCRAMBLES:
             raise InputError(f"--tube {self.tube}: Sobol points come in {SCRAMBLES} scrambles; give more draws")
         source = self.question.source

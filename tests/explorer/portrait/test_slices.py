@@ -129,3 +129,9 @@ def test_each_cell_of_the_plane_has_its_flattest_motion():
 def test_what_is_no_plane_is_refused_in_words(plane, message):
     with pytest.raises(ex.InputError, match=message):
         ex.slice_map(UNIFORM, plane)
+
+
+def test_a_disk_without_axial_inertia_has_no_plane_of_constants():
+    needle = ex.phi_to_states(ex.Disk(I1=0.3, I3=0.0), 0.1, 0.0, 1.0, 1.0)
+    with pytest.raises(ex.InputError, match="I3 = 0 has no eta_hat"):
+        ex.portrait.flattest_per_cell(needle)

@@ -203,6 +203,7 @@ def test_a_run_can_be_resumed_from_its_folder(tmp_path, monkeypatch):
         ({"density": lambda *_: {}["none"]}, "KeyError"),
         ({"density": lambda phi, *_: np.random.default_rng().random(phi.size)}, "call to call"),
         ({"ladder": "nan:1"}, "ladder"),
+        ({"ladder": (-1.5, 0.3)}, "within 1e-100:1"),
         ({"tube": 1}, "tube"),
         ({"tube": 20, "sampling": "sobol"}, "16 scrambles"),
         ({"sampling": "halton"}, "sampling"),
