@@ -92,7 +92,9 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     out[:, starts.status != compiled.status.Status.OK] = np.nan
     found = compiled.forces.ForceRow(*out)
     code, falls = compiled.status.Status, starts.eta_hat == 0.0
-    lost = (starts.status == code.OK) & ~np.isfinite(found.normal)
+    # No friction is enough where the table would have to pull; elsewhere an infinite one has overflowed.
+    overflown = np.isnan(found.friction) | (np.isinf(found.friction) & (found.normal > 0.0))
+    lost = (starts.status == code.OK) & (overflown | ~np.isfinite(found.normal))
     status = np.where(lost, np.where(falls, code.FALLS, code.NOT_FINITE), starts.status).astype(np.int8)
     out[:, lost] = np.nan
     flat = Forces(disk, bar, eta, speed, found.normal, found.friction, status)

@@ -27,3 +27,9 @@ def test_what_is_no_passage_has_no_forces():
     assert np.isnan(found.min_normal_force).tolist() == [False, True, True, True]
     assert [found.status[place] for place in (0, 1, 3)] == [ex.Status.OK, ex.Status.BAD_INPUT, ex.Status.FALLS]
     assert found.status[2] != ex.Status.OK
+
+
+def test_a_friction_that_overflows_is_no_answer():
+    found = ex.passage_forces(ex.Disk(I1=0.25, I3=1e-9), 0.3, 1e-300, 0.3)
+    assert found.status[0] == ex.Status.NOT_FINITE
+    assert np.isnan(found.max_friction[0])
