@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
-from explorer.motion.legs import FALL_KERNELS, by_rules, falls_of_energy, leg_kernels, legs_of
+from explorer.motion.legs import FALL_KERNELS, falls_of_energy, leg_kernels, legs_of, motions_by_rules
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.passages import allowed
 from explorer.motion.plan import plan
@@ -187,7 +187,7 @@ def _pairs(
     out = np.empty((len(compiled.bounces.BounceRow._fields), status.size))
     ends, legs, upright = legs_of(disk, orbits, status, accuracy, 3, first_only)
     compiled.bounces.bounces_of_legs(orbits, ends, legs, disk.natural, out, status)
-    by_rules(compiled.bounces.bounce_batch, disk, orbits, upright, accuracy, out, status)
+    motions_by_rules(compiled.bounces.bounce_batch, disk, orbits, upright, accuracy, out, status)
     found = compiled.bounces.BounceRow(*out)
     crosses, first_here = np.isfinite(found.theta_there), found.first_here == 1.0
     from_here = np.stack([first_here, *([] if first_only else [np.where(crosses, ~first_here, True)])])

@@ -88,7 +88,7 @@ def legs_of(
     return Legs(ends, legs, upright)
 
 
-def by_rules(
+def motions_by_rules(
     kernel: Callable[..., None],
     disk: Disk,
     orbits: "compiled.point.Orbits",

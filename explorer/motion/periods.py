@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of
-from explorer.motion.legs import by_rules, legs_of
+from explorer.motion.legs import legs_of, motions_by_rules
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.passages import allowed
 from explorer.motion.plan import plan
@@ -141,7 +141,7 @@ def _orbits(
     code, out = status[rows], np.empty((8, rows.size))
     ends, legs, upright = legs_of(disk, some, code, accuracy, 2)
     compiled.orbits.orbits_of_legs(some, ends, legs, disk.natural, out, code)
-    by_rules(compiled.orbits.orbit_batch, disk, some, upright, accuracy, out, code)
+    motions_by_rules(compiled.orbits.orbit_batch, disk, some, upright, accuracy, out, code)
     found = compiled.orbits.OrbitRow(*out)
     missed = ~(np.fmax(found.angle_error, found.time_error) <= allowed(accuracy, found.time))
     code[(code == compiled.status.Status.OK) & missed] = compiled.status.Status.STEP_LIMIT

@@ -27,9 +27,8 @@ from kernels.types import Longs, Matrix
 HANDOVER = 0.5
 # On S <= 1/8 the nearest singularity is 16 intervals away: coefficients fall like 62^-n; on S <= 1 like 5.8^-n.
 LOW_DEGREE, SHORT_DEGREE, WIDE_DEGREE = 9, 3, 18
-_SHORT_SHAPE = (
-    5  # degree of cos(theta/2) among short ones: its error counts in all of the race, not in what is left
-)
+# Of cos(theta/2) among short series: its error counts in all of the race, not in what is left.
+_SHORT_SHAPE = 5
 # Tilts at which wide passages look for their turning point: SCANNED of them, in equal steps of ln h.
 SCANNED, _LOWEST = 20, 0.02
 SCAN_STEP = math.log(math.sqrt(2.0) / _LOWEST) / SCANNED
@@ -173,8 +172,8 @@ ROUGH, WIDE_END = 4, 6
 # and at least twice the largest share of 96,000 passages of those of twelve bodies with I1 >= _ROUND; below that
 # it grows like the power _GROWS, since kappa does.
 _ROUND, _GROWS = 0.05, 1.5
-# Bodies with I1 below _SMALL have larger inner rules in fine grades, which look so deep: they miss as much as
-# those of other bodies, twice as much at _SMALLEST. Their angles turn more with the turning point: Newton's method
+# The inner rules of bodies with I1 below _SMALL look so deep in fine grades: they miss as much as those of other
+# bodies, twice as much at _SMALLEST. Their angles turn more with the turning point: Newton's method
 # takes a step more, and the last one must be smaller by _SHARPER.
 _SMALL, _SMALLEST, _SHARPER = 0.01, 1e-3, 10.0
 _DEEPER = {4: 11.5, 5: 12.5, 6: 14.0, 7: DEEPEST, 8: DEEPEST}
@@ -201,17 +200,15 @@ def make_tables(disk: Disk, rules: Sequence[tuple[np.ndarray, ...]]) -> Tables:
     rules: for each grade Gauss rules (2, n) on [-1, 1] for outer, fall, inner and wide. The last two have an even
     number of nodes; their positive half is used.
     """
-    power_series = chaplygin.power_series(disk.body.c)[0]
+    power_series, nearest = chaplygin.power_series(disk.body.c)[0], 0.5 * HANDOVER * HANDOVER
     grades = [_grade(disk, each, _limits(disk, g)) for g, each in enumerate(rules)]
     sizes = [[nodes.shape[1] for nodes in grade[:4]] for grade in grades]
     outer, fall, inner, far = (np.concatenate(nodes, axis=1) for nodes in list(zip(*grades, strict=True))[:4])
     return Tables(
         vertical=at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1)),
         scan=at_tilts(disk, 2.0 * np.arcsin(0.5 * scanned_tilts()), np.zeros(SCANNED)),
-        low=Low(4.0 / HANDOVER**2, *_series(power_series, 0.5 * HANDOVER * HANDOVER, (LOW_DEGREE, LOW_DEGREE))),
-        short=Short(
-            4.0 / HANDOVER**2, *_series(power_series, 0.5 * HANDOVER * HANDOVER, (SHORT_DEGREE, _SHORT_SHAPE))
-        ),
+        low=Low(4.0 / HANDOVER**2, *_series(power_series, nearest, (LOW_DEGREE, LOW_DEGREE))),
+        short=Short(4.0 / HANDOVER**2, *_series(power_series, nearest, (SHORT_DEGREE, _SHORT_SHAPE))),
         wide=Wide(2.0, *_series(power_series, 1.0, (WIDE_DEGREE, WIDE_DEGREE))),
         outer=outer,
         fall=fall,

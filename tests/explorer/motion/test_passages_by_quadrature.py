@@ -130,39 +130,41 @@ def answer(row, accuracy):
     return ex.passages(ex.Disk(I1=row["I1"], I3=row["I3"]), *start, accuracy=accuracy)
 
 
-@pytest.mark.parametrize("accuracy", [1e-2, 1e-3, 1e-4, 1e-6])
+def misses(disk, starts, best, accuracy):
+    """Largest errors of angles (rad) and of the duration (relative), and the estimates that must cover them."""
+    found = ex.passages(disk, *starts, accuracy=accuracy)
+    both = best.ok & found.ok
+    assert both.sum() == best.ok.sum() > 0.9 * len(both)
+    angles = found.delta_chi - best.delta_chi, found.delta_psi - best.delta_psi
+    error = np.max(np.abs([*angles, found.duration / best.duration - 1.0]), axis=0)
+    return error[both], (found.error_estimate + best.error_estimate)[both]
+
+
 @pytest.mark.parametrize("moments", [(0.25, 2.5e-3), (1.0, 1e-3), (0.25, 1e-4), (5.0, 0.03)])
-def test_of_a_body_with_little_axial_inertia_the_turns_of_a_fast_spin_are_as_accurate_as_asked(moments, accuracy):
+def test_of_a_body_with_little_axial_inertia_the_turns_of_a_fast_spin_are_as_accurate_as_asked(moments):
     """What is missed of the time becomes many times as large an angle there."""
-    disk, n, rng = ex.Disk(*moments), 2000, np.random.default_rng(29)
+    disk, n, rng = ex.Disk(I1=moments[0], I3=moments[1]), 2000, np.random.default_rng(29)
     sigma3_bar = rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-1.0, 1.0, n)
     eta_hat = rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-8.0, 1.0, n)
     starts = sigma3_bar, eta_hat, 10.0 ** rng.uniform(-0.3, 1.5, n)
     best = ex.passages(disk, *starts, accuracy=1e-12)
-    found = ex.passages(disk, *starts, accuracy=accuracy)
-    both = best.ok & found.ok
-    assert both.sum() == best.ok.sum() > 0.9 * n
-    angles = found.delta_chi - best.delta_chi, found.delta_psi - best.delta_psi
-    error = np.max(np.abs([*angles, found.duration / best.duration - 1.0]), axis=0)[both]
-    assert np.percentile(error, 99) <= accuracy
-    assert (error <= 6.0 * (found.error_estimate + best.error_estimate)[both]).all()
+    for accuracy in (1e-2, 1e-3, 1e-4, 1e-6):
+        error, told = misses(disk, starts, best, accuracy)
+        assert np.percentile(error, 99) <= accuracy
+        assert (error <= 6.0 * told).all()
 
 
 @pytest.mark.parametrize("moments", [(0.02, 0.001), (0.01, 3e-4), (0.02, 0.005), (0.007, 0.0035), (0.001, 2e-4)])
 def test_of_a_body_with_little_transverse_inertia_passages_are_as_accurate_as_asked(moments):
     """More is left to the rules near flat, and less smooth; the angles turn more with the turning point."""
-    disk, n, rng = ex.Disk(*moments), 1000, np.random.default_rng(31)
+    disk, n, rng = ex.Disk(I1=moments[0], I3=moments[1]), 1000, np.random.default_rng(31)
     eta_hat = rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-3.0, 0.0, n)
     starts = rng.uniform(-1.5, 1.5, n), eta_hat, rng.uniform(0.3, 2.0, n)
     best = ex.passages(disk, *starts, accuracy=1e-13)
     for accuracy in 10.0 ** -np.arange(2, 11):
-        found = ex.passages(disk, *starts, accuracy=accuracy)
-        both = best.ok & found.ok
-        assert both.sum() == best.ok.sum() > 0.9 * n
-        angles = found.delta_chi - best.delta_chi, found.delta_psi - best.delta_psi
-        error = np.max(np.abs([*angles, found.duration / best.duration - 1.0]), axis=0)[both]
+        error, told = misses(disk, starts, best, accuracy)
         assert np.percentile(error, 99) <= accuracy
-        assert (error <= 10.0 * (found.error_estimate + best.error_estimate)[both]).all()
+        assert (error <= 10.0 * told).all()
 
 
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-10])
