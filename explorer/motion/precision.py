@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.plan import FIXED, PATH, Plan
+from explorer.motion.plan import ANGLES, FIXED, PATH, Plan
 from explorer.phase.constants import NaturalConstants
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
@@ -36,6 +36,10 @@ _FAST, _ROUNDED = 30.0, 16.0 * 2.0**-53
 # Near the vertical at rest a motion passes an unstable equilibrium, which amplifies errors like 1/speed: below
 # this speed (natural units) it is felt. It is not felt more than at the least speed: the time there is short.
 _SLOW, _LEAST_SPEED = 0.05, 1e-3
+# Rate of chi (natural units) from which an error of the time counts more than that of the angles.
+_TURNED = 3.0
+# Of the time an error is some of that of the angles: this many times at most.
+_BESIDE = 4.0
 # Rates (natural units) beyond which adaptive methods are told to err more than their constants show.
 _SPUN = 5.0
 # Motions that run free are followed twice, by other steps: where they come apart by this many times what was asked
@@ -109,7 +113,10 @@ class Ends(NamedTuple):
 
 
 def error_estimate(disk: Disk, how: Plan, start: NaturalConstants, ends: Ends) -> Array:
-    """Of angles (rad) and path (r) of motions (n) with these constants, whichever is larger, outside of races."""
+    """Of angles (rad) and path (r) of motions (n) with these constants, whichever is larger, outside of races.
+
+    `estimate_in_race` tells what it is inside of one.
+    """
     found = compiled.motion_lanes.Taken(*ends.taken)
     passages = np.maximum(1.0, ends.time / _PASSAGE)
     energy = np.maximum(found.excess, abs(ends.energy_error))
@@ -123,6 +130,22 @@ def error_estimate(disk: Disk, how: Plan, start: NaturalConstants, ends: Ends) -
     if how.rung == PATH:
         estimate += np.fmax(_rounding_of_path(disk, start.energy, ends) - _ROUNDING * passages, 0.0)
     return estimate
+
+
+def estimate_in_race(disk: Disk, how: Plan, ended: Array, found: Array) -> Array:
+    """The estimate (n) with what an error of the time makes of chi where motions end: their states there (10, n).
+
+    Inside a race chi turns by some 1/|eta| in a unit of time; tilts and rates do not. Where flat is so near that
+    it may lie before the end or behind it, the whole race is in doubt.
+    """
+    if how.rung not in (ANGLES, PATH):
+        return found
+    row = compiled.field.ROW
+    q, p, rho = ended[row.q], ended[row.p], ended[row.rho]
+    with np.errstate(all="ignore"):  # rows of samples that are no motions hold any numbers
+        turned = np.fmax(abs(rho / q) / _TURNED, 1.0)
+        beside = q < _BESIDE * found * abs(p)
+    return np.asarray(found * turned + np.where(beside, math.pi * disk.kappa, 0.0))
 
 
 def lost_to_rounding(disk: Disk, how: Plan, energy: Array, ends: Ends) -> NDArray[np.bool_]:

@@ -151,12 +151,13 @@ def _follow(given: Motions, work: compiled.motions.Motions, trail: compiled.trai
         reached = work.last[compiled.field.ROW.t]
         ends = precision.Ends(reached, outcome.steps, outcome.constants_error[0], work.taken)
         found = precision.error_estimate(disk, given.plan, start, ends)
+        found = precision.estimate_in_race(disk, given.plan, work.out[:, -1].T, found)
         doubtful = np.flatnonzero(ok & precision.doubtful(disk, given.plan, start))
         if doubtful.size:
             apart, racing = _apart(given.at(doubtful), work.times[-1:], work.out[doubtful, -1])
             free = np.isnan(given.held.sigma3_bar[doubtful])
             most = precision.most_apart(given.plan, work.times[-1])
-            found[doubtful] = np.fmax(found[doubtful], np.where(racing & ~free, 0.0, apart))
+            found[doubtful] = np.fmax(found[doubtful], apart)
             outcome.status[doubtful[free & ~racing & (apart > most)]] = compiled.status.Status.STEP_LIMIT
             ok = outcome.status == compiled.status.Status.OK
         outcome.error_estimate[ok] = found[ok]

@@ -56,11 +56,11 @@ class Trajectories:
     constants_error : (3, n) array
         How far the constants moved: energy (relative), sigma3_bar and eta (natural units).
     error_estimate : (n,) array
-        Of the angles (rad) and of the path (r) at the end, whichever is larger, outside of races, where an error
-        of the time counts more. It follows from what was moved to hold the constants, and from what rounding
-        does to a long path; of a path that this keeps from the accuracy asked it says what can be had. Where
-        I3 = 0, and by adaptive methods in a fast spin, a second run by other steps tells it; with I3 = 0 a
-        motion that comes out elsewhere by that is STEP_LIMIT.
+        Of the angles (rad) and of the path (r) at the end, whichever is larger. It follows from what was moved to
+        hold the constants, from how fast chi turns at the end, which inside a race makes much of a small error of
+        the time, and from what rounding does to a long path; of a path that this keeps from the accuracy asked it
+        says what can be had. Where I3 = 0, and by adaptive methods in a fast spin, a second run by other steps
+        tells it; with I3 = 0 a motion that comes out elsewhere by that is STEP_LIMIT.
     lengths : (n,) array of int
         How many times of its row each motion has; 0 where the status is not OK.
     t_end : float

@@ -108,6 +108,25 @@ def test_paths_of_thousands_of_radii_meet_their_accuracy_or_are_refused(method):
     assert angles_only.ok.all()
 
 
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", ["uniform", "heavy-core"])
+def test_estimates_know_what_an_error_of_the_time_does_inside_a_race(name, method):
+    """There chi turns by 1/|eta_hat| in a unit of time: errors are many times the accuracy, and are told."""
+    disk, rng, racing = BODIES[name], np.random.default_rng(6), 0
+    for distance in (1e-2, 1e-4, 1e-6):
+        eta_hat = rng.choice([-1.0, 1.0], 60) * distance
+        passages = ex.passages(disk, 0.7, eta_hat, speed := 1.0 + 3e-1 * distance * rng.normal(size=60))
+        states = ex.constants_to_states(disk, 0.7, eta_hat, speed)
+        times = [0.5 * np.median(passages.duration)]
+        true = trajectories(states, None, times, ("chi", "psi"), method="rk8", accuracy=1e-11)
+        for accuracy in (1e-3, 1e-6, 1e-8):
+            got = trajectories(states, None, times, ("chi", "psi"), method=method, accuracy=accuracy)
+            error = np.maximum(abs(got.chi - true.chi), abs(got.psi - true.psi))[:, 0]
+            assert (error <= 2.0 * (got.error_estimate + true.error_estimate)).all()
+            racing += (error > 10.0 * accuracy).sum()
+    assert racing > 100
+
+
 @pytest.mark.parametrize("t_eval", [None, [1.0, 2.0]])
 def test_motions_without_an_answer_have_no_estimate_and_those_that_stand_have_none_to_make(t_eval):
     states = ex.constants_to_states(BODIES["hoop"], 1.0, [1e-3, 0.0, np.nan], 1.0)
