@@ -50,8 +50,14 @@ def _powers(chebyshev: Vector) -> Vector:
 
 def _horner(coefficients: tuple[float, ...], x: float) -> float:
     """The polynomial with the given ascending powers."""
-    total = coefficients[len(coefficients) - 1]
-    for k in range(len(coefficients) - 2, -1, -1):
+    n = len(coefficients)
+    total = coefficients[n - 1]
+    # Compilers unroll a short loop only, and loops over lanes around one that is left stay scalar.
+    for k in range(n - 2, 2 * n // 3 - 1, -1):
+        total = total * x + coefficients[k]
+    for k in range(min(n - 2, 2 * n // 3 - 1), n // 3 - 1, -1):
+        total = total * x + coefficients[k]
+    for k in range(min(n - 2, n // 3 - 1), -1, -1):
         total = total * x + coefficients[k]
     return total
 
