@@ -59,8 +59,9 @@ class Caption(NamedTuple):
 
     Examples
     --------
+    >>> from explorer.plot import race_number
     >>> from explorer.plot.captions import CAPTIONS
-    >>> CAPTIONS["race_number"].question.name
+    >>> CAPTIONS[race_number.__name__].question.name
     'HOW_FAR'
     """
 
@@ -68,7 +69,7 @@ class Caption(NamedTuple):
     text: str
 
 
-CAPTIONS: dict[str, Caption] = {}
+CAPTIONS: dict[str, Caption] = {}  # of the files of pictures that are loaded
 _on_figures: WeakKeyDictionary[Figure, list[Caption]] = WeakKeyDictionary()
 
 

@@ -71,8 +71,9 @@ def save_all(
         figure = _drawn(picture, name, {})
         for kind in formats:
             write_figure(figure, folder / f"{name}.{kind}")
-            # Parts stay where the first file has them: to place them is half the work.
-            figure.set_layout_engine("none")
+            # Parts stay where the first file has them: to place them is half the work. With a layout engine of any
+            # kind, also "none", matplotlib would draw twice, once to let it place parts.
+            figure.set_layout_engine(None)
         progress.drawn()
         names.append(name)
     return names

@@ -31,7 +31,7 @@ OF_PANELS = {"race_bodies", "rosette_and_resonance"}
 
 
 def test_every_picture_has_a_caption_in_whole_sentences():
-    assert set(plot.__all__) - TOOLS - OF_PANELS <= set(CAPTIONS)
+    assert {name for name in plot.__all__ if getattr(plot, name)} - TOOLS - OF_PANELS <= set(CAPTIONS)
     for name, caption in CAPTIONS.items():
         assert re.match(r"[A-Z]", caption.text), name
         assert caption.text.endswith("."), name
