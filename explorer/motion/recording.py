@@ -31,9 +31,8 @@ MOST_POINTS = 4_000_000  # of all curves of a call, padding included: about a gi
 _LONG = 20_000.0
 _AT_ONCE = 200_000  # states between points in one call of a kernel: a tenth of a second of most
 _RACING = 0.1  # cos phi at the end, below which an error of the time counts more than that of the angles
-# Steps of a second run, at most, for each that a first may take; they are counted in 32 bits.
-_MORE_STEPS, _MOST_COUNTED = 4, 2**31 - 1
-_POINTS, _PER_TIME = 256, 512  # for which there is room at first: of each motion, and in each unit of its time
+# For which there is room at first: of each motion, and in each unit of its time; and how many times that then.
+_POINTS, _PER_TIME, _MORE = 256, 512, 8
 
 
 class Motions(NamedTuple):
@@ -152,27 +151,40 @@ def _follow(given: Motions, work: compiled.motions.Motions, trail: compiled.trai
         ends = precision.Ends(reached, outcome.steps, outcome.constants_error[0], work.taken)
         found = precision.error_estimate(disk, given.plan, start, ends)
         found = precision.estimate_in_race(disk, given.plan, work.out[:, -1].T, found)
-        doubtful = np.flatnonzero(ok & precision.doubtful(disk, given.plan, start))
-        if doubtful.size:
-            apart, racing = _apart(given.at(doubtful), work.times[-1:], work.out[doubtful, -1])
-            free = np.isnan(given.held.sigma3_bar[doubtful])
-            most = precision.most_apart(given.plan, work.times[-1])
-            found[doubtful] = np.fmax(found[doubtful], apart)
-            outcome.status[doubtful[free & ~racing & (apart > most)]] = compiled.status.Status.STEP_LIMIT
-            ok = outcome.status == compiled.status.Status.OK
+        found, unknown = _with_second_run(given, work, outcome, found)
+        outcome.status[unknown], ok[unknown] = compiled.status.Status.STEP_LIMIT, False
         outcome.error_estimate[ok] = found[ok]
         lost = ok & precision.lost_to_rounding(disk, given.plan, start.energy, ends)
         outcome.status[lost] = compiled.status.Status.STEP_TOO_SMALL
 
 
-def _apart(given: Motions, time: Array, ended: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """How far motions (n) end from where they do by other steps, angles (rad) or path (r); and which end flat.
+def _with_second_run(
+    given: Motions, work: compiled.motions.Motions, outcome: Outcome, found: Array
+) -> tuple[Array, NDArray[np.intp]]:
+    """Estimates (n), `found` without it, with what a second run of doubtful motions tells; and which of these have
+    no answer: it came to no end, or motions that run free ended elsewhere.
+    """
+    start, ended = NaturalConstants(*given.constants), work.out[:, -1]
+    racing, free = ended[:, compiled.field.ROW.q] < _RACING, np.isnan(given.held.sigma3_bar)
+    doubtful = precision.doubtful(given.disk, given.plan, start)
+    again = np.flatnonzero(doubtful & (outcome.status == compiled.status.Status.OK))
+    if not again.size:
+        return found, again
+    apart = _apart(given.at(again), work.times[-1:], ended[again])
+    found = found.copy()
+    found[again] = np.fmax(found[again], apart)
+    astray = (free & ~racing)[again] & (apart > precision.most_apart(given.plan, work.times[-1]))
+    return found, again[astray | np.isnan(apart)]
 
-    time (1): at which they `ended` (n, 10). Where they take too many steps, the first number is NaN.
+
+def _apart(given: Motions, time: Array, ended: Array) -> Array:
+    """How far motions (n) end from where they do by other steps, angles (rad) or path (r).
+
+    time (1): at which they `ended` (n, 10). NaN where that takes more steps than a motion may: it needs up to ten
+    times as many as the first run, in the median two (dop853) or four (dopri5).
     """
     row, code = compiled.field.ROW, compiled.status.Status
-    steps = min(_MORE_STEPS * given.max_steps, _MOST_COUNTED)
-    other = given._replace(control=precision.finer(given.plan, given.control), max_steps=steps)
+    other = given._replace(control=precision.finer(given.plan, given.control))
     outcome = Outcome.of(other)
     work, kernel = _work(other, time, outcome), compiled.motions.MOTIONS[other.how.method, other.how.depth]
     follow = partial(kernel, work, _no_trail(), given.disk.natural, given.disk.whole)
@@ -180,7 +192,8 @@ def _apart(given: Motions, time: Array, ended: Array) -> tuple[Array, NDArray[np
     known = (outcome.status == code.OK)[:, None]
     apart = np.where(known, abs(work.out[:, 0] - ended), np.nan).T
     tilt, path = np.hypot(apart[row.q], apart[row.z]), np.hypot(apart[row.a1], apart[row.a2])
-    return np.max([tilt, apart[row.chi], apart[row.psi], path], axis=0), ended[:, row.q] < _RACING
+    farthest: Array = np.max([tilt, apart[row.chi], apart[row.psi], path], axis=0)
+    return farthest
 
 
 def _no_trail() -> compiled.trail.Trail:
@@ -239,18 +252,19 @@ def _record(given: Motions, t_end: float, number: int) -> Records:
     """Curves of a part of `number` motions."""
     n, curve = given.number, compiled.trail.Curve(LONGEST_ANGLE, LONGEST_TIME)
     most = n * (MOST_POINTS // max(number, 1))
-    likely = min(int(n * (_POINTS + _PER_TIME * t_end)), most)
+    likely = int(min(n * (_POINTS + _PER_TIME * t_end), most))
     room = likely
     while True:
         outcome = Outcome.of(given)
         work = _work(given, np.full(1, t_end), outcome)
-        trail = compiled.trail.Trail(curve, np.empty((room, 12)), np.zeros(1, np.int64), most + 1)
+        # What there is no room for ends the kernel: followed to their end twice, motions would take twice as long.
+        trail = compiled.trail.Trail(curve, np.empty((room, 12)), np.zeros(1, np.int64), room + 1)
         _follow(given, work, trail, outcome)
         used = int(trail.used[0])
-        _require(used <= most, number)
         if used <= room:
             break
-        room = used
+        _require(room < most, number)
+        room = min(_MORE * room, most)
     state_at_end, depth = work.out, work.how.depth
     course = compiled.recording.Course(
         *(curve, trail.rows[:used], work.last, state_at_end, outcome.status, t_end, depth),

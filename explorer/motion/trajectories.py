@@ -204,7 +204,7 @@ def simulate(
         method : 'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'. accuracy : error of
         angles (rad) and path (r) per passage, in 2 sqrt(r/g) of time, 1e-11 to 0.1, by default 1e-6; over k
         passages it grows like k; inside a race it is that of its time. chi0 : contact angle at the start (rad),
-        -1e4 to 1e4, by default 0. max_steps : steps at most, by default 2 million, to 10^9. jobs : threads.
+        -1e4 to 1e4, by default 0. max_steps : most steps of a run, by default 2 million, to 10^9. jobs : threads.
 
     Returns
     -------

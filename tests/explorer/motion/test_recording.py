@@ -159,3 +159,58 @@ def test_the_accuracy_asked_of_a_curve_is_the_accuracy_met(method, accuracy):
         away = abs(exact.phi[0]) < 0.5 * np.pi - 0.1  # in a race errors of the time count many times
         found.append((error / np.maximum(1.0, 0.5 * t))[away])
     assert 0.003 * accuracy < np.percentile(np.concatenate(found), 99) < accuracy
+
+
+def counted_steps(monkeypatch):
+    """The steps in each call of the kernels that follow motions, in a list that grows."""
+    counted = []
+
+    def counting(kernel):
+        def follow(work, trail, *disk):
+            kernel(work, trail, *disk)
+            counted.append(int(trail.used[0]) if trail.most else int(work.outcome.steps.sum()))
+
+        return follow
+
+    table = recording.compiled.motions.MOTIONS
+    for key, kernel in list(table.items()):
+        monkeypatch.setitem(table, key, counting(kernel))
+    return counted
+
+
+def test_a_second_run_of_a_fast_spin_takes_no_more_steps_than_a_motion_may(monkeypatch):
+    """By steps that are finer: where it comes to no end, nothing tells the error, so there is no answer."""
+    states = ex.phi_to_states(ex.Disk(I1=0.25, I3=1e-9), 0.03, -1000.0, [1.57, 0.5], -0.1)
+    counted = counted_steps(monkeypatch)
+    whole = ex.simulate(states, t_eval=[1.0], accuracy=1e-3)
+    first, second = counted
+    assert whole.ok.all()
+    assert 1.5 * first < second < 10.0 * first
+    most = int(whole.steps.max()) + 1
+    for jobs in (1, 2):
+        counted.clear()
+        motion = ex.simulate(states, t_eval=[1.0], accuracy=1e-3, max_steps=most, jobs=jobs)
+        assert (motion.status == ex.Status.STEP_LIMIT).all()
+        assert np.isnan(motion.phi).all()
+        assert sum(counted) <= first + 2 * most
+
+
+def test_motions_are_not_followed_again_for_want_of_room(monkeypatch):
+    """Room grows by so much that all that was cut off takes a fraction of the steps; a second run comes once."""
+    states = ex.phi_to_states(ex.Disk(I1=0.25, I3=1e-9), 0.03, -1000.0, 1.57, -0.1)
+    whole = ex.simulate(states, 1.0, accuracy=1e-3)
+    monkeypatch.setattr(recording, "_POINTS", 64)
+    monkeypatch.setattr(recording, "_PER_TIME", 0)
+    counted = counted_steps(monkeypatch)
+    motion = ex.simulate(states, 1.0, accuracy=1e-3)
+    *cut_off, first, second = counted
+    assert len(cut_off) == 3
+    assert sum(cut_off) < 0.5 * first
+    assert second < 10.0 * first
+    np.testing.assert_array_equal(motion.contact, whole.contact)
+
+
+@pytest.mark.parametrize("t_end", [1e300, 1.7e308])
+def test_no_time_is_too_long_to_be_begun(t_end):
+    states = ex.phi_to_states(BODIES["uniform"], 0.3, 0.1, 0.5, 0.5)
+    assert ex.simulate(states, t_end, max_steps=1000).status.tolist() == [ex.Status.STEP_LIMIT]
