@@ -35,7 +35,10 @@ _UNFELT = 1e-3
 # kappa is very large, later on some ways only.
 _OF_KAPPA = (16.0, 0), (4.0, 1), (1.2, 0), (0.0, -1)
 # The kernels of `falls_of_energy`, for `compiled.warmup`.
-FALL_KERNELS = ("passages.fall_batch", "low_falls.low_fall_batch", "passages.fall_by_rules_batch")
+FALL_KERNELS = (
+    *("passages.departure_batch", "passages.fall_batch"),
+    *("low_falls.low_fall_batch", "passages.fall_by_rules_batch"),
+)
 
 
 class Legs(NamedTuple):

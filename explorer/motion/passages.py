@@ -199,7 +199,7 @@ def passage_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `passages` by a plan, for `compiled.warmup`; a few starts need another one."""
     quadrature = how.method == "quadrature"
     by = (table_kernel(how.accuracy),) if quadrature else ("algebra.constants_batch", how.first_event)
-    return *by, "passages.fall_batch", "races.race_batch"
+    return *by, "passages.departure_batch", "passages.fall_batch", "races.race_batch"
 
 
 def allowed(accuracy: float, time: Array) -> Array:

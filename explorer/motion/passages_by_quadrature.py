@@ -7,7 +7,7 @@ from explorer import compiled
 from explorer.motion.plan import Plan
 from explorer.motion.vertical import Starts
 from explorer.phase.disk import Disk
-from explorer.phase.energy import energy_at, potential_at_flat, spin_at_flat
+from explorer.phase.energy import energy_at, potential_at_flat
 from explorer.phase.gauss import packed_rules
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array
@@ -17,7 +17,6 @@ from explorer.phase.states import Array
 ROUGH, WIDE = 1e-5 * (1.0 - 1e-9), 1e-7 * (1.0 - 1e-9)
 # Rows of doubles whose lengths are multiples of this displace one another in the cache.
 _ALIKE = 512
-_ROUNDING = 4.0 * 2.2e-16
 # Of speeds at the vertical, natural units. Where a motion at rest there is known to fall, less changes no digit.
 _AS_FROM_REST = 1e-60
 
@@ -161,16 +160,9 @@ def falls_of(
 
 
 def vertical_above_flat(disk: Disk, sigma3_bar: Array) -> Array:
-    """V - V_0 at the vertical on F, eq. (3.8), natural units.
-
-    The squares of sigma4 there and at flat are not subtracted: where they are large, nothing would be left of 1.
-    """
-    b = disk.body
-    flat = spin_at_flat(b, sigma3_bar)
-    # The polynomial of (r'(S) - 1)/S at S = 1.
-    rise = flat * disk.natural.series[4].sum()
-    above: Array = 0.5 * b.I1 * sigma3_bar**2 + 0.5 * b.J * rise * (2.0 * flat + rise) + 1.0
-    return above
+    """V - V_0 at the vertical on F, eq. (3.8), natural units."""
+    none = np.zeros(sigma3_bar.size)
+    return departures_of_moving(disk, sigma3_bar, none, none, none).level
 
 
 @np.errstate(over="ignore", invalid="ignore")  # of motions that are no input
@@ -180,7 +172,7 @@ def departures_of_energy(disk: Disk, sigma3_bar: Array, energy: Array) -> "compi
     at_flat = potential_at_flat(disk.body, bar)
     level = given - at_flat
     moving = level - vertical_above_flat(disk, bar)
-    return compiled.passages.Departures(bar, level, moving, _ROUNDING * (abs(given) + at_flat))
+    return compiled.passages.Departures(bar, level, moving, compiled.passages.ROUNDING * (abs(given) + at_flat))
 
 
 def departures_beside(disk: Disk, crossings: "compiled.passages.Crossings") -> "compiled.passages.Departures":
@@ -190,17 +182,12 @@ def departures_beside(disk: Disk, crossings: "compiled.passages.Crossings") -> "
     return departures_of_moving(disk, crossings.sigma3_bar, crossings.eta, given, given)
 
 
-@np.errstate(over="ignore", invalid="ignore")
 def departures_of_moving(
     disk: Disk, sigma3_bar: Array, eta: Array, given: Array, size: Array
 ) -> "compiled.passages.Departures":
-    """The same from E - V of the motions beside F at the vertical, and the size of what that is a difference of.
-
-    sigma4 at the vertical is less by eta_hat than on F, eq. (6.2): no energies are subtracted.
-    """
-    b, eta_hat = disk.body, disk.eta_to_eta_hat(eta)
-    on_f = b.dr0 / (b.r0 * b.k) * sigma3_bar
-    turning = 0.5 * b.J * eta_hat
-    moving = given - turning * (2.0 * on_f - eta_hat)
-    doubt = _ROUNDING * (size + abs(turning) * (2.0 * abs(on_f) + abs(eta_hat)))
-    return compiled.passages.Departures(sigma3_bar, moving + vertical_above_flat(disk, sigma3_bar), moving, doubt)
+    """The same from E - V of motions beside F at the vertical, and the size of what that is a difference of."""
+    motions = compiled.passages.Beside(*map(np.ascontiguousarray, (sigma3_bar, eta, given, size)))
+    out = rows_apart(3, sigma3_bar.size)
+    # The polynomial of (r'(S) - 1)/S at S = 1.
+    compiled.passages.departure_batch(motions, disk.natural.series[4].sum(), disk.natural, out)
+    return compiled.passages.Departures(motions.sigma3_bar, *out[:, : sigma3_bar.size])

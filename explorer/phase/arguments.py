@@ -75,7 +75,14 @@ def read_columns(named: dict[str, ArrayLike]) -> tuple[list[Array], tuple[int, .
         raise InputError(f"shapes do not fit together: {shapes}; give arrays that broadcast") from None
     if math.prod(shape) > _LARGEST_TABLE:
         raise InputError(f"{', '.join(named)} broadcast to {shape}; give up to {_LARGEST_TABLE:,} entries at once")
-    return [np.ravel(np.broadcast_to(array, shape)).astype(np.float64) for array in arrays], shape
+    return [_column_of(array, shape) for array in arrays], shape
+
+
+def _column_of(values: Array, shape: tuple[int, ...]) -> Array:
+    """A new flat column of values that broadcast to a shape, copied once."""
+    new = np.empty(shape)
+    new[...] = values
+    return new.ravel()
 
 
 @reader

@@ -35,6 +35,7 @@ from kernels.types import Codes, Longs, Matrix, Vector
 
 _OK = int(Status.OK)
 _FALLS = int(Status.FALLS)
+ROUNDING = 4.0 * 2.2e-16  # of a difference, for each unit of its terms
 
 
 class Crossings(NamedTuple):
@@ -56,6 +57,15 @@ class Departures(NamedTuple):
     level: Vector
     moving: Vector
     doubt: Vector
+
+
+class Beside(NamedTuple):
+    """Motions (n) beside F where they cross the vertical: constants; E - V there, and the size of its terms."""
+
+    sigma3_bar: Vector
+    eta: Vector
+    moving: Vector
+    size: Vector
 
 
 class Asked(NamedTuple):
@@ -238,6 +248,33 @@ def passage_by_rules_batch(
         start = Start(h_end, speed == 0.0 and at_vertical, moving)
         status[i], row = passage(start, motion, target, rules, disk, W)
         put(row, out, i)
+
+
+@subroutine
+def departures_beside(motions: Beside, excess: float, b: Body, out: Matrix) -> None:
+    """`departure_batch`."""
+    slope, unit = b.dr0 / (b.r0 * b.k), b.I3 * b.r0
+    for i in range(motions.eta.size):
+        bar, eta_hat, moving = motions.sigma3_bar[i], motions.eta[i] / unit, motions.moving[i]
+        on_f, turning = slope * bar, 0.5 * b.J * eta_hat
+        left = moving - turning * (2.0 * on_f - eta_hat)
+        terms = motions.size[i] + abs(turning) * (2.0 * abs(on_f) + abs(eta_hat))
+        # V - V_0 at the vertical on F, eq. (3.8). The squares of sigma4 there and at flat are not subtracted:
+        # where they are large, nothing would be left of 1.
+        flat = bar / (b.k * b.r0)
+        rise = flat * excess
+        above = 0.5 * b.I1 * (bar * bar) + 0.5 * b.J * rise * (2.0 * flat + rise) + 1.0
+        out[0, i], out[1, i], out[2, i] = left + above, left, ROUNDING * terms
+
+
+@kernel
+def departure_batch(motions: Beside, excess: float, disk: Disk, out: Matrix) -> None:
+    """Falls on F with the sigma3_bar and energies of motions beside it -> out (3, n), as Departures from level on.
+
+    excess: r'(S) - 1 at the vertical, S = 1. sigma4 there is less by eta_hat than on F, eq. (6.2): no energies are
+    subtracted.
+    """
+    departures_beside(motions, excess, disk.body, out)
 
 
 @subroutine

@@ -150,13 +150,21 @@ def lanes(W: Vector, units: Units, M: float) -> None:
         W[_ROW.wrong_way * LANES + i] = 1.0 if ok & (not W[_WAY * LANES + i] * side > 0.0) else 0.0
 
 
-@kernel
-def race_batch(ways: Ways, falls: Falls, terms: Terms, units: Units, disk: Disk, first: int, out: Matrix) -> None:
-    """Passages without their falls -> out (12, m), as RaceRow, from column `first` on.
+class Work(NamedTuple):
+    """Passages to take their falls from, and where they go: from column `first` of out (12, m) on."""
 
-    The status of those that miss is marked.
-    """
-    W = np.zeros(_ROWS * LANES)
+    ways: Ways
+    falls: Falls
+    terms: Terms
+    units: Units
+    first: int
+    out: Matrix
+
+
+@subroutine
+def in_lanes(work: Work, M: float, W: Vector) -> None:
+    """`race_batch`."""
+    ways, falls, terms, units, first, out = work
     for begin in range(0, ways.status.size, LANES):
         end = min(begin + LANES, ways.status.size)
         status = ways.status[begin:end]
@@ -176,8 +184,17 @@ def race_batch(ways: Ways, falls: Falls, terms: Terms, units: Units, disk: Disk,
         load(falls.level[begin:end], _LEVEL, W)
         load(falls.error[begin:end], _FALL_ERROR, W)
         measure(W, terms)
-        lanes(W, units, disk.body.M)
+        lanes(W, units, M)
         for row in range(len(_ROW)):
             store(W, _FOUND + row, out[row, first + begin : first + end])
         for i in range(status.size):
             status[i] = int(W[_STATUS * LANES + i])
+
+
+@kernel
+def race_batch(ways: Ways, falls: Falls, terms: Terms, units: Units, disk: Disk, first: int, out: Matrix) -> None:
+    """Passages without their falls -> out (12, m), as RaceRow, from column `first` on.
+
+    The status of those that miss is marked.
+    """
+    in_lanes(Work(ways, falls, terms, units, first, out), disk.body.M, np.zeros(_ROWS * LANES))
