@@ -13,6 +13,7 @@ from explorer.commands.gallery import picture_lines
 from explorer.commands.made_by import FILE, command_of, leave_made_by
 from explorer.errors import InputError, note
 from explorer.motion.plan import method_in_words
+from explorer.phase.paths import path_of
 from explorer.runs.run import Manner, Run, execute
 from explorer.runs.side_by_side import SideBySide, exact_of, side_by_side
 from explorer.runs.store import write_json
@@ -45,7 +46,7 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
     Raises InputError where `out` holds something else.
     """
     workers = Workers(jobs)
-    folder = Path(out)
+    folder = path_of("--out", out)
     made = [(build_scene(name, seed=seed, **options), title) for name, options, title in _STEPS]
     scenes = [(scene, title_of(scene, title)) for scene, title in made]
     _clear(folder)

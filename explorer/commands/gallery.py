@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from explorer.commands.made_by import command_of
 from explorer.errors import InputError
+from explorer.phase.paths import path_of
 
 if TYPE_CHECKING:
     from explorer.plot.captions import Caption
@@ -23,7 +24,7 @@ def gallery(folder: Path | str) -> str:
 
     Raises InputError where `folder` is none.
     """
-    root = Path(folder)
+    root = path_of("DIR", folder)
     if not root.is_dir():
         raise InputError(f"{root}: is no folder; give the one that holds the results")
     parts = [path for path in sorted(root.iterdir()) if path.is_dir()]

@@ -13,6 +13,7 @@ from explorer.commands.gallery import picture_lines
 from explorer.commands.made_by import leave_page
 from explorer.errors import InputError, note, one_of
 from explorer.phase.disk import Disk
+from explorer.phase.paths import path_of
 from explorer.phase.states import constants_to_states
 from explorer.portrait.bodies import flat_body, measured_gaps, race_numbers
 from explorer.portrait.rocking import rocking
@@ -126,7 +127,7 @@ def portrait(
     names = [*GROUPS, FILM]
     if only is not None:
         one_of("--only", only, names)
-    folder = Path(out)
+    folder = path_of("--out", out)
     if options and only not in (None, "phase"):
         given = ", ".join(f"--{key.replace('_', '-')}" for key in options)
         raise InputError(f"{given}: only the group phase takes this; leave it out, or --only phase")

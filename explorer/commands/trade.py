@@ -17,6 +17,7 @@ from explorer.motion import calibration
 from explorer.motion.trade import Errors, Measured, Row, curves, largest_errors, measure, only_errors
 from explorer.motion.trials import Trial
 from explorer.phase.disk import Disk
+from explorer.phase.paths import path_of
 from explorer.runs.settings import SETTINGS
 from explorer.scenes.base import Scene
 from explorer.scenes.falling_set import FallingSet
@@ -333,7 +334,7 @@ def call(options: argparse.Namespace) -> int:
     given = {word: value for word, value in given.items() if word not in of_runs}
     out = given.pop("out", None) or ("results/trade" if scene is None else f"results/trade-{scene}")
     asked = _asked(scene, given)
-    folder = folder_for(Path(out))
+    folder = folder_for(path_of("--out", out))
     found = asked.measured()
     where = None if options.no_store else found.store()
     trade_report.write(found.scene, found.parts, folder, options.command_line, where)

@@ -23,6 +23,7 @@ from explorer.paper.figures import ETA_HAT, FIGURES, INFERRED, INFERRED_TOO, fig
 from explorer.paper.misprints import misprints_page
 from explorer.paper.statement import Finding, Statement, chosen, shown
 from explorer.phase.disk import Disk
+from explorer.phase.paths import path_of
 from explorer.plot.captions import save
 
 # The statements of these are registered as they are imported.
@@ -96,7 +97,7 @@ def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: boo
 
     Raises InputError for an unknown statement or a folder that cannot be written.
     """
-    jobs, folder = jobs_of("--jobs", jobs), Path(out)
+    jobs, folder = jobs_of("--jobs", jobs), Path(out) if only is not None else path_of("--out", out)
     if folder.exists() and not folder.is_dir():
         raise InputError(f"--out {folder}: is a file; give a folder")
     chosen(only)
@@ -127,11 +128,11 @@ def one_figure(folder: Path | str, number: int, disk: Disk | None, eta_hat: floa
 
     Raises InputError.
     """
+    where = path_of("--out", folder) / "figures"
     drawn = figure(number, disk, eta_hat)
     name = f"figure-{number}"
     if disk is not None or eta_hat != ETA_HAT:
         name += f"-{(disk or FIGURES[number].disk).name}-{eta_hat:g}"
-    where = Path(folder) / "figures"
     try:
         where.mkdir(parents=True, exist_ok=True)
         paths = [where / f"{name}.{kind}" for kind in ("png", "svg")]

@@ -34,8 +34,12 @@ def path_of(name: str, value: Any) -> Path:
         raise InputError(f"{said(name, value)} is no path; give text that is not empty and has no NUL")
     if _no_utf8(text):
         raise InputError(f"{said(name, value)} is no path in UTF-8; give it another name")
-    if not Path(text).is_absolute() and _no_utf8(_here()):  # Arrow reads and writes whole paths in UTF-8 only
-        raise InputError(f"{said(name, value)}: the current folder is no path in UTF-8; work in another one")
+    if not Path(text).is_absolute():
+        here = _here()
+        if here is None:
+            raise InputError(f"{said(name, value)}: the current folder was removed; work in another one")
+        if _no_utf8(here):  # Arrow reads and writes whole paths in UTF-8 only
+            raise InputError(f"{said(name, value)}: the current folder is no path in UTF-8; work in another one")
     if len(text) > 4000 or any(len(part.encode()) > 255 for part in Path(text).parts):
         raise InputError(f"{name} {shorten(text, SHOWN)} is too long for a path; give a shorter one")
     return Path(text)
@@ -46,10 +50,12 @@ def _no_utf8(text: str) -> bool:
     return any("\ud800" <= letter <= "\udfff" for letter in text)
 
 
-def _here() -> str:
-    """The current folder; empty where it is gone, which is told where something is read or written."""
+def _here() -> str | None:
+    """The current folder; None where it is gone, empty where the system does not tell."""
     try:
         return str(Path.cwd())
+    except FileNotFoundError:
+        return None
     except OSError:
         return ""
 
