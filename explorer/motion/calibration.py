@@ -27,19 +27,22 @@ SAFETY = 5.0
 SAFETY_IN_TIME = 3.5
 # Where only passages were measured: as twice the way to the turning point, while a motion is followed throughout.
 _STRICTER = 10.0
-_ROUNDING = 1e-12  # errors below it are those of rounding, which a finer setting does not lower
+# Errors below the first are those of rounding, which a finer setting does not lower, and so are those within the
+# second of the least that any method reaches on the same samples: slow starts among them round more.
+_ROUNDING, _NEAR_LEAST = 1e-12, 3.0
 _FEWEST = 4  # rows above rounding; the method's order is taken from the last three
 
 
 @dataclass(frozen=True)
 class Curve:
     """One method, from coarse to fine: setting (step or tolerance), 99th percentile of the error, field
-    evaluations and nanoseconds per passage."""
+    evaluations and nanoseconds per passage; and the error below which it is one of rounding."""
 
     setting: Array
     error: Array
     evaluations: Array
     nanoseconds: Array
+    rounding: float
 
     def at(self, target: Any, safety: float = SAFETY, beyond: Any = False) -> Array:
         """The setting whose error is `target` over `safety`.
@@ -48,7 +51,7 @@ class Curve:
         settings have been measured, or where `beyond` says so to a target of rounding; beyond the coarsest it is
         that one.
         """
-        resolved = self.error > _ROUNDING
+        resolved = self.error > self.rounding
         log_setting, log_error = np.log(self.setting[resolved]), np.log(self.error[resolved])
         # A coarser setting that happened to err less must not be preferred to a finer one.
         log_error = np.minimum.accumulate(log_error)
@@ -133,21 +136,26 @@ def parse(table: dict[str, Any], origin: str) -> Calibration:
 
 def _curves(rows_of: dict[str, Any]) -> dict[str, Curve]:
     """The curves of all methods. Raises ValueError for rows that cannot be such."""
-    curves = {}
     missing = {"rk4", "rk8", "dopri5", "dop853"} - set(rows_of)
     if missing:
         raise ValueError(f"{', '.join(sorted(missing))} missing")
-    for name, rows in rows_of.items():
-        columns = np.array(rows, dtype=np.float64).T
+    columns_of = {name: np.array(rows, dtype=np.float64).T for name, rows in rows_of.items()}
+    for name, columns in columns_of.items():
         if columns.shape[0] != 4 or not (np.isfinite(columns).all() and (columns > 0.0).all()):
             raise ValueError(f"rows of {name} must be four positive numbers each")
-        if not ((np.diff(columns[0]) < 0.0).all() and (columns[1] > _ROUNDING).sum() >= _FEWEST):
-            raise ValueError(f"rows of {name} must go from coarse to fine, {_FEWEST} or more above rounding")
-        resolved = columns[1][columns[1] > _ROUNDING]
-        if not (columns[1][-1] < columns[1][0] and resolved[-1] < resolved[:-2].min()):
-            raise ValueError(f"errors of {name} do not fall")
-        curves[name] = Curve(*columns)
-    return curves
+    least = min(columns[1].min() for columns in columns_of.values())
+    rounding = max(_ROUNDING, _NEAR_LEAST * float(least))
+    return {name: _curve(name, columns, rounding) for name, columns in columns_of.items()}
+
+
+def _curve(name: str, columns: Array, rounding: float) -> Curve:
+    resolved = columns[1][columns[1] > rounding]
+    if not ((np.diff(columns[0]) < 0.0).all() and resolved.size >= _FEWEST):
+        raise ValueError(f"rows of {name} must go from coarse to fine, {_FEWEST} or more above rounding")
+    if not (columns[1][-1] < columns[1][0] and resolved[-1] < resolved[:-2].min()):
+        raise ValueError(f"errors of {name} do not fall")
+    setting, error, evaluations, nanoseconds = columns
+    return Curve(setting, error, evaluations, nanoseconds, rounding)
 
 
 def store(table: dict[str, Any]) -> Path:

@@ -25,7 +25,7 @@ IN_TIME = ("phi", "chi", "psi", "path")
 # setting that is tried.
 _FINEST = ("rk8", 0.04)
 # Tilt (rad) below which chi races, and errors of the time count many times in it; no error is taken there.
-_RACING = 0.1
+RACING = 0.1
 # Median duration of a passage as race-angles draws them (natural units), and times at which motions are compared.
 _PASSAGE, _TIMES = 2.5, 8
 # Settings are tried at this accuracy: errors are what is measured, so no sample is refused for its own.
@@ -204,7 +204,7 @@ def _difference(disk: Disk, made: Trajectories, exact: Trajectories) -> Array:
     assert exact.phi is not None
     angles = [abs(getattr(made, name) - getattr(exact, name)) for name in ("phi", "chi", "psi")]
     path = np.linalg.norm(made.path - exact.path, axis=-1) / disk.r
-    racing = 0.5 * np.pi - abs(exact.phi) < _RACING
+    racing = 0.5 * np.pi - abs(exact.phi) < RACING
     return np.where(racing, np.nan, np.stack([*angles, path]))
 
 

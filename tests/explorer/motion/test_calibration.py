@@ -88,6 +88,12 @@ def test_settings_go_beyond_those_measured_only_where_this_is_asked_for_and_end_
     assert found[1:].max() == pytest.approx(found[1:].min(), rel=1e-12)
 
 
+def test_rounding_of_slow_starts_shortens_no_steps(private):
+    """At 1e-10 passages are asked to err by about as much as slow starts are rounded, whatever the step."""
+    curve = calibration.current().curves["rk4"]
+    assert curve.at(1e-10) == pytest.approx(curve.at(1e-9) * 10.0**-0.25, rel=0.01)
+
+
 def test_settings_are_monotone_in_the_accuracy(private):
     targets = 10.0 ** -np.arange(1.0, 12.0)
     for curve in calibration.current().curves.values():
