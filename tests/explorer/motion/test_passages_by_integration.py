@@ -103,33 +103,6 @@ def test_no_race_goes_silently_the_wrong_way_from_1e_minus_1_to_1e_minus_300(nam
     assert (got.status == ex.Status.OK).mean() > (0.999 if method == "quadrature" else 0.99)
 
 
-@pytest.mark.parametrize("accuracy", [1e-2, 1e-4, 1e-6, 1e-8, 1e-10])
-@pytest.mark.parametrize("method", ["rk4", "rk8", "dopri5", "dop853"])
-@pytest.mark.parametrize("name", ["uniform", "thick"])
-def test_the_accuracy_asked_is_the_accuracy_paid_for(name, method, accuracy):
-    """The 99th percentile of the true error is within it, and not below a hundredth of it, from 1e-8 to 1 in
-    |eta_hat|, unless nothing is left but rounding; no estimate is a tenth of its error."""
-    if method == "rk4" and accuracy < 1e-6:
-        pytest.skip("thousands of steps of order four per passage; order eight is there for that")
-    body, rng = BODIES[name], np.random.default_rng(5)
-    n, unit = 500, body.rate_unit
-    eta_hat = 10 ** rng.uniform(-8, 0, n) * rng.choice([-1, 1], n) * unit
-    start = rng.uniform(-2, 2, n) * unit, eta_hat, rng.uniform(0.3, 2, n) * unit
-    exact = ex.passages(body, *start, accuracy=1e-11)
-    other = ex.passages(body, *start, method=method, accuracy=accuracy)
-    ok = (exact.status == 0) & (other.status == 0)
-    assert ok.sum() >= 0.98 * (exact.status == 0).sum()
-    apart = _largest_error(exact, other)[ok]
-    p99 = np.percentile(apart, 99)
-    assert p99 <= accuracy
-    if p99 < 0.01 * accuracy:
-        # Nothing but rounding may be left: a finer setting, at a third of the accuracy, does not lower it.
-        finer = ex.passages(body, *start, method=method, accuracy=accuracy / 3)
-        both = (exact.status == 0) & (finer.status == 0)
-        assert np.percentile(_largest_error(exact, finer)[both], 99) >= 0.9 * p99
-    assert (apart <= 10 * other.error_estimate[ok] + exact.error_estimate[ok]).all()
-
-
 @pytest.mark.parametrize("method", ["dopri5", "dop853", "rk8"])
 @pytest.mark.parametrize("name", ["uniform", "hoop", "core"])
 def test_estimates_cover_slow_starts_with_much_spin_or_refuse_them(name, method):

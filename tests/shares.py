@@ -1,0 +1,105 @@
+"""What tests and reports of the accuracy paid for share: samples with true answers, and shares of the accuracy."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+import explorer as ex
+from explorer.motion.trials import ANY_ERROR, IN_TIME, RACING, MotionTrial, PassageTrial
+from explorer.motion.vertical import starts_at_vertical
+
+ACCURACIES = 10.0 ** -np.arange(2, 11)
+INTEGRATORS = ("rk4", "rk8", "dopri5", "dop853")
+# Ends of motions (natural units), some within the first passage, some after the second.
+ENDS = (1.25, 2.5, 3.75, 5.0)
+_PASSAGE = 2.0  # `simulate` is asked for an accuracy of each so much time
+
+
+class Share(NamedTuple):
+    """What became of samples at one accuracy.
+
+    p99: the 99th percentile of the error over the accuracy. over_estimate: the largest error over its estimate.
+    answered: the share of samples with an answer. wrong_way: samples on the other side of F.
+    """
+
+    p99: float
+    over_estimate: float
+    answered: float
+    wrong_way: int
+
+
+def share_of(accuracy, errors, estimates, answered, wrong_way, passages=1.0):
+    """The Share of samples (n) whose truth is known. passages: how many times the accuracy each may err."""
+    over = (errors / estimates)[answered]
+    p99 = np.percentile((errors / passages)[answered], 99) / accuracy
+    return Share(float(p99), float(over.max()), float(answered.mean()), int((wrong_way & answered).sum()))
+
+
+def line_of(names, row):
+    """A row of the table of `table_of`: its names, and its Share at each accuracy, the worst of which ends it."""
+    shares = " | ".join(f"{share.p99:.2g}" for share in row)
+    over, answered = max(share.over_estimate for share in row), min(share.answered for share in row)
+    wrong = sum(share.wrong_way for share in row)
+    return f"| {' | '.join(names)} | {shares} | {over:.2g} | {answered:.1%} | {wrong} |"
+
+
+def table_of(heads, lines):
+    """The lines of `line_of` under their heads."""
+    columns = [*heads, *(f"{a:.0e}" for a in ACCURACIES), "over estimate", "answered", "wrong way"]
+    return [f"| {' | '.join(columns)} |", "|---" * len(columns) + "|", *lines]
+
+
+def counted(rows):
+    """How many shares lie outside of a hundredth of the accuracy to all of it, in words."""
+    every = np.array([share.p99 for row in rows for share in row])
+    return f"Of {every.size} shares {(every < 0.01).sum()} lie below 0.01 and {(every > 1.0).sum()} above 1."
+
+
+def across(disk, n, seed):
+    """sigma3_bar, eta_hat, phidot and face of starts at the vertical at distances from F from 1e-8 to 1."""
+    rng, unit = np.random.default_rng(seed), disk.rate_unit
+    eta_hat = 10.0 ** rng.uniform(-8.0, 0.0, n) * rng.choice([-1.0, 1.0], n)
+    bar, speed, face = rng.uniform(-2.0, 2.0, n), rng.uniform(0.3, 2.0, n), rng.choice([-1.0, 1.0], n)
+    return bar * unit, eta_hat * unit, speed * unit, face
+
+
+class Passages:
+    """Passages as `ex.passages` finds them, beside those by adaptive rules, which share no table with them."""
+
+    def __init__(self, disk, n, seed):
+        self.disk, self.given = disk, across(disk, n, seed)
+        self.trial = PassageTrial(disk, starts_at_vertical(disk, *self.given))
+
+    def share(self, method, accuracy):
+        found = ex.passages(self.disk, *self.given, method=method, accuracy=accuracy)
+        tried, known = self.trial.compare((found, None), accuracy), self.trial.known
+        estimates = found.error_estimate + self.trial.exact.error_estimate
+        columns = (tried.errors, estimates, found.ok, tried.wrong_way)
+        return share_of(accuracy, *(column[known] for column in columns))
+
+
+class Motions:
+    """Motions as `ex.simulate` follows them, each to an end outside of its races, beside finest steps."""
+
+    def __init__(self, disk, n, seed):
+        bar, eta_hat, speed, face = across(disk, n, seed)
+        states = ex.constants_to_states(disk, bar, eta_hat, face * speed, face)
+        parts = np.array_split(np.arange(n), len(ENDS))
+        times = [np.array([end * disk.time_unit]) for end in ENDS]
+        self.trial = MotionTrial([(states.at(rows), t) for rows, t in zip(parts, times, strict=True)])
+        self.passages = np.repeat(np.maximum(1.0, np.array(ENDS) / _PASSAGE), [rows.size for rows in parts])
+        phi = np.concatenate([motion.phi[:, 0] for motion in self.trial.exact])
+        self.known = self.trial.known & (abs(phi) < 0.5 * np.pi - RACING)
+
+    def share(self, method, accuracy):
+        given = {"observables": IN_TIME, "method": method, "accuracy": accuracy}
+        found = [ex.simulate(states, t_eval=times, **given) for states, times in self.trial.groups]
+        tried = self.trial.compare(found, accuracy)
+        estimates, ok = (np.concatenate([getattr(m, name) for m in found]) for name in ("error_estimate", "ok"))
+        columns = (tried.errors, estimates, ok, tried.wrong_way, self.passages)
+        return share_of(accuracy, *(column[self.known] for column in columns))
+
+    def doubt(self):
+        """The 99th percentile of the difference between the true answers and those by another method."""
+        how = self.trial.plan("dop853", ANY_ERROR, 1e-15)
+        return float(np.percentile(self.trial.compare(self.trial.call(how), ANY_ERROR).errors[self.known], 99))
