@@ -25,8 +25,10 @@ import llvmlite
 import numba
 from numba import types as nb
 from numba.core import config
+from numba.core.caching import FunctionCache
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+from numba.core.runtime import rtsys
 from numba.extending import typeof_impl
 
 # Strict IEEE arithmetic, the default: the regularised field vectorises without fastmath, lane and scalar
@@ -208,13 +210,13 @@ class Kernel(Generic[P]):
         """Load the kernel from the cache or compile it. Thread-safe."""
         with _LOCK:
             if self._compiled is None:
-                _spare_blas()
                 self._compiled = self._build()
             return self._compiled
 
     def _build(self) -> Callable:
-        folder = cache_folder()
+        folder = None if config.DISABLE_JIT else cache_folder()
         if folder is None:
+            _spare_blas()
             return numba.njit(self.signature, **_WHOLE)(self.function)
         try:
             return self._build_cached(folder)
@@ -233,9 +235,37 @@ class Kernel(Generic[P]):
         before = config.CACHE_DIR
         config.CACHE_DIR = str(folder)
         try:
-            return numba.njit(self.signature, cache=True, **_WHOLE)(self.function)
+            made = numba.njit(**_WHOLE)(self.function)
+            made._cache = _Cache(self.function)
+            made.compile(self.signature)
+            made.disable_compile()
         finally:
             config.CACHE_DIR = before
+        found: Callable = made
+        return found
+
+
+class _Cache(FunctionCache):  # type: ignore[misc]
+    """numba's cache of one function, which takes from it without learning to compile first.
+
+    By itself numba loads all that it can compile, a fifth of the start of a command, before it looks whether there
+    is anything to compile. Whenever it does compile, it does so once more.
+    """
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        if not _AS_KNOWN:
+            _spare_blas()
+            return super().load_overload(signature, context)
+        rtsys.initialize(context)  # what kernels call of numba's own
+        with self._guard_against_spurious_io_errors():
+            found = self._load_overload(signature, context)
+        if found is None:
+            _spare_blas()
+        return found
+
+
+# Of another numba, which may keep its cache in another way, what it offers to all is used.
+_AS_KNOWN = all(hasattr(_Cache, name) for name in ("_guard_against_spurious_io_errors", "_load_overload"))
 
 
 def _spare_blas() -> None:

@@ -76,6 +76,19 @@ def test_editing_a_called_function_in_another_file_gives_the_new_answer(tmp_path
     assert edited == ["3.0", "True"]
 
 
+LATER = """
+import sys, numba
+print("numba.np.arraymath" in sys.modules, round(float(numba.njit(lambda a: a @ a + np.sin(a[0]))(np.ones(3))), 6))
+"""
+
+
+@pytest.mark.parametrize(("known", "loaded"), [("True", "False"), ("False", "True")])
+def test_from_the_cache_a_kernel_comes_without_what_compiles_which_others_still_have(warm, known, loaded):
+    copy, cache = warm
+    code = f"from kernels import _jit\n_jit._AS_KNOWN = {known}\n{ASK}{LATER}"
+    assert run(code, copy, NUMBA_CACHE_DIR=str(cache)).stdout.split() == ["1.0", "True", loaded, "3.841471"]
+
+
 def test_the_second_process_loads_and_does_not_compile(warm):
     copy, cache = warm
     before = compiled_files(cache)
