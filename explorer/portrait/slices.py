@@ -14,7 +14,7 @@ from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, scan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.constants import best_constants, constants_of, natural_constants
+from explorer.phase.constants import best_constants, constants_of
 from explorer.phase.coordinates import Coordinates, complete_set, coordinates_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_slope
@@ -291,9 +291,9 @@ def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") ->
     require_axial_inertia(require_states(states).disk)
     cells = whole("cells", cells, 2, _MOST_POINTS)
     how = plan(("theta_min",), SLICE_ACCURACY, method)
-    constants = natural_constants(states)
+    constants = best_constants(states)
     theta, _status, _steps = smallest_tilt(states, how, constants)
-    table = constants_of(states)
+    table = constants_of(states, constants)
     bars = np.ravel(table.sigma3_bar), np.ravel(table.sigma4_bar)
     known = np.isfinite(theta) & np.isfinite(bars[0]) & np.isfinite(bars[1])
     edges, places = [], []

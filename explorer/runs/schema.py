@@ -4,6 +4,7 @@ Whoever writes a file can give it the checksums of what it holds. So names and t
 and the counts are compared with what the scene stores; `verify` and `resume` look at each value besides.
 """
 
+import math
 from collections import Counter
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -14,7 +15,8 @@ import numpy as np
 from explorer import compiled
 from explorer.errors import shown
 from explorer.measure import statistics
-from explorer.phase.columns import COLUMNS
+from explorer.phase.columns import COLUMNS, ENERGY, LENGTH, RATE, TIME
+from explorer.phase.disk import Disk
 from explorer.runs.strangers import StrangeError
 from explorer.scenes.base import Scene, Table, Tally
 
@@ -148,13 +150,12 @@ class Place:
 
 
 def check_values(scene: Scene, index: int, table: Table, tally: Tally) -> None:
-    """Raise StrangeError where a number is missing though the status is ok, or rows are more than were counted."""
+    """Raise StrangeError where numbers are none of right rows, or rows are more than were counted."""
     status = table["status"]
     ok = status == compiled.status.Status.OK
     if type(scene).columns != Scene.columns:
         for name in scene.stored:
-            if name not in scene.may_be_unknown and not _finite(table[name], ok):
-                raise StrangeError(f"column {name!r} is not finite in a row with status ok")
+            _check_numbers(scene, name, table[name], ok)
     rows, counted = statistics.count_status([status]), tally["status"]
     all_of_them = len(set(scene.rows(index))) == 1
     for name in {**rows, **(counted if all_of_them else {})} if _counts_rows(scene) else ():
@@ -163,12 +164,41 @@ def check_values(scene: Scene, index: int, table: Table, tally: Tally) -> None:
             raise StrangeError(f"it holds {here:,} rows with status {name}, and counts {there:,}")
 
 
-def _finite(values: np.ndarray, rows: np.ndarray) -> bool:
-    if values.dtype.kind != "f":
-        return True
-    # A sum is a number only where every term is one; it may overflow.
-    with np.errstate(over="ignore", invalid="ignore"):
-        return bool(np.isfinite(values.sum()) or np.isfinite(values[rows]).all())
+def _check_numbers(scene: Scene, name: str, values: np.ndarray, ok: np.ndarray) -> None:
+    """Raise StrangeError where a row with status ok misses its number, or holds one that no such row can hold."""
+    if values.dtype.kind not in "fiu" or not values.size:
+        return
+    least, most = _ends(scene, name)
+    low, high = values.min(), values.max()
+    if least <= low > -math.inf and most >= high < math.inf:  # what is no number does not compare so
+        return
+    right = values[ok]
+    known = np.isfinite(right)
+    if name not in scene.may_be_unknown and not known.all():
+        raise StrangeError(f"column {name!r} is not finite in a row with status ok")
+    strange = right[known & ~((least <= right) & (right <= most))]
+    if strange.size:
+        raise StrangeError(
+            f"column {name!r} holds {strange[0]:g} in a row with status ok, not {least:g} to {most:g}"
+        )
+
+
+def _ends(scene: Scene, name: str) -> tuple[float, float]:
+    """The smallest and the largest number that a column of a scene can hold, in the units of its disks."""
+    if name not in COLUMNS or not type(scene).__module__.startswith(
+        "explorer."
+    ):  # a user's own may mean other things
+        return -math.inf, math.inf
+    known = COLUMNS[name]
+    unit = max(_unit(disk, known.unit) for disk in scene.disks)
+    least, most = known.ends
+    return least * unit, most * unit
+
+
+def _unit(disk: Disk, of: str) -> float:
+    """A unit of columns, in the units of a disk."""
+    units = {RATE: disk.rate_unit, TIME: disk.time_unit, LENGTH: disk.r, ENERGY: disk.energy_unit}
+    return units.get(of, 1.0)
 
 
 def _counts_rows(scene: Scene) -> bool:

@@ -135,3 +135,14 @@ def test_a_disk_without_axial_inertia_has_no_plane_of_constants():
     needle = ex.phi_to_states(ex.Disk(I1=0.3, I3=0.0), 0.1, 0.0, 1.0, 1.0)
     with pytest.raises(ex.InputError, match="I3 = 0 has no eta_hat"):
         ex.portrait.flattest_per_cell(needle)
+
+
+@pytest.mark.parametrize("method", ["quadrature", "dop853"])
+def test_flattest_motions_keep_the_constants_that_were_given(method):
+    """In the states themselves so small an eta_hat is lost. The third one only makes the plane wide enough."""
+    states = ex.constants_to_states(ex.Disk.uniform(), [1.0, -0.9, 1.5], [1e-30, -1e-40, 0.1], 1.0)
+    plane = flattest_per_cell(states, 4, method)
+    found = np.sort(plane.smallest[np.isfinite(plane.smallest)])
+    expected = np.sort(ex.bounces(states[:2], 1).theta_min[:, 0])
+    assert (expected < 1e-29).all()
+    np.testing.assert_allclose(found, expected, rtol=1e-3)

@@ -107,6 +107,60 @@ def test_a_number_that_is_missing_is_found_by_verify_alone(finished):
     assert ex.open(finished.folder).arrow().num_rows == 3000
 
 
+ABSURD = {
+    "theta_min": (-0.1, 1.6, 1e308),
+    "duration": (-1e-9, 1.7e308),
+    "error_estimate": (-1e-9, 2.0),
+    "race_angle": (1e17, -1.7e308),
+    "delta_chi": (-1e300,),
+    "phidot": (1e151,),
+    "face": (2, -100),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [(name, value) for name, several in ABSURD.items() for value in several]
+)
+def test_a_number_that_no_passage_has_is_found_by_verify(name, value, finished):
+    """Though it is finite, and whoever wrote it made all digests anew."""
+    note = store.read_note(store.found_chunks(finished.folder)[1])
+    rows = dict(store.read_chunk(store.found_chunks(finished.folder)[1]))
+    rows[name] = rows[name].copy()
+    rows[name][-1] = value
+
+    def signed(said):
+        said["digest"] = store.digest_of(rows, note.tally)
+
+    def last(table):
+        place = table.column_names.index(name)
+        return table.set_column(place, table.schema.field(name), pa.array(rows[name]))
+
+    path = forge(finished.folder, 1, last, signed)
+    (fault,) = verify(finished.folder)
+    assert fault.startswith(f"{path.name}: column {name!r} holds {value:g} in a row with status ok, not ")
+
+
+@pytest.mark.parametrize("disk", ["uniform", "uniform:m=1e-9,r=1e-6,g=1e9", "hoop:m=1e9,r=1e6,g=1e-9"])
+def test_right_rows_are_within_their_ends_whatever_the_units(disk, tmp_path):
+    """Extreme states that are given, and what scenes draw by themselves; every column of every scene."""
+    body, rng = ex.Disk.parse(disk), np.random.default_rng(5)
+    sizes = body.rate_unit * rng.choice([-1.0, 1.0], (3, 2000)) * 10.0 ** rng.uniform(-30.0, 30.0, (3, 2000))
+    states = ex.phi_to_states(body, rng.uniform(-1.57, 1.57, 2000), *sizes)
+    drawn = {"samples": 2000, "keep": "all"}
+    asked = [
+        ("race-angles", {"eta_hat": (1e-100 * body.rate_unit, 10.0 * body.rate_unit), **drawn}),
+        ("race-angles", {"states": states, "keep": "all"}),
+        ("falling-set", {"theta_min": "all", **drawn}),
+        ("falling-set", {"states": states, "theta_min": "all", "keep": "all"}),
+        ("measure-zero", {**drawn, "samples": 300, "tube": 512}),
+        ("one-sided", {"samples": 4}),
+        ("portrait", {}),
+    ]
+    for number, (name, options) in enumerate(asked):
+        run = ex.run(name, disk=disk, out=tmp_path / str(number), figures=False, **options)
+        assert verify(run.folder) == []
+
+
 def test_other_rows_than_the_digest_is_of_are_found(finished):
     path = forge(finished.folder, 1, refilled("race_angle", 0.5))
     assert verify(finished.folder) == [f"{path.name}: its rows and counts have another digest than it says"]
