@@ -27,8 +27,6 @@ _FIRST = (
     (0.9e-2, 4), (0.9e-3, 5), (0.9e-4, 5), (0.9e-5, 6), (0.9e-6, 7),
     (0.9e-7, 8), (0.9e-8, 8), (0.9e-9, 9), (0.0, 10),
 )  # fmt: skip
-# What adaptive rules aim at where less is asked: those of few nodes may agree by chance.
-_COARSEST = 1e-3
 # Of the accuracy: rounding of the energy at the vertical that is not felt.
 _UNFELT = 1e-3
 # So many rules further on for bodies from each kappa on: their coefficients fall off later, or sooner. Where
@@ -106,11 +104,7 @@ def motions_by_rules(
         asked = told & (status == code.OK)
         if unanswered(out, asked):
             found = np.where(asked, status, code.STEP_LIMIT).astype(np.int8)
-            kernel(orbits, min(accuracy, _COARSEST), packed_rules(), natural, out, found)
-            left = asked & (found != code.OK)
-            if accuracy > _COARSEST and left.any():
-                out[:, left], found[left] = np.nan, code.OK
-                kernel(orbits, accuracy, packed_rules(), natural, out, found)
+            kernel(orbits, accuracy, packed_rules(), natural, out, found)
             status[asked] = found[asked]
 
 

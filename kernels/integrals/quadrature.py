@@ -50,6 +50,7 @@ FLOOR = 1e-11  # an accuracy below this is met as far as rounding allows
 # point, and of what is smooth there.
 _NOISE, _QUIET = 40.0, 10.0
 _SPUN = 3.0  # the same, of sigma4 at the vertical
+_CLOSING = 1.5  # how many times as many nodes the next rule has
 LEAST = 1e-300  # of what is divided by
 
 _OK = int(Status.OK)
@@ -229,6 +230,28 @@ def place_nodes(W: Vector, panels: Panels, half: Matrix, whole: Matrix, start: S
     return n
 
 
+@subroutine
+def panels_of(
+    h_turn: float, y_end: float, turn: Point, start: Start, motion: Motion, disk: Disk
+) -> tuple[Panels, float]:
+    """The panels between a start at y_end and the turning point, and the rounding of E - V at the start."""
+    length = min(_END_PANEL, 0.5 * y_end)
+    scale, rounding = end_scale(h_turn, y_end, length, start, motion, disk)
+    closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * disk.body.inv_M, LEAST)))
+    return Panels(y_end, length, scale, closed), rounding
+
+
+@device
+def missed(apart: float, before: float, size: float) -> float:
+    """What a rule misses at most of an integral of that size.
+
+    apart: its distance from the rule before; before: that one's, NaN for the first. Errors have signs, and two
+    rules may agree by chance while both are far off. What is missed, relative to the size, falls like its own
+    power _CLOSING from one rule to the next, so that the rule before them tells as well.
+    """
+    return apart + size * (before / size) ** _CLOSING
+
+
 @device
 def good_enough(error: float, noise: float, target: float, floor: float) -> bool:
     """True where two rules agree to `target`, or as far as rounding lets them, and rounding leaves that much."""
@@ -246,18 +269,26 @@ def short_passage(
     if u_before < 0.0:
         divide_again(W, u_before)
     chi = psi = time = math.nan
+    angles_apart = time_apart = math.nan
     angle_error = time_error = math.inf
     status, first = _LIMIT, 0
     for size in rules.sizes:
         last = first + int(size)
         chi_before, psi_before, time_before = chi, psi, time
+        angles_before, apart_before = angles_apart, time_apart
         chi, rest, time, least = there_and_back(W, u_turn, u_before, rules.packed[0, :, first:last], b)
         first, psi = last, chi - rest
         noise = return_noise(W, u_turn, least)
         angle_noise = noise * (abs(chi) + abs(rest)) + spin_noise(time, motion, b)
-        angle_error, time_error = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
-        floor = FLOOR * max(1.0, abs(chi), abs(psi))
-        if good_enough(angle_error, angle_noise, target, floor) and good_enough(time_error, noise, target, FLOOR):
+        angles_apart, time_apart = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
+        turned = max(1.0, abs(chi), abs(psi))
+        angle_error, time_error = (
+            missed(angles_apart, angles_before, turned),
+            missed(time_apart, apart_before, 1.0),
+        )
+        if good_enough(angle_error, angle_noise, target, FLOOR * turned) and good_enough(
+            time_error, noise, target, FLOOR
+        ):
             angle_error, time_error = 2.0 * (angle_error + angle_noise), 2.0 * (time_error + noise)
             status = _OK
             break
@@ -272,7 +303,7 @@ def passage(
 ) -> tuple[int, PassageRow[float]]:
     """The passage from its start to the turning point and back; Y != 0. Returns status and results.
 
-    Orders of the rules rise until two in turn agree to `target` (rad, relative in time).
+    Orders of the rules rise until what they miss is less than `target` (rad, relative in time).
     """
     b = disk.body
     energy = motion.level + potential_at_anchor(motion.X, motion.Y, b)
@@ -287,17 +318,13 @@ def passage(
     if not y_end > 0.0:
         return _BAD, PassageRow(math.nan, chi, psi, time, energy, math.nan, math.nan, math.nan)
     turn = point(h_turn, motion.X, motion.Y, disk)
-    length = min(_END_PANEL, 0.5 * y_end)
-    y_cut = y_end - length
-    closed = turn.D / (turn.shape**3 * math.sqrt(max(-turn.slope * b.inv_M, LEAST)))
-    race = closed * motion.Y / h_turn * 2.0 * math.atan(math.tanh(0.5 * y_cut))
+    panels, rounding = panels_of(h_turn, y_end, turn, start, motion, disk)
+    race = panels.closed * motion.Y / h_turn * 2.0 * math.atan(math.tanh(0.5 * (y_end - panels.length)))
     # Nodes lie so near the turning point that E - V ~ y^2 has few digits as a difference.
     if h_turn > _DEEP:
         expand_turn(W, turn, motion, b)
-    noise = rounding_noise(start, turn, y_cut, motion, disk)
-    scale, rounding = end_scale(h_turn, y_end, length, start, motion, disk)
-    panels = Panels(y_end, length, scale, closed)
-    angle_error = time_error = math.inf
+    noise = rounding_noise(start, turn, y_end - panels.length, motion, disk)
+    angles_apart = time_apart = angle_error = time_error = math.nan
     status, first = _LIMIT, 0
     for size in rules.sizes:
         last = first + int(size)
@@ -305,22 +332,29 @@ def passage(
         n, first = place_nodes(W, panels, half, whole, start, h_turn), last
         nodes.integrands(W, n, motion, disk)
         chi_before, psi_before, time_before = chi, psi, time
+        angles_before, apart_before = angles_apart, time_apart
         chi = 2.0 * (race + nodes.total(W, nodes.CHI, n))
         psi = chi - 2.0 * nodes.total(W, nodes.REST, n)
         time = 2.0 * nodes.total(W, nodes.TIME, n)
-        angle_error, time_error = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
+        angles_apart, time_apart = max(abs(chi - chi_before), abs(psi - psi_before)), abs(time / time_before - 1.0)
+        turned = max(1.0, abs(chi), abs(psi))
+        angle_error, time_error = (
+            missed(angles_apart, angles_before, turned),
+            missed(time_apart, apart_before, 1.0),
+        )
         if math.isnan(angle_error):
-            continue  # nothing yet to compare the first rule with
+            continue  # nothing yet to compare the first rules with
         slow_angles, slow_time = known_noise(W, 0 if h_turn > _DEEP else n // 2, n, 2.0 * rounding, motion.level)
         quiet = _QUIET * EPSILON * abs(psi - chi) + spin_noise(time, motion, b)
         angle_noise = noise * (abs(race) + abs(chi)) + quiet + slow_angles
         time_noise = noise + slow_time / time
-        if good_enough(angle_error, angle_noise, target, FLOOR * max(1.0, abs(chi), abs(psi))) and good_enough(
+        if good_enough(angle_error, angle_noise, target, FLOOR * turned) and good_enough(
             time_error, time_noise, target, FLOOR
         ):
             # Twice over: where rounding is all that is left, two rules may be wrong alike.
             angle_error, time_error = 2.0 * (angle_error + angle_noise), 2.0 * (time_error + time_noise)
             status = _OK
             break
-    theta_min = 2.0 * math.asin(0.5 * h_turn)
-    return status, PassageRow(theta_min, chi, psi, time, energy, angle_error, time_error, turn.ratio)
+    return status, PassageRow(
+        2.0 * math.asin(0.5 * h_turn), chi, psi, time, energy, angle_error, time_error, turn.ratio
+    )

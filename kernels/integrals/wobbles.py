@@ -14,7 +14,7 @@ from kernels._jit import device, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_anchor
 from kernels.integrals.point import Motion
-from kernels.integrals.quadrature import FLOOR, PassageRow, Rules, good_enough
+from kernels.integrals.quadrature import FLOOR, PassageRow, Rules, good_enough, missed
 from kernels.integrals.wells import RHO, SHARE, SIGMA4, Q, Well, Z, outside, value
 from kernels.status import Status
 from kernels.types import Matrix, Vector
@@ -79,23 +79,30 @@ def along(W: Vector, well: Well, arc: Arc, rule: Matrix, b: Body) -> Turned:
 
 @subroutine
 def stretch(W: Vector, well: Well, arc: Arc, target: float, rules: Rules, b: Body) -> Stretch:
-    """There and back along an arc: orders of the rules rise until two in turn agree to `target`."""
+    """There and back along an arc: orders of the rules rise until they miss less than `target`."""
     chi = psi = time = math.nan
+    angles_apart = time_apart = math.nan
     angle_error = time_error = math.inf
     first = 0
     for size in rules.sizes:
         last = first + int(size)
         now = along(W, well, arc, rules.packed[1, :, first:last], b)
         first = last
-        angle_error = max(abs(now.chi - chi), abs(now.psi - psi))
-        time_error = abs(now.time / time - 1.0)
+        angles_before, apart_before = angles_apart, time_apart
+        angles_apart = max(abs(now.chi - chi), abs(now.psi - psi))
+        time_apart = abs(now.time / time - 1.0)
         chi, psi, time = now.chi, now.psi, now.time
+        turned = max(1.0, abs(chi), abs(psi))
+        angle_error, time_error = (
+            missed(angles_apart, angles_before, turned),
+            missed(time_apart, apart_before, 1.0),
+        )
         if not now.least > 0.0:
             continue
         weak = max(well.bend / now.least, 1.0)
         time_noise = well.blur * weak + arc.doubt
         angle_noise = time_noise * (abs(chi) + abs(psi)) + well.waver * now.span
-        if good_enough(angle_error, angle_noise, target, FLOOR * max(1.0, abs(chi))) and good_enough(
+        if good_enough(angle_error, angle_noise, target, FLOOR * turned) and good_enough(
             time_error, time_noise, target, FLOOR
         ):
             return Stretch(_OK, chi, psi, time, 2.0 * (angle_error + angle_noise), 2.0 * (time_error + time_noise))

@@ -167,6 +167,19 @@ def test_of_a_body_with_little_transverse_inertia_passages_are_as_accurate_as_as
         assert (error <= 10.0 * told).all()
 
 
+@pytest.mark.parametrize("moments", [(2.697, 5.4e-4), (0.5946, 8.65e-4), (10.87, 0.0198), (2.544, 1.84e-3)])
+def test_two_rules_that_agree_by_chance_are_not_believed(moments):
+    """Slow starts of a fast spin: of 10^3 passages some have rules whose errors are large and alike."""
+    disk, n, rng = ex.Disk(I1=moments[0], I3=moments[1]), 4000, np.random.default_rng(37)
+    sigma3_bar = rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(1.0, 3.5, n)
+    eta_hat = rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-250.0, -1.0, n)
+    starts = sigma3_bar, eta_hat, 10.0 ** rng.uniform(-14.0, -1.0, n)
+    best = ex.passages(disk, *starts, accuracy=1e-11)
+    for accuracy in (1e-2, 1e-3, 1e-4, 1e-6):
+        error, told = misses(disk, starts, best, accuracy)
+        assert (error <= 10.0 * told).all()
+
+
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-10])
 def test_estimates_hold_in_the_nastiest_corners(corners, accuracy):
     """Also those of the race, of which the fall on F with the same energy is a part."""

@@ -250,7 +250,7 @@ def test_rules_that_agree_by_chance_are_not_believed():
     coarse, fine = ex.periods(states, 1e-2), ex.periods(states, 1e-4)
     assert coarse.ok[0]
     assert fine.ok[0]
-    assert abs(coarse.psi - fine.psi)[0] <= 10.0 * coarse.error_estimate[0] <= 0.1
+    assert abs(coarse.psi - fine.psi)[0] <= coarse.error_estimate[0] <= 0.03
 
 
 def _assert_bounces_are_passages(found, face, true, other):
