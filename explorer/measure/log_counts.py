@@ -82,16 +82,20 @@ class LogCounts:
     def of(cls, values: Array) -> "LogCounts":
         """Counts of the finite ones of non-negative values."""
         made = cls()
-        values = values[np.isfinite(values)]
+        if not np.isfinite(np.max(values, initial=0.0)):  # of NaN too
+            values = values[np.isfinite(values)]
         if values.size == 0:
             return made
         made.smallest, made.largest = float(values.min()), float(values.max())
         positive = values if made.smallest > 0.0 else values[values > 0.0]
         made.zeros = int(values.size - positive.size)
         if positive.size:
-            bins = np.floor(PER_DECADE * np.log10(positive)).astype(np.int64)
-            made.first = int(bins.min())
-            made.counts = np.bincount(bins - made.first)
+            places = np.log10(positive)
+            places *= PER_DECADE
+            np.floor(places, out=places)
+            made.first = int(places.min())
+            places -= made.first
+            made.counts = np.bincount(places.astype(np.int64))
         return made
 
     @classmethod

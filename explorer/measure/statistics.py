@@ -15,6 +15,11 @@ QUANTILES = (0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
 ONE_SIGMA = (15.865525393145708, 84.13447460685429)
 
 
+_MANY, _EACH = (
+    8192,
+    16,
+)  # values of which only the largest are put in order, and which of them say where these begin
+
 # What counts samples, here and in `log_counts`, for `compiled.warmup`.
 KERNELS = ("counting.histogram_batch", "counting.log_count_batch", "counting.sum_batch")
 
@@ -49,6 +54,27 @@ def sums(values: Array, groups: NDArray[np.int64], count: int) -> list[float]:
     parts = np.zeros((count, 3))
     compiled.counting.sum_batch(values, groups, parts)
     return [math.fsum(row) for row in parts.tolist()]
+
+
+def upper_quantile(values: Array, part: float) -> float:
+    """As `np.quantile`, digit by digit, in a seventh of the time where values are many and the part is near 1.
+
+    Only what may be among the largest is put in order: what is not below a quantile of every 16th value, with as
+    many again left for chance.
+    """
+    place = part * (values.size - 1)
+    below = math.floor(place)
+    largest = values
+    if values.size >= _MANY and part < 1.0:
+        some = values[::_EACH]
+        start = min(max(int((1.0 - 2.0 * (1.0 - part)) * some.size), 0), some.size - 1)
+        largest = values[values >= np.partition(some, start)[start]]
+    first = largest.size - (values.size - below)
+    # NaN, which is above and below nothing, is the largest to NumPy, and the answer.
+    if largest.size == values.size or first < 0 or np.isnan(values.max()):
+        return float(np.quantile(values, part))
+    low, high = np.partition(largest, (first, first + 1))[first : first + 2]
+    return float(np.quantile([low, high], place - below))
 
 
 def share(count: int, total: int) -> dict[str, float | list[float]]:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import whole
 from explorer.measure.log_counts import PER_DECADE, LogCounts, SignedLogCounts
+from explorer.measure.statistics import upper_quantile
 from explorer.phase.disk import Disk, require_disk
 from explorer.phase.states import Array, columns_of
 
@@ -163,7 +164,7 @@ def law_constants(
     np.floor(step, out=step)
     left = np.isnan(constant)
     if error is not None and known[0]:
-        left |= ~(eta > np.quantile(doubt[: known[0]], 0.99))
+        left |= ~(eta > upper_quantile(doubt[: known[0]], 0.99))
     step[left] = np.nan
     found = SignedLogCounts.by_group(constant, step)
     return {n: counts for n, counts in found.items() if counts.total}
