@@ -12,9 +12,9 @@ from explorer.phase.gauss import packed_rules
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array
 
-# The least accuracies for which there are rules of few digits, and of passages that do not come near flat; less by
-# a little, since a power of ten may be rounded down.
-ROUGH, WIDE = 1e-5 * (1.0 - 1e-9), 1e-7 * (1.0 - 1e-9)
+# The least accuracy for which there are rules of few digits; less by a little, since a power of ten may be rounded
+# down.
+ROUGH = 1e-5 * (1.0 - 1e-9)
 # Rows of doubles whose lengths are multiples of this displace one another in the cache.
 _ALIKE = 512
 # Of speeds at the vertical, natural units. Where a motion at rest there is known to fall, less changes no digit.
@@ -70,7 +70,7 @@ def by_tables(
 ) -> None:
     """Passages from the vertical by the tables of the body, where they serve -> out (8, n or more)."""
     near_flat(disk, crossings, accuracy, out, status)
-    if accuracy >= WIDE and unanswered(out, status == compiled.status.Status.OK):
+    if unanswered(out, status == compiled.status.Status.OK):
         compiled.passages.wide_batch(crossings, accuracy, disk.tables, disk.natural, out, status)
 
 

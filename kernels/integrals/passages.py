@@ -28,13 +28,16 @@ from kernels.integrals.grades import (
 from kernels.integrals.near_flat import tilt_of
 from kernels.integrals.point import VERTICAL, Motion, motion_through
 from kernels.integrals.quadrature import FLOOR, FallRow, PassageRow, Rules, Start, passage
-from kernels.integrals.tables import GRADES, ROUGH, WIDE_END, Series, Tables
+from kernels.integrals.tables import GRADES, ROUGH, Series, Tables
 from kernels.integrals.tabulated import CHECK, LANES, Goal
 from kernels.status import Status
 from kernels.types import Codes, Longs, Matrix, Vector
 
 _OK = int(Status.OK)
 _FALLS = int(Status.FALLS)
+# Before this grade wide rules try again as long as they fail, and a second one is always tried. From there on the
+# coefficients of a third may look converged by chance.
+_FEW = 6
 ROUNDING = 4.0 * 2.2e-16  # of a difference, for each unit of its terms
 
 
@@ -196,7 +199,8 @@ def rough_batch(
 def by_wide_tables(work: Work, room: Room, of_body: Tables, disk: Disk) -> None:
     """`wide_batch`."""
     crossings, asked, out, status = work
-    goal, n = Goal(asked.target, FLOOR), status.size
+    # No floor: adaptive rules may come closer to what rounding allows.
+    goal, n = Goal(asked.target, 0.0), status.size
     for i in range(n + 1):
         if i < n and status[i] == _OK and math.isnan(out[0, i]):
             line_up(room.lines, asked.first, i)
@@ -216,13 +220,13 @@ def by_wide_tables(work: Work, room: Room, of_body: Tables, disk: Disk) -> None:
 def wide_batch(
     crossings: Crossings, target: float, of_body: Tables, disk: Disk, out: Matrix, status: Codes
 ) -> None:
-    """The same, for targets down to 1e-7, of every motion that is OK and still NaN: those that turn far from flat.
+    """The same of every motion that is OK and still NaN: those that turn far from flat.
 
     Those that stay NaN are left to `passage_by_rules_batch`.
     """
-    asked = Asked(target, first_grade(target), WIDE_END)
-    if asked.first < WIDE_END:
-        by_wide_tables(Work(crossings, asked, out, status), make_room(), of_body, disk)
+    first = first_grade(target)
+    asked = Asked(target, first, min(max(first + 3, _FEW), GRADES))
+    by_wide_tables(Work(crossings, asked, out, status), make_room(), of_body, disk)
 
 
 @kernel

@@ -26,7 +26,7 @@ from kernels.types import Longs, Matrix
 # h where the fixed nodes end: as far out as the low series stay short.
 HANDOVER = 0.5
 # On S <= 1/8 the nearest singularity is 16 intervals away: coefficients fall like 62^-n; on S <= 1 like 5.8^-n.
-LOW_DEGREE, SHORT_DEGREE, WIDE_DEGREE = 9, 3, 18
+LOW_DEGREE, SHORT_DEGREE, WIDE_DEGREE = 9, 3, 24
 # Of cos(theta/2) among short series: its error counts in all of the race, not in what is left.
 _SHORT_SHAPE = 5
 # Tilts at which wide passages look for their turning point: SCANNED of them, in equal steps of ln h.
@@ -165,8 +165,8 @@ class Tables(NamedTuple):
 # since a power of ten may be rounded down.
 TARGETS = (*(float(f"1e-{n}") * (1.0 - 1e-9) for n in range(2, 11)), 0.0)
 GRADES = len(TARGETS)
-# The grade at which short series end and the others begin; the first that has no rules for wide passages.
-ROUGH, WIDE_END = 4, 6
+# The grade at which short series end and the others begin.
+ROUGH = 4
 # What an inner rule misses of what it adds up hardly depends on the motion: that is a sum of e^(-ky), k = 2, 3
 # and so on, from the handover down. So much that estimates cover the errors of 10^5 passages of two round bodies,
 # and at least twice the largest share of 96,000 passages of those of twelve bodies with I1 >= _ROUND; below that

@@ -2,8 +2,8 @@
 
 From the turning point h_m to the vertical ln h grows by L, as L s^2 with s = sin(pi v/2): E - V vanishes at the
 turning point like s^2, so the integrand is even in v, and a slow start is crowded by nodes as well. Nothing is
-known in closed form; a range L of a few units needs no more than some ten nodes. The turning point is looked for
-at tilts that all samples share, and found by Newton's method in ln h.
+known in closed form; a range L of a few units needs some ten nodes, 26 for the best there is. The turning point is
+looked for at tilts that all samples share, and found by Newton's method in ln h.
 
 Rows of the work array are those of `tabulated`.
 """
@@ -51,13 +51,14 @@ from kernels.integrals.tabulated import (
     keep_least,
     motion_of,
     newton_in_lanes,
+    told_by_coefficients,
     told_by_the_worst,
 )
 from kernels.types import Matrix, Vector
 
 _LOG_VERTICAL = 0.5 * math.log(2.0)
 _ROUNDS, _SETTLED = 5, 1e-5  # of Newton's method: how many, and the last step at most
-_BLUR = 3e4  # what the end of the series leaves out, in units of rounding
+_BLUR = 100.0  # units of rounding, as NOISE_UNITS; slow starts feel as many
 _STARTED = 2e-3  # share of the terms of E - V with which a motion must leave the vertical
 _PARKED = -0.7  # ln h_m of lanes that are left to `quadrature`
 _SHORTEST, _LONGEST = 0.02, 4.5  # range of ln h that the nodes cover
@@ -166,5 +167,8 @@ def passages(W: Vector, goal: Goal, grade: Grade, of_body: Tables, b: Body) -> N
         missed = TURNED * W[STEP * LANES + i] * W[STEP * LANES + i] * (1.0 + 10.0 / W[WIDTH * LANES + i])
         W[ANGLE_ERROR * LANES + i] += missed
         W[TIME_ERROR * LANES + i] += missed
-    told_by_the_worst(W, grade.limits.trust_of_wide)
+    if grade.limits.trust_of_wide > 0.0:
+        told_by_the_worst(W, grade.limits.trust_of_wide)
+    else:
+        told_by_coefficients(W)
     finish(W, goal.target, goal.floor)

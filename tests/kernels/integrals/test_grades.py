@@ -9,7 +9,7 @@ from conftest import BODIES
 from explorer.motion import passages_by_quadrature
 from kernels.integrals import grades
 from kernels.integrals.grades import empty_lines, finer, first_grade, grade_at, line_up, next_grade, take
-from kernels.integrals.tables import GRADES, ROUGH, TARGETS, WIDE_END
+from kernels.integrals.tables import GRADES, ROUGH, TARGETS
 from kernels.integrals.tabulated import LANES
 
 
@@ -72,9 +72,8 @@ def test_a_grade_has_the_nodes_between_its_ends():
         assert np.array_equal(np.concatenate(nodes, axis=1), whole)
 
 
-def test_who_calls_the_kernels_knows_where_the_short_series_and_the_wide_rules_end():
+def test_who_calls_the_kernels_knows_where_the_short_series_end():
     assert TARGETS[ROUGH - 1] == passages_by_quadrature.ROUGH
-    assert TARGETS[WIDE_END - 1] == passages_by_quadrature.WIDE
 
 
 @pytest.mark.parametrize("exponent", range(2, 11))
