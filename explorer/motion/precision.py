@@ -54,7 +54,7 @@ def steps(disk: Disk, how: Plan, energy: Array) -> Array:
     """The step or tolerance of each motion, (n), from its energy in natural units."""
     if how.setting is not None:
         return np.full(energy.size, how.setting)
-    fast = _way(disk, energy) > _FAST if how.rung == PATH else np.zeros(energy.size, np.bool_)
+    fast = way(disk, energy) > _FAST if how.rung == PATH else np.zeros(energy.size, np.bool_)
     found = how.held_controls(share_of_accuracy(disk, how, energy), fast)
     if how.method == "rk8" and how.rung == PATH:
         found = np.minimum(found, (_TURN + _TURN_MORE * how.accuracy**0.25) / disk.kappa)
@@ -70,7 +70,7 @@ def share_of_accuracy(disk: Disk, how: Plan, energy: Array) -> Array:
     """
     share, b = np.ones(energy.size), disk.body
     if how.rung == PATH:
-        share = np.fmin(share, _WAY / _way(disk, energy))
+        share = np.fmin(share, _WAY / way(disk, energy))
     share *= min(1.0, _KAPPA / b.kappa) ** (0.5 if how.adaptive else 1.0)
     return share
 
@@ -86,7 +86,7 @@ def doubtful(disk: Disk, how: Plan, start: NaturalConstants) -> NDArray[np.bool_
         return np.zeros(start.energy.size, np.bool_)
     if not disk.body.I3 > 0.0:
         return np.ones(start.energy.size, np.bool_)
-    return np.asarray(how.adaptive & (_way(disk, start.energy) > _SPUN))
+    return np.asarray(how.adaptive & (way(disk, start.energy) > _SPUN))
 
 
 def finer(how: Plan, control: Array) -> Array:
@@ -151,20 +151,20 @@ def estimate_in_race(disk: Disk, how: Plan, ended: Array, found: Array) -> Array
 def lost_to_rounding(disk: Disk, how: Plan, energy: Array, ends: Ends) -> NDArray[np.bool_]:
     """Which motions (n) go so far that rounding alone moves the path asked for by more than the accuracy."""
     bound = how.accuracy * np.maximum(1.0, ends.time / _PASSAGE)
-    far = (_rounding_of_path(disk, energy, ends) > bound) & (_way(disk, energy) > _FAST)
+    far = (_rounding_of_path(disk, energy, ends) > bound) & (way(disk, energy) > _FAST)
     return far & (how.rung == PATH)
 
 
 def _rounding_of_path(disk: Disk, energy: Array, ends: Ends) -> Array:
     """The error (r) by which rounding in all steps moves the ends of paths (n)."""
-    rounded: Array = _ROUNDED * np.sqrt(ends.steps) * _way(disk, energy) * ends.time
+    rounded: Array = _ROUNDED * np.sqrt(ends.steps) * way(disk, energy) * ends.time
     return rounded
 
 
-def _way(disk: Disk, energy: Array) -> Array:
+def way(disk: Disk, energy: Array) -> Array:
     """The longest way (r) of the centre in a unit of time at these energies (n)."""
-    way: Array = np.sqrt(2.0 * energy / disk.body.J)
-    return way
+    longest: Array = np.sqrt(2.0 * energy / disk.body.J)
+    return longest
 
 
 def _speed_at_vertical(disk: Disk, constants: NaturalConstants) -> Array:

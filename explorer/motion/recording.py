@@ -27,7 +27,7 @@ LONGEST_ANGLE = 0.2  # rad of chi
 # In this time, in units of 1/speed, no other angle changes by much more than as many radians.
 LONGEST_TIME = 0.1
 MOST_POINTS = 4_000_000  # of all curves of a call, padding included: about a gigabyte with all observables
-# Units of time, of all motions together, that take so long that it does not matter to wait for a thread.
+# Of all motions together: units of time, and longest ways in them (r), that take a tenth of a second.
 _LONG = 20_000.0
 _AT_ONCE = 200_000  # states between points in one call of a kernel: a tenth of a second of most
 _RACING = 0.1  # cos phi at the end, below which an error of the time counts more than that of the angles
@@ -115,7 +115,8 @@ def _sample(given: Motions, times: Array) -> tuple[Array, Outcome]:
         outcome.constants_error[:] = np.where(given.status == compiled.status.Status.OK, 0.0, np.nan)
         outcome.error_estimate[:] = outcome.constants_error[0]
     else:
-        _follow(given, work, _no_trail(), outcome)
+        _run(given, work, _no_trail(), outcome)
+        _judge(given, work, outcome)
     out = work.out
     if later.size < times.size:
         out = np.concatenate([given.initial.T[:, None], out], axis=1)
@@ -131,31 +132,41 @@ def _work(given: Motions, times: Array, outcome: Outcome) -> compiled.motions.Mo
     return compiled.motions.Motions(how, times, given.initial, pinned, out, last, taken, reached)
 
 
-def _follow(given: Motions, work: compiled.motions.Motions, trail: compiled.trail.Trail, outcome: Outcome) -> None:
-    """Follow motions, and judge them unless their trail was cut off.
+def _run(given: Motions, work: compiled.motions.Motions, trail: compiled.trail.Trail, outcome: Outcome) -> None:
+    """Follow motions.
 
     A kernel skips motions whose status is not OK when their turn comes: by that it ends where nobody waits for it.
     """
     disk, how = given.disk, work.how
     follow = partial(compiled.motions.MOTIONS[how.method, how.depth], work, trail, disk.natural, disk.whole)
-    if given.number * work.times[-1] < _LONG:
-        follow()
-    else:
+    if _long(given, work.times[-1]):
         attended(follow, partial(outcome.status.fill, compiled.status.Status.STEP_LIMIT))
-    if not 0 < trail.most <= trail.used[0]:
-        last = np.empty_like(given.constants)
-        compiled.algebra.constants_batch(work.last[:5], disk.whole, disk.natural, last)
-        compiled.motions.judge_batch(work, given.constants, last, disk.natural)
-        start, ok = NaturalConstants(*given.constants), outcome.status == compiled.status.Status.OK
-        reached = work.last[compiled.field.ROW.t]
-        ends = precision.Ends(reached, outcome.steps, outcome.constants_error[0], work.taken)
-        found = precision.error_estimate(disk, given.plan, start, ends)
-        found = precision.estimate_in_race(disk, given.plan, work.out[:, -1].T, found)
-        found, unknown = _with_second_run(given, work, outcome, found)
-        outcome.status[unknown], ok[unknown] = compiled.status.Status.STEP_LIMIT, False
-        outcome.error_estimate[ok] = found[ok]
-        lost = ok & precision.lost_to_rounding(disk, given.plan, start.energy, ends)
-        outcome.status[lost] = compiled.status.Status.STEP_TOO_SMALL
+    else:
+        follow()
+
+
+def _long(given: Motions, time: float) -> bool:
+    """Whether motions take so long up to a time that it does not matter to wait for a thread."""
+    way = precision.way(given.disk, NaturalConstants(*given.constants).energy)
+    return not time * float(given.number + np.nansum(way)) < _LONG
+
+
+def _judge(given: Motions, work: compiled.motions.Motions, outcome: Outcome) -> None:
+    """Tell how far motions that were followed may have erred, and which of them have no answer for that."""
+    disk, code = given.disk, compiled.status.Status
+    last = np.empty_like(given.constants)
+    compiled.algebra.constants_batch(work.last[:5], disk.whole, disk.natural, last)
+    compiled.motions.judge_batch(work, given.constants, last, disk.natural)
+    start, ok = NaturalConstants(*given.constants), outcome.status == code.OK
+    reached = work.last[compiled.field.ROW.t]
+    ends = precision.Ends(reached, outcome.steps, outcome.constants_error[0], work.taken)
+    found = precision.error_estimate(disk, given.plan, start, ends)
+    found = precision.estimate_in_race(disk, given.plan, work.out[:, -1].T, found)
+    found, unknown = _with_second_run(given, work, outcome, found)
+    outcome.status[unknown], ok[unknown] = code.STEP_LIMIT, False
+    outcome.error_estimate[ok] = found[ok]
+    lost = ok & precision.lost_to_rounding(disk, given.plan, start.energy, ends)
+    outcome.status[lost] = code.STEP_TOO_SMALL
 
 
 def _with_second_run(
@@ -183,13 +194,12 @@ def _apart(given: Motions, time: Array, ended: Array) -> Array:
     time (1): at which they `ended` (n, 10). NaN where that takes more steps than a motion may: it needs up to ten
     times as many as the first run, in the median two (dop853) or four (dopri5).
     """
-    row, code = compiled.field.ROW, compiled.status.Status
+    row = compiled.field.ROW
     other = given._replace(control=precision.finer(given.plan, given.control))
     outcome = Outcome.of(other)
-    work, kernel = _work(other, time, outcome), compiled.motions.MOTIONS[other.how.method, other.how.depth]
-    follow = partial(kernel, work, _no_trail(), given.disk.natural, given.disk.whole)
-    attended(follow, partial(outcome.status.fill, code.STEP_LIMIT))
-    known = (outcome.status == code.OK)[:, None]
+    work = _work(other, time, outcome)
+    _run(other, work, _no_trail(), outcome)
+    known = (outcome.status == compiled.status.Status.OK)[:, None]
     apart = np.where(known, abs(work.out[:, 0] - ended), np.nan).T
     tilt, path = np.hypot(apart[row.q], apart[row.z]), np.hypot(apart[row.a1], apart[row.a2])
     farthest: Array = np.max([tilt, apart[row.chi], apart[row.psi], path], axis=0)
@@ -259,9 +269,10 @@ def _record(given: Motions, t_end: float, number: int) -> Records:
         work = _work(given, np.full(1, t_end), outcome)
         # What there is no room for ends the kernel: followed to their end twice, motions would take twice as long.
         trail = compiled.trail.Trail(curve, np.empty((room, 12)), np.zeros(1, np.int64), room + 1)
-        _follow(given, work, trail, outcome)
+        _run(given, work, trail, outcome)
         used = int(trail.used[0])
         if used <= room:
+            _judge(given, work, outcome)
             break
         _require(room < most, number)
         room = min(_MORE * room, most)
