@@ -27,7 +27,7 @@ LONGEST_ANGLE = 0.2  # rad of chi
 # In this time, in units of 1/speed, no other angle changes by much more than as many radians.
 LONGEST_TIME = 0.1
 MOST_POINTS = 4_000_000  # of all curves of a call, padding included: about a gigabyte with all observables
-# Of all motions together: units of time, and longest ways in them (r), that take a tenth of a second.
+# Of all motions together: units of time, and longest ways in them (r), that take a tenth of a second at most.
 _LONG = 20_000.0
 _AT_ONCE = 200_000  # states between points in one call of a kernel: a tenth of a second of most
 _RACING = 0.1  # cos phi at the end, below which an error of the time counts more than that of the angles
