@@ -79,21 +79,27 @@ class Passages:
 
 
 class Motions:
-    """Motions as `ex.simulate` follows them, each to an end outside of its races, beside finest steps."""
+    """Motions as `ex.simulate` follows them to given times, outside of races, beside finest steps."""
+
+    at_once, shares = 10_000, np.ones(1)  # how many together, and their times as shares of the end
 
     def __init__(self, disk, n, seed):
         bar, eta_hat, speed, face = across(disk, n, seed)
         states = ex.constants_to_states(disk, bar, eta_hat, face * speed, face)
-        parts = np.array_split(np.arange(n), len(ENDS))
-        times = [np.array([end * disk.time_unit]) for end in ENDS]
+        ends = np.repeat(ENDS, -(-n // (len(ENDS) * self.at_once)))
+        parts = np.array_split(np.arange(n), ends.size)
+        times = [end * disk.time_unit * self.shares for end in ends]
         self.trial = MotionTrial([(states.at(rows), t) for rows, t in zip(parts, times, strict=True)])
-        self.passages = np.repeat(np.maximum(1.0, np.array(ENDS) / _PASSAGE), [rows.size for rows in parts])
-        phi = np.concatenate([motion.phi[:, 0] for motion in self.trial.exact])
-        self.known = self.trial.known & (abs(phi) < 0.5 * np.pi - RACING)
+        self.passages = np.repeat(np.maximum(1.0, ends / _PASSAGE), [rows.size for rows in parts])
+        phi = np.concatenate([motion.phi for motion in self.trial.exact])
+        self.known = self.trial.known & (abs(phi) < 0.5 * np.pi - RACING).any(axis=1)
+
+    def follow(self, states, times, **how):
+        return ex.simulate(states, t_eval=times, **how)
 
     def share(self, method, accuracy):
-        given = {"observables": IN_TIME, "method": method, "accuracy": accuracy}
-        found = [ex.simulate(states, t_eval=times, **given) for states, times in self.trial.groups]
+        how = {"observables": IN_TIME, "method": method, "accuracy": accuracy}
+        found = [self.follow(states, times, **how) for states, times in self.trial.groups]
         tried = self.trial.compare(found, accuracy)
         estimates, ok = (np.concatenate([getattr(m, name) for m in found]) for name in ("error_estimate", "ok"))
         columns = (tried.errors, estimates, ok, tried.wrong_way, self.passages)
@@ -103,3 +109,12 @@ class Motions:
         """The 99th percentile of the difference between the true answers and those by another method."""
         how = self.trial.plan("dop853", ANY_ERROR, 1e-15)
         return float(np.percentile(self.trial.compare(self.trial.call(how), ANY_ERROR).errors[self.known], 99))
+
+
+class Curves(Motions):
+    """Motions as `ex.simulate` records them where no times are given: the largest error on the way."""
+
+    at_once, shares = 20, np.arange(1, 17) / 16  # curves of more motions take too much memory
+
+    def follow(self, states, times, **how):
+        return ex.simulate(states, times[-1], **how)(times)

@@ -1,6 +1,6 @@
 """Writes results/trade/shares.md: whether passages and motions in time pay for the accuracy asked and no more.
 
-python tests/reference/report_shares.py      # two minutes
+python tests/reference/report_shares.py      # some three minutes
 """
 
 import json
@@ -15,11 +15,11 @@ from explorer.motion.vertical import starts_at_vertical
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from conftest import BODIES
-from shares import ACCURACIES, ENDS, INTEGRATORS, Motions, Passages, counted, line_of, table_of
+from shares import ACCURACIES, ENDS, INTEGRATORS, Curves, Motions, Passages, counted, line_of, table_of
 
 OUT = Path(__file__).parents[2] / "results" / "trade" / "shares.md"
 DIGITS = Path(__file__).with_name("passages.json")
-COUNT, SEED = 10_000, 21
+COUNT, CURVES, SEED = 10_000, 500, 21
 
 
 def rows_of(samples, methods):
@@ -82,6 +82,24 @@ def of_motions():
     ]
 
 
+def of_curves():
+    samples = {name: Curves(disk, CURVES, SEED) for name, disk in BODIES.items()}
+    known = sum(s.known.sum() for s in samples.values())
+    return [
+        "## Curves",
+        "",
+        f"Such motions as `simulate` records them where no times are given, {CURVES:,} of each body, {known:,}",
+        f"with a known answer. Error: the largest on the way, at {Curves.shares.size} times, where no race is; the",
+        "estimate is that of the end.",
+        "",
+        *table(rows_of(samples, INTEGRATORS)),
+        "",
+        "Curves by rk8 and dop853 err less where their points, 0.2 rad of chi apart at most, are closer than the",
+        "accuracy needs, so that every step is one of them, as at 1e-9 by rk8; and at 1e-2 and 1e-3, where",
+        "interpolation takes shorter steps.",
+    ]
+
+
 def main():
     page = [
         "# Passages and motions: the accuracy asked and the accuracy paid for",
@@ -98,6 +116,8 @@ def main():
         *of_passages(),
         "",
         *of_motions(),
+        "",
+        *of_curves(),
     ]
     OUT.write_text("\n".join(page) + "\n", encoding="utf-8")
 

@@ -6,7 +6,7 @@ from conftest import BODIES
 from hypothesis import given
 from hypothesis import strategies as st
 from one_by_one import in_turn
-from shares import ACCURACIES, INTEGRATORS, Motions
+from shares import ACCURACIES, INTEGRATORS, Curves, Motions
 
 import explorer as ex
 from explorer.motion.plan import plan
@@ -344,6 +344,18 @@ def test_the_accuracy_asked_is_the_accuracy_paid_for(beside_truth, method):
     for accuracy in ACCURACIES:
         got = beside_truth.share(method, accuracy)
         assert 0.01 <= got.p99 <= 1.0
+        assert got.over_estimate <= 10.0
+        assert got.answered == 1.0
+        assert got.wrong_way == 0
+
+
+@pytest.mark.parametrize("method", INTEGRATORS)
+def test_curves_meet_the_accuracy_on_their_whole_way(body, method):
+    """Their points may be closer than the accuracy needs: of the errors no least one is asked."""
+    beside_truth = Curves(body, 60, 3)
+    for accuracy in (1e-3, 1e-5, 1e-8):
+        got = beside_truth.share(method, accuracy)
+        assert 0.0 < got.p99 <= 1.0
         assert got.over_estimate <= 10.0
         assert got.answered == 1.0
         assert got.wrong_way == 0
