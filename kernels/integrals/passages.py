@@ -25,6 +25,14 @@ from kernels.integrals.grades import (
     next_grade,
     take,
 )
+from kernels.integrals.in_turn import (
+    in_turn,
+    load_crossings,
+    load_departures,
+    stands,
+    store_falls,
+    store_passages,
+)
 from kernels.integrals.near_flat import tilt_of
 from kernels.integrals.point import VERTICAL, Motion, motion_through
 from kernels.integrals.quadrature import FLOOR, FallRow, PassageRow, Rules, Start, passage
@@ -164,11 +172,18 @@ def by_tables(work: Work, room: Room, of_body: Tables, low: Series, disk: Disk) 
         grade = next_grade(room.lines, i == n)
         while grade >= 0:
             taken = take(room.lines, grade, room.group)
-            fill(room.lanes, room.group, taken, crossings, disk.body)
+            rows = in_turn(room.group, taken)
+            if rows:
+                load_crossings(room.lanes, room.group[0], crossings, disk.body)
+            else:
+                fill(room.lanes, room.group, taken, crossings, disk.body)
             rules = grade_at(of_body, grade)
             tabulated.passages(room.lanes, goal, rules, of_body.vertical, low, disk.body)
+            if rows:
+                store_passages(room.lanes, room.group[0], low, disk.body, out)
             for k in range(taken):
-                settle(room, k, in_lane(room.lanes, k, low, disk.body), grade, asked.end, out)
+                if not (rows and stands(room.lanes, k)):
+                    settle(room, k, in_lane(room.lanes, k, low, disk.body), grade, asked.end, out)
             grade = next_grade(room.lines, i == n)
 
 
@@ -322,11 +337,18 @@ def falls_by_tables(
         grade = next_grade(room.lines, i == n)
         while grade >= 0:
             taken = take(room.lines, grade, room.group)
-            fill_falls(room.lanes, room.group, taken, departures, b)
+            rows = in_turn(room.group, taken)
+            if rows:
+                load_departures(room.lanes, room.group[0], departures, b)
+            else:
+                fill_falls(room.lanes, room.group, taken, departures, b)
             goal = Goal(target if grade < GRADES - 1 else FLOOR, FLOOR)
             tabulated.falls(room.lanes, goal, grade_at(of_body, grade), of_body.vertical, b)
+            if rows:
+                store_falls(room.lanes, room.group[0], out)
             for k in range(taken):
-                settle(room, k, fall_in_lane(room.lanes, k), grade, GRADES, out)
+                if not (rows and stands(room.lanes, k)):
+                    settle(room, k, fall_in_lane(room.lanes, k), grade, GRADES, out)
             grade = next_grade(room.lines, i == n)
 
 
