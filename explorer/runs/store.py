@@ -175,9 +175,13 @@ def write_parquet(table: "pa.Table", stream: Any, metadata: Mapping[bytes, bytes
 
 def _repeats(column: "pa.ChunkedArray") -> bool:
     """Whether numbers repeat among the first ones: a coordinate that is fixed, NaN of what was not computed."""
-    some = np.asarray(column.slice(0, _LOOKED_AT))
-    # Bits, so that NaN repeats too.
-    ordered = np.sort(some.view(f"u{some.itemsize}"))
+    first = column.chunk(0)[:_LOOKED_AT]
+    # Bits, so that NaN repeats too; from Arrow's memory, since arrays are converted with the help of pandas, which
+    # takes a quarter of a second to load where it is installed.
+    width, memory = first.type.bit_width // 8, first.buffers()[1]
+    if not len(first):
+        return False
+    ordered = np.sort(np.frombuffer(memory, f"u{width}", len(first), first.offset * width))
     return bool((ordered[1:] == ordered[:-1]).any())
 
 

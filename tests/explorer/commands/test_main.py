@@ -273,6 +273,15 @@ def test_short_commands_load_no_library_that_they_do_not_use():
     assert done.stdout.splitlines()[-1] == "heavy:"
 
 
+def test_a_run_without_pictures_loads_neither_pandas_nor_matplotlib(tmp_path):
+    pytest.importorskip("pandas")
+    call = f"ex.run('race-angles', samples=500, keep='all', out={str(tmp_path / 'run')!r}, figures=False)"
+    told = "print('heavy:', *(name for name in ('pandas', 'matplotlib', 'scipy.stats') if name in sys.modules))"
+    code = f"import sys, explorer as ex; {call}; {told}"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "heavy:"
+
+
 @pytest.mark.parametrize("words", [["trade", "race-angles"], ["plan", "race-angles"], ["view"]])
 def test_an_unknown_option_is_named_by_its_command(words, capsys):
     with pytest.raises(SystemExit, match="2"):

@@ -42,3 +42,21 @@ def test_a_description_is_a_few_lines_however_many_samples_there_are():
 
 def test_every_column_of_a_result_is_described():
     assert set(BOUNCES.columns) <= set(COLUMNS)
+
+
+def test_columns_are_those_that_arrow_makes_of_them():
+    of_every_kind = {
+        "sure": np.array([True, False, True] * 5)[::2],
+        "many": np.arange(12, dtype=np.uint16).reshape(3, 4),
+        "sizes": np.array([1.5, np.nan, -np.inf, -0.0], np.float32),
+        "none": np.zeros(0),
+        "names": np.array(["a", "é"]),
+    }
+    for name, values in of_every_kind.items():
+        made = to_arrow({name: values}).column(0).chunk(0)
+        made.validate(full=True)
+        assert made.equals(pa.array(values.ravel())) or np.isnan(values).any()
+        np.testing.assert_array_equal(made.to_numpy(zero_copy_only=False), values.ravel())
+    status = to_arrow({"status": BOUNCES.status}).column(0).chunk(0)
+    status.validate(full=True)
+    assert status.to_pylist() == BOUNCES.status_names.ravel().tolist()
