@@ -135,7 +135,7 @@ def _work(given: Motions, times: Array, outcome: Outcome) -> compiled.motions.Mo
 def _run(given: Motions, work: compiled.motions.Motions, trail: compiled.trail.Trail, outcome: Outcome) -> None:
     """Follow motions.
 
-    A kernel skips motions whose status is not OK when their turn comes: by that it ends where nobody waits for it.
+    A kernel ends motions whose status somebody else changes: by that it ends where nobody waits for it.
     """
     disk, how = given.disk, work.how
     follow = partial(compiled.motions.MOTIONS[how.method, how.depth], work, trail, disk.natural, disk.whole)
@@ -148,7 +148,7 @@ def _run(given: Motions, work: compiled.motions.Motions, trail: compiled.trail.T
 def _long(given: Motions, time: float) -> bool:
     """Whether motions take so long up to a time that it does not matter to wait for a thread."""
     way = precision.way(given.disk, NaturalConstants(*given.constants).energy)
-    return not time * float(given.number + np.nansum(way)) < _LONG
+    return not float(time) * float(given.number + np.nansum(way)) < _LONG
 
 
 def _judge(given: Motions, work: compiled.motions.Motions, outcome: Outcome) -> None:

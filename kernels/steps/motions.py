@@ -43,6 +43,7 @@ _OK = int(Status.OK)
 _STEP_LIMIT = int(Status.STEP_LIMIT)
 _TOO_SMALL = int(Status.STEP_TOO_SMALL)
 _NOT_FINITE = int(Status.NOT_FINITE)
+_LOOK = 100_000  # sweeps between two looks at whether anybody still waits: a tenth of a second
 
 
 class Motions(NamedTuple):
@@ -122,11 +123,21 @@ def prepare(work: Motions, W: Vector, upcoming: int, disk: Disk, whole: Whole) -
 
 
 @subroutine
-def leave(work: Motions, W: Vector, sweeps: int) -> None:
-    """Take the samples that have ended out of their lanes."""
+def unwanted(work: Motions, W: Vector) -> bool:
+    """Whether somebody has changed the status of a sample in a lane: nobody waits for any of them any more."""
+    changed = False
+    for i in range(LANES):
+        j = int(W[lanes.SAMPLE * LANES + i])
+        changed |= j >= 0 and work.outcome.status[j] != _OK
+    return changed
+
+
+@subroutine
+def leave(work: Motions, W: Vector, begun: int, sweeps: int) -> None:
+    """Take the samples that have ended, or that began before a sweep, out of their lanes."""
     number = work.times.size
     for i in range(LANES):
-        if lanes.has_ended(W, i, number, sweeps - work.how.max_steps + 1):
+        if lanes.has_ended(W, i, number, begun):
             note = W[lanes.NOTE * LANES + i]
             failed = note in (BROKEN, STUCK)
             code = _OK if W[lanes.MET * LANES + i] == number else _STEP_LIMIT
@@ -186,12 +197,14 @@ def make_room() -> Room:
 def follow(attempt_by: Any, work: Motions, trail: Trail, room: Room, disk: Disk, whole: Whole) -> None:
     """Follow every motion to all of the times, by steps of `attempt_by`, which the trail keeps.
 
-    Where there is one and it is cut off, the outcome means nothing.
+    Where there is one and it is cut off, the outcome means nothing. Whoever waits for it no more changes the
+    statuses of all samples: none is then begun, and those that are under way end within _LOOK sweeps.
     """
     W, ready, landing = room.W, room.ready, room.landing
     bits, times, max_steps, b = W.view(np.int64), work.times, work.how.max_steps, disk.body
     sweeps = waiting = 0
     place = fill(work, W, ready, Place(0, LANES, 0, 0), 0, disk, whole)
+    due = min(place.due, _LOOK)
     while place.busy > 0:
         if trail.most > 0:
             shorten(trail.curve, work.how.method, W, b)
@@ -200,15 +213,21 @@ def follow(attempt_by: Any, work: Motions, trail: Trail, room: Room, disk: Disk,
         lanes.hold(W, bits, whole, b)
         if trail.most > 0 and keep(trail, W) >= trail.most:
             return
-        if attention == 0 and sweeps < place.due:
+        if attention == 0 and sweeps < due:
             continue
         waiting = lanes.collect(W, times, landing, waiting)
         while waiting == LANES:
             put_down(attempt_by, work, landing, waiting, b)
             waiting = lanes.collect(W, times, landing, 0)
-        if lanes.any_ended(W, times.size, sweeps - max_steps + 1):
-            leave(work, W, sweeps)
+        begun = sweeps - max_steps + 1
+        if sweeps >= due:
+            if unwanted(work, W):
+                begun = sweeps + 1
+            due = min(place.due, sweeps + _LOOK)
+        if lanes.any_ended(W, times.size, begun):
+            leave(work, W, begun, sweeps)
             place = fill(work, W, ready, place, sweeps, disk, whole)
+            due = min(place.due, sweeps + _LOOK)
     put_down(attempt_by, work, landing, waiting, b)
 
 

@@ -84,6 +84,18 @@ def test_ctrl_c_is_answered_while_motions_are_followed_and_none_is_begun_any_mor
     assert ex.simulate(states[:2], 1.0).ok.all()
 
 
+@pytest.mark.parametrize(("phidot", "end"), [(1.0, 1e7), (1e6, 10.0)])
+def test_ctrl_c_ends_a_single_motion_of_very_many_steps(phidot, end):
+    """It would take minutes, in one call of a kernel; also a fast one, which takes many steps in a short time."""
+    states = ex.phi_to_states(DISK, 0.3, phidot, 0.5, 0.7)
+    asked = {"observables": ["phidot"], "accuracy": 1e-10, "max_steps": 10**9}
+    assert ex.simulate(states, t_eval=[1e-6], **asked).ok.all()
+    before, start = set(threading.enumerate()), time.process_time()
+    interrupted_during(lambda: ex.simulate(states, t_eval=[end], **asked))
+    assert threads_end(before, 5.0)
+    assert time.process_time() - start < 5.0
+
+
 def test_ctrl_c_is_answered_while_many_passages_are_integrated(monkeypatch):
     """A kernel that waits until its samples are not OK any more stands for one that would begin no other."""
     ended, statuses = threading.Event(), []
