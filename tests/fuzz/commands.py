@@ -1,5 +1,6 @@
 """Cases of the command line: every command, with words that make no sense among those that do."""
 
+import contextlib
 import random
 import shlex
 
@@ -59,4 +60,6 @@ def run(cases, seed, place):
     rng = random.Random(seed)
     for number in range(cases):
         words = case(rng, place / f"{number}")
-        yield shlex.join(words), words, judge_command(words)
+        with contextlib.chdir(place):  # a word that stands for a folder may be a relative one
+            verdict = judge_command(words)
+        yield shlex.join(words), words, verdict
