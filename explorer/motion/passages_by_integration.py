@@ -71,7 +71,8 @@ def rounding_at_rest(disk: Disk, starts: Starts, states: States, time: Array) ->
     body, rate = disk.body, np.fmax(abs(rho), abs(sigma4))
     short = np.minimum(time, 1.0)
     leaves = abs(p) + body.J_over_M * abs(rho * sigma4) * short
-    found: Array = _UNIT * rate * np.fmax(rate * time, short) / (leaves + np.finfo(float).tiny)
+    with np.errstate(over="ignore"):  # such an estimate is refused, however large it is
+        found: Array = _UNIT * rate * np.fmax(rate * time, short) / (leaves + np.finfo(float).tiny)
     return found
 
 

@@ -119,3 +119,11 @@ def test_estimates_cover_slow_starts_with_much_spin_or_refuse_them(name, method)
         assert (error <= 10.0 * (exact.error_estimate + other.error_estimate))[ok].all()
         assert set(other.status_names) <= {"ok", "step_limit"}
         assert ok.mean() > least
+
+
+@pytest.mark.parametrize("method", ["rk4", "dop853"])
+def test_an_estimate_beyond_doubles_is_refused_without_a_warning(method):
+    """At rest on the vertical, at a distance from F at which hardly anything leaves it."""
+    found = ex.passages(ex.Disk.uniform(), -1e-310, 1e38, 0.0, method=method)
+    assert found.status != ex.Status.OK
+    assert np.isnan(found.race_angle)
