@@ -19,7 +19,7 @@ from kernels.disk.rows import Entry, put
 from kernels.integrals.leg_tables import LegTables, Tilt, Wide, tilt
 from kernels.integrals.near_flat import Near, Smooth, joined, slope_of
 from kernels.integrals.point import VERTICAL, Motion, Orbits
-from kernels.integrals.tabulated import LANES
+from kernels.integrals.sums import LANES
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from kernels._jit import maker, subroutine
+from kernels.integrals.sums import LANES
 from kernels.integrals.tables import GRADES, TARGETS, Grade, Limits, Tables
-from kernels.integrals.tabulated import LANES
 from kernels.types import Longs
 
 _TWO_DECADES = 2  # what one grade has not settled needs more than a few nodes more

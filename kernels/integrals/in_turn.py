@@ -10,11 +10,11 @@ from typing import Any
 from kernels._jit import device, subroutine
 from kernels.disk.body import Body
 from kernels.disk.falling import potential_at_flat
-from kernels.integrals import tabulated
+from kernels.integrals import sums
 from kernels.integrals.near_flat import tilt_of
 from kernels.integrals.quadrature import FallRow, PassageRow
+from kernels.integrals.sums import CHECK, LANES
 from kernels.integrals.tables import Series
-from kernels.integrals.tabulated import CHECK, LANES
 from kernels.types import Longs, Matrix, Vector
 
 # Where the rows of results stand in arrays of them.
@@ -56,27 +56,27 @@ def store(W: Vector, row: int, factor: float, values: Vector) -> None:
 def load_crossings(W: Vector, first: int, crossings: Any, b: Body) -> None:
     """The crossings from the first one on."""
     end = first + LANES
-    load(crossings.sigma3_bar[first:end], b.r0, tabulated.X, W)
-    load(crossings.eta[first:end], b.I1, tabulated.Y, W)
-    load(crossings.speed[first:end], 1.0, tabulated.SPEED, W)
+    load(crossings.sigma3_bar[first:end], b.r0, sums.X, W)
+    load(crossings.eta[first:end], b.I1, sums.Y, W)
+    load(crossings.speed[first:end], 1.0, sums.SPEED, W)
 
 
 @subroutine
 def load_departures(W: Vector, first: int, departures: Any, b: Body) -> None:
     """The departures of falls from the first one on."""
     end = first + LANES
-    load(departures.sigma3_bar[first:end], b.r0, tabulated.X, W)
-    load(departures.level[first:end], 1.0, tabulated.LEVEL, W)
-    load(departures.moving[first:end], 1.0, tabulated.MOVING, W)
-    load(departures.doubt[first:end], 1.0, tabulated.START, W)
+    load(departures.sigma3_bar[first:end], b.r0, sums.X, W)
+    load(departures.level[first:end], 1.0, sums.LEVEL, W)
+    load(departures.moving[first:end], 1.0, sums.MOVING, W)
+    load(departures.doubt[first:end], 1.0, sums.START, W)
 
 
 @subroutine
 def tilts_and_energies(W: Vector, low: Series, b: Body, tilts: Vector, energies: Vector) -> None:
     """What lanes hold in other terms."""
-    turn = W[tabulated.H_TURN * LANES : (tabulated.H_TURN + 1) * LANES]
-    x = W[tabulated.X * LANES : (tabulated.X + 1) * LANES]
-    level = W[tabulated.LEVEL * LANES : (tabulated.LEVEL + 1) * LANES]
+    turn = W[sums.H_TURN * LANES : (sums.H_TURN + 1) * LANES]
+    x = W[sums.X * LANES : (sums.X + 1) * LANES]
+    level = W[sums.LEVEL * LANES : (sums.LEVEL + 1) * LANES]
     for i in range(LANES):
         tilts[i] = tilt_of(turn[i], low)
     for i in range(LANES):
@@ -88,20 +88,20 @@ def store_passages(W: Vector, first: int, low: Series, b: Body, out: Matrix) -> 
     """The passages that were found into the columns from the first one on, as `passages.in_lane` gives them."""
     end, of = first + LANES, _OF_PASSAGE
     tilts_and_energies(W, low, b, out[of.theta_min, first:end], out[of.energy, first:end])
-    store(W, tabulated.CHI, 1.0, out[of.chi, first:end])
-    store(W, tabulated.PSI, 1.0, out[of.psi, first:end])
-    store(W, tabulated.TIME, 1.0, out[of.time, first:end])
-    store(W, tabulated.ANGLE_ERROR, 1.0, out[of.angle_error, first:end])
-    store(W, tabulated.TIME_ERROR, 1.0, out[of.time_error, first:end])
-    store(W, tabulated.WAY, 1.0, out[of.way, first:end])
+    store(W, sums.CHI, 1.0, out[of.chi, first:end])
+    store(W, sums.PSI, 1.0, out[of.psi, first:end])
+    store(W, sums.TIME, 1.0, out[of.time, first:end])
+    store(W, sums.ANGLE_ERROR, 1.0, out[of.angle_error, first:end])
+    store(W, sums.TIME_ERROR, 1.0, out[of.time_error, first:end])
+    store(W, sums.WAY, 1.0, out[of.way, first:end])
 
 
 @subroutine
 def fall_errors(W: Vector, errors: Vector) -> None:
     """Of the angles of falls, and of their time, whichever is larger."""
-    angle = W[tabulated.ANGLE_ERROR * LANES : (tabulated.ANGLE_ERROR + 1) * LANES]
-    share = W[tabulated.TIME_ERROR * LANES : (tabulated.TIME_ERROR + 1) * LANES]
-    time = W[tabulated.TIME * LANES : (tabulated.TIME + 1) * LANES]
+    angle = W[sums.ANGLE_ERROR * LANES : (sums.ANGLE_ERROR + 1) * LANES]
+    share = W[sums.TIME_ERROR * LANES : (sums.TIME_ERROR + 1) * LANES]
+    time = W[sums.TIME * LANES : (sums.TIME + 1) * LANES]
     for i in range(LANES):
         errors[i] = max(0.5 * angle[i], share[i] * (0.5 * time[i]))
 
@@ -110,7 +110,7 @@ def fall_errors(W: Vector, errors: Vector) -> None:
 def store_falls(W: Vector, first: int, out: Matrix) -> None:
     """The falls that were found, as `passages.fall_in_lane` gives them."""
     end, of = first + LANES, _OF_FALL
-    store(W, tabulated.TIME, 0.5, out[of.time, first:end])
-    store(W, tabulated.CHI, 0.5, out[of.chi, first:end])
-    store(W, tabulated.PSI, 0.5, out[of.psi, first:end])
+    store(W, sums.TIME, 0.5, out[of.time, first:end])
+    store(W, sums.CHI, 0.5, out[of.chi, first:end])
+    store(W, sums.PSI, 0.5, out[of.psi, first:end])
     fall_errors(W, out[of.error, first:end])

@@ -5,9 +5,9 @@ import math
 from kernels._jit import contracted_device, contracted_subroutine
 from kernels.disk.body import Body
 from kernels.disk.elementary import DEEPEST, exp_fall
-from kernels.integrals import tabulated
+from kernels.integrals import sums
 from kernels.integrals.point import VERTICAL
-from kernels.integrals.tabulated import (
+from kernels.integrals.sums import (
     ANGLE_ERROR,
     CHI,
     LANES,
@@ -41,14 +41,14 @@ _ROUND = 16.0  # kappa up to which the tables of a body hold its races as well a
 # Beside the turning point, of the angle of the race and of h there: six times the largest that was seen.
 _TURN_RATE, _TURN_SHARE = 4.36, 6.0
 
-# Rows beside those of `tabulated`: ends in h, and where the motion turns back beyond the outer one (0: not known);
+# Rows beside those of `sums`: ends in h, and where the motion turns back beyond the outer one (0: not known);
 # E - V there and how much further in y it would go; what `at_depth` takes; y there and below the
 # panel; the panel; the closed part; rounding of E - V; how slow the motion is at its end, as `slowness`.
 (
     H_TURN, H_END, H_BEYOND, MOVING, FURTHER, LOG_TURN, LOG_END, CAP, LOG_CAP, TURN2, Y_END, BELOW,
     REACH, ANGLE, SINE_END, CLOSED, RACE, ROUNDING, SLOW,
-) = range(tabulated.ROWS, tabulated.ROWS + 19)  # fmt: skip
-ROWS = tabulated.ROWS + 19
+) = range(sums.ROWS, sums.ROWS + 19)  # fmt: skip
+ROWS = sums.ROWS + 19
 
 
 @contracted_device

@@ -4,7 +4,7 @@ A leg goes from the turning point h_m to a tilt h_e: the vertical, the other tur
 With h = h_m cosh y and y = y_low + reach sin(phi) the square roots at both turning points are gone, and one beyond
 h_e, to which the motion would go on, is a little further in phi. The race is taken out in closed form as in
 `quadrature`. The integrands are even in phi, so that the positive half of a symmetric rule serves: five nodes at
-1e-2, ten at 1e-6. The last Legendre coefficients tell the error, as in `tabulated`; rounding in E - V is counted
+1e-2, ten at 1e-6. The last Legendre coefficients tell the error, as in `sums`; rounding in E - V is counted
 at every node. Legs that are not known well enough wait for a larger rule, and at last for `orbits`.
 """
 
@@ -50,7 +50,7 @@ from kernels.integrals.leg_tables import LegTables, Wide
 from kernels.integrals.near_flat import Near, slope_of
 from kernels.integrals.point import VERTICAL, Motion, Orbits
 from kernels.integrals.quadrature import FLOOR, PassageRow
-from kernels.integrals.tabulated import (
+from kernels.integrals.sums import (
     ANGLE_ERROR,
     CHECK,
     CHI,

@@ -13,13 +13,13 @@ from kernels.disk.body import Body, Disk
 from kernels.disk.elementary import sine
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import put
-from kernels.integrals import ends, leg_errors, leg_tables, legs, tabulated
+from kernels.integrals import ends, leg_errors, leg_tables, legs, sums
 from kernels.integrals.ends import anywhere, at_tilt, barrier_between, settle
 from kernels.integrals.leg_tables import LegTables, tilt
 from kernels.integrals.near_flat import slope_of
 from kernels.integrals.point import Motion
 from kernels.integrals.quadrature import FLOOR, FallRow
-from kernels.integrals.tabulated import LANES, OF_CHI, OF_REST, OF_TIME, clear, finish, gather, keep_least
+from kernels.integrals.sums import LANES, OF_CHI, OF_REST, OF_TIME, clear, finish, gather, keep_least
 from kernels.types import Longs, Matrix, Vector
 
 _EPSILON = 2.2e-16
@@ -65,40 +65,40 @@ def find_start(V: Vector, of_body: LegTables, b: Body) -> None:
 def begin(W: Vector, V: Vector, of_body: LegTables, b: Body) -> None:
     """The starts found in V into the lanes of `legs`: ANGLE is theta there."""
     for i in range(LANES):
-        W[tabulated.X * LANES + i], W[tabulated.LEVEL * LANES + i] = (
+        W[sums.X * LANES + i], W[sums.LEVEL * LANES + i] = (
             V[ends.X * LANES + i],
             V[ends.LEVEL * LANES + i],
         )
-        W[tabulated.CHECK * LANES + i], W[tabulated.Y * LANES + i] = V[ends.CHECK * LANES + i], 0.0
+        W[sums.CHECK * LANES + i], W[sums.Y * LANES + i] = V[ends.CHECK * LANES + i], 0.0
         # Such a way is short, and no end of it slow but that from rest.
         W[leg_errors.Y_END * LANES + i], W[leg_errors.SLOW * LANES + i] = 0.0, 0.0
         W[leg_errors.ANGLE * LANES + i] = 2.0 * math.asin(0.5 * V[ends.H * LANES + i])
     for i in range(LANES):
-        h, level = V[ends.H * LANES + i], W[tabulated.LEVEL * LANES + i]
-        motion = Motion(W[tabulated.X * LANES + i], 0.0, level)
+        h, level = V[ends.H * LANES + i], W[sums.LEVEL * LANES + i]
+        motion = Motion(W[sums.X * LANES + i], 0.0, level)
         at = anywhere(h, 0.0, motion, b, of_body.wide)
         # The energy comes from a start at the vertical, where q = 1.
         rounding = legs.ROUNDING_UNITS * _EPSILON * (abs(level) + legs.terms_of(h, at, motion, b) + 1.0)
         slope = slope_of(h, at, motion.X, b)
         W[leg_errors.ROUNDING * LANES + i] = rounding
-        W[tabulated.NOISE * LANES + i] = _NOISE * _EPSILON + rounding / (slope if slope > rounding else rounding)
-        W[tabulated.LEAST * LANES + i] = 1.0
+        W[sums.NOISE * LANES + i] = _NOISE * _EPSILON + rounding / (slope if slope > rounding else rounding)
+        W[sums.LEAST * LANES + i] = 1.0
 
 
 @contracted_subroutine
 def integrate(W: Vector, target: float, first: int, last: int, of_body: LegTables, b: Body) -> None:
     """The falls in the lanes, there and back, by the nodes first to last - 1 of the rules."""
     rules = of_body.rules
-    clear(W, tabulated.SUMS)
-    clear(W, tabulated.TAILS)
-    clear(W, tabulated.ERRORS)
+    clear(W, sums.SUMS)
+    clear(W, sums.TAILS)
+    clear(W, sums.ERRORS)
     for j in range(first, last):
         node, weight = rules[leg_tables.NODE, j], rules[leg_tables.WEIGHT, j]
         even, but_one = rules[leg_tables.EVEN, j], rules[leg_tables.EVEN_BUT_ONE, j]
         for i in range(LANES):
             whole = W[leg_errors.ANGLE * LANES + i]
             h = 2.0 * sine(0.5 * whole * (1.0 - node * node))
-            motion = Motion(W[tabulated.X * LANES + i], 0.0, W[tabulated.LEVEL * LANES + i])
+            motion = Motion(W[sums.X * LANES + i], 0.0, W[sums.LEVEL * LANES + i])
             at = anywhere(h, 0.0, motion, b, of_body.wide)
             left = motion.level - at.V
             keep_least(W, i, left)
@@ -110,8 +110,8 @@ def integrate(W: Vector, target: float, first: int, last: int, of_body: LegTable
             gather(W, i, OF_REST, rest, even, but_one)
             gather(W, i, OF_TIME, dt, even, but_one)
             doubt = W[leg_errors.ROUNDING * LANES + i] / left
-            W[tabulated.ANGLE_ERROR * LANES + i] += doubt * (abs(chi) + abs(rest))
-            W[tabulated.TIME_ERROR * LANES + i] += doubt * dt
+            W[sums.ANGLE_ERROR * LANES + i] += doubt * (abs(chi) + abs(rest))
+            W[sums.TIME_ERROR * LANES + i] += doubt * dt
     leg_errors.tell_errors(W, last - first)
     finish(W, target, FLOOR)
 
@@ -119,9 +119,9 @@ def integrate(W: Vector, target: float, first: int, last: int, of_body: LegTable
 @subroutine
 def fall_in_lane(W: Vector, i: int) -> FallRow[float]:
     """The fall in lane i, of there and back."""
-    time = 0.5 * W[tabulated.TIME * LANES + i]
-    chi, psi = 0.5 * W[tabulated.CHI * LANES + i], 0.5 * W[tabulated.PSI * LANES + i]
-    error = max(0.5 * W[tabulated.ANGLE_ERROR * LANES + i], W[tabulated.TIME_ERROR * LANES + i] * time)
+    time = 0.5 * W[sums.TIME * LANES + i]
+    chi, psi = 0.5 * W[sums.CHI * LANES + i], 0.5 * W[sums.PSI * LANES + i]
+    error = max(0.5 * W[sums.ANGLE_ERROR * LANES + i], W[sums.TIME_ERROR * LANES + i] * time)
     return FallRow(time, chi, psi, error)
 
 
@@ -163,7 +163,7 @@ def low_fall_batch(
             begin(W, V, of_body, b)
             integrate(W, target, done, done + sizes[grade], of_body, b)
             for k in range(taken):
-                if W[tabulated.CHECK * LANES + k] == 0.0:
+                if W[sums.CHECK * LANES + k] == 0.0:
                     put(fall_in_lane(W, k), out, group[k])
                 elif V[ends.CHECK * LANES + k] == 0.0:
                     waiting[left] = group[k]

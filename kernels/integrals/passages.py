@@ -13,7 +13,7 @@ from kernels._jit import device, kernel, maker, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import put
-from kernels.integrals import nodes, tabulated, wide
+from kernels.integrals import nodes, sums, tabulated, wide
 from kernels.integrals.falls import Departure, fall
 from kernels.integrals.grades import (
     Lines,
@@ -36,8 +36,8 @@ from kernels.integrals.in_turn import (
 from kernels.integrals.near_flat import tilt_of
 from kernels.integrals.point import VERTICAL, Motion, motion_through
 from kernels.integrals.quadrature import FLOOR, FallRow, PassageRow, Rules, Start, passage
+from kernels.integrals.sums import CHECK, LANES, Goal
 from kernels.integrals.tables import GRADES, ROUGH, Series, Tables
-from kernels.integrals.tabulated import CHECK, LANES, Goal
 from kernels.status import Status
 from kernels.types import Codes, Longs, Matrix, Vector
 
@@ -98,7 +98,7 @@ class Room(NamedTuple):
 @maker
 def make_room() -> Room:
     """Room in which nobody waits."""
-    return Room(np.ones(tabulated.ROWS * LANES), empty_lines(), np.zeros(LANES, np.int64))
+    return Room(np.ones(sums.ROWS * LANES), empty_lines(), np.zeros(LANES, np.int64))
 
 
 @device
@@ -113,9 +113,9 @@ def fill(W: Vector, group: Longs, n: int, crossings: Crossings, b: Body) -> None
     """A group of samples into lanes; a lane without one is given numbers that are not used."""
     for i in range(LANES):
         j = group[i]
-        W[tabulated.X * LANES + i] = crossings.sigma3_bar[j] / b.r0 if i < n else 0.0
-        W[tabulated.Y * LANES + i] = crossings.eta[j] / b.I1 if i < n else 0.0
-        W[tabulated.SPEED * LANES + i] = crossings.speed[j] if i < n else 1.0
+        W[sums.X * LANES + i] = crossings.sigma3_bar[j] / b.r0 if i < n else 0.0
+        W[sums.Y * LANES + i] = crossings.eta[j] / b.I1 if i < n else 0.0
+        W[sums.SPEED * LANES + i] = crossings.speed[j] if i < n else 1.0
 
 
 @device
@@ -134,14 +134,14 @@ def settle(room: Room, k: int, found: Any, grade: int, end: int, out: Matrix) ->
 def in_lane(W: Vector, i: int, low: Series, b: Body) -> PassageRow[float]:
     """The passage that the tables found for lane i."""
     return PassageRow(
-        theta_min=tilt_of(W[tabulated.H_TURN * LANES + i], low),
-        chi=W[tabulated.CHI * LANES + i],
-        psi=W[tabulated.PSI * LANES + i],
-        time=W[tabulated.TIME * LANES + i],
-        energy=W[tabulated.LEVEL * LANES + i] + potential_at_flat(W[tabulated.X * LANES + i], b),
-        angle_error=W[tabulated.ANGLE_ERROR * LANES + i],
-        time_error=W[tabulated.TIME_ERROR * LANES + i],
-        way=W[tabulated.WAY * LANES + i],
+        theta_min=tilt_of(W[sums.H_TURN * LANES + i], low),
+        chi=W[sums.CHI * LANES + i],
+        psi=W[sums.PSI * LANES + i],
+        time=W[sums.TIME * LANES + i],
+        energy=W[sums.LEVEL * LANES + i] + potential_at_flat(W[sums.X * LANES + i], b),
+        angle_error=W[sums.ANGLE_ERROR * LANES + i],
+        time_error=W[sums.TIME_ERROR * LANES + i],
+        way=W[sums.WAY * LANES + i],
     )
 
 
@@ -301,21 +301,21 @@ def fill_falls(W: Vector, group: Longs, n: int, departures: Departures, b: Body)
     """A group of falls into lanes; the first fills those that are left over."""
     for i in range(LANES):
         j = group[i] if i < n else group[0]
-        W[tabulated.X * LANES + i] = departures.sigma3_bar[j] / b.r0
-        W[tabulated.LEVEL * LANES + i] = departures.level[j]
-        W[tabulated.MOVING * LANES + i] = departures.moving[j]
-        W[tabulated.START * LANES + i] = departures.doubt[j]
+        W[sums.X * LANES + i] = departures.sigma3_bar[j] / b.r0
+        W[sums.LEVEL * LANES + i] = departures.level[j]
+        W[sums.MOVING * LANES + i] = departures.moving[j]
+        W[sums.START * LANES + i] = departures.doubt[j]
 
 
 @subroutine
 def fall_in_lane(W: Vector, i: int) -> FallRow[float]:
     """The fall that the tables found for lane i, there and back, once."""
-    time = 0.5 * W[tabulated.TIME * LANES + i]
+    time = 0.5 * W[sums.TIME * LANES + i]
     return FallRow(
         time,
-        0.5 * W[tabulated.CHI * LANES + i],
-        0.5 * W[tabulated.PSI * LANES + i],
-        max(0.5 * W[tabulated.ANGLE_ERROR * LANES + i], W[tabulated.TIME_ERROR * LANES + i] * time),
+        0.5 * W[sums.CHI * LANES + i],
+        0.5 * W[sums.PSI * LANES + i],
+        max(0.5 * W[sums.ANGLE_ERROR * LANES + i], W[sums.TIME_ERROR * LANES + i] * time),
     )
 
 

@@ -50,7 +50,7 @@ FLOOR = 1e-11  # an accuracy below this is met as far as rounding allows
 # point, and of what is smooth there.
 _NOISE, _QUIET = 40.0, 10.0
 _SPUN = 3.0  # the same, of sigma4 at the vertical
-_CLOSING = 1.5  # how many times as many nodes the next rule has
+_CLOSING = 1.75
 LEAST = 1e-300  # of what is divided by
 
 _OK = int(Status.OK)
@@ -249,7 +249,8 @@ def missed(apart: float, before: float, size: float) -> float:
     rules may agree by chance while both are far off. What is missed, relative to the size, falls like its own
     power _CLOSING from one rule to the next, so that the rule before them tells as well.
     """
-    return apart + size * (before / size) ** _CLOSING
+    closing = size * (before / size) ** _CLOSING
+    return apart if apart > closing else closing
 
 
 @device

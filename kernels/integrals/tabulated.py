@@ -12,7 +12,6 @@ Formulas are devices that return tuples; the loops over lanes read, call and wri
 """
 
 import math
-from typing import NamedTuple
 
 from kernels._jit import contracted_device, contracted_subroutine
 from kernels.disk.body import Body
@@ -30,70 +29,72 @@ from kernels.integrals.near_flat import (
     slope_of,
 )
 from kernels.integrals.point import Motion
+from kernels.integrals.sums import (
+    ANGLE_ERROR,
+    BELOW,
+    CAP,
+    CHECK,
+    CHI,
+    DEPARTED,
+    ERRORS,
+    FALLEN,
+    H_TURN,
+    INV_NODE,
+    INV_TAU2,
+    LANES,
+    LEAST,
+    LEVEL,
+    LOG_CAP,
+    LOG_NODE,
+    LOG_TURN,
+    MOVING,
+    NODE,
+    NOISE,
+    OF_CHI,
+    OF_REST,
+    OF_TIME,
+    PULL,
+    RACE,
+    REST,
+    REST0,
+    REST1,
+    ROOT2,
+    SLOW,
+    SPEED,
+    SPIN,
+    START,
+    STEP,
+    TAILS,
+    TAU,
+    TIME,
+    TIME_ERROR,
+    TURN2,
+    WAY,
+    WIDTH,
+    Goal,
+    X,
+    Y,
+    clear,
+    finish,
+    gather,
+    keep_least,
+    told_by_coefficients,
+    told_by_size,
+    told_by_the_start,
+    told_by_the_worst,
+)
 from kernels.integrals.tables import Fixed, Grade, Limits, Series, fixed
 from kernels.types import Matrix, Vector
 
-LANES = 32  # ROWS rows of them are 11 kB, a third of the first cache
 WIDEST = 0.2  # of h_m: well inside HANDOVER
 NARROWEST = 1e-303  # of |Y|: h_m must not be denormal
 _LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y, or ends at the turning point
-# The inner rule's error is told by the size of what it adds up, which for single motions nearly cancels.
-_LEAST_SIZE = 0.02
-TURNED = 40.0  # what an error of the turning point, about the square of Newton's last step, does to the angles
 _SLOWEST = 1e-3  # share of the energy with which a motion must leave the vertical, whatever the grade
+# r^2 of a slow start that has gained as much as it left with at the middle of the rule.
+_MIDDLE = 0.8
 _PARKED = 0.1  # h_m of lanes that are left to `quadrature`: any number within the bounds
 EPSILON = 2.2e-16
 NOISE_UNITS = 100.0  # units of rounding, as in quadrature
-
-# Rows of the work array: entry (row, i) stands at row * LANES + i, as in `batch`. Their order means nothing.
-ROWS = 43
-(
-    # the sample; NOISE: of E - V, START: what it does at a slow start; LEAST: least theta-dot^2 met
-    X, Y, SPEED, LEVEL, H_TURN, LOG_TURN, STEP, NOISE, START, LEAST,
-    # results; CHECK: 0 where they stand, 1 where finer rules may do better, 2 where none here will
-    CHI, REST, TIME, PSI, ANGLE_ERROR, TIME_ERROR, WAY, CHECK,
-    # fields of Closed
-    CAP, LOG_CAP, WIDTH, BELOW, TURN2, RACE, PULL, SPIN, SLOW, REST0, REST1,
-    # of a panel, as in Gathered
-    CHI_SIZE, CHI_LAST, CHI_LAST_BUT_ONE, REST_SIZE, REST_LAST, REST_LAST_BUT_ONE,
-    TIME_SIZE, TIME_LAST, TIME_LAST_BUT_ONE,
-    # fields of Place
-    NODE, TAU, LOG_NODE, INV_NODE, INV_TAU2,
-) = range(ROWS)  # fmt: skip
-
-
-class Goal(NamedTuple):
-    """Accuracy of angles (rad) and time (relative), and what rounding allows, relative to chi and to the time."""
-
-    target: float
-    floor: float
-
-
-class Gathered(NamedTuple):
-    """Rows of one integral: its sum, and of the latest panel the sum of sizes and the last two coefficients."""
-
-    total: int
-    size: int
-    last: int
-    last_but_one: int
-
-
-OF_CHI = Gathered(CHI, CHI_SIZE, CHI_LAST, CHI_LAST_BUT_ONE)
-OF_REST = Gathered(REST, REST_SIZE, REST_LAST, REST_LAST_BUT_ONE)
-OF_TIME = Gathered(TIME, TIME_SIZE, TIME_LAST, TIME_LAST_BUT_ONE)
-SUMS = (CHI, REST, TIME)
-ERRORS = (ANGLE_ERROR, TIME_ERROR)
-TAILS = (*OF_CHI[1:], *OF_REST[1:], *OF_TIME[1:])
-MOVING = SPEED  # of falls, which leave the vertical with a kinetic energy; START is its rounding
-FALLEN = (Y, *SUMS, *ERRORS, *TAILS)  # zero where a fall begins
-
-
-@contracted_subroutine
-def clear(W: Vector, rows: tuple[int, ...]) -> None:
-    """Zeros in these rows."""
-    for row in rows:
-        for i in range(LANES):
-            W[row * LANES + i] = 0.0
 
 
 @contracted_device
@@ -136,6 +137,7 @@ def start(W: Vector, vertical: Matrix, slowest: float, b: Body) -> None:
         x, y, speed = W[X * LANES + i], W[Y * LANES + i], W[SPEED * LANES + i]
         level, terms, noise, h, check = departure(x, y, speed, slowest, at, b)
         W[LEVEL * LANES + i], W[NOISE * LANES + i], W[START * LANES + i] = level, terms, noise
+        W[DEPARTED * LANES + i] = 0.5 * b.M * speed * speed
         W[H_TURN * LANES + i] = h if check == 0.0 else _PARKED
         W[CHECK * LANES + i] = check
     for i in range(LANES):
@@ -204,22 +206,6 @@ def known_of(W: Vector, i: int) -> Closed:
     return Closed(cap, log_cap, width, turn2, race, pull, spin, slow, W[REST0 * LANES + i], W[REST1 * LANES + i])
 
 
-@contracted_device
-def gather(W: Vector, i: int, rows: Gathered, value: float, last: float, last_but_one: float) -> None:
-    """Add a weighted value to the sum, to the panel's sum of sizes and to its last two coefficients."""
-    W[rows.total * LANES + i] += value
-    W[rows.size * LANES + i] += abs(value)
-    W[rows.last * LANES + i] += value * last
-    W[rows.last_but_one * LANES + i] += value * last_but_one
-
-
-@contracted_device
-def keep_least(W: Vector, i: int, speed2: float) -> None:
-    """Note the least theta-dot^2 met."""
-    least = W[LEAST * LANES + i]
-    W[LEAST * LANES + i] = speed2 if speed2 < least else least
-
-
 @contracted_subroutine
 def near_panel(W: Vector, inner: Matrix, b: Body, low: Series) -> None:
     """Add what the closed forms leave between the turning point and the handover."""
@@ -273,81 +259,6 @@ def far_panel(W: Vector, outer: Matrix, b: Body) -> None:
             gather(W, i, OF_TIME, node.time, last, last_but_one)
 
 
-@contracted_device
-def tail_of(W: Vector, i: int, rows: Gathered) -> float:
-    """The sum of sizes of the last two coefficients."""
-    return abs(W[rows.last * LANES + i]) + abs(W[rows.last_but_one * LANES + i])
-
-
-@contracted_device
-def remainder(W: Vector, i: int, rows: Gathered) -> float:
-    """Error of a Gauss rule of n nodes from coefficients n - 1 and n - 2: of a geometric series about
-    size * ratio^(2n), where they are size * ratio^n. Never more than they are themselves."""
-    return tail_of(W, i, rows) * share_of_tail(W, i, rows)
-
-
-@contracted_device
-def share_of_tail(W: Vector, i: int, rows: Gathered) -> float:
-    """The last coefficients over the sum of sizes, 1 at most."""
-    share = tail_of(W, i, rows) / (W[rows.size * LANES + i] + 1e-300)  # never 0/0
-    return share if share < 1.0 else 1.0
-
-
-@contracted_subroutine
-def told_by_coefficients(W: Vector) -> None:
-    """Add the panel's errors as its last coefficients tell them, and clear its sums."""
-    for i in range(LANES):
-        chi, rest, time = remainder(W, i, OF_CHI), remainder(W, i, OF_REST), remainder(W, i, OF_TIME)
-        W[ANGLE_ERROR * LANES + i] += 2.0 * (chi + rest)
-        W[TIME_ERROR * LANES + i] += 2.0 * time
-    clear(W, TAILS)
-
-
-@contracted_subroutine
-def told_by_the_worst(W: Vector, trust: float) -> None:
-    """As `told_by_coefficients` for rules of some ten nodes.
-
-    Two coefficients in turn may vanish by chance there: the largest share of all three integrals serves each. The
-    error of a Gauss rule goes like its square; trust: how many times the square that is at most.
-    """
-    for i in range(LANES):
-        chi, rest, time = share_of_tail(W, i, OF_CHI), share_of_tail(W, i, OF_REST), share_of_tail(W, i, OF_TIME)
-        share = max(max(chi, rest), time)
-        missed = trust * share * share
-        W[ANGLE_ERROR * LANES + i] += missed * (W[CHI_SIZE * LANES + i] + W[REST_SIZE * LANES + i])
-        W[TIME_ERROR * LANES + i] += missed * W[TIME_SIZE * LANES + i]
-    clear(W, TAILS)
-
-
-@contracted_subroutine
-def told_by_size(W: Vector, missed: float, spun: float) -> None:
-    """Add the errors of an inner rule that misses this share of what it adds up, and clear its sums."""
-    for i in range(LANES):
-        size = W[CHI_SIZE * LANES + i] + spun * (W[REST_SIZE * LANES + i] + W[TIME_SIZE * LANES + i])
-        error = missed * (size + _LEAST_SIZE) + TURNED * W[STEP * LANES + i] * W[STEP * LANES + i]
-        W[ANGLE_ERROR * LANES + i] += error
-        W[TIME_ERROR * LANES + i] += error
-    clear(W, TAILS)
-
-
-@contracted_subroutine
-def finish(W: Vector, target: float, floor: float) -> None:
-    """There and back in CHI, REST, PSI and TIME, errors with rounding; CHECK is 0 where they meet the
-    target, or the floor relative to chi and to the time."""
-    for i in range(LANES):
-        chi, rest, time = 2.0 * W[CHI * LANES + i], 2.0 * W[REST * LANES + i], 2.0 * W[TIME * LANES + i]
-        noise = W[NOISE * LANES + i]
-        angle_error = 2.0 * W[ANGLE_ERROR * LANES + i] + noise * (abs(chi) + abs(rest))
-        time_error = 2.0 * W[TIME_ERROR * LANES + i] / time + noise
-        W[CHI * LANES + i], W[PSI * LANES + i], W[TIME * LANES + i] = chi, chi - rest, time
-        W[ANGLE_ERROR * LANES + i], W[TIME_ERROR * LANES + i] = angle_error, time_error
-        size = abs(chi) if abs(chi) > 1.0 else 1.0
-        angle_target = floor * size if floor * size > target else target
-        time_target = floor if floor > target else target
-        good = (angle_error <= angle_target) & (time_error <= time_target) & (W[LEAST * LANES + i] > 0.0)
-        W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else max(W[CHECK * LANES + i], 1.0)
-
-
 @contracted_subroutine
 def passages(W: Vector, goal: Goal, grade: Grade, vertical: Matrix, low: Series, b: Body) -> None:
     """Whole passages of the samples in rows X, Y and SPEED."""
@@ -365,9 +276,22 @@ def passages(W: Vector, goal: Goal, grade: Grade, vertical: Matrix, low: Series,
 
 
 @contracted_subroutine
+def slow_start(W: Vector, nodes: Matrix, b: Body) -> None:
+    """ROOT2 from what motions have gained at the middle of a rule whose nodes are crowded at the vertical."""
+    at = fixed(nodes, nodes.shape[1] // 2)
+    for i in range(LANES):
+        speed2, _node = at_fixed(at, motion_of(W, i), b)
+        moving = W[DEPARTED * LANES + i]
+        gained = 0.5 * b.M * speed2 - moving
+        W[ROOT2 * LANES + i] = _MIDDLE * moving / (gained if gained > moving else moving)
+
+
+@contracted_subroutine
 def far(W: Vector, nodes: Matrix, trust: float, b: Body) -> None:
     """A stretch at tilts that all samples share, with its errors. trust: 0 for rules of many nodes."""
+    slow_start(W, nodes, b)
     far_panel(W, nodes, b)
+    told_by_the_start(W, nodes.shape[1])
     if trust > 0.0:
         told_by_the_worst(W, trust)
     else:
@@ -393,7 +317,7 @@ def falls(W: Vector, goal: Goal, grade: Grade, vertical: Matrix, b: Body) -> Non
     for i in range(LANES):
         x, level, moving = W[X * LANES + i], W[LEVEL * LANES + i], W[MOVING * LANES + i]
         W[NOISE * LANES + i] = departure_on_f(x, level, moving, W[START * LANES + i], at, b)
-        W[LEAST * LANES + i] = 1.0
+        W[LEAST * LANES + i], W[DEPARTED * LANES + i] = 1.0, moving
         W[CHECK * LANES + i] = 0.0 if moving > slowest * level else 1.0
     far(W, grade.fall, grade.limits.trust_of_fall, b)
     finish(W, goal.target, goal.floor)

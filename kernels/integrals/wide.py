@@ -5,7 +5,7 @@ turning point like s^2, so the integrand is even in v, and a slow start is crowd
 known in closed form; a range L of a few units needs some ten nodes, 26 for the best there is. The turning point is
 looked for at tilts that all samples share, and found by Newton's method in ln h.
 
-Rows of the work array are those of `tabulated`.
+Rows of the work array are those of `sums`.
 """
 
 import math
@@ -17,11 +17,10 @@ from kernels.disk.falling import contracted_potential_above_flat
 from kernels.integrals import tables
 from kernels.integrals.near_flat import near_flat, slope_of
 from kernels.integrals.point import VERTICAL
-from kernels.integrals.tables import SCAN_STEP, Fixed, Grade, Series, Tables, fixed
-from kernels.integrals.tabulated import (
+from kernels.integrals.sums import (
     ANGLE_ERROR,
     CHECK,
-    EPSILON,
+    DEPARTED,
     ERRORS,
     H_TURN,
     LANES,
@@ -32,6 +31,7 @@ from kernels.integrals.tabulated import (
     OF_CHI,
     OF_REST,
     OF_TIME,
+    ROOT2,
     SPEED,
     START,
     STEP,
@@ -45,15 +45,15 @@ from kernels.integrals.tabulated import (
     X,
     Y,
     clear,
-    departure,
     finish,
     gather,
     keep_least,
-    motion_of,
-    newton_in_lanes,
     told_by_coefficients,
+    told_by_the_start,
     told_by_the_worst,
 )
+from kernels.integrals.tables import SCAN_STEP, Fixed, Grade, Series, Tables, fixed
+from kernels.integrals.tabulated import EPSILON, departure, motion_of, newton_in_lanes
 from kernels.types import Matrix, Vector
 
 _LOG_VERTICAL = 0.5 * math.log(2.0)
@@ -62,6 +62,7 @@ _BLUR = 100.0  # units of rounding, as NOISE_UNITS; slow starts feel as many
 _STARTED = 2e-3  # share of the terms of E - V with which a motion must leave the vertical
 _PARKED = -0.7  # ln h_m of lanes that are left to `quadrature`
 _SHORTEST, _LONGEST = 0.02, 4.5  # range of ln h that the nodes cover
+_BENT = 0.25 * math.pi * math.pi  # ln h at the vertical, less that at v = 1 - r, is so many times L r^2
 # Rows that hold, during the search: ln h and E - V of the last tilt and the one before it, the last but two;
 # whether the turning point is behind.
 _LOG_ABOVE, _LEFT_ABOVE, _LEFT_BEFORE, _FOUND = OF_CHI.size, OF_REST.size, OF_TIME.size, OF_TIME.last
@@ -86,13 +87,16 @@ def start(W: Vector, vertical: Matrix, b: Body) -> None:
         W[LEVEL * LANES + i], W[NOISE * LANES + i], W[START * LANES + i] = level, terms, _BLUR * noise
         W[CHECK * LANES + i] = 0.0 if moving > _STARTED * terms else 2.0
         W[_LOG_ABOVE * LANES + i], W[_LEFT_ABOVE * LANES + i] = _LOG_VERTICAL, moving
-        W[_LEFT_BEFORE * LANES + i], W[_FOUND * LANES + i] = moving, 0.0
+        W[_LEFT_BEFORE * LANES + i], W[_FOUND * LANES + i], W[DEPARTED * LANES + i] = moving, 0.0, moving
         W[LOG_TURN * LANES + i] = 0.0
 
 
 @contracted_subroutine
 def seek(W: Vector, scan: Matrix, b: Body) -> None:
-    """A guess at LOG_TURN; CHECK is raised where there is none, or where a barrier may stand between two tilts."""
+    """A guess at LOG_TURN; CHECK is raised where there is none, or where a barrier may stand between two tilts.
+
+    ROOT2: how far from the vertical, in ln h, a motion has gained as much energy as it left with.
+    """
     for j in range(scan.shape[1]):
         at, above = fixed(scan, j), _LOG_VERTICAL - SCAN_STEP * j
         for i in range(LANES):
@@ -106,6 +110,11 @@ def seek(W: Vector, scan: Matrix, b: Body) -> None:
             W[LOG_TURN * LANES + i] = guess if turns else W[LOG_TURN * LANES + i]
             W[_FOUND * LANES + i] = 1.0 if turns else W[_FOUND * LANES + i]
             W[_LEFT_BEFORE * LANES + i], W[_LEFT_ABOVE * LANES + i] = last, left
+    at = fixed(scan, 0)
+    for i in range(LANES):
+        moving = W[DEPARTED * LANES + i]
+        gained = left_at(at, W[X * LANES + i], W[Y * LANES + i], W[LEVEL * LANES + i], b) - moving
+        W[ROOT2 * LANES + i] = SCAN_STEP * moving / (gained if gained > moving else moving)
     for i in range(LANES):
         good = (W[_FOUND * LANES + i] == 1.0) & (W[CHECK * LANES + i] == 0.0)
         W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else 2.0
@@ -125,6 +134,7 @@ def turn(W: Vector, b: Body, low: Series) -> None:
         good = (abs(W[STEP * LANES + i]) < _SETTLED) & (width > _SHORTEST) & (width < _LONGEST) & (slope > 0.0)
         W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else 2.0
         W[WIDTH * LANES + i] = width if good else _SHORTEST
+        W[ROOT2 * LANES + i] /= _BENT * W[WIDTH * LANES + i]
         W[WAY * LANES + i] = at.n * at.inv_shape
         noise = _BLUR * EPSILON * (1.0 + W[NOISE * LANES + i] / slope) + W[START * LANES + i]
         W[NOISE * LANES + i] = noise if good else 0.0
@@ -167,6 +177,7 @@ def passages(W: Vector, goal: Goal, grade: Grade, of_body: Tables, b: Body) -> N
         missed = TURNED * W[STEP * LANES + i] * W[STEP * LANES + i] * (1.0 + 10.0 / W[WIDTH * LANES + i])
         W[ANGLE_ERROR * LANES + i] += missed
         W[TIME_ERROR * LANES + i] += missed
+    told_by_the_start(W, 2 * grade.wide.shape[1])
     if grade.limits.trust_of_wide > 0.0:
         told_by_the_worst(W, grade.limits.trust_of_wide)
     else:

@@ -102,9 +102,9 @@ SEEK = """
 import numpy as np
 import seeking
 from kernels.disk.body import make_disk
-from kernels.integrals import tables, tabulated
+from kernels.integrals import sums, tables, tabulated
 numbers = np.random.default_rng(3)
-lanes = numbers.normal(size=tabulated.ROWS * tabulated.LANES)
+lanes = numbers.normal(size=sums.ROWS * sums.LANES)
 scan = abs(numbers.normal(size=(len(tables.Fixed._fields), 40)))
 cached = seeking.seek_batch.is_cached()
 seeking.seek_batch(lanes, scan, make_disk(0.25, 0.5).body)

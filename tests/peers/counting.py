@@ -101,11 +101,11 @@ def steps():
 
 def roots_and_divisions(accuracy):
     """[roots, divisions] of one passage by quadrature, on the average, and of the fall beside it."""
-    from kernels.integrals import tables, tabulated
+    from kernels.integrals import sums, tables, tabulated
 
     disk, eta = _disk(), _eta_hat() * _disk().body.I3 * _disk().body.r0
     X, Y = 1.0 / disk.body.r0, eta / disk.body.I1
-    goal = tabulated.Goal(accuracy, 1e-13)
+    goal = sums.Goal(accuracy, 1e-13)
     everywhere = np.ones(eta.size)
     of = disk.tables
     low = of.short if accuracy >= tables.TARGETS[tables.ROUGH - 1] else of.low
@@ -129,9 +129,9 @@ def _through_grades(kernel, accuracy, rows):
 
     [roots, divisions] of one of them, and LEVEL of all.
     """
-    from kernels.integrals import grades, tabulated
+    from kernels.integrals import grades, sums
 
-    disk, lanes = _disk(), tabulated.LANES
+    disk, lanes = _disk(), sums.LANES
     n = len(next(iter(rows.values())))
     waiting, level = np.arange(n), np.zeros(n)
     Number.made.clear()
@@ -140,17 +140,17 @@ def _through_grades(kernel, accuracy, rows):
         for first in range(0, waiting.size, lanes):
             group = waiting[first : first + lanes]
             places = np.resize(group, lanes)  # the last group is rarely full; its other lanes repeat it
-            W = np.array([Number(1.0)] * (tabulated.ROWS * lanes), object)
+            W = np.array([Number(1.0)] * (sums.ROWS * lanes), object)
             for name, values in rows.items():
-                at = getattr(tabulated, name) * lanes
+                at = getattr(sums, name) * lanes
                 W[at : at + lanes] = [Number(value) for value in values[places]]
             before = Counter(Number.made)
             kernel(W, grades.grade_at(disk.tables, grade))
             for kind in Number.made:  # a group of few takes as long as a full one, but there is one of it only
                 Number.made[kind] = before[kind] + (Number.made[kind] - before[kind]) * group.size / lanes
-            at = tabulated.LEVEL * lanes
+            at = sums.LEVEL * lanes
             level[group] = np.array(W[at : at + group.size], float)
-            check = np.array(W[tabulated.CHECK * lanes :][: group.size], float)
+            check = np.array(W[sums.CHECK * lanes :][: group.size], float)
             left.append(group[check != 0.0])
         waiting = np.concatenate(left) if left else waiting
     if waiting.size:

@@ -130,6 +130,9 @@ def answer(row, accuracy):
     return ex.passages(ex.Disk(I1=row["I1"], I3=row["I3"]), *start, accuracy=accuracy)
 
 
+ANGLES = ("delta_chi", "delta_psi")
+
+
 def misses(disk, starts, best, accuracy):
     """Largest errors of angles (rad) and of the duration (relative), and the estimates that must cover them."""
     found = ex.passages(disk, *starts, accuracy=accuracy)
@@ -178,6 +181,21 @@ def test_two_rules_that_agree_by_chance_are_not_believed(moments):
     for accuracy in (1e-2, 1e-3, 1e-4, 1e-6):
         error, told = misses(disk, starts, best, accuracy)
         assert (error <= 10.0 * told).all()
+
+
+@pytest.mark.parametrize("moments", [(10.27, 1.123), (4.0, 0.5), (2.584, 0.6625), (1.5, 0.2), (6.955, 3.115)])
+def test_what_tables_miss_of_slow_starts_is_told(moments):
+    """The same feature is in all integrals there, and may hide from all last coefficients at once."""
+    disk, n, rng = ex.Disk(I1=moments[0], I3=moments[1]), 20000, np.random.default_rng(41)
+    sigma3_bar = rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-0.5, 0.8, n)
+    eta_hat = rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-1.0, 0.7, n)
+    starts = sigma3_bar, eta_hat, 10.0 ** rng.uniform(-1.7, 0.0, n)
+    best = ex.passages(disk, *starts, accuracy=1e-12)
+    for accuracy in (1e-2, 1e-4, 1e-6):
+        found = ex.passages(disk, *starts, accuracy=accuracy)
+        both = best.ok & found.ok
+        error = np.max([abs(getattr(found, name) - getattr(best, name)) for name in ANGLES], axis=0)
+        assert (error <= 5.0 * (found.error_estimate + best.error_estimate))[both].all()
 
 
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-10])

@@ -9,8 +9,8 @@ from conftest import BODIES
 from explorer.motion import passages_by_quadrature
 from kernels.integrals import grades
 from kernels.integrals.grades import empty_lines, finer, first_grade, grade_at, line_up, next_grade, take
+from kernels.integrals.sums import LANES
 from kernels.integrals.tables import GRADES, ROUGH, TARGETS
-from kernels.integrals.tabulated import LANES
 
 
 def served(n, settled, first):

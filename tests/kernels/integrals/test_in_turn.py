@@ -6,7 +6,7 @@ from conftest import BODIES
 
 from kernels.integrals import passages
 from kernels.integrals.in_turn import in_turn
-from kernels.integrals.tabulated import LANES
+from kernels.integrals.sums import LANES
 from kernels.status import Status
 
 
