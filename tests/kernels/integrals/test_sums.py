@@ -35,7 +35,7 @@ def gathered(n, integrand):
 @pytest.mark.parametrize("pole", [1.2, 1.5, 2.0, 4.0])
 @pytest.mark.parametrize("n", [6, 10, 16])
 def test_coefficients_tell_what_a_rule_misses(n, pole):
-    """Of 1/(pole - x): its Legendre series is geometric, like ratio^-n, and what the rule misses like ratio^-2n."""
+    """Of 1/(pole - x): its Legendre series is geometric, like ratio^-n, the rule misses ratio^-2n."""
     W = gathered(n, lambda x: 1.0 / (pole - x))
     missed = abs(of_lane(W, "TIME") - np.log((pole + 1.0) / (pole - 1.0)))
     sums.told_by_coefficients(W)
