@@ -71,5 +71,5 @@ def test_a_sample_goes_the_way_that_the_map_of_the_house_tells(tmp_path):
     assert {name for name in files if name.startswith("explorer/")} <= seen
     words = {"explorer/commands/common.py", "explorer/version.py"}
     # Checks of files that are read make nothing of a sample.
-    checks = {"explorer/runs/schema.py", "explorer/runs/strangers.py", "explorer/scenes/tallies.py"}
+    checks = {"explorer/runs/schema.py", "explorer/phase/strangers.py", "explorer/scenes/tallies.py"}
     assert len(seen - words - checks) <= LONGEST, sorted(seen)

@@ -4,6 +4,7 @@
 have none. From it `plan` takes the setting of an integrator, and the method where it has a choice.
 """
 
+import contextlib
 import json
 import os
 import platform
@@ -17,8 +18,10 @@ from typing import Any
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError, RunError
+from explorer.errors import InputError, RunError, double_of, shorten
+from explorer.phase.arguments import column
 from explorer.phase.states import Array
+from explorer.phase.strangers import parse_json, plain_file
 
 # The measured 99th percentile may take a fifth of the accuracy asked: other bodies, boxes and energies err more
 # than those measured.
@@ -30,6 +33,9 @@ _STRICTER = 10.0
 # Errors below the first are those of rounding, which a finer setting does not lower, and so are those within the
 # second of the least that any method reaches on the same samples: slow starts among them round more.
 _ROUNDING, _NEAR_LEAST = 1e-12, 3.0
+_LARGEST = 1 << 20  # bytes; what nearflat writes has some twenty kilobytes
+_SHOWN = 120  # characters of the path and of the fault in a message
+_METHODS = frozenset({"rk4", "rk8", "dopri5", "dop853"})
 _FEWEST = 4  # rows above rounding; the method's order is taken from the last three
 
 
@@ -110,42 +116,53 @@ def setting_in_time(known: Calibration, method: str, target: float) -> float:
 def current() -> Calibration:
     """This machine's calibration, or the shipped one where none was measured with these kernels."""
     path, advice = stored_at(), "run nearflat trade to measure this machine"
-    if path.exists():
-        try:
-            table = json.loads(path.read_text(encoding="utf-8"))
-            if table["kernels"] == compiled.source_digest():
+    try:
+        if path.exists():
+            table = parse_json(plain_file(path.resolve(), _LARGEST).read_bytes())
+            made_by = table.get("kernels")
+            if not isinstance(made_by, str):
+                raise ValueError("it does not say by which kernels it was measured")
+            if made_by == compiled.source_digest():
                 return replace(parse(table, "measured on this machine"), own=True)
             advice = "this machine's was measured with other kernels; run nearflat trade"
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-            reason = f"{type(error).__name__}: {error}"
-            raise InputError(
-                f"calibration {path} ({reason}) cannot be used; delete it, then nearflat trade"
-            ) from None
+    except (OSError, ValueError) as error:
+        reason = shorten(getattr(error, "strerror", None) or str(error), _SHOWN)
+        raise InputError(
+            f"calibration {shorten(str(path), _SHOWN)} cannot be used ({reason}); delete it, then nearflat trade"
+        ) from None
     text = files("explorer.motion").joinpath("calibration.json").read_text(encoding="utf-8")
     return parse(json.loads(text), f"shipped with nearflat; {advice}")
 
 
 def parse(table: dict[str, Any], origin: str) -> Calibration:
-    """A calibration from its JSON form."""
-    curves = _curves(table["methods"])
-    quadrature = float(table["quadrature"])
-    if not 0.0 < quadrature < np.inf:
-        raise ValueError(f"quadrature = {quadrature} is no time")
-    return Calibration(origin, curves, quadrature, _curves(table["motions"]) if "motions" in table else {})
+    """A calibration from its JSON form. Raises ValueError for what can be none."""
+    curves, quadrature = _curves("methods", table.get("methods")), table.get("quadrature")
+    time = None if isinstance(quadrature, str) else double_of(quadrature)
+    if time is None or not 0.0 < time < np.inf:
+        raise ValueError("its quadrature is no time")
+    return Calibration(origin, curves, time, _curves("motions", table["motions"]) if "motions" in table else {})
 
 
-def _curves(rows_of: dict[str, Any]) -> dict[str, Curve]:
+def _curves(name: str, rows_of: Any) -> dict[str, Curve]:
     """The curves of all methods. Raises ValueError for rows that cannot be such."""
-    missing = {"rk4", "rk8", "dopri5", "dop853"} - set(rows_of)
+    if not isinstance(rows_of, dict):
+        raise ValueError(f"its {name} are no rows by method")
+    missing = _METHODS - set(rows_of)
     if missing:
         raise ValueError(f"{', '.join(sorted(missing))} missing")
-    columns_of = {name: np.array(rows, dtype=np.float64).T for name, rows in rows_of.items()}
-    for name, columns in columns_of.items():
-        if columns.shape[0] != 4 or not (np.isfinite(columns).all() and (columns > 0.0).all()):
-            raise ValueError(f"rows of {name} must be four positive numbers each")
+    columns_of = {method: _columns(method, rows_of[method]) for method in sorted(_METHODS)}
     least = min(columns[1].min() for columns in columns_of.values())
     rounding = max(_ROUNDING, _NEAR_LEAST * float(least))
-    return {name: _curve(name, columns, rounding) for name, columns in columns_of.items()}
+    return {method: _curve(method, columns, rounding) for method, columns in columns_of.items()}
+
+
+def _columns(method: str, rows: Any) -> Array:
+    """The rows of a method as columns. Raises ValueError where they are no such numbers."""
+    with contextlib.suppress(InputError):  # of one who calls with arrays; this one has a file
+        columns = column(method, rows).T
+        if columns.ndim == 2 and columns.shape[0] == 4 and (np.isfinite(columns) & (columns > 0.0)).all():
+            return columns
+    raise ValueError(f"rows of {method} must be four positive numbers each")
 
 
 def _curve(name: str, columns: Array, rounding: float) -> Curve:

@@ -22,10 +22,10 @@ from typing import Any
 from explorer import compiled
 from explorer.errors import InputError, RunError, shorten, shown
 from explorer.phase.paths import path_of
+from explorer.phase.strangers import FILE, StrangeError, no_link, plain_file, plain_names, what_stands
 from explorer.runs import schema, store
 from explorer.runs.machine import arithmetic, machine
 from explorer.runs.pictures import KNOWN, files_of
-from explorer.runs.strangers import FILE, StrangeError, no_link, plain_file, plain_names, what_stands
 from explorer.scenes.base import Scene
 from explorer.scenes.registry import scene_from_options
 from explorer.version import installed_version

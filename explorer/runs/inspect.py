@@ -10,11 +10,11 @@ from typing import Any
 
 from explorer.errors import RunError
 from explorer.measure import statistics
+from explorer.phase.strangers import plain_names, what_stands
 from explorer.runs import folder as folders
 from explorer.runs import schema, store
 from explorer.runs.chunks import Part, summary_of
 from explorer.runs.pictures import KNOWN, there
-from explorer.runs.strangers import plain_names, what_stands
 from explorer.scenes.base import Scene
 
 _MOST_MISSING = 10  # chunks that are named one by one

@@ -17,7 +17,7 @@ from explorer.errors import shown
 from explorer.measure import statistics
 from explorer.phase.columns import COLUMNS, ENERGY, LENGTH, RATE, TIME
 from explorer.phase.disk import Disk
-from explorer.runs.strangers import StrangeError
+from explorer.phase.strangers import StrangeError
 from explorer.scenes.base import Scene, Table, Tally
 
 if TYPE_CHECKING:

@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 
 from explorer.errors import InputError, RunError, shorten
 from explorer.phase.results import status_codes, to_arrow
-from explorer.runs import schema
-from explorer.runs.strangers import (
+from explorer.phase.strangers import (
     LARGEST_JSON,
     StrangeError,
     check_kinds,
@@ -30,6 +29,7 @@ from explorer.runs.strangers import (
     parse_json,
     plain_file,
 )
+from explorer.runs import schema
 from explorer.scenes.base import Scene, Table
 
 if TYPE_CHECKING:

@@ -1,6 +1,7 @@
 """The table of costs and errors: which is used, and that settings taken from it meet the accuracy."""
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +35,15 @@ def test_the_shipped_table_is_used_and_named_where_nothing_was_measured(private)
         lambda table: {**table, "methods": {"rk4": table["methods"]["rk4"]}},
         lambda table: {**table, "methods": []},
         lambda table: {**table, "motions": {"rk4": table["methods"]["rk4"]}},
+        lambda table: {name: value for name, value in table.items() if name != "kernels"},
+        lambda table: {**table, "motions": None},
+        lambda table: {**table, "methods": list(table["methods"])},
+        lambda table: {**table, "methods": dict.fromkeys(table["methods"], "rows")},
+        lambda table: {**table, "methods": {k: [["1", 1, 1, 1]] * 9 for k in table["methods"]}},
+        lambda table: {**table, "methods": {k: [[10**400, *rows[0][1:]]] for k, rows in table["methods"].items()}},
         lambda table: {**table, "quadrature": float("nan")},
+        lambda table: {**table, "quadrature": 10**400},
+        lambda table: {**table, "quadrature": "1"},
         lambda table: {**table, "methods": {k: [[1, 2, 3]] for k in table["methods"]}},
         lambda table: {**table, "methods": {k: rows[:1] for k, rows in table["methods"].items()}},
         lambda table: {**table, "methods": {k: rows[::-1] for k, rows in table["methods"].items()}},
@@ -43,8 +52,52 @@ def test_the_shipped_table_is_used_and_named_where_nothing_was_measured(private)
 )
 def test_a_damaged_table_is_named_not_used(private, spoil):
     private.write_text(json.dumps(spoil(shipped())))
-    with pytest.raises(ex.InputError, match="calibration"):
+    check_that_it_is_named(private)
+
+
+def check_that_it_is_named(path):
+    """By one sentence with a remedy, in which nothing of Python's is read."""
+    with pytest.raises(ex.InputError, match="cannot be used") as told:
         plan(("chi",), 1e-6)
+    assert f"calibration {path}" in str(told.value)
+    assert str(told.value).endswith("; delete it, then nearflat trade")
+    for words in ("Error", "sys.", "NoneType", "indices", "codec"):
+        assert words not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 100_000, '{"a":' * 50 + "1" + "}" * 50, '{"a": ' + "9" * 5000 + "}", "", "NaN"]
+)
+def test_text_that_is_no_table_is_named_not_used(private, text):
+    private.write_text(text)
+    check_that_it_is_named(private)
+
+
+@pytest.mark.parametrize("make", ["pipe", "folder", "too large", "a link to a device", "no text"])
+def test_what_is_no_file_of_a_table_is_named_not_read(private, make):
+    """Read to its end, a pipe would hang and a device would fill the memory."""
+    if make == "pipe":
+        if not hasattr(os, "mkfifo"):
+            pytest.skip("pipes with names are those of POSIX")
+        os.mkfifo(private)
+    elif make == "folder":
+        private.mkdir()
+    elif make == "too large":
+        with private.open("wb") as file:
+            file.truncate(1 << 30)
+    elif make == "no text":
+        private.write_bytes(b"\xff\xfe\xfa{}")
+    else:
+        if not Path("/dev/zero").exists():
+            pytest.skip("there is no such device")
+        private.symlink_to("/dev/zero")
+    check_that_it_is_named(private)
+
+
+def test_a_table_may_be_a_link_to_another_file(private, tmp_path):
+    (tmp_path / "elsewhere.json").write_text(json.dumps(shipped()))
+    private.symlink_to(tmp_path / "elsewhere.json")
+    assert "measured on this machine" in calibration.current().origin
 
 
 def test_motions_in_time_have_curves_of_their_own_where_they_were_measured(private):

@@ -1,7 +1,7 @@
-"""Files of a run as strangers may have left them: checked before they are used, and bounded in size and depth.
+"""Files as strangers may have left them: checked before they are used, and bounded in size and depth.
 
-A file is only opened where it is a plain file of the folder itself, not a link, a pipe, a device or a folder.
-Nothing in it is executed: JSON and Parquet hold data only.
+A file of a run is only opened where it is a plain file of the folder itself, not a link, a pipe, a device or a
+folder. Nothing in it is executed: JSON and Parquet hold data only.
 """
 
 import json
@@ -80,8 +80,10 @@ def parse_json(text: str | bytes) -> dict[str, Any]:
         content = json.loads(text, parse_constant=_no_constant)
     except RecursionError:
         raise StrangeError("it is nested too deeply") from None
-    except (json.JSONDecodeError, UnicodeDecodeError, StrangeError):
+    except (json.JSONDecodeError, StrangeError):
         raise
+    except UnicodeDecodeError:
+        raise StrangeError("it is no text") from None
     except ValueError:  # Python speaks of its own bound here
         raise StrangeError("it holds a number of too many digits") from None
     if not isinstance(content, dict):
