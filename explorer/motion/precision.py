@@ -40,11 +40,14 @@ _SLOW, _LEAST_SPEED = 0.05, 1e-3
 _TURNED = 3.0
 # Of the time an error is some of that of the angles: this many times at most.
 _BESIDE = 4.0
-# Rates (natural units) beyond which adaptive methods are told to err more than their constants show.
-_SPUN = 5.0
-# Motions that run free are followed twice, by other steps: where they come apart by this many times what was asked
-# they have no answer.
-_ASTRAY = 1e3
+# Rates (natural units) beyond which adaptive methods are told to err more than their constants show, and ways (r).
+_SPUN, _LONG_WAY = 5.0, 20.0
+_LITTLE = 0.05  # of I3/I1
+# Speed at the vertical (natural units) below which errors are amplified each time, and a time for more than one.
+_OFTEN_SLOW, _TWICE = 0.2, 5.0
+# Motions that are followed twice, by other steps, and come apart by this many times what was asked have no answer:
+# the finer steps of adaptive methods err by so much less, fixed ones by a tenth. Where I3 = 0 estimates alone tell.
+_ASTRAY, _ASTRAY_FIXED = 1e3, 1e2
 # Tolerances of the second run, relative to those of the first: errors of a fast spin may hardly change between two
 # that are ten times apart. Below the least one rounding refuses steps.
 _FINER, _LEAST_TOLERANCE = 1e-3, 1e-14
@@ -75,18 +78,22 @@ def share_of_accuracy(disk: Disk, how: Plan, energy: Array) -> Array:
     return share
 
 
-def doubtful(disk: Disk, how: Plan, start: NaturalConstants) -> NDArray[np.bool_]:
-    """Which motions (n) must be followed again by other steps to know how far they erred.
+def doubtful(disk: Disk, how: Plan, start: NaturalConstants, time: float) -> NDArray[np.bool_]:
+    """Which motions (n) must be followed again by other steps to know how far they erred up to a time.
 
-    Of those that run free nothing tells it, and of those that spin fast errors of the phase add up over many
-    periods in a unit of time, which the constants do not show; fixed steps are short enough there. A setting that
-    is named is one that is tried, and nothing was asked of it.
+    Of those that run free nothing tells it. Of those that spin fast, or long, errors of the phase add up over many
+    periods, which the constants do not show; fixed steps are short enough there, but where I3 is little. Each slow
+    passage of the vertical amplifies what the ones before have left. A setting that is named is one that is tried,
+    and nothing was asked of it.
     """
     if how.setting is not None:
         return np.zeros(start.energy.size, np.bool_)
     if not disk.body.I3 > 0.0:
         return np.ones(start.energy.size, np.bool_)
-    return np.asarray(how.adaptive & (way(disk, start.energy) > _SPUN))
+    far = way(disk, start.energy)
+    spun = (far > _SPUN) | (far > _LONG_WAY / time)
+    spun &= how.adaptive or disk.body.k < _LITTLE
+    return np.asarray(spun | ((_speed_at_vertical(disk, start) < _OFTEN_SLOW) & (time > _TWICE)))
 
 
 def finer(how: Plan, control: Array) -> Array:
@@ -97,9 +104,15 @@ def finer(how: Plan, control: Array) -> Array:
     return np.asarray(control * 0.1 ** (1.0 / FIXED[how.method]))
 
 
-def most_apart(how: Plan, time: float) -> float:
-    """How far motions that run free may come apart by other steps, until they are no answer."""
-    return _ASTRAY * how.accuracy * max(1.0, time / _PASSAGE)
+def asked(how: Plan, time: float) -> float:
+    """The error that motions may have at a time."""
+    return how.accuracy * max(1.0, time / _PASSAGE)
+
+
+def most_apart(disk: Disk, how: Plan, time: float) -> float:
+    """How far motions may come apart by other steps, until they are no answer."""
+    held_by_fixed = disk.body.I3 > 0.0 and not how.adaptive
+    return (_ASTRAY_FIXED if held_by_fixed else _ASTRAY) * asked(how, time)
 
 
 class Ends(NamedTuple):

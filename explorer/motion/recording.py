@@ -38,7 +38,8 @@ _POINTS, _PER_TIME, _MORE = 256, 512, 8
 class Motions(NamedTuple):
     """Motions before they are followed; initial (10, n), constants (6, n): of these, rows as NaturalConstants.
 
-    held: what they are held to. control (n): their steps or tolerances.
+    held: what they are held to. control (n): their steps or tolerances. apart (n): how far from there those that
+    were followed before ended by other steps; NaN of the others.
     """
 
     disk: Disk
@@ -49,13 +50,24 @@ class Motions(NamedTuple):
     held: LinearConstants
     status: NDArray[np.int8]
     control: Array
+    apart: Array
 
     def at(self, rows: NDArray[np.intp]) -> Motions:
         """Some of them."""
         held = LinearConstants(*(column[rows] for column in self.held))
         initial, constants = (np.ascontiguousarray(part[:, rows]) for part in (self.initial, self.constants))
-        status, control = self.status[rows], self.control[rows]
-        return self._replace(initial=initial, constants=constants, held=held, status=status, control=control)
+        alike = {name: getattr(self, name)[rows] for name in ("status", "control", "apart")}
+        return self._replace(initial=initial, constants=constants, held=held, **alike)
+
+    def again(self, outcome: Outcome, apart: Array, time: float) -> Motions:
+        """The same by finer steps, where they came further apart (n) than was asked."""
+        finer, control = self.astray(apart, time), precision.finer(self.plan, self.control)
+        control = np.where(finer, control, self.control)
+        return self._replace(control=control, apart=np.fmax(self.apart, apart), status=outcome.status.copy())
+
+    def astray(self, apart: Array, time: float) -> NDArray[np.bool_]:
+        """Which have come further apart (n) up to a time than was asked."""
+        return np.asarray(apart > precision.asked(self.plan, time))
 
     @property
     def how(self) -> compiled.attempt.Integration:
@@ -84,6 +96,11 @@ class Outcome(NamedTuple):
         n = given.number
         return cls(given.status.copy(), np.empty(n, np.int32), np.empty((3, n)), np.full(n, np.nan))
 
+    def put(self, rows: NDArray[np.intp], found: Outcome) -> None:
+        """What became of some of the motions in the end."""
+        self.status[rows], self.steps[rows] = found.status, found.steps
+        self.constants_error[:, rows], self.error_estimate[rows] = found.constants_error, found.error_estimate
+
 
 def motions(states: States, how: Plan, chi0: float, max_steps: int) -> Motions:
     """The motions through `states`, as they are before they are followed."""
@@ -93,7 +110,8 @@ def motions(states: States, how: Plan, chi0: float, max_steps: int) -> Motions:
     natural = natural_constants(states)
     status, held = held_constants(states, natural)
     control = precision.steps(states.disk, how, natural.energy)
-    return Motions(states.disk, how, max_steps, initial, np.array(natural), held, status, control)
+    apart = np.full(len(states), np.nan)
+    return Motions(states.disk, how, max_steps, initial, np.array(natural), held, status, control, apart)
 
 
 def sample(given: Motions, times: Array, jobs: int = 1) -> tuple[Array, Outcome]:
@@ -108,20 +126,30 @@ def sample(given: Motions, times: Array, jobs: int = 1) -> tuple[Array, Outcome]
 
 def _sample(given: Motions, times: Array) -> tuple[Array, Outcome]:
     later = times[times > 0.0]  # the kernel takes times above 0; the state at 0 is known
-    outcome = Outcome.of(given)
-    work = _work(given, later, outcome)
     if later.size == 0:
+        out, outcome = np.empty((given.number, 0, 10)), Outcome.of(given)
         outcome.steps[:] = 0
         outcome.constants_error[:] = np.where(given.status == compiled.status.Status.OK, 0.0, np.nan)
         outcome.error_estimate[:] = outcome.constants_error[0]
     else:
-        _run(given, work, _no_trail(), outcome)
-        _judge(given, work, outcome)
-    out = work.out
+        out, outcome, apart = _followed(given, later)
+        rows = np.flatnonzero(given.astray(apart, later[-1]) & (outcome.status == compiled.status.Status.OK))
+        if rows.size:
+            better = given.again(outcome, apart, later[-1]).at(rows)
+            out[rows], found, _ = _followed(better, later)
+            outcome.put(rows, found)
     if later.size < times.size:
         out = np.concatenate([given.initial.T[:, None], out], axis=1)
     out[outcome.status != compiled.status.Status.OK] = np.nan
     return out, outcome
+
+
+def _followed(given: Motions, times: Array) -> tuple[Array, Outcome, Array]:
+    """States (n, nt, 10) at times > 0, what became of the motions, and as `_judge`."""
+    outcome = Outcome.of(given)
+    work = _work(given, times, outcome)
+    _run(given, work, _no_trail(), outcome)
+    return work.out, outcome, _judge(given, work, outcome)
 
 
 def _work(given: Motions, times: Array, outcome: Outcome) -> compiled.motions.Motions:
@@ -151,8 +179,11 @@ def _long(given: Motions, time: float) -> bool:
     return not float(time) * float(given.number + np.nansum(way)) < _LONG
 
 
-def _judge(given: Motions, work: compiled.motions.Motions, outcome: Outcome) -> None:
-    """Tell how far motions that were followed may have erred, and which of them have no answer for that."""
+def _judge(given: Motions, work: compiled.motions.Motions, outcome: Outcome) -> Array:
+    """Tell how far motions that were followed may have erred, and which of them have no answer for that.
+
+    Returns how far from there they end by other steps (n), NaN of those that were not followed twice.
+    """
     disk, code = given.disk, compiled.status.Status
     last = np.empty_like(given.constants)
     compiled.algebra.constants_batch(work.last[:5], disk.whole, disk.natural, last)
@@ -162,30 +193,31 @@ def _judge(given: Motions, work: compiled.motions.Motions, outcome: Outcome) -> 
     ends = precision.Ends(reached, outcome.steps, outcome.constants_error[0], work.taken)
     found = precision.error_estimate(disk, given.plan, start, ends)
     found = precision.estimate_in_race(disk, given.plan, work.out[:, -1].T, found)
-    found, unknown = _with_second_run(given, work, outcome, found)
+    apart, unknown = _second_run(given, work, outcome)
+    found = np.fmax(np.fmax(found, apart), given.apart)
     outcome.status[unknown], ok[unknown] = code.STEP_LIMIT, False
     outcome.error_estimate[ok] = found[ok]
     lost = ok & precision.lost_to_rounding(disk, given.plan, start.energy, ends)
     outcome.status[lost] = code.STEP_TOO_SMALL
+    return apart
 
 
-def _with_second_run(
-    given: Motions, work: compiled.motions.Motions, outcome: Outcome, found: Array
+def _second_run(
+    given: Motions, work: compiled.motions.Motions, outcome: Outcome
 ) -> tuple[Array, NDArray[np.intp]]:
-    """Estimates (n), `found` without it, with what a second run of doubtful motions tells; and which of these have
-    no answer: it came to no end, or motions that run free ended elsewhere.
+    """How far doubtful motions end from where they do by other steps (n), NaN of others; and which have no answer.
+
+    Those have none whose second run came to no end, or ended elsewhere.
     """
-    start, ended = NaturalConstants(*given.constants), work.out[:, -1]
-    racing, free = ended[:, compiled.field.ROW.q] < _RACING, np.isnan(given.held.sigma3_bar)
-    doubtful = precision.doubtful(given.disk, given.plan, start)
-    again = np.flatnonzero(doubtful & (outcome.status == compiled.status.Status.OK))
-    if not again.size:
-        return found, again
-    apart = _apart(given.at(again), work.times[-1:], ended[again])
-    found = found.copy()
-    found[again] = np.fmax(found[again], apart)
-    astray = (free & ~racing)[again] & (apart > precision.most_apart(given.plan, work.times[-1]))
-    return found, again[astray | np.isnan(apart)]
+    start, ended, time = NaturalConstants(*given.constants), work.out[:, -1], float(work.times[-1])
+    asked = (outcome.status == compiled.status.Status.OK) & np.isnan(given.apart)
+    rows = np.flatnonzero(asked & precision.doubtful(given.disk, given.plan, start, time))
+    apart = np.full(given.number, np.nan)
+    if rows.size:
+        apart[rows] = _apart(given.at(rows), work.times[-1:], ended[rows])
+    racing = ended[rows, compiled.field.ROW.q] < _RACING
+    elsewhere = ~racing & (apart[rows] > precision.most_apart(given.disk, given.plan, time))
+    return apart, rows[elsewhere | np.isnan(apart[rows])]
 
 
 def _apart(given: Motions, time: Array, ended: Array) -> Array:
@@ -272,8 +304,11 @@ def _record(given: Motions, t_end: float, number: int) -> Records:
         _run(given, work, trail, outcome)
         used = int(trail.used[0])
         if used <= room:
-            _judge(given, work, outcome)
-            break
+            apart = _judge(given, work, outcome)
+            if not (given.astray(apart, t_end) & (outcome.status == compiled.status.Status.OK)).any():
+                break
+            given = given.again(outcome, apart, t_end)
+            continue
         _require(room < most, number)
         room = min(_MORE * room, most)
     state_at_end, depth = work.out, work.how.depth

@@ -127,6 +127,42 @@ def test_estimates_know_what_an_error_of_the_time_does_inside_a_race(name, metho
     assert racing > 100
 
 
+def long_motions(kind, n=60):
+    """Those that pass the vertical slowly, again and again, and wobbles of a moderate spin."""
+    disk, rng = BODIES["uniform"], np.random.default_rng(12)
+    if kind == "slow":
+        eta_hat = 10.0 ** rng.uniform(-6.0, -1.0, n) * rng.choice([-1.0, 1.0], n)
+        return ex.constants_to_states(disk, rng.uniform(-1.0, 1.0, n), eta_hat, 10.0 ** rng.uniform(-5.0, -1.0, n))
+    spin = rng.uniform(1.5, 4.8, n) * rng.choice([-1.0, 1.0], n)
+    return ex.phi_to_states(disk, rng.uniform(-1.4, 1.4, n), *rng.uniform(-0.5, 0.5, (2, n)), spin)
+
+
+@pytest.mark.parametrize("kind", ["slow", "wobbles"])
+def test_errors_of_long_motions_are_told_and_mended(kind):
+    """Each slow passage of the vertical amplifies what the ones before have left; phases err over many periods."""
+    states, names, time = long_motions(kind), ("phi", "chi", "psi"), 20.0
+    true, other = (trajectories(states, None, [time], names, method=m, accuracy=1e-11) for m in ("rk8", "dop853"))
+    known = other.ok & (abs(true.chi - other.chi) + abs(true.psi - other.psi) < 1e-8)[:, 0]
+    assert known.mean() > 0.9
+    away = abs(true.phi[:, 0]) < 0.5 * np.pi - 0.1
+    for method in METHODS:
+        for accuracy in (1e-2, 1e-4, 1e-6):
+            got = trajectories(states, None, [time], names, method=method, accuracy=accuracy)
+            error = np.maximum(abs(got.chi - true.chi), abs(got.psi - true.psi))[:, 0]
+            sure = known & got.ok
+            assert sure.mean() > 0.85
+            assert (error <= 10.0 * got.error_estimate)[sure].all()
+            assert np.percentile(error[sure & away], 99) <= 0.5 * time * accuracy
+
+
+def test_a_curve_takes_the_finer_steps_where_other_steps_end_elsewhere():
+    state = ex.constants_to_states(BODIES["uniform"], 0.1, -0.01, 0.01)
+    curve = ex.simulate(state, 20.0, method="dopri5", accuracy=1e-3, observables=("chi",))
+    true = ex.simulate(state, t_eval=[20.0], method="rk8", accuracy=1e-10, observables=("chi",))
+    assert curve.chi[0, -1] == pytest.approx(true.chi[0, 0], abs=1e-2)
+    assert curve.error_estimate[0] > 1e-2
+
+
 @pytest.mark.parametrize("t_eval", [None, [1.0, 2.0]])
 def test_motions_without_an_answer_have_no_estimate_and_those_that_stand_have_none_to_make(t_eval):
     states = ex.constants_to_states(BODIES["hoop"], 1.0, [1e-3, 0.0, np.nan], 1.0)
