@@ -46,7 +46,7 @@ _LITTLE = 0.05  # of I3/I1
 # Speed at the vertical (natural units) below which errors are amplified each time, and a time for more than one.
 _OFTEN_SLOW, _TWICE = 0.2, 5.0
 # Motions that are followed twice, by other steps, and come apart by this many times what was asked have no answer:
-# the finer steps of adaptive methods err by so much less, fixed ones by a tenth. Where I3 = 0 estimates alone tell.
+# the finer steps of adaptive methods err by so much less, fixed ones by a tenth. Where I3 = 0, estimates tell.
 _ASTRAY, _ASTRAY_FIXED = 1e3, 1e2
 # Tolerances of the second run, relative to those of the first: errors of a fast spin may hardly change between two
 # that are ten times apart. Below the least one rounding refuses steps.
