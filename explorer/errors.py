@@ -242,9 +242,10 @@ def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf
 
 
 def plain_number(value: Any) -> Any:
-    """A scalar of numpy, or an array of one element, as a number of Python; a date as it is."""
+    """A scalar of numpy, or an array of one element, as a number of Python; None for a date and what is masked."""
     try:
-        if getattr(getattr(value, "dtype", None), "kind", "f") in "mM" or getattr(value, "mask", False) is True:
+        mask = getattr(value, "mask", False)  # of numpy, or an array of them; of pandas a method
+        if getattr(getattr(value, "dtype", None), "kind", "f") in "mM" or (not callable(mask) and bool(mask)):
             return None
         return value.item() if hasattr(value, "item") and not isinstance(value, type) else value
     except Exception:  # more than one element, a module, or a foreign object's own way to fail

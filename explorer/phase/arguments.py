@@ -37,6 +37,9 @@ F = TypeVar("F", bound=Callable[..., Any])
 K = TypeVar("K")
 # What numpy reads by itself and to an end, and what says that it is an array.
 _OWN = frozenset((bool, int, float, complex, str, bytes, type(None), range, memoryview, np.ndarray, np.float64))
+_BOOLS = frozenset((bool, np.bool_))
+# In a sequence it takes a bool for 1, and what an array hides for a number.
+_OWN_INSIDE = _OWN - {bool, np.ndarray}
 _ARRAYS = ("__array__", "__array_interface__", "__array_struct__")
 _LONGEST = 10**7  # entries of a sequence that is none of Python's
 _DEEPEST = 64  # lists in lists: numpy has no more axes
@@ -91,7 +94,7 @@ def column(name: str, value: Any) -> Array:
     if isinstance(value, np.ndarray) and value.dtype == np.float64 and type(value) is np.ndarray:
         return value
     try:
-        bounded = _bounded(value)
+        bounded = plain_sequence(value)
         given = np.ma.asanyarray(bounded) if isinstance(bounded, np.ma.MaskedArray) else np.asarray(bounded)
     except Exception:  # ragged lists, and objects with an own way to fail
         raise InputError(
@@ -107,15 +110,37 @@ def column(name: str, value: Any) -> Array:
     return read if masked is None else np.where(masked, np.nan, read)
 
 
-def _bounded(value: Any, depth: int = 0) -> Any:
-    """Sequences of foreign kinds as lists of the length that they say they have: numpy asks some without end."""
+def plain_sequence(value: Any, depth: int = 0) -> Any:
+    """Sequences as lists that numpy reads as what they hold; whatever else is given as it is.
+
+    Those of foreign kinds get the length that they say they have: numpy asks some without end. What is masked in
+    them is missing, and bools among numbers stay bools, in an array of objects.
+    """
     if isinstance(value, list | tuple):
-        foreign = depth < _DEEPEST and not _OWN.issuperset(map(type, value))
-        return [_bounded(each, depth + 1) for each in value] if foreign else value
+        kinds = set(map(type, value))
+        if depth >= _DEEPEST or kinds <= _OWN_INSIDE or kinds <= _BOOLS:
+            return value
+        entries = [plain_sequence(each, depth + 1) for each in value]
+        return np.asarray(entries, dtype=object) if kinds & _BOOLS else entries
+    if depth and isinstance(value, np.ndarray):
+        return _inside(value)
     known = type(value) in _OWN or isinstance(value, Mapping) or any(hasattr(value, name) for name in _ARRAYS)
     if known or not hasattr(value, "__getitem__"):
         return value
     return list(islice(value, min(len(value), _LONGEST)))
+
+
+def _inside(array: NDArray[Any]) -> Any:
+    """An array in a sequence, as objects where numpy would take for a number what is none."""
+    given = np.asarray(array)
+    masked = isinstance(array, np.ma.MaskedArray) and given.dtype.kind in "iufO"
+    if not masked and given.dtype.kind != "b":
+        return given
+    cells = given.astype(object)
+    if not masked:
+        return cells
+    cells[np.ma.getmaskarray(array)] = None
+    return cells[()]
 
 
 def _real(given: NDArray[Any]) -> Array | None:

@@ -61,6 +61,17 @@ def test_what_is_no_finite_number_is_refused(value):
         number("accuracy", value)
 
 
+@pytest.mark.parametrize(
+    "value",
+    [np.ma.masked, np.ma.array(1.0, mask=True), np.ma.array([1], mask=True), np.ma.array([[1.0]], mask=[[1]])],
+)
+def test_a_masked_number_is_none(value):
+    for read in (number, positive, whole, sign, flag):
+        with pytest.raises(InputError, match=r"^m = "):
+            read("m", value)
+    assert number("m", np.ma.array(0.25)) == number("m", np.ma.array([0.25], mask=[False])) == 0.25
+
+
 def test_bounds_of_a_number_are_in_the_message():
     for low, high, words in (
         (0.0, 1.0, "from 0 to 1"),

@@ -42,8 +42,11 @@ def test_whatever_holds_doubles_is_read_as_they_are(given):
         pd.Series([1, None], dtype="Int64"),
         [1.0, None],
         np.array([1.0, pd.NA], object),
+        [1.0, np.ma.masked],
+        [1, np.ma.array(2.0, mask=True)],
+        (np.float64(1.0), np.ma.array(2, mask=True)),
     ],
-    ids=["masked", "NA", "integers with NA", "None", "objects with NA"],
+    ids=["masked", "NA", "integers with NA", "None", "objects with NA", "constant", "in a list", "in a tuple"],
 )
 def test_what_is_missing_is_no_number_and_the_rest_is(given):
     np.testing.assert_array_equal(column("phi", given), [1.0, np.nan])
@@ -56,6 +59,11 @@ def test_what_is_missing_is_no_number_and_the_rest_is(given):
         [1.0, 0j],
         True,
         [True, False],
+        [1e-3, True],
+        (np.float64(1e-3), np.True_),
+        [[1.0, 2.0], [True, 2.0]],
+        [np.array([True, False]), [1.0, 2.0]],
+        [np.array(True), 1.0],
         "1",
         ["1.0"],
         b"1",
@@ -80,6 +88,13 @@ def test_what_is_no_real_number_or_would_be_cut_is_refused_in_a_sentence(given):
     with pytest.raises(InputError, match=r"^phi = .* is not an array of real numbers") as refused:
         column("phi", given)
     assert len(str(refused.value)) <= 300
+
+
+def test_what_arrays_in_a_list_hide_is_missing():
+    part = np.ma.array([1, 2], mask=[False, True])
+    np.testing.assert_array_equal(column("phi", [part, [3.0, 4.0]]), [[1.0, np.nan], [3.0, 4.0]])
+    np.testing.assert_array_equal(column("phi", [part.astype(object), part]), [[1.0, np.nan]] * 2)
+    assert part.data.tolist() == [1, 2]
 
 
 @pytest.mark.parametrize(
