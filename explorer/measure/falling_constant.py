@@ -48,6 +48,9 @@ _BISECTIONS = 40
 # Tilts between which a change of the sign of eta is sought: the line may not pass a corner twice within 1e-3 rad.
 _SCAN = 4001
 _STEP = 1e-5  # rad; of a central difference, whose error is 1e-10 and whose rounding 1e-11
+# Integrals below the first lose digits beside the least that they try for. Of an error so many times the value not
+# even the size of C is known.
+_LEAST_MASS, _USELESS = 1e-290, 10.0
 _AT_ONCE = 32  # tilts, where the integral over phidot is closed; else its nodes take their place in memory
 
 
@@ -119,7 +122,8 @@ def falling_constant(
     Raises
     ------
     InputError
-        Where an argument cannot be used, or the density is zero in all of the box.
+        Where an argument cannot be used, the density is zero in all of the box, or the integral of a function
+        overflows, underflows, or has an error above its value.
 
     Notes
     -----
@@ -144,17 +148,36 @@ def falling_constant(
 def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> FallingConstant:
     """As falling_constant, of a Density; tolerance: relative error to try for."""
     natural = NaturalDensity(disk, density, tolerance)
-    mass = natural.mass()
+    # What overflows is refused by what comes of it.
+    with np.errstate(over="ignore", invalid="ignore"):
+        mass = natural.mass()
+    _check_known(density, "its integral", mass, 1.0)
     if not mass.value > 0.0:
         factor = "--energy" if density.energy != ANY_ENERGY else "density"
         raise InputError(f"{factor}: the density is zero in all of the box; widen one of them")
+    if mass.value < _LEAST_MASS and density.function is not None:
+        raise InputError(f"density: its integral is {mass.value:.1e}, and loses its digits; multiply it by 1e300")
     if natural.reaches_flat() or _all_on_f(density.box):
         return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass.value)
-    parts = _over_f(natural)
+    with np.errstate(over="ignore", invalid="ignore"):
+        parts = _over_f(natural)
     plus, minus, *both = (part.value / mass.value for part in parts)
     value = plus + minus - sum(both)
     error = (sum(part.error for part in parts) + value * mass.error) / mass.value + _ROUNDING * value
+    _check_known(density, "C", Integral(value, error), _USELESS)
     return FallingConstant(value, error, plus, minus, mass.value)
+
+
+def _check_known(density: Density, what: str, found: Integral, most: float) -> None:
+    """Raise InputError where an integral of a function of the user's has an error above `most` times its value."""
+    if density.function is None or 0.0 <= found.error <= most * found.value < math.inf:
+        return
+    if not (math.isfinite(found.value) and math.isfinite(found.error)):
+        raise InputError(f"density: {what} is beyond doubles; divide it by its largest value")
+    raise InputError(
+        f"density: {what} would be {found.value:.2g} with an error of {found.error:.2g}: the box is too wide for "
+        "it; shrink the box to where it is large"
+    )
 
 
 def weight_on_f(disk: Disk, density: Density, tolerance: float) -> float:

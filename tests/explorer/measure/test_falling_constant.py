@@ -1,6 +1,7 @@
 """The constant C against grids of states, limits of boxes, and its own symmetries."""
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -187,3 +188,37 @@ def test_a_density_that_does_not_vanish_at_flat_has_none_unless_the_energy_is_bo
 def test_bad_input_is_named(options, message):
     with pytest.raises(ex.InputError, match=message):
         falling_constant(ex.Disk.uniform(), **options)
+
+
+@pytest.mark.parametrize(
+    ("density", "words"),
+    [
+        (lambda phi, *_: np.full_like(phi, 1e308), "beyond doubles; divide it by its largest value"),
+        (lambda phi, *_: np.full_like(phi, 1e-320), "loses its digits; multiply it by 1e300"),
+        (lambda _, phidot, *__: np.exp(-(((phidot - 0.377) / 1e-3) ** 2)), "shrink the box to where it is large"),
+        (lambda _, phidot, *__: np.exp(-(((phidot - 0.377) / 1e-2) ** 2)), "shrink the box to where it is large"),
+        (lambda *columns: np.exp(-(((columns[2] - 0.377) / 1e-2) ** 2)), "shrink the box to where it is large"),
+    ],
+    ids=["huge", "tiny", "a line", "a band", "a band of sigma3"],
+)
+def test_no_constant_is_given_of_a_density_whose_integral_is_not_known(density, words):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(ex.InputError, match=words):
+            falling_constant(ex.Disk.uniform(), density=density)
+
+
+def test_a_density_that_nearly_overflows_or_vanishes_has_the_constant_of_its_shape():
+    for scale in (1e300, 1e-285):
+        found = falling_constant(ex.Disk.uniform(), density=lambda phi, *_, scale=scale: np.full_like(phi, scale))
+        assert found.value == pytest.approx(KNOWN["uniform"], abs=1e-7)
+
+
+def test_a_box_that_is_shrunk_to_a_narrow_density_gives_what_that_alone_can_draw():
+    """The remedy of the message: a Gaussian factor by hand, and by `gaussian`, whose width is known."""
+    disk, box = ex.Disk.uniform(), "phidot=0.327:0.427"
+    found = falling_constant(
+        disk, box, density=lambda _, phidot, *__: np.exp(-0.5 * ((phidot - 0.377) / 1e-2) ** 2)
+    )
+    known = falling_constant(disk, gaussian="phidot=0.377:0.01")
+    assert found.value == pytest.approx(known.value, rel=1e-5)
