@@ -43,6 +43,7 @@ _OWN_INSIDE = _OWN - {bool, np.ndarray}
 _ARRAYS = ("__array__", "__array_interface__", "__array_struct__")
 _LONGEST = 10**7  # entries of a sequence that is none of Python's
 _DEEPEST = 64  # lists in lists: numpy has no more axes
+_MOST_AXES = 32  # of an array: more than these numpy makes, but does not broadcast
 _LARGEST_TABLE = 10**9  # entries to which arguments may broadcast: 8 GB for each column
 
 
@@ -92,6 +93,7 @@ def _column_of(values: Array, shape: tuple[int, ...]) -> Array:
 def column(name: str, value: Any) -> Array:
     """Read one array of real numbers, as this module describes it. Raises InputError."""
     if isinstance(value, np.ndarray) and value.dtype == np.float64 and type(value) is np.ndarray:
+        _check_axes(name, value)
         return value
     try:
         bounded = plain_sequence(value)
@@ -100,6 +102,7 @@ def column(name: str, value: Any) -> Array:
         raise InputError(
             f"{name} = {shown(value)} is not an array of real numbers; give one of one shape"
         ) from None
+    _check_axes(name, given)
     masked, given = np.ma.getmaskarray(given) if isinstance(given, np.ma.MaskedArray) else None, np.asarray(given)
     read = _real(given)
     if read is None:
@@ -108,6 +111,11 @@ def column(name: str, value: Any) -> Array:
         kind = "" if given.dtype.kind in "US" else kind
         raise InputError(f"{name} = {shown(value)} is not an array of real numbers{kind}; {remedy}")
     return read if masked is None else np.where(masked, np.nan, read)
+
+
+def _check_axes(name: str, given: NDArray[Any]) -> None:
+    if given.ndim > _MOST_AXES:
+        raise InputError(f"{name} is an array of {given.ndim} axes; give one of {_MOST_AXES} at most")
 
 
 def plain_sequence(value: Any, depth: int = 0) -> Any:

@@ -110,6 +110,7 @@ def best_constants(states: States) -> NaturalConstants:
     return natural._replace(**given._asdict(), rounding_plus=none, rounding_minus=none)
 
 
+@np.errstate(under="ignore")  # also where the user has set numpy to raise
 def constants_of(states: States, natural: NaturalConstants | None = None) -> Constants:
     """Constants of motion of states, in a row; algebra, no integration. `natural`: they, where known already."""
     disk, unit = states.disk, states.disk.rate_unit

@@ -182,6 +182,7 @@ def _membership(states: States, natural: NaturalConstants) -> compiled.falling.M
     return compiled.falling.Membership(*out)
 
 
+@np.errstate(under="ignore")  # also where the user has set numpy to raise
 def falls_of(states: States, natural: NaturalConstants | None = None) -> Falls:
     """The position of states relative to F, in a row. `natural`: their constants, where known already."""
     disk, code = states.disk, compiled.status.Status

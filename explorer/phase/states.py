@@ -20,6 +20,8 @@ from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
 from explorer.phase.lines import LinearConstants, line_slope, linear_constants
 
+# Also where the user has set numpy to raise.
+_UNDERFLOW_IS_ZERO = np.errstate(under="ignore")
 COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 
 
@@ -140,21 +142,25 @@ class States:
         return Rows(*self.natural)
 
     @property
+    @_UNDERFLOW_IS_ZERO
     def phi(self) -> Array:
         """Angle of the disk's plane to the vertical (rad)."""
         return self._known(np.arctan2(self.rows.z, self.rows.q))
 
     @property
+    @_UNDERFLOW_IS_ZERO
     def phidot(self) -> Array:
         """Rate of phi (units of the disk)."""
         return self._known(-self.rows.p * self.disk.rate_unit)
 
     @property
+    @_UNDERFLOW_IS_ZERO
     def sigma3(self) -> Array:
         """sigma3 of eq. (2.14) (units of the disk)."""
         return self._known(self.rows.q * self.rows.rho * self.disk.rate_unit)
 
     @property
+    @_UNDERFLOW_IS_ZERO
     def sigma4(self) -> Array:
         """Spin sigma4 of eq. (2.14) (units of the disk)."""
         return self._known(self.rows.sigma4 * self.disk.rate_unit)
@@ -205,10 +211,11 @@ def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLi
     given = {"phi": phi, "phidot": phidot, "sigma3": sigma3, "sigma4": sigma4}
     (tilt, rate, s3, s4), shape = read_columns(given)
     angle = np.where(np.isfinite(tilt), tilt, np.pi)
-    if angle.size and (angle == angle[0]).all():
-        q, z = (np.full(angle.size, f(angle[0])) for f in (np.cos, np.sin))
-    else:
-        q, z = np.cos(angle), np.sin(angle)
+    with np.errstate(all="ignore"):
+        if angle.size and (angle == angle[0]).all():
+            q, z = (np.full(angle.size, f(angle[0])) for f in (np.cos, np.sin))
+        else:
+            q, z = np.cos(angle), np.sin(angle)
     return _states(disk, _Chart(q, z, -rate, s3, s4), abs(angle) < 0.5 * np.pi, shape)
 
 
@@ -254,7 +261,9 @@ def theta_to_states(
     (tilt, rate, s3, s4, s), shape = read_columns(given)
     good = (tilt > 0.0) & (tilt < np.pi) & (abs(s) == 1.0)
     tilt, s = np.where(good, tilt, 1.0), np.where(good, s, 1.0)
-    return _states(disk, _Chart(np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4), good, shape)
+    with np.errstate(all="ignore"):
+        chart = _Chart(np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4)
+    return _states(disk, chart, good, shape)
 
 
 def constants_to_states(
@@ -327,8 +336,8 @@ def _states(disk: Disk, x: _Chart, good: NDArray[np.bool_], shape: tuple[int, ..
         np.divide(x.p, unit, out=row.p)
         np.divide(x.sigma3, x.q * unit, out=row.rho)
         np.divide(x.sigma4, unit, out=row.sigma4)
+        rates = row.p, row.rho * x.q, row.sigma4
     # Squares beyond overflow; NaN fails the comparison as well. rho may be large near flat.
-    rates = row.p, row.rho * x.q, row.sigma4
     if not all(rate.min(initial=0.0) > -LARGEST_RATE and rate.max(initial=0.0) < LARGEST_RATE for rate in rates):
         good &= np.all([abs(rate) < LARGEST_RATE for rate in rates], axis=0)
     good &= np.isfinite(row.rho)

@@ -188,3 +188,14 @@ def test_a_sequence_is_as_long_as_it_says_and_a_mapping_is_none():
     np.testing.assert_array_equal(column("phi", [Endless(), [0.1, 0.2]]), [[0.5, 0.5], [0.1, 0.2]])
     with pytest.raises(InputError, match=r"^phi = \{0.1: 2\}"):
         column("phi", {0.1: 2})
+
+
+@pytest.mark.parametrize("axes", [33, 64])
+@pytest.mark.parametrize(
+    "make", [np.zeros, lambda shape: np.ma.zeros(shape), lambda shape: np.zeros(shape).tolist()]
+)
+def test_more_axes_than_numpy_broadcasts_are_refused_by_their_number(axes, make):
+    given = make((1,) * axes)
+    assert column("phi", make((1,) * 32)).ndim == 32
+    with pytest.raises(InputError, match=f"phi is an array of {axes} axes; give one of 32 at most"):
+        ex.phi_to_states(ex.Disk.uniform(), given, 0.0, 0.0, 1.0)
