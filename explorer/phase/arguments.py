@@ -96,21 +96,19 @@ def column(name: str, value: Any) -> Array:
         _check_axes(name, value)
         return value
     try:
-        bounded = plain_sequence(value)
-        given = np.ma.asanyarray(bounded) if isinstance(bounded, np.ma.MaskedArray) else np.asarray(bounded)
+        given = np.asarray(plain_array(value))
     except Exception:  # ragged lists, and objects with an own way to fail
         raise InputError(
             f"{name} = {shown(value)} is not an array of real numbers; give one of one shape"
         ) from None
     _check_axes(name, given)
-    masked, given = np.ma.getmaskarray(given) if isinstance(given, np.ma.MaskedArray) else None, np.asarray(given)
     read = _real(given)
     if read is None:
         kind = "" if given.dtype.kind == "O" and given.ndim == 0 else f" but of {given.dtype}"
         remedy = "give numbers, not text" if given.dtype.kind in "US" else "give numbers in doubles"
         kind = "" if given.dtype.kind in "US" else kind
         raise InputError(f"{name} = {shown(value)} is not an array of real numbers{kind}; {remedy}")
-    return read if masked is None else np.where(masked, np.nan, read)
+    return read
 
 
 def _check_axes(name: str, given: NDArray[Any]) -> None:
@@ -118,43 +116,45 @@ def _check_axes(name: str, given: NDArray[Any]) -> None:
         raise InputError(f"{name} is an array of {given.ndim} axes; give one of {_MOST_AXES} at most")
 
 
-def plain_sequence(value: Any, depth: int = 0) -> Any:
-    """Sequences as lists that numpy reads as what they hold; whatever else is given as it is.
+def plain_array(value: Any, depth: int = 0) -> Any:
+    """What numpy reads as what it is: sequences as lists, masked arrays as others; the rest as it is given.
 
-    Those of foreign kinds get the length that they say they have: numpy asks some without end. What is masked in
-    them is missing, and bools among numbers stay bools, in an array of objects.
+    Sequences of foreign kinds get the length that they say they have: numpy asks some without end. Bools among
+    numbers stay bools, in an array of objects.
     """
     if isinstance(value, list | tuple):
         kinds = set(map(type, value))
         if depth >= _DEEPEST or kinds <= _OWN_INSIDE or kinds <= _BOOLS:
             return value
-        entries = [plain_sequence(each, depth + 1) for each in value]
+        entries = [plain_array(each, depth + 1) for each in value]
         return np.asarray(entries, dtype=object) if kinds & _BOOLS else entries
-    if depth and isinstance(value, np.ndarray):
-        return _inside(value)
+    if isinstance(value, np.ma.MaskedArray):
+        value = _unmasked(value)
+    if depth and isinstance(value, np.ndarray) and value.dtype.kind == "b":
+        return value.astype(object)
     known = type(value) in _OWN or isinstance(value, Mapping) or any(hasattr(value, name) for name in _ARRAYS)
     if known or not hasattr(value, "__getitem__"):
         return value
     return list(islice(value, min(len(value), _LONGEST)))
 
 
-def _inside(array: NDArray[Any]) -> Any:
-    """An array in a sequence, as objects where numpy would take for a number what is none."""
-    given = np.asarray(array)
-    masked = isinstance(array, np.ma.MaskedArray) and given.dtype.kind in "iufO"
-    if not masked and given.dtype.kind != "b":
+def _unmasked(array: np.ma.MaskedArray[Any, Any]) -> Any:
+    """A masked array as another: what it hides is NaN among numbers, NaT among dates, None among other objects."""
+    given, mask = np.asarray(array), np.ma.getmaskarray(array)
+    if given.dtype.kind == "c" or not mask.any():
         return given
-    cells = given.astype(object)
-    if not masked:
-        return cells
-    cells[np.ma.getmaskarray(array)] = None
+    if given.dtype.kind in "iuf":
+        return np.where(mask, np.nan, given)
+    dates = given.dtype.kind in "mM"
+    cells = given.astype(given.dtype if dates else object)
+    cells[mask] = "NaT" if dates else None
     return cells[()]
 
 
 def _real(given: NDArray[Any]) -> Array | None:
     """An array as doubles; None where its entries are no real numbers, or would be cut."""
     if given.dtype.kind == "O":
-        entries = [math.nan if _missing(entry) else _entry(entry) for entry in given.ravel().tolist()]
+        entries = [math.nan if _missing(entry) else entry_of(entry) for entry in given.ravel().tolist()]
         if None in entries:
             return None
         return np.array(entries, dtype=np.float64).reshape(given.shape)
@@ -166,8 +166,10 @@ def _real(given: NDArray[Any]) -> Array | None:
     return None if cut else read
 
 
-def _entry(value: Any) -> float | None:
+def entry_of(value: Any) -> float | None:
     """An entry of an array of objects; text is none, and nor is an integer beyond doubles."""
+    if type(value) is float:  # as almost all are, and warnings need not be silenced
+        return value
     plain = None if isinstance(value, str) else plain_number(value)
     read = double_of(plain)
     beyond = read is not None and math.isinf(read) and not isinstance(plain, float)

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError
+from explorer.errors import InputError, double_of
+from explorer.phase.arguments import entry_of, plain_array
 from explorer.phase.states import COORDINATES, Array
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def as_columns(given: Any, what: str) -> dict[str, Any]:
         return {name: np.ravel(given[name]) for name in given.dtype.names}
     if isinstance(given, np.ndarray | list | tuple):
         try:
-            rows = np.asarray(given)
+            rows = np.asarray(plain_array(given))
         except ValueError:
             raise InputError(f"{what}: its rows differ in length; give rows of {', '.join(COORDINATES)}") from None
         if rows.ndim != 2 or rows.shape[1] != len(COORDINATES):
@@ -76,23 +77,22 @@ def _once(names: list[Any], what: str) -> list[Any]:
 
 def _together(columns: dict[str, Any], what: str) -> dict[str, Any]:
     """Columns of one length, where a single number stands for a whole column."""
-    arrays = {name: values if np.ndim(values) else None for name, values in columns.items()}
-    lengths = {name: len(values) for name, values in arrays.items() if values is not None}
+    arrays = {name: _array(name, values, what) for name, values in columns.items()}
+    lengths = {name: len(values) for name, values in arrays.items() if values.ndim}
     if len(set(lengths.values())) > 1:
         said = ", ".join(f"{name} {length}" for name, length in lengths.items())
         raise InputError(f"{what}: columns differ in length: {said}")
     length = max(lengths.values(), default=1)
-    return {name: np.full(length, columns[name]) if values is None else values for name, values in arrays.items()}
+    return {name: values if values.ndim else np.full(length, values) for name, values in arrays.items()}
 
 
 def as_numbers(name: str, values: Any, what: str) -> Array:
     """A column of coordinates as doubles; NaN for cells that are no number."""
     column = _plain(name, values, what)
-    if column.dtype.kind in "fiub":
+    if column.dtype.kind in "fiu" and column.dtype.itemsize <= 8:
         return column.astype(np.float64)
-    numbers = np.array([_number(cell) for cell in column.tolist()], dtype=np.float64)
-    if numbers.size and column.dtype.kind not in "OU":
-        numbers[:] = np.nan
+    dates = column.dtype.kind in "mM"  # some of them become integers in a list
+    numbers = np.array([np.nan if dates else _number(cell) for cell in column.tolist()], dtype=np.float64)
     if numbers.size and np.isnan(numbers).all():
         raise InputError(f"{what}: column {name!r} holds no numbers")
     return numbers
@@ -101,14 +101,23 @@ def as_numbers(name: str, values: Any, what: str) -> Array:
 def as_own(name: str, values: Any, what: str) -> NDArray[Any]:
     """A column of the user's own as it can be stored: numbers, truth values, times, or text."""
     column = _plain(name, values, what)
+    if column.dtype.kind == "f" and column.dtype.itemsize > 8:
+        raise InputError(f"{what}: column {name!r} holds {column.dtype}, which results cannot keep; leave it out")
     if column.dtype.kind in "fiubMmU":
         return _written(name, column, what)
-    cells = column.tolist()
+    try:
+        own = _own(column.tolist())
+    except (OverflowError, ValueError):  # beyond doubles, or beyond what Python writes
+        raise InputError(f"{what}: column {name!r} holds an integer that is too long; give it as text") from None
+    return _written(name, own, what)
+
+
+def _own(cells: list[Any]) -> NDArray[Any]:
+    """Objects as numbers where all are, as text otherwise."""
     empty = [cell is None or cell != cell or str(cell) == "<NA>" for cell in cells]
     if all(none or isinstance(cell, int | float) for cell, none in zip(cells, empty, strict=True)):
         return np.array([np.nan if none else float(c) for c, none in zip(cells, empty, strict=True)], float)
-    text = np.array(["" if none else str(cell) for cell, none in zip(cells, empty, strict=True)], dtype=np.str_)
-    return _written(name, text, what)
+    return np.array(["" if none else str(cell) for cell, none in zip(cells, empty, strict=True)], dtype=np.str_)
 
 
 def _written(name: str, column: NDArray[Any], what: str) -> NDArray[Any]:
@@ -123,10 +132,7 @@ def _written(name: str, column: NDArray[Any], what: str) -> NDArray[Any]:
 
 def _plain(name: str, values: Any, what: str) -> NDArray[Any]:
     """A flat array in the machine's own byte order; masked cells are missing."""
-    column = np.asarray(values)
-    if isinstance(values, np.ma.MaskedArray) and np.ma.getmaskarray(values).any():
-        column = column.astype(object)
-        column[np.ma.getmaskarray(values)] = None
+    column = _array(name, values, what)
     if column.ndim != 1:
         raise InputError(f"{what}: column {name!r} has shape {column.shape}; give one entry for each state")
     if column.dtype.kind == "S":
@@ -136,11 +142,18 @@ def _plain(name: str, values: Any, what: str) -> NDArray[Any]:
     return column.astype(column.dtype.newbyteorder("="), copy=False)
 
 
-def _number(cell: Any) -> float:
+def _array(name: str, values: Any, what: str) -> NDArray[Any]:
+    """An array that shows nothing masked. Raises InputError for lists in lists that differ in length."""
     try:
-        return float(cell)
-    except (TypeError, ValueError):
-        return float("nan")
+        return np.asarray(plain_array(values))
+    except ValueError:
+        raise InputError(f"{what}: column {name!r} holds several shapes; give one entry for each state") from None
+
+
+def _number(cell: Any) -> float:
+    """A cell of a table, where text in plain digits is a number too; NaN for what is none."""
+    read = double_of(cell) if isinstance(cell, str) else entry_of(cell)
+    return float("nan") if read is None else read
 
 
 def from_arrow(column: Any) -> NDArray[Any]:
