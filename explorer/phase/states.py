@@ -6,6 +6,7 @@ Users give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, cast
 
@@ -98,7 +99,27 @@ class States:
             raise InputError(f"States: {what}; let phi_to_states and its like make them")
         if not is_a(self.exact, LinearConstants | None) or not is_a(self.shape, tuple):
             raise InputError(f"States: exact = {shown(self.exact)}, shape = {shown(self.shape)}; leave both out")
+        self._check_arrays()
         object.__setattr__(self, "shape", self.shape or (int(self.natural.shape[1]),))
+
+    def _check_arrays(self) -> None:
+        """Raise InputError for arrays that kernels and numpy do not take as what they are."""
+        if not (self.natural.flags.carray and self.status.flags.c_contiguous and self.status.ndim == 1):
+            raise InputError(
+                "States: natural or status is in another order or read-only; give numpy.array(..., order='C')"
+            )
+        least, most = self.status.min(initial=0), self.status.max(initial=0)
+        if least < 0 or most > max(compiled.status.Status):
+            raise InputError(f"States: status {least if least < 0 else most} is none; give numbers of Status")
+        whole = all(is_a(length, int | np.integer) and length >= 0 for length in self.shape)
+        if self.shape and not (whole and math.prod(self.shape) == self.status.size):
+            size = self.status.size
+            raise InputError(f"States: shape = {shown(self.shape)} does not hold {size:,} states; leave it out")
+        for name, column in () if self.exact is None else self.exact._asdict().items():
+            if type(column) is not np.ndarray or column.dtype != np.float64 or column.shape != self.status.shape:
+                raise InputError(
+                    f"States: exact.{name} = {shown(column)}; give an array of {self.status.size:,} doubles"
+                )
 
     def __repr__(self) -> str:
         shape = f" ({' x '.join(map(str, self.shape))})" if len(self.shape) > 1 else ""

@@ -5,7 +5,8 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.phase.states import constants_to_states, phi_to_states, theta_to_states
+from explorer.phase.lines import LinearConstants
+from explorer.phase.states import States, constants_to_states, phi_to_states, theta_to_states
 
 
 def test_arguments_that_do_not_broadcast_are_refused():
@@ -109,3 +110,39 @@ def test_what_underflows_is_zero_also_where_numpy_is_set_to_raise(small):
             assert np.isfinite([states.phi, states.phidot, states.sigma3, states.sigma4]).all()
             assert np.isfinite(ex.constants(states).energy).all()
             assert np.isfinite(ex.falls(states).distance).all()
+
+
+def read_only(array):
+    array = array.copy()
+    array.setflags(write=False)
+    return array
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        ({"natural": np.asfortranarray}, "order='C'"),
+        ({"natural": read_only}, "order='C'"),
+        ({"status": lambda status: status[:, None]}, "order='C'"),
+        ({"status": lambda status: status + np.int8(77)}, "status 77 is none"),
+        ({"status": lambda status: status - np.int8(3)}, "status -3 is none"),
+        ({"shape": lambda _: (3,)}, "does not hold 2 states"),
+        ({"shape": lambda _: (-1, -2)}, "does not hold 2 states"),
+        ({"shape": lambda _: ("2",)}, "does not hold 2 states"),
+        ({"exact": lambda exact: LinearConstants(*(column[:1] for column in exact))}, "array of 2 doubles"),
+        ({"exact": lambda exact: LinearConstants(*(column.tolist() for column in exact))}, "array of 2 doubles"),
+    ],
+)
+def test_states_made_by_hand_of_what_are_none_are_refused_when_they_are_made(spoil, words):
+    """Not by numba or numpy, in words of theirs, when they are first used."""
+    known = vars(constants_to_states(BODIES["uniform"], 1.0, [1e-3, -1e-3], 0.5))
+    assert States(**known).shape == (2,)
+    with pytest.raises(ex.InputError, match=words):
+        States(**{**known, **{name: change(known[name]) for name, change in spoil.items()}})
+
+
+def test_every_status_may_be_that_of_a_state():
+    codes = np.array(list(ex.Status), np.int8)
+    assert codes.tolist() == list(range(len(codes)))  # so that the ends tell which are none
+    known = phi_to_states(BODIES["uniform"], np.zeros(codes.size), 1.0, 1.0, 0.7)
+    assert len(repr(States(known.disk, known.natural, codes)).split(",")) == codes.size
