@@ -124,7 +124,7 @@ def _uninterrupted() -> Iterator[None]:
 
 @cache
 def _check_cache() -> None:
-    """Raise ImportError where another user owns or can change compiled code: it runs as whoever loads it.
+    """Raise ImportError where another user may own or change compiled code: it runs as whoever loads it.
 
     `kernels` itself looks at the top folder only. This is done once, before any kernel can be called.
     """
@@ -136,16 +136,21 @@ def _check_cache() -> None:
 
 
 def _foreign(folder: Path) -> str | None:
-    """What inside a folder another user owns or can change, in words; None where nothing is."""
+    """What inside a folder another user owns or can change, in words; None where nothing is.
+
+    A link is one more way to change it, and no folder is looked at behind one; numba makes none.
+    """
     user, others = os.geteuid(), stat.S_IWGRP | stat.S_IWOTH
     if not folder.stat().st_mode & (stat.S_IXGRP | stat.S_IXOTH):
         others = 0  # nobody else gets as far; an umask of 002 leaves such modes in everybody's own cache
     for path in folder.rglob("*"):
         with contextlib.suppress(FileNotFoundError):  # another process has just given it its name
-            found = path.lstat(), path.stat()
-            if any(each.st_uid != user for each in found):
+            found = path.lstat()
+            if stat.S_ISLNK(found.st_mode):
+                return f"{path} is a link"
+            if found.st_uid != user:
                 return f"{path} belongs to another user"
-            if found[1].st_mode & others:
+            if found.st_mode & others:
                 return f"{path} can be written by other users"
     return None
 

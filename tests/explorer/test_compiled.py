@@ -118,6 +118,11 @@ def test_compiled_code_that_others_own_or_can_change_is_not_loaded(tmp_path, mon
         assert compiled._foreign(tmp_path) == f"{path} can be written by other users"
         path.chmod(before)
         assert compiled._foreign(tmp_path) is None
+    link = tmp_path / "steps_1"
+    for target in (code.parent, code, tmp_path / "nothing"):
+        link.symlink_to(target)
+        assert compiled._foreign(tmp_path) == f"{link} is a link"
+        link.unlink()
     mine = os.geteuid()
     monkeypatch.setattr(os, "geteuid", lambda: mine + 1)
     assert compiled._foreign(tmp_path) == f"{code.parent} belongs to another user"
