@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from explorer.errors import SHOWN, InputError, reader, said, shorten, shown, text_of
+from explorer.phase.strangers import what_stands
 
 _LARGEST_TOML = 1 << 20  # bytes
 _MOST_PARTS = 20  # of a key with dots, which tomllib reads in a time that grows as their square
@@ -121,7 +122,8 @@ def writing(name: str, value: Any, endings: tuple[str, ...], what: str = "") -> 
     Raises
     ------
     InputError
-        For what is no path, another ending, a folder that is not there, and a file that the system does not take.
+        For what is no path, another ending, a folder that is not there, a pipe, device or folder of that name, and
+        a file that the system does not take.
     """
     path = path_of(name, value)
     named = f"{name} = {shown(str(path))}"
@@ -132,6 +134,8 @@ def writing(name: str, value: Any, endings: tuple[str, ...], what: str = "") -> 
     if not path.parent.is_dir():
         raise InputError(f"{named}: there is no folder {shown(str(path.parent))}; make it first")
     try:
+        if path.exists() and not path.is_file():  # a pipe would wait for a reader
+            raise InputError(f"{named}: is {what_stands(path.resolve())}, no plain file; give another name")
         yield path
     except OSError as error:
         raise InputError(f"{named}: cannot be written ({error.strerror or error})") from None

@@ -1,11 +1,13 @@
 """Files that users name: what may be read, and what is written."""
 
+import os
 import sys
 import time
 from pathlib import Path
 
 import pytest
 
+import explorer as ex
 from explorer.errors import InputError
 from explorer.phase.paths import path_of, read_toml, writing
 
@@ -30,12 +32,11 @@ def test_what_is_no_file_that_can_be_written_is_refused_before_anything_is_done(
 def test_what_the_system_says_against_a_file_is_told_and_the_path_is_as_it_was_given(tmp_path):
     with writing("path", str(tmp_path / "x.PNG"), (".png",)) as path:
         assert path == Path(tmp_path / "x.PNG")
-    (tmp_path / "x.png").mkdir()
     with (
-        pytest.raises(InputError, match=r"x.png': cannot be written \(Is a directory\)"),
+        pytest.raises(InputError, match=r"x.png': cannot be written \(No such file or directory\)"),
         writing("path", tmp_path / "x.png", (".png",)) as path,
     ):
-        path.write_text("x")
+        path.with_name("nowhere").joinpath("x").write_text("x")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems keep names of folders in letters")
@@ -108,3 +109,29 @@ def test_what_is_no_toml_is_said_without_words_of_python(text, says, tmp_path):
     (tmp_path / "x.toml").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=rf"not valid TOML \({says}"):
         read_toml(tmp_path / "x.toml", "--disk")
+
+
+@pytest.mark.parametrize("what", ["a pipe", "a folder", "a device"])
+def test_only_a_plain_file_is_written_over(tmp_path, what):
+    """To open a pipe hangs until somebody reads from it."""
+    path = tmp_path / "view.html"
+    if what == "a folder":
+        path.mkdir()
+    elif what == "a pipe":
+        if not hasattr(os, "mkfifo"):
+            pytest.skip("pipes with names are those of POSIX")
+        os.mkfifo(path)
+    else:
+        if not Path("/dev/null").exists():
+            pytest.skip("there is no such device")
+        path.symlink_to("/dev/null")
+    with pytest.raises(InputError, match=f"path = .*view.html': is {what}, no plain file; give another name"):
+        ex.view().save(path)
+
+
+def test_a_link_to_a_file_is_written_to_where_it_leads(tmp_path):
+    (tmp_path / "there.html").write_text("before")
+    (tmp_path / "view.html").symlink_to(tmp_path / "there.html")
+    with writing("path", tmp_path / "view.html", (".html",)) as path:
+        path.write_text("after")
+    assert (tmp_path / "there.html").read_text() == "after"
