@@ -160,6 +160,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _open_what_is_closed()
     if arguments is None:
         gc.set_threshold(_COLLECTED)
+        os.environ["MPLBACKEND"] = "agg"  # no command opens a window; matplotlib fails where it knows no such name
     try:
         with as_interrupts():
             status = _to_the_end(sys.argv[1:] if arguments is None else list(arguments))

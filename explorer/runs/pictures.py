@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from traceback import walk_tb
 from typing import TYPE_CHECKING, Any
 
 from explorer.errors import InputError, is_a, shown, suggest
@@ -77,6 +78,12 @@ def save_all(
         progress.drawn()
         names.append(name)
     return names
+
+
+def is_of_matplotlib(error: BaseException) -> bool:
+    """Whether matplotlib raised it: of its settings, for instance, or of a program that these ask for."""
+    places = [place.f_globals.get("__name__") for place, _ in walk_tb(error.__traceback__)]
+    return str(places[-1] if places else None).partition(".")[0] == "matplotlib"
 
 
 def there(folder: Path, names: Any, formats: Sequence[str]) -> list[str]:

@@ -286,6 +286,13 @@ def _draw(run: Run, folder: Path, how: dict[str, Any], progress: Progress) -> li
     except KeyboardInterrupt:
         then = f"all samples are stored; continue with: nearflat resume {folder}"
         raise Interrupted(f"stopped while pictures were drawn; {then}") from None
+    except Exception as error:
+        if not pictures.is_of_matplotlib(error):
+            raise
+        raise RunError(
+            f"pictures cannot be drawn ({shorten(str(error), 100)}), samples and numbers are "
+            f"stored; change matplotlibrc or MPLBACKEND, then nearflat resume {folder}"
+        ) from error
 
 
 def _compute(part: Part, missing: list[int], manner: Manner, progress: Progress) -> None:

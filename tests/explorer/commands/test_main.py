@@ -313,3 +313,16 @@ def test_a_warning_is_a_sentence(capsys, tmp_path):
         assert main(["run", "race-angles", "--states", str(path), "--out", str(tmp_path / "run"), "--quiet"]) == 0
     (line,) = [line for line in capsys.readouterr().err.splitlines() if "degrees" in line]
     assert line.startswith("nearflat run: tilt: all tilts lie beyond upright")
+
+
+def test_commands_draw_whatever_windows_the_environment_asks_for():
+    """matplotlib is not even imported where it does not know the name."""
+    code = "from explorer.commands.main import main; main(); import matplotlib; print(matplotlib.get_backend())"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "cite"],
+        env={**os.environ, "MPLBACKEND": "no-such-window"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.splitlines()[-1] == "agg"

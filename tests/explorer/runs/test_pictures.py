@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
@@ -57,3 +58,29 @@ def test_all_files_of_a_picture_have_the_layout_of_the_first(tmp_path, monkeypat
     assert pictures.save_all([("one", figure)], tmp_path, ("png", "svg"), progress) == ["one"]
     assert laid_out == [figure]
     assert all((tmp_path / f"one.{kind}").stat().st_size > 1000 for kind in ("png", "svg"))
+
+
+@pytest.mark.rendered("svg")
+def test_settings_with_which_matplotlib_cannot_draw_are_told_and_the_run_is_stored(tmp_path, monkeypatch):
+    """And the pictures are drawn once they are changed."""
+    monkeypatch.setenv("PATH", str(tmp_path))  # without LaTeX
+    out = tmp_path / "races"
+    with (
+        rc_context({"text.usetex": True}),
+        pytest.raises(ex.RunError, match=r"^pictures cannot be drawn \(.*\), samples and numbers are stored; "),
+    ):
+        ex.run("race-angles", samples=200, out=out, progress=False, format="svg")
+    assert (out / "summary.json").is_file()
+    assert ex.open(out).resume(progress=False).pictures == ["histogram", "deviation"]
+
+
+def test_what_a_user_s_own_picture_raises_is_not_laid_to_matplotlib():
+    def fails():
+        raise ValueError("mine")
+
+    with pytest.raises(ValueError, match="mine") as told:
+        fails()
+    assert not pictures.is_of_matplotlib(told.value)
+    with pytest.raises(ValueError, match="dimension") as told:
+        Figure().subplots().plot([1, 2], [1])
+    assert pictures.is_of_matplotlib(told.value)
