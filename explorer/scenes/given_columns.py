@@ -114,7 +114,7 @@ def as_own(name: str, values: Any, what: str) -> NDArray[Any]:
 
 def _own(cells: list[Any]) -> NDArray[Any]:
     """Objects as numbers where all are, as text otherwise."""
-    empty = [cell is None or cell != cell or str(cell) == "<NA>" for cell in cells]
+    empty = [cell is None or str(cell) == "<NA>" or cell != cell for cell in cells]
     if all(none or isinstance(cell, int | float) for cell, none in zip(cells, empty, strict=True)):
         return np.array([np.nan if none else float(c) for c, none in zip(cells, empty, strict=True)], float)
     return np.array(["" if none else str(cell) for cell, none in zip(cells, empty, strict=True)], dtype=np.str_)

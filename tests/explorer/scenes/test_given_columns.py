@@ -77,6 +77,10 @@ def test_a_masked_number_stands_for_a_column_without_numbers(hidden):
     np.testing.assert_array_equal(as_numbers("mixed", table["mixed"], "states"), [np.nan, 3.0])
 
 
+def test_a_missing_object_of_the_user_is_an_empty_cell():
+    assert as_own("x", np.array(["a", pd.NA, None], object), "states").tolist() == ["a", "", ""]
+
+
 @pytest.mark.parametrize("wrap", [list, np.ma.stack], ids=["list", "array"])
 def test_rows_hide_what_is_masked_in_them(wrap):
     rows = wrap([np.ma.array([0.1, 0.2, 0.3, 0.4], mask=mask) for mask in ([0, 1, 0, 0], [0, 0, 0, 0])])
