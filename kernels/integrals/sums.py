@@ -15,6 +15,7 @@ LANES = 32  # ROWS rows of them are 11 kB, a third of the first cache
 # The inner rule's error is told by the size of what it adds up, which for single motions nearly cancels.
 _LEAST_SIZE = 0.02
 TURNED = 40.0  # what an error of the turning point, about the square of Newton's last step, does to the angles
+_LENIENT = 10.0  # as much as the accuracy asked may be missed by
 _OF_START = 0.1  # what is missed of a slow start, in e^(-2 n sqrt(r)): no error of 500,000 was twice its estimate
 
 # Rows of the work array: entry (row, i) stands at row * LANES + i, as in `batch`. Their order means nothing.
@@ -175,7 +176,10 @@ def finish(W: Vector, target: float, floor: float) -> None:
         W[CHI * LANES + i], W[PSI * LANES + i], W[TIME * LANES + i] = chi, chi - rest, time
         W[ANGLE_ERROR * LANES + i], W[TIME_ERROR * LANES + i] = angle_error, time_error
         size = abs(chi) if abs(chi) > 1.0 else 1.0
-        angle_target = floor * size if floor * size > target else target
+        # What is within the floor and still too far off has to be left to other rules.
+        lenient = _LENIENT * target if _LENIENT * target > floor else floor
+        rounded = floor * size if floor * size < lenient else lenient
+        angle_target = rounded if rounded > target else target
         time_target = floor if floor > target else target
         good = (angle_error <= angle_target) & (time_error <= time_target) & (W[LEAST * LANES + i] > 0.0)
         W[CHECK * LANES + i] = W[CHECK * LANES + i] if good else max(W[CHECK * LANES + i], 1.0)
