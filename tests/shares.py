@@ -35,6 +35,16 @@ def share_of(accuracy, errors, estimates, answered, wrong_way, passages=1.0):
     return Share(float(p99), float(over.max()), float(answered.mean()), int((wrong_way & answered).sum()))
 
 
+def assert_paid_for(measured, method):
+    """At every accuracy p99 is within it and not below a hundredth of it, estimates hold, and all are answered."""
+    for accuracy in ACCURACIES:
+        got = measured.share(method, accuracy)
+        assert 0.01 <= got.p99 <= 1.0, (accuracy, got)
+        assert got.over_estimate <= 10.0, (accuracy, got)
+        assert got.answered == 1.0, (accuracy, got)
+        assert got.wrong_way == 0, (accuracy, got)
+
+
 def line_of(names, row):
     """A row of the table of `table_of`: its names, and its Share at each accuracy, the worst of which ends it."""
     shares = " | ".join(f"{share.p99:.2g}" for share in row)

@@ -13,12 +13,8 @@ from explorer.phase.states import Array
 QUANTILES = (0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
 # The central 68.27 % of a normal distribution: one standard deviation either way.
 ONE_SIGMA = (15.865525393145708, 84.13447460685429)
-
-
-_MANY, _EACH = (
-    8192,
-    16,
-)  # values of which only the largest are put in order, and which of them say where these begin
+# Of so many values only the largest are put in order; where these begin, every so many say.
+_MANY, _EACH = 8192, 16
 
 # What counts samples, here and in `log_counts`, for `compiled.warmup`.
 KERNELS = ("counting.histogram_batch", "counting.log_count_batch", "counting.sum_batch")
