@@ -13,7 +13,6 @@ Rates are trajectories per second of the processor's time; compiling is not in t
 
 import argparse
 import os
-import platform
 import shlex
 import sys
 from pathlib import Path
@@ -24,6 +23,7 @@ from peers.figure import draw
 from peers.measuring import KERNEL, PEER, ROUNDS, Solver, all_solvers, measured
 from peers.peak import peak
 from peers.problem import COUNT, work
+from processor import processor
 
 from explorer.commands.made_by import leave_made_by
 from explorer.plot.captions import save
@@ -44,19 +44,11 @@ def command():
 
 def machine():
     """The processor, and what our kernels are compiled for."""
-    names = [line.partition(":")[2].strip() for line in _lines("/proc/cpuinfo") if line.startswith("model name")]
     target = os.environ.get("NUMBA_CPU_NAME")
     compiled = (
         f"; our kernels and the loop in C++ are compiled for {target}, heyoka for the machine" if target else ""
     )
-    flags = next((line for line in _lines("/proc/cpuinfo") if line.startswith("flags")), "")
-    vectors = "AVX-512" if "avx512f" in flags else "256-bit vectors" if "avx2" in flags else platform.machine()
-    name = names[0] if names else platform.processor() or platform.machine()
-    return f"one core of an {name} with {vectors}{compiled}"
-
-
-def _lines(path):
-    return Path(path).read_text().splitlines() if Path(path).exists() else []
+    return f"one core of an {processor()}{compiled}"
 
 
 def steppers():

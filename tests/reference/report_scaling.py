@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -26,52 +27,31 @@ from explorer.commands.made_by import leave_page
 from explorer.plot.captions import Question, captioned, save
 from explorer.plot.style import DARK, MARKERS, SERIES, dress, legend_below
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from processor import processor
+
 OUT = Path(__file__).parents[2] / "results" / "scaling"
 PASSAGES = (10**3, 10**4, 10**5, 10**6, 10**7)
 STATES = (10**3, 10**4, 10**5, 10**6, 10**7, 10**8, 10**9)
 EXPONENTS = (1, 2, 3, 6, 9, 12, 15, 30, 100, 300)
 METHODS = ("quadrature", "rk4", "rk8", "dopri5", "dop853")
-PIECE, BLOCK = 1 << 20, 1 << 12
 BOTH_JOBS = 4_000_000  # samples on which the second job is measured
 
 
-def algebra(samples, jobs):
-    """Constants of motion, side and distance to F of random states, piece by piece; nothing is kept."""
-    from joblib import Parallel, delayed
-
-    import explorer as ex
-    from explorer import compiled
-    from explorer.measure.sampling import chunk_stream
-
-    disk = ex.Disk.uniform()
-
-    def piece(index, count):
-        random, near = chunk_stream(1, index), 0
-        # Blocks that stay in the processor's second cache.
-        for first in range(0, count, BLOCK):
-            size = min(BLOCK, count - first)
-            if first == 0 or size < BLOCK:
-                states, found = np.empty((5, size)), np.empty((6, size))
-                states[0], states[1] = 1.0, 0.0
-            random.random(out=states[2:])
-            states[2:] *= 4.0
-            states[2:] -= 2.0
-            compiled.algebra.constants_batch(states, disk.whole, disk.natural, found)
-            distance = np.abs(found[1:3], out=found[1:3])
-            near += np.count_nonzero(np.minimum(distance[0], distance[1], out=distance[0]) < 1e-3)
-        return near
-
-    counts = [min(PIECE, samples - i) for i in range(0, samples, PIECE)]
-    return sum(Parallel(n_jobs=jobs, backend="threading")(delayed(piece)(i, n) for i, n in enumerate(counts)))
-
-
-def race_angles(samples, jobs):
-    """The scene race-angles, stored and summarised like any run."""
+def stored(scene, samples, jobs, **options):
+    """How many samples a run stood for that was stored and summarised, without its pictures."""
     import explorer as ex
 
+    asked = {"samples": samples, "jobs": jobs, "figures": False, "progress": False, **options}
     with tempfile.TemporaryDirectory() as folder:
-        run = ex.run("race-angles", samples=samples, jobs=jobs, out=Path(folder) / "run")
+        run = ex.run(scene, out=Path(folder) / "run", **asked)
     return run.summary["samples"]
+
+
+WORKS = {
+    "states": partial(stored, "falling-set", theta_min="near", keep="none"),
+    "passages": partial(stored, "race-angles", keep="all"),
+}
 
 
 def measure(name, samples, jobs):
@@ -83,7 +63,7 @@ def measure(name, samples, jobs):
 
 
 def child(name, samples, jobs):
-    work = {"algebra": algebra, "race-angles": race_angles}[name]
+    work = WORKS[name]
     work(1000, 1)
     start = time.perf_counter()
     work(samples, jobs)
@@ -124,15 +104,16 @@ def eta_lines(rows):
 
 @captioned(
     Question.HOW_GOOD,
-    "Time and memory against the number of samples, for the algebra of states alone and for passages that are "
-    "stored and summarised. Small runs cost what starting costs; beyond the knee the time follows the dotted "
-    "line, in proportion to the samples, and memory hardly grows. A second job pays from millions of states on.",
+    "Time and memory against the number of samples, for states that are drawn, judged and counted, and for "
+    "passages that are computed and stored. Small runs cost what starting costs; beyond the knee the time follows "
+    "the dotted line, in proportion to the samples, and memory hardly grows. A second job pays from millions of "
+    "states on.",
 )
 def draw(rows):
     """Time and memory, for both kinds of work and one and two jobs."""
     figure = Figure(figsize=(7.6, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2)
-    works = {"algebra": ("constants of states", SERIES[1]), "race-angles": ("passages, stored", DARK)}
+    works = {"states": ("states, drawn and judged", SERIES[1]), "passages": ("passages, all stored", DARK)}
     for name, (told, colour) in works.items():
         for jobs, marker, style in ((1, "o", "--"), (2, "s", "-")):
             chosen = [(n, s, mb) for what, n, j, s, mb in rows if what == name and j == jobs]
@@ -191,7 +172,7 @@ def draw_cost(rows: list[tuple[int, list[float | None]]]) -> Figure:
 def sizes():
     """The part of the page about numbers of samples, with its picture."""
     rows = []
-    for name, sizes in (("algebra", STATES), ("race-angles", PASSAGES)):
+    for name, sizes in (("states", STATES), ("passages", PASSAGES)):
         for samples in sizes:
             for jobs in (1, 2) if (os.cpu_count() or 1) > 1 else (1,):
                 rows.append((name, samples, jobs, *measure(name, samples, jobs)))
@@ -200,9 +181,11 @@ def sizes():
     lines = [
         "# Time and memory against the number of samples",
         "",
-        "Made by `python tests/reference/report_scaling.py`. *algebra*: constants of motion, side and distance",
-        "to F of random states with the drawing of them, nothing kept. *race-angles*: the scene, stored on disk",
-        "and summarised. Memory is the peak of the process.",
+        "Made by `python tests/reference/report_scaling.py`, on an " + processor() + ".",
+        "*states*: the scene falling-set, which draws states and judges their side, their distance to F and",
+        "whether they could fall; none is kept. *passages*: the scene race-angles, all its rows stored on disk.",
+        "Both are summarised, without their pictures. Memory is the peak of the process. Whole commands, with",
+        "start and pictures, are in [goals.md](goals.md).",
         "",
         "| work | samples | jobs | samples per second | memory (MB) | faster than one job |",
         "|---|---|---|---|---|---|",
