@@ -4,7 +4,6 @@ import argparse
 import json
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, TypedDict, Unpack, overload
 
@@ -28,7 +27,8 @@ from explorer.scenes.race_angles import RaceAngles
 from explorer.scenes.registry import SCENES, build_scene, scene_class
 
 # With fewer passages or tilts, overheads are measured.
-FEWEST, MOTIONS, MOST_MOTIONS = 256, 1024, 100_000
+FEWEST, FEWEST_MOTIONS, MOTIONS = 256, 64, 1024
+MOST, MOST_MOTIONS = 1_000_000, 100_000  # beyond, a percentile gains nothing and every setting takes minutes
 # Without a scene: passages at all these distances from F, natural units.
 PLAIN, ALL_DISTANCES = "race-angles", (1e-8, 1.0)
 # Errors are calibrated on all of these too, so that they hold for bodies nobody measured.
@@ -38,6 +38,13 @@ _LEFT_OUT = ("method", "accuracy")  # what is measured
 _IDLE = ("keep", "slice", "grid")  # which change no sample
 
 
+def _motions(name: str, value: Any) -> int:
+    count = whole(name, value, 0, MOST_MOTIONS)
+    if 0 < count < FEWEST_MOTIONS:
+        raise InputError(f"{name} {count}: so few do not tell methods apart; give {FEWEST_MOTIONS} or more, or 0")
+    return count
+
+
 class Trading(TypedDict, total=False):
     """Keywords of `trade` beside those of the scene."""
 
@@ -45,9 +52,9 @@ class Trading(TypedDict, total=False):
         int,
         Option(
             "--motions",
-            partial(whole, low=0, high=MOST_MOTIONS),
+            _motions,
             "N",
-            "motions in time, from the first samples, that are measured too; 0: none",
+            f"motions in time, from the first samples, that are measured too: {FEWEST_MOTIONS} or more; 0: none",
             default=str(MOTIONS),
         ),
     ]
@@ -239,10 +246,12 @@ def _why_none(scene: Scene, count: int) -> str:
 
 
 def _check_size(scene: Scene) -> None:
-    """Raise InputError before anything is drawn or compiled where too few samples are asked for."""
+    """Raise InputError before anything is drawn or compiled where too few or too many samples are asked for."""
     size = scene.trial_size
+    given = f"--samples {size}" if getattr(scene, "states", None) is None else f"--states: holds {size}"
+    if size is not None and size > MOST:
+        raise InputError(f"{given}: all are followed by every method at every setting; give {MOST:,} at most")
     if size is not None and size < FEWEST:
-        given = f"--samples {size}" if getattr(scene, "states", None) is None else f"--states: holds {size}"
         raise InputError(f"{given}: overheads are measured with fewer than {FEWEST}; give that many or more")
 
 

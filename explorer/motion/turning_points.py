@@ -168,13 +168,17 @@ def _told_upright(
 def _both_ways(
     states: States, how: Plan, natural: NaturalConstants
 ) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
-    """The smaller tilt at the next turning point and at the one before, integrated in one call."""
+    """The smaller tilt at the next turning point and at the one before, integrated in one call.
+
+    A start at rest is a turning point itself, which both of these pass over.
+    """
     n, row = len(states), compiled.field.ROW
     status, held = held_constants(states, natural)
     both = States(states.disk, np.hstack([states.natural, states.reversed().natural]), np.tile(states.status, 2))
     integration = how.integration(np.full(2 * n, how.control_for(1.0)), MAX_STEPS)
     out, outcome = followed(both, integration, np.tile(status, 2), np.tile(np.stack(held), 2))
-    tilts = np.arctan2(out[row.q], abs(out[row.z])).reshape(2, n)
+    q, z = np.hstack([out[[row.q, row.z]], states.natural[[row.q, row.z]]])
+    tilts = np.arctan2(q, abs(z)).reshape(3, n)
     forward, backward = outcome.status.reshape(2, n)
     found = np.where(forward == compiled.status.Status.OK, backward, forward)
     return tilts.min(axis=0), found, outcome.steps.reshape(2, n).sum(axis=0, dtype=np.int32)

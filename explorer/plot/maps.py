@@ -144,11 +144,15 @@ def slice_map(cut: SliceMap, ax: Axes | None = None, **look: Any) -> Axes:
 
 def _falling_set(ax: Axes, cut: SliceMap, face: int, distance: Array, could: NDArray[np.bool_]) -> list[Line2D]:
     """Draw eta = 0 on one face, and return what the legend says of it."""
+    from scipy.ndimage import binary_dilation
+
     name = "+" if face > 0 else "−"
     handles: list[Line2D] = []
     falls = _FALLS if face > 0 else (0, (8, 3, 1.5, 3))
+    # A state that hardly moves could fall on one side of F alone: with eta set to 0 it would be below its own V.
+    beside = binary_dilation(could, np.ones((3, 3)))
     for mask, label, style, width in (
-        (could, f"$F$, face {name}", falls, 1.4),
+        (beside, f"$F$, face {name}", falls, 1.4),
         (~could, rf"$\eta = 0$ on face {name}, no fall", (0, (1, 2)), 1.2),
     ):
         kept = np.where(mask, distance, np.nan)

@@ -201,7 +201,7 @@ def _measure_jump(ax: Axes, both: BothSides, sign: int) -> None:
     Question.EACH_SIDE,
     "The path of the contact point on the table, seen from above, on both sides of F; arrows show the motion. "
     "Both start alike, race round the same circle in opposite senses where the disk nearly falls, and leave in "
-    "directions that differ by 2κπ.",
+    "directions that differ by 2κπ: in the same one where that is a number of whole turns.",
 )
 def contact_paths(both: BothSides, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw the path of the contact point on the table seen from above, on both sides of F.

@@ -156,6 +156,8 @@ def test_samples_on_which_errors_do_not_fall_calibrate_nothing(private, traded):
         (["race-angles", "--grid", "3"], "--grid: race-angles takes no such option"),
         (["--t-end", "0"], "--t-end 0"),
         (["--motions", "-1"], "--motions -1"),
+        (["--motions", "63"], "--motions 63: so few do not tell methods apart"),
+        (["--samples", "1e12"], "--samples 1000000000000: all are followed"),
     ],
 )
 def test_bad_arguments_are_named_before_anything_is_measured(private, arguments, message, capsys, tmp_path):
@@ -207,7 +209,7 @@ def test_what_is_offered_instead_of_an_unknown_option_is_what_trade_takes():
 @pytest.mark.rendered
 def test_the_command_prints_writes_and_stores(private, tmp_path, capsys):
     out = tmp_path / "out"
-    common = ["trade", "race-angles", "--samples", "300", "--motions", "2", "--out", str(out), "--quiet"]
+    common = ["trade", "race-angles", "--samples", "300", "--motions", "64", "--out", str(out), "--quiet"]
     assert cli.main([*common, "--disk", "hoop", "--json"]) == 0
     assert private.exists()
     printed = json.loads(capsys.readouterr().out)

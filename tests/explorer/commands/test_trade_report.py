@@ -27,4 +27,4 @@ def test_the_page_says_what_was_measured_and_by_which_command(traded, tmp_path):
     assert "Stored for this machine" not in page
     assert (tmp_path / "trade.png").exists()
     assert str(traded) in page
-    assert repr(traded) == "Trade of race-angles, hoop: 300 passages, 8 motions; print it for its tables"
+    assert repr(traded) == "Trade of race-angles, hoop: 300 passages, 64 motions; print it for its tables"

@@ -45,6 +45,18 @@ def test_the_exact_lines_are_drawn_over_the_map_of_samples():
     assert min(abs(line.get_xdata()).min() for line in ax.lines) > 0.5 * ax.get_xlim()[1]
 
 
+@pytest.mark.parametrize("phidot", [0.0, 1e-3, 0.05])
+def test_the_falling_set_lies_on_its_valleys_of_states_that_hardly_move_too(phidot):
+    """There could_fall is true on one side of F alone, and no line was drawn."""
+    cut = slice_map(UNIFORM, f"phi=0.3,phidot={phidot},sigma3=-2:2,sigma4=-2:2", points=101)
+    ax = plot.slice_map(cut)
+    told = [text.get_text() for text in ax.get_legend().get_texts()] if ax.get_legend() else []
+    told += [text.get_text() for legend in ax.figure.legends for text in legend.get_texts()]
+    assert {"$F$, face +", "$F$, face −"} <= set(told)
+    lengths = [sum(len(path.vertices) for path in drawn.get_paths()) for drawn in ax.collections[1:]]
+    assert max(lengths) > 100
+
+
 def test_tilts_flatter_than_the_colours_tell_are_marked_on_the_bar():
     mesh = plot.slice_map(cut_by("auto")).collections[0]
     assert mesh.norm.vmin == -3.0
