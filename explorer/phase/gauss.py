@@ -60,7 +60,7 @@ def packed_rules() -> "compiled.quadrature.Rules":
     return compiled.quadrature.Rules(np.ascontiguousarray(rules), np.array(SIZES, dtype=np.int64))
 
 
-# Orders of outer, fall, inner and wide rules, for 1e-2, 1e-3 and so on to 1e-10 and the best there is.
+# Orders of outer, fall, inner and wide rules, for 1e-2, 1e-3 and so on to 1e-11 and the best there is.
 _ORDERS = (
     (5, 5, 4, 12),
     (7, 8, 8, 18),
@@ -71,16 +71,17 @@ _ORDERS = (
     (19, 22, 26, 38),
     (21, 26, 32, 42),
     (22, 30, 38, 46),
+    (23, 34, 44, 50),
     (24, 40, 56, 52),
 )
 
 
 # Inner rules of fine grades, for bodies with I1 from a value on: less is left to be integrated near flat there.
-_LARGE, _INNER_OF_LARGE = 2.0, {7: 30, 8: 34}
+_LARGE, _INNER_OF_LARGE = 2.0, {7: 30, 8: 34, 9: 40}
 # Of other bodies with I1 below _SLIGHT or I3/I1 below _SLENDER: more is left, and less smooth. Both bounds lie
 # apart from 0.1, which other units may round to either side.
 _SLIGHT, _SLENDER = 0.099, 0.099
-_INNER_OF_SLIGHT = dict(enumerate((8, 12, 16, 22, 34, 44, 48, 52, 64, 64)))
+_INNER_OF_SLIGHT = dict(enumerate((8, 12, 16, 22, 34, 44, 48, 52, 64, 64, 64)))
 
 
 @cache

@@ -23,6 +23,7 @@ from kernels.disk.elementary import (
     arctan,
     exp_fall_at_once,
     exp_fall_by,
+    inverse_root,
     log_ratio_at_once,
 )
 from kernels.disk.falling import contracted_potential_above_flat
@@ -216,35 +217,50 @@ class Place(NamedTuple):
 
 
 @contracted_device
-def place_of_node(gap: float, known: Closed, low: Series) -> Place:
-    """The node at y below the handover by gap widths."""
-    d = known.width * gap
-    # h and tau are the sum and the difference of h_m e^y / 2 and h_m e^-y / 2.
-    rising = known.cap * fall_off(d, low)
-    # A division takes as long as some ten products, so two numbers share each: rising and 2 + falling/rising here,
-    # h and tau^2 below.
-    double = 2.0 * rising * rising + known.turn2
-    inv_both = 1.0 / (rising * double)
-    falling = known.turn2 * (double * inv_both)
-    h, tau = rising + falling, rising - falling
-    log_h = known.log_cap - d + log_of_ratio(known.turn2 * (rising * inv_both), low)
-    tau2 = tau * tau
-    inv_product = 1.0 / (h * tau2)
-    return Place(h, tau, log_h, tau2 * inv_product, h * inv_product)
+def place_of_node(d: float, fallen: float, known: Closed, low: Series) -> Place:
+    """The node at d, in y, below the handover. fallen: exp(-d)."""
+    rising = known.cap * fallen
+    # h and tau are the sum and the difference of h_m e^y / 2, which is rising, and h_m e^-y / 2.
+    square = rising * rising
+    plus, minus, double = square + known.turn2, square - known.turn2, 2.0 * square + known.turn2
+    # A division takes as long as some ten products, so four numbers share one.
+    even, odd = rising * plus, minus * double
+    inv = 1.0 / (even * odd)
+    inv_even, inv_odd = odd * inv, even * inv
+    inv_rising, inv_tau = plus * inv_even, rising * (double * inv_odd)
+    log_h = known.log_cap - d + log_of_ratio(known.turn2 * (minus * inv_odd), low)
+    return Place(plus * inv_rising, minus * inv_rising, log_h, rising * (rising * inv_even), inv_tau * inv_tau)
+
+
+class Moving(NamedTuple):
+    """The motion at a node, as `Near`; root: 1/theta-dot."""
+
+    smooth: float
+    D: float
+    n: float
+    spin: float
+    inv_shape: float
+    root: float
+
+
+@contracted_device
+def motion_at_node(place: Place, motion: Motion, b: Body, low: Series) -> Moving:
+    """The motion at a node."""
+    at = near_flat_at(place.h, place.inv_h, place.log_h, motion, b, low)
+    root = inverse_root(2.0 * b.inv_M * (motion.level - at.V))
+    return Moving(at.smooth, at.D, at.n, motion.X * (1.0 / b.k) + at.rise, at.inv_shape, root)
 
 
 @contracted_device
 def left_at_node(
-    place: Place, motion: Motion, h_turn: float, log_turn: float, known: Closed, b: Body, low: Series
-) -> tuple[float, Integrals]:
-    """(theta-dot^2, what the closed forms leave of the integrands) at a node."""
-    x, y, inv_k = motion.X, motion.Y, 1.0 / b.k
+    place: Place, at: Moving, motion: Motion, h_turn: float, log_turn: float, known: Closed
+) -> Integrals:
+    """What the closed forms leave of the integrands at a node."""
+    x, y = motion.X, motion.Y
     h, tau, log_h, inv_h, inv_tau2 = place
-    at = near_flat_at(h, inv_h, log_h, motion, b, low)
-    speed2 = 2.0 * b.inv_M * (motion.level - at.V)
     inv_shape2 = at.inv_shape * at.inv_shape
-    w = tau * inv_h * inv_shape2 * at.inv_shape / math.sqrt(speed2 if speed2 > 0.0 else 1.0)
-    dt = h * w * at.shape2
+    w = tau * inv_h * inv_shape2 * at.inv_shape * at.root
+    dt = h * w * (1.0 - 0.25 * h * h)
     log_rise = log_h - log_turn
     chi = (
         at.smooth * w
@@ -253,7 +269,5 @@ def left_at_node(
         - known.pull * (h * (h - h_turn) * inv_tau2 - 0.5 * h_turn * inv_h)
         - known.spin * (log_rise * h * inv_tau2 - 0.5 * inv_h)
     )
-    rest = dt * (0.5 * h * at.n * inv_shape2 + x * inv_k + at.rise) - known.slow * h * (
-        known.rest0 + known.rest1 * log_h
-    )
-    return speed2, Integrals(chi, rest, dt - known.slow * h)
+    rest = dt * (0.5 * h * at.n * inv_shape2 + at.spin) - known.slow * h * (known.rest0 + known.rest1 * log_h)
+    return Integrals(chi, rest, dt - known.slow * h)

@@ -46,6 +46,7 @@ _FALLS = int(Status.FALLS)
 # Before this grade wide rules try again as long as they fail, and a second one is always tried. From there on the
 # coefficients of a third may look converged by chance.
 _FEW = 6
+_LINE = 8  # doubles in a line of the cache
 ROUNDING = 4.0 * 2.2e-16  # of a difference, for each unit of its terms
 
 
@@ -98,7 +99,15 @@ class Room(NamedTuple):
 @maker
 def make_room() -> Room:
     """Room in which nobody waits."""
-    return Room(np.ones(sums.ROWS * LANES), empty_lines(), np.zeros(LANES, np.int64))
+    return Room(lanes_in_line(sums.ROWS * LANES), empty_lines(), np.zeros(LANES, np.int64))
+
+
+@maker
+def lanes_in_line(n: int) -> Vector:
+    """Ones (n) that begin where a line of the cache does: a vector across two lines takes as long as two."""
+    room = np.ones(n + _LINE)
+    first = -(room.ctypes.data // room.itemsize) % _LINE
+    return room[first : first + n]
 
 
 @device

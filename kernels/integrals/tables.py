@@ -3,7 +3,7 @@
 Away from flat the nodes of a rule may stand at the same tilts for every sample. There sigma_3 and
 sigma_4 are X and Y times numbers that depend on the tilt and the body, so a node costs a square root
 and a division. Near flat, on h <= HANDOVER, the nodes follow the turning point of each sample, but
-S <= 1/8 and Chaplygin's solutions are polynomials of degree 9; of degree 3 where few digits are asked.
+S <= 1/8 and Chaplygin's solutions are polynomials of degree 8; of degree 3 where few digits are asked.
 
 There is a grade of rules for each decade of accuracy. All grades stand side by side in one array of nodes.
 """
@@ -26,7 +26,7 @@ from kernels.types import Longs, Matrix
 # h where the fixed nodes end: as far out as the low series stay short.
 HANDOVER = 0.5
 # On S <= 1/8 the nearest singularity is 16 intervals away: coefficients fall like 62^-n; on S <= 1 like 5.8^-n.
-LOW_DEGREE, SHORT_DEGREE, WIDE_DEGREE = 9, 3, 24
+LOW_DEGREE, SHORT_DEGREE, WIDE_DEGREE = 8, 3, 24
 # Of cos(theta/2) among short series: its error counts in all of the race, not in what is left.
 _SHORT_SHAPE = 5
 # Tilts at which wide passages look for their turning point: SCANNED of them, in equal steps of ln h.
@@ -35,7 +35,7 @@ SCAN_STEP = math.log(math.sqrt(2.0) / _LOWEST) / SCANNED
 
 # Rows of the tables of fixed tilts below those of Fixed: the last Legendre coefficients.
 LAST, LAST_BUT_ONE = 8, 9
-# Rows of the table of relative nodes in y, its last coefficients below them.
+# Rows of the tables of relative nodes; below them, for those in ln h, the last coefficients.
 GAP, WEIGHT, EVEN, EVEN_BUT_ONE = range(4)
 
 
@@ -131,7 +131,7 @@ class Limits(NamedTuple):
 
 
 class Grade(NamedTuple):
-    """Rules of one accuracy: outer (10, n), fall (10, n), inner (4, n), wide (4, n)."""
+    """Rules of one accuracy: outer (10, n), fall (10, n), inner (2, n), wide (4, n)."""
 
     outer: Matrix
     fall: Matrix
@@ -161,9 +161,9 @@ class Tables(NamedTuple):
     limits: Matrix
 
 
-# The least accuracy that is left to each grade, 1e-2 to 1e-10; the last gives the best there is. Less by a little,
+# The least accuracy that is left to each grade, 1e-2 to 1e-11; the last gives the best there is. Less by a little,
 # since a power of ten may be rounded down.
-TARGETS = (*(float(f"1e-{n}") * (1.0 - 1e-9) for n in range(2, 11)), 0.0)
+TARGETS = (*(float(f"1e-{n}") * (1.0 - 1e-9) for n in range(2, 12)), 0.0)
 GRADES = len(TARGETS)
 # The grade at which short series end and the others begin.
 ROUGH = 4
@@ -176,7 +176,7 @@ _ROUND, _GROWS = 0.05, 1.5
 # bodies, twice as much at _SMALLEST. Their angles turn more with the turning point: Newton's method
 # takes a step more, and the last one must be smaller by _SHARPER.
 _SMALL, _SMALLEST, _SHARPER = 0.01, 1e-3, 10.0
-_DEEPER = {4: 11.5, 5: 12.5, 6: 14.0, 7: DEEPEST, 8: DEEPEST}
+_DEEPER = {4: 11.5, 5: 12.5, 6: 14.0, 7: DEEPEST, 8: DEEPEST, 9: DEEPEST, 10: DEEPEST}
 # What is left of the time falls like e^(-3y), which rules of few nodes see worst. Where I3/I1 is below _SPINNING,
 # the spin makes large angles of it, and of what is missed elsewhere.
 _SPINNING = 0.03
@@ -190,7 +190,8 @@ _GRADES = (
     Limits(11.0, 5, 1e-6, 1.2e-8, 5e-3, 0.8, 2.2, 0.8, 2.0),
     Limits(12.5, 5, 1e-6, 8e-10, 5e-3, 1.2, 7.0, 0.8, 2.0),
     Limits(14.0, 5, 1e-6, 7e-11, 3e-3, 2.2, 20.0, 0.8, 2.0),
-    Limits(16.0, 5, 1e-8, 0.0, 1e-3, 0.0, 0.0, 0.0, 1.0),
+    Limits(15.0, 5, 3e-7, 6e-12, 2e-3, 3.0, 40.0, 0.8, 2.0),
+    Limits(16.0, 5, 1e-8, 2e-14, 1e-3, 0.0, 0.0, 0.0, 1.0),
 )
 
 
@@ -236,14 +237,14 @@ def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
         u = 0.5 * (1.0 + fall[0])
         theta = 0.5 * math.pi * u * u * (3.0 - 2.0 * u)
         fallen = at_tilts(disk, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
-    places, weights, tails = _half(inner)
+    places, weights, _last = _half(inner)
     # ln h rises from the turning point like s^2, s = sin(pi v/2): nodes lie close at both ends.
     v, steps, last = _half(wide)
     s, slope = np.sin(0.5 * math.pi * v), np.cos(0.5 * math.pi * v)
     return Grade(
         outer=np.concatenate([far, coefficients(outer, (outer.shape[1] - 1, outer.shape[1] - 2))]),
         fall=np.concatenate([fallen, coefficients(fall, (fall.shape[1] - 1, fall.shape[1] - 2))]),
-        inner=np.concatenate([[1.0 - places, weights], tails]),
+        inner=np.stack([1.0 - places, weights]),
         wide=np.concatenate([[slope * slope, math.pi * s * slope * steps], last]),
         limits=limits,
     )

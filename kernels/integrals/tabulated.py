@@ -15,14 +15,18 @@ import math
 
 from kernels._jit import contracted_device, contracted_subroutine
 from kernels.disk.body import Body
+from kernels.disk.elementary import inverse_root
 from kernels.disk.falling import contracted_potential_above_flat
 from kernels.integrals import tables
 from kernels.integrals.near_flat import (
     Closed,
     Integrals,
+    Moving,
     Place,
     closed_forms,
+    fall_off,
     left_at_node,
+    motion_at_node,
     near_flat,
     newton,
     place_of_node,
@@ -36,10 +40,12 @@ from kernels.integrals.sums import (
     CHECK,
     CHI,
     DEPARTED,
+    DOMINANT,
     ERRORS,
     FALLEN,
     H_TURN,
     INV_NODE,
+    INV_SHAPE,
     INV_TAU2,
     LANES,
     LEAST,
@@ -55,13 +61,17 @@ from kernels.integrals.sums import (
     OF_TIME,
     PULL,
     RACE,
+    RATIO,
     REST,
     REST0,
     REST1,
+    ROOT,
     ROOT2,
     SLOW,
+    SMOOTH,
     SPEED,
     SPIN,
+    SPIN_THERE,
     START,
     STEP,
     TAILS,
@@ -74,10 +84,10 @@ from kernels.integrals.sums import (
     Goal,
     X,
     Y,
+    add,
     clear,
     finish,
     gather,
-    keep_least,
     told_by_coefficients,
     told_by_size,
     told_by_the_start,
@@ -206,27 +216,44 @@ def known_of(W: Vector, i: int) -> Closed:
     return Closed(cap, log_cap, width, turn2, race, pull, spin, slow, W[REST0 * LANES + i], W[REST1 * LANES + i])
 
 
+@contracted_device
+def place_at(W: Vector, i: int) -> Place:
+    """Where the node stands in lane i."""
+    h, tau, log_h = W[NODE * LANES + i], W[TAU * LANES + i], W[LOG_NODE * LANES + i]
+    return Place(h, tau, log_h, W[INV_NODE * LANES + i], W[INV_TAU2 * LANES + i])
+
+
+@contracted_device
+def moving_at(W: Vector, i: int) -> Moving:
+    """The motion at the node in lane i."""
+    smooth, D, n = W[SMOOTH * LANES + i], W[DOMINANT * LANES + i], W[RATIO * LANES + i]
+    return Moving(smooth, D, n, W[SPIN_THERE * LANES + i], W[INV_SHAPE * LANES + i], W[ROOT * LANES + i])
+
+
 @contracted_subroutine
 def near_panel(W: Vector, inner: Matrix, b: Body, low: Series) -> None:
     """Add what the closed forms leave between the turning point and the handover."""
     for j in range(inner.shape[1]):
         gap, weight = inner[tables.GAP, j], inner[tables.WEIGHT, j]
-        last, last_but_one = inner[tables.EVEN, j], inner[tables.EVEN_BUT_ONE, j]
-        # Apart from what follows: one chain of all these operations is longer than a processor looks ahead.
+        # Apart from one another: a chain of all these operations is longer than a processor looks ahead.
         for i in range(LANES):
-            at = place_of_node(gap, known_of(W, i), low)
+            W[NODE * LANES + i] = fall_off(W[WIDTH * LANES + i] * gap, low)
+        for i in range(LANES):
+            d, fallen = W[WIDTH * LANES + i] * gap, W[NODE * LANES + i]
+            at = place_of_node(d, fallen, known_of(W, i), low)
             W[NODE * LANES + i], W[TAU * LANES + i], W[LOG_NODE * LANES + i] = at.h, at.tau, at.log_h
             W[INV_NODE * LANES + i], W[INV_TAU2 * LANES + i] = at.inv_h, at.inv_tau2
         for i in range(LANES):
+            m = motion_at_node(place_at(W, i), motion_of(W, i), b, low)
+            W[SMOOTH * LANES + i], W[DOMINANT * LANES + i], W[RATIO * LANES + i] = m.smooth, m.D, m.n
+            W[SPIN_THERE * LANES + i], W[INV_SHAPE * LANES + i], W[ROOT * LANES + i] = m.spin, m.inv_shape, m.root
+        for i in range(LANES):
             h_turn, log_turn, known = W[H_TURN * LANES + i], W[LOG_TURN * LANES + i], known_of(W, i)
-            h, tau, log_h = W[NODE * LANES + i], W[TAU * LANES + i], W[LOG_NODE * LANES + i]
-            at = Place(h, tau, log_h, W[INV_NODE * LANES + i], W[INV_TAU2 * LANES + i])
-            speed2, node = left_at_node(at, motion_of(W, i), h_turn, log_turn, known, b, low)
-            keep_least(W, i, speed2)
+            node = left_at_node(place_at(W, i), moving_at(W, i), motion_of(W, i), h_turn, log_turn, known)
             step = weight * known.width
-            gather(W, i, OF_CHI, step * node.chi, last, last_but_one)
-            gather(W, i, OF_REST, step * node.rest, last, last_but_one)
-            gather(W, i, OF_TIME, step * node.time, last, last_but_one)
+            add(W, i, OF_CHI, step * node.chi)
+            add(W, i, OF_REST, step * node.rest)
+            add(W, i, OF_TIME, step * node.time)
             # The first node is the deepest; no rule looks further down.
             left_out = W[BELOW * LANES + i] if j == 0 else 0.0
             W[ANGLE_ERROR * LANES + i] += left_out * (abs(node.chi) + abs(node.rest))
@@ -241,7 +268,7 @@ def at_fixed(at: Fixed, motion: Motion, b: Body) -> tuple[float, Integrals]:
     flat = motion.X * (1.0 / b.k)
     V, _spin = contracted_potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * flat, at.height, b)
     speed2 = 2.0 * b.inv_M * (motion.level - V)
-    inv_speed = 1.0 / math.sqrt(speed2 if speed2 > 0.0 else 1.0)
+    inv_speed = inverse_root(speed2)
     rest = at.time * inv_speed * (ratio * at.slope + flat + rise)
     return speed2, Integrals(at.chi * ratio * inv_speed, rest, at.time * inv_speed)
 
@@ -252,8 +279,7 @@ def far_panel(W: Vector, outer: Matrix, b: Body) -> None:
     for j in range(outer.shape[1]):
         at, last, last_but_one = fixed(outer, j), outer[tables.LAST, j], outer[tables.LAST_BUT_ONE, j]
         for i in range(LANES):
-            speed2, node = at_fixed(at, motion_of(W, i), b)
-            keep_least(W, i, speed2)
+            _speed2, node = at_fixed(at, motion_of(W, i), b)
             gather(W, i, OF_CHI, node.chi, last, last_but_one)
             gather(W, i, OF_REST, node.rest, last, last_but_one)
             gather(W, i, OF_TIME, node.time, last, last_but_one)
@@ -267,10 +293,7 @@ def passages(W: Vector, goal: Goal, grade: Grade, vertical: Matrix, low: Series,
     turn(W, limits, b, low)
     closed(W, limits.depth, b, low)
     near_panel(W, grade.inner, b, low)
-    if limits.missed > 0.0:
-        told_by_size(W, limits.missed, limits.spun)
-    else:
-        told_by_coefficients(W)
+    told_by_size(W, limits.missed, limits.spun)
     far(W, grade.outer, limits.trust, b)
     finish(W, goal.target, goal.floor)
 

@@ -12,7 +12,7 @@ import math
 
 from kernels._jit import contracted_device, contracted_subroutine
 from kernels.disk.body import Body
-from kernels.disk.elementary import exp_fall
+from kernels.disk.elementary import exp_fall, inverse_root
 from kernels.disk.falling import contracted_potential_above_flat
 from kernels.integrals import tables
 from kernels.integrals.near_flat import near_flat, slope_of
@@ -47,7 +47,6 @@ from kernels.integrals.sums import (
     clear,
     finish,
     gather,
-    keep_least,
     told_by_coefficients,
     told_by_the_start,
     told_by_the_worst,
@@ -156,9 +155,8 @@ def panel(W: Vector, wide: Matrix, b: Body, low: Series) -> None:
             h = VERTICAL * exp_fall(d)
             at = near_flat(h, _LOG_VERTICAL - d, motion, b, low)
             speed2 = 2.0 * b.inv_M * (motion.level - at.V)
-            keep_least(W, i, speed2)
             inv_shape2 = at.inv_shape * at.inv_shape
-            step = weight * width * at.inv_shape / math.sqrt(speed2 if speed2 > 0.0 else 1.0)
+            step = weight * width * at.inv_shape * inverse_root(speed2)
             rest = h * (0.5 * h * at.n * inv_shape2 + motion.X / b.k + at.rise)
             gather(W, i, OF_CHI, step * at.n * inv_shape2, last, last_but_one)
             gather(W, i, OF_REST, step * rest, last, last_but_one)

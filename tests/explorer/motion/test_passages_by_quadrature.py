@@ -78,7 +78,8 @@ def test_a_fall_is_the_limit_of_passages_and_takes_half_their_time():
     found = ex.passages(disk, 0.6, [1e-250, 0.0], 0.8, accuracy=1e-11)
     assert found.fall_time[1] == pytest.approx(0.5 * found.duration[0], rel=1e-10)
     assert found.energy[1] == pytest.approx(found.energy[0], rel=1e-14)
-    fall = fall_from_vertical(disk, np.array([0.6]), energy_on_f(disk, np.array([0.6]), np.array([0.8])))
+    energy = energy_on_f(disk, np.array([0.6]), np.array([0.8]))
+    fall = fall_from_vertical(disk, np.array([0.6]), energy, accuracy=1e-11)
     assert fall.time[0] == found.fall_time[1]
     assert 2.0 * fall.chi[0] == found.fall_angle[1]
 

@@ -16,6 +16,12 @@ def test_the_elementary_functions_are_at_rounding():
     np.testing.assert_allclose([elementary.arctan(v) for v in x], np.arctan(x), rtol=4e-16, atol=0)
 
 
+def test_an_inverse_root_is_at_rounding_or_not_a_number():
+    x = np.geomspace(1e-300, 1e300, 5001)
+    np.testing.assert_allclose([elementary.inverse_root(v) for v in x], 1.0 / np.sqrt(x), rtol=3e-16, atol=0)
+    assert np.isnan([elementary.inverse_root(v) for v in (0.0, -0.0, -1.0, -np.inf, np.nan)]).all()
+
+
 def test_sines_and_cosines_keep_their_digits_where_they_vanish():
     phi = np.concatenate([np.linspace(-0.5 * np.pi, 0.5 * np.pi, 501), 0.5 * np.pi - np.geomspace(1e-15, 0.1, 50)])
     np.testing.assert_allclose([elementary.sine(x) for x in phi], np.sin(phi), rtol=6e-16, atol=0)

@@ -5,7 +5,7 @@ import pytest
 from conftest import BODIES
 from passing import across, batch, draw
 
-from kernels.integrals.passages import Crossings
+from kernels.integrals.passages import Crossings, lanes_in_line
 from kernels.integrals.point import VERTICAL
 from kernels.integrals.quadrature import PassageRow
 from kernels.status import Status
@@ -52,3 +52,9 @@ def test_a_window_that_the_motion_does_not_reach_is_bad_input():
     out = across(disk, Crossings(one, 0.3 * one, one), 1e-3, 1e-9, status, by_tables=False)
     assert status[0] == Status.BAD_INPUT
     assert np.isnan(PassageRow(*out).chi[0])
+
+
+def test_lanes_begin_where_a_line_of_the_cache_does():
+    kept = [lanes_in_line(n) for n in (1, 100, 101, 5000)]
+    assert [room.size for room in kept] == [1, 100, 101, 5000]
+    assert all(room.ctypes.data % 64 == 0 and (room == 1.0).all() for room in kept)

@@ -58,7 +58,7 @@ def test_weights_of_time_sum_to_the_tilts_they_cover():
 
 def test_a_finer_grade_has_more_nodes_and_leaves_less_out():
     grades = [grade_at(BODIES["hoop"].tables, number) for number in range(GRADES)]
-    assert len(grades) == len(tables.TARGETS) == 10
+    assert len(grades) == len(tables.TARGETS) == 11
     for coarse, fine in pairwise(grades):
         assert all(a.shape[1] <= b.shape[1] for a, b in zip(coarse[:4], fine[:4], strict=True))
         assert sum(a.shape[1] for a in coarse[:3]) < sum(b.shape[1] for b in fine[:3])

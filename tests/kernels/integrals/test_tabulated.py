@@ -114,7 +114,7 @@ from kernels.integrals.tables import make_tables
 gauss = lambda n: np.stack(np.polynomial.legendre.leggauss(n))
 disk = make_disk(0.25, 0.5)
 few, many = (gauss(10), gauss(10), gauss(10), gauss(20)), (gauss(24), gauss(40), gauss(56), gauss(34))
-tables = make_tables(disk, [few] * 4 + [many] * 6)
+tables = make_tables(disk, [few] * 4 + [many] * 7)
 packed = np.stack([gauss(2 * n)[:, n:] for n in (24,)] + [gauss(24)])
 rules = Rules(packed, np.array([24]))
 crossings = passages.Crossings(*np.array([[1.0, -0.3, 1e3], [1e-3, -1e-200, 0.2], [1.0, 0.7, 1e-3]]))
