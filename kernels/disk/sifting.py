@@ -328,5 +328,7 @@ def sift_batch(draw: Draw, count: int, sieve: Sieve, disk: Disk, whole: Whole, f
             count_lanes(W, found)
             count_distances(W, found.bins)
     found.bins[:LANES] = 0
-    found.ends[0] = W[_SMALLEST_ONE * LANES : (_SMALLEST_ONE + 1) * LANES].min()
-    found.ends[1] = W[_LARGEST_ONE * LANES : (_LARGEST_ONE + 1) * LANES].max()
+    # By hand: numba's own would load with the kernel all that numba can compile.
+    for i in range(LANES):
+        found.ends[0] = min(found.ends[0], W[_SMALLEST_ONE * LANES + i])
+        found.ends[1] = max(found.ends[1], W[_LARGEST_ONE * LANES + i])

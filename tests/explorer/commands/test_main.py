@@ -260,10 +260,11 @@ import sys
 from explorer.commands.main import main
 from explorer.scenes.registry import SCENES
 passage = ["passage", "--sigma3-bar", "1", "--eta-hat", "-1e-6", "--phidot", "1", "--quiet"]
-for words in (passage, *(["plan", scene] for scene in SCENES)):
+many = ["plan", "falling-set", "--samples", "1e9"]
+for words in (passage, *(["plan", scene] for scene in SCENES), many):
     assert main(words) == 0
-heavy = ("stats", "optimize", "linalg", "fft", "special", "interpolate")
-heavy = (*(f"scipy.{name}" for name in heavy), "numpy.f2py", "matplotlib", "pyarrow", "pandas")
+heavy = [f"scipy.{name}" for name in ("stats", "optimize", "linalg", "fft", "special", "interpolate")]
+heavy += ["numpy.f2py", "matplotlib", "pyarrow", "pandas", "numba.np.arraymath"]
 print("heavy:", *(name for name in heavy if name in sys.modules))
 """
 
