@@ -161,6 +161,22 @@ def estimate_in_race(disk: Disk, how: Plan, ended: Array, found: Array) -> Array
     return np.asarray(found * turned + np.where(beside, math.pi * disk.kappa, 0.0))
 
 
+def strayed(disk: Disk, points: Array, first: NDArray[np.int64]) -> Array:
+    """How far curves (n) stray from q^2 + z^2 = 1 and, relative, from the energies in which they begin, added.
+
+    points (10 or more, all), rows as State; first (n + 1): where each begins; NaN of those without points. Where
+    steps are cut this is several times what interpolation errs in angles and path; steps themselves err less.
+    """
+    rows, body = compiled.field.ROW, disk.body
+    found, some = np.full(first.size - 1, np.nan), np.flatnonzero(np.diff(first))
+    if some.size:
+        q, z, p, rho, sigma4 = (points[row] for row in (rows.q, rows.z, rows.p, rows.rho, rows.sigma4))
+        energy, begins = energy_at(body, p, rho, sigma4, q), first[some]
+        apart = abs(energy / np.repeat(energy[begins], np.diff(first)[some]) - 1.0) + abs(q * q + z * z - 1.0)
+        found[some] = np.maximum.reduceat(apart, begins)
+    return found
+
+
 def lost_to_rounding(disk: Disk, how: Plan, energy: Array, ends: Ends) -> NDArray[np.bool_]:
     """Which motions (n) go so far that rounding alone moves the path asked for by more than the accuracy."""
     bound = how.accuracy * np.maximum(1.0, ends.time / _PASSAGE)

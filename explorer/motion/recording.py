@@ -311,12 +311,14 @@ def _record(given: Motions, t_end: float, number: int) -> Records:
             continue
         _require(room < most, number)
         room = min(_MORE * room, most)
-    state_at_end, depth = work.out, work.how.depth
+    state_at_end, how = work.out, work.how
     course = compiled.recording.Course(
-        *(curve, trail.rows[:used], work.last, state_at_end, outcome.status, t_end, depth),
+        *(curve, trail.rows[:used], work.last, state_at_end, outcome.status, t_end, how.method, how.depth),
         most=MOST_POINTS // max(number, 1),
     )
-    return Records(*_drawn(course, given.disk, max(used, likely), number), outcome)
+    points, first = _drawn(course, given.disk, max(used, likely), number)
+    seen = np.fmax(outcome.error_estimate, precision.strayed(given.disk, points, first))
+    return Records(points, first, outcome._replace(error_estimate=seen))
 
 
 def _drawn(

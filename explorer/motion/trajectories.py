@@ -59,8 +59,9 @@ class Trajectories:
         Of the angles (rad) and of the path (r) at the end, whichever is larger. It follows from what was moved to
         hold the constants, from how fast chi turns at the end, which inside a race makes much of a small error of
         the time, and from what rounding does to a long path; of a path that this keeps from the accuracy asked it
-        says what can be had. Where I3 = 0, and by adaptive methods in a fast spin, a second run by other steps
-        tells it; with I3 = 0 a motion that comes out elsewhere by that is STEP_LIMIT.
+        says what can be had. Of a curve it is also how far points between its steps stray from the energy. Where
+        I3 = 0, and by adaptive methods in a fast spin, a second run by other steps tells it; with I3 = 0 a motion
+        that comes out elsewhere by that is STEP_LIMIT.
     lengths : (n,) array of int
         How many times of its row each motion has; 0 where the status is not OK.
     t_end : float

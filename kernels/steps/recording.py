@@ -21,8 +21,9 @@ from kernels.types import Codes, Longs, Matrix, Table, Vector
 
 _OK = int(Status.OK)
 _T, _CHI = int(ROW.t), int(ROW.chi)
-# A step is interpolated from the ends of so many steps, with their slopes: its own and one to either side.
-_NODES = 4
+# A step is interpolated from the ends of so many steps, with their slopes: its own and two to either side. From
+# one to either side rk8 and dop853 would have to take steps half as long, and at 1e-9 each would be a point.
+_NODES = 6
 _WIDTH = 10  # components of a state
 ROWS = 11  # of a point
 _MOST_PIECES = 10_000  # of one step
@@ -31,18 +32,17 @@ _MOST_PIECES = 10_000  # of one step
 _LONGER = 0.3
 # Columns of the ends of steps, after the state: its slope, and the step from there.
 _SLOPE, _STEP, _COLUMNS = 10, 20, 21
-# Places in one work array, which costs less to pass on than several: a polynomial in Newton's form, by the places
-# of its nodes, each twice, and its divided differences; slopes at the nodes; its value.
-_AT, _C = 0, 2 * _NODES
-_SLOPES = _C + 2 * _NODES * _WIDTH
-_Y = _SLOPES + _NODES * _WIDTH
+# Places in one work array, which costs less to pass on than several: of the nodes of a polynomial their places,
+# the squares of their weights and the sums of their inverse distances; products on the way; its value.
+_AT, _SQUARES, _SUMS, _BELOW = 0, _NODES, 2 * _NODES, 3 * _NODES
+_Y = 4 * _NODES
 _WORK = _Y + _WIDTH
 
 
 class Course(NamedTuple):
     """What motions did: the rows of their `Trail`; last (10, n), end (n, 1, 10): where their last step ended, and
-    where in it they came to t_end; status (n); the components that their depth carries; most: points of a curve,
-    beyond which it is not drawn to its end."""
+    where in it they came to t_end; status (n); their method; the components that their depth carries; most: points
+    of a curve, beyond which it is not drawn to its end."""
 
     curve: Curve
     rows: Matrix
@@ -50,6 +50,7 @@ class Course(NamedTuple):
     end: Table
     status: Codes
     t_end: float
+    method: int
     depth: int
     most: int
 
@@ -106,65 +107,72 @@ def state(rows: Matrix, i: int) -> State:
 
 
 @subroutine
-def gather(rows: Matrix, order: Longs, last: State, depth: int, ends: Matrix, b: Body) -> None:
-    """The ends of the steps in the rows `order`, the last of which leads to `last`."""
-    for i in range(order.size):
-        put_end(ends, i, state(rows, order[i]), depth, b)
-        ends[i, _STEP] = rows[order[i], LENGTH]
-    put_end(ends, order.size, last, depth, b)
+def gather(rows: Matrix, order: Longs, last: State, how: tuple[int, int], ends: Matrix, b: Body) -> None:
+    """The ends of the steps in the rows `order`, the last of which leads to `last`, from 1 on; how: method, depth.
 
-
-@device
-def take(ends: Matrix, i: int, k: int, W: Vector, used: int) -> int:
-    """End k into the form about end i; returns how many of its places are used."""
-    place = 0.0
-    for step in range(min(i, k), max(i, k)):
-        place += ends[step, _STEP] if k > i else -ends[step, _STEP]
-    W[_AT + used] = W[_AT + used + 1] = place
-    for c in range(_WIDTH):
-        W[_C + used * _WIDTH + c] = W[_C + (used + 1) * _WIDTH + c] = ends[k, c]
-        W[_SLOPES + used // 2 * _WIDTH + c] = ends[k, _SLOPE + c]
-    return used + 2
-
-
-@subroutine
-def interpolate(ends: Matrix, i: int, count: int, W: Vector) -> int:
-    """The polynomial through ends of the steps about step i, with their slopes; returns how many places it has.
-
-    count: of all ends. Both ends of the step come first: what the others add is then as small as it can be.
+    Another such step before the first one and after the last lets these be interpolated from either side as well:
+    from one side alone they would err 20 times as much as the others.
     """
-    used = take(ends, i, i + 1, W, take(ends, i, i, W, 0))
-    first = max(min(i - _NODES // 2 + 1, count - _NODES), 0)
-    for k in range(first, min(first + _NODES, count)):
-        if k not in (i, i + 1):
-            used = take(ends, i, k, W, used)
-    for p in range(used - 1, 0, -1):
-        here, before = _C + p * _WIDTH, _C + (p - 1) * _WIDTH
-        if p % 2 == 1:
-            for c in range(_WIDTH):
-                W[here + c] = W[_SLOPES + p // 2 * _WIDTH + c]
-        else:
-            inverse = 1.0 / (W[_AT + p] - W[_AT + p - 1])
-            for c in range(_WIDTH):
-                W[here + c] = (W[here + c] - W[before + c]) * inverse
-    for level in range(2, used):
-        for p in range(used - 1, level - 1, -1):
-            here, before = _C + p * _WIDTH, _C + (p - 1) * _WIDTH
-            inverse = 1.0 / (W[_AT + p] - W[_AT + p - level])
-            for c in range(_WIDTH):
-                W[here + c] = (W[here + c] - W[before + c]) * inverse
-    return used
+    method, depth = how
+    count, start = order.size, state(rows, order[0])
+    first, final = rows[order[0], LENGTH], rows[order[count - 1], LENGTH]
+    put_end(ends, 0, to_depth(partial_step(method, start, -first, b), depth), depth, b)
+    ends[0, _STEP] = first
+    for i in range(count):
+        put_end(ends, i + 1, state(rows, order[i]), depth, b)
+        ends[i + 1, _STEP] = rows[order[i], LENGTH]
+    put_end(ends, count + 1, last, depth, b)
+    ends[count + 1, _STEP] = final
+    put_end(ends, count + 2, to_depth(partial_step(method, last, final, b), depth), depth, b)
+
+
+class Nodes(NamedTuple):
+    """The ends of steps, with their slopes, by which step i is interpolated: `number` of them from `first` on."""
+
+    i: int
+    first: int
+    number: int
 
 
 @device
-def evaluate(W: Vector, used: int, s: float) -> None:
-    """The value of the polynomial, s after the start of its step."""
+def choose(ends: Matrix, i: int, count: int, W: Vector) -> Nodes:
+    """The nodes about step i, and what Hermite's formula needs of their places; count: of all ends."""
+    first, number = max(min(i - _NODES // 2 + 1, count - _NODES), 0), min(count, _NODES)
+    W[_AT + i - first] = 0.0
+    for k in range(i - first, number - 1):
+        W[_AT + k + 1] = W[_AT + k] + ends[first + k, _STEP]
+    for k in range(i - first - 1, -1, -1):
+        W[_AT + k] = W[_AT + k + 1] - ends[first + k, _STEP]
+    for k in range(number):
+        weight, total = 1.0, 0.0
+        for j in range(number):
+            if j != k:
+                inverse = 1.0 / (W[_AT + k] - W[_AT + j])
+                weight *= inverse
+                total += inverse
+        W[_SQUARES + k], W[_SUMS + k] = weight * weight, 2.0 * total
+    return Nodes(i, first, number)
+
+
+@device
+def evaluate(ends: Matrix, nodes: Nodes, W: Vector, s: float) -> None:
+    """The polynomial s after the start of its step, as a change from there: what changes by less than rounding
+    does not change."""
+    i, product = nodes.i, 1.0
+    for k in range(nodes.number):
+        W[_BELOW + k] = product
+        product *= s - W[_AT + k]
     for c in range(_WIDTH):
-        W[_Y + c] = W[_C + (used - 1) * _WIDTH + c]
-    for p in range(used - 2, -1, -1):
-        step = s - W[_AT + p]
+        W[_Y + c] = ends[i, c]
+    product = 1.0
+    for k in range(nodes.number - 1, -1, -1):
+        step, row = s - W[_AT + k], nodes.first + k
+        others = W[_BELOW + k] * product
+        square = others * others * W[_SQUARES + k]
+        of_value, of_slope = (1.0 - W[_SUMS + k] * step) * square, step * square
         for c in range(_WIDTH):
-            W[_Y + c] = W[_C + p * _WIDTH + c] + step * W[_Y + c]
+            W[_Y + c] += of_value * (ends[row, c] - ends[i, c]) + of_slope * ends[row, _SLOPE + c]
+        product *= step
 
 
 class Piecewise(NamedTuple):
@@ -223,14 +231,16 @@ class Goal(NamedTuple):
 
 
 @subroutine
-def draw_pieces(W: Vector, used: int, how: Piecewise, goal: Goal, points: Matrix, point: int) -> int:
+def draw_pieces(
+    ends: Matrix, nodes: Nodes, W: Vector, how: Piecewise, goal: Goal, points: Matrix, point: int
+) -> int:
     """The points of one step, from its start on, which becomes `point`; returns the one after them."""
     number = how.number
     while True:
-        before, t, here, wide = W[_C + _CHI], W[_C + _T], 0.0, False
+        before, t, here, wide = ends[nodes.i, _CHI], ends[nodes.i, _T], 0.0, False
         for k in range(number):
             there = cut(how, number, k + 1) if k + 1 < number else how.h + goal.rest
-            evaluate(W, used, here)
+            evaluate(ends, nodes, W, here)
             # Rounding must not turn time back.
             t = W[_Y + _T] = min(max(W[_Y + _T], t), goal.t)
             wide |= not abs(W[_Y + _CHI] - before) <= goal.angle
@@ -259,12 +269,12 @@ def draw_motion(
 ) -> int:
     """The points of a motion, whose last step comes to its `end`; returns the one after them."""
     W, steps = np.empty(_WORK), extent.steps
-    for i in range(steps):
+    for i in range(1, steps + 1):
         if point > extent.most:
             break
         x, y, h = state(ends, i), state(ends, i + 1), ends[i, _STEP]
         length = h
-        if i == steps - 1:
+        if i == steps:
             length = min(max(first_guess(x, y, h, Stop(TIME, end.t), b), 0.0), h)
             y = end
         how = pieces(x, y, length, curve, b)
@@ -272,10 +282,10 @@ def draw_motion(
             store(x, h, points, point)
             point += 1
         else:
-            used = interpolate(ends, i, steps + 1, W)
+            nodes = choose(ends, i, steps + 3, W)
             how = Piecewise(length, how.start, how.end, max(how.number, 2))
             goal = Goal(y.chi, y.t, curve.angle, h - length)
-            point = draw_pieces(W, used, how, goal, points, point)
+            point = draw_pieces(ends, nodes, W, how, goal, points, point)
     store(end, 0.0, points, point)
     return point + 1
 
@@ -286,12 +296,13 @@ def draw_batch(course: Course, drawing: Drawing, disk: Disk) -> None:
     n = course.status.size
     begins, order = np.zeros(n + 1, np.int64), np.empty(course.rows.shape[0], np.int64)
     most, point = in_order(course, begins, order), 0
-    ends, end = np.empty((most + 1, _COLUMNS)), course.end.reshape((n, _WIDTH))
+    ends, end = np.empty((most + 3, _COLUMNS)), course.end.reshape((n, _WIDTH))
+    how = course.method, course.depth
     for j in range(n):
         drawing.first[j] = point
         if course.status[j] == _OK:
             own = order[begins[j] : begins[j + 1]]
-            gather(course.rows, own, column(course.last, j), course.depth, ends, disk.body)
+            gather(course.rows, own, column(course.last, j), how, ends, disk.body)
             y = state(end, j)
             # The time where it was located, but for rounding
             y = State(y.q, y.z, y.p, y.rho, y.sigma4, course.t_end, y.chi, y.psi, y.a1, y.a2)

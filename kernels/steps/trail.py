@@ -1,7 +1,7 @@
 """Trails: the steps that many motions take in lanes, kept as they are taken, from which curves are drawn.
 
-A step that is to be drawn by more than one piece is interpolated from the states and slopes at the ends of four
-steps (`recording`). That errs like the eighth power of the steps; so those of order 8 are then taken shorter.
+A step that is to be drawn by more than one piece is interpolated from the states and slopes at the ends of five
+steps (`recording`). That errs like the twelfth power of the steps; so long ones of order 8 are then taken shorter.
 """
 
 import math
@@ -17,9 +17,10 @@ from kernels.types import Longs, Matrix, Vector
 
 # Pieces are planned this much below the longest that are kept, so that few are refused.
 SHARE = 0.9
-# Steps of order 8 as long as the accuracy allows would be interpolated with up to 20 times the error asked; so
-# much shorter ones, with a third of it. Steps of order 4 and 5 are interpolated with a thirtieth as they are.
-_BETWEEN = 1.0 / 1.7
+# Steps of order 8 as long as the accuracy allows would be interpolated with up to 5 times the error asked where
+# they are long for six ends of steps (in units of 1/speed): from _LONG on the longer are the more shortened, by up
+# to _BETWEEN, and are interpolated with half of it at most. Steps of order 4 and 5 are short enough.
+_LONG, _BETWEEN = 0.3, 1.25
 # Columns of a trail after the state before the step.
 LENGTH, SAMPLE = 10, 11
 COLUMNS = 12
@@ -70,8 +71,9 @@ def shorten(curve: Curve, method: int, W: Vector, b: Body) -> None:
     if method in (RK8, DOP853):
         for i in range(LANES):
             x, step = read(W, NOW, i), W[lanes.STEP * LANES + i]
-            one_piece = longest(x, curve, speed(x, b), b)
-            shorter = _BETWEEN * step
+            rate = speed(x, b)
+            one_piece = longest(x, curve, rate, b)
+            shorter = step / min(max(1.0 - _LONG + step * rate, 1.0), _BETWEEN)
             shorter = shorter if shorter > one_piece else one_piece
             W[lanes.STEP * LANES + i] = shorter if shorter < step else step
 

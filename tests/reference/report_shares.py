@@ -90,13 +90,9 @@ def of_curves():
         "",
         f"Such motions as `simulate` records them where no times are given, {CURVES:,} of each body, {known:,}",
         f"with a known answer. Error: the largest on the way, at {Curves.shares.size} times, where no race is;",
-        "the estimate is that of the end.",
+        "the estimate is that of the motion, which knows how far its points stray from the energy.",
         "",
         *table(rows_of(samples, INTEGRATORS)),
-        "",
-        "Curves by rk8 and dop853 err less where their points, 0.2 rad of chi apart at most, are closer than the",
-        "accuracy needs, so that every step is one of them, as at 1e-9 by rk8; and at 1e-2 and 1e-3, where",
-        "interpolation takes shorter steps.",
     ]
 
 

@@ -83,7 +83,7 @@ def test_between_the_records_the_full_equations_are_met_in_and_out_of_a_race():
 def test_between_the_records_a_motion_is_as_accurate_as_they_are(raced):
     motion, tight = raced
     times = np.linspace(0.0, 10.0, 173)
-    flattest = ex.bounces(ex.constants_to_states(BODIES["uniform"], 1.0, 1e-6, 1.0), 4).time
+    flattest = ex.bounces(ex.constants_to_states(BODIES["uniform"], 1.0, 1e-6, 1.0), 5).time
     away = (abs(times[:, None] - flattest) > 0.2).all(axis=1)
     for name in ("phi", "chi"):
         error = abs(getattr(motion(times), name) - getattr(tight(times), name))

@@ -7,7 +7,7 @@ from steppers import UNIFORM, random_states
 from kernels.disk.field import ANGLES, PATH, ROW, column, field
 from kernels.status import Status
 from kernels.steps import motions, recording
-from kernels.steps.attempt import DOP853, RK4, Integration, Outcome
+from kernels.steps.attempt import DOP853, RK4, Integration, Outcome, partial_step
 from kernels.steps.trail import COLUMNS, LENGTH, SAMPLE, Curve, Trail
 
 T_END = 3.0
@@ -28,7 +28,7 @@ def course(states, how, curve):
     trail = Trail(curve, np.empty((1000 * n, COLUMNS)), np.zeros(1, np.int64), 1000 * n)
     motions.MOTIONS[how.method, how.depth](work, trail, UNIFORM.natural, UNIFORM.whole)
     rows = trail.rows[: trail.used[0]]
-    return recording.Course(curve, rows, last, out, outcome.status, T_END, how.depth, 1000 * n)
+    return recording.Course(curve, rows, last, out, outcome.status, T_END, how.method, how.depth, 1000 * n)
 
 
 def draw(found, room=100_000):
@@ -72,9 +72,13 @@ def test_points_within_steps_lie_on_the_motion(number, control):
 
 def test_a_curve_that_is_too_long_is_given_up_where_it_gets_too_long():
     found = course(random_states(3), setting(DOP853, 0.01, 3), Curve(1e-3, 1e-3))
-    whole, short = draw(found).first, draw(found._replace(most=500)).first
+    drawing = draw(found)
+    whole, short = drawing.first, draw(found._replace(most=500)).first
     assert (np.diff(whole) > 1000).all()
-    longest_step = np.diff(whole).max() / 5
+    longest_step = 0
+    for j, points in enumerate(curves(drawing)):
+        begins = np.searchsorted(points[ROW.t], found.rows[found.rows[:, SAMPLE] == j][:, ROW.t])
+        longest_step = max(longest_step, np.diff([*begins, points.shape[1]]).max())
     assert (np.diff(short) > 500).all()
     assert (np.diff(short) < 500 + longest_step).all()
 
@@ -82,23 +86,44 @@ def test_a_curve_that_is_too_long_is_given_up_where_it_gets_too_long():
 def test_the_polynomial_has_the_states_and_slopes_of_its_nodes():
     found = course(random_states(1), setting(DOP853, 0.01, 1, PATH), Curve(9.0, 9.0))
     n, b = len(found.rows), UNIFORM.body
-    ends = np.empty((n + 1, 21))
-    recording.gather(found.rows, np.arange(n), column(found.last, 0), PATH, ends, b)
+    ends = np.empty((n + 3, 21))
+    recording.gather(found.rows, np.arange(n), column(found.last, 0), (DOP853, PATH), ends, b)
+    np.testing.assert_array_equal(ends[1:-2, :10], found.rows[:, :10])
     np.testing.assert_array_equal(ends[3, 10:20], field(column(ends[:, :10].T.copy(), 3), b))
-    W = np.empty(200)
-    for i, known in ((0, range(4)), (2, range(1, 5)), (n - 1, range(n - 3, n + 1))):
-        used = recording.interpolate(ends, i, n + 1, W)
-        assert used == 8
-        form = np.poly1d([0.0])
-        places, differences = W[:8], W[8:88].reshape(8, 10)
-        s = np.concatenate([[0.0], np.cumsum(ends[:-1, 20])])
-        for c in (0, 3, 9):
-            newton, form = np.poly1d([1.0]), np.poly1d([0.0])
-            for place, difference in zip(places, differences[:, c], strict=True):
-                form, newton = form + difference * newton, newton * np.poly1d([1.0, -place])
-            for k in known:
-                assert form(s[k] - s[i]) == pytest.approx(ends[k, c], abs=1e-11)
-                assert form.deriv()(s[k] - s[i]) == pytest.approx(ends[k, 10 + c], abs=1e-10)
+    W = np.empty(100)
+    s = np.concatenate([[0.0], np.cumsum(ends[:-1, 20])])
+    for i, known in ((1, range(6)), (2, range(6)), (4, range(2, 8)), (n, range(n - 3, n + 3))):
+        nodes = recording.choose(ends, i, n + 3, W)
+        assert nodes == (i, known.start, 6)
+        for k in known:
+            values = []
+            for shift in (0.0, 1e-5, -1e-5):
+                recording.evaluate(ends, nodes, W, s[k] - s[i] + shift)
+                values.append(W[24:34].copy())
+            np.testing.assert_allclose(values[0], ends[k, :10], rtol=0.0, atol=1e-13)
+            np.testing.assert_allclose((values[1] - values[2]) / 2e-5, ends[k, 10:20], rtol=0.0, atol=1e-7)
+
+
+def test_the_ends_of_a_motion_are_continued_by_a_step_of_its_method():
+    found = course(random_states(1), setting(DOP853, 0.01, 1, PATH), Curve(9.0, 9.0))
+    n, b = len(found.rows), UNIFORM.body
+    ends = np.empty((n + 3, 21))
+    recording.gather(found.rows, np.arange(n), column(found.last, 0), (DOP853, PATH), ends, b)
+    states = ends[:, :10].T.copy()
+    back = partial_step(DOP853, column(states, 0), ends[0, 20], b)
+    np.testing.assert_allclose(back, states[:, 1], rtol=0.0, atol=1e-8)
+    on = partial_step(DOP853, column(states, n + 1), found.rows[-1, LENGTH], b)
+    np.testing.assert_array_equal(on, states[:, n + 2])
+
+
+def test_a_motion_of_few_steps_is_interpolated_from_those_there_are():
+    """By two ends with slopes a cubic is found again."""
+    ends, W = np.zeros((2, 21)), np.empty(100)
+    ends[0, 20], ends[1, :10], ends[:, 10:20] = 2.0, 8.0, [[0.0] * 10, [12.0] * 10]
+    nodes = recording.choose(ends, 0, 2, W)
+    assert nodes == (0, 0, 2)
+    recording.evaluate(ends, nodes, W, 0.5)
+    np.testing.assert_allclose(W[24:34], 0.125, rtol=1e-15)
 
 
 def test_motions_that_failed_have_no_points_and_rows_may_come_in_any_order():
