@@ -60,14 +60,10 @@ class Motions(NamedTuple):
         return self._replace(initial=initial, constants=constants, held=held, **alike)
 
     def again(self, outcome: Outcome, apart: Array, time: float) -> Motions:
-        """The same by finer steps, where they came further apart (n) than was asked."""
-        finer, control = self.astray(apart, time), precision.finer(self.plan, self.control)
-        control = np.where(finer, control, self.control)
+        """The same by finer steps, where they came too far apart (n)."""
+        control = precision.finer(self.plan, self.control)
+        control = np.where(precision.astray(self.plan, apart, time), control, self.control)
         return self._replace(control=control, apart=np.fmax(self.apart, apart), status=outcome.status.copy())
-
-    def astray(self, apart: Array, time: float) -> NDArray[np.bool_]:
-        """Which have come further apart (n) up to a time than was asked."""
-        return np.asarray(apart > precision.asked(self.plan, time))
 
     @property
     def how(self) -> compiled.attempt.Integration:
@@ -133,7 +129,9 @@ def _sample(given: Motions, times: Array) -> tuple[Array, Outcome]:
         outcome.error_estimate[:] = outcome.constants_error[0]
     else:
         out, outcome, apart = _followed(given, later)
-        rows = np.flatnonzero(given.astray(apart, later[-1]) & (outcome.status == compiled.status.Status.OK))
+        rows = np.flatnonzero(
+            precision.astray(given.plan, apart, later[-1]) & (outcome.status == compiled.status.Status.OK)
+        )
         if rows.size:
             better = given.again(outcome, apart, later[-1]).at(rows)
             out[rows], found, _ = _followed(better, later)
@@ -305,7 +303,8 @@ def _record(given: Motions, t_end: float, number: int) -> Records:
         used = int(trail.used[0])
         if used <= room:
             apart = _judge(given, work, outcome)
-            if not (given.astray(apart, t_end) & (outcome.status == compiled.status.Status.OK)).any():
+            astray = precision.astray(given.plan, apart, t_end)
+            if not (astray & (outcome.status == compiled.status.Status.OK)).any():
                 break
             given = given.again(outcome, apart, t_end)
             continue

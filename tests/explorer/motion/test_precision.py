@@ -260,3 +260,19 @@ def test_estimates_cover_many_periods_of_fast_spins(name, method, accuracy):
         ratios.append(max(apart) / (got.error_estimate[0] + count * true.error_estimate[i]))
     assert max(ratios) < 10.0
     assert len(ratios) > 9
+
+
+@pytest.mark.parametrize("method", ["rk4", "rk8"])
+@pytest.mark.parametrize("share", [0.003, 0.03])
+def test_fixed_steps_meet_their_accuracy_in_fast_spins_of_little_inertia(method, share):
+    disk, rng, n, time = ex.Disk(I1=0.25, I3=0.25 * share), np.random.default_rng(1), 100, 4.0
+    spin = rng.uniform(2.0, 20.0, n) * rng.choice([-1.0, 1.0], n)
+    states = ex.phi_to_states(disk, rng.uniform(-1.2, 1.2, n), *rng.uniform(-1.0, 1.0, (2, n)), spin)
+    how = replace(plan(NAMES, 1e-11, "rk8"), accuracy=1.0, setting=0.03)
+    true = trajectories_by(states, how, np.array([time]), NAMES)
+    for accuracy in (1e-2, 1e-4) if method == "rk4" else (1e-2, 1e-4, 1e-8):
+        got = trajectories(states, None, [time], NAMES, method=method, accuracy=accuracy)
+        assert got.ok.all()
+        error = np.maximum(*errors(got, true))[:, 0]
+        assert 0.01 * accuracy < np.percentile(error, 99) / (0.5 * time) < accuracy
+        assert (error <= 10.0 * got.error_estimate).all()
