@@ -81,6 +81,10 @@ def main():
             print(lines[-1], flush=True)
     lines += [
         "",
+        "Before integrators were held to their constants (commit f543c29) the side of 576,276 to 602,002 of",
+        "each million was unresolved by them, and 23,654 to 147,498 did not meet the accuracy; by quadrature 2 or",
+        "3 at 1e-6 and 310 to 322 at 1e-11 did not.",
+        "",
         f"Integrators against quadrature (accuracy 1e-11): {PAIRS:,} passages a row, |eta_hat| from 1e-4 to 1.",
         "Share: the difference over the sum of both error estimates; outside where it exceeds 1.",
         "",
