@@ -1,6 +1,5 @@
 """Counts of many samples that can be added up: a chunk has them of samples whose rows it does not keep."""
 
-import base64
 import binascii
 import math
 import zlib
@@ -25,6 +24,7 @@ _VALUES[_DIGITS] = np.arange(85)
 _POWERS = 85 ** np.arange(4, -1, -1)
 _WIDTHS = ("<u1", "<u2", "<u4", "<u8")
 _REMEMBERED = 1 << 16  # characters of counts that are remembered until they are added up; longer ones are rare
+_MARGIN = PER_DECADE // 2  # bins by which rows grow further than they must
 _NONE = "1"  # no numbers, as `_written` has it
 _KINDS = {kind[-1]: np.dtype(kind) for kind in _WIDTHS}
 
@@ -187,23 +187,9 @@ class SignedLogCounts:
     @classmethod
     def by_group(cls, values: Array, groups: Array) -> "dict[int, SignedLogCounts]":
         """Counts of the finite ones of values by group, a whole number; none where that is not finite."""
-        places = abs(values)
-        with np.errstate(divide="ignore"):
-            np.log10(places, out=places)
-        places *= PER_DECADE
-        (first, last), (lowest, highest) = _ends(places), _ends(groups)
-        width, count = int(last) - int(first) + 1, int(highest) - int(lowest) + 1
-        rows, zeros = np.zeros((2 * count, width), np.int32), np.zeros(2 * count, np.int64)
-        ends = np.tile([np.inf, -np.inf], (2 * count, 1))
-        compiled.counting.log_count_batch(
-            values, places, groups - lowest, int(first), rows.reshape(-1), zeros, ends
-        )
-        made = [LogCounts.of_row(int(first), *row) for row in zip(rows, zeros, ends, strict=True)]
-        both = {}
-        for group, (below, above) in enumerate(zip(made[::2], made[1::2], strict=True), int(lowest)):
-            both[group] = cls()
-            both[group].below, both[group].above = below, above
-        return both
+        rows = LogRows()
+        rows.add(values, groups)
+        return rows.counts()
 
     def add(self, other: "SignedLogCounts") -> None:
         self.below.add(other.below)
@@ -231,13 +217,62 @@ class SignedLogCounts:
         return 0.5 * (high - low)
 
 
-def _ends(places: Array) -> tuple[float, float]:
+class LogRows:
+    """Counts of signed values by group, added block by block: a row of bins for each group and sign."""
+
+    def __init__(self) -> None:
+        self._lowest, self._first = 0, 0
+        self._rows, self._zeros = np.zeros((0, 0), np.int32), np.zeros(0, np.int64)
+        self._sizes = np.zeros((0, 2))
+
+    def add(self, values: Array, groups: Array) -> None:
+        """Count the finite ones of values by group, a whole number; none where that is not finite."""
+        places = abs(values)
+        with np.errstate(divide="ignore"):
+            np.log10(places, out=places)
+        places *= PER_DECADE
+        self._make_room(_ends(groups), _ends(places))
+        sizes, rows = compiled.counting.Sizes(values, places, groups), self._rows.reshape(-1)
+        compiled.counting.log_count_batch(sizes, self._lowest, self._first, rows, self._zeros, self._sizes)
+
+    def _make_room(self, groups: tuple[int, int], bins: tuple[int, int]) -> None:
+        """Have rows of these groups, from the first to the last, and in them these bins."""
+        (lowest, highest), (first, last), (count, width) = groups, bins, self._rows.shape
+        if count:
+            lowest, highest = min(lowest, self._lowest), max(highest, self._lowest + count // 2 - 1)
+            if first < self._first or last >= self._first + width:  # the next block may go a little further
+                first, last = min(first - _MARGIN, self._first), max(last + _MARGIN, self._first + width - 1)
+            else:
+                first, last = self._first, self._first + width - 1
+        shape = 2 * (highest - lowest + 1), last - first + 1
+        if shape == self._rows.shape:
+            return
+        rows, zeros = np.zeros(shape, np.int32), np.zeros(shape[0], np.int64)
+        sizes = np.tile([np.inf, -np.inf], (shape[0], 1))
+        there = slice(2 * (self._lowest - lowest), 2 * (self._lowest - lowest) + count)
+        if count:
+            rows[there, self._first - first :][:, :width] = self._rows
+            zeros[there], sizes[there] = self._zeros, self._sizes
+        self._rows, self._zeros, self._sizes, self._lowest, self._first = rows, zeros, sizes, lowest, first
+
+    def counts(self) -> dict[int, SignedLogCounts]:
+        """What was counted, by group; also of groups between the others that hold nothing."""
+        rows = zip(self._rows, self._zeros, self._sizes, strict=True)
+        made = [LogCounts.of_row(self._first, *row) for row in rows]
+        both = {}
+        for group, (below, above) in enumerate(zip(made[::2], made[1::2], strict=True), self._lowest):
+            both[group] = SignedLogCounts()
+            both[group].below, both[group].above = below, above
+        return both
+
+
+def _ends(places: Array) -> tuple[int, int]:
     """The smallest and the largest of the finite ones, rounded down; zeros where there is none."""
     low, high = np.fmin.reduce(places, initial=np.inf), np.fmax.reduce(places, initial=-np.inf)  # pass NaN over
     if not (np.isfinite(low) and np.isfinite(high)):
         known = places[np.isfinite(places)]
         low, high = (known.min(), known.max()) if known.size else (0.0, 0.0)
-    return float(np.floor(low)), float(np.floor(high))
+    return math.floor(low), math.floor(high)
 
 
 def _bins_of(state: dict[str, Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -291,9 +326,11 @@ def _integers(values: list[int]) -> NDArray[np.int64]:
 
 def _written(values: NDArray[np.int64]) -> str:
     """Numbers that are not negative as text, in as few bytes each as the largest needs; that width comes first."""
-    bits = int(values.max()).bit_length() if values.size else 0
+    if not values.size:
+        return _NONE
+    bits = int(np.maximum.reduce(values)).bit_length()
     kind = next(width for width in _WIDTHS if bits <= 8 * int(width[-1]))
-    return kind[-1] + base64.b64encode(values.astype(kind).tobytes()).decode()
+    return kind[-1] + binascii.b2a_base64(values.astype(kind).tobytes(), newline=False).decode("ascii")
 
 
 def _unpacked(text: str) -> NDArray[Any]:

@@ -8,6 +8,7 @@ in the run, never on the number of workers.
 
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -133,12 +134,23 @@ class LaneStream:
     def __init__(self, seed: int, index: int) -> None:
         key = chunk_stream(seed, index).bit_generator.state["state"]["key"]
         self._keys, self._place = compiled.philox.round_keys(key), 0
+        self._first, self._length = 0, 0
+
+    def of_rows(self, first: int, length: int) -> "LaneStream":
+        """A stream of what this one gives from place `first` on in each row of so many numbers.
+
+        Columns of a chunk are drawn one after the other; so a block of all of them can be drawn at a time.
+        """
+        part = copy(self)
+        part._first, part._length = first, length
+        return part
 
     def random(self, size: int | tuple[int, int], /) -> Array:
-        """The next numbers."""
+        """The next numbers; of rows, one for each row of `size`."""
         drawn = np.empty(size)
-        compiled.philox.uniform_batch(self._place, self._keys, drawn.reshape(-1))
-        self._place += drawn.size
+        for row in drawn.reshape(-1, drawn.shape[-1]) if self._length else (drawn.reshape(-1),):
+            compiled.philox.uniform_batch(self._place + self._first, self._keys, row)
+            self._place += self._length or row.size
         return drawn
 
 

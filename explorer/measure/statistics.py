@@ -25,7 +25,10 @@ def count_status(status: Iterable[NDArray[np.int8]]) -> dict[str, int]:
     Status = compiled.status.Status
     counts = np.zeros(len(Status), dtype=np.int64)
     for part in status:
-        counts += np.bincount(part, minlength=len(Status))
+        if part.any():
+            counts += np.bincount(part, minlength=len(Status))
+        else:  # all is well, mostly: told in a fortieth of the time
+            counts[Status.OK] += part.size
     return {Status(code).name.lower(): int(n) for code, n in enumerate(counts) if n}
 
 
@@ -38,18 +41,25 @@ def add_counts(parts: Iterable[dict[str, int]]) -> dict[str, int]:
     return dict(sorted(total.items()))
 
 
-def histograms(values: Array, groups: NDArray[np.int64], edges: Array, count: int) -> NDArray[np.int32]:
-    """Finite values of groups 0 ... count - 1 between equally spaced edges; last in each row, those outside."""
-    counts = np.zeros((count, edges.size), np.int32)
-    compiled.counting.histogram_batch(values, groups, edges, counts.reshape(-1))
-    return counts
+class Histograms:
+    """Histograms and sums of the finite ones of values by group, 0 ... count - 1, added block by block.
 
+    counts (count, bins + 1): between equally spaced edges; last in each row, those outside.
+    """
 
-def sums(values: Array, groups: NDArray[np.int64], count: int) -> list[float]:
-    """Sums of the finite values of groups 0 ... count - 1, rounded once."""
-    parts = np.zeros((count, 3))
-    compiled.counting.sum_batch(values, groups, parts)
-    return [math.fsum(row) for row in parts.tolist()]
+    def __init__(self, edges: Array, count: int) -> None:
+        self._edges, self._parts = edges, np.zeros((count, 3))
+        self.counts = np.zeros((count, edges.size), np.int32)
+
+    def add(self, values: Array, summed: Array, groups: NDArray[np.int64]) -> None:
+        """Count the values, and add up what is summed of each."""
+        compiled.counting.histogram_batch(values, groups, self._edges, self.counts.reshape(-1))
+        compiled.counting.sum_batch(summed, groups, self._parts)
+
+    @property
+    def sums(self) -> list[float]:
+        """By group, rounded once."""
+        return [math.fsum(row) for row in self._parts.tolist()]
 
 
 def upper_quantile(values: Array, part: float) -> float:

@@ -29,6 +29,7 @@ DPI = 150
 _EXIF_DESCRIPTION = 0x010E  # ImageDescription, where films other than GIF carry their caption
 _SEEN = 2  # of 255, in any channel: more makes steps of a smooth change of colour
 _MANY = 0.008  # of all pixels; of our pictures of lines 0.0066 at most move by more, of maps 0.009 at least
+_PACKED = 8  # of 9, which takes off 2 % more in three times the time
 _PARTS = "\n"  # between question and caption in a file
 
 
@@ -210,7 +211,7 @@ def few_colours(path: Path) -> None:
         if isinstance(text, str):
             inside.add_itxt(str(key), text)
     small, dots = BytesIO(), found.get("dpi")
-    few.save(small, format="PNG", optimize=True, pnginfo=inside, **({"dpi": dots} if dots else {}))
+    few.save(small, format="PNG", compress_level=_PACKED, pnginfo=inside, **({"dpi": dots} if dots else {}))
     path.write_bytes(small.getvalue())
 
 

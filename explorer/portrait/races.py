@@ -132,9 +132,19 @@ def decades_of(eta_hat: Array) -> Array:
 
 def by_decade(eta_hat: Array, deviation: Array) -> dict[int, dict[int, SignedLogCounts]]:
     """Deviations counted by decade and by side; zeros and what is not finite belong nowhere."""
-    groups = 2.0 * decades_of(eta_hat)
+    return sides_of_decades(SignedLogCounts.by_group(deviation, decades_and_sides(eta_hat)))
+
+
+def decades_and_sides(eta_hat: Array) -> Array:
+    """A number for each decade and side: 2 n + 1 of what is positive in decade n, 2 n of the others."""
+    groups = decades_of(eta_hat)
+    groups *= 2.0
     groups += eta_hat > 0.0
-    found = SignedLogCounts.by_group(deviation, groups)
+    return groups
+
+
+def sides_of_decades(found: Mapping[int, SignedLogCounts]) -> dict[int, dict[int, SignedLogCounts]]:
+    """By decade and by side what was counted by `decades_and_sides`; decades in which there is something."""
     sides = {n: {side: found.get(2 * n + (side > 0)) for side in (1, -1)} for n in {n // 2 for n in found}}
     return {
         n: {side: counts or SignedLogCounts() for side, counts in both.items()}
@@ -143,31 +153,46 @@ def by_decade(eta_hat: Array, deviation: Array) -> dict[int, dict[int, SignedLog
     }
 
 
-def law_constants(
-    disk: Disk, eta_hat: Array, race_angle: Array, speed: Array, error: Array | None = None
-) -> dict[int, SignedLogCounts]:
-    """c of the law of each passage, counted by step of |eta| (natural units), PER_STEP a decade.
+class LawCounts:
+    """c of the law of passages that come block by block, counted by step of |eta| (natural units).
 
-    speed: of impact, units of the disk. error: of the race angles (rad), as estimated. Nothing is counted where
-    rounding is felt in the deviation, or nearer to F than where errors move c by more than 1, in all but a
-    hundredth of them: a choice by motions would choose c.
+    There are PER_STEP steps a decade. Nothing is counted where rounding is felt in the deviation, or nearer to F
+    than where errors move c by more than 1, in all but a hundredth of the passages: a choice by motions would
+    choose c. most: how many passages may come.
     """
-    n, law, unit = eta_hat.size, compiled.race_law, disk.rate_unit
-    eta = abs(disk.eta_hat_to_eta(eta_hat / unit))
-    constant, doubt, known = np.empty(n), np.empty(n), np.zeros(1, np.int64)
-    side, race, own = map(np.ascontiguousarray, (eta_hat, race_angle, eta if error is None else error))
-    with np.errstate(all="ignore"):  # a speed of a user's own may be anything
-        races = law.Races(side, race, own, eta, (speed / unit) ** 3, np.log(1.0 / eta))
-        law.constant_batch(races, disk.race_limit, disk.body, constant, doubt, known)
-        step = PER_STEP * np.log10(eta)
-    step += 1e-9
-    np.floor(step, out=step)
-    left = np.isnan(constant)
-    if error is not None and known[0]:
-        left |= ~(eta > upper_quantile(doubt[: known[0]], 0.99))
-    step[left] = np.nan
-    found = SignedLogCounts.by_group(constant, step)
-    return {n: counts for n, counts in found.items() if counts.total}
+
+    def __init__(self, disk: Disk, most: int) -> None:
+        self._disk, self._judged = disk, True
+        self._eta, self._constant, self._doubt = np.empty((3, most))
+        self._count, self._known = 0, np.zeros(1, np.int64)
+
+    def add(self, eta_hat: Array, race_angle: Array, speed: Array, error: Array | None = None) -> None:
+        """Find the constants of more passages.
+
+        speed: of impact, units of the disk. error: of the race angles (rad), as estimated; None of none.
+        """
+        law, unit, disk = compiled.race_law, self._disk.rate_unit, self._disk
+        rows = slice(self._count, self._count + eta_hat.size)
+        eta = np.abs(disk.eta_hat_to_eta(eta_hat / unit), out=self._eta[rows])
+        side, race, own = map(np.ascontiguousarray, (eta_hat, race_angle, eta if error is None else error))
+        with np.errstate(all="ignore"):  # a speed of a user's own may be anything
+            races = law.Races(side, race, own, eta, (speed / unit) ** 3, np.log(1.0 / eta))
+        limit, body = disk.race_limit, disk.body
+        law.constant_batch(races, limit, body, self._constant[rows], self._doubt, self._known)
+        self._count, self._judged = rows.stop, self._judged and error is not None
+
+    def counts(self) -> dict[int, SignedLogCounts]:
+        """What was counted, by step."""
+        eta, known = self._eta[: self._count], int(self._known[0])
+        with np.errstate(all="ignore"):
+            step = np.log10(eta)
+        step *= PER_STEP
+        step += 1e-9
+        np.floor(step, out=step)
+        if self._judged and known:
+            step[~(eta > upper_quantile(self._doubt[:known], 0.99))] = np.nan
+        found = SignedLogCounts.by_group(self._constant[: self._count], step)
+        return {n: counts for n, counts in found.items() if counts.total}
 
 
 def law_rows(disk: Disk, found: Mapping[int, SignedLogCounts]) -> list[dict[str, Any]]:
@@ -219,7 +244,9 @@ def race_law(
     """
     require_disk(disk)
     eta, race, speed = columns_of(eta_hat=eta_hat, race_angle=race_angle, impact_speed=impact_speed)
-    return law_rows(disk, law_constants(disk, eta, race, speed))
+    counts = LawCounts(disk, eta.size)
+    counts.add(eta, race, speed)
+    return law_rows(disk, counts.counts())
 
 
 def ridge_rows(ridges: Mapping[int, Mapping[int, SignedLogCounts]]) -> list[dict[str, Any]]:

@@ -163,12 +163,13 @@ def compute_chunk(task: Task, index: int) -> Done:
         raise RunError(f"chunk {index}: {_OTHER_CALIBRATION}")
     try:
         kept, tally = scene.process(index)
-        tally = json.loads(json.dumps(tally, allow_nan=False))  # as a footer gives it back
+        text = json.dumps(tally, allow_nan=False)
+        tally = json.loads(text)  # as a footer gives it back
         note = store.Note(index, task.identity, scene.length(index), store.digest_of(kept, tally), tally)
         table = store.made_table(schema.Place(scene, index), note, kept)
         if task.folder is None:
             return Done(index, tally["status"], HeldChunk(note, kept))
-        store.write_chunk(task.folder, note, table)
+        store.write_chunk(task.folder, note, table, text)
     except MemoryError:
         raise RunError(
             f"chunk {index}: {scene.length(index):,} samples do not fit into memory; start the run anew with "

@@ -349,8 +349,10 @@ class SampledScene(Scene):
     def kept(self, index: int, table: Table) -> Table:
         if self.keep == "all":
             return table
-        rows = self.near(index, table) if self.keep == "near" else np.zeros(table["status"].size, dtype=bool)
-        return {name: values[rows] for name, values in table.items()}
+        if self.keep == "none":
+            return {name: values[:0].copy() for name, values in table.items()}
+        rows = self.near(index, table)
+        return table if rows.all() else {name: values[rows] for name, values in table.items()}
 
 
 def part_of(length: int, parts: int) -> int:

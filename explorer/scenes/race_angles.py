@@ -17,19 +17,16 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import compiled
 from explorer.errors import InputError, RunError, whole
 from explorer.measure import statistics
 from explorer.measure.sampling import BLOCK, LaneStream, Range, Stream, gather, log_uniform, signs
-from explorer.motion.bounces import MOST, Bounces, bounce_kernels, bounces
+from explorer.motion.bounces import MOST, bounce_kernels, bounces
 from explorer.motion.passages import Passages, passage_kernels, passages_by
 from explorer.motion.trials import MotionTrial, PassageTrial, through_time
 from explorer.motion.vertical import starts_at_vertical
-from explorer.phase.constants import best_constants, natural_constants
-from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import line_chart
-from explorer.phase.membership import impact_speed
-from explorer.phase.states import Array, States, constants_to_states
+from explorer.phase.constants import natural_constants
+from explorer.phase.disk import require_axial_inertia
+from explorer.phase.states import Array, constants_to_states
 from explorer.portrait.races import angle_edges, law_rows, ridge_rows
 from explorer.scenes import beside
 from explorer.scenes.base import Chunks, NoStateError, Picture, Table, Tally, joined
@@ -37,39 +34,18 @@ from explorer.scenes.beside import box_beside, check_eta_hat, describe_beside, d
 from explorer.scenes.given_states import Block
 from explorer.scenes.of_states import SceneOfStates
 from explorer.scenes.options import Distances, Option, Ranges
-from explorer.scenes.race_counts import KERNELS, SIGNS, RaceCounts, check_races, count_bounces, count_races
-
-# What is stored of a passage, as fields of `Passages`.
-_FOUND = (
-    "energy",
-    "race_angle",
-    "wrong_way",
-    "delta_chi",
-    "fall_angle",
-    "impact_speed",
-    "theta_min",
-    "duration",
-    "error_estimate",
-    "status",
+from explorer.scenes.race_columns import FOUND, OF_BOUNCE, filled, motion_constants
+from explorer.scenes.race_counts import (
+    AT_ONCE,
+    KERNELS,
+    SIGNS,
+    RaceCounter,
+    RaceCounts,
+    check_races,
+    count_bounces,
+    count_races,
 )
 
-
-# Passages at once: their columns stay in a processor's cache.
-_AT_ONCE = 16384
-
-# What is stored of a bounce, as fields of `Bounces`.
-_OF_BOUNCE = (
-    "bounce",
-    "face",
-    "side",
-    "time",
-    "race_angle",
-    "delta_chi",
-    "fall_angle",
-    "theta_min",
-    "duration",
-    "error_estimate",
-)
 # Options that mean states anywhere in the phase space, and so do ranges of phi and sigma4 in the box.
 _OF_STATES = ("states", "gaussian", "density", "bounces")
 BOX = replace(
@@ -94,7 +70,7 @@ class RaceAngles(SceneOfStates):
 
     name: ClassVar[str] = "race-angles"
     observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "duration")
-    columns: ClassVar[tuple[str, ...]] = ("phidot", "sigma3_bar", "eta_hat", "face", *_FOUND)
+    columns: ClassVar[tuple[str, ...]] = ("phidot", "sigma3_bar", "eta_hat", "face", *FOUND)
     columns_of_given: ClassVar[tuple[str, ...]] = ("row", "bounce", "phi", "sigma3", "sigma4", "side", "time")
     bytes_per_sample: ClassVar[int] = 1000
 
@@ -156,14 +132,40 @@ class RaceAngles(SceneOfStates):
     def compute(self, index: int) -> Table:
         if self.eta_hat is None:
             return joined([self._bounces(block) for block in self.blocks(index)])
-        drawn, found = self._drawn_beside(LaneStream(self.seed, index), self.length(index)), Table()
-        for first in range(0, self.length(index), _AT_ONCE):
-            rows = slice(first, first + _AT_ONCE)
-            made = self._passages({name: values[rows] for name, values in drawn.items()})
-            for name in _FOUND:
-                values = getattr(made, name)
-                found.setdefault(name, np.empty(self.length(index), values.dtype))[rows] = values
-        return {**drawn, "face": drawn["face"].astype(np.int8), **found}
+        return filled(self.length(index), self._blocks_beside(index))
+
+    def process(self, index: int) -> tuple[Table, Tally]:
+        if self.eta_hat is None:
+            return super().process(index)
+        counter, status, kept = RaceCounter(self.disk, self.length(index)), [], Table()
+
+        def counted() -> Iterator[Table]:
+            """Blocks that are counted while they are in a processor's cache."""
+            for block in self._blocks_beside(index):
+                counter.add(block)
+                status.append(block["status"])
+                yield block
+
+        if self.keep == "none":  # then no column is made
+            for block in counted():
+                kept = kept or self.kept(index, block)
+        else:
+            kept = self.kept(index, filled(self.length(index), counted()))
+        return kept, {"status": statistics.count_status(status), **counter.tally()}
+
+    def _blocks_beside(self, index: int) -> Iterator[Table]:
+        """The passages of a chunk that starts beside F, block by block."""
+        random, length = LaneStream(self.seed, index), self.length(index)
+        whole = None if self.energy is None else self._drawn_beside(random, length)
+        for first in range(0, length, AT_ONCE):
+            rows = slice(first, min(first + AT_ONCE, length))
+            if whole is None:
+                drawn = self._any_energy(random.of_rows(first, length), rows.stop - first)
+            else:
+                drawn = {name: values[rows] for name, values in whole.items()}
+            made = self._passages(drawn)
+            drawn["face"] = drawn["face"].astype(np.int8)
+            yield {**drawn, **{name: getattr(made, name) for name in FOUND}}
 
     def _passages(self, drawn: Table) -> Passages:
         return passages_by(self.disk, starts_at_vertical(self.disk, *_start(drawn)), self.plan)[0]
@@ -220,7 +222,7 @@ class RaceAngles(SceneOfStates):
         assert self.bounces is not None
         found = bounces(block.states, self.bounces, self.accuracy)
         constants = motion_constants(block.states, found)
-        results = {name: getattr(found, name).ravel() for name in _OF_BOUNCE}
+        results = {name: getattr(found, name).ravel() for name in OF_BOUNCE}
         rows = np.repeat(np.arange(len(block.states)), self.bounces)
         return block.at(rows).with_results(constants | results | {"status": found.status.ravel()})
 
@@ -260,10 +262,10 @@ class RaceAngles(SceneOfStates):
             histogram[f"counts_{name}"], histogram[f"outside_{name}"] = sign.bins.tolist(), sign.outside
             summary[f"races_{name}"] = total.races(name)
             if total.races(name):
-                mean = math.fsum(sign.sums) / total.races(name)
-                summary[f"median_{name}"] = SIGNS[name] * limit + sign.deviation.quantile(0.5)
+                mean, deviation = math.fsum(sign.sums) / total.races(name), total.deviation(name)
+                summary[f"median_{name}"] = SIGNS[name] * limit + deviation.quantile(0.5)
                 summary[f"mean_{name}"] = SIGNS[name] * limit + mean
-                summary[f"width_{name}"] = sign.deviation.half_width()
+                summary[f"width_{name}"] = deviation.half_width()
         return {
             **summary,
             "histogram": histogram,
@@ -341,33 +343,3 @@ def _start(drawn: Table) -> tuple[Array, Array, Array, Array]:
     """Drawn starts at the vertical as `passages` takes them."""
     face = drawn["face"]
     return drawn["sigma3_bar"], drawn["eta_hat"], face * drawn["phidot"], face
-
-
-def motion_constants(states: States, found: Bounces) -> Table:
-    """Columns that belong to a motion and a face, for each of its bounces; NaN where nothing was found."""
-    disk, shape = states.disk, found.shape
-    natural = best_constants(states)
-    ok = (found.status == compiled.status.Status.OK) & (found.face != 0)
-    plus = found.face > 0
-
-    def each(values: Array) -> Array:
-        return np.broadcast_to(values[:, None], shape)
-
-    eta = np.where(plus, each(natural.eta_plus), each(natural.eta_minus))
-    speed = impact_speed(disk, natural.sigma3_bar, natural.energy)
-    columns = {
-        "sigma3_bar": each(natural.sigma3_bar) * disk.rate_unit,
-        "eta_hat": disk.eta_to_eta_hat(eta) * disk.rate_unit,
-        "energy": each(natural.energy) * disk.energy_unit,
-        "impact_speed": each(speed) * disk.rate_unit,
-    }
-    table: Table = {name: np.where(ok, values, np.nan).ravel() for name, values in columns.items()}
-    return table | {"wrong_way": (ok & _against(disk, found, each(natural.sigma3_bar), eta)).ravel()}
-
-
-def _against(disk: Disk, found: Bounces, sigma3_bar: Array, eta: Array) -> NDArray[np.bool_]:
-    """Whether sigma3 at the flattest moment, which has the sign of chi's rate, has not the sign of eta."""
-    tilt = np.where(np.isfinite(found.theta_min), found.theta_min, 1.0).ravel()
-    chart = line_chart(disk, np.sin(tilt), np.cos(tilt))
-    sigma3 = chart.rates(sigma3_bar.ravel(), disk.eta_to_eta_hat(eta).ravel())[0].reshape(found.shape)
-    return np.asarray(np.sign(sigma3) != found.side)

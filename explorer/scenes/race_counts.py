@@ -8,45 +8,85 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.measure import statistics
-from explorer.measure.log_counts import LogCounts, SignedLogCounts
+from explorer.measure.log_counts import LogCounts, LogRows, SignedLogCounts
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array
 from explorer.portrait.races import (
     ANGLE_BINS,
     PER_STEP,
     SIDES,
+    LawCounts,
     angle_edges,
-    by_decade,
+    decades_and_sides,
     decades_of,
-    law_constants,
+    sides_of_decades,
 )
 from explorer.scenes.base import Table, Tally
 from explorer.scenes.tallies import CountError, Counts
 
 SIGNS = SIDES
 KERNELS = (*statistics.KERNELS, "race_law.constant_batch")  # of what is counted, for `compiled.warmup`
+AT_ONCE = 1 << 15  # passages: fewer need more calls, and columns of more do not stay in a processor's cache
+_SIZES = "impact_speed", "energy", "error_estimate"
+_COUNTED = ("race_angle", "eta_hat", "wrong_way", *_SIZES)
 _EXPONENTS = -400, 400  # that powers of ten of doubles have, and more
 
 
+class RaceCounter:
+    """Counts race angles block by block: by the sign of eta_hat, its decade, and the distance from the limit.
+
+    most: how many may come.
+    """
+
+    def __init__(self, disk: Disk, most: int) -> None:
+        self._limit, self._wrong_way = disk.race_limit, 0
+        self._signs = statistics.Histograms(angle_edges(self._limit), len(SIGNS))
+        self._decades, self._law = LogRows(), LawCounts(disk, most)
+        self._sizes = [LogCounts() for _ in _SIZES]
+
+    def add(self, table: Table) -> None:
+        race, eta_hat = table["race_angle"], table["eta_hat"]
+        deviation = race - np.sign(eta_hat) * self._limit
+        self._wrong_way += int(np.count_nonzero(table["wrong_way"]))
+        groups, beside = (eta_hat < 0.0).astype(np.int64), abs(eta_hat) > 0.0  # as in SIGNS
+        if not beside.all():  # a motion on F has no side, and belongs to no decade
+            groups[~beside] = -1
+        self._signs.add(race, deviation, groups)
+        self._decades.add(deviation, decades_and_sides(eta_hat))
+        self._law.add(eta_hat, race, table["impact_speed"], table["error_estimate"])
+        for place, name in enumerate(_SIZES):
+            self._sizes[place].add(LogCounts.of(table[name]))
+
+    def tally(self) -> Tally:
+        return {
+            "wrong_way": self._wrong_way,
+            **{name: self._sign(group) for group, name in enumerate(SIGNS)},
+            "decades": {
+                str(exponent): {name: sides[side].state() for name, side in SIGNS.items()}
+                for exponent, sides in sides_of_decades(self._decades.counts()).items()
+            },
+            "constants": {str(step): counts.state() for step, counts in self._law.counts().items()},
+            **{name: counts.state() for name, counts in zip(_SIZES, self._sizes, strict=True)},
+        }
+
+    def _sign(self, group: int) -> Tally:
+        """The histogram of one sign of eta_hat, and the sum of its deviations."""
+        counts = self._signs.counts[group]
+        filled = np.flatnonzero(counts[:ANGLE_BINS])
+        return {
+            "bins": filled.tolist(),
+            "counts": counts[filled].tolist(),
+            "outside": int(counts[ANGLE_BINS]),
+            "sum": self._signs.sums[group],
+        }
+
+
 def count_races(table: Table, disk: Disk) -> Tally:
-    """Counts of race angles by the sign of eta_hat, by its decade, and by the distance from the limit."""
-    race, eta_hat, limit = table["race_angle"], table["eta_hat"], disk.race_limit
-    deviation = race - np.sign(eta_hat) * limit  # a motion on F has no side, and belongs to no decade
-    return {
-        "wrong_way": int(table["wrong_way"].sum()),
-        **_signs(race, deviation, eta_hat, limit),
-        "decades": {
-            str(exponent): {name: sides[side].state() for name, side in SIGNS.items()}
-            for exponent, sides in by_decade(eta_hat, deviation).items()
-        },
-        "constants": {
-            str(step): counts.state()
-            for step, counts in law_constants(
-                disk, eta_hat, race, table["impact_speed"], table["error_estimate"]
-            ).items()
-        },
-        **{name: LogCounts.of(table[name]).state() for name in ("impact_speed", "energy", "error_estimate")},
-    }
+    """What a `RaceCounter` counts of a table."""
+    size = table["race_angle"].size
+    counter = RaceCounter(disk, size)
+    for first in range(0, size, AT_ONCE):
+        counter.add({name: table[name][first : first + AT_ONCE] for name in _COUNTED})
+    return counter.tally()
 
 
 def count_bounces(table: Table) -> Tally:
@@ -63,29 +103,10 @@ def count_bounces(table: Table) -> Tally:
     return {"bounces": int(race.size), "without_race": int(without.sum()), "sums": sums}
 
 
-def _signs(race: Array, deviation: Array, eta_hat: Array, limit: float) -> Tally:
-    """Histograms of race angles by the sign of eta_hat, and sums of their deviations."""
-    groups = (eta_hat < 0.0).astype(np.int64)  # as in SIGNS
-    groups[~(abs(eta_hat) > 0.0)] = -1
-    counts = statistics.histograms(race, groups, angle_edges(limit), len(SIGNS))
-    sums = statistics.sums(deviation, groups, len(SIGNS))
-    tally = {}
-    for group, name in enumerate(SIGNS):
-        filled = np.flatnonzero(counts[group, :ANGLE_BINS])
-        tally[name] = {
-            "bins": filled.tolist(),
-            "counts": counts[group, filled].tolist(),
-            "outside": int(counts[group, ANGLE_BINS]),
-            "sum": sums[group],
-        }
-    return tally
-
-
 def check_races(counts: Counts, tally: Tally, bounces: int | None) -> None:
     """Raise CountError unless these are what `count_races` gives, and `count_bounces` where there are bounces."""
     more = () if bounces is None else ("bounces", "without_race", "sums")
-    sizes = "impact_speed", "energy", "error_estimate"
-    counts.entries("counts", tally, ("status", "wrong_way", *SIGNS, "decades", "constants", *sizes, *more))
+    counts.entries("counts", tally, ("status", "wrong_way", *SIGNS, "decades", "constants", *_SIZES, *more))
     if counts.statuses(tally["status"]) * (bounces or 1) != counts.most:
         raise CountError(f"its status counts not all of {counts.most:,} rows")
     for name in ("wrong_way", *more[:2]):
@@ -100,7 +121,7 @@ def check_races(counts: Counts, tally: Tally, bounces: int | None) -> None:
     for step, state in counts.named("constants", tally["constants"]).items():
         counts.whole("constants", step, *(PER_STEP * end for end in _EXPONENTS))
         counts.signed(f"constants {step}", state)
-    for name in sizes:
+    for name in _SIZES:
         counts.log_counts(name, tally[name])
     for exponent, signs in counts.named("sums", tally.get("sums", {})).items():
         counts.whole("sums", exponent, *_EXPONENTS)
@@ -124,11 +145,10 @@ def _checked_sign(counts: Counts, name: str, value: Any) -> int:
 
 @dataclass
 class OneSign:
-    """Race angles of one sign of eta, counted: a histogram, and deviations from the limit."""
+    """Race angles of one sign of eta, counted."""
 
     bins: NDArray[np.int64] = field(default_factory=lambda: np.zeros(ANGLE_BINS, np.int64))
     outside: int = 0
-    deviation: SignedLogCounts = field(default_factory=SignedLogCounts)
     sums: list[float] = field(default_factory=list)  # of the deviations, one a chunk
 
     def add(self, tally: Tally) -> None:
@@ -161,12 +181,10 @@ class RaceCounts:
         for exponent, states in tally["decades"].items():
             sides = self.decades.setdefault(int(exponent), {side: SignedLogCounts() for side in SIGNS.values()})
             for name, side in SIGNS.items():
-                counts = SignedLogCounts(states[name])
-                sides[side].add(counts)
-                self.signs[name].deviation.add(counts)
+                sides[side].add(SignedLogCounts(states[name]))
         for step, state in tally["constants"].items():
             self.constants.setdefault(int(step), SignedLogCounts()).add(SignedLogCounts(state))
-        for name in ("impact_speed", "energy", "error_estimate"):
+        for name in _SIZES:
             getattr(self, name).add(LogCounts(tally[name]))
         self.bounces += tally.get("bounces", 0)
         self.without_race += tally.get("without_race", 0)
@@ -176,7 +194,14 @@ class RaceCounts:
 
     def races(self, name: str) -> int:
         """How many race angles of one sign of eta there are."""
-        return self.signs[name].deviation.total
+        return sum(sides[SIGNS[name]].total for sides in self.decades.values())
+
+    def deviation(self, name: str) -> SignedLogCounts:
+        """Deviations from the limit of all race angles of one sign of eta."""
+        together = SignedLogCounts()
+        for sides in self.decades.values():
+            together.add(sides[SIGNS[name]])
+        return together
 
     def by_decade(self) -> list[dict[str, Any]]:
         """How the deviation from the limit shrinks with |eta_hat|, and where any state may be the means."""

@@ -10,6 +10,7 @@ import pytest
 from explorer.measure.log_counts import (
     PER_DECADE,
     LogCounts,
+    LogRows,
     SignedLogCounts,
     pack,
     unpack,
@@ -81,5 +82,10 @@ def test_groups_are_counted_each_as_by_itself():
     assert list(found) == [-3, -2, -1, 0, 1]
     for group, counts in found.items():
         assert counts.state() == SignedLogCounts.of(values[(groups == group) & np.isfinite(values)]).state()
+    rows = LogRows()
+    assert rows.counts() == {}
+    for part in np.array_split(np.argsort(abs(values)), 7):  # each reaches further than those before it
+        rows.add(values[part], groups[part])
+    assert {n: c.state() for n, c in rows.counts().items()} == {n: c.state() for n, c in found.items()}
     assert not any(counts.total for counts in SignedLogCounts.by_group(np.ones(2), np.full(2, np.nan)).values())
     assert not any(counts.total for counts in SignedLogCounts.by_group(np.zeros(0), np.zeros(0)).values())

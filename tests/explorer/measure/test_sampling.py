@@ -113,6 +113,17 @@ def test_a_stream_in_lanes_goes_on_as_numpys_does():
         np.testing.assert_array_equal(lanes.random(size), random.random(size))
 
 
+@pytest.mark.parametrize("length", [1000, 1001])
+def test_blocks_of_rows_are_those_of_whole_rows(length):
+    """Also where a row does not begin with a new counter."""
+    whole, rest = LaneStream(7, 3), LaneStream(7, 3)
+    expected = np.vstack([whole.random((2, length)), whole.random(length)])
+    for first in range(0, length, 300):
+        block, size = rest.of_rows(first, length), min(300, length - first)
+        found = np.vstack([block.random((2, size)), block.random(size)])
+        np.testing.assert_array_equal(found, expected[:, first : first + size])
+
+
 def test_signs_are_plus_below_a_half():
     half = np.array([0.0, 0.5 - 2.0**-53, 0.5, 0.5 + 2.0**-53, 1.0 - 2.0**-53])
     unit = np.concatenate([half, chunk_stream(1, 1).random(1000)])

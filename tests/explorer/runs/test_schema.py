@@ -196,8 +196,13 @@ def test_two_chunks_of_one_number_are_refused_and_computed_anew(finished, capsys
 def test_a_scene_that_makes_what_readers_refuse_is_told_so(monkeypatch):
     from explorer.scenes.race_angles import RaceAngles
 
-    compute = RaceAngles.compute
-    monkeypatch.setattr(RaceAngles, "compute", lambda self, index: {**compute(self, index), "more": np.zeros(1)})
+    process = RaceAngles.process
+
+    def with_more(self, index):
+        rows, tally = process(self, index)
+        return {**rows, "more": np.zeros(1)}, tally
+
+    monkeypatch.setattr(RaceAngles, "process", with_more)
     with pytest.raises(ex.RunError, match="race-angles made what cannot be stored"):
         ex.run("race-angles", samples=10, eta_hat="1e-4:1e-2", keep="all")
 

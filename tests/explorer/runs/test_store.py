@@ -17,6 +17,12 @@ def text(run):
     return (run.folder / "summary.json").read_text()
 
 
+def test_a_note_with_its_counts_as_text_is_the_note_as_json():
+    tally = {"status": {"ok": 3}, "text": 'null} "ä"', "range": [1e-300, 0.1]}
+    note = store.Note(4, "ab", 3, "cd", tally)
+    assert store.as_text(note, json.dumps(tally)) == json.dumps(vars(note))
+
+
 def test_any_flipped_bit_of_a_chunk_is_noticed(finished):
     rng = np.random.default_rng(0)
     path = store.found_chunks(finished.folder)[2]

@@ -1,6 +1,7 @@
 """Scene race-angles: the race angle tends to +-kappa pi, and nothing guesses where it does not know."""
 
 import itertools
+import json
 
 import numpy as np
 import pytest
@@ -51,6 +52,21 @@ def test_the_coarsest_integrator_knows_every_side_down_to_1e_minus_300(method):
     _, found = summary_of("race-angles", samples=3000, eta_hat="1e-300:1e-5", accuracy=1e-2, method=method, seed=4)
     assert found["wrong_way"] == 0
     assert found["status"] == {"ok": 3000}
+
+
+@pytest.mark.parametrize("options", [{}, {"energy": "1.5:2"}, {"eta_hat": "1e-300:1", "method": "rk4"}])
+def test_what_is_counted_block_by_block_is_what_the_columns_hold(options):
+    """Rows and counts to the last digit, whatever is kept; a chunk is of a block and a part of one."""
+    scenes = {keep: build_scene("race-angles", samples=40_000, keep=keep, **options) for keep in ("none", "all")}
+    table = scenes["all"].compute(0)
+    counts = scenes["all"].tally(0, table)
+    for keep, scene in scenes.items():
+        kept, tally = scene.process(0)
+        assert list(kept) == list(table)
+        assert json.dumps(tally) == json.dumps(counts)
+        for name, values in kept.items():
+            assert values.dtype == table[name].dtype
+            np.testing.assert_array_equal(values, table[name] if keep == "all" else table[name][:0])
 
 
 def test_races_that_nothing_resolves_are_an_error_in_words():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from explorer.scenes.race_counts import RaceCounts, count_bounces, count_races
+from explorer.scenes.race_counts import RaceCounter, RaceCounts, count_bounces, count_races
 
 UNIFORM = BODIES["uniform"]
 LIMIT = UNIFORM.race_limit
@@ -45,6 +45,19 @@ def test_chunks_add_up_to_the_whole():
     assert parts.without_race == together.without_race == 20
     for a, b in zip(parts.by_decade(), together.by_decade(), strict=True):
         assert a == pytest.approx(b, rel=1e-14)
+
+
+def test_blocks_are_counted_as_the_whole_is():
+    """To the last digit, with motions on F and races that nobody knows among them."""
+    table = bounces_of(5)
+    table["eta_hat"][1::100], table["impact_speed"][::7] = 0.0, 0.5
+    table["error_estimate"] = np.random.default_rng(6).uniform(1e-12, 1e-6, 500)
+    whole, parts = RaceCounter(UNIFORM, 500), RaceCounter(UNIFORM, 500)
+    whole.add(table)
+    for first in (0, 1, 300):
+        last = {0: 1, 1: 300, 300: 500}[first]
+        parts.add({name: values[first:last] for name, values in table.items()})
+    assert json.dumps(parts.tally()) == json.dumps(whole.tally()) == json.dumps(count_races(table, UNIFORM))
 
 
 def test_means_by_decade_are_those_of_the_races():

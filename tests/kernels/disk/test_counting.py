@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from kernels.disk.counting import histogram_batch, log_count_batch, sum_batch
+from kernels.disk.counting import Sizes, histogram_batch, log_count_batch, sum_batch
 
 PER_DECADE = 10
 RANDOM = np.random.default_rng(5)
@@ -25,7 +25,7 @@ def test_sizes_are_counted_by_group_and_sign():
     first, width = -120, 140
     counts, zeros = np.zeros((6, width), np.int32), np.zeros(6, np.int64)
     ends = np.tile([np.inf, -np.inf], (6, 1))
-    log_count_batch(VALUES, places, OF_PLACES, first, counts.reshape(-1), zeros, ends)
+    log_count_batch(Sizes(VALUES, places, OF_PLACES), 0, first, counts.reshape(-1), zeros, ends)
     for row in range(6):
         sign = VALUES >= 0.0 if row % 2 else VALUES < 0.0
         chosen = np.isfinite(VALUES) & sign & (row // 2 == GROUPS)
@@ -39,10 +39,10 @@ def test_sizes_are_counted_by_group_and_sign():
 def test_a_place_outside_the_row_writes_nowhere():
     counts, zeros, ends = np.zeros(4, np.int32), np.zeros(2, np.int64), np.zeros((2, 2))
     places = np.array([-1.0, 0.0, 1.5, 2.0, 1e300])
-    log_count_batch(np.ones(5), places, np.zeros(5), 0, counts, zeros, ends)
+    log_count_batch(Sizes(np.ones(5), places, np.zeros(5)), 0, 0, counts, zeros, ends)
     assert counts.tolist() == [0, 0, 1, 1]
     groups = np.array([-1.0, 1.0, np.inf, -np.inf, np.nan])
-    log_count_batch(np.ones(5), np.ones(5), groups, 0, counts, zeros, ends)
+    log_count_batch(Sizes(np.ones(5), np.ones(5), groups), 0, 0, counts, zeros, ends)
     assert counts.tolist() == [0, 0, 1, 1]
 
 
