@@ -54,8 +54,8 @@ class Bounces(Result):
     duration : array
         Time that the stretch takes.
     error_estimate : array
-        Of the angles (rad), of the duration (relative) and of the time to the first flattest moment (in periods
-        of the motion), whichever is largest. Later times are off by what the durations before them are.
+        Of the angles (rad), of the duration (relative) and of the time to the flattest moment (relative, or in
+        periods of the motion where it is shorter than one), whichever is largest.
     status : array of int8
         `Status` of each state.
     states : States
@@ -156,8 +156,8 @@ def bounce_kernels(accuracy: float) -> tuple[str, ...]:
 class _Pairs(NamedTuple):
     """The bounces of one period, in natural units: (2, n) for the even and the odd ones, (n) for what both share.
 
-    (1, n) where the first one is all that was asked for. first: time to bounce 0; between: time from each bounce
-    to the next.
+    (1, n) where the first one is all that was asked for. first: time to bounce 0; first_error: of it, in periods;
+    between: time from each bounce to the next.
     """
 
     face: NDArray[np.int8]
@@ -168,7 +168,9 @@ class _Pairs(NamedTuple):
     duration: Array
     error: Array
     first: Array
+    first_error: Array
     between: Array
+    period: Array
     fall_angle: Array
     status: NDArray[np.int8]
 
@@ -212,6 +214,8 @@ def _pairs(
         duration=in_turn(found.time_here, found.time_there),
         error=error,
         first=found.first,
+        first_error=found.first_error,
+        period=time,
         between=np.where(crosses, 0.5 * time, time),
         fall_angle=2.0 * fall.chi,
         status=status,
@@ -226,12 +230,15 @@ def _in_turn(states: States, pairs: _Pairs, count: int) -> Bounces:
     def each(pair: NDArray[Any], otherwise: float = np.nan) -> NDArray[Any]:
         return np.where(ok, pair[number % 2].T, np.asarray(otherwise, pair.dtype))
 
-    shape = (len(states), count)
+    shape, first = (len(states), count), pairs.first[:, None]
+    later = number * pairs.between[:, None]
+    erred = (pairs.first_error * pairs.period)[:, None] + later * pairs.error.max(axis=0)[:, None]
+    off = np.where(ok, erred / np.fmax(pairs.period[:, None], first + later), np.nan)
     chi, fall = each(pairs.chi), np.where(ok, np.broadcast_to(pairs.fall_angle[:, None], shape), np.nan)
     flat = Bounces(
         row=np.broadcast_to(np.arange(len(states))[:, None], shape).copy(),
         bounce=np.broadcast_to(number, shape).copy(),
-        time=np.where(ok, (pairs.first[:, None] + number * pairs.between[:, None]) * unit, np.nan),
+        time=np.where(ok, (first + later) * unit, np.nan),
         face=each(pairs.face, 0),
         side=each(pairs.side, 0),
         theta_min=each(pairs.theta_min),
@@ -240,7 +247,7 @@ def _in_turn(states: States, pairs: _Pairs, count: int) -> Bounces:
         fall_angle=fall,
         race_angle=chi - fall,
         duration=each(pairs.duration) * unit,
-        error_estimate=each(pairs.error),
+        error_estimate=np.fmax(each(pairs.error), off),
         status=np.broadcast_to(pairs.status[:, None], shape).copy(),
         states=states,
     )

@@ -332,3 +332,17 @@ def test_the_first_bounce_of_a_start_beside_the_vertical_is_told_by_its_error(in
         found = ex.bounces(states, 2, accuracy=accuracy)
         assert found.ok.all()
         assert found.time[0, 0] == pytest.approx(first, rel=10.0 * accuracy, abs=1e-5)
+
+
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-5, 1e-8])
+def test_estimates_know_how_far_later_times_are_off(accuracy):
+    random = np.random.default_rng(11)
+    states = ex.phi_to_states(ex.Disk.uniform(), random.uniform(-1.4, 1.4, 200), *random.uniform(-1, 1, (3, 200)))
+    best, found = ex.bounces(states, 50, accuracy=1e-11), ex.bounces(states, 50, accuracy=accuracy)
+    ok = (best.ok & found.ok).all(axis=1)
+    assert ok.mean() > 0.95
+    longest = np.fmax(best.time, ex.periods(states).period[:, None])
+    off = abs(found.time - best.time) / longest / (found.error_estimate + best.error_estimate)
+    assert off[ok].max() < 10.0
+    of_both = found.error_estimate[:, :2].max(axis=1)
+    assert (found.error_estimate <= 2.0 * of_both[:, None])[ok].all()
