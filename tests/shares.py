@@ -73,6 +73,42 @@ def across(disk, n, seed):
     return bar * unit, eta_hat * unit, speed * unit, face
 
 
+def upright(disk, count, seed):
+    """States at the vertical, of any distance from F between 1e-8 and 1."""
+    random, unit = np.random.default_rng(seed), disk.rate_unit
+    eta = 10.0 ** random.uniform(-8.0, 0.0, count) * random.choice([-1.0, 1.0], count)
+    bar, speed = random.uniform(-1.5, 1.5, count), random.uniform(0.3, 2.0, count)
+    return ex.constants_to_states(disk, unit * bar, unit * eta, unit * speed)
+
+
+def anywhere(disk, count, seed):
+    """States all over the phase space, most of which do not cross the vertical."""
+    random, unit = np.random.default_rng(seed), disk.rate_unit
+    rates = unit * random.uniform(-1.0, 1.0, (3, count))
+    return ex.phi_to_states(disk, random.uniform(-1.4, 1.4, count), *rates)
+
+
+def near_flat(disk, count, seed):
+    """States at any tilt from 1e-7 to the vertical, log-uniform: many of so little energy that they stay there."""
+    random, unit = np.random.default_rng(seed), disk.rate_unit
+    normal = random.normal
+    tilt = 10.0 ** random.uniform(-7.0, np.log10(0.5 * np.pi), count)
+    phi = (0.5 * np.pi - tilt) * random.choice([-1.0, 1.0], count)
+    sigma3 = np.sin(tilt) * 10.0 ** random.uniform(-2.0, 1.0, count) * normal(size=count)
+    return ex.phi_to_states(
+        disk, phi, *(unit * np.array([0.3 * normal(size=count), sigma3, 2.0 * normal(size=count)]))
+    )
+
+
+def slow(disk, count, seed):
+    """States at the vertical that leave it with 1e-5 to 1 of a usual speed."""
+    random = np.random.default_rng(seed)
+    speed = 10.0 ** random.uniform(-5.0, 0.0, count) * random.choice([-1.0, 1.0], count)
+    return ex.phi_to_states(
+        disk, 0.0, *(disk.rate_unit * np.array([speed, *random.normal(0.0, [[1.0], [2.0]], (2, count))]))
+    )
+
+
 class Passages:
     """Passages as `ex.passages` finds them, beside those by adaptive rules, which share no table with them."""
 

@@ -6,7 +6,7 @@ from kernels._jit import contracted_device, contracted_subroutine
 from kernels.disk.body import Body
 from kernels.disk.elementary import DEEPEST, exp_fall
 from kernels.integrals import sums
-from kernels.integrals.point import VERTICAL
+from kernels.integrals.point import VERTICAL, Motion
 from kernels.integrals.sums import (
     ANGLE_ERROR,
     CHI,
@@ -19,8 +19,6 @@ from kernels.integrals.sums import (
     REST,
     TAILS,
     TIME_ERROR,
-    X,
-    Y,
     clear,
     share_of_tail,
 )
@@ -40,15 +38,17 @@ _LEAST = 1e-300  # of what is divided by
 _ROUND = 16.0  # kappa up to which the tables of a body hold its races as well as its rules tell
 # Beside the turning point, of the angle of the race and of h there: six times the largest that was seen.
 _TURN_RATE, _TURN_SHARE = 4.36, 6.0
+_OFF_WALL = 1.0 / 3.0  # by gravity alone 2 E/slope - 1 is 3 h over the slope
 
 # Rows beside those of `sums`: ends in h, and where the motion turns back beyond the outer one (0: not known);
 # E - V there and how much further in y it would go; what `at_depth` takes; y there and below the
-# panel; the panel; the closed part; rounding of E - V; how slow the motion is at its end, as `slowness`.
+# panel; the panel; the closed part; rounding of E - V; how slow the motion is at its end, as `slowness`; what is
+# left of the race beside the turning point, as `beside_turn`.
 (
     H_TURN, H_END, H_BEYOND, MOVING, FURTHER, LOG_TURN, LOG_END, CAP, LOG_CAP, TURN2, Y_END, BELOW,
-    REACH, ANGLE, SINE_END, CLOSED, RACE, ROUNDING, SLOW,
-) = range(sums.ROWS, sums.ROWS + 19)  # fmt: skip
-ROWS = sums.ROWS + 19
+    REACH, ANGLE, SINE_END, CLOSED, RACE, ROUNDING, SLOW, BESIDE_TURN,
+) = range(sums.ROWS, sums.ROWS + 20)  # fmt: skip
+ROWS = sums.ROWS + 20
 
 
 @contracted_device
@@ -66,6 +66,21 @@ def slowness(W: Vector, i: int, slope: float) -> float:
     return slow if (moving == 0.0) | (W[H_END * LANES + i] >= VERTICAL) else 0.0
 
 
+@contracted_device
+def beside_turn(h: float, level: float, slope: float, motion: Motion) -> float:
+    """What is left of the race after its closed part, beside a turning point at h, as a share of the race.
+
+    slope: -h dV/dh there. It is of the order of h where E - V_0 is of the order of 1. A motion of little energy
+    near flat has two turning points that are both small, and what counts is h over the other one: V less its wall
+    against all of V. Were V all wall, the slope would be twice the level.
+    """
+    other = _OFF_WALL * abs(2.0 * level / slope - 1.0)
+    # What a fast spin adds to sigma3 at the turning point, as a part of it, may be far more than h.
+    spun = 0.5 * abs(motion.X) * h * h / (abs(motion.Y) + _LEAST)
+    own = spun if spun > _SPUN * h else h
+    return other if other > own else own
+
+
 @contracted_subroutine
 def tell_errors(W: Vector, size: int) -> None:
     """Add the errors of a rule of `size` nodes as its last coefficients tell them.
@@ -80,8 +95,8 @@ def tell_errors(W: Vector, size: int) -> None:
         share = max(max(chi, rest), time)
         apart = W[Y_END * LANES + i] / size
         trust = _MISSED + _SPARSE * (apart * apart) * (apart * apart)
-        part = trust * share + min(W[SLOW * LANES + i] * share, _MOST_MISSED)
-        missed = share * (math.sqrt(share) if W[Y_END * LANES + i] > _DEEP else part)
+        slow = min(W[SLOW * LANES + i] * share, _MOST_MISSED)
+        missed = share * (max(math.sqrt(share), slow) if W[Y_END * LANES + i] > _DEEP else trust * share + slow)
         W[ANGLE_ERROR * LANES + i] += missed * (W[OF_CHI.size * LANES + i] + W[OF_REST.size * LANES + i])
         W[TIME_ERROR * LANES + i] += missed * W[OF_TIME.size * LANES + i]
     clear(W, TAILS)
@@ -91,9 +106,9 @@ def tell_errors(W: Vector, size: int) -> None:
 def tell_turn(W: Vector, size: int) -> None:
     """Add what a rule of `size` nodes misses beside the turning point.
 
-    What is left of the race after its closed part is there of the order of h, over a length of 1 in y: too small
-    for the last coefficients to tell, and all that is left where the way is long. It falls off with the nodes on
-    such a length, as measured. They lie closer there where the panel ends far from a second turning point.
+    What is left of the race after its closed part, as `beside_turn` has it, is there over a length of 1 in y: too
+    small for the last coefficients to tell, and all that is left where the way is long. It falls off with the
+    nodes on such a length, as measured. They are closer where the panel ends far from a second turning point.
     """
     for i in range(LANES):
         closer = W[ANGLE * LANES + i] / (0.5 * math.pi) if W[Y_END * LANES + i] < _DEEP else 1.0
@@ -101,11 +116,7 @@ def tell_turn(W: Vector, size: int) -> None:
         unseen = exp_fall(resolved if resolved < DEEPEST else DEEPEST)
         unseen *= unseen
         unseen *= unseen
-        h = W[H_TURN * LANES + i]
-        # What a fast spin adds to sigma3 at the turning point, as a part of it, may be far more than h.
-        spun = 0.5 * abs(W[X * LANES + i]) * h * h / (abs(W[Y * LANES + i]) + _LEAST)
-        beside = spun if spun > _SPUN * h else h
-        W[ANGLE_ERROR * LANES + i] += _TURN_SHARE * abs(W[RACE * LANES + i]) * beside * unseen
+        W[ANGLE_ERROR * LANES + i] += _TURN_SHARE * abs(W[RACE * LANES + i]) * W[BESIDE_TURN * LANES + i] * unseen
 
 
 @contracted_subroutine

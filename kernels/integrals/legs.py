@@ -23,6 +23,7 @@ from kernels.integrals.ends import Ends, anywhere
 from kernels.integrals.leg_errors import (
     ANGLE,
     BELOW,
+    BESIDE_TURN,
     CAP,
     CLOSED,
     FURTHER,
@@ -41,6 +42,7 @@ from kernels.integrals.leg_errors import (
     SLOW,
     TURN2,
     Y_END,
+    beside_turn,
     slowness,
     tell_errors,
     tell_thin,
@@ -81,7 +83,9 @@ HERE, THERE, LEAD = 0, 1, 2  # kinds of legs, in blocks of as many as there are 
 _LN2 = math.log(2.0)
 _EPSILON = 2.2e-16
 _NOISE = 100.0  # units of rounding, as in tabulated
-ROUNDING_UNITS = 4.0  # units of rounding in E - V, of the sizes of its terms
+# Units of rounding in E - V, of the sizes of its terms; where a way ends at the vertical, what the constants are
+# rounded by is felt as well.
+ROUNDING_UNITS, UPRIGHT_UNITS = 4.0, 8.0
 _LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y
 _DEPTH, _PER_NODE = 2.5, 1.44  # in y: what rules of so many nodes look at
 BESIDE = 1e-5  # of h: a state so near an end tells the way there by its rate
@@ -173,10 +177,12 @@ def lay_panel(W: Vector, depth: float, wide: Wide, b: Body) -> None:
         W[CHECK * LANES + i] = 0.0 if good else 2.0
         closed = at.D / (at.shape2 * at.shape * math.sqrt(slope * b.inv_M))
         W[CLOSED * LANES + i] = closed
+        W[BESIDE_TURN * LANES + i] = beside_turn(turn, level, slope, motion)
         W[RACE * LANES + i] = closed * motion.Y / turn * W[RACE * LANES + i]
         last = anywhere(end, W[LOG_END * LANES + i], motion, b, wide)
         terms = abs(level) + terms_of(turn, at, motion, b) + terms_of(end, last, motion, b)
-        rounding = ROUNDING_UNITS * _EPSILON * terms
+        units = UPRIGHT_UNITS if end >= VERTICAL else ROUNDING_UNITS
+        rounding = units * _EPSILON * terms
         W[ROUNDING * LANES + i], W[NOISE * LANES + i] = rounding, _NOISE * _EPSILON + rounding / slope
         # In y. Where V does not rise towards the end, the motion would not turn back soon.
         at_end = slope_of(end, last, motion.X, b)

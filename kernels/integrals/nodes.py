@@ -39,6 +39,8 @@ _SQUARINGS = 4
 _STRETCH = FARTHEST / 2.0**_SQUARINGS
 # Up to this y the distance of h from h_turn keeps its relative accuracy.
 _NEAR = 16.0
+# Below this 1 - exp(-y) is known better than the other: a rounding of ln S moves V by ten of its own.
+_GROWN_LITTLE = 0.9
 _LEAST = 1e-300  # of E - V, which rounding may make negative: the root of it must exist
 
 _EXP = interpolate(lambda u: np.exp(-u * _STRETCH), 18)
@@ -122,6 +124,7 @@ def place(W: Vector, n: int, h_end: float, h_turn: float, y_end: float) -> None:
     end2 = math.exp(-2.0 * y_end)
     for j in range(n):
         e, m = W[E2 * ROOM + j], W[_LEFT * ROOM + j]
+        e = 1.0 - m if m < _GROWN_LITTLE else e
         e2 = e * e
         near = h_turn + h_turn * (0.5 * m * m / e)
         far = h_end * W[_FALL * ROOM + j] * (1.0 + e2) / (1.0 + end2)

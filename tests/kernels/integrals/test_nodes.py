@@ -32,6 +32,9 @@ def test_nodes_are_placed_where_the_hyperbolic_cosine_puts_them(h_turn):
     excess = 2.0 * np.sinh(0.5 * y[near]) ** 2
     # relative, so that P keeps its digits next to the turning point
     np.testing.assert_allclose(h[near] / h_turn - 1.0, excess, atol=3e-16, rtol=6e-14)
+    # On a short way ln S, and V with it, is rounded a few times and not sixteen.
+    short = y < 2.0
+    np.testing.assert_allclose(row(W, nodes.LOG, n)[short], 2.0 * np.log(h[short] / math.sqrt(2.0)), atol=1e-14)
 
 
 @pytest.mark.parametrize("name", list(BODIES))
