@@ -24,7 +24,7 @@ _SINES = tuple((-1.0) ** n / math.factorial(2 * n + 1) for n in range(8))
 _COSINES = tuple((-1.0) ** n / math.factorial(2 * n) for n in range(9))
 _SINE = taylor(lambda n: (-1.0) ** n * _QUARTER ** (2 * n) / math.factorial(2 * n + 1), 11)
 _EXP = taylor(lambda n: (-_SHORT) ** n / math.factorial(n), 14)
-ATANH = taylor(lambda n: 9.0**-n / (2 * n + 1), 8)
+ATANH = taylor(lambda n: 9.0**-n / (2 * n + 1), 10)
 # The same to 1e-8 or better.
 EXP_SHORT = taylor(lambda n: (-_SHORT) ** n / math.factorial(n), 9)
 ATANH_SHORT = taylor(lambda n: 9.0**-n / (2 * n + 1), 4)

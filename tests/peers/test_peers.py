@@ -60,7 +60,7 @@ def test_the_loop_in_cpp_takes_as_many_steps_as_its_longest_lane_needs():
 def test_a_fall_takes_one_root_at_each_node_and_a_coarse_passage_fewer_than_a_fine_one():
     found = counted()
     # and one at the start; one in the middle and two more tell how slow that is
-    fine = grade_at(DISK.tables, GRADES - 1)
+    fine = grade_at(DISK.tables, GRADES - 2)
     assert found["quadrature"]["1e-11"]["fall"][0] == fine.fall.shape[1] + 4
     roots = {accuracy: found["quadrature"][accuracy]["passage"][0] for accuracy in ("0.001", "1e-11")}
     nodes = fine.outer.shape[1] + fine.inner.shape[1]
