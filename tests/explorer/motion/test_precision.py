@@ -276,3 +276,15 @@ def test_fixed_steps_meet_their_accuracy_in_fast_spins_of_little_inertia(method,
         error = np.maximum(*errors(got, true))[:, 0]
         assert 0.01 * accuracy < np.percentile(error, 99) / (0.5 * time) < accuracy
         assert (error <= 10.0 * got.error_estimate).all()
+
+
+def test_slow_spins_of_little_inertia_pay_no_more_by_order_four():
+    """They met a hundredth of the accuracy, in six times the steps."""
+    disk, rng, n = ex.Disk(I1=0.5, I3=0.005), np.random.default_rng(1), 100
+    given = rng.uniform(-2.0, 2.0, n), 10.0 ** rng.uniform(-8.0, 0.0, n), rng.uniform(0.3, 2.0, n)
+    states, time = ex.constants_to_states(disk, *given), 3.0
+    true = trajectories(states, None, [time], NAMES, method="rk8", accuracy=1e-10)
+    got = trajectories(states, None, [time], NAMES, method="rk4", accuracy=1e-3)
+    far = (np.pi / 2 - abs(true.phi[:, 0]) > 0.1) & true.ok & got.ok
+    error = np.maximum(*errors(got, true))[far, 0]
+    assert 0.01e-3 < np.percentile(error, 99) / (0.5 * time) < 1e-3
