@@ -43,9 +43,9 @@ _BESIDE = 4.0
 # Rates (natural units) beyond which adaptive methods are told to err more than their constants show, and ways (r).
 _SPUN, _LONG_WAY = 5.0, 20.0
 _LITTLE = 0.05  # of I3/I1
-# Below that a fast spin hardly shortens fixed steps, since it has little to turn, and those of rk8 are long: measured
-# for I3/I1 from 0.003 to 0.03 with spins up to 100, whose paths came out up to four times as wrong as was asked at
-# t = 4. Those of rk4 met it.
+# Below that a fast spin hardly shortens fixed steps, since it has little to turn, and those of rk8 are long:
+# measured for I3/I1 from 0.003 to 0.03 with spins up to 100, whose paths came out up to four times as wrong as was
+# asked at t = 4. Those of rk4 met it.
 _OF_LITTLE = 0.2
 # Finer steps are kept where other steps end apart by more than this share of what was asked.
 _NEARLY = 0.5

@@ -60,9 +60,9 @@ def estimate(asked: Asked) -> Estimate:
             starting = time.process_time() if manner.command is not None else 0.0
             compiled.compile_missing(scene.kernels, lambda text: note(text, manner.quiet))
             scene.begin(index, _PARTS)  # loads compiled code and fills caches, which no other chunk has to do
-        began = time.thread_time()
+        began = time.process_time()
         rows, tally, length = scene.begin(index, _PARTS)
-        seconds += time.thread_time() - began
+        seconds += time.process_time() - began
         plain, times = float(sum(column.nbytes for column in rows.values())), scene.length(index) / length
         if asked.out is not None:
             seconds += plain * _SECONDS_PER_BYTE

@@ -85,9 +85,9 @@ def against_eta(samples=20_000, rounds=5):
     for _ in range(rounds):
         for exponent in EXPONENTS:
             for method in METHODS:
-                begin = time.thread_time()
+                begin = time.process_time()
                 got = ex.passages(disk, s3, 10.0**-exponent, speed, method=method, accuracy=1e-2)
-                passed = time.thread_time() - begin if (got.status == ex.Status.OK).mean() > 0.99 else np.inf
+                passed = time.process_time() - begin if (got.status == ex.Status.OK).mean() > 0.99 else np.inf
                 best[exponent, method] = min(best.get((exponent, method), np.inf), passed)
     micro = {place: seconds / samples * 1e6 if seconds < np.inf else None for place, seconds in best.items()}
     return [(exponent, [micro[exponent, method] for method in METHODS]) for exponent in EXPONENTS]

@@ -21,10 +21,10 @@ def test_an_estimate_is_that_of_the_run(finished, tmp_path):
     """Within a factor of two for the room that samples take; time is compared with that of the same chunks."""
     made = asked("race-angles", {**SMALL_RACES, "out": tmp_path / "planned", "figures": False, "jobs": 1})
     made.scene.process(0)
-    began = time.thread_time()
+    began = time.process_time()
     for index in range(5):
         made.scene.process(index)
-    spent = time.thread_time() - began
+    spent = time.process_time() - began
     found = estimate(made)
     chunks = sum(path.stat().st_size for path in (finished.folder / "chunks").iterdir())
     assert (found.chunks, found.samples) == (5, 3000)
