@@ -34,7 +34,7 @@ class Races(NamedTuple):
 
 @subroutine
 def load(values: Vector, row: int, W: Vector) -> None:
-    """One row of the work array, in lanes."""
+    """One row of the work array. Of a slice all indices count from its start, so it is copied in lanes."""
     room = W[row * LANES : (row + 1) * LANES]
     for i in range(values.size):
         room[i] = values[i]
