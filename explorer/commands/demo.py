@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import shlex
 import shutil
 from dataclasses import asdict
 from pathlib import Path
@@ -23,6 +24,7 @@ from explorer.scenes.registry import build_scene
 
 COMPARED = "side-by-side.json"
 _COMMAND = "nearflat demo"
+_OUT = "results/demo"  # git does not look there: a demo leaves a checkout as it was
 # The main job: Runge-Kutta kernels, the fastest of them where a little accuracy is asked. Pictures of races look
 # at 1e-7 rad.
 _INTEGRATED: dict[str, Any] = {"method": "rk8", "accuracy": 1e-3}
@@ -40,13 +42,20 @@ _STEPS: tuple[tuple[str, dict[str, Any], str], ...] = (
 _BESIDE = {"falling-set": ("theta_min", True), "race-angles": ("race_angle", False)}
 
 
-def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quiet: bool = True) -> list[Run]:
+def demo(out: Path | str = _OUT, *, jobs: int = 2, seed: int = 0, quiet: bool = True) -> list[Run]:
     """Run the three scenes into folders below `out`, which an earlier demo may already fill.
 
     Raises InputError where `out` holds something else.
     """
     workers = Workers(jobs)
     folder = path_of("--out", out)
+    command = shlex.join(
+        [
+            *_COMMAND.split(),
+            *(["--out", str(out)] if str(out) != _OUT else []),
+            *(["--seed", str(seed)] if seed else []),
+        ]
+    )
     made = [(build_scene(name, seed=seed, **options), title) for name, options, title in _STEPS]
     scenes = [(scene, title_of(scene, title)) for scene, title in made]
     _clear(folder)
@@ -64,11 +73,11 @@ def demo(out: Path | str = "results/demo", *, jobs: int = 2, seed: int = 0, quie
             for line in compared[scene.name].lines():
                 note(f"  {line}", quiet)
         if not (folder / FILE).exists():
-            leave_made_by(folder, _COMMAND)
+            leave_made_by(folder, command)
         runs.append(run)
     write_json(folder / COMPARED, {name: asdict(both) for name, both in compared.items()})
     (folder / "README.md").write_text(
-        _page(folder, runs, [title for _, title in scenes], compared), encoding="utf-8"
+        _page(folder, command, runs, [title for _, title in scenes], compared), encoding="utf-8"
     )
     return runs
 
@@ -89,7 +98,7 @@ def _clear(folder: Path) -> None:
     """Remove what an earlier demo left, and nothing else."""
     if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
         return
-    if command_of(folder) != _COMMAND:
+    if not command_of(folder).startswith(_COMMAND):
         raise InputError(f"--out {folder}: is not empty and holds no earlier demo; give another folder")
     try:
         for name, _, _ in _STEPS:
@@ -99,11 +108,11 @@ def _clear(folder: Path) -> None:
         raise InputError(f"--out {folder}: cannot be cleared ({error.strerror})") from None
 
 
-def _page(folder: Path, runs: list[Run], titles: list[str], compared: dict[str, SideBySide]) -> str:
+def _page(folder: Path, command: str, runs: list[Run], titles: list[str], compared: dict[str, SideBySide]) -> str:
     lines = [
         "# What `nearflat demo` found",
         "",
-        f"Made by `{_COMMAND}`. The numbers are in each `summary.json` and in `{COMPARED}`.",
+        f"Made by `{command}`. The numbers are in each `summary.json` and in `{COMPARED}`.",
     ]
     for run, title in zip(runs, titles, strict=True):
         lines += ["", f"## {title}", ""]
@@ -117,7 +126,7 @@ def _page(folder: Path, runs: list[Run], titles: list[str], compared: dict[str, 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the options of `nearflat demo`."""
-    command.add_argument("--out", default="results/demo", metavar="DIR", help="folder (default results/demo)")
+    command.add_argument("--out", default=_OUT, metavar="DIR", help=f"folder (default {_OUT})")
     command.add_argument("--jobs", default=2, metavar="N", help="threads (default 2)")
     command.add_argument("--seed", default=0, metavar="S", help="seed of the random streams (default 0)")
     add_json(command)

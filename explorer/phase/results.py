@@ -64,14 +64,8 @@ class Table:
         return flat
 
     def to_pandas(self) -> "pd.DataFrame":
-        """A DataFrame with one row for each sample, in the order of flattened arrays; status by name.
-
-        Raises
-        ------
-        ImportError
-            Where pandas is not installed.
-        """
-        import pandas as pd  # an extra: nothing else needs it
+        """A DataFrame with one row for each sample, in the order of flattened arrays; status by name."""
+        import pandas as pd
 
         columns = self._flat()
         frame = pd.DataFrame(columns)

@@ -127,7 +127,7 @@ class Run:
             raise RunError(f"columns of chunks do not go together ({fault}); look at: verify()") from None
 
     def frame(self, columns: Columns = None) -> "pd.DataFrame":
-        """The kept samples as a pandas DataFrame, status by name; needs pandas.
+        """The kept samples as a pandas DataFrame, status by name.
 
         columns: names, all by default. Raises InputError for a column that the run does not have.
         """

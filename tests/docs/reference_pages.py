@@ -38,7 +38,6 @@ def arguments(parser):
         if action.help is argparse.SUPPRESS or "--help" in action.option_strings:
             continue
         words = parser._get_formatter()._expand_help(action) if action.help else ""
-        words = re.sub(r"default \d+", "default: all cores", words) if "--jobs" in action.option_strings else words
         typed = action.metavar or ("|".join(map(str, action.choices)) if action.choices else "")
         if not action.option_strings:
             yield f"`{typed or action.dest}`", words

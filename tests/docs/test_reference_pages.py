@@ -9,6 +9,7 @@ from docs.reference_pages import DOCS, pages_with_parts, parsers, renewed
 import explorer as ex
 from explorer import compiled
 from explorer.phase.columns import COLUMNS
+from explorer.runs.workers import Workers
 from explorer.scenes.registry import SCENES
 
 GLOSSARY = (DOCS / "reference" / "glossary.md").read_text("utf-8")
@@ -27,6 +28,13 @@ def test_every_option_column_status_and_scene_is_in_the_glossary():
     codes = {each.name.lower() for each in compiled.status.Status}
     words = flags - {"-h", "--help"} | COLUMNS.keys() | codes | SCENES.keys()
     assert {word for word in words if f"`{word}`" not in GLOSSARY} == set()
+
+
+def test_the_command_line_page_says_how_many_workers_there_are_by_default():
+    page = (DOCS / "reference" / "command-line.md").read_text("utf-8")
+    told = re.findall(r"^\| `--jobs N` \| .*\(default:? (.+?)\)", page, flags=re.MULTILINE)
+    assert told
+    assert set(told) == {str(Workers().jobs)}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

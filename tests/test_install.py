@@ -1,0 +1,58 @@
+"""What a plain install brings, without any extra."""
+
+import ast
+import importlib.metadata
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from explorer.commands.demo import demo
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs" / "tutorials").glob("*.md"))]
+# Frames and data frames are made with it: no block imports it by name.
+BEHIND = {"pandas"}
+
+
+def imported(source):
+    """Names of the packages that a text of Python imports."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.partition(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            yield str(node.module).partition(".")[0]
+
+
+def code_of(page):
+    """The Python of a page; of a block with prompts what stands behind them."""
+    for block in re.findall(r"^```python\n(.*?)^```", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL):
+        typed = re.findall(r"^(?:>>>|\.\.\.) ?(.*)$", block, flags=re.MULTILINE)
+        yield "\n".join(typed) if typed else block
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_a_plain_install_runs_the_readme_and_the_tutorials(page):
+    """Other tests run the blocks with every tool of the tests there: this one asks what they need."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    required = {re.split(r"[^\w-]", line)[0] for line in project["dependencies"]}
+    brought = {
+        name for name, homes in importlib.metadata.packages_distributions().items() if required & set(homes)
+    }
+    needed = {name for code in code_of(page) for name in imported(code)} | BEHIND
+    assert needed - {"explorer"} - set(sys.stdlib_module_names) <= brought
+
+
+def test_a_demo_writes_where_git_does_not_look():
+    if not (ROOT / ".git").exists():
+        pytest.skip("only a clone knows what git ignores")
+    folder = demo.__defaults__[0]
+    told = subprocess.run(
+        ["git", "-C", ROOT, "check-ignore", f"{folder}/README.md"], capture_output=True, text=True
+    )
+    assert told.stdout.strip() == f"{folder}/README.md"
+    tracked = subprocess.run(["git", "-C", ROOT, "ls-files", folder], capture_output=True, text=True, check=True)
+    assert not tracked.stdout
