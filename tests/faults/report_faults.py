@@ -346,7 +346,8 @@ def main():
         "|---|---|",
         *(f"| {fault} | {found} |" for fault, found in rows),
         "",
-        "[moments.md](moments.md): runs stopped by signals, by backend. `fuzz.json`: calls, command lines and edited folders of every kind (`nox -s fuzz`).",
+        "[moments.md](moments.md): runs stopped by signals, by backend. `fuzz.json`: any calls, command lines and",
+        "edited folders (`nox -s fuzz`).",
         "[mutants.md](mutants.md): changed lines of the numerical code, and whether the tests notice.",
     ]
     leave_page(OUT, lines, "python tests/faults/report_faults.py")
