@@ -95,15 +95,35 @@ SENSIBLE = {
 }
 
 
+# What is no number: an argument with such a name is of no sensible type where it gets one.
+WORDS = {
+    "disk",
+    "states",
+    "state",
+    "state_on_f",
+    "method",
+    "observables",
+    "observable",
+    "box",
+    "gaussian",
+    "slice",
+}
+WORDS |= {"scene", "text", "degrees"}
+
+
 @st.composite
 def keywords(draw, names):
-    """Keyword arguments of a call, and whether one is of no sensible type; a name with ? may be left out."""
-    wanted = [name.rstrip("?") for name in names.split() if not name.endswith("?") or draw(st.integers(0, 2)) == 0]
-    given = {name: draw(SENSIBLE.get(name, columns)) for name in wanted}
-    spoilt = draw(st.sampled_from([None, None, columns, senseless]))
-    if spoilt is not None:
-        given[draw(st.sampled_from(wanted))] = draw(spoilt)
-    return given, spoilt is senseless
+    """Keyword arguments of a call, and whether one is of no sensible type.
+
+    names: those with ? may be left out, those with ! are always sensible.
+    """
+    wanted = [name for name in names.split() if name[-1] != "?" or draw(st.integers(0, 2)) == 0]
+    given = {name.rstrip("?!"): draw(SENSIBLE.get(name.rstrip("?!"), columns)) for name in wanted}
+    kind = draw(st.sampled_from([None, None, columns, senseless]))
+    name = draw(st.sampled_from([name.rstrip("?") for name in wanted if name[-1] != "!"]))
+    if kind is not None:
+        given[name] = draw(kind)
+    return given, kind is senseless or (kind is columns and name in WORDS)
 
 
 def examples(share):

@@ -32,7 +32,7 @@ CALLS = {
     "slice_map": "disk slice points",
     "falling_constant": "disk box energy? gaussian?",
     "push_forward": "disk time samples seed?",
-    "run": "scene disk samples eta_hat? seed? accuracy? method? chunk_size? box? jobs?",
+    "run": "scene disk samples! eta_hat? seed? accuracy? method? chunk_size? box? jobs?",
     "Disk": "I1 I3 m? r? g?",
     "Disk.annulus": "inner m? r?",
     "Disk.uniform": "m? r? g",
