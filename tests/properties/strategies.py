@@ -59,6 +59,7 @@ def states(draw, rows=3):
 state_on_f = st.builds(
     ex.constants_to_states, st.sampled_from(DISKS[:4]), st.floats(-2.0, 2.0), st.just(0.0), st.just(0.7)
 )
+scalars = st.floats(0.1, 2.0) | numbers
 boxes = st.sampled_from([None, "phi=-0.3:0.3", "phi=0.2,sigma3=0.3"])
 # Sensible arguments by their names; any other is a column of numbers.
 SENSIBLE = {
@@ -87,10 +88,13 @@ SENSIBLE = {
     "seed": st.sampled_from([0, 7]),
     "box": boxes,
     "gaussian": st.sampled_from([None, "phidot=0.5:0.3"]),
-    "slice": st.sampled_from(["phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2", "eta_hat=0.01,phidot=1"]),
+    "slice": st.sampled_from(
+        ["phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2", "phi=0.1,phidot=-1:1,sigma3=-1:1,sigma4=0.5"]
+    ),
     "points": st.sampled_from([3, 5]),
     "text": st.sampled_from(["uniform", "annulus:0.4", "m=1,r=2,I1=1,I3=flat", "hoop:m=2", "unifrom", "hoop:m=x"]),
-    "scene": st.sampled_from(["race-angles", "falling-set", "measure-zero"]),
+    "scene": st.sampled_from(["race-angles", "falling-set"]),
+    **dict.fromkeys(("I1", "I3", "m", "r", "g", "inner", "lean", "radius"), scalars),
     "chunk_size": st.sampled_from([30, 100]),
 }
 
