@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 from matplotlib.figure import Figure
-from typed_calls import complaints
 from wandering import resonant_and_paths
 
 import explorer as ex
@@ -118,12 +117,6 @@ def traded(made_once):
     """Every method measured on a few passages and motions of the hoop."""
     few = {"samples": 300, "motions": 64, "eta_hat": (1e-8, 1.0), "progress": False}
     return made_once("traded", lambda: trade("race-angles", disk=BODIES["hoop"], **few))
-
-
-@pytest.fixture(scope="session")
-def mypy_says(made_once, tmp_path_factory):
-    """What mypy says about the packages, and about calls that are right or wrong."""
-    return made_once("mypy", lambda: complaints(tmp_path_factory.mktemp("calls")))
 
 
 SAVE = Figure.savefig

@@ -2,12 +2,13 @@
 
 import re
 import shlex
+from pathlib import Path
 
 import pytest
-from imports import ROOT
 
 from explorer.commands.main import _parser
 
+ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text("utf-8")
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
 COMMANDS = [

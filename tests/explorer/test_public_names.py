@@ -1,9 +1,10 @@
 """The public names: lazy, typed, and the same whatever was imported before."""
 
 import ast
-import pkgutil
+import pickle
 import subprocess
 import sys
+from importlib import resources
 from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
@@ -12,21 +13,20 @@ import pytest
 
 import explorer as ex
 
+HEAVY = {"numba", "numpy", "matplotlib", "scipy", "pyarrow"}
+HELP = """
+import contextlib
+from explorer.commands.main import main
+with contextlib.suppress(SystemExit):
+    main(["--help"])
+"""
+
 
 def test_every_public_name_is_there_and_only_two_are_modules():
     assert {name for name in ex.__all__ if isinstance(getattr(ex, name), ModuleType)} == {"plot", "portrait"}
     assert dir(ex) == sorted({*ex.__all__, "__version__"})
     with pytest.raises(AttributeError, match="no attribute 'passage'"):
         _ = ex.passage
-
-
-def test_no_file_or_room_has_a_public_name_that_its_import_would_replace():
-    """Importing `explorer.x` sets `x` on the package, so a function of that name would turn into a module.
-
-    `plot` and `portrait` are meant as such; the package keeps `view` from it.
-    """
-    rooms = {module.name for module in pkgutil.iter_modules(ex.__path__)}
-    assert rooms & set(ex.__all__) == {"plot", "portrait", "view"}
 
 
 @pytest.mark.parametrize(
@@ -84,10 +84,16 @@ def test_names_of_a_room_are_functions_though_files_have_the_same_names(room):
     assert done.returncode == 0, done.stderr
 
 
-def test_importing_the_package_loads_nothing_heavy():
-    code = "import sys, explorer; print(sorted({'numba', 'numpy', 'matplotlib', 'scipy'} & set(sys.modules)))"
+@pytest.mark.parametrize("action", ["import explorer", HELP], ids=["import", "help"])
+def test_the_package_and_help_load_nothing_heavy(action):
+    code = f"import sys\n{action}\nprint(sorted({HEAVY} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+    assert done.stdout.endswith("[]\n")
+
+
+def test_the_package_is_packed_by_its_name():
+    """Code of a user that travels to other processes holds it."""
+    assert pickle.loads(pickle.dumps(ex)) is ex
 
 
 def test_type_checkers_see_the_same_names():
@@ -96,6 +102,7 @@ def test_type_checkers_see_the_same_names():
     seen = {alias.asname for node in block.body if isinstance(node, ast.ImportFrom) for alias in node.names}
     seen |= {node.targets[0].id for node in block.body if isinstance(node, ast.Assign)}
     assert {name for name in seen if not name.startswith("_")} == set(ex.__all__)
+    assert all(resources.files(package).joinpath("py.typed").is_file() for package in ("explorer", "kernels"))
 
 
 def test_the_version_is_that_of_the_installed_package():

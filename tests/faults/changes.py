@@ -1,8 +1,8 @@
-"""Changes of one line of numerical code at random: operators, comparisons, constants, signs, dropped terms."""
+"""Changes of one line of code at random: operators, comparisons, constants, signs, dropped terms."""
 
 import ast
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -10,6 +10,8 @@ NUMERICAL = {
     "kernels": ("kernels/disk", "kernels/integrals", "kernels/steps"),
     "explorer": ("explorer/phase", "explorer/motion", "explorer/measure", "explorer/portrait"),
 }
+APPLICATION = ("explorer/runs", "explorer/scenes")
+ONE_TOKEN = ("operator", "comparison", "constant", "sign", "logic", "function")
 
 ARITHMETIC = {
     ast.Add: "-",
@@ -98,7 +100,7 @@ class Sites(ast.NodeVisitor):
         self.generic_visit(node)
         word = " or " if isinstance(node.op, ast.And) else " and "
         self.add(node, "logic", "(" + word.join(self.source(value) for value in node.values) + ")")
-        self.add(node, "logic", f"({self.source(node.values[0])})")
+        self.add(node, "dropped", f"({self.source(node.values[0])})")
 
     def visit_AugAssign(self, node):
         self.generic_visit(node)
@@ -151,6 +153,26 @@ def drawn(layer, count, seed):
             places.add((file, mutant.line, mutant.start))
             chosen.append(mutant)
     return chosen
+
+
+def shared(other, count, seed):
+    """Changes of one token of the application at random, on lines that stand once here and once in `other`."""
+    found = []
+    for path in sorted(path for room in APPLICATION for path in (ROOT / room).glob("[a-z]*.py")):
+        file = path.relative_to(ROOT).as_posix()
+        if (other / file).is_file():
+            here, there = ((root / file).read_text(encoding="utf-8").splitlines() for root in (ROOT, other))
+            sites = (site for site in Sites(file).found if site.kind in ONE_TOKEN)
+            found += [site for site in sites if here.count(line := here[site.line - 1]) == there.count(line) == 1]
+    random.Random(seed).shuffle(found)
+    by_line = {(site.file, site.line): site for site in reversed(found)}  # the first of each line
+    return [site for site in found if by_line[site.file, site.line] is site][:count]
+
+
+def moved(mutant, text, other):
+    """The same change where its line stands in another text of the file."""
+    line = text.splitlines()[mutant.line - 1]
+    return replace(mutant, line=other.splitlines().index(line) + 1)
 
 
 def changed(mutant, text):

@@ -3,6 +3,7 @@
     python tests/faults/mutants.py STORE            # goes on where STORE, a JSON file, ends; Linux
     python tests/faults/mutants.py STORE --again    # those that no test noticed, with the tests of now
     python tests/faults/mutants.py STORE --table    # writes results/faults/mutants.md
+    python tests/faults/mutants.py STORE --before CHECKOUT    # the same changes here and in an older checkout
 
 Kernels are interpreted, so that no change has to be compiled. Each change is tried in a copy of the project, in a
 fork of a process that has loaded all libraries. First the tests beside the changed file are asked about all
@@ -13,18 +14,25 @@ processor time that grows fivefold.
 
 What nobody noticed is judged by people: a row of STORE may have "judgement", why the change alters no result, or
 "gone" where its line is no longer there. Without either it is a change that a claim is missing for.
+
+With --before, tokens of `explorer/runs` and `explorer/scenes` are changed, one at a time and on lines that both
+checkouts have; all tests of these rooms are asked in each, compiled, in processes of their own. A row with a
+"judgement" is shown and not counted, and another change takes its place: so many are counted as --count says.
 """
 
 import argparse
 import ast
 import builtins
+import compileall
 import contextlib
 import importlib
 import json
 import os
+import py_compile
 import resource
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -33,7 +41,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 import pytest
-from changes import NUMERICAL, ROOT, Mutant, changed, drawn
+from changes import NUMERICAL, ROOT, Mutant, changed, drawn, moved, shared
 
 CLAIMS = {
     "kernels": ("tests/kernels", *(f"tests/explorer/{room}" for room in ("phase", "motion", "measure"))),
@@ -45,6 +53,8 @@ COUNTS = {"kernels": 200, "explorer": 120}
 LONGEST = 1.5  # seconds of processor time; slower tests are not asked
 BUDGET = {"beside": 10.0, "room": 6.0, "above": 6.0}  # seconds of processor time for one change
 PYTEST = ["-q", "-n0", "-x", "-W", "default", "-p", "no:cacheprovider"]
+OF_APPLICATION = ("tests/explorer/runs", "tests/explorer/scenes", "tests/properties")
+UNNEEDED = shutil.ignore_patterns(".git", "results", "__pycache__", "build", ".*_cache", ".hypothesis")
 LIBRARIES = (
     "hypothesis",
     "matplotlib.figure",
@@ -241,8 +251,7 @@ def try_layer(layer, store, seed, again):
     """Try what the store does not know, in a copy of the project."""
     with tempfile.TemporaryDirectory() as name:
         copy = Path(name).resolve() / "copy"
-        unneeded = shutil.ignore_patterns(".git", "results", "__pycache__", "build", ".*_cache")
-        shutil.copytree(ROOT, copy, ignore=unneeded)
+        shutil.copytree(ROOT, copy, ignore=UNNEEDED)
         os.chdir(copy)
         sys.path.insert(0, str(copy))
         loaded(layer)
@@ -288,6 +297,84 @@ def table(store):
     OUT.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
+def ask_all(copy, seconds, first=()):
+    """Whether a test of the application fails in a copy of a checkout, and how long that took; None: too long."""
+    environment = {**os.environ, "PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "CI": "1"}
+    where = [sys.executable, "-c", "import explorer, kernels; print(explorer.__file__, kernels.__file__)"]
+    files = subprocess.run(where, cwd="/", env=environment, capture_output=True, text=True, check=False).stdout
+    assert not files or all(file.startswith(f"{copy}/") for file in files.split())  # what is changed is what runs
+    commands = sorted(
+        path.relative_to(copy).as_posix() for path in copy.glob("tests/explorer/commands/test_run*.py")
+    )
+    asked = [place for place in (*first, *commands, *OF_APPLICATION) if (copy / place).exists()]
+    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *asked]
+    start = time.monotonic()
+    with subprocess.Popen(
+        command,
+        cwd=copy,
+        env=environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    ) as tests:
+        try:
+            failed = tests.wait(seconds) != 0
+        except subprocess.TimeoutExpired:
+            failed = None
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(tests.pid, signal.SIGKILL)
+    return failed, time.monotonic() - start
+
+
+def compare(store, before, count, seed):
+    """Try the same changes in an older checkout and here, and print a table of what became of them."""
+    rows = json.loads(store.read_text()) if store.exists() else []
+    known = {(row["file"], row["line"], row["start"], row["new"]): row for row in rows}
+    with tempfile.TemporaryDirectory() as name:
+        copies = {when: Path(name).resolve() / when for when in ("before", "after")}
+        limits = {}
+        for (when, copy), root in zip(copies.items(), (before, ROOT), strict=True):
+            shutil.copytree(root, copy, ignore=UNNEEDED)
+            # By hashes, since a change within a second may leave time and size of a file as they were.
+            by_hash = py_compile.PycInvalidationMode.CHECKED_HASH
+            compileall.compile_dir(copy, quiet=2, invalidation_mode=by_hash)
+            failed, seconds = ask_all(copy, 3600.0)
+            if failed is not False:
+                raise SystemExit(f"{root}: tests fail there without any change")
+            limits[when] = 60.0 + 3.0 * seconds
+            print(f"{when}: {seconds:.0f} s without a change", file=sys.stderr, flush=True)
+        counted, rows = 0, []
+        for mutant in shared(before, 10 * count, seed):
+            if counted == count:
+                break
+            texts = {when: (copy / mutant.file).read_text(encoding="utf-8") for when, copy in copies.items()}
+            row = known.get((mutant.file, mutant.line, mutant.start, mutant.new))
+            if row is None:
+                lines = [
+                    text.splitlines()[mutant.line - 1].strip()
+                    for text in (texts["after"], changed(mutant, texts["after"]))
+                ]
+                row = {**asdict(mutant), "was": lines[0], "is": lines[1]}
+                folder, _, file = mutant.file.rpartition("/")
+                for when, copy in copies.items():
+                    there = changed(moved(mutant, texts["after"], texts[when]), texts[when])
+                    (copy / mutant.file).write_text(there, encoding="utf-8")
+                    failed, _ = ask_all(copy, limits[when], [f"tests/{folder}/test_{file}"])
+                    row[when] = {True: "killed", False: "survived", None: "killed by time"}[failed]
+                    (copy / mutant.file).write_text(texts[when], encoding="utf-8")
+            rows.append(row)
+            counted += "judgement" not in row
+            store.write_text(json.dumps(rows, indent=1))
+            print("{file}:{line}: {was}  ->  {is}: {before}, {after}".format(**row), file=sys.stderr, flush=True)
+    print("| where | was | is | before | after | not counted, since |", "|---|---|---|---|---|---|", sep="\n")
+    for row in rows:
+        lines = (f"`{row[name]}`".replace("|", "\\|") for name in ("was", "is"))
+        print("|", " | ".join([row["file"], *lines, row["before"], row["after"], row.get("judgement", "")]), "|")
+    left = [row for row in rows if "judgement" not in row]
+    for when in copies:
+        print(f"{when}: {sum(row[when] == 'survived' for row in left)} of {len(left)} survive")
+
+
 def judgement(row):
     """Why nobody noticed a change."""
     return row.get("judgement", "a claim is missing")
@@ -300,9 +387,14 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--table", action="store_true")
+    parser.add_argument("--before", type=Path, metavar="CHECKOUT")
+    parser.add_argument("--count", type=int, default=20, help="with --before: so many changes are counted")
     given = parser.parse_args()
     if given.table:
         table(given.store)
+        return
+    if given.before:
+        compare(given.store, given.before.resolve(), given.count, given.seed)
         return
     for layer in given.layer or CLAIMS:  # each in a process of its own, where kernels are interpreted or compiled
         pid = os.fork()

@@ -346,7 +346,8 @@ def main():
         "|---|---|",
         *(f"| {fault} | {found} |" for fault, found in rows),
         "",
-        "[moments.md](moments.md): runs stopped by signals, by backend. `fuzz.json`: nasty input of every kind.",
+        "[moments.md](moments.md): runs stopped by signals, by backend. `fuzz.json`: any calls, command lines and",
+        "edited folders (`nox -s fuzz`).",
         "[mutants.md](mutants.md): changed lines of the numerical code, and whether the tests notice.",
     ]
     leave_page(OUT, lines, "python tests/faults/report_faults.py")

@@ -1,10 +1,10 @@
 """The comparison with other solvers: its loop in C++, its counts, and that its tables hold what was measured."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
-from imports import ROOT
 from peers import cpp, figure, measuring, tables
 from peers.counting import counted
 from peers.measuring import KERNEL, PEER, PUBLIC, Row, Solver
@@ -15,6 +15,7 @@ from kernels.integrals.grades import grade_at
 from kernels.integrals.tables import GRADES
 from kernels.steps.tableaux import DORMAND_PRINCE_853
 
+ROOT = Path(__file__).parents[2]
 LONG = 1e6  # so that neither the angle nor the time shortens a step
 
 

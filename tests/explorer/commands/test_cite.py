@@ -3,13 +3,12 @@
 import json
 import re
 from importlib import metadata
-
-from imports import ROOT
+from pathlib import Path
 
 import explorer as ex
 from explorer.commands.main import main
 
-CFF = (ROOT / "CITATION.cff").read_text("utf-8")
+CFF = (Path(__file__).parents[3] / "CITATION.cff").read_text("utf-8")
 
 
 def test_bibtex_and_the_citation_file_name_the_same_paper():

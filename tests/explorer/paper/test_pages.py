@@ -1,13 +1,14 @@
 """The pages of the paper: what they say, and that the committed ones are those of the code."""
 
+from pathlib import Path
+
 import pytest
-from imports import ROOT
 
 import explorer as ex
 from explorer.paper import pages
 from explorer.paper.statement import STATEMENTS, Finding, Statement
 
-RESULTS = ROOT / "results" / "paper"
+RESULTS = Path(__file__).parents[3] / "results" / "paper"
 
 
 def row(*findings, number=1, name="TEST"):
