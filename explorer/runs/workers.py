@@ -27,7 +27,7 @@ import numpy as np
 from explorer import compiled
 from explorer.errors import InputError, RunError, jobs_of, one_of, shorten
 from explorer.runs import folder as folders
-from explorer.runs import schema, store
+from explorer.runs import store
 from explorer.runs.chunks import HeldChunk
 from explorer.runs.interrupt import SIGNALS, withheld
 from explorer.scenes.base import Scene
@@ -166,7 +166,7 @@ def compute_chunk(task: Task, index: int) -> Done:
         text = json.dumps(tally, allow_nan=False)
         tally = json.loads(text)  # as a footer gives it back
         note = store.Note(index, task.identity, scene.length(index), store.digest_of(kept, tally), tally)
-        table = store.made_table(schema.Place(scene, index), note, kept)
+        table = store.made_table(scene, index, kept)
         if task.folder is None:
             return Done(index, tally["status"], HeldChunk(note, kept))
         store.write_chunk(task.folder, note, table, text)

@@ -33,7 +33,6 @@ from explorer.scenes.falling_counts import (
     MAP_CELLS,
     NO_CODE,
     FallingCounts,
-    check_falling,
     count_faces,
     nearer,
     no_cells,
@@ -142,14 +141,6 @@ class FallingSet(SceneOfStates):
     def _method_of_slices(self) -> str:
         """Pictures show the motions, not the formula that says where they turn; by what integrates here anyway."""
         return "dopri5" if self.plan.method == "quadrature" else self.plan.method
-
-    @property
-    def stored(self) -> tuple[str, ...]:
-        return self.columns if self.states is None else (*self.columns, *self.columns_of_given)
-
-    @property
-    def may_be_unknown(self) -> tuple[str, ...]:
-        return () if self.theta_min == "all" else ("theta_min",)
 
     def compute(self, index: int) -> Table:
         return joined([self._table(block) for block in self.blocks(index)])
@@ -278,9 +269,6 @@ class FallingSet(SceneOfStates):
         counts.distance = LogCounts.of(nearer(table)[table["could_fall"]])
         counts.plane = self._cells(table)
         return counts
-
-    def check_tally(self, index: int, tally: Tally) -> None:
-        check_falling(self.counts(index), tally)
 
     def add_up(self, chunks: Chunks) -> FallingCounts:
         total = FallingCounts()

@@ -70,10 +70,6 @@ class SceneOfStates(SampledScene):
         called = None if self.density is None else self.source.describe().get("density")
         return {**super().options(), "density": called}
 
-    @property
-    def stores_others(self) -> bool:
-        return self.states is not None or super().stores_others  # a user's own columns
-
     @cached_property
     def source(self) -> Density:
         """What states are drawn from, where they are not given."""

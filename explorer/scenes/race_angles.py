@@ -41,7 +41,6 @@ from explorer.scenes.race_counts import (
     SIGNS,
     RaceCounter,
     RaceCounts,
-    check_races,
     count_bounces,
     count_races,
 )
@@ -113,21 +112,6 @@ class RaceAngles(SceneOfStates):
             return *bounce_kernels(self.plan.accuracy), *KERNELS
         some = () if self.energy is None else ("algebra.constants_batch",)
         return *some, *LaneStream.KERNELS, *passage_kernels(self.plan), *KERNELS
-
-    @property
-    def stored(self) -> tuple[str, ...]:
-        if self.eta_hat is not None:
-            return self.columns
-        return *self.columns, *self.columns_of_given[self.states is None :]
-
-    @property
-    def may_be_unknown(self) -> tuple[str, ...]:
-        # Where a motion has not the energy to come flat.
-        return () if self.eta_hat is not None else ("race_angle", "fall_angle", "impact_speed")
-
-    @property
-    def rows_of_a_sample(self) -> int:
-        return self.bounces or 1
 
     def compute(self, index: int) -> Table:
         if self.eta_hat is None:
@@ -233,9 +217,6 @@ class RaceAngles(SceneOfStates):
         # Every bounce of a state has the state's status.
         status = statistics.count_status([table["status"][:: self.bounces]])
         return {"status": status, **counted, **count_bounces(table)}
-
-    def check_tally(self, index: int, tally: Tally) -> None:
-        check_races(self.counts(index), tally, self.bounces)
 
     def add_up(self, chunks: Chunks) -> RaceCounts:
         total = RaceCounts()
