@@ -277,10 +277,12 @@ class FallingSet(SceneOfStates):
         return total
 
     def summarise(self, total: FallingCounts) -> dict[str, Any]:
-        fraction = statistics.share(total.could_fall, self.samples)
+        states = self.states_among(total.status)
+        fraction = statistics.share(total.could_fall, states)
         near = f"samples with |eta_hat| <= {self.tube:g}"
         return {
             "samples": self.samples,
+            "states": states,
             "face_counts": total.faces,
             "could_fall_fraction": fraction["value"],
             "could_fall_interval_95": fraction["interval_95"],
@@ -302,7 +304,7 @@ class FallingSet(SceneOfStates):
         yield "constants-plane", partial(plot.constants_plane, self.plane(total.plane))
         for number, where in enumerate(self.slices, 1):
             yield f"slice-{number}", partial(self._draw_slice, where)
-        yield "theta-min", partial(plot.theta_min_distribution, total.theta_min, self.samples)
+        yield "theta-min", partial(plot.theta_min_distribution, total.theta_min, summary["states"])
 
     def _draw_slice(self, where: Slice, **options: Any) -> "Axes":
         from explorer import plot
@@ -352,9 +354,12 @@ class FallingSet(SceneOfStates):
         low, high = summary["could_fall_interval_95"]
         quantile = summary["theta_min_quantiles"]
         ok = summary["status"].get(compiled.status.Status.OK.name.lower(), 0)
+        states = self.states_among(summary["status"])
+        rows = summary["samples"] - states
+        bad = f"; {rows:,} rows are no states, and in none of these numbers" if rows else ""
         lines = [
-            f"{summary['samples']:,} states, {ok:,} computed to the accuracy asked, "
-            f"{summary['falls']} exactly on the falling set",
+            f"{states:,} states, {ok:,} computed to the accuracy asked, "
+            f"{summary['falls']} exactly on the falling set{bad}",
             f"would fall if eta were exactly 0: {100.0 * summary['could_fall_fraction']:.1f} % "
             f"(95 % interval {100.0 * low:.1f} % to {100.0 * high:.1f} %)",
         ]

@@ -226,6 +226,7 @@ class RaceAngles(SceneOfStates):
 
     def summarise(self, total: RaceCounts) -> dict[str, Any]:
         limit = self.disk.race_limit
+        states = self.samples if self.eta_hat is not None else self.states_among(total.status)
         if not any(total.races(name) for name in SIGNS):
             kind = NoStateError if set(total.status) == {"bad_input"} else RunError
             raise kind(self._without_races(total))
@@ -237,7 +238,8 @@ class RaceAngles(SceneOfStates):
             "status": total.status,
         }
         if self.eta_hat is None:
-            summary |= {"approaches": total.bounces, "without_race": total.without_race}
+            bad = (self.samples - states) * (self.bounces or 1)
+            summary |= {"states": states, "approaches": total.bounces - bad, "without_race": total.without_race}
         histogram: dict[str, Any] = {"edges": angle_edges(limit).tolist()}
         for name, sign in total.signs.items():
             histogram[f"counts_{name}"], histogram[f"outside_{name}"] = sign.bins.tolist(), sign.outside
@@ -260,12 +262,6 @@ class RaceAngles(SceneOfStates):
     def _without_races(self, total: RaceCounts) -> str:
         """Why there is nothing to sum up."""
         if self.eta_hat is None:
-            if set(total.status) == {"bad_input"}:
-                degrees = "" if self.degrees else ", and --degrees where they are in degrees"
-                return (
-                    f"race-angles: none of the {self.samples} rows of --states is a state; give finite numbers, "
-                    f"phi between -pi/2 and pi/2 or tilt between 0 and pi{degrees}"
-                )
             return (
                 f"race-angles: none of {self.samples} states has a race angle ({total.status}; of "
                 f"{total.without_race} bounces the energy is too small to come flat); give other states"
@@ -300,7 +296,7 @@ class RaceAngles(SceneOfStates):
         if self.eta_hat is not None:
             first = [f"{summary['samples']:,} passages of the {self.disk.name} disk; {limit}"]
         else:
-            states = f"{summary['samples']:,} states of the {self.disk.name} disk"
+            states = f"{self.states_among(summary['status']):,} states of the {self.disk.name} disk"
             first = [f"{states}, {summary['approaches']:,} bounces; {limit}", *self._nearest(summary)]
         return [*first, *means, f"wrong way: {summary['wrong_way']}; failures: {failed}"]
 
