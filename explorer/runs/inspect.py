@@ -166,6 +166,5 @@ def summary(folder: Path) -> dict[str, Any]:
             f"{folder}: its chunks are not those that run.json describes; see: nearflat verify {folder}"
         )
     numbers = summary_of([Part(scene, folder)])[1]
-    if stored_summary(folder, scene) != json.loads(json.dumps(numbers)):
-        store.write_json(folder / "summary.json", numbers)
+    store.write_json(folder / "summary.json", numbers)
     return numbers

@@ -344,8 +344,14 @@ def digest_of_all(digests: Iterable[str]) -> str:
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
-    """Write JSON and commit it by a rename. NaN is refused: it is not JSON."""
+    """Write JSON and commit it by a rename. NaN is refused: it is not JSON.
+
+    A file that says the same stays as it is: a finished run can be summed up where nothing can be written.
+    """
     text = json.dumps(content, indent=2, allow_nan=False) + "\n"
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        if path.read_text(encoding="utf-8") == text:
+            return
     temporary = path.with_suffix(f".{os.getpid()}.tmp")
     try:
         with temporary.open("w", encoding="utf-8") as stream:

@@ -282,7 +282,7 @@ class FallingSet(SceneOfStates):
         near = f"samples with |eta_hat| <= {self.tube:g}"
         return {
             "samples": self.samples,
-            "states": states,
+            "valid_states": states,
             "face_counts": total.faces,
             "could_fall_fraction": fraction["value"],
             "could_fall_interval_95": fraction["interval_95"],
@@ -304,7 +304,7 @@ class FallingSet(SceneOfStates):
         yield "constants-plane", partial(plot.constants_plane, self.plane(total.plane))
         for number, where in enumerate(self.slices, 1):
             yield f"slice-{number}", partial(self._draw_slice, where)
-        yield "theta-min", partial(plot.theta_min_distribution, total.theta_min, summary["states"])
+        yield "theta-min", partial(plot.theta_min_distribution, total.theta_min, summary["valid_states"])
 
     def _draw_slice(self, where: Slice, **options: Any) -> "Axes":
         from explorer import plot

@@ -239,7 +239,11 @@ class RaceAngles(SceneOfStates):
         }
         if self.eta_hat is None:
             bad = (self.samples - states) * (self.bounces or 1)
-            summary |= {"states": states, "approaches": total.bounces - bad, "without_race": total.without_race}
+            summary |= {
+                "valid_states": states,
+                "approaches": total.bounces - bad,
+                "without_race": total.without_race,
+            }
         histogram: dict[str, Any] = {"edges": angle_edges(limit).tolist()}
         for name, sign in total.signs.items():
             histogram[f"counts_{name}"], histogram[f"outside_{name}"] = sign.bins.tolist(), sign.outside

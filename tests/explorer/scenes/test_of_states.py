@@ -80,10 +80,11 @@ def test_a_row_that_is_no_state_is_in_no_statistic_and_counted_apart(name):
     """Numbers are those of the same table without the row."""
     whole = ex.run(name, states=ROWS, keep="all")
     good = ex.run(name, states=ROWS[[0, 2]], keep="all")
-    assert (whole.summary["samples"], whole.summary["states"]) == (3, 2)
+    assert (whole.summary["samples"], whole.summary["valid_states"]) == (3, 2)
     assert whole.summary["status"] == {"bad_input": 1, "ok": 2}
     differing = {key for key in good.summary if whole.summary[key] != good.summary[key]}
-    assert differing <= {"samples", "status", "failures", "digest"}
+    assert differing <= {"samples", "states", "status", "failures", "digest"}
+    assert {name: whole.summary[name] for name in whole.options} == whole.options
 
 
 def test_the_share_that_would_fall_is_of_the_states(tmp_path):
