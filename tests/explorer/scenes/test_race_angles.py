@@ -95,7 +95,7 @@ def test_every_chunk_footer_is_read_once_for_summary_and_pictures(tmp_path, monk
     run = ex.run("race-angles", out=tmp_path / "run", samples=5000, chunk_size=700)
     read, read_note = [], store.read_note
 
-    def counted(path, place):
+    def counted(path):
         read.append(path)
         return read_note(path)
 
