@@ -37,7 +37,7 @@ BACKENDS = ("threads", "processes", "dask")
 _PATIENCE = 3
 _IDLE = 20  # seconds after which a process without work ends; orphans do where they cannot look for their parent
 # Seconds without a worker of a cluster after which none will come: a nanny starts a new one in two or three.
-_UNMANNED = 7.0
+_WITHOUT_WORKERS = 7.0
 _KEPT = 31 << 20  # bytes; glibc takes no notice of blocks of 32 MB and more
 _OTHER_KERNELS = (
     "the worker has other kernels than this run; install the same nearflat, Python and numba on all machines, and "
@@ -210,9 +210,9 @@ def _by_threads(jobs: int, task: Task, indices: list[int], stop: threading.Event
 
 
 def _by_pool(
-    pool: Executor, count: int, task: Task, indices: Iterator[int], manned: Callable[[], bool] = lambda: True
+    pool: Executor, count: int, task: Task, indices: Iterator[int], has_workers: Callable[[], bool] = lambda: True
 ) -> Iterator[Done]:
-    """Chunks as they are done, so many at once; ends early where the pool is no longer manned."""
+    """Chunks as they are done, so many at once; ends early where no worker is left and the run is stopped."""
     running = {pool.submit(compute_chunk, task, index) for index in islice(indices, count)}
     while running:
         # Only a wait that ends can be interrupted on Windows, and can see that nobody works any more.
@@ -220,7 +220,7 @@ def _by_pool(
         for future in done:
             yield future.result()
         running |= {pool.submit(compute_chunk, task, index) for index in islice(indices, len(done))}
-        if not done and not manned():
+        if not done and not has_workers():
             return
 
 
@@ -319,7 +319,7 @@ def _client(workers: Workers) -> Iterator[Any]:
 
 
 @dataclass
-class _Crew:
+class _WorkerWatch:
     """The workers of a cluster. since: when it was first seen that there are none; None where there are."""
 
     client: Any
@@ -328,7 +328,7 @@ class _Crew:
     stop: threading.Event
     since: float | None = None
 
-    def works(self) -> bool:
+    def has_workers(self) -> bool:
         """Whether a worker is there, or may still come; RunError where none did, or the scheduler is gone."""
         try:
             there = self.client.nthreads()
@@ -339,7 +339,7 @@ class _Crew:
             return True
         now = time.monotonic()
         self.since = self.since or now
-        if now - self.since > _UNMANNED:
+        if now - self.since > _WITHOUT_WORKERS:
             if self.scheduler is None:
                 raise self.error("its workers are gone; give fewer --jobs or a smaller --memory")
             raise self.error(f"there is no worker; start one with: dask worker {self.scheduler}")
@@ -353,7 +353,7 @@ class _Crew:
 
     def wait(self) -> bool:
         """Wait for the first worker; False where the run was stopped meanwhile."""
-        while self.works():
+        while self.has_workers():
             if self.since is None:
                 return True
             time.sleep(0.1)
@@ -364,15 +364,15 @@ def _by_dask(workers: Workers, task: Task, indices: list[int], stop: threading.E
     distributed = _distributed()
     shared = task._replace(folder=task.folder and task.folder.resolve())  # workers see the same file system
     with _client(workers) as client:
-        crew = _Crew(client, workers.scheduler, task.folder, stop)
-        if not crew.wait():
+        watch = _WorkerWatch(client, workers.scheduler, task.folder, stop)
+        if not watch.wait():
             return
         _check_kernels(client, task.kernels)
         pool, count = client.get_executor(pure=False, retries=2), 2 * len(client.nthreads())
         try:
-            yield from _by_pool(pool, count, shared, _until(indices, stop), crew.works)
+            yield from _by_pool(pool, count, shared, _until(indices, stop), watch.has_workers)
         except CancelledError:
-            raise crew.error("the scheduler is gone; start it anew with its workers") from None
+            raise watch.error("the scheduler is gone; start it anew with its workers") from None
         except distributed.KilledWorker as error:
             raise RunError(f"--backend dask: a chunk killed several workers ({error}); out of memory?") from error
 
