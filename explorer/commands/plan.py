@@ -16,6 +16,7 @@ from explorer.commands.run import (
     document,
     given_by,
 )
+from explorer.runs.amounts import duration, size
 from explorer.runs.estimate import Estimate, estimate
 from explorer.runs.settings import Asked, asked
 from explorer.scenes.base import Scene
@@ -125,20 +126,15 @@ def _told(planned: RunPlan) -> list[tuple[str, Any]]:
     """What is printed: name and value."""
     far = planned.estimate
     figures = f", {far.seconds_for_figures:.0f} s of it for pictures" if far.seconds_for_figures else ""
+    more = f", more than the {size(far.free)} free" if far.free is not None and far.disk > far.free else ""
     plain = [(key, value) for key, value in vars(planned).items() if key != "estimate"]
     return [
         *plain,
         ("samples", f"{far.samples:,} in {far.chunks:,} chunks"),
-        ("time", f"about {_duration(far.seconds)}{figures} (measured on {far.probed} chunks)"),
-        ("memory", f"about {far.memory / 1e6:,.0f} MB"),
-        ("disk", f"about {far.disk / 1e6:,.1f} MB" if far.disk else "nothing is stored"),
+        ("time", f"about {duration(far.seconds)}{figures} (measured on {far.probed} chunks)"),
+        ("memory", f"about {size(far.memory)}"),
+        ("disk", f"about {size(far.disk)}{more}" if far.disk else "nothing is stored"),
     ]
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 120.0:
-        return f"{seconds:.1f} s"
-    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:

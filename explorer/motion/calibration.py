@@ -21,7 +21,6 @@ from explorer import compiled
 from explorer.errors import InputError, RunError, double_of, shorten
 from explorer.phase.arguments import column
 from explorer.phase.states import Array
-from explorer.phase.strangers import parse_json, plain_file
 
 # The measured 99th percentile may take a fifth of the accuracy asked: other bodies, boxes and energies err more
 # than those measured.
@@ -33,7 +32,6 @@ _STRICTER = 10.0
 # Errors below the first are those of rounding, which a finer setting does not lower, and so are those within the
 # second of the least that any method reaches on the same samples: slow starts among them round more.
 _ROUNDING, _NEAR_LEAST = 1e-12, 3.0
-_LARGEST = 1 << 20  # bytes; what nearflat writes has some twenty kilobytes
 _SHOWN = 120  # characters of the path and of the fault in a message
 _METHODS = frozenset({"rk4", "rk8", "dopri5", "dop853"})
 _FEWEST = 4  # rows above rounding; the method's order is taken from the last three
@@ -118,8 +116,8 @@ def current() -> Calibration:
     path, advice = stored_at(), "run nearflat trade to measure this machine"
     try:
         if path.exists():
-            table = parse_json(plain_file(path.resolve(), _LARGEST).read_bytes())
-            made_by = table.get("kernels")
+            table = json.loads(path.read_text(encoding="utf-8"))
+            made_by = table.get("kernels") if isinstance(table, dict) else None
             if not isinstance(made_by, str):
                 raise ValueError("it does not say by which kernels it was measured")
             if made_by == compiled.source_digest():

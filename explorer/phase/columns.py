@@ -4,16 +4,11 @@ A column has one meaning wherever it appears: in a result of a Python call, in t
 in what `nearflat columns` prints. Units are those of the disk; with m = r = g = 1 they are natural ones.
 """
 
-import math
 from dataclasses import dataclass
 
 from explorer.errors import InputError, shown, suggest
 
 ANGLE, RATE, TIME, LENGTH, ENERGY, NUMBER = "rad", "rad/time", "time", "length", "energy", ""
-# Beyond these, natural units, is nothing that was computed: larger angles are lost in the rounding of whole turns,
-# and squares of larger rates overflow.
-_BEYOND = {ANGLE: 1e16, RATE: 1e150, TIME: 1e150, LENGTH: 1e150, ENERGY: 1e300}
-_FLAT = 1.5708  # a quarter of a turn, and what rounding adds
 
 
 @dataclass(frozen=True)
@@ -30,23 +25,12 @@ class Column:
         Where Cushman & Duistermaat (2006) define it; empty where the paper does not.
     kind : str
         Type of its numbers in stored runs, as NumPy calls it; "status" for words.
-    least, most : float or None
-        Smallest and largest number in rows of stored runs whose status is ok, natural units; None where only the
-        unit bounds it.
     """
 
     meaning: str
     unit: str = NUMBER
     equation: str = ""
     kind: str = "float64"
-    least: float | None = None
-    most: float | None = None
-
-    @property
-    def ends(self) -> tuple[float, float]:
-        """The smallest and the largest number in rows of stored runs whose status is ok, natural units."""
-        beyond = _BEYOND.get(self.unit, math.inf)
-        return -beyond if self.least is None else self.least, beyond if self.most is None else self.most
 
     @property
     def texts(self) -> dict[str, str]:
@@ -63,8 +47,6 @@ COLUMNS = {
         "Angle of the disk's plane to the vertical; flat at +-pi/2.",
         ANGLE,
         "section 2.3",
-        least=-_FLAT,
-        most=_FLAT,
     ),
     "phidot": Column("Rate of phi.", RATE, "section 2.3"),
     "sigma3": Column("cos^2(phi) times the rate at which the contact point turns in space.", RATE, "(2.14)"),
@@ -82,16 +64,12 @@ COLUMNS = {
     "eta_hat_minus": Column("Signed distance to the line l_-, on which the disk falls on face -1.", RATE, "(6.2)"),
     "eta_plus": Column("eta_hat_plus times I3 r(0).", "mass length^2 rad/time", "(6.2)"),
     "eta_minus": Column("eta_hat_minus times I3 r(0).", "mass length^2 rad/time", "(6.2)"),
-    "energy": Column("Total energy.", ENERGY, "(2.19)", least=0),
+    "energy": Column("Total energy.", ENERGY, "(2.19)"),
     "face": Column(
         "Which face comes down: +1 for flat at phi = +pi/2, -1 for flat at phi = -pi/2.",
         kind=SIGN,
-        least=-1,
-        most=1,
     ),
-    "side": Column(
-        "Sign of eta on `face`: the side of the falling set on which the motion is.", kind=SIGN, least=-1, most=1
-    ),
+    "side": Column("Sign of eta on `face`: the side of the falling set on which the motion is.", kind=SIGN),
     "distance": Column(
         "Of a state: signed distance of its (sigma3_bar, sigma4_bar) to the nearer line l_+-. In one-sided "
         "the largest of the distances to the limit motion, in natural units.",
@@ -113,13 +91,11 @@ COLUMNS = {
     ),
     "delta_chi": Column("By how much the contact point turns in space.", ANGLE, "(2.31)"),
     "delta_psi": Column("By how much the contact point turns in the body.", ANGLE, "(2.22)"),
-    "theta_min": Column(
-        "Smallest tilt: angle between the plane of the disk and the table.", ANGLE, "Lemma 5", least=0, most=_FLAT
-    ),
+    "theta_min": Column("Smallest tilt: angle between the plane of the disk and the table.", ANGLE, "Lemma 5"),
     "theta_min_estimate": Column("Leading order of theta_min where it could fall.", ANGLE, "Lemma 5"),
-    "duration": Column("Time that the stretch takes.", TIME, "(3.12)", least=0),
+    "duration": Column("Time that the stretch takes.", TIME, "(3.12)"),
     "fall_time": Column("Time to flat, of a motion that falls.", TIME, "(3.12)"),
-    "time": Column("Time since the given state.", TIME, least=0),
+    "time": Column("Time since the given state.", TIME),
     "impact_speed": Column("Rate of phi at which the limit motion meets the table.", RATE, "(7.1)"),
     "limit": Column("The limit of race_angle: side times kappa pi.", ANGLE, "(7.9)"),
     "wrong_way": Column(
@@ -127,11 +103,9 @@ COLUMNS = {
     ),
     "error_estimate": Column(
         "Estimated error: of angles in rad, of times and theta_min relative; the larger of both.",
-        least=0,
-        most=1,
     ),
     "status": Column("What became of the sample; `nearflat columns` lists the codes.", kind="status"),
-    "steps": Column("Steps of the integration; 0 where there was none.", kind=STEPS, least=0),
+    "steps": Column("Steps of the integration; 0 where there was none.", kind=STEPS),
     # a whole period
     "period": Column("Time from one turning point of the tilt back to it.", TIME, "(3.12)"),
     "chi": Column("Angle of the contact point in space, or its increase per period.", ANGLE, "(2.30)"),
@@ -155,21 +129,19 @@ COLUMNS = {
     "determinant": Column("Determinant of the derivative of the flow; 1 for an invariant measure."),
     "rounding": Column("Order of magnitude of the rounding error of the determinant."),
     # scenes
-    "delta": Column("Tilt whose probability the draw estimates; NaN for plain draws.", ANGLE, least=0, most=_FLAT),
-    "weight": Column("Density times volume that the draw stands for, over that of a plain draw.", least=0),
-    "base": Column("Number of the start beside which the motion was followed.", kind=COUNT, least=0),
-    "distance_phi": Column("Largest distance of phi to the limit motion of the same side.", ANGLE, least=0),
-    "distance_chi": Column("Largest distance of chi to the limit motion of the same side.", ANGLE, least=0),
-    "distance_psi": Column("Largest distance of psi to the limit motion of the same side.", ANGLE, least=0),
-    "distance_path": Column("Largest distance of the centre to that of the limit motion.", LENGTH, least=0),
-    "distance_contact": Column(
-        "Largest distance of the contact point to that of the limit motion.", LENGTH, least=0
-    ),
+    "delta": Column("Tilt whose probability the draw estimates; NaN for plain draws.", ANGLE),
+    "weight": Column("Density times volume that the draw stands for, over that of a plain draw."),
+    "base": Column("Number of the start beside which the motion was followed.", kind=COUNT),
+    "distance_phi": Column("Largest distance of phi to the limit motion of the same side.", ANGLE),
+    "distance_chi": Column("Largest distance of chi to the limit motion of the same side.", ANGLE),
+    "distance_psi": Column("Largest distance of psi to the limit motion of the same side.", ANGLE),
+    "distance_path": Column("Largest distance of the centre to that of the limit motion.", LENGTH),
+    "distance_contact": Column("Largest distance of the contact point to that of the limit motion.", LENGTH),
     "chi_between": Column("chi half-way between the first two impacts.", ANGLE),
-    "piece": Column("Number of the connected piece of the level.", kind=COUNT, least=0),
+    "piece": Column("Number of the connected piece of the level.", kind=COUNT),
     "falls": Column("Whether motions on this piece fall flat.", kind=TRUTH),
-    "row": Column("Row of the given states, counted from 0.", kind=COUNT, least=0),
-    "bounce": Column("Number of the approach to flat since the given state, counted from 0.", kind=COUNT, least=0),
+    "row": Column("Row of the given states, counted from 0.", kind=COUNT),
+    "bounce": Column("Number of the approach to flat since the given state, counted from 0.", kind=COUNT),
 }
 
 

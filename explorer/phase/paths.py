@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from explorer.errors import SHOWN, InputError, reader, said, shorten, shown, text_of
-from explorer.phase.strangers import what_stands
 
 _LARGEST_TOML = 1 << 20  # bytes
 _MOST_PARTS = 20  # of a key with dots, which tomllib reads in a time that grows as their square
@@ -135,7 +134,7 @@ def writing(name: str, value: Any, endings: tuple[str, ...], what: str = "") -> 
         raise InputError(f"{named}: there is no folder {shown(str(path.parent))}; make it first")
     try:
         if path.exists() and not path.is_file():  # a pipe would wait for a reader
-            raise InputError(f"{named}: is {what_stands(path.resolve())}, no plain file; give another name")
+            raise InputError(f"{named}: is no plain file; give another name")
         yield path
     except OSError as error:
         raise InputError(f"{named}: cannot be written ({error.strerror or error})") from None

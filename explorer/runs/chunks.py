@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from explorer.errors import InputError, RunError
-from explorer.runs import schema, store
+from explorer.runs import store
 from explorer.scenes.base import Chunks, Scene, Table, Tally
 
 Columns = Sequence[str] | None
@@ -23,16 +23,15 @@ class Chunk(Protocol):
 
 @dataclass(frozen=True)
 class StoredChunk:
-    """A chunk in a file, which may be anyone's: it is compared with the one that is due before it is used."""
+    """A chunk in a file."""
 
     path: Path
-    place: schema.Place
 
     def note(self) -> store.Note:
-        return store.read_note(self.path, self.place)
+        return store.read_note(self.path)
 
     def table(self, columns: Columns = None) -> Table:
-        return store.read_chunk(self.path, columns, self.place)
+        return store.read_chunk(self.path, columns)
 
 
 @dataclass(frozen=True)
@@ -62,18 +61,14 @@ class Part:
 
     def found(self) -> Mapping[int, Chunk]:
         """The chunks that are there, by number; of two with the same number, one."""
-        return self.held if self.folder is None else self._stored(store.all_chunks(self.folder))
-
-    def _stored(self, paths: Mapping[int, list[Path]]) -> dict[int, Chunk]:
-        seen = schema.Seen()
-        return {
-            index: StoredChunk(some[-1], schema.Place(self.scene, index, seen)) for index, some in paths.items()
-        }
+        if self.folder is None:
+            return self.held
+        return {index: StoredChunk(path) for index, path in store.found_chunks(self.folder).items()}
 
     def complete(self) -> list[Chunk]:
         """All chunks, in order. Raises RunError where one is missing, or where there are two of its number."""
         paths = {} if self.folder is None else store.all_chunks(self.folder)
-        found, count = self.held if self.folder is None else self._stored(paths), self.scene.chunks()
+        found, count = self.found(), self.scene.chunks()
         missing = sum(index not in found for index in range(count))
         if missing:
             raise RunError(
@@ -81,7 +76,7 @@ class Part:
             )
         twice = [index for index, some in paths.items() if len(some) > 1]
         if twice:
-            raise store.DamagedError(
+            raise store.CorruptFileError(
                 f"{self}: holds two of chunk {twice[0]}; continue with: nearflat resume {self}"
             )
         return [found[index] for index in range(count)]

@@ -14,7 +14,7 @@ import json
 import os
 import platform
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -22,8 +22,7 @@ from typing import Any
 from explorer import compiled
 from explorer.errors import InputError, RunError, shorten, shown
 from explorer.phase.paths import path_of
-from explorer.phase.strangers import FILE, StrangeError, no_link, plain_file, plain_names, what_stands
-from explorer.runs import schema, store
+from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
 from explorer.runs.pictures import KNOWN, files_of
 from explorer.scenes.base import Scene
@@ -33,7 +32,8 @@ from explorer.version import installed_version
 FORMAT = 2
 _LEFT = re.compile(r"\.probe-\d+|(run|summary)\.\d+\.tmp")  # names of a moment, which a killed run leaves
 _PLACES = ("chunks", "bad", "figures")
-_MOST_KINDS = 20  # kinds of processor that run.json names
+# What run.json lists, if it says so at all.
+_LISTS = ("arithmetic", "figures", "formats", "pictures")
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pyarrow", "tqdm")
 
 
@@ -71,52 +71,13 @@ def digest_of_identity(scene: Scene) -> str:
     return hashlib.sha256(json.dumps(shared, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def refuse_links(folder: Path) -> None:
-    """Check that nothing which a run uses in its folder leads out of it. Raises InputError, and writes nothing.
-
-    Through a link a run would write, and --replace delete, what is not its own; for a pipe it would wait.
-    """
-    for path, check in _used(folder):
-        try:
-            check(path)
-        except StrangeError as error:
-            raise InputError(f"{path}: {error}; move it away or give another folder") from None
-        except OSError:
-            continue  # it is not there; what cannot be read is noticed where it is used
-
-
-def _used(folder: Path) -> Iterator[tuple[Path, Callable[[Path], Path]]]:
-    """What a run reads, writes or deletes in its folder, and how it is checked; places before what they hold."""
-    for name in (*_PLACES, "run.json", "summary.json"):
-        yield folder / name, no_link
-    yield folder / "summary.json", _no_folder
-    yield folder / ".lock", plain_file
-    yield from ((path, no_link) for path in _inside(folder) if _LEFT.fullmatch(path.name))
-    yield from ((path, plain_file) for path in _inside(folder / "figures") if path.suffix[1:] in KNOWN)
-
-
-def _no_folder(path: Path) -> Path:
-    """`path`, unless it is a folder, which no rename of a file replaces. Raises StrangeError or OSError."""
-    if what_stands(path) == "a folder":
-        raise StrangeError("it is a folder, and a run writes a file of that name")
-    return path
-
-
-def _inside(place: Path) -> list[Path]:
-    """What is in a folder; nothing where it is none."""
-    try:
-        return sorted(place.iterdir())
-    except (OSError, ValueError):
-        return []
-
-
 def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str], None]) -> list[int]:
     """Chunks that are not there or not good. A bad one is renamed to *.bad and reported to `say`."""
     begun = (path for path in folder.iterdir() if _LEFT.fullmatch(path.name))
     for leftover in (*begun, *(folder / "chunks").glob(".chunk-*.tmp")):
         with contextlib.suppress(OSError):  # a folder of that name for instance
             leftover.unlink(missing_ok=True)
-    good, seen = dict[int, list[Path]](), schema.Seen()
+    good = dict[int, list[Path]]()
     for path in store.files(folder):
         index = store.number_of(path)
         if index is None:
@@ -124,7 +85,7 @@ def missing_chunks(folder: Path, scene: Scene, shared: str, say: Callable[[str],
         elif index >= scene.chunks():
             found = f"is beyond the end of the run, which has {scene.chunks():,} chunks"
         else:
-            found = store.examined(path, schema.Place(scene, index, seen), shared)
+            found = store.examined(path, scene, shared)
         if isinstance(found, store.Note):
             good.setdefault(found.index, []).append(path)
         else:
@@ -151,25 +112,16 @@ def _put_aside(path: Path, place: Path) -> None:
 def read_record(folder: Path) -> dict[str, Any]:
     """What run.json says, of this format or an earlier one. Raises InputError."""
     record = path_of("DIR", folder) / "run.json"
-    try:
-        stands = what_stands(record)
-    except OSError as error:
-        raise InputError(f"{shorten(str(folder), 120)}: cannot be read ({error.strerror})") from None
-    if stands is None:
+    if not os.path.exists(record):  # noqa: PTH110, since a path may be none
         raise InputError(f"{shorten(str(folder), 120)}: holds no run (there is no {record.name})")
-    refuse_links(record.parent)
-    if stands != FILE:
-        where = shorten(str(folder), 120)
-        raise InputError(f"{where}: holds no run (its {record.name} is {stands}); put the file back")
     try:
-        content = dict(store.read_json(record))
-        written, identity = content.get("format", 0), dict(content["identity"])
-        content["identity"] = {
-            **identity,
-            "kernels": str(identity["kernels"]),
-            "options": dict(identity["options"]),
-        }
-    except (RunError, KeyError, TypeError, ValueError) as error:
+        content = store.read_json(record)
+        written, identity = content.get("format", 0), content["identity"]
+        content["identity"] = {**identity, "kernels": identity["kernels"], "options": dict(identity["options"])}
+        for name in _LISTS:
+            if not isinstance(content.get(name) or [], list):
+                raise TypeError(f"{name} is no list")
+    except (store.CorruptFileError, KeyError, TypeError, ValueError) as error:
         fault = shorten(str(error), 120)
         raise InputError(f"{record}: is damaged ({fault}); start the run anew in another folder") from None
     if written not in range(FORMAT + 1):
@@ -203,7 +155,7 @@ def clear(folder: Path) -> None:
     """
     try:
         for place in (folder / "chunks", folder / "bad"):
-            chunks = (path for path in _inside(place) if store.number_of(path) is not None)
+            chunks = [path for path in place.glob("*.parquet") if store.number_of(path) is not None]
             for path in (*chunks, *place.glob(".chunk-*.tmp")):
                 path.unlink()
         for name in _drawn_before(folder):
@@ -217,8 +169,8 @@ def clear(folder: Path) -> None:
 def _drawn_before(folder: Path) -> list[str]:
     """The files in `figures` that runs made, as far as run.json can be read."""
     try:
-        return _pictures_of(store.read_json(folder / "run.json"))
-    except RunError:
+        return _pictures_of(read_record(folder))
+    except InputError:
         return []
 
 
@@ -226,10 +178,8 @@ def _pictures_of(record: dict[str, Any]) -> list[str]:
     """The files of pictures that a record names; by names and formats where it is from before it listed files."""
     files = record.get("pictures")
     if files is None:
-        formats = plain_names(record.get("formats"), KNOWN) or KNOWN
-        files = files_of(plain_names(record.get("figures")) or (), formats)
-    ours = files if isinstance(files, list) else []
-    return [name for name in ours if plain_names([name]) and Path(name).suffix[1:] in KNOWN]
+        files = files_of(record.get("figures") or (), record.get("formats") or KNOWN)
+    return [Path(str(name)).name for name in files]
 
 
 def take_back(folder: Path, highest: Path) -> None:
@@ -268,7 +218,6 @@ def open_folder(folder: Path, scene: Scene, exist: str) -> bool:
             )
         if exist == "resume":
             _check_same(folder, scene)
-    refuse_links(folder)
     if not exists and folder.is_dir() and not _only_begun(folder):
         raise InputError(f"--out {folder}: is not empty and holds no run; give another folder")
     try:
@@ -329,23 +278,17 @@ def _check_same(folder: Path, scene: Scene) -> None:
 
 def begun(folder: Path, command: str | None) -> dict[str, Any]:
     """When the run in `folder` was first started, by which command line, if by any, and on which processors."""
-    try:
-        before = store.read_json(folder / "run.json")
-        given = before.get("command")
-        known = command or (given if isinstance(given, str) else None)
-        names, formats = plain_names(before.get("figures")), plain_names(before.get("formats"), KNOWN)
-        first = {"started": str(before["started"]), "command": known, "figures": names, "formats": formats}
-        return {**first, "pictures": _pictures_of(before), "arithmetic": _kinds_of(before)}
-    except (RunError, KeyError, TypeError):
+    if not (folder / "run.json").exists():
         return {"started": now(), "command": command, "pictures": [], "arithmetic": []}
-
-
-def _kinds_of(record: dict[str, Any]) -> list[str]:
-    """The kinds of arithmetic that computed a run so far, from run.json; none where it does not say."""
-    kinds = record.get("arithmetic")
-    if not isinstance(kinds, list) or not all(isinstance(kind, str) for kind in kinds):
-        return []
-    return [shorten(kind, 200) for kind in kinds[:_MOST_KINDS]]
+    before = read_record(folder)
+    return {
+        "started": before.get("started"),
+        "command": command or before.get("command"),
+        "figures": before.get("figures"),
+        "formats": before.get("formats"),
+        "pictures": _pictures_of(before),
+        "arithmetic": before.get("arithmetic") or [],
+    }
 
 
 def add_kind(before: dict[str, Any]) -> str | None:

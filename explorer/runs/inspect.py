@@ -10,11 +10,10 @@ from typing import Any
 
 from explorer.errors import RunError
 from explorer.measure import statistics
-from explorer.phase.strangers import plain_names, what_stands
 from explorer.runs import folder as folders
-from explorer.runs import schema, store
+from explorer.runs import store
 from explorer.runs.chunks import Part, summary_of
-from explorer.runs.pictures import KNOWN, there
+from explorer.runs.pictures import there
 from explorer.scenes.base import Scene
 
 _MOST_MISSING = 10  # chunks that are named one by one
@@ -47,7 +46,9 @@ def progressed(parts: Sequence[Part], whole: Scene) -> Progressed:
     """How far all of these runs are together."""
     notes, missing, record = [], list[str](), dict[str, Any]()
     for part in parts:
-        for chunk in part.found().values():
+        for index, chunk in part.found().items():
+            if index >= part.scene.chunks():
+                continue
             try:
                 notes.append(chunk.note())
             except RunError:
@@ -73,16 +74,16 @@ def _missing(folder: Path, record: dict[str, Any]) -> Iterator[str]:
     if not (folder / "summary.json").is_file():
         yield "summary"
     # Before `formats` were written, a run was finished only when its figures were drawn.
-    formats, figures = plain_names(record.get("formats", []), KNOWN), plain_names(record.get("figures"))
-    if formats is None or (formats and not there(folder, figures, formats) and figures != []):
+    formats, figures = record.get("formats", []), record.get("figures")
+    if formats and not there(folder, figures, formats) and figures != []:
         yield "figures"
 
 
 def stored_summary(folder: Path, scene: Scene) -> dict[str, Any] | None:
     """The content of summary.json where it is there and of these options, else None."""
     try:
-        content = dict(store.read_json(folder / "summary.json"))
-    except (RunError, TypeError, ValueError):
+        content = store.read_json(folder / "summary.json")
+    except store.CorruptFileError:
         return None
     options = json.loads(json.dumps(scene.options()))
     return content if all(content.get(key) == value for key, value in options.items()) else None
@@ -105,7 +106,7 @@ def verify(folder: Path) -> list[str]:
     shared, files = folders.digest_of_identity(scene), store.files(folder)
     numbered = store.by_number(files)
     paths = {number: some[-1] for number, some in numbered.items()}
-    faults, seen, digests = list[str](), schema.Seen(), list[str]()
+    faults, digests = list[str](), list[str]()
     before, now = folders.read_record(folder)["identity"], folders.identity(scene)
     for what in ("kernels", "code", "calibration"):
         if before.get(what) != now.get(what):
@@ -113,14 +114,14 @@ def verify(folder: Path) -> list[str]:
             shared = _said_identity(paths) or shared
             faults.append(f"run.json: other {what} than these computed the run; it cannot be resumed with them")
     known = {some[0] for some in numbered.values() if len(some) == 1}
-    strangers = [path for path in files if path not in known]
-    faults += [f"{path.name}: is no chunk of this run, or there are two of its number" for path in strangers]
+    others = [path for path in files if path not in known]
+    faults += [f"{path.name}: is no chunk of this run, or there are two of its number" for path in others]
     due, missing = range(scene.chunks()), scene.chunks() - sum(index < scene.chunks() for index in paths)
     faults += [f"chunk {i}: is missing" for i in islice((i for i in due if i not in paths), _MOST_MISSING)]
     if missing > _MOST_MISSING:
         faults.append(f"chunks: {missing - _MOST_MISSING:,} more are missing, {missing:,} of {len(due):,} in all")
     for index in sorted(index for index in paths if index in due):
-        found = store.examined(paths[index], schema.Place(scene, index, seen), shared)
+        found = store.examined(paths[index], scene, shared)
         if isinstance(found, store.Note):
             digests.append(found.digest)
         else:
@@ -139,25 +140,28 @@ def _said_identity(paths: dict[int, Path]) -> str | None:
 
 def _summary_faults(folder: Path, digests: list[str]) -> list[str]:
     """A summary that does not belong to the chunks, whose digests are given in order."""
-    if what_stands(folder / "summary.json") is None:
+    if not (folder / "summary.json").exists():
         return []
     try:
-        digest = dict(store.read_json(folder / "summary.json")).get("digest")
-    except (RunError, TypeError, ValueError) as error:
+        digest = store.read_json(folder / "summary.json").get("digest")
+    except store.CorruptFileError as error:
         return [str(error)]
     same = digest == store.digest_of_all(digests)
     return [] if same else ["summary.json: does not belong to these chunks; run `nearflat summary`"]
 
 
 def summary(folder: Path) -> dict[str, Any]:
-    """The numbers of a complete run, added up anew from its chunks. Raises InputError or RunError."""
+    """The numbers of a complete run, added up anew from its chunks, and stored where they are others than before.
+
+    Raises InputError or RunError.
+    """
     scene = folders.scene_of(folder)
     notes = {index: chunk.note() for index, chunk in Part(scene, folder).found().items()}
-    strange = {note.identity for note in notes.values()}
+    identities = {note.identity for note in notes.values()}
     before, now = folders.read_record(folder)["identity"], folders.identity(scene)
     if all(before.get(what) == now.get(what) for what in ("kernels", "calibration")):
-        strange |= {folders.digest_of_identity(scene)}
-    if len(strange) > 1:
+        identities |= {folders.digest_of_identity(scene)}
+    if len(identities) > 1:
         raise RunError(
             f"{folder}: its chunks are not those that run.json describes; see: nearflat verify {folder}"
         )

@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import stat
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -25,9 +24,15 @@ else:
 
 @contextlib.contextmanager
 def only_one(folder: Path) -> Iterator[None]:
-    """Hold the folder's lock. Raises InputError where a living run holds it, or something else is in its place."""
+    """Hold the folder's lock. Raises InputError where a living run holds it, or where it cannot be written."""
     path = folder / ".lock"
-    with _opened(path) as stream:
+    try:
+        opened = path.open("a+", encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be the lock of a run ({error.strerror}); remove it or give another folder"
+        ) from None
+    with opened as stream:
         try:
             _take(stream)
         except OSError:
@@ -41,17 +46,3 @@ def only_one(folder: Path) -> Iterator[None]:
         stream.write(str(os.getpid()))
         stream.flush()
         yield
-
-
-def _opened(path: Path) -> IO[str]:
-    """The lock, made where there is none: never what a link leads to, since it is written, nor a pipe."""
-    flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
-    remedy = "remove it or give another folder"
-    try:
-        handle = os.open(path, flags, 0o666)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be the lock of a run ({error.strerror}); {remedy}") from None
-    if not stat.S_ISREG(os.fstat(handle).st_mode):
-        os.close(handle)
-        raise InputError(f"{path}: cannot be the lock of a run (it is no plain file); {remedy}")
-    return os.fdopen(handle, "a+", encoding="utf-8")

@@ -6,6 +6,8 @@ import sys
 import time
 from typing import Any
 
+from explorer.runs.amounts import duration
+
 _SECONDS_BETWEEN_LINES = 5.0
 
 
@@ -79,7 +81,7 @@ class Progress:
         seconds = max(time.monotonic() - self._started, 1e-9)
         rate = sum(self._counts.values()) / seconds
         left = (self._total - self._done) * seconds / self._fresh
-        line = f"{self._label}: {self._done} of {self._total} chunks, {rate:,.0f} samples/s, {left:.0f} s left"
+        line = f"{self._label}: {self._done} of {self._total} chunks, {rate:,.0f} samples/s, {duration(left)} left"
         failures = self._failures()
         return f"{line}; {failures}" if failures else line
 

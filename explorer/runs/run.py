@@ -27,6 +27,7 @@ from explorer.runs import inspect, pictures, store
 from explorer.runs.chunks import Columns, Part, summary_of, tables, whole_scene
 from explorer.runs.interrupt import graceful
 from explorer.runs.lock import only_one
+from explorer.runs.probes import require_room
 from explorer.runs.progress import Progress
 from explorer.runs.workers import Task, Workers
 from explorer.scenes.base import NoStateError, Scene, Table
@@ -244,6 +245,7 @@ def _fill(part: Part, folder: Path, manner: Manner) -> Run:
     missing = folders.missing_chunks(
         folder, scene, folders.digest_of_identity(scene), lambda text: note(text, manner.quiet)
     )
+    require_room(scene, missing, folder, lambda text: note(text, manner.quiet))
     before = folders.begun(folder, manner.command)
     other = folders.add_kind(before) if missing else None
     if other and len(missing) < scene.chunks():

@@ -3,6 +3,9 @@
 A chunk's name carries its number and a digest of its bytes: chunk-000007-<16 hex digits>.parquet. Any
 change of the file, and any exchange with another, is seen by hashing it. Its metadata carry the tally of
 all samples of the chunk, also of those whose rows are not kept, so a summary reads footers only.
+
+These checks find what disks, networks and other programs do to files, and not a chunk that somebody writes anew
+with checksums that fit.
 """
 
 import contextlib
@@ -20,16 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, RunError, shorten
+from explorer.phase.columns import COLUMNS
 from explorer.phase.results import status_codes, to_arrow
-from explorer.phase.strangers import (
-    LARGEST_JSON,
-    StrangeError,
-    check_kinds,
-    parquet_file,
-    parse_json,
-    plain_file,
-)
-from explorer.runs import schema
 from explorer.scenes.base import Scene, Table
 
 if TYPE_CHECKING:
@@ -39,14 +34,12 @@ if TYPE_CHECKING:
 _NAME = re.compile(r"chunk-([0-9]{6}|[1-9][0-9]{6,8})-([0-9a-f]{16})\.parquet")
 _KEY = b"nearflat"
 _LOOKED_AT = 256  # rows of a column, which tell whether its numbers repeat
-_SMALL = 1 << 26  # bytes of a file that is read at once
 _FEW = 1 << 14  # rows, which one thread has read before others are asked to
-_LONGEST, _SHOWN = 300, 40  # characters of a message, and of a name in it
-_NOTE: dict[str, type] = {"index": int, "identity": str, "samples": int, "digest": str, "tally": dict}
+_LONGEST = 300  # characters of a message
 
 
-class DamagedError(InputError, RunError):
-    """A file of a run is damaged, or is none; the message says how, and what would do."""
+class CorruptFileError(InputError, RunError):
+    """A run file is missing or damaged; the message gives the cause and the remedy."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +70,7 @@ def all_chunks(folder: Path) -> dict[int, list[Path]]:
 
 
 def files(folder: Path) -> list[Path]:
-    """What stands among the chunks of a run, in order of names; files that are being written have other names."""
+    """The Parquet files of a run, sorted by name; files that are being written have other names."""
     return sorted((folder / "chunks").glob("*.parquet"))
 
 
@@ -135,23 +128,30 @@ def write_chunk(folder: Path, note: Note, table: "pa.Table", tally: str | None =
     return path
 
 
-def made_table(place: schema.Place, note: Note, table: Table) -> "pa.Table":
-    """What a scene made as it is stored: with units and meanings, status by name.
+def made_table(scene: Scene, index: int, table: Table) -> "pa.Table":
+    """The rows of a chunk as they are stored: with units and meanings, status by name.
 
-    Raises RunError where readers of its chunks would refuse it; a user's scene may make such.
+    Raises RunError where columns differ in length, or are not those of the scene: a user's scene may make such.
     """
     try:
-        rows = {values.size for values in table.values()}
-        if len(rows) != 1:
-            raise StrangeError(f"its columns have {sorted(rows)} rows")
         arrow = to_arrow(table)
-        if not _ours(place.scene):  # what it counts, our tests look at; to unpack that again takes a while
-            place.check(note.index, note.samples, note.tally)
-        schema.check_held(place.scene, place.index, schema.held_by(arrow.schema, rows.pop()))
+        arrow.validate()
+        _check_columns(scene, arrow.schema)
         return arrow
     except _damage() as error:
-        fault = shorten(" ".join(str(error).split()), 150)
-        raise RunError(f"chunk {note.index}: {place.scene.name} made what cannot be stored ({fault})") from None
+        fault = _in_one_line(error, 150)
+        raise RunError(f"chunk {index}: {scene.name} made what cannot be stored ({fault})") from None
+
+
+def _check_columns(scene: Scene, schema: "pa.Schema") -> None:
+    """Raise ValueError where a column that the scene names is missing or has another type; there may be others."""
+    known = {name: COLUMNS[name].kind for name in scene.columns if name in COLUMNS}
+    due = to_arrow({name: np.empty(0, np.int8 if kind == "status" else kind) for name, kind in known.items()})
+    for name in scene.columns:
+        if name not in schema.names:
+            raise ValueError(f"column {name!r} is missing")
+        if name in known and schema.field(name).type != due.schema.field(name).type:
+            raise ValueError(f"column {name!r} holds {schema.field(name).type}, not {due.schema.field(name).type}")
 
 
 def write_parquet(table: "pa.Table", stream: Any, metadata: Mapping[bytes, bytes]) -> None:
@@ -206,33 +206,25 @@ def _sha(content: "bytes | memoryview") -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _digest_of_bytes(path: Path) -> str:
-    with path.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
-
-
-def read_note(path: Path, place: schema.Place | None = None) -> Note:
-    """What the footer of a chunk says. Raises DamagedError naming the file, also where another one is due."""
+def read_note(path: Path) -> Note:
+    """What the footer of a chunk says. Raises CorruptFileError naming the file, also where it is another chunk."""
     try:
         with _opened(path) as file:
             note = _noted(file)
-            if place is not None:
-                place.check(note.index, note.samples, note.tally)
-                place.check_held(file)
-            return note
+        if note.index != number_of(path):
+            raise ValueError(f"it is chunk {note.index}")
+        return note
     except _damage() as error:
-        raise _damaged(path, error) from error
+        raise _corrupt(path, error) from error
 
 
-def read_chunk(path: Path, columns: Sequence[str] | None = None, place: schema.Place | None = None) -> Table:
-    """The kept rows of a chunk, checksums verified; some columns, or all. Raises DamagedError as `read_note`."""
+def read_chunk(path: Path, columns: Sequence[str] | None = None) -> Table:
+    """The kept rows of a chunk, checksums verified; some columns, or all. Raises CorruptFileError."""
     try:
         with _opened(path) as file:
-            if place is not None:
-                place.check_held(file)
             return _rows(file, columns)
     except _damage() as error:
-        raise _damaged(path, error) from error
+        raise _corrupt(path, error) from error
 
 
 @contextmanager
@@ -241,8 +233,9 @@ def _opened(path: Path, content: bytes | None = None) -> "Iterator[pq.ParquetFil
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    # Arrow would look for the kind of file system in a path, which takes as long as to open the file.
-    whole = pa.OSFile(str(parquet_file(path))) if content is None else pa.BufferReader(content)
+    # Arrow would look for the kind of file system in a path, which takes as long as to open the file, and would
+    # take a relative one with a colon for an address.
+    whole = pa.OSFile(str(path.absolute())) if content is None else pa.BufferReader(content)
     with whole as stream, closing(pq.ParquetFile(stream, page_checksum_verification=True)) as file:
         yield file
 
@@ -251,55 +244,48 @@ def _noted(file: "pq.ParquetFile") -> Note:
     """What a footer says, its checksum verified. Raises one of `_damage`."""
     content = (file.metadata.metadata or {}).get(_KEY)
     if content is None:
-        raise StrangeError("its metadata do not say which chunk it is")
-    if len(content) > LARGEST_JSON:
-        raise StrangeError(f"its metadata have {len(content):,} bytes; {LARGEST_JSON:,} is the most that is read")
-    signed = parse_json(content)
-    check_kinds(signed, {"note": str, "check": str})
+        raise ValueError("its metadata do not say which chunk it is")
+    signed = json.loads(content)
     if _sha(signed["note"].encode()) != signed["check"]:
         raise ValueError("checksum of its metadata")
-    said = parse_json(signed["note"])
-    check_kinds(said, _NOTE)
-    return Note(**said)
+    return Note(**json.loads(signed["note"]))
 
 
 def _rows(file: "pq.ParquetFile", columns: Sequence[str] | None) -> Table:
     """Columns of a chunk in the order asked. Raises one of `_damage`."""
     wanted = None if columns is None else list(columns)
     arrow = file.read(columns=wanted, use_threads=file.metadata.num_rows > _FEW)
-    if arrow.num_rows != file.metadata.num_rows:
-        raise StrangeError(f"it has {arrow.num_rows:,} rows, and says {file.metadata.num_rows:,}")
-    return {name: _values(name, arrow.column(name)) for name in columns or arrow.column_names}
+    return {name: _values(arrow.column(name)) for name in columns or arrow.column_names}
 
 
 def _damage() -> tuple[type[Exception], ...]:
     """What reading a damaged file may raise."""
     import pyarrow as pa
 
-    return (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, OverflowError, pa.ArrowException)
+    return (OSError, ValueError, KeyError, TypeError, pa.ArrowException)
 
 
-def _values(name: str, column: "pa.ChunkedArray") -> NDArray[Any]:
+def _values(column: "pa.ChunkedArray") -> NDArray[Any]:
     """A column as it was before it was written: statuses are numbers here."""
     import pyarrow as pa
 
-    kind = column.type
-    empty = column.null_count and not (pa.types.is_temporal(kind) or pa.types.is_string(kind))
-    if empty:
-        raise StrangeError(f"column {name[:_SHOWN]!r} lacks {column.null_count:,} values")
-    if not pa.types.is_dictionary(kind):
+    if not pa.types.is_dictionary(column.type):
         return np.asarray(column)
     names = column.unify_dictionaries().combine_chunks()
     codes = status_codes(np.array(names.dictionary.to_pylist(), dtype=str))
     return np.asarray(codes[np.asarray(names.indices)])
 
 
-def _damaged(path: Path, error: Exception) -> DamagedError:
+def _in_one_line(error: Exception, most: int) -> str:
+    return shorten(" ".join(str(error).split()), most)
+
+
+def _corrupt(path: Path, error: Exception) -> CorruptFileError:
     """In one line, with the remedy: it is long where the path is."""
     folder = path.parents[1]
-    fault = shorten(" ".join(str(error).split()), 110)
+    fault = _in_one_line(error, 110)
     then = f"continue with: nearflat resume {folder}"
-    return DamagedError(f"{_named(path, then, fault)}: cannot be read or is damaged ({fault}); {then}")
+    return CorruptFileError(f"{_named(path, then, fault)}: cannot be read or is damaged ({fault}); {then}")
 
 
 def _named(path: Path, *others: str) -> str:
@@ -308,48 +294,35 @@ def _named(path: Path, *others: str) -> str:
     return str(path) if len(str(path)) <= room else path.name
 
 
-def examined(path: Path, place: schema.Place, identity: str) -> Note | str:
-    """What the chunk says that is due in this place of this run, or what is wrong with it, to the last value."""
-    content = _intact(path)
-    if isinstance(content, str):
-        return content
+def examined(path: Path, scene: Scene, identity: str) -> Note | str:
+    """What a chunk of this run says, or what is wrong with the file: every byte is looked at."""
     try:
+        content = path.read_bytes()
+        match = _NAME.fullmatch(path.name)
+        if match is None or _sha(content)[:16] != match[2]:
+            return "its bytes are not those that were written"
         with _opened(path, content) as file:
             note = _noted(file)
             if note.identity != identity:
                 return "it belongs to another run"
-            place.check(note.index, note.samples, note.tally)
-            place.check_held(file)
+            if note.index != int(match[1]):
+                return f"it is chunk {note.index}"
+            if note.samples != scene.length(note.index):
+                return f"it stands for {note.samples:,} samples, not {scene.length(note.index):,}"
+            _check_columns(scene, file.schema_arrow)
             table = _rows(file, None)
-        schema.check_values(place.scene, place.index, table, note.tally)
-        _check_digest(place.scene, table, note)
+        return note if _has_digest(scene, table, note) else "its rows and counts have another digest than it says"
     except _damage() as error:
-        return shorten(" ".join(str(error).split()), 150)
-    return note
+        return _in_one_line(error, 150)
 
 
-def _intact(path: Path) -> bytes | str | None:
-    """The bytes of a file whose name has their digest, None where they are many; or what is wrong with it."""
-    match, other = _NAME.fullmatch(path.name), "its bytes are not those that were written"
-    try:
-        plain = parquet_file(path)
-        content = plain.read_bytes() if plain.stat().st_size <= _SMALL else None
-        digest = _digest_of_bytes(plain) if content is None else _sha(content)
-    except StrangeError as error:
-        return f"{other}: {error}"
-    except OSError as error:
-        return str(error)
-    return content if match is not None and digest[:16] == match[2] else other
-
-
-def _check_digest(scene: Scene, table: Table, note: Note) -> None:
-    """Raise StrangeError where rows and counts are not those of which the note has a digest.
+def _has_digest(scene: Scene, table: Table, note: Note) -> bool:
+    """Whether rows and counts are those of which the note has a digest.
 
     Text and times come back as other types than they were written from, and so may what a user's scene stores.
     """
     numbers = all(values.dtype.kind in "fiub" for values in table.values())
-    if _ours(scene) and numbers and digest_of(table, note.tally) != note.digest:
-        raise StrangeError("its rows and counts have another digest than it says")
+    return not (_ours(scene) and numbers) or digest_of(table, note.tally) == note.digest
 
 
 def _ours(scene: Scene) -> bool:
@@ -371,8 +344,14 @@ def digest_of_all(digests: Iterable[str]) -> str:
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
-    """Write JSON and commit it by a rename. NaN is refused: it is not JSON."""
+    """Write JSON and commit it by a rename. NaN is refused: it is not JSON.
+
+    A file that says the same stays as it is: a finished run can be summed up where nothing can be written.
+    """
     text = json.dumps(content, indent=2, allow_nan=False) + "\n"
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        if path.read_text(encoding="utf-8") == text:
+            return
     temporary = path.with_suffix(f".{os.getpid()}.tmp")
     try:
         with temporary.open("w", encoding="utf-8") as stream:
@@ -388,8 +367,12 @@ def write_json(path: Path, content: dict[str, Any]) -> None:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """Read a JSON object. Raises RunError naming the file."""
+    """Read a JSON object. Raises CorruptFileError naming the file."""
     try:
-        return parse_json(plain_file(path, LARGEST_JSON).read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise RunError(f"{path}: cannot be read ({error})") from error
+        fault = getattr(error, "strerror", None) or str(error)
+        raise CorruptFileError(f"{path}: cannot be read ({fault})") from error
+    if not isinstance(content, dict):
+        raise CorruptFileError(f"{path}: cannot be read (it holds no JSON object)")
+    return content

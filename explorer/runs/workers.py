@@ -13,8 +13,8 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Generator, Iterator
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from itertools import islice
@@ -27,7 +27,7 @@ import numpy as np
 from explorer import compiled
 from explorer.errors import InputError, RunError, jobs_of, one_of, shorten
 from explorer.runs import folder as folders
-from explorer.runs import schema, store
+from explorer.runs import store
 from explorer.runs.chunks import HeldChunk
 from explorer.runs.interrupt import SIGNALS, withheld
 from explorer.scenes.base import Scene
@@ -36,6 +36,8 @@ BACKENDS = ("threads", "processes", "dask")
 # Rounds without a single new chunk after which killed workers are no longer an accident.
 _PATIENCE = 3
 _IDLE = 20  # seconds after which a process without work ends; orphans do where they cannot look for their parent
+# Seconds without a worker of a cluster after which none will come: a nanny starts a new one in two or three.
+_WITHOUT_WORKERS = 7.0
 _KEPT = 31 << 20  # bytes; glibc takes no notice of blocks of 32 MB and more
 _OTHER_KERNELS = (
     "the worker has other kernels than this run; install the same nearflat, Python and numba on all machines, and "
@@ -166,7 +168,7 @@ def compute_chunk(task: Task, index: int) -> Done:
         text = json.dumps(tally, allow_nan=False)
         tally = json.loads(text)  # as a footer gives it back
         note = store.Note(index, task.identity, scene.length(index), store.digest_of(kept, tally), tally)
-        table = store.made_table(schema.Place(scene, index), note, kept)
+        table = store.made_table(scene, index, kept)
         if task.folder is None:
             return Done(index, tally["status"], HeldChunk(note, kept))
         store.write_chunk(task.folder, note, table, text)
@@ -202,15 +204,24 @@ def _until(indices: list[int], stop: threading.Event) -> Iterator[int]:
 def _by_threads(jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
     # The pool waits for its threads, whatever went wrong: one that still writes a chunk when the interpreter ends
     # is a fatal error of Python.
-    source, count = _until(indices, stop), min(jobs, max(1, len(indices)))
+    count = min(jobs, max(1, len(indices)))
     with ThreadPoolExecutor(count) as pool:
-        running = {pool.submit(compute_chunk, task, index) for index in islice(source, count)}
-        while running:
-            # On Windows only a wait that ends can be interrupted.
-            done, running = wait(running, timeout=0.1, return_when=FIRST_COMPLETED)
-            for future in done:
-                yield future.result()
-            running |= {pool.submit(compute_chunk, task, index) for index in islice(source, len(done))}
+        yield from _by_pool(pool, count, task, _until(indices, stop))
+
+
+def _by_pool(
+    pool: Executor, count: int, task: Task, indices: Iterator[int], has_workers: Callable[[], bool] = lambda: True
+) -> Iterator[Done]:
+    """Chunks as they are done, so many at once; ends early where no worker is left and the run is stopped."""
+    running = {pool.submit(compute_chunk, task, index) for index in islice(indices, count)}
+    while running:
+        # Only a wait that ends can be interrupted on Windows, and can see that nobody works any more.
+        done, running = wait(running, timeout=0.1, return_when=FIRST_COMPLETED)
+        for future in done:
+            yield future.result()
+        running |= {pool.submit(compute_chunk, task, index) for index in islice(indices, len(done))}
+        if not done and not has_workers():
+            return
 
 
 def _by_joblib(jobs: int, task: Task, indices: list[int], stop: threading.Event) -> Made:
@@ -307,25 +318,61 @@ def _client(workers: Workers) -> Iterator[Any]:
             cluster.close()
 
 
+@dataclass
+class _WorkerWatch:
+    """The workers of a cluster. since: when it was first seen that there are none; None where there are."""
+
+    client: Any
+    scheduler: str | None
+    folder: Path | None
+    stop: threading.Event
+    since: float | None = None
+
+    def has_workers(self) -> bool:
+        """Whether a worker is there, or may still come; RunError where none did, or the scheduler is gone."""
+        try:
+            there = self.client.nthreads()
+        except OSError:
+            raise self.error("the scheduler is gone; start it anew with its workers") from None
+        if there:
+            self.since = None
+            return True
+        now = time.monotonic()
+        self.since = self.since or now
+        if now - self.since > _WITHOUT_WORKERS:
+            if self.scheduler is None:
+                raise self.error("its workers are gone; give fewer --jobs or a smaller --memory")
+            raise self.error(f"there is no worker; start one with: dask worker {self.scheduler}")
+        return not self.stop.is_set()
+
+    def error(self, text: str) -> RunError:
+        """What went wrong, with where, and how to go on."""
+        where = f"--scheduler {self.scheduler}" if self.scheduler else "--backend dask"
+        then = f", then continue with: nearflat resume {self.folder}" if self.folder else ""
+        return RunError(f"{where}: {text}{then}")
+
+    def wait(self) -> bool:
+        """Wait for the first worker; False where the run was stopped meanwhile."""
+        while self.has_workers():
+            if self.since is None:
+                return True
+            time.sleep(0.1)
+        return False
+
+
 def _by_dask(workers: Workers, task: Task, indices: list[int], stop: threading.Event) -> Iterator[Done]:
     distributed = _distributed()
     shared = task._replace(folder=task.folder and task.folder.resolve())  # workers see the same file system
     with _client(workers) as client:
+        watch = _WorkerWatch(client, workers.scheduler, task.folder, stop)
+        if not watch.wait():
+            return
         _check_kernels(client, task.kernels)
-        source = _until(indices, stop)
-        running = distributed.as_completed()
-
-        def submit_next() -> None:
-            index = next(source, None)
-            if index is not None:
-                running.add(client.submit(compute_chunk, shared, index, pure=False, retries=2))
-
+        pool, count = client.get_executor(pure=False, retries=2), 2 * len(client.nthreads())
         try:
-            for _ in range(2 * max(1, len(client.scheduler_info()["workers"]) or workers.jobs)):
-                submit_next()
-            for future in running:
-                yield future.result()
-                submit_next()
+            yield from _by_pool(pool, count, shared, _until(indices, stop), watch.has_workers)
+        except CancelledError:
+            raise watch.error("the scheduler is gone; start it anew with its workers") from None
         except distributed.KilledWorker as error:
             raise RunError(f"--backend dask: a chunk killed several workers ({error}); out of memory?") from error
 

@@ -6,7 +6,6 @@ receives initial states, asks `motion.plan` for observables, and reduces what co
 It knows nothing of files, workers or where pictures are kept.
 """
 
-import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -37,7 +36,6 @@ from explorer.scenes.options import (
     as_json,
     options_of,
 )
-from explorer.scenes.tallies import Counts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -86,7 +84,7 @@ class Scene(ABC):
 
     name: ClassVar[str]
     observables: ClassVar[tuple[str, ...]] = ()
-    # What it stores of a sample, by the names of `phase.columns`; a scene that does not say stores what it likes.
+    # What it stores of a sample, by the names of `phase.columns`; chunks may have other columns besides.
     columns: ClassVar[tuple[str, ...]] = ("status",)
     # How many samples `trade` draws unless it is said.
     tried: ClassVar[int] = 4096
@@ -169,38 +167,6 @@ class Scene(ABC):
     def kept(self, index: int, table: Table) -> Table:
         """The rows of chunk `index` that are stored."""
         return table
-
-    @property
-    def stored(self) -> tuple[str, ...]:
-        """The columns that every chunk has."""
-        return self.columns
-
-    @property
-    def may_be_unknown(self) -> tuple[str, ...]:
-        """Those of them that may be NaN though the status is ok."""
-        return ()
-
-    @property
-    def stores_others(self) -> bool:
-        """Whether chunks may have columns besides."""
-        return self.columns == Scene.columns
-
-    @property
-    def rows_of_a_sample(self) -> int:
-        """How many rows `compute` gives for each sample."""
-        return 1
-
-    def rows(self, index: int) -> tuple[int, float]:
-        """How many rows chunk `index` stores at least and at most."""
-        return 0, math.inf
-
-    def check_tally(self, index: int, tally: Tally) -> None:
-        """Raise ValueError where these are no counts of chunk `index`: anyone may have written its file."""
-        self.counts(index).statuses(tally.get("status"))
-
-    def counts(self, index: int) -> Counts:
-        """What reads counts of chunk `index`, none of which is above the number of its rows."""
-        return Counts(self.length(index) * self.rows_of_a_sample)
 
     def process(self, index: int) -> tuple[Table, Tally]:
         """The rows of chunk `index` that are stored, and the counts of all its samples."""
@@ -336,11 +302,6 @@ class SampledScene(Scene):
 
     def together(self, others: Sequence[Scene]) -> Scene:
         return together(self, others)
-
-    def rows(self, index: int) -> tuple[int, float]:
-        most = 0 if self.keep == "none" else self.length(index) * self.rows_of_a_sample
-        some = self.keep == "near" and type(self).near is not SampledScene.near
-        return 0 if some else most, most
 
     def near(self, index: int, table: Table) -> NDArray[np.bool_]:
         """Rows of chunk `index` that lie near F."""

@@ -9,12 +9,10 @@ from explorer.measure import statistics
 from explorer.measure.log_counts import LogCounts, pack, unpack
 from explorer.phase.states import Array
 from explorer.scenes.base import Table, Tally
-from explorer.scenes.tallies import CountError, Counts
 
 # Cells of the map of all samples over the plane of constants of motion.
 MAP_CELLS = 160
 NO_CODE = 65535
-_LONGEST_PLANE = 4 * MAP_CELLS * MAP_CELLS  # characters of the map, packed; random codes have some 2.5 a cell
 
 
 def nearer(table: Table) -> Array:
@@ -33,21 +31,6 @@ def count_faces(on_plus: NDArray[np.bool_], eta: Array) -> dict[str, int]:
         counts[f"face_{name}_eta_negative"] = int(np.count_nonzero(chosen & below))
         counts[f"face_{name}_eta_zero"] = int(np.count_nonzero(chosen & zero)) if zero.any() else 0
     return counts
-
-
-def check_falling(counts: Counts, tally: Tally) -> None:
-    """Raise ValueError unless these are what `FallingCounts.tally` gives."""
-    counts.entries("counts", tally, ("faces", "status", "could_fall", "theta_min", "distance", "plane"))
-    if counts.statuses(tally["status"]) != counts.most:
-        raise CountError(f"its status counts not all of {counts.most:,} samples")
-    signs = ("positive", "negative", "zero")
-    names = [f"face_{face}_eta_{sign}" for face in ("plus", "minus") for sign in signs]
-    counts.counts("faces", tally["faces"], names)
-    counts.count("could_fall", tally["could_fall"])
-    for name in ("theta_min", "distance"):
-        counts.log_counts(name, tally[name])
-    if not isinstance(tally["plane"], str) or len(tally["plane"]) > _LONGEST_PLANE:
-        raise CountError("its plane is no packed map")
 
 
 def no_cells() -> NDArray[np.uint16]:
@@ -74,7 +57,7 @@ class FallingCounts:
             tally["could_fall"],
             LogCounts(tally["theta_min"]),
             LogCounts(tally["distance"]),
-            unpack(tally["plane"], MAP_CELLS * MAP_CELLS),
+            unpack(tally["plane"]),
         )
 
     def add(self, other: "FallingCounts") -> None:

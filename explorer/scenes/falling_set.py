@@ -33,7 +33,6 @@ from explorer.scenes.falling_counts import (
     MAP_CELLS,
     NO_CODE,
     FallingCounts,
-    check_falling,
     count_faces,
     nearer,
     no_cells,
@@ -142,14 +141,6 @@ class FallingSet(SceneOfStates):
     def _method_of_slices(self) -> str:
         """Pictures show the motions, not the formula that says where they turn; by what integrates here anyway."""
         return "dopri5" if self.plan.method == "quadrature" else self.plan.method
-
-    @property
-    def stored(self) -> tuple[str, ...]:
-        return self.columns if self.states is None else (*self.columns, *self.columns_of_given)
-
-    @property
-    def may_be_unknown(self) -> tuple[str, ...]:
-        return () if self.theta_min == "all" else ("theta_min",)
 
     def compute(self, index: int) -> Table:
         return joined([self._table(block) for block in self.blocks(index)])
@@ -279,9 +270,6 @@ class FallingSet(SceneOfStates):
         counts.plane = self._cells(table)
         return counts
 
-    def check_tally(self, index: int, tally: Tally) -> None:
-        check_falling(self.counts(index), tally)
-
     def add_up(self, chunks: Chunks) -> FallingCounts:
         total = FallingCounts()
         for tally in chunks.tallies:
@@ -289,10 +277,12 @@ class FallingSet(SceneOfStates):
         return total
 
     def summarise(self, total: FallingCounts) -> dict[str, Any]:
-        fraction = statistics.share(total.could_fall, self.samples)
+        states = self.states_among(total.status)
+        fraction = statistics.share(total.could_fall, states)
         near = f"samples with |eta_hat| <= {self.tube:g}"
         return {
             "samples": self.samples,
+            "valid_states": states,
             "face_counts": total.faces,
             "could_fall_fraction": fraction["value"],
             "could_fall_interval_95": fraction["interval_95"],
@@ -314,7 +304,7 @@ class FallingSet(SceneOfStates):
         yield "constants-plane", partial(plot.constants_plane, self.plane(total.plane))
         for number, where in enumerate(self.slices, 1):
             yield f"slice-{number}", partial(self._draw_slice, where)
-        yield "theta-min", partial(plot.theta_min_distribution, total.theta_min, self.samples)
+        yield "theta-min", partial(plot.theta_min_distribution, total.theta_min, summary["valid_states"])
 
     def _draw_slice(self, where: Slice, **options: Any) -> "Axes":
         from explorer import plot
@@ -364,9 +354,12 @@ class FallingSet(SceneOfStates):
         low, high = summary["could_fall_interval_95"]
         quantile = summary["theta_min_quantiles"]
         ok = summary["status"].get(compiled.status.Status.OK.name.lower(), 0)
+        states = self.states_among(summary["status"])
+        rows = summary["samples"] - states
+        bad = f"; {rows:,} rows are no states, and in none of these numbers" if rows else ""
         lines = [
-            f"{summary['samples']:,} states, {ok:,} computed to the accuracy asked, "
-            f"{summary['falls']} exactly on the falling set",
+            f"{states:,} states, {ok:,} computed to the accuracy asked, "
+            f"{summary['falls']} exactly on the falling set{bad}",
             f"would fall if eta were exactly 0: {100.0 * summary['could_fall_fraction']:.1f} % "
             f"(95 % interval {100.0 * low:.1f} % to {100.0 * high:.1f} %)",
         ]

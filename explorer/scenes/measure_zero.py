@@ -178,19 +178,6 @@ class MeasureZero(SampledScene):
         pieces = (self.piece(index) for index in range(self.chunks()))
         return (piece for piece in pieces if isinstance(piece, PlainDraws))
 
-    @property
-    def may_be_unknown(self) -> tuple[str, ...]:
-        # In tubes doubles do not hold so small an eta_hat as a difference, and a draw may lie outside the box.
-        return "sigma3", "sigma4", "delta", "theta_min"
-
-    def rows(self, index: int) -> tuple[int, float]:
-        low, high = super().rows(index)
-        # Of plain draws those are computed that may come flat.
-        return low if isinstance(self.piece(index), TubeDraws) else 0, high
-
-    def check_tally(self, index: int, tally: Tally) -> None:
-        self.piece(index).check(self.counts(index), tally)
-
     def compute(self, index: int) -> Table:
         return self.piece(index).compute()
 

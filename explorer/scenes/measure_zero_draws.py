@@ -11,7 +11,6 @@ import scipy
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import shown
 from explorer.measure import statistics
 from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density
@@ -25,7 +24,6 @@ from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.base import Table, Tally
-from explorer.scenes.tallies import CountError, Counts
 
 # The next term of the law is of order delta: 1e-4 of C here, and rungs above only measure it.
 LAW_LIMIT = 1e-4
@@ -164,15 +162,6 @@ class PlainDraws:
             "race": self._race(table),
         }
 
-    def check(self, counts: Counts, tally: Tally) -> None:
-        """Raise CountError unless these are what `tally` gives."""
-        counts.entries("counts", tally, ("kind", "draws", "hits", "status", "race"))
-        _check_draws(counts, tally, "plain")
-        for row in counts.listed("hits", tally["hits"], (self.question.deltas.size,)):
-            counts.count("sum of hits", sum(counts.count("hits", n) for n in counts.listed("hits", row, (4,))))
-        for name, count in counts.entries("race", tally["race"], _WAYS).items():
-            counts.count(f"race: {name}", count)
-
     def _race(self, table: Table) -> dict[str, int]:
         """Which way the contact point races at the flattest moment, by integration, against the sign of eta."""
         rows = np.flatnonzero(self.near(table) & (table["theta_min"] > 0.0))[:_CHECKED]
@@ -258,27 +247,3 @@ class TubeDraws:
             tally[name] = np.bincount(place, hit[rows], size).tolist()
             tally[f"{name}_squares"] = np.bincount(place, hit[rows] ** 2, size).tolist()
         return tally
-
-    def check(self, counts: Counts, tally: Tally) -> None:
-        """Raise CountError unless these are what `tally` gives."""
-        bins = {"energy": (1, ENERGY_BINS), "tilt": (SHAPE_BINS,)}
-        sums = "sum", "squares", "sum_eta_positive", "unresolved"
-        histograms = [name for each in bins for name in (each, f"{each}_squares")]
-        places = "rung", "face"
-        counts.entries("counts", tally, ("kind", *places, "draws", *sums, "hits", "status", *histograms))
-        _check_draws(counts, tally, "tube")
-        for name in places:
-            if type(tally[name]) is not int or tally[name] != getattr(self, name):
-                raise CountError(f"its {name} is {shown(tally[name])}, not {getattr(self, name)}")
-        counts.count("hits", tally["hits"])
-        for name in sums:
-            counts.number(name, tally[name])
-        for name in histograms:
-            counts.numbers(name, tally[name], bins[name.removesuffix("_squares")])
-
-
-def _check_draws(counts: Counts, tally: Tally, kind: str) -> None:
-    """Raise CountError unless all draws of a chunk of this kind have a status."""
-    known = counts.statuses(tally["status"], (_SKIPPED,))
-    if tally["kind"] != kind or not counts.most == known == counts.count("draws", tally["draws"]):
-        raise CountError(f"its counts are not those of {counts.most:,} {kind} draws")

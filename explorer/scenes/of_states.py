@@ -1,6 +1,6 @@
 """Scenes about states anywhere in the phase space: drawn from a density, or given by the user."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Any
@@ -12,7 +12,7 @@ from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, Range, chunk_stream
 from explorer.motion.trials import MotionTrial, through_time
 from explorer.phase.states import States, phi_to_states
-from explorer.scenes.base import SampledScene, Table
+from explorer.scenes.base import NoStateError, SampledScene, Table
 from explorer.scenes.given_states import Block, Given, GivenStates
 from explorer.scenes.options import DEGREES, DENSITY, ENERGY, GAUSSIAN, STATES, OpenRange, Ranges
 
@@ -70,10 +70,6 @@ class SceneOfStates(SampledScene):
         called = None if self.density is None else self.source.describe().get("density")
         return {**super().options(), "density": called}
 
-    @property
-    def stores_others(self) -> bool:
-        return self.states is not None or super().stores_others  # a user's own columns
-
     @cached_property
     def source(self) -> Density:
         """What states are drawn from, where they are not given."""
@@ -100,6 +96,23 @@ class SceneOfStates(SampledScene):
         if self.states is not None:
             return self.states.read(self.disk, 0, min(count, self.samples), self.degrees).states
         return phi_to_states(self.disk, **self._drawn(chunk_stream(0, 0), count))
+
+    def states_among(self, status: Mapping[str, int]) -> int:
+        """How many samples are states; the others are bad input, and in no statistic.
+
+        Raises NoStateError where none is.
+        """
+        count = sum(status.values()) - status.get("bad_input", 0)
+        if count:
+            return count
+        if self.states is None:
+            remedy = "in --box, give rates below 1e100 natural units"
+            raise NoStateError(f"{self.name}: none of {self.samples:,} draws is a state; {remedy}")
+        degrees = "" if self.degrees else ", and --degrees where they are in degrees"
+        raise NoStateError(
+            f"{self.name}: none of the {self.samples} rows of --states is a state; give finite numbers, "
+            f"phi between -pi/2 and pi/2 or tilt between 0 and pi{degrees}"
+        )
 
     def motions(self, count: int, t_end: float | None) -> MotionTrial:
         first = next(self.blocks(0)).states

@@ -231,9 +231,6 @@ class OneSided(Scene):
         disk, starts = self.disks[index // self.blocks], self._count(index)
         return 2 * starts * len(self.ladder(disk))
 
-    def rows(self, index: int) -> tuple[int, float]:
-        return self.length(index), self.length(index)
-
     def add_up(self, chunks: Chunks) -> Approach:
         tables = {}
         for disk in self.disks:

@@ -41,7 +41,6 @@ from explorer.scenes.race_counts import (
     SIGNS,
     RaceCounter,
     RaceCounts,
-    check_races,
     count_bounces,
     count_races,
 )
@@ -113,21 +112,6 @@ class RaceAngles(SceneOfStates):
             return *bounce_kernels(self.plan.accuracy), *KERNELS
         some = () if self.energy is None else ("algebra.constants_batch",)
         return *some, *LaneStream.KERNELS, *passage_kernels(self.plan), *KERNELS
-
-    @property
-    def stored(self) -> tuple[str, ...]:
-        if self.eta_hat is not None:
-            return self.columns
-        return *self.columns, *self.columns_of_given[self.states is None :]
-
-    @property
-    def may_be_unknown(self) -> tuple[str, ...]:
-        # Where a motion has not the energy to come flat.
-        return () if self.eta_hat is not None else ("race_angle", "fall_angle", "impact_speed")
-
-    @property
-    def rows_of_a_sample(self) -> int:
-        return self.bounces or 1
 
     def compute(self, index: int) -> Table:
         if self.eta_hat is None:
@@ -234,9 +218,6 @@ class RaceAngles(SceneOfStates):
         status = statistics.count_status([table["status"][:: self.bounces]])
         return {"status": status, **counted, **count_bounces(table)}
 
-    def check_tally(self, index: int, tally: Tally) -> None:
-        check_races(self.counts(index), tally, self.bounces)
-
     def add_up(self, chunks: Chunks) -> RaceCounts:
         total = RaceCounts()
         for tally in chunks.tallies:
@@ -245,6 +226,7 @@ class RaceAngles(SceneOfStates):
 
     def summarise(self, total: RaceCounts) -> dict[str, Any]:
         limit = self.disk.race_limit
+        states = self.samples if self.eta_hat is not None else self.states_among(total.status)
         if not any(total.races(name) for name in SIGNS):
             kind = NoStateError if set(total.status) == {"bad_input"} else RunError
             raise kind(self._without_races(total))
@@ -256,7 +238,12 @@ class RaceAngles(SceneOfStates):
             "status": total.status,
         }
         if self.eta_hat is None:
-            summary |= {"approaches": total.bounces, "without_race": total.without_race}
+            bad = (self.samples - states) * (self.bounces or 1)
+            summary |= {
+                "valid_states": states,
+                "approaches": total.bounces - bad,
+                "without_race": total.without_race,
+            }
         histogram: dict[str, Any] = {"edges": angle_edges(limit).tolist()}
         for name, sign in total.signs.items():
             histogram[f"counts_{name}"], histogram[f"outside_{name}"] = sign.bins.tolist(), sign.outside
@@ -279,12 +266,6 @@ class RaceAngles(SceneOfStates):
     def _without_races(self, total: RaceCounts) -> str:
         """Why there is nothing to sum up."""
         if self.eta_hat is None:
-            if set(total.status) == {"bad_input"}:
-                degrees = "" if self.degrees else ", and --degrees where they are in degrees"
-                return (
-                    f"race-angles: none of the {self.samples} rows of --states is a state; give finite numbers, "
-                    f"phi between -pi/2 and pi/2 or tilt between 0 and pi{degrees}"
-                )
             return (
                 f"race-angles: none of {self.samples} states has a race angle ({total.status}; of "
                 f"{total.without_race} bounces the energy is too small to come flat); give other states"
@@ -319,7 +300,7 @@ class RaceAngles(SceneOfStates):
         if self.eta_hat is not None:
             first = [f"{summary['samples']:,} passages of the {self.disk.name} disk; {limit}"]
         else:
-            states = f"{summary['samples']:,} states of the {self.disk.name} disk"
+            states = f"{self.states_among(summary['status']):,} states of the {self.disk.name} disk"
             first = [f"{states}, {summary['approaches']:,} bounces; {limit}", *self._nearest(summary)]
         return [*first, *means, f"wrong way: {summary['wrong_way']}; failures: {failed}"]
 

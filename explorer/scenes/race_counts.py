@@ -12,7 +12,6 @@ from explorer.measure.log_counts import LogCounts, LogRows, SignedLogCounts
 from explorer.phase.disk import Disk
 from explorer.portrait.races import (
     ANGLE_BINS,
-    PER_STEP,
     SIDES,
     LawCounts,
     angle_edges,
@@ -21,14 +20,12 @@ from explorer.portrait.races import (
     sides_of_decades,
 )
 from explorer.scenes.base import Table, Tally
-from explorer.scenes.tallies import CountError, Counts
 
 SIGNS = SIDES
 KERNELS = (*statistics.KERNELS, "race_law.constant_batch")  # of what is counted, for `compiled.warmup`
 AT_ONCE = 1 << 15  # passages: fewer need more calls, and columns of more do not stay in a processor's cache
 _SIZES = "impact_speed", "energy", "error_estimate"
 _COUNTED = ("race_angle", "eta_hat", "wrong_way", *_SIZES)
-_EXPONENTS = -400, 400  # that powers of ten of doubles have, and more
 
 
 class RaceCounter:
@@ -101,46 +98,6 @@ def count_bounces(table: Table) -> Tally:
             sums[str(exponent)][name] = [values.size, math.fsum(values.tolist())]
     without = np.isnan(race) & np.isfinite(table["delta_chi"])
     return {"bounces": int(race.size), "without_race": int(without.sum()), "sums": sums}
-
-
-def check_races(counts: Counts, tally: Tally, bounces: int | None) -> None:
-    """Raise CountError unless these are what `count_races` gives, and `count_bounces` where there are bounces."""
-    more = () if bounces is None else ("bounces", "without_race", "sums")
-    counts.entries("counts", tally, ("status", "wrong_way", *SIGNS, "decades", "constants", *_SIZES, *more))
-    if counts.statuses(tally["status"]) * (bounces or 1) != counts.most:
-        raise CountError(f"its status counts not all of {counts.most:,} rows")
-    for name in ("wrong_way", *more[:2]):
-        counts.count(name, tally[name])
-    races, total = sum(_checked_sign(counts, name, tally[name]) for name in SIGNS), 0
-    for exponent, sides in counts.named("decades", tally["decades"]).items():
-        counts.whole("decades", exponent, *_EXPONENTS)
-        found = counts.entries("decades", sides, SIGNS)
-        total += sum(counts.signed(f"decades {exponent} {name}", found[name]) for name in SIGNS)
-    if total != counts.count("sum of races", races):
-        raise CountError(f"its decades count {total:,} races of {races:,}")
-    for step, state in counts.named("constants", tally["constants"]).items():
-        counts.whole("constants", step, *(PER_STEP * end for end in _EXPONENTS))
-        counts.signed(f"constants {step}", state)
-    for name in _SIZES:
-        counts.log_counts(name, tally[name])
-    for exponent, signs in counts.named("sums", tally.get("sums", {})).items():
-        counts.whole("sums", exponent, *_EXPONENTS)
-        for name, pair in counts.entries("sums", signs, SIGNS).items():
-            size, total_of = counts.listed(f"sums {exponent} {name}", pair, (2,))
-            counts.count("sums", size)
-            counts.number("sums", total_of)
-
-
-def _checked_sign(counts: Counts, name: str, value: Any) -> int:
-    """How many races of one sign there are; CountError unless this is what `_signs` gives of it."""
-    sign = counts.entries(name, value, ("bins", "counts", "outside", "sum"))
-    bins = counts.listed(f"{name}: bins", sign["bins"], range(ANGLE_BINS + 1))
-    if not all(type(place) is int and 0 <= place < ANGLE_BINS for place in bins):
-        raise CountError(f"its {name}: bins are no numbers below {ANGLE_BINS}")
-    inside = counts.listed(f"{name}: counts", sign["counts"], (len(bins),))
-    total = sum(counts.count(f"{name}: counts", each) for each in (*inside, sign["outside"]))
-    counts.number(f"{name}: sum", sign["sum"])
-    return total
 
 
 @dataclass

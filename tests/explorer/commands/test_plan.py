@@ -5,14 +5,14 @@ import json
 import pytest
 
 from explorer.commands.main import main
-from explorer.runs import estimate
+from explorer.runs import probes
 from explorer.scenes.registry import SCENES, build_scene
 
 
 @pytest.fixture(autouse=True)
 def few_probes(monkeypatch):
     """Plans are those of the first probe."""
-    monkeypatch.setattr(estimate, "_SECONDS", 0.0)
+    monkeypatch.setattr(probes, "_SECONDS", 0.0)
 
 
 def test_the_cost_of_a_run_is_said_for_its_own_options(capsys, tmp_path):

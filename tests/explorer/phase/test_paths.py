@@ -125,7 +125,7 @@ def test_only_a_plain_file_is_written_over(tmp_path, what):
         if not Path("/dev/null").exists():
             pytest.skip("there is no such device")
         path.symlink_to("/dev/null")
-    with pytest.raises(InputError, match=f"path = .*view.html': is {what}, no plain file; give another name"):
+    with pytest.raises(InputError, match=r"path = .*view\.html': is no plain file; give another name"):
         ex.view().save(path)
 
 

@@ -5,16 +5,9 @@ import time
 import pytest
 from small_runs import SMALL_RACES
 
-from explorer.runs import estimate as estimates
+from explorer.runs import probes
 from explorer.runs.estimate import estimate
 from explorer.runs.settings import asked
-
-
-def test_probes_are_chunks_from_all_over_the_run():
-    assert list(estimates._spread(1)) == [0]
-    assert sorted(estimates._spread(7)) == list(range(7))
-    first = list(estimates._spread(1000))[:7]
-    assert sorted(first) == [125, 250, 375, 500, 625, 750, 875]
 
 
 def test_an_estimate_is_that_of_the_run(finished, tmp_path):
@@ -35,19 +28,14 @@ def test_an_estimate_is_that_of_the_run(finished, tmp_path):
 
 
 def test_a_run_in_memory_takes_no_room_on_the_disk(monkeypatch):
-    monkeypatch.setattr(estimates, "_SECONDS", 0.0)
+    monkeypatch.setattr(probes, "_SECONDS", 0.0)
     found = estimate(asked("race-angles", SMALL_RACES))
-    assert (found.disk, found.seconds_for_figures, found.probed) == (0.0, 0.0, 1)
+    assert (found.disk, found.free, found.seconds_for_figures, found.probed) == (0.0, None, 0.0, 1)
 
 
-@pytest.mark.parametrize("scene", ["race-angles", "falling-set", "measure-zero"])
-def test_a_part_of_a_chunk_stands_for_the_chunk(scene):
-    """It has a sixteenth of the samples, fewer rows, and the columns and counts of the whole."""
-    made = asked(scene, {"samples": 2 << 16, "keep": "all"}).scene
-    index = made.chunks() - 1
-    rows, tally, length = made.begin(index, 16)
-    assert length == made.length(index) // 16
-    assert sum(tally["status"].values()) == length
-    few, all_tally = made.process(index)
-    assert (rows.keys(), tally.keys()) == (few.keys(), all_tally.keys())
-    assert len(rows["status"]) == pytest.approx(len(few["status"]) / 16, rel=0.2)
+@pytest.mark.parametrize("samples", [65_536 * 100_001 + 1, 10**10])
+def test_an_estimate_counts_every_sample_of_very_many_chunks(samples, tmp_path):
+    found = estimate(asked("race-angles", {"samples": samples, "out": tmp_path / "run"}))
+    assert (found.samples, found.chunks) == (samples, -(-samples // 65_536))
+    few = estimate(asked("race-angles", {"samples": 10**7, "out": tmp_path / "run", "figures": False}))
+    assert found.disk / few.disk == pytest.approx(samples / 10**7, rel=0.1)

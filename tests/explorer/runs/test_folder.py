@@ -1,7 +1,6 @@
 """The folder of a run: its record is enough to go on, and nothing else is touched."""
 
 import json
-import os
 import shutil
 from pathlib import Path
 
@@ -67,56 +66,8 @@ def test_a_folder_with_a_run_or_with_something_else_is_left_alone(finished, tmp_
 
 
 def contents(folder):
-    """Every file below a folder with its bytes, links as such."""
-    paths = sorted(path for path in folder.rglob("*") if path.is_file() or path.is_symlink())
-    return {path: path.readlink() if path.is_symlink() else path.read_bytes() for path in paths}
-
-
-ENTRIES = ("figures", "chunks", "bad", ".lock", "run.json", "summary.json", "figures/histogram.png")
-
-
-@pytest.mark.skipif(os.name != "posix", reason="links need rights elsewhere")
-@pytest.mark.parametrize("name", ENTRIES)
-def test_a_link_in_the_place_of_what_a_run_uses_is_named_and_nothing_is_touched(name, finished, tmp_path, capsys):
-    """Or a folder of a stranger could have files elsewhere deleted or overwritten."""
-    entry, elsewhere = finished.folder / name, tmp_path / "elsewhere"
-    if entry.exists():
-        shutil.move(entry, elsewhere)
-    else:
-        elsewhere.mkdir()
-    if elsewhere.is_dir():
-        (elsewhere / "thesis.tex").write_text("do not lose me")
-    entry.symlink_to(elsewhere)
-    before = contents(tmp_path)
-    again = ["run", "race-angles", "--replace", "--out", str(finished.folder), "--samples", "9"]
-    for words in (["resume", str(finished.folder)], again, ["summary", str(finished.folder)]):
-        assert main(words) == 2
-        said = capsys.readouterr().err
-        assert f"{entry}: it is a link" in said or f"{entry}: is damaged (" in said
-        assert said.count("\n") == 1
-    assert contents(tmp_path) == before
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names are those of POSIX")
-@pytest.mark.parametrize("name", [".lock", "figures/histogram.png"])
-@pytest.mark.parametrize("make", [os.mkdir, getattr(os, "mkfifo", None)])
-def test_a_pipe_or_a_folder_is_no_lock_and_no_picture(name, make, finished, capsys):
-    entry = finished.folder / name
-    entry.unlink()
-    make(entry)
-    assert main(["resume", str(finished.folder)]) == 2
-    what = "a folder" if make is os.mkdir else "a pipe"
-    assert f"{entry}: it is {what}, no plain file; move it away" in capsys.readouterr().err
-
-
-def test_a_lock_that_is_a_link_is_refused_where_there_is_no_run_yet(tmp_path):
-    (tmp_path / "notes").write_text("do not lose me")
-    (tmp_path / "run").mkdir()
-    (tmp_path / "run" / ".lock").symlink_to(tmp_path / "notes")
-    with pytest.raises(ex.InputError, match=r"\.lock: it is a link"):
-        ex.run("race-angles", out=tmp_path / "run", **SMALL_RACES)
-    assert [path.name for path in (tmp_path / "run").iterdir()] == [".lock"]
-    assert (tmp_path / "notes").read_text() == "do not lose me"
+    """Every file below a folder with its bytes."""
+    return {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 def test_replace_deletes_the_run_and_no_file_of_the_user(finished):
@@ -143,13 +94,11 @@ def test_pictures_of_all_formats_of_a_run_are_deleted_with_it_also_half_drawn_on
     assert not [*(folder / "figures").iterdir()]
 
 
-@pytest.mark.parametrize("files", [5, ["../../thesis.png"], ["thesis.tex"], [None], {"a.png": 1}])
-def test_a_record_names_no_other_files_to_delete(files, finished):
-    thesis = [finished.folder / "thesis.png", finished.folder / "figures" / "thesis.tex"]
-    for path in thesis:
-        path.write_text("do not lose me")
-    folders.clear(rewritten(finished, lambda content: content.update(pictures=files)))
-    assert all(path.exists() for path in thesis)
+def test_a_record_deletes_no_file_outside_the_figures(finished):
+    thesis = finished.folder / "thesis.png"
+    thesis.write_text("do not lose me")
+    folders.clear(rewritten(finished, lambda content: content.update(pictures=["../thesis.png"])))
+    assert thesis.exists()
 
 
 def test_to_resume_a_run_that_is_not_there_starts_it(finished, tmp_path):
@@ -164,11 +113,33 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path):
         ex.run("race-angles", out=tmp_path / "file" / "run", **SMALL_RACES)
 
 
-@pytest.mark.parametrize("content", ["[]", '{"identity": 3}', "{", '{"identity": {"kernels": "x"}}'])
+DAMAGED = ("[]", '{"identity": 3}', "{", "", '{"identity": {"kernels": "x"}}', "\ufeff{}")
+
+
+@pytest.mark.parametrize("content", DAMAGED)
 def test_a_damaged_record_is_named(content, tmp_path):
-    (tmp_path / "run.json").write_text(content)
-    with pytest.raises(ex.InputError, match="is damaged"):
+    (tmp_path / "run.json").write_text(content, encoding="utf-8")
+    with pytest.raises(ex.InputError, match=r"run\.json: is damaged .*start the run anew in another folder"):
         folders.scene_of(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["pictures", "figures", "formats", "arithmetic"])
+@pytest.mark.parametrize("command", ["status", "resume"])
+def test_a_record_whose_lists_are_none_is_named(name, command, finished, capsys):
+    folder = rewritten(finished, lambda content: content.update({name: 5}))
+    assert main([command, str(folder)]) == 2
+    assert f"run.json: is damaged ({name} is no list)" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["run.json", "summary.json"])
+@pytest.mark.parametrize("command", ["status", "verify", "summary", "resume"])
+def test_a_folder_in_the_place_of_a_file_ends_every_command_with_a_sentence(name, command, finished, capsys):
+    (finished.folder / name).unlink()
+    (finished.folder / name).mkdir()
+    code = main([command, str(finished.folder)])
+    said = capsys.readouterr()
+    assert code in ((2,) if name == "run.json" else (0, 1))
+    assert name == "run.json" or command == "status" or f"{name}: cannot be" in said.out + said.err
 
 
 def rewritten(run, change):

@@ -11,7 +11,7 @@ def test_lines_say_how_far_how_fast_and_what_failed(capsys, monkeypatch):
     shown.close()
     line = capsys.readouterr().err
     assert line.startswith("race-angles: 2 of 4 chunks, ")
-    assert line.rstrip().endswith("s left; 10 unresolved_side")
+    assert line.rstrip().endswith(" s left; 10 unresolved_side")
 
 
 def test_lines_are_seconds_apart(capsys):

@@ -3,14 +3,18 @@
 import json
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.dataset
 import pyarrow.parquet
+import pytest
 from small_runs import SMALL_RACES
 
 import explorer as ex
+from explorer.commands.main import main
 from explorer.phase.results import to_arrow
 from explorer.runs import store
-from explorer.runs.inspect import verify
+from explorer.runs.inspect import status, verify
+from explorer.scenes.race_angles import RaceAngles
 
 
 def text(run):
@@ -59,7 +63,96 @@ def test_swapped_and_foreign_chunks_are_noticed(finished, tmp_path):
     assert "it is chunk 3" in fault
 
 
-def test_strangers_among_the_chunks_are_put_aside(finished, capsys):
+def rewritten(run, index, change):
+    """A chunk with other rows, written as nearflat writes one."""
+    path = store.found_chunks(run.folder)[index]
+    note, table = store.read_note(path), change(pyarrow.parquet.read_table(path))
+    path.unlink()
+    return store.write_chunk(run.folder, note, table)
+
+
+def test_a_chunk_without_a_column_of_its_scene_is_named_and_computed_anew(finished, capsys):
+    """As an earlier version might have left it."""
+    before = store.found_chunks(finished.folder)[1].read_bytes()
+    lacking = rewritten(finished, 1, lambda table: table.drop(["race_angle"]))
+    other = rewritten(finished, 3, lambda table: table.set_column(3, "face", pa.array([1.0] * table.num_rows)))
+    assert verify(finished.folder) == [
+        f"{lacking.name}: column 'race_angle' is missing",
+        f"{other.name}: column 'face' holds double, not int8",
+    ]
+    with pytest.raises(ex.RunError, match=lacking.name):
+        finished.arrow(["race_angle"])
+    assert main(["resume", str(finished.folder), "--no-figures"]) == 0
+    assert "column 'race_angle' is missing; it is put aside" in capsys.readouterr().err
+    assert verify(finished.folder) == []
+    assert store.found_chunks(finished.folder)[1].read_bytes() == before
+
+
+def test_other_rows_than_the_digest_is_of_are_found(finished):
+    path = rewritten(finished, 1, lambda table: table.slice(0, table.num_rows // 2))
+    assert verify(finished.folder) == [f"{path.name}: its rows and counts have another digest than it says"]
+
+
+def test_two_chunks_of_one_number_are_refused_and_computed_anew(finished, capsys):
+    path = store.found_chunks(finished.folder)[3]
+    content = path.read_bytes()
+    other = rewritten(finished, 3, lambda table: table.slice(0, 1))
+    path.write_bytes(content)
+    assert store.all_chunks(finished.folder)[3] == sorted([path, other])
+    with pytest.raises(ex.RunError, match="holds two of chunk 3"):
+        finished.arrow()
+    assert main(["resume", str(finished.folder), "--no-figures"]) == 0
+    assert f"{other.name}: " in capsys.readouterr().err
+    assert verify(finished.folder) == []
+
+
+def test_a_chunk_that_another_program_wrote_anew_is_named(finished):
+    path = store.found_chunks(finished.folder)[1]
+    pyarrow.parquet.write_table(pa.table({"phi": [0.1]}), path)
+    with pytest.raises(ex.RunError, match=rf"{path.name}: .*its metadata do not say which chunk it is"):
+        store.read_note(path)
+    assert status(finished.folder).chunks_done == 4
+
+
+@pytest.mark.parametrize(
+    "name", ["chunk-000003 (1)", "chunk-0000003-0123456789abcdef", "chunk-000099-0123456789abcdef"]
+)
+def test_what_has_nearly_the_name_of_a_chunk_is_put_aside(finished, name, capsys):
+    before, path = finished.summary, finished.folder / "chunks" / f"{name}.parquet"
+    path.write_bytes(store.found_chunks(finished.folder)[2].read_bytes())
+    assert any(path.name in fault for fault in verify(finished.folder))
+    assert main(["resume", str(finished.folder), "--no-figures"]) == 0
+    assert f"{path.name}: " in capsys.readouterr().err
+    assert (finished.folder / "bad" / path.name).exists()
+    assert verify(finished.folder) == []
+    assert ex.open(finished.folder).summary == before
+
+
+def test_a_scene_that_makes_columns_of_different_lengths_is_told_so(monkeypatch):
+    process = RaceAngles.process
+
+    def with_more(self, index):
+        rows, tally = process(self, index)
+        return {**rows, "more": np.zeros(1)}, tally
+
+    monkeypatch.setattr(RaceAngles, "process", with_more)
+    with pytest.raises(ex.RunError, match="chunk 0: race-angles made what cannot be stored"):
+        ex.run("race-angles", samples=10, eta_hat="1e-4:1e-2", keep="all")
+
+
+def test_own_columns_may_be_of_other_types_in_other_chunks(tmp_path):
+    """Whole numbers of which one is missing come as doubles."""
+    columns = {name: np.linspace(0.1, 0.5, 8) for name in ("phi", "phidot", "sigma3", "sigma4")}
+    table = pa.table({**columns, "own": pa.array([1, 2, 3, 4, 5, None, 7, 8])})
+    pyarrow.parquet.write_table(table, tmp_path / "states.parquet", row_group_size=4)
+    how = {"chunk_size": 4, "keep": "all", "out": tmp_path / "run", "figures": False}
+    run = ex.run("falling-set", states=tmp_path / "states.parquet", **how)
+    assert verify(run.folder) == []
+    assert run.arrow(["own"])["own"].to_pylist()[:2] == [1.0, 2.0]
+    assert json.loads((run.folder / "summary.json").read_text())["samples"] == 8
+
+
+def test_other_files_among_the_chunks_are_put_aside(finished, capsys):
     before, chunks = text(finished), finished.folder / "chunks"
     for name in ("x.parquet", "chunk-000001-0000000000000000.parquet", "chunk-000001-ffffffffffffffff.parquet"):
         (chunks / name).write_bytes(store.found_chunks(finished.folder)[2].read_bytes())

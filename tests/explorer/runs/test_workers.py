@@ -1,5 +1,6 @@
 """Workers of every kind, killed and stopped, give the numbers of an undisturbed run."""
 
+import contextlib
 import gc
 import inspect
 import json
@@ -9,6 +10,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -246,34 +248,91 @@ def test_workers_that_cannot_be_are_refused_before_anything_is_written(options, 
     assert not (tmp_path / "run").exists()
 
 
-@pytest.fixture(scope="module")
-def cluster():
-    """A real scheduler and two workers on loopback; yields the address. Tests that need it stand last."""
+def dask(kind, *words):
+    """A scheduler or a worker on the loopback, in a process of its own."""
+    common = ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0"]
+    more = ["--nthreads", "1", "--no-nanny"] if kind == "worker" else []
+    command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words, *more, *common]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+@contextlib.contextmanager
+def a_cluster(workers):
+    """A real scheduler and its workers; yields its address and their processes."""
     import distributed
 
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     address = f"tcp://127.0.0.1:{port}"
-    common = ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0"]
-    programs = [["scheduler", "--port", str(port), *common]]
-    programs += [["worker", address, "--nthreads", "1", "--no-nanny", *common]] * 2
-    running = [
-        subprocess.Popen(
-            [sys.executable, "-m", "distributed.cli.dask_" + program[0], *program[1:]],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        for program in programs
-    ]
+    running = [dask("scheduler", "--port", str(port)), *(dask("worker", address) for _ in range(workers))]
     try:
         with distributed.Client(address, timeout=120) as client:
-            client.wait_for_workers(2, timeout=120)
-        yield address
+            if workers:
+                client.wait_for_workers(workers, timeout=120)
+        yield address, running[1:]
     finally:
         for process in running:
             process.kill()
             process.wait()
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """The address of a cluster of two workers. Tests that need it stand last."""
+    with a_cluster(2) as (address, _):
+        yield address
+
+
+def test_a_cluster_without_workers_is_told_within_ten_seconds_with_how_to_start_one(tmp_path):
+    with a_cluster(0) as (address, _):
+        began = time.monotonic()
+        with pytest.raises(
+            ex.RunError, match=f"{address}: there is no worker; start one with: dask worker {address}"
+        ):
+            ex.run("race-angles", out=tmp_path / "run", backend="dask", scheduler=address, **SMALL_RACES)
+        assert time.monotonic() - began < 10.0
+    assert ex.open(tmp_path / "run").resume().status.chunks_done == 5
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_run_that_waits_for_a_worker_can_be_stopped(number, scene, hold, tmp_path):
+    said = tmp_path / "said"
+    with a_cluster(0) as (address, _), said.open("w") as errors:
+        words = ("run", scene, "--backend", "dask", "--scheduler", address, "--out", tmp_path / "run")
+        done = nearflat(*words, hold=hold, errors=errors)
+        until((tmp_path / "run" / "run.json").exists)
+        time.sleep(1.0)
+        done.send_signal(number)
+        done.communicate(timeout=5.0)
+    assert done.returncode == 130
+    assert "stopped with 0 of 12 chunks done; continue with: nearflat resume" in said.read_text()
+
+
+def test_the_last_worker_lost_is_told_and_finished_chunks_stay(tmp_path):
+    folder, lost = tmp_path / "run", []
+    options = {"samples": 2_000_000, "chunk_size": 4096, "eta_hat": "1e-4:1e-2", "keep": "none", "figures": False}
+
+    def kill(worker):
+        until(lambda: len(store.found_chunks(folder)) > 2)
+        worker.kill()
+        lost.append(time.monotonic())
+
+    with a_cluster(1) as (address, (worker,)):
+        killer = threading.Thread(target=kill, args=(worker,))
+        killer.start()
+        with pytest.raises(
+            ex.RunError, match=rf"{address}: there is no worker; .*then continue with: .*resume\(\)"
+        ):
+            ex.run("race-angles", out=folder, backend="dask", scheduler=address, progress=False, **options)
+        told = time.monotonic()
+        killer.join()
+    assert told - lost[0] < 10.0
+    there = set(store.found_chunks(folder).values())
+    assert 2 < len(there) < 489
+    resumed = ex.open(folder).resume(progress=False)
+    assert there <= set(store.found_chunks(folder).values())
+    assert resumed.verify() == []
 
 
 @pytest.fixture

@@ -69,3 +69,42 @@ def test_what_does_not_go_together_is_refused(options, message):
             continue
         with pytest.raises(ex.InputError, match=message):
             build_scene(name, **options)
+
+
+NAMES = ("phi", "phidot", "sigma3", "sigma4")
+ROWS = np.array([[0.1, 1.0, 1.0, 0.5], [np.nan, 1.0, 1.0, 2.0], [0.2, 1.0, 1.0, 1.0]])
+
+
+@pytest.mark.parametrize("name", ["falling-set", "race-angles"])
+def test_a_row_that_is_no_state_is_in_no_statistic_and_counted_apart(name):
+    """Numbers are those of the same table without the row."""
+    whole = ex.run(name, states=ROWS, keep="all")
+    good = ex.run(name, states=ROWS[[0, 2]], keep="all")
+    assert (whole.summary["samples"], whole.summary["valid_states"]) == (3, 2)
+    assert whole.summary["status"] == {"bad_input": 1, "ok": 2}
+    differing = {key for key in good.summary if whole.summary[key] != good.summary[key]}
+    assert differing <= {"samples", "states", "status", "failures", "digest"}
+    assert {name: whole.summary[name] for name in whole.options} == whole.options
+
+
+def test_the_share_that_would_fall_is_of_the_states(tmp_path):
+    (tmp_path / "states.csv").write_text("\n".join([",".join(NAMES), *(",".join(map(str, row)) for row in ROWS)]))
+    run = ex.run("falling-set", states=tmp_path / "states.csv")
+    assert run.summary["could_fall_fraction"] == 1.0
+    assert "would fall if eta were exactly 0: 100.0 %" in repr(run)
+    assert "2 states, 2 computed to the accuracy asked" in repr(run)
+    assert "1 rows are no states, and in none of these numbers" in repr(run)
+    assert run.figure("theta-min").axes[0].lines[0].get_ydata()[-1] == 1.0
+
+
+@pytest.mark.parametrize("name", ["falling-set", "race-angles"])
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"states": ROWS[[1]]}, "none of the 1 rows of states is a state; give finite numbers"),
+        ({"samples": 10, "box": "phi=0:1,sigma3=1e200:1e201"}, "none of 10 draws is a state; in box"),
+    ],
+)
+def test_where_no_row_is_a_state_the_run_says_so(name, options, message):
+    with pytest.raises(ex.RunError, match=f"{name}: {message}"):
+        ex.run(name, **options)
