@@ -49,7 +49,7 @@ def as_columns(given: Any, what: str) -> dict[str, Any]:
         return {name: np.ravel(given[name]) for name in given.dtype.names}
     if isinstance(given, np.ndarray | list | tuple):
         try:
-            rows = np.asarray(plain_array(given))
+            rows = plain_array(given)
         except ValueError:
             raise InputError(f"{what}: its rows differ in length; give rows of {', '.join(COORDINATES)}") from None
         if rows.ndim != 2 or rows.shape[1] != len(COORDINATES):
@@ -145,7 +145,7 @@ def _plain(name: str, values: Any, what: str) -> NDArray[Any]:
 def _array(name: str, values: Any, what: str) -> NDArray[Any]:
     """An array that shows nothing masked. Raises InputError for lists in lists that differ in length."""
     try:
-        return np.asarray(plain_array(values))
+        return plain_array(values)
     except ValueError:
         raise InputError(f"{what}: column {name!r} holds several shapes; give one entry for each state") from None
 
