@@ -89,7 +89,8 @@ class States:
         natural, status = self.natural, self.status
         # Kernels take these arrays as they are in memory.
         right = natural.dtype == np.float64 and natural.flags.carray and status.dtype.kind == "i"
-        if not right or natural.shape != (5, status.size) or status.shape != (status.size,):
+        columns = (status, *(self.exact or ()))
+        if not right or natural.shape != (5, status.size) or any(c.shape != (status.size,) for c in columns):
             what = f"natural = {shown(natural)}, status = {shown(status)}"
             raise InputError(f"States: {what}; let phi_to_states and its like make them")
         object.__setattr__(self, "shape", self.shape or (status.size,))

@@ -100,7 +100,7 @@ def scene_class(name: Any) -> type[Scene]:
     """The class of a scene, by its name or itself. Raises InputError with the nearest name."""
     if isinstance(name, type) and issubclass(name, Scene):
         return register(name) if name.name not in SCENES else name
-    if name in _unloadable:
+    if isinstance(name, str) and name in _unloadable:
         raise InputError(f"scene {name!r}: the package that offers it cannot be loaded ({_unloadable[name]!r})")
     try:
         return SCENES[one_of("scene", name, SCENES)]
