@@ -120,8 +120,9 @@ def scan(
     Raises
     ------
     InputError
-        Where a name is not known, or the function fails or does not return one real number, or a row of them, for
-        each state, and where it calls an array by no text, or by the name of a coordinate or of the status.
+        Where a name is not known, or the function does not return one real number, or a row of them, for each
+        state, and where it calls an array by no text, or by the name of a coordinate or of the status. What the
+        function raises passes through.
 
     Examples
     --------
