@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, number, reader, shown, text_of
+from explorer.errors import InputError, number, shown
 from explorer.measure.sampling import BLOCK, Box, Range, gather, parse_ranges
-from explorer.phase.arguments import read_range, returned_numbers, users_own
+from explorer.phase.arguments import read_range, returned_numbers
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, phi_to_states
@@ -119,9 +119,12 @@ class Density:
         assert self.function is not None
         flat = {name: np.array(column).ravel() for name, column in columns.items()}
         shape = columns["phi"].shape
-        with users_own("density", "it must return one real number for every state"):
-            given = returned_numbers(self.function(*(column.copy() for column in flat.values())))
-            values = np.broadcast_to(given, flat["phi"].shape).astype(np.float64)
+        given = returned_numbers("density", self.function(*(column.copy() for column in flat.values())))
+        if given.shape not in ((), flat["phi"].shape):
+            raise InputError(
+                f"density: returned {shown(given)} for {flat['phi'].size} states; return one number for each"
+            )
+        values = np.broadcast_to(given, flat["phi"].shape).astype(np.float64)
         bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0.0)))
         if bad.size:
             where = ", ".join(f"{name} = {column[bad[0]]:.6g}" for name, column in flat.items())
@@ -224,18 +227,16 @@ class Density:
         return described
 
 
-@reader
 def _read_box(name: str, value: Any, disk: Disk) -> Box:
     """A box, or the text of one; by default that of the disk. Raises InputError."""
     if isinstance(value, Box):
         return value
-    text = "" if value is None else text_of(value)
-    if text is None:
+    text = "" if value is None else value
+    if not isinstance(text, str):
         raise InputError(f'{name} {shown(value)}: write "phi=0,sigma3=-2:2"; what is left out keeps its range')
     return Box.parse(text, Box.default(disk)) if text else Box.default(disk)
 
 
-@reader
 def _bells(flag: str, gaussian: Any) -> dict[str, Range]:
     """Means and deviations by coordinate, from text or a mapping. Raises InputError."""
     if gaussian is None or isinstance(gaussian, str):

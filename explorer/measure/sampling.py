@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, double_of, plain_number, reader, shown, suggest
+from explorer.errors import InputError, double_of, shown, suggest
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array
 
@@ -82,11 +82,6 @@ class Box:
 
 def parse_ranges(given: Any, option: str, known: Collection[str] = COORDINATES) -> dict[str, Range]:
     """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2" or a mapping. Raises InputError naming the option."""
-    return _ranges(option, given, known)
-
-
-@reader
-def _ranges(option: str, given: Any, known: Collection[str]) -> dict[str, Range]:
     if not isinstance(given, str | Mapping):
         raise InputError(f'{option} {shown(given)} is no text; write "phi=0,phidot=-2:2"')
     ranges: dict[str, Range] = {}
@@ -109,7 +104,7 @@ def _pairs(text: str) -> Iterator[tuple[str, str | None]]:
 def parse_range(given: Any, option: str) -> Range:
     """(low, high) from "LOW:HIGH", one number, or a pair. Raises InputError naming the option."""
     parts = given.split(":") if isinstance(given, str) else given if isinstance(given, list | tuple) else [given]
-    ends = [double_of(plain_number(part)) for part in parts]
+    ends = [double_of(part) for part in parts]
     if not 1 <= len(ends) <= 2 or ends[0] is None or ends[-1] is None:
         raise InputError(f"{option} = {shown(given)} is not a number or a range LOW:HIGH")
     return ends[0], ends[-1]

@@ -4,7 +4,6 @@
 have none. From it `plan` takes the setting of an integrator, and the method where it has a choice.
 """
 
-import contextlib
 import json
 import os
 import platform
@@ -18,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError, RunError, double_of, shorten
+from explorer.errors import InputError, RunError, shorten
 from explorer.phase.arguments import column
 from explorer.phase.states import Array
 
@@ -116,11 +115,10 @@ def current() -> Calibration:
     path, advice = stored_at(), "run nearflat trade to measure this machine"
     try:
         if path.exists():
-            table = json.loads(path.read_text(encoding="utf-8"))
-            made_by = table.get("kernels") if isinstance(table, dict) else None
-            if not isinstance(made_by, str):
+            table = json.loads(path.read_bytes())
+            if not isinstance(table, dict) or "kernels" not in table:
                 raise ValueError("it does not say by which kernels it was measured")
-            if made_by == compiled.source_digest():
+            if table["kernels"] == compiled.source_digest():
                 return replace(parse(table, "measured on this machine"), own=True)
             advice = "this machine's was measured with other kernels; run nearflat trade"
     except (OSError, ValueError) as error:
@@ -135,10 +133,10 @@ def current() -> Calibration:
 def parse(table: dict[str, Any], origin: str) -> Calibration:
     """A calibration from its JSON form. Raises ValueError for what can be none."""
     curves, quadrature = _curves("methods", table.get("methods")), table.get("quadrature")
-    time = None if isinstance(quadrature, str) else double_of(quadrature)
-    if time is None or not 0.0 < time < np.inf:
+    if not isinstance(quadrature, int | float) or not 0.0 < quadrature < np.inf:
         raise ValueError("its quadrature is no time")
-    return Calibration(origin, curves, time, _curves("motions", table["motions"]) if "motions" in table else {})
+    motions = _curves("motions", table["motions"]) if "motions" in table else {}
+    return Calibration(origin, curves, quadrature, motions)
 
 
 def _curves(name: str, rows_of: Any) -> dict[str, Curve]:
@@ -156,11 +154,10 @@ def _curves(name: str, rows_of: Any) -> dict[str, Curve]:
 
 def _columns(method: str, rows: Any) -> Array:
     """The rows of a method as columns. Raises ValueError where they are no such numbers."""
-    with contextlib.suppress(InputError):  # of one who calls with arrays; this one has a file
-        columns = column(method, rows).T
-        if columns.ndim == 2 and columns.shape[0] == 4 and (np.isfinite(columns) & (columns > 0.0)).all():
-            return columns
-    raise ValueError(f"rows of {method} must be four positive numbers each")
+    columns = column(method, rows).T
+    if columns.ndim != 2 or columns.shape[0] != 4 or not (np.isfinite(columns) & (columns > 0.0)).all():
+        raise ValueError(f"rows of {method} must be four positive numbers each")
+    return columns
 
 
 def _curve(name: str, columns: Array, rounding: float) -> Curve:

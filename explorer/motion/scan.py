@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, flag, jobs_of, one_of, reader, shown, text_of, whole
+from explorer.errors import InputError, flag, jobs_of, one_of, shown, whole
 from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
-from explorer.phase.arguments import returned_numbers, users_own
+from explorer.phase.arguments import returned_numbers
 from explorer.phase.constants import constants_of
 from explorer.phase.membership import falls_of
 from explorer.phase.results import Table
@@ -21,7 +20,6 @@ from explorer.phase.states import COORDINATES, States, require_states
 
 _MOST_BATCH = 10**9  # states; more than memory holds
 BATCH = 4096  # states; a trajectory of a few hundred times for each still takes some ten megabytes
-_LONGEST_NAME = 80  # letters of the name of an array
 _TAKEN = (*COORDINATES, "status")  # names of columns that no function gives
 _PATIENCE = 2.0  # seconds before a bar is shown
 Observable = str | Sequence[str] | Callable[[States], ArrayLike | Mapping[str, ArrayLike]]
@@ -122,8 +120,9 @@ def scan(
     Raises
     ------
     InputError
-        Where a name is not known, or the function fails or does not return one real number, or a row of them, for
-        each state, and where it calls an array by no text, or by the name of a coordinate or of the status.
+        Where a name is not known, or the function does not return one real number, or a row of them, for each
+        state, and where it calls an array by no text, or by the name of a coordinate or of the status. What the
+        function raises passes through.
 
     Examples
     --------
@@ -161,6 +160,7 @@ class _Work(NamedTuple):
 def _computed(states: States, observable: Observable, work: _Work) -> list[dict[str, NDArray[Any]]]:
     """What the function returned, batch by batch."""
     from joblib import Parallel, delayed
+    from tqdm import tqdm
 
     call, alone = _function_of("observable", observable)
     n, size = len(states), work.batch
@@ -170,23 +170,17 @@ def _computed(states: States, observable: Observable, work: _Work) -> list[dict[
     )
     hidden = None if work.progress is None else not work.progress
     wait = 0 if work.progress else _PATIENCE
-    try:
-        from tqdm import tqdm
-
-        shown_by = tqdm(made, alone, len(parts), disable=hidden, delay=wait, unit="batch", leave=False)
-    except Exception:  # what the environment says of tqdm (TQDM_NCOLS and the like) cannot be used
-        return list(made)
+    shown_by = tqdm(made, alone, len(parts), disable=hidden, delay=wait, unit="batch", leave=False)
     return list(shown_by)
 
 
-@reader
 def _function_of(flag: str, observable: Any) -> tuple[Callable[[States], Any], str]:
     """A function of states, and what a single array that it returns is called. Raises InputError."""
     if isinstance(observable, str):
-        return _function_of(flag, [observable])[0], str.__str__(observable)
+        return _function_of(flag, [observable])[0], observable
     if callable(observable):
-        name = text_of(getattr(observable, "__name__", None)) or flag
-        return partial(_called, observable), flag if name == "<lambda>" else name
+        name = getattr(observable, "__name__", flag)
+        return observable, flag if name == "<lambda>" else name
     if not isinstance(observable, list | tuple) or not observable:
         raise InputError(f"{flag} = {shown(observable)} is neither a name nor a function of States")
     names = [one_of(flag, name, OBSERVABLES) for name in observable]
@@ -198,41 +192,21 @@ def _function_of(flag: str, observable: Any) -> tuple[Callable[[States], Any], s
     return by_name, ", ".join(names)
 
 
-def _called(observable: Callable[[States], Any], part: States) -> NDArray[Any] | dict[str, NDArray[Any]]:
-    """What a function of the user's returned for some states, as arrays of numbers. Raises InputError."""
-    with users_own("observable", "it must return one real number, or a row of them, for every state"):
-        returned = observable(part)
-        if isinstance(returned, Mapping):
-            return {name: returned_numbers(values) for name, values in returned.items()}
-        return returned_numbers(returned)
-
-
-def _name_of(key: Any) -> str:
-    """What a function calls an array, as the name of a column. Raises InputError for what can be none."""
-    text = text_of(key)
-    if text is None or not 0 < len(text) <= _LONGEST_NAME or not text.isprintable():
-        raise InputError(
-            f"observable: the function returned {shown(key)} as a name; give text of 1 to {_LONGEST_NAME} letters "
-            "that can be printed"
-        )
-    if text in _TAKEN:
-        raise InputError(
-            f"observable: the function returned {text!r} as a name, which results have for their own column; give "
-            "another name"
-        )
-    return text
-
-
 def _checked(observable: Callable[[States], Any], part: States, alone: str) -> dict[str, NDArray[Any]]:
     """What the function returned for some states, by name. alone: what a single array is called."""
     returned = observable(part)
-    arrays = returned if isinstance(returned, Mapping) else {alone: returned}
-    arrays = {_name_of(name): values for name, values in arrays.items()}
-    for name, values in arrays.items():
-        if values.ndim == 0 or values.shape[0] != len(part):
+    arrays = {}
+    for name, values in (returned if isinstance(returned, Mapping) else {alone: returned}).items():
+        if not isinstance(name, str) or name in _TAKEN:
             raise InputError(
-                f"observable: the function returned {name!r} of shape {values.shape} for {len(part)} states; "
-                "return one entry for each state"
+                f"observable: the function returned {shown(name)} as a name; give text, "
+                f"and none of {', '.join(_TAKEN)}"
+            )
+        arrays[name] = returned_numbers("observable", values)
+        if arrays[name].shape[:1] != (len(part),):
+            raise InputError(
+                f"observable: the function returned {name!r} of shape {arrays[name].shape} for {len(part)} "
+                "states; return one entry for each state"
             )
     return arrays
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, is_a, note, number, positive, shown, text_of, word
+from explorer.errors import InputError, note, number, positive, shown, word
 from explorer.phase.arguments import column, explained
 from explorer.phase.energy import potential_at_flat
 from explorer.phase.gauss import leg_rules, table_rules
@@ -155,10 +155,8 @@ class Disk:
     @classmethod
     def parse(cls, text: str) -> Disk:
         """A disk from what the command line accepts. Raises InputError."""
-        read = text_of(text)
-        if read is None:
+        if not isinstance(text, str):
             raise InputError(f"disk = {shown(text)} is no text; choose {SYNTAX}")
-        text = read
         head, _, rest = text.strip().partition(":")
         if head in PRESETS:
             made: Disk = getattr(cls, head)(**_scales(rest))
@@ -308,7 +306,7 @@ def _units(m: Any, r: Any, g: Any) -> tuple[float, float, float]:
 
 def _plain(name: str, value: Any) -> tuple[str, Any]:
     """How messages call a quantity, and its value. Raises InputError for text, which `Disk.parse` reads."""
-    if is_a(value, str):
+    if isinstance(value, str):
         raise InputError(f"--disk: {name} = {shown(value)} is text; give a number, or all of it to Disk.parse")
     return f"--disk: {name}", value
 
@@ -374,7 +372,7 @@ def _last_digit(text: str) -> float:
 
 def require_disk(disk: Disk) -> None:
     """Raise InputError where something else was given, a name for instance."""
-    if not is_a(disk, Disk):
+    if not isinstance(disk, Disk):
         raise InputError(f"disk = {shown(disk)} is not a Disk; make one, for instance Disk.parse('uniform')")
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, shown, whole
+from explorer.errors import InputError, shown
 from explorer.phase.columns import COLUMNS
 from explorer.phase.paths import writing
 
@@ -177,11 +177,7 @@ class Result(Table):
 
     def reshaped(self, shape: tuple[int, ...]) -> Self:
         """The same result with arrays of another shape."""
-        try:
-            shape = tuple(whole("shape", length) for length in shape)
-            arrays = {name: v.reshape(*shape, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
-        except Exception:  # whatever a foreign object does when it is asked for its entries
-            raise InputError(f"shape = {shown(shape)}: give a shape of {len(self)} entries, as a tuple") from None
+        arrays = {name: v.reshape(*shape, *v.shape[len(self.shape) :]) for name, v in self._arrays().items()}
         return replace(self, **arrays)  # type: ignore[type-var]
 
     def _good(self) -> NDArray[np.bool_]:

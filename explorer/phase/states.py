@@ -6,15 +6,14 @@ Users give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, is_a, shown
+from explorer.errors import InputError, shown
 from explorer.phase.arguments import columns_of as columns_of
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
@@ -38,10 +37,6 @@ class StateWarning(UserWarning):
     >>> [warning.category.__name__ for warning in caught], states.status.tolist()
     (['StateWarning'], [2])
     """
-
-
-class _BeyondError(InputError, IndexError):
-    """There is no state of this number; a loop over states ends with it."""
 
 
 class Rows(NamedTuple):
@@ -91,35 +86,14 @@ class States:
     def __post_init__(self) -> None:
         """Without a shape the states stand in a row. Raises InputError for what are no states."""
         require_disk(self.disk)
-        made = (
-            type(self.natural) is np.ndarray and type(self.status) is np.ndarray and self.status.dtype.kind == "i"
-        )
-        if not made or self.natural.dtype != np.float64 or self.natural.shape != (5, self.status.size):
-            what = f"natural = {shown(self.natural)}, status = {shown(self.status)}"
+        natural, status = self.natural, self.status
+        # Kernels take these arrays as they are in memory.
+        right = natural.dtype == np.float64 and natural.flags.carray and status.dtype.kind == "i"
+        columns = (status, *(self.exact or ()))
+        if not right or natural.shape != (5, status.size) or any(c.shape != (status.size,) for c in columns):
+            what = f"natural = {shown(natural)}, status = {shown(status)}"
             raise InputError(f"States: {what}; let phi_to_states and its like make them")
-        if not is_a(self.exact, LinearConstants | None) or not is_a(self.shape, tuple):
-            raise InputError(f"States: exact = {shown(self.exact)}, shape = {shown(self.shape)}; leave both out")
-        self._check_arrays()
-        object.__setattr__(self, "shape", self.shape or (int(self.natural.shape[1]),))
-
-    def _check_arrays(self) -> None:
-        """Raise InputError for arrays that kernels and numpy do not take as what they are."""
-        if not (self.natural.flags.carray and self.status.flags.c_contiguous and self.status.ndim == 1):
-            raise InputError(
-                "States: natural or status is in another order or read-only; give numpy.array(..., order='C')"
-            )
-        least, most = self.status.min(initial=0), self.status.max(initial=0)
-        if least < 0 or most > max(compiled.status.Status):
-            raise InputError(f"States: status {least if least < 0 else most} is none; give numbers of Status")
-        whole = all(is_a(length, int | np.integer) and length >= 0 for length in self.shape)
-        if self.shape and not (whole and math.prod(self.shape) == self.status.size):
-            size = self.status.size
-            raise InputError(f"States: shape = {shown(self.shape)} does not hold {size:,} states; leave it out")
-        for name, column in () if self.exact is None else self.exact._asdict().items():
-            if type(column) is not np.ndarray or column.dtype != np.float64 or column.shape != self.status.shape:
-                raise InputError(
-                    f"States: exact.{name} = {shown(column)}; give an array of {self.status.size:,} doubles"
-                )
+        object.__setattr__(self, "shape", self.shape or (status.size,))
 
     def __repr__(self) -> str:
         shape = f" ({' x '.join(map(str, self.shape))})" if len(self.shape) > 1 else ""
@@ -136,21 +110,11 @@ class States:
         return self.at(self._rows_of(rows))
 
     def _rows_of(self, rows: Any) -> NDArray[np.intp]:
-        """Numbers of states. Raises InputError for what chooses none in a row."""
-        try:
-            if is_a(rows, int | np.integer) and not -len(self) <= rows < len(self):
-                raise _BeyondError(
-                    f"states[{shown(rows)}]: there are {len(self)} states; give a number below that"
-                )
-            chosen = np.atleast_1d(np.arange(len(self))[rows])
-            if chosen.ndim == 1 and not is_a(rows, np.ma.MaskedArray):
-                return chosen
-        except _BeyondError:
-            raise
-        except Exception:  # whatever numpy says of what is no index, and a foreign number of being compared
-            chosen = None
-        remedy = f"give a number below {len(self)}, a slice, a mask of {len(self)} or a list of numbers"
-        raise InputError(f"states[{shown(rows)}] chooses no states; {remedy}")
+        """Numbers of states, as numpy reads an index. Raises InputError for what chooses none in a row."""
+        chosen = np.atleast_1d(np.arange(len(self))[rows])
+        if chosen.ndim != 1:
+            raise InputError(f"states[{shown(rows)}]: give a number, a slice, a mask or a list of numbers")
+        return chosen
 
     def _known(self, values: Array) -> Array:
         """Values of all states in their shape; NaN for bad input, for which a placeholder stands."""
@@ -371,9 +335,9 @@ def _states(disk: Disk, x: _Chart, good: NDArray[np.bool_], shape: tuple[int, ..
 
 def require_states(states: Any) -> States:
     """`states` as they are. Raises InputError where they are anything else, rows of numbers for instance."""
-    if not is_a(states, States):
+    if not isinstance(states, States):
         raise InputError(
             f"states = {shown(states)}: give States, which know their disk; "
             "phi_to_states(disk, phi, phidot, sigma3, sigma4) and its like make them"
         )
-    return cast(States, states)
+    return states

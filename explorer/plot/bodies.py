@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
-from explorer.plot.drawn import reads_arguments
 from explorer.plot.style import DARK, SERIES, SMALL, axes_or_new, dress, legend_below, stacked, styled
 from explorer.portrait.bodies import MeasuredGaps, RaceNumbers
 
@@ -131,7 +130,6 @@ def _on_circle(angle: Array) -> Array:
     return distance
 
 
-@reads_arguments
 def race_bodies(numbers: RaceNumbers, measured: MeasuredGaps | None = None) -> Figure:
     """Draw race number and gap above each other.
 

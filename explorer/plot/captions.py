@@ -17,15 +17,14 @@ from matplotlib.figure import Figure
 from PIL import Image, ImageChops, UnidentifiedImageError
 from PIL.PngImagePlugin import PngInfo
 
-from explorer.errors import InputError, shorten
+from explorer.errors import whole
 from explorer.phase.paths import writing
-from explorer.plot.drawn import call, reads_arguments
 from explorer.plot.style import whole_figure
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
-DPI = 150
+DPI, _FINEST = 150, 2400
 _EXIF_DESCRIPTION = 0x010E  # ImageDescription, where films other than GIF carry their caption
 _SEEN = 2  # of 255, in any channel: more makes steps of a smooth change of colour
 _MANY = 0.008  # of all pixels; of our pictures of lines 0.0066 at most move by more, of maps 0.009 at least
@@ -85,7 +84,7 @@ def captioned(question: Question, text: str) -> Callable[[Callable[P, R]], Calla
 
         @wraps(draw)
         def drawn(*arguments: P.args, **keywords: P.kwargs) -> R:
-            made = call(draw, arguments, keywords)
+            made = draw(*arguments, **keywords)
             if isinstance(made, Axes | Figure):
                 add_caption(whole_figure(made), caption)
             return made
@@ -107,7 +106,6 @@ def replace_caption(figure: Figure, caption: Caption) -> None:
     _on_figures[figure] = [caption]
 
 
-@reads_arguments
 def caption_of(figure: Figure) -> Caption | None:
     """What a figure shows: the captions of all that was drawn on it, in order.
 
@@ -133,7 +131,6 @@ def caption_of(figure: Figure) -> Caption | None:
     return Caption(there[0].question, " ".join(each.text for each in there)) if there else None
 
 
-@reads_arguments
 def save(figure: Figure, path: Path | str, dpi: int = DPI) -> None:
     """Write a figure with its caption inside the file; a PNG with few colours where that cannot be seen.
 
@@ -161,16 +158,9 @@ def save(figure: Figure, path: Path | str, dpi: int = DPI) -> None:
     >>> from explorer.portrait import race_numbers
     >>> plot.save(plot.figure_of(plot.race_number, race_numbers()), "bodies.png")  # doctest: +SKIP
     """
+    dpi = whole("dpi", dpi, 1, _FINEST)
     with writing("path", path, (".png", ".svg", ".pdf")) as file:
-        try:
-            write_figure(figure, file, dpi)
-        except (OSError, InputError):
-            raise
-        except (
-            Exception
-        ) as error:  # whatever matplotlib says of what is drawn there, half of a letter for instance
-            why = shorten(f"{type(error).__name__}: {error}", 120)
-            raise InputError(f"figure: cannot be drawn ({why}); look at its texts and artists") from error
+        write_figure(figure, file, dpi)
 
 
 def write_figure(figure: Figure, path: Path, dpi: int = DPI) -> None:

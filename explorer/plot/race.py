@@ -9,14 +9,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
-from explorer.errors import InputError
+from explorer.errors import InputError, whole
 from explorer.measure.log_counts import SignedLogCounts
+from explorer.phase.arguments import read_range
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
 from explorer.plot.style import LAW, SIGN_COLOURS, SMALL, axes_or_new, dress, legend_below, number, styled
 from explorer.portrait.races import RaceRidges, binned
 
-_BINS = 12  # a decade of the deviation: 21 % wide
+_BINS, _MOST_BINS = 12, 1000  # a decade of the deviation: 21 % wide
 _STRIP = 0.15  # of the height, for the view of both sides on one axis
 _TALLEST = 0.46  # of the distance between two ridges
 
@@ -72,9 +73,9 @@ def race_histogram(
     ['$10^{-5}$', '$10^{-3}$']
     """
     found = races if isinstance(races, RaceRidges) else RaceRidges.of_summary(races)
-    least, most = _reach(found) if range is None else _above_zero(*range)
+    least, most = _reach(found) if range is None else _above_zero(*read_range("range", range))
     ax = axes_or_new(ax)
-    edges = _edges(least, most, bins)
+    edges = _edges(least, most, whole("bins", bins, 1, _MOST_BINS))
     names = _ridges(ax, found, edges, least, look)
     _around_limits(ax, names, least, most)
     _strip(ax, found)

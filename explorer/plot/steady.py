@@ -270,7 +270,7 @@ def bifurcations(
         seen.add(name)
     _thresholds(ax, disk, path, marks)
     _tilts(ax)
-    if path == "line" and marks:
+    if path == "line" and len(marks):
         _nothing_beyond(ax, max(marks))
     legend_below(ax, ncols=3)
     symbol, name = PATH_NAMES[path]

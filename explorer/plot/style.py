@@ -7,11 +7,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from explorer.errors import InputError, is_a, shown
-from explorer.phase.arguments import users_own
+from explorer.errors import InputError, shown
+from explorer.errors import number as read_number
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
-from explorer.plot.drawn import reads_arguments
 
 # Okabe & Ito's palette. Blue is eta > 0 and vermilion eta < 0, the sides of F, and neither is anything else.
 PLUS, MINUS = "#0072B2", "#D55E00"
@@ -50,7 +49,6 @@ def axes_or_new(ax: Axes | None) -> Axes:
     return ax if ax is not None else Figure(figsize=SIZE, layout="constrained").subplots()
 
 
-@reads_arguments
 def figure_of(draw: Callable[..., Any] | Axes | Figure, *arguments: Any) -> Figure:
     """The figure that one picture makes for itself.
 
@@ -69,7 +67,7 @@ def figure_of(draw: Callable[..., Any] | Axes | Figure, *arguments: Any) -> Figu
     Raises
     ------
     InputError
-        Where it draws nothing, or fails.
+        Where it returns neither Axes nor a Figure.
 
     Examples
     --------
@@ -79,12 +77,7 @@ def figure_of(draw: Callable[..., Any] | Axes | Figure, *arguments: Any) -> Figu
     >>> figure.axes[0].get_xlabel()
     '$m r^2/I_1$'
     """
-    drawn = draw
-    if not is_a(draw, Axes | Figure):
-        if not callable(draw):
-            raise InputError(f"draw = {shown(draw)} is no picture; give a function of explorer.plot, or Axes")
-        with users_own("draw", "give a function of explorer.plot, and its arguments after it"):
-            drawn = draw(*arguments)
+    drawn = draw if isinstance(draw, Axes | Figure) else draw(*arguments)
     if not isinstance(drawn, Axes | Figure):
         raise InputError(f"draw = {shown(draw)} returned {shown(drawn)}; give a function that returns Axes")
     return whole_figure(drawn)
@@ -97,7 +90,6 @@ def whole_figure(drawn: Axes | Figure) -> Figure:
     return figure
 
 
-@reads_arguments
 def stacked(*draws: Callable[[Axes], Axes], height: float = 6.4) -> Figure:
     """Pictures above each other on one horizontal axis, whose name only the lowest keeps.
 
@@ -115,7 +107,7 @@ def stacked(*draws: Callable[[Axes], Axes], height: float = 6.4) -> Figure:
     Raises
     ------
     InputError
-        Where none is given, or one fails.
+        Where none is given.
 
     Examples
     --------
@@ -127,13 +119,13 @@ def stacked(*draws: Callable[[Axes], Axes], height: float = 6.4) -> Figure:
     >>> [ax.get_xlabel() for ax in figure.axes]
     ['', '$m r^2/I_1$']
     """
-    if not draws or not all(map(callable, draws)):
-        raise InputError(f"draws = {shown(draws)}: give functions, each of which takes the Axes to draw on")
+    if not draws:
+        raise InputError("draws: give one function or more, each of which takes the Axes to draw on")
+    height = read_number("height", height, 0.5, 100.0)
     figure = Figure(figsize=(SIZE[0], height), layout="constrained")
     rows = figure.subplots(len(draws), 1, sharex=True, squeeze=False)
     for draw, ax in zip(draws, rows[:, 0], strict=True):
-        with users_own("draws", "give functions, each of which takes the Axes to draw on"):
-            draw(ax)
+        draw(ax)
         if ax is not figure.axes[-1]:
             ax.set_xlabel("")
     return figure

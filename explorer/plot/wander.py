@@ -11,7 +11,6 @@ from explorer.errors import InputError
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
-from explorer.plot.drawn import reads_arguments
 from explorer.plot.style import (
     DARK,
     SERIES,
@@ -79,7 +78,6 @@ def wander_path(path: WanderPath, ax: Axes | None = None, **look: Any) -> Axes:
     return dress(ax, "x (r)", "y (r)", f"{turns:.4g} turns of $\\chi$ a period:\n{title}")
 
 
-@reads_arguments
 def rosette_and_resonance(generic: WanderPath, resonant: WanderPath) -> Figure:
     """Draw a generic rosette beside a motion whose chi(tau) is a whole number of turns.
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from explorer.errors import InputError, is_a, positive, shown, whole
+from explorer.errors import InputError, positive, shown, whole
 from explorer.motion.passages import passages
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
@@ -168,7 +168,7 @@ def measured_gaps(disks: Sequence[Disk]) -> MeasuredGaps:
     >>> ex.portrait.measured_gaps([ex.Disk.hoop(), ex.Disk.uniform()]).kappa.round(6)
     array([1.732051, 2.236068])
     """
-    given = list(disks) if is_a(disks, list | tuple) else []
+    given = list(disks) if isinstance(disks, list | tuple) else []
     if not given:
         raise InputError(f"disks: none in {shown(disks)}; give a list of one Disk or more")
     kappa = []

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from explorer.errors import InputError, number, reader, shown, whole
+from explorer.errors import InputError, number, shown, whole
 from explorer.motion.periods import periods
 from explorer.motion.plan import plan
 from explorer.motion.trajectories import trajectories
@@ -115,7 +115,6 @@ def conservation(
     return Conservation(disk, 0.01 * unit, ours, solver)
 
 
-@reader
 def _accuracies(name: str, value: Any) -> list[float]:
     """Read the accuracies that `simulate` is asked for. Raises InputError."""
     several = value.tolist() if isinstance(value, np.ndarray) else value

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, is_a, number, shown, sign, whole
+from explorer.errors import InputError, number, shown, sign, whole
 from explorer.phase.arguments import column
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, other_eta_hat
@@ -322,8 +322,6 @@ class Potential:
 
     def curve(self, component: Component, points: int = _POINTS) -> tuple[Array, Array]:
         """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, units of the disk."""
-        if not is_a(component, Component):
-            raise InputError(f"component = {shown(component)}: give one of what components() returns")
         points = whole("points", points, 2, _MOST_POINTS)
         low, high = component.y
         # Dense towards both ends, where phidot vanishes like a square root

@@ -13,6 +13,7 @@ from explorer.portrait.potential import Potential, Separatrix
 
 _EPS = float(np.finfo(float).eps)
 _LARGEST = 1e100  # of a constant of motion; squares of larger ones overflow
+_TOLD_APART = 1e-10  # of an energy: levels as far apart differ by many roundings, also at the fastest rates
 
 
 def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) -> Potential:
@@ -110,7 +111,7 @@ def level_energies(potential: Potential, energies: tuple[float, float] | None = 
     bottom, unit = potential.bottom, potential.disk.energy_unit
     if energies is None:
         tops = [at.energy for at in potential.equilibria] + [float(potential.V(0.0))]
-        low, high = bottom, max(tops) + 0.5 * unit
+        low, high = bottom, max(tops) + 0.5 * max(unit, _TOLD_APART * abs(max(tops)))
     else:
         low, high = energies
         if not (math.isfinite(low) and math.isfinite(high) and low < high):

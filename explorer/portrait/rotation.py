@@ -80,7 +80,8 @@ def rotation_map(disk: Disk, energy: float, points: int = 300) -> RotationMap:
     """
     require_axial_inertia(disk)
     count = whole("points", points, 2, _MOST_POINTS)
-    free = number("energy", energy) / disk.energy_unit - 1.0
+    energy = number("energy", energy)
+    free = energy / disk.energy_unit - 1.0
     if free <= 0.0:
         raise InputError(f"energy = {energy!r}: upright, the disk has m g r = {disk.energy_unit:g}; give more")
     body, unit = disk.body, disk.rate_unit
@@ -92,7 +93,7 @@ def rotation_map(disk: Disk, energy: float, points: int = 300) -> RotationMap:
     states = phi_to_states(disk, 0.0, phidot, sigma3[columns] * unit, sigma4[rows] * unit)
     turns = np.full(left.shape, np.nan)
     turns[rows, columns] = periods(states, _ACCURACY).chi / (2.0 * np.pi)
-    return RotationMap(disk, float(energy), sigma3 * unit, sigma4 * unit, turns, line_slope(disk))
+    return RotationMap(disk, energy, sigma3 * unit, sigma4 * unit, turns, line_slope(disk))
 
 
 def _inside(count: int) -> Array:

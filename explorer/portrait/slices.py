@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, is_a, one_of, shown, text_of, whole
+from explorer.errors import InputError, one_of, shown, whole
 from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, scan
@@ -39,8 +39,8 @@ class Slice:
 
         Raises InputError naming the option.
         """
-        if is_a(given, Slice):
-            return cast(Slice, given)
+        if isinstance(given, Slice):
+            return given
         ranges = parse_ranges(given, option, _NAMES)
         free = [name for name, (low, high) in ranges.items() if low < high]
         spins, speed = complete_set(ranges, f"{option} {shown(given)}")
@@ -214,7 +214,7 @@ def slice_map(
     plain = set(COORDINATES) <= set(columns)
     states = (phi_to_states if plain else coordinates_to_states)(disk, **columns)
     constants = best_constants(states)
-    if text_of(observable) == "theta_min":
+    if isinstance(observable, str) and observable == "theta_min":
         # A root of V = E at a picture's accuracy: ten times as fast as a whole period.
         values = {"theta_min": np.reshape(smallest_tilt(states, how, constants)[0], (points, points))}
     else:

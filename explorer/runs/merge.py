@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 
-from explorer.errors import InputError, RunError, is_a, shown
+from explorer.errors import InputError, RunError, shown
 from explorer.runs import folder as folders
 from explorer.runs.chunks import Part
 from explorer.runs.run import Run
@@ -41,7 +41,7 @@ def merge(*runs: Run) -> Run:
     (2000, [1, 2], 0)
     """
     for run in runs:
-        if not is_a(run, Run):
+        if not isinstance(run, Run):
             raise InputError(f'merge: {shown(run)} is no run; give what ex.run(...) or ex.open("folder") returns')
     parts = sorted((part for run in runs for part in run.parts), key=lambda part: part.scene.seed)
     if len(parts) < 2:

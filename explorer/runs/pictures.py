@@ -5,7 +5,7 @@ from pathlib import Path
 from traceback import walk_tb
 from typing import TYPE_CHECKING, Any
 
-from explorer.errors import InputError, is_a, shown, suggest
+from explorer.errors import InputError, shown, suggest
 from explorer.runs.progress import Progress
 from explorer.scenes.base import Picture
 
@@ -33,11 +33,10 @@ def draw(
 ) -> "Figure":
     """The picture of that name. Raises InputError where there is none, or where it takes no such keywords."""
     known: list[str] = []
-    for each, picture in pictures if is_a(name, str) else ():
+    for each, picture in pictures:
         known.append(each)
         if each == name:
             return _drawn(picture, name, {**({} if ax is None else {"ax": ax}), **options})
-    known = known or [each for each, _ in pictures]
     raise InputError(f"figure = {shown(name)} is no picture of this run; {suggest(name, known)}")
 
 

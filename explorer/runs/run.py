@@ -15,7 +15,6 @@ from explorer.errors import (
     in_words,
     note,
     one_of,
-    reader,
     shorten,
     shown,
     words,
@@ -39,7 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@reader
 def _read_parts(name: str, value: Any) -> tuple[Part, ...]:
     if not isinstance(value, Sequence) or not value or not all(isinstance(part, Part) for part in value):
         raise InputError(f"{name} = {shown(value)}: run(...), open(folder) and merge(...) make runs")

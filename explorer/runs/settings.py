@@ -7,7 +7,7 @@ from typing import Annotated, Any, NamedTuple, TypedDict
 
 import numpy as np
 
-from explorer.errors import InputError, flag, jobs_of, note, one_of, reader, shown, whole
+from explorer.errors import InputError, flag, jobs_of, note, one_of, shown, whole
 from explorer.phase.paths import path_of
 from explorer.runs import pictures
 from explorer.runs.folder import default_folder
@@ -25,7 +25,7 @@ MOST_IN_MEMORY = 1_000_000
 def _text(flag: str, value: Any) -> str:
     if not isinstance(value, str):
         raise InputError(f"{flag} {shown(value)} is no text; give the address of a scheduler")
-    return str.__str__(value)
+    return value
 
 
 def read_rng(name: str, value: Any) -> int:
@@ -128,7 +128,7 @@ def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist
     for option in SETTINGS:
         value = rest.pop(option.word, None)
         if value is not None:
-            said[option.word] = reader(option.read)(option.flag, value)
+            said[option.word] = option.read(option.flag, value)
     quiet = said.get("progress") is False
     if "rng" in said:
         if rest.get("seed") is not None:

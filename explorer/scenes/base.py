@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeAlias, Typ
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, RunError, reader, shown, suggest
+from explorer.errors import InputError, RunError, shown, suggest
 from explorer.measure import statistics
 from explorer.motion.plan import Plan, plan
 from explorer.motion.trials import MotionTrial, Trial
@@ -122,7 +122,7 @@ class Scene(ABC):
         given: dict[str, Any] = {}
         for key, value in options.items():
             if value is not None:
-                given[known[key].name] = reader(known[key].read)(known[key].flag, value)
+                given[known[key].name] = known[key].read(known[key].flag, value)
         return cls(**cls.completed(given))
 
     @classmethod
@@ -355,5 +355,5 @@ def read_memory(flag: str, value: Any) -> float:
         if not 0.0 < size < 1e18:
             raise ValueError(value)
         return size
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{flag} {shown(value)} is no amount; write 1GB or 500MB") from None

@@ -49,7 +49,7 @@ def as_columns(given: Any, what: str) -> dict[str, Any]:
         return {name: np.ravel(given[name]) for name in given.dtype.names}
     if isinstance(given, np.ndarray | list | tuple):
         try:
-            rows = np.asarray(plain_array(given))
+            rows = plain_array(given)
         except ValueError:
             raise InputError(f"{what}: its rows differ in length; give rows of {', '.join(COORDINATES)}") from None
         if rows.ndim != 2 or rows.shape[1] != len(COORDINATES):
@@ -89,7 +89,7 @@ def _together(columns: dict[str, Any], what: str) -> dict[str, Any]:
 def as_numbers(name: str, values: Any, what: str) -> Array:
     """A column of coordinates as doubles; NaN for cells that are no number."""
     column = _plain(name, values, what)
-    if column.dtype.kind in "fiu" and column.dtype.itemsize <= 8:
+    if column.dtype.kind in "fiu":
         return column.astype(np.float64)
     dates = column.dtype.kind in "mM"  # some of them become integers in a list
     numbers = np.array([np.nan if dates else _number(cell) for cell in column.tolist()], dtype=np.float64)
@@ -101,15 +101,7 @@ def as_numbers(name: str, values: Any, what: str) -> Array:
 def as_own(name: str, values: Any, what: str) -> NDArray[Any]:
     """A column of the user's own as it can be stored: numbers, truth values, times, or text."""
     column = _plain(name, values, what)
-    if column.dtype.kind == "f" and column.dtype.itemsize > 8:
-        raise InputError(f"{what}: column {name!r} holds {column.dtype}, which results cannot keep; leave it out")
-    if column.dtype.kind in "fiubMmU":
-        return _written(name, column, what)
-    try:
-        own = _own(column.tolist())
-    except (OverflowError, ValueError):  # beyond doubles, or beyond what Python writes
-        raise InputError(f"{what}: column {name!r} holds an integer that is too long; give it as text") from None
-    return _written(name, own, what)
+    return column if column.dtype.kind in "fiubMmU" else _own(column.tolist())
 
 
 def _own(cells: list[Any]) -> NDArray[Any]:
@@ -118,16 +110,6 @@ def _own(cells: list[Any]) -> NDArray[Any]:
     if all(none or isinstance(cell, int | float) for cell, none in zip(cells, empty, strict=True)):
         return np.array([np.nan if none else float(c) for c, none in zip(cells, empty, strict=True)], float)
     return np.array(["" if none else str(cell) for cell, none in zip(cells, empty, strict=True)], dtype=np.str_)
-
-
-def _written(name: str, column: NDArray[Any], what: str) -> NDArray[Any]:
-    """A column that can be stored. Raises InputError where its name or its text is none in UTF-8."""
-    try:
-        name.encode()
-        "".join(column.tolist() if column.dtype.kind == "U" else ()).encode()
-    except UnicodeEncodeError:
-        raise InputError(f"{what}: column {name!r} holds text that is none in UTF-8; mend it") from None
-    return column
 
 
 def _plain(name: str, values: Any, what: str) -> NDArray[Any]:
@@ -145,13 +127,13 @@ def _plain(name: str, values: Any, what: str) -> NDArray[Any]:
 def _array(name: str, values: Any, what: str) -> NDArray[Any]:
     """An array that shows nothing masked. Raises InputError for lists in lists that differ in length."""
     try:
-        return np.asarray(plain_array(values))
+        return plain_array(values)
     except ValueError:
         raise InputError(f"{what}: column {name!r} holds several shapes; give one entry for each state") from None
 
 
 def _number(cell: Any) -> float:
-    """A cell of a table, where text in plain digits is a number too; NaN for what is none."""
+    """A cell of a table, where text may be a number too; NaN for what is none."""
     read = double_of(cell) if isinstance(cell, str) else entry_of(cell)
     return float("nan") if read is None else read
 

@@ -13,7 +13,7 @@ from explorer import compiled
 from explorer.errors import InputError, whole
 from explorer.phase.charts import Chart, recognise
 from explorer.phase.disk import Disk
-from explorer.phase.paths import path_of, regular_file
+from explorer.phase.paths import path_of
 from explorer.phase.states import COORDINATES, States
 from explorer.scenes.given_columns import (
     Columns,
@@ -94,7 +94,6 @@ class GivenStates:
         import pyarrow as pa
 
         what = f"{flag} {path}"
-        regular_file(flag, path)
         try:
             with path.open("rb") as stream:
                 parquet = stream.read(len(_PARQUET)) == _PARQUET

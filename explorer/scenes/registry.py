@@ -9,9 +9,9 @@ import re
 from collections.abc import Mapping
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
-from explorer.errors import InputError, is_a, one_of, shown, text_of
+from explorer.errors import InputError, one_of, shown
 from explorer.phase.paths import read_toml
 from explorer.scenes.base import Scene
 from explorer.scenes.falling_set import FallingSet
@@ -82,10 +82,10 @@ def register(scene: K) -> K:
     >>> round(ex.run("coins", samples=100_000).summary["share"], 2)
     0.5
     """
-    if not (is_a(scene, type) and issubclass(scene, Scene)):
+    if not (isinstance(scene, type) and issubclass(scene, Scene)):
         raise InputError(f"scene = {shown(scene)} is no scene; derive one from explorer.scenes.base.SampledScene")
-    name = text_of(getattr(scene, "name", None))
-    if name is None or not re.fullmatch(r"[a-z][a-z0-9-]*", name):
+    name = getattr(scene, "name", None)
+    if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9-]*", name):
         raise InputError(f'scene = {scene.__name__}: name = {name!r}; give a name such as "fall-times"')
     if name in _OURS and SCENES[name] is not scene:
         raise InputError(f"scene = {scene.__name__}: name = {name!r} is a scene of nearflat; give another name")
@@ -98,10 +98,10 @@ def register(scene: K) -> K:
 
 def scene_class(name: Any) -> type[Scene]:
     """The class of a scene, by its name or itself. Raises InputError with the nearest name."""
-    if is_a(name, type) and issubclass(name, Scene):
-        return register(name) if name.name not in SCENES else cast(type[Scene], name)
-    if (known := text_of(name)) in _unloadable:
-        raise InputError(f"scene {known!r}: the package that offers it cannot be loaded ({_unloadable[known]!r})")
+    if isinstance(name, type) and issubclass(name, Scene):
+        return register(name) if name.name not in SCENES else name
+    if isinstance(name, str) and name in _unloadable:
+        raise InputError(f"scene {name!r}: the package that offers it cannot be loaded ({_unloadable[name]!r})")
     try:
         return SCENES[one_of("scene", name, SCENES)]
     except InputError as error:

@@ -5,11 +5,11 @@ import math
 from dataclasses import asdict, dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
-from explorer.errors import InputError, is_a, shown
+from explorer.errors import InputError, shown
 from explorer.phase.disk import Disk
 from explorer.phase.paths import writing
 from explorer.view.assembly import assemble
@@ -142,9 +142,9 @@ def view(
     View(uniform, face +1: sigma3_bar = 0.5, eta_hat = 1e-06, phidot = 1 √(g/r))
     """
     given = AtVertical(sigma3_bar, eta_hat, phidot, face)
-    if is_a(motion, (Disk, str)):
+    if isinstance(motion, Disk | str):
         _refuse({"row": row}, "a disk has no rows; leave it out, or give States or a result")
-        body = motion if isinstance(motion, Disk) else Disk.parse(cast(str, motion))
+        body = motion if isinstance(motion, Disk) else Disk.parse(motion)
         return View(body, start_at_vertical(body, given))
     _refuse(given._asdict(), f"{type(motion).__name__} has its own; leave it out, or give a disk")
     return View(*start_in(motion, row))

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import SHOWN, InputError, number, reader, shorten, shown, whole
+from explorer.errors import InputError, number, shown, whole
 from explorer.motion.bounces import Bounces
 from explorer.motion.limit_motions import Continuation
 from explorer.motion.starts import held_constants
@@ -88,13 +88,10 @@ def _require_side(eta_hat: float, name: str) -> None:
 
 
 def start_in(motion: Any, row: Any) -> tuple[Disk, Start]:
-    """The body and one motion of what users give. Raises InputError."""
-    return _start_in("motion", motion, row)
+    """The body and one motion of states, of a limit, or of a result that knows its states or its arguments.
 
-
-@reader
-def _start_in(name: str, motion: Any, row: Any) -> tuple[Disk, Start]:
-    """The body and one motion of states, of a limit, or of a result that knows its states or its arguments."""
+    Raises InputError for what is no motion.
+    """
     if isinstance(motion, Continuation):
         _one_of(1, row, "limit motion")
         return motion.disk, _start_of_limit(motion)
@@ -107,7 +104,7 @@ def _start_in(name: str, motion: Any, row: Any) -> tuple[Disk, Start]:
     disk, known = getattr(motion, "disk", None), [getattr(motion, name, ()) for name in _PASSAGE]
     if not isinstance(disk, Disk) or not all(np.size(column) for column in known):
         raise InputError(
-            f"{name}: {shorten(type(motion).__name__, SHOWN)} is not a motion; give a disk or its name, States, "
+            f"motion: {type(motion).__name__} is not a motion; give a disk or its name, States, "
             "or what simulate, passages, bounces or limit_motion return"
         )
     # Forces are the same on both faces, so that their result has none.

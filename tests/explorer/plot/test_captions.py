@@ -9,7 +9,6 @@ from PIL import Image, ImageChops, ImageDraw
 from PIL.PngImagePlugin import PngInfo
 
 from explorer import plot
-from explorer.errors import InputError
 from explorer.plot.captions import (
     CAPTIONS,
     Caption,
@@ -118,11 +117,3 @@ def test_films_carry_captions_too_and_other_files_none(tmp_path):
     assert caption_in(tmp_path / "missing.png") is None
     frame.save(tmp_path / "other.gif", comment=b"from elsewhere")
     assert caption_in(tmp_path / "other.gif") is None
-
-
-@pytest.mark.rendered
-def test_a_figure_whose_text_no_font_can_write_is_refused_in_a_sentence(tmp_path):
-    figure = Figure()
-    figure.subplots().set_title("\ud800")
-    with pytest.raises(InputError, match=r"^figure: cannot be drawn"):
-        plot.save(figure, tmp_path / "x.png")

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-import explorer as ex
 from explorer import plot
 from explorer.portrait.rocking import rocking
 
@@ -17,8 +16,3 @@ def test_turns_are_drawn_with_their_limits():
     np.testing.assert_array_equal(ax.lines[0].get_ydata(), turns[0].chi / math.pi)
     assert ax.lines[1].get_ydata()[0] == pytest.approx(2.0 * math.sqrt(5.0 / 3.0))
     assert ax.lines[2].get_ydata()[0] == pytest.approx(math.sqrt(5.0))
-
-
-def test_no_bodies_get_a_sentence():
-    with pytest.raises(ex.InputError, match=r"bodies must be sequence of Rocking, .*; an empty list was given"):
-        plot.rocking_turns([])

@@ -29,6 +29,14 @@ def test_levels_lie_between_the_bottom_and_above_the_saddles():
     assert levels.max() > well_separatrix(DISK, 0.25).saddle.energy
 
 
+@pytest.mark.parametrize("size", [1e7, 1e9, 1e60, 1e99])
+def test_levels_of_the_fastest_motions_are_apart_in_doubles(size):
+    for potential in (on_line(DISK, 0.25, size), at_constants(DISK, 0.25, size), on_line(DISK, size)):
+        levels = level_energies(potential)
+        assert (np.diff(levels, prepend=potential.bottom) > 0.0).all()
+        assert all(potential.components(float(energy)) for energy in levels)
+
+
 @pytest.mark.parametrize(("name", "value"), [("sigma3_bar", 1e101), ("sigma3_bar", np.nan), ("eta_hat", "x")])
 def test_constants_that_are_none_are_refused_by_name(name, value):
     with pytest.raises(ex.InputError, match=f"{name} = "):

@@ -22,7 +22,7 @@ def test_one_picture_is_drawn_on_the_axes_given(computed_once):
 def test_what_cannot_be_drawn_is_named(computed_once):
     with pytest.raises(ex.InputError, match=r"'histo' is no picture of this run; did you mean 'histogram'\?"):
         computed_once.figure("histo")
-    with pytest.raises(ex.InputError, match="colours = 3 or races cannot be drawn"):
+    with pytest.raises(ex.InputError, match="'histogram' cannot be drawn with colours"):
         computed_once.figure("histogram", colours=3)
 
 

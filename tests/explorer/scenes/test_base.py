@@ -20,7 +20,7 @@ def test_a_budget_decides_the_size_of_chunks_or_is_refused(tmp_path, capsys):
     assert 2 * size * run.scene.bytes_per_sample < 1e9
     with pytest.raises(ex.InputError, match="needs at least 4"):
         ex.run("race-angles", out=tmp_path / "small", memory="10MB")
-    for wrong in ("much", "nan", "inf", "1e400", "-1GB", 0):
+    for wrong in ("much", "nan", "inf", "1e400", "-1GB", 0, -(10**400)):
         with pytest.raises(ex.InputError, match="is no amount"):
             ex.run("race-angles", out=tmp_path / "small", memory=wrong)
     one, two = (ex.run("race-angles", out=tmp_path / str(n), memory="1GB", jobs=n, samples=1000) for n in (1, 2))
@@ -101,7 +101,7 @@ def test_a_scene_names_the_kernels_that_it_calls_and_no_others(way, monkeypatch)
     assert set(scene.kernels_of_figures) <= called <= {*scene.kernels, *scene.kernels_of_figures}
 
 
-@pytest.mark.parametrize(("word", "shown"), [("\ud800", r"'\\ud800'"), ("A b", "'A b'"), ("sampels", "sampels")])
+@pytest.mark.parametrize(("word", "shown"), [("A b", "'A b'"), ("sampels", "sampels")])
 def test_a_word_that_is_no_option_is_shown_as_it_was_written(word, shown):
     with pytest.raises(ex.InputError, match=f"^{shown}: race-angles takes no such option"):
         ex.run("race-angles", **{word: 1})

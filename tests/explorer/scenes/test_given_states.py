@@ -8,24 +8,10 @@ import pytest
 
 import explorer as ex
 from explorer.runs import folder as folders
-from explorer.scenes import given_states
 from explorer.scenes.given_states import GivenStates
 
 DISK = ex.Disk.uniform()
 NAMES = ("phi", "phidot", "sigma3", "sigma4")
-
-
-def test_a_failure_without_words_is_named_by_its_kind(tmp_path, monkeypatch):
-    """As of a network's file system that says nothing."""
-
-    def fails(*given):
-        raise OSError
-
-    monkeypatch.setattr(given_states, "csv_header", fails)
-    path = tmp_path / "states.csv"
-    path.write_text("phi,phidot,sigma3,sigma4\n0,1,1,1\n")
-    with pytest.raises(ex.InputError, match=r"cannot be read \(OSError\)"):
-        GivenStates.of("--states", path)
 
 
 @pytest.fixture
@@ -127,14 +113,6 @@ def test_a_damaged_file_is_told_in_one_sentence(content, message, tmp_path):
     with pytest.raises(ex.InputError, match=message) as caught:
         GivenStates.of("--states", spoilt(tmp_path / "states.csv", content))
     assert "\n" not in str(caught.value)
-
-
-def test_a_damaged_name_of_a_column_is_told_in_one_sentence(columns, tmp_path):
-    path = tmp_path / "states.parquet"
-    pyarrow.parquet.write_table(pyarrow.table(columns), path, store_schema=False)
-    path.write_bytes(path.read_bytes().replace(b"phidot", b"ph\xe8dot"))
-    with pytest.raises(ex.InputError, match="cannot be read"):
-        GivenStates.of("--states", path)
 
 
 @pytest.mark.parametrize(
