@@ -119,7 +119,7 @@ def read_record(folder: Path) -> dict[str, Any]:
         written, identity = content.get("format", 0), content["identity"]
         content["identity"] = {**identity, "kernels": identity["kernels"], "options": dict(identity["options"])}
         for name in _LISTS:
-            if not isinstance(content.get(name) or [], list):
+            if not isinstance(content.get(name), list | None):
                 raise TypeError(f"{name} is no list")
     except (store.CorruptFileError, KeyError, TypeError, ValueError) as error:
         fault = shorten(str(error), 120)
