@@ -1,0 +1,1 @@
+"""Every motion as arcs between turning points, the vertical, states and flat."""

@@ -1,0 +1,221 @@
+"""Small oscillations about steady motion: K from V'' alone, so that no width of the well is too little.
+
+Between turning points at x and x + L, K = (L/2)^2 (1 - u^2) share(u) with u from -1 to 1. V'' is a polynomial
+in the
+point. With V'' = sum v_m P'_(m+1)(u) of Legendre's polynomials, whose ((1 - u^2) P_n')'' = -n (n + 1) P_n',
+
+    share(u) = sum v_m P'_(m+1)(u) / ((m + 1)(m + 2))
+
+At Chebyshev's points that is one matrix, and Gauss-Chebyshev gives the period, and the way to any state, from the
+same points.
+"""
+
+import math
+from typing import Generic, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from kernels._jit import contracted_subroutine, kernel
+from kernels.arcs.potential import (
+    END_ROWS,
+    LANES,
+    SIGMA3,
+    SIGMA4,
+    Chart,
+    Motion,
+    R,
+    W,
+    end_of,
+    make_ends,
+    point_at,
+    slope_and_bend,
+)
+from kernels.arcs.turning_points import Starts
+from kernels.disk.body import Body
+from kernels.disk.rows import Entry, put
+from kernels.types import Matrix, Vector
+
+POINTS = 16
+WIDEST = 0.5  # in x: so narrow a well needs no more points for all digits
+_EPSILON = 2.2e-16
+_FAR = END_ROWS  # rows of the end at the vertical, of the other face
+_X, _Y, _Y_FAR, _L, _UPRIGHT, _TERMS = range(2 * END_ROWS * LANES, (2 * END_ROWS + 6) * LANES, LANES)
+_AT_POINTS = (2 * END_ROWS + 6) * LANES  # q, ratio, z ratio - q sigma4 and V'', POINTS each; then room for sums
+_BEND, _SUMS = 3, 4
+_ROWS = _AT_POINTS + 5 * POINTS * LANES
+
+
+class Points(NamedTuple):
+    """share (POINTS): distance from the inner end, of a well of unit length, at angles alpha with u = -cos(alpha).
+
+    twice (POINTS, POINTS): columns from V'' to the share of K. cosines (POINTS, POINTS): columns from values to
+    coefficients of cos(m alpha).
+    """
+
+    share: Vector
+    twice: Matrix
+    cosines: Matrix
+
+
+class Wells(NamedTuple):
+    """Wells (n) above their inner turning points: length, how far the state is, and the vertical.
+
+    Of the other face, which a well may reach into: Y and sigma4 at the vertical, as that face has them.
+    """
+
+    inner: Starts
+    L: Vector
+    to_state: Vector
+    to_vertical: Vector
+    Y_far: Vector
+    sigma3_vertical: Vector
+    sigma4_far: Vector
+
+
+class WellRow(NamedTuple, Generic[Entry]):
+    """Integrals over a well from its inner end: over all of it, up to the state, and up to the vertical.
+
+    errors: of times, and of both angles; of the whole and of its parts.
+    """
+
+    time: Entry
+    chi: Entry
+    psi: Entry
+    time_error: Entry
+    angle_error: Entry
+    state_time: Entry
+    state_chi: Entry
+    state_psi: Entry
+    state_time_error: Entry
+    state_angle_error: Entry
+    vertical_time: Entry
+    vertical_chi: Entry
+    vertical_psi: Entry
+    vertical_time_error: Entry
+    vertical_angle_error: Entry
+
+
+def make_points() -> Points:
+    """Chebyshev's points, and V'' there integrated twice."""
+    angle = (np.arange(POINTS) + 0.5) * np.pi / POINTS
+    u, order = -np.cos(angle), np.arange(POINTS)
+    slopes = np.stack([legendre.legval(u, legendre.legder(np.eye(POINTS + 1)[m + 1])) for m in order], axis=1)
+    twice = slopes @ np.diag(1.0 / ((order + 1.0) * (order + 2.0))) @ np.linalg.inv(slopes)
+    cosines = np.where(order == 0, 1.0, 2.0)[:, None] / POINTS * np.cos(np.outer(order, angle))
+    return Points(np.sin(0.5 * angle) ** 2, np.ascontiguousarray(twice.T), np.ascontiguousarray(cosines.T))
+
+
+@contracted_subroutine
+def load(A: Vector, wells: Wells, first: int, chart: Chart) -> None:
+    """Wells into lanes; the last one fills those that are left over."""
+    E, inner = A[_FAR * LANES :], wells.inner
+    for i in range(LANES):
+        j = min(first + i, wells.L.size - 1)
+        A[_X + i], A[_Y + i], A[_Y_FAR + i] = inner.X[j], inner.Y[j], wells.Y_far[j]
+        A[_L + i], A[_UPRIGHT + i], A[_TERMS + i] = wells.L[j], wells.to_vertical[j], 0.0
+        A[R * LANES + i], A[W * LANES + i] = inner.r[j], inner.w[j]
+        A[SIGMA3 * LANES + i], A[SIGMA4 * LANES + i] = inner.sigma3[j], inner.sigma4[j]
+        E[R * LANES + i], E[W * LANES + i] = 1.0, 0.0
+        E[SIGMA3 * LANES + i], E[SIGMA4 * LANES + i] = wells.sigma3_vertical[j], wells.sigma4_far[j]
+    make_ends(A, 0, chart)
+    make_ends(A, _FAR, chart)
+
+
+@contracted_subroutine
+def look(A: Vector, j: int, share: float, b: Body) -> None:
+    """What integrands and V'' need of point j, in all lanes."""
+    for i in range(LANES):
+        s, upright = A[_L + i] * share, A[_UPRIGHT + i]
+        P = point_at(A, min(s, upright), False, end_of(A, 0, i), Motion(A[_X + i], A[_Y + i]), b)
+        beyond = max(s - upright, 0.0)
+        F = point_at(A, beyond, True, end_of(A, _FAR, i), Motion(A[_X + i], A[_Y_FAR + i]), b)
+        here = s <= upright
+        q, z, ratio = P.q if here else F.q, P.z if here else -F.z, P.ratio if here else F.ratio
+        sigma4 = P.sigma4 if here else -F.sigma4
+        _slope, bend = slope_and_bend(q, z, ratio, sigma4, b)
+        at = _AT_POINTS + j * LANES + i
+        A[at], A[at + POINTS * LANES] = q, ratio
+        A[at + 2 * POINTS * LANES], A[at + _BEND * POINTS * LANES] = z * ratio - q * sigma4, bend
+        terms = b.J * abs(ratio * q * sigma4) + b.I1 * ratio * ratio + q
+        A[_TERMS + i] = max(A[_TERMS + i], terms)
+
+
+@contracted_subroutine
+def multiply(A: Vector, i: int, row: int, matrix: Matrix) -> None:
+    """Values of lane i at the points, times a matrix."""
+    values, sums = A[_AT_POINTS + row * POINTS * LANES :], A[_AT_POINTS + _SUMS * POINTS * LANES :]
+    for k in range(POINTS):
+        sums[k] = 0.0
+    for j in range(POINTS):
+        for k in range(POINTS):
+            sums[k] += matrix[j, k] * values[j * LANES + i]
+    for j in range(POINTS):
+        values[j * LANES + i] = sums[j]
+
+
+@contracted_subroutine
+def part_of(coefficients: Vector, upto: float) -> float:
+    """One integral from the inner end up to an angle."""
+    before, now, twice = 0.0, math.sin(upto), 2.0 * math.cos(upto)
+    total = coefficients[0] * upto
+    for m in range(1, POINTS):
+        total += coefficients[m * LANES] * now / m
+        before, now = now, twice * now - before
+    return total
+
+
+@contracted_subroutine
+def erred(coefficients: Vector, off: float) -> float:
+    """The error of an integral whose end is off by an angle, and of what its coefficients leave out."""
+    most = 0.0
+    for m in range(POINTS):
+        most += abs(coefficients[m * LANES])
+    return most * off + abs(coefficients[(POINTS - 2) * LANES]) + abs(coefficients[(POINTS - 1) * LANES])
+
+
+@contracted_subroutine
+def partly(A: Vector, i: int, share: float, slack: float) -> tuple[float, float, float, float, float]:
+    """Integrals from the inner end to a share of the length, which is uncertain by `slack`, and their errors."""
+    upto = 2.0 * math.asin(math.sqrt(min(share, 1.0)))
+    # d(angle)/d(share) = 1/sqrt(share (1 - share))
+    inside = share * (1.0 - share)
+    off = (slack / math.sqrt(inside) if inside > slack else 2.0 * math.sqrt(slack)) + 16.0 * _EPSILON
+    at = _AT_POINTS + i
+    time, chi, psi = A[at:], A[at + POINTS * LANES :], A[at + 2 * POINTS * LANES :]
+    angle_error = erred(chi, off) + erred(psi, off)
+    return part_of(time, upto), part_of(chi, upto), part_of(psi, upto), erred(time, off), angle_error
+
+
+@contracted_subroutine
+def settle(A: Vector, i: int, to_state: float, points: Points, b: Body) -> WellRow[float]:
+    """The well in lane i."""
+    values = A[_AT_POINTS + i :]
+    multiply(A, i, _BEND, points.twice)
+    least = math.inf
+    for j in range(POINTS):
+        share = values[(_BEND * POINTS + j) * LANES]
+        least = min(least, share)
+        scale = math.sqrt(0.5 * b.M / share)
+        for row in range(3):
+            values[(row * POINTS + j) * LANES] *= scale
+    for row in range(3):
+        multiply(A, i, row, points.cosines)
+    L = A[_L + i]
+    # Rounding of V' moves the bottom of the well.
+    slack = 4.0 * _EPSILON * A[_TERMS + i] / (least * L)
+    whole = partly(A, i, 1.0, 0.0)
+    state, vertical = partly(A, i, to_state / L, slack), partly(A, i, A[_UPRIGHT + i] / L, slack)
+    return WellRow(*whole, *state, *vertical)
+
+
+@kernel
+def well_batch(wells: Wells, points: Points, chart: Chart, out: Matrix) -> None:
+    """Every well -> out (15, n), rows as WellRow."""
+    A = np.zeros(_ROWS)
+    for first in range(0, wells.L.size, LANES):
+        load(A, wells, first, chart)
+        for j in range(POINTS):
+            look(A, j, points.share[j], chart.body)
+        for i in range(min(LANES, wells.L.size - first)):
+            put(settle(A, i, wells.to_state[first + i], points, chart.body), out, first + i)

@@ -1,0 +1,238 @@
+"""The potential along a motion, only ever as its difference from an end of an arc: no digit of E - V is lost.
+
+With x = ln tan(theta/2) on the nearer face and the time s of the blown-up field, dt = q ds (`disk.field`),
+
+    dx/ds = p,    M p^2 / 2 = K(x) = E - V(x),    V = I1 ratio^2 / 2 + J sigma4^2 / 2 + q,    ratio = sigma3/q
+
+Flat is x = -inf, the vertical x = 0. K at a distance d from an end is K there less V - V_end, and that
+difference is
+made of products:
+
+    V - V_end = I1 d_ratio (ratio + ratio_end) / 2 + J d_sigma4 (sigma4 + sigma4_end) / 2 + d_q
+
+Differences of Chaplygin's polynomials P are P[S, S_end] (S - S_end): one Horner scheme gives the coefficients
+of the
+divided difference at the end, a second one its value at a point. An end carries sigma3 and sigma4 as they were
+given, or as they were found from another end. This file alone knows V: a body with thickness changes nothing else.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from kernels._jit import contracted_device, contracted_subroutine
+from kernels.arcs.exponentials import exponential, logarithm
+from kernels.disk import chaplygin
+from kernels.disk.body import Body, Disk
+from kernels.disk.elementary import log_ratio
+from kernels.disk.polynomials import economise
+from kernels.types import Matrix, Vector
+
+LANES = 32
+DEGREE = chaplygin.DEGREE
+DIVIDED = 4 * DEGREE  # coefficients of the divided differences of four polynomials
+_LEAST = 1e-300  # below any product of S and rho that is divided by
+_LN2 = math.log(2.0)
+# Rows of a work array that hold the ends of a group: R to SIGMA4 are given, the others follow from them.
+R, W, SIGMA3, SIGMA4, S, LOG_S, Q, Z, RHO_OVER_S, DRHO, D, RATIO, _COEFFICIENTS = range(13)
+END_ROWS = _COEFFICIENTS + DIVIDED
+
+
+class Chart(NamedTuple):
+    """A body as arcs need it.
+
+    series: (4, DEGREE + 1) ascending powers of 2S - 1 of rho/S, rho' - 1, v and v' - v'(0). All change by what
+    is of
+    the order of c, so that differences can be divided by k however small I3 is. dv: v'(0).
+    """
+
+    body: Body
+    series: Matrix
+    dv: float
+
+
+class Motion(NamedTuple):
+    """A motion on one face: sigma3 = X rho + Y D, k sigma4 = X rho' + Y D' with the sigma4 of that face."""
+
+    X: float
+    Y: float
+
+
+class End(NamedTuple):
+    """A point of a motion from which differences are taken: the state, and the solutions there.
+
+    r: tan(theta/2); w: 1 - r^2, with all its digits beside the vertical. first: where in the work array the
+    coefficients of the divided differences begin.
+    """
+
+    r: float
+    w: float
+    sigma3: float
+    sigma4: float
+    S: float
+    log_S: float
+    q: float
+    z: float
+    rho_over_S: float
+    drho: float
+    D: float
+    ratio: float
+    first: int
+
+
+class Point(NamedTuple):
+    """A point at some distance from an end.
+
+    Rise: V less that of the end; size: of the terms it was summed from.
+    """
+
+    r: float
+    w: float
+    q: float
+    z: float
+    sigma3: float
+    sigma4: float
+    ratio: float
+    rise: float
+    size: float
+
+
+def make_chart(disk: Disk) -> Chart:
+    """The series of a body for arcs."""
+    rows, _r0, _dr0 = chaplygin.power_series(disk.body.c)
+    start = np.array([0.0, 1.0, 0.0, rows[3][0]])
+    small = [np.append(row[0] - first, row[1:]) for row, first in zip(rows[:4], start, strict=True)]
+    return Chart(disk.body, np.ascontiguousarray([economise(row, DEGREE) for row in small]), float(start[3]))
+
+
+@contracted_subroutine
+def make_ends(A: Vector, at: int, chart: Chart) -> None:
+    """The ends in rows `at` and following of a work array, from their r, w, sigma3 and sigma4."""
+    E, c, series = A[at * LANES :], chart.body.c, chart.series
+    for i in range(LANES):
+        r, w = E[R * LANES + i], E[W * LANES + i]
+        larger = 1.0 + r * r
+        E[S * LANES + i] = 2.0 * r * (r / larger)
+        E[Q * LANES + i], E[Z * LANES + i] = 2.0 * r / larger, w / larger
+        E[RATIO * LANES + i] = 0.5 * E[SIGMA3 * LANES + i] * larger / r
+        # ln S = ln(1 - z) without cancellation: far from the vertical by itself, beside it from z.
+        z = w / larger
+        far = _LN2 + 2.0 * logarithm(r) - logarithm(larger)
+        beside = log_ratio(-z / (2.0 - z))
+        E[LOG_S * LANES + i] = beside if z < 0.5 else far
+    C = E[_COEFFICIENTS * LANES :]
+    for row in range(4):
+        for i in range(LANES):
+            C[(row * DEGREE + DEGREE - 1) * LANES + i] = series[row, DEGREE]
+        for j in range(DEGREE - 1, 0, -1):
+            for i in range(LANES):
+                t = 2.0 * E[S * LANES + i] - 1.0
+                C[(row * DEGREE + j - 1) * LANES + i] = C[(row * DEGREE + j) * LANES + i] * t + series[row, j]
+    for i in range(LANES):
+        t = 2.0 * E[S * LANES + i] - 1.0
+        g = C[i] * t + series[0, 0]
+        drho = 1.0 + (C[DEGREE * LANES + i] * t + series[1, 0])
+        v = C[2 * DEGREE * LANES + i] * t + series[2, 0]
+        E[RHO_OVER_S * LANES + i], E[DRHO * LANES + i] = g, drho
+        E[D * LANES + i] = 0.5 * c * E[S * LANES + i] * g * E[LOG_S * LANES + i] + v
+
+
+@contracted_device
+def end_of(A: Vector, at: int, i: int) -> End:
+    """The end of lane i in rows `at` and following."""
+    e = at * LANES + i
+    return End(
+        A[e + R * LANES],
+        A[e + W * LANES],
+        A[e + SIGMA3 * LANES],
+        A[e + SIGMA4 * LANES],
+        A[e + S * LANES],
+        A[e + LOG_S * LANES],
+        A[e + Q * LANES],
+        A[e + Z * LANES],
+        A[e + RHO_OVER_S * LANES],
+        A[e + DRHO * LANES],
+        A[e + D * LANES],
+        A[e + RATIO * LANES],
+        e + _COEFFICIENTS * LANES,
+    )
+
+
+@contracted_device
+def slope_and_bend(q: float, z: float, ratio: float, sigma4: float, b: Body) -> tuple[float, float]:
+    """V' and V'' in x."""
+    turn, spin = z * ratio, q * sigma4
+    slope = b.J * ratio * spin - b.I1 * ratio * turn + q * z
+    rest = b.J * b.k * spin * spin + q * (z - q) * (z + q)
+    return slope, b.M * (q * ratio) * (q * ratio) + 2.0 * turn * (b.I1 * turn - b.I3 * spin) + rest
+
+
+@contracted_device
+def quotients(A: Vector, first: int, t: float) -> tuple[float, float, float, float]:
+    """The four divided differences at 2S - 1 = t, even and odd powers apart: chains short enough to unroll."""
+    square = t * t
+    b, c, d = DEGREE * LANES, 2 * DEGREE * LANES, 3 * DEGREE * LANES
+    k = first + (DEGREE - 2) * LANES
+    a0, b0, c0, d0 = A[k], A[k + b], A[k + c], A[k + d]
+    k = first + (DEGREE - 1) * LANES
+    a1, b1, c1, d1 = A[k], A[k + b], A[k + c], A[k + d]
+    for j in range(DEGREE - 4, -1, -2):
+        k = first + j * LANES
+        a0 = a0 * square + A[k]
+        b0 = b0 * square + A[k + b]
+        c0 = c0 * square + A[k + c]
+        d0 = d0 * square + A[k + d]
+    for j in range(DEGREE - 3, 0, -2):
+        k = first + j * LANES
+        a1 = a1 * square + A[k]
+        b1 = b1 * square + A[k + b]
+        c1 = c1 * square + A[k + c]
+        d1 = d1 * square + A[k + d]
+    return a0 + t * a1, b0 + t * b1, c0 + t * c1, d0 + t * d1
+
+
+@contracted_device
+def point_at(A: Vector, d: float, inward: bool, end: End, motion: Motion, b: Body) -> Point:
+    """The point at the distance d from an end, towards flat (inward) or away from it; `inward` is a constant."""
+    times, grown = exponential(-d if inward else d)
+    r = end.r * times
+    inv, inv_end = 1.0 / (1.0 + r * r), 1.0 / (1.0 + end.r * end.r)
+    de = end.r * grown * (r + end.r)
+    S_here, dS = 2.0 * r * r * inv, 2.0 * de * inv * inv_end
+    share = de * inv_end
+    dlog = (-2.0 * d if inward else 2.0 * d) - log_ratio(share / (2.0 + share))
+    g, rho1, v, dv = quotients(A, end.first, 2.0 * S_here - 1.0)
+    scale, half_c = 2.0 * dS, 0.5 * b.c
+    dg, ddrho, dv0, ddv = g * scale, rho1 * scale, v * scale, dv * scale
+    log_S, rho_end = end.log_S + dlog, end.S * end.rho_over_S
+    drho = S_here * dg + dS * end.rho_over_S
+    dD = half_c * (drho * log_S + rho_end * dlog) + dv0
+    ddD = half_c * (ddrho * log_S + end.drho * dlog + dg) + ddv
+    dsigma4 = (motion.X * ddrho + motion.Y * ddD) / b.k
+    q = 2.0 * r * inv
+    # r r_end - 1 and 1 - r^2: differences of what is alike where the end is beside the vertical, there told
+    # from w.
+    upright = end.w < 0.5
+    both = grown - end.w * times if upright else r * end.r - 1.0
+    w = end.w * times * times - grown * (2.0 + grown) if upright else 1.0 - r * r
+    dcosh = 0.5 * grown * both / r
+    if inward:
+        # sigma3 goes like S there: as a share of that of the end, and the part of Y.
+        inv_rho = 1.0 / (rho_end if rho_end > _LEAST else _LEAST)
+        part = drho * inv_rho
+        of_Y = motion.Y * (dD - end.D * part)
+        dsigma3 = end.sigma3 * part + of_Y
+        sigma3 = end.sigma3 * (S_here * (end.rho_over_S + dg) * inv_rho) + of_Y
+        dratio = dsigma3 / end.q + sigma3 * dcosh
+    else:
+        dsigma3 = motion.X * drho + motion.Y * dD
+        sigma3 = end.sigma3 + dsigma3
+        dratio = dsigma3 / q + end.sigma3 * dcosh
+    sigma4, ratio = end.sigma4 + dsigma4, sigma3 / q
+    of_ratio = 0.5 * b.I1 * dratio * (ratio + end.ratio)
+    of_spin = 0.5 * b.J * dsigma4 * (sigma4 + end.sigma4)
+    of_height = -dcosh * q * end.q
+    # What cancels within the change of sigma4, beside the upright equilibrium, counts as well.
+    size = abs(of_ratio) + abs(of_spin) + abs(of_height) + 4.0 * abs(sigma4 * dS) * (abs(motion.X) + abs(motion.Y))
+    return Point(r, w, q, w * inv, sigma3, sigma4, ratio, of_ratio + of_spin + of_height, size)

@@ -1,0 +1,360 @@
+"""Turning points: the one search, in lanes, by steps that cannot pass one.
+
+From a point with K > 0, K' and a bound B of V'', K(d + h) >= K + K' h - B h^2/2, so that up to the root of that
+parabola the motion goes on. Steps grow quadratically short at a turning point, need no bracket, begin from rest
+(K = 0, K' > 0), and notice crests of V, where K' turns from falling to rising. Deep below, V has one minimum only,
+and Newton's method in 1/q^2, in which the wall of V is straight, needs three or four steps.
+"""
+
+import math
+from typing import Generic, NamedTuple
+
+import numpy as np
+
+from kernels._jit import contracted_device, contracted_subroutine, kernel
+from kernels.arcs.exponentials import logarithm
+from kernels.arcs.potential import (
+    END_ROWS,
+    LANES,
+    SIGMA3,
+    SIGMA4,
+    Chart,
+    Motion,
+    Point,
+    R,
+    W,
+    end_of,
+    make_ends,
+    point_at,
+    slope_and_bend,
+)
+from kernels.disk.body import Body
+from kernels.disk.elementary import log_ratio
+from kernels.disk.rows import Entry, put
+from kernels.types import Matrix, Vector
+
+REACH = 0.25  # in x: within it rho and sigma4 are bounded by their values and rates
+_GROWN = math.exp(REACH)
+_DEEP = math.exp(-3.0)  # tan(theta/2) below which V falls, and then rises as the wall
+_STEPS = 400  # sixteen for each decade of closeness to a crest
+_NEWTON = 60
+_EPSILON = 2.2e-16
+_AT_END = 2.0 * _EPSILON  # of a distance: no step is shorter
+_ALMOST = 1e-12  # of a distance: the next step is at rounding
+_DEEPEST = 745.0  # in x, below the vertical: tan(theta/2) is the smallest number there
+_FLAT = 60.0  # from the vertical: V on F is that at flat
+_LEAST = 1e-300
+_ROUNDING = 4.0 * _EPSILON  # of K, for each unit of what it was summed from
+# How far a search is.
+_OPEN, _IN_DEPTH, _FOUND = 0.0, 1.0, 2.0
+_X, _Y, _MOVING, _D, _K, _SLOPE, _R, _Q, _RATIO, _SIGMA4 = range(END_ROWS * LANES, (END_ROWS + 10) * LANES, LANES)
+_BEFORE, _FALLING, _CREST, _STATE, _CROSSES, _ENERGY, _UPRIGHT, _LOW, _HIGH = range(
+    (END_ROWS + 10) * LANES, (END_ROWS + 19) * LANES, LANES
+)
+_ROWS = (END_ROWS + 19) * LANES
+
+
+class Starts(NamedTuple):
+    """Points of motions (n) on one face: constants, K, and the state. r: tan(theta/2); w: 1 - r^2."""
+
+    X: Vector
+    Y: Vector
+    K: Vector
+    r: Vector
+    w: Vector
+    sigma3: Vector
+    sigma4: Vector
+
+
+class TurnRow(NamedTuple, Generic[Entry]):
+    """A point at the distance d from a start, as an end of an arc: a turning point, or where the vertical came
+    first.
+
+    K: there, 0 at a turning point; slope, bend: V' and V'' in x; error: of x, from rounding; crest: a distance
+    near
+    which K has a least value on the way, NaN without one. All is NaN where nothing was found.
+    """
+
+    d: Entry
+    r: Entry
+    w: Entry
+    sigma3: Entry
+    sigma4: Entry
+    K: Entry
+    slope: Entry
+    bend: Entry
+    error: Entry
+    crest: Entry
+
+
+@contracted_device
+def steepest(q: float, ratio: float, sigma4: float, energy: float, inward: bool, b: Body) -> float:
+    """A bound of V'' within REACH of a point, wherever V <= energy."""
+    grown = q if inward else min(1.0, q * _GROWN)
+    rate = grown * REACH
+    rho = _GROWN * (abs(ratio) + b.k * rate * abs(sigma4)) / (1.0 - _GROWN * b.c * rate * rate)
+    most = math.sqrt(2.0 * energy / b.I1)
+    bounded = rho if (rho > 0.0) & (rho < most) else most
+    spin = min(abs(sigma4) + rate * bounded * b.inv_J, math.sqrt(2.0 * energy * b.inv_J))
+    turn = grown * spin
+    of_spin = 2.0 * b.I3 * bounded * turn + b.J * b.k * turn * turn
+    return (b.M * grown * grown + 2.0 * b.I1) * bounded * bounded + of_spin + grown
+
+
+@contracted_device
+def step_of(moving: float, slope: float, bound: float) -> float:
+    """How far the motion goes on at least; moving: K there, slope: dK/dd."""
+    root = math.sqrt(slope * slope + 2.0 * bound * (moving if moving > 0.0 else 0.0))
+    forward = 2.0 * moving / max(root - slope, _LEAST)
+    from_rest = 2.0 * slope / bound if slope > 0.0 else 0.0
+    h = forward if moving > 0.0 else from_rest if moving == 0.0 else 0.0
+    return min(h, REACH)
+
+
+@contracted_subroutine
+def load(A: Vector, starts: Starts, first: int, chart: Chart) -> None:
+    """Starts from `first` on into lanes; the last one fills those that are left over."""
+    last = starts.X.size - 1
+    for i in range(LANES):
+        j = min(first + i, last)
+        A[_X + i], A[_Y + i], A[_MOVING + i] = starts.X[j], starts.Y[j], starts.K[j]
+        A[R * LANES + i], A[W * LANES + i] = starts.r[j], starts.w[j]
+        A[SIGMA3 * LANES + i], A[SIGMA4 * LANES + i] = starts.sigma3[j], starts.sigma4[j]
+    make_ends(A, 0, chart)
+
+
+@contracted_device
+def point_of(A: Vector, i: int, inward: bool, b: Body) -> Point:
+    """The point at the distance of lane i."""
+    return point_at(A, A[_D + i], inward, end_of(A, 0, i), Motion(A[_X + i], A[_Y + i]), b)
+
+
+@contracted_device
+def stand(A: Vector, i: int, inward: bool, b: Body) -> None:
+    """K, its rate and what bounds V'' at the distance of lane i."""
+    P = point_of(A, i, inward, b)
+    slope, _bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
+    A[_K + i], A[_SLOPE + i] = A[_MOVING + i] - P.rise, slope if inward else -slope
+    A[_R + i], A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i] = P.r, P.q, P.ratio, P.sigma4
+
+
+@contracted_subroutine
+def begin(A: Vector, inward: bool, b: Body) -> None:
+    """All searches at their starts."""
+    for i in range(LANES):
+        end = end_of(A, 0, i)
+        slope, _bend = slope_and_bend(end.q, end.z, end.ratio, end.sigma4, b)
+        A[_D + i] = A[_BEFORE + i] = A[_FALLING + i] = A[_CROSSES + i] = 0.0
+        A[_K + i], A[_SLOPE + i] = A[_MOVING + i], slope if inward else -slope
+        A[_R + i], A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i] = end.r, end.q, end.ratio, end.sigma4
+        A[_CREST + i], A[_STATE + i] = math.nan, _OPEN
+        potential = 0.5 * b.I1 * end.ratio * end.ratio + 0.5 * b.J * end.sigma4 * end.sigma4 + end.q
+        A[_ENERGY + i] = A[_MOVING + i] + potential
+        # -ln r, with all its digits beside the vertical
+        A[_UPRIGHT + i] = -logarithm(end.r) if end.w > 0.5 else -0.5 * log_ratio(-end.w / (2.0 - end.w))
+
+
+@contracted_device
+def advance(A: Vector, i: int, inward: bool, b: Body) -> None:
+    """One step of the search in lane i, without branches."""
+    d, moving, slope = A[_D + i], A[_K + i], A[_SLOPE + i]
+    is_open = A[_STATE + i] == _OPEN
+    past = is_open & (A[_FALLING + i] == 1.0) & (slope > 0.0) & (A[_CREST + i] != A[_CREST + i])
+    A[_CREST + i] = 0.5 * (A[_BEFORE + i] + d) if past else A[_CREST + i]
+    A[_BEFORE + i], A[_FALLING + i] = d if is_open else A[_BEFORE + i], 1.0 if slope < 0.0 else 0.0
+    h = step_of(moving, slope, steepest(A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i], A[_ENERGY + i], inward, b))
+    if inward:
+        deep = is_open & (A[_R + i] < _DEEP) & ((moving > 0.0) | ((moving == 0.0) & (slope > 0.0)))
+        there = False
+    else:
+        deep = False
+        out = d + h >= A[_UPRIGHT + i]
+        there = is_open & out & (d == A[_UPRIGHT + i])
+        h = A[_UPRIGHT + i] - d if out else h
+    ends = is_open & ((h <= _AT_END * d) | (h <= 0.0) | there)
+    A[_CROSSES + i] = 1.0 if there & (moving > 0.0) else A[_CROSSES + i]
+    A[_STATE + i] = _IN_DEPTH if deep else _FOUND if ends else A[_STATE + i]
+    A[_D + i] = d + h if is_open & (not deep) & (not ends) else d
+
+
+@contracted_subroutine
+def any_left(A: Vector, state: float) -> bool:
+    """Whether a search is still so far."""
+    n = 0
+    for i in range(LANES):
+        n += 1 if A[_STATE + i] == state else 0
+    return n > 0
+
+
+@contracted_device
+def enter_depth(A: Vector, i: int, b: Body) -> None:
+    """A distance to begin with, from the law of first order."""
+    wall = A[_K + i] + 0.5 * b.I1 * A[_RATIO + i] * A[_RATIO + i] + A[_Q + i]
+    guess = 0.5 * abs(A[_Y + i]) * math.sqrt(0.5 * b.I1 / wall)
+    first = logarithm(A[R * LANES + i]) - logarithm(guess if guess > _LEAST else _LEAST)
+    A[_LOW + i], A[_HIGH + i] = A[_D + i], _DEEPEST
+    first = first if first > A[_D + i] + 1e-3 else A[_D + i] + 1e-3
+    A[_D + i] = (first if first < _DEEPEST else _DEEPEST) if A[_STATE + i] == _IN_DEPTH else A[_D + i]
+
+
+@contracted_device
+def approach(A: Vector, i: int) -> None:
+    """A step of Newton's in 1/q^2 in lane i, or of bisection where that leaves the bracket."""
+    d, moving, slope, r = A[_D + i], A[_K + i], A[_SLOPE + i], A[_R + i]
+    is_open = A[_STATE + i] == _IN_DEPTH
+    low, high = A[_LOW + i] if moving < 0.0 else d, d if moving < 0.0 else A[_HIGH + i]
+    z = (1.0 - r * r) / (1.0 + r * r)
+    share = -2.0 * z * moving / slope if slope < 0.0 else -1.0
+    able = share > -0.99
+    new = d + 0.5 * logarithm(1.0 + (share if able else 0.0))
+    newton = able & (new >= low) & (new <= high)
+    ends = is_open & newton & (abs(new - d) <= _ALMOST * d)
+    # In r the last step leaves more digits than a distance of hundreds has.
+    A[_R + i] = r / math.sqrt(1.0 + share) if ends else r
+    A[_LOW + i], A[_HIGH + i] = low, high
+    A[_D + i] = (new if newton else 0.5 * (low + high)) if is_open else d
+    A[_STATE + i] = _FOUND if ends else A[_STATE + i]
+
+
+@contracted_subroutine
+def dive(A: Vector, b: Body) -> None:
+    """The searches that are deep below, by Newton's method."""
+    for i in range(LANES):
+        enter_depth(A, i, b)
+    for _ in range(_NEWTON):
+        for i in range(LANES):
+            r = A[_R + i]
+            stand(A, i, True, b)
+            A[_R + i] = A[_R + i] if A[_STATE + i] == _IN_DEPTH else r
+        for i in range(LANES):
+            approach(A, i)
+        if not any_left(A, _IN_DEPTH):
+            break
+
+
+@contracted_device
+def approach_rest(A: Vector, i: int) -> None:
+    """A step of Newton's towards K = 0 in lane i, or of bisection; K < 0 before and V falls all the way."""
+    d, moving, slope = A[_D + i], A[_K + i], A[_SLOPE + i]
+    low, high = d if moving < 0.0 else A[_LOW + i], A[_HIGH + i] if moving < 0.0 else d
+    new = d - moving / slope
+    middle = 0.5 * (low + high) if (low > 0.0) | (high < 1e-3) else 0.1 * high
+    new = new if (slope > 0.0) & (new > low) & (new < high) else middle
+    is_open = A[_STATE + i] == _OPEN
+    A[_STATE + i] = _FOUND if is_open & (abs(new - d) <= _AT_END * new) else A[_STATE + i]
+    A[_LOW + i], A[_HIGH + i] = low, high
+    A[_D + i] = new if is_open else d
+
+
+@contracted_subroutine
+def turn_of(A: Vector, i: int, inward: bool, b: Body) -> TurnRow[float]:
+    """What the search in lane i has found."""
+    d, crosses = A[_D + i], A[_CROSSES + i] == 1.0
+    P = point_of(A, i, inward, b)
+    nan = math.nan
+    if A[_STATE + i] != _FOUND:
+        return TurnRow(nan, nan, nan, nan, nan, nan, nan, nan, nan, nan)
+    r = 1.0 if crosses else A[_R + i]
+    w = 0.0 if crosses else P.w if r > 0.5 else (1.0 - r) * (1.0 + r)
+    slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
+    K = A[_MOVING + i] - P.rise if crosses else 0.0
+    error = _ROUNDING * (P.size + abs(A[_MOVING + i])) / abs(slope) if slope != 0.0 else math.inf
+    return TurnRow(d, r, w, P.sigma3, P.sigma4, K, slope, bend, error, A[_CREST + i])
+
+
+@contracted_subroutine
+def store(A: Vector, first: int, inward: bool, b: Body, out: Matrix) -> None:
+    """What the lanes have found into columns from `first` on."""
+    for i in range(min(LANES, out.shape[1] - first)):
+        put(turn_of(A, i, inward, b), out, first + i)
+
+
+@contracted_subroutine
+def search(A: Vector, inward: bool, b: Body) -> None:
+    """The next turning points; outwards the vertical where that comes first."""
+    begin(A, inward, b)
+    for _ in range(_STEPS):
+        if inward:
+            for i in range(LANES):
+                advance(A, i, True, b)
+        else:
+            for i in range(LANES):
+                advance(A, i, False, b)
+        if not any_left(A, _OPEN):
+            break
+        if inward:
+            for i in range(LANES):
+                stand(A, i, True, b)
+        else:
+            for i in range(LANES):
+                stand(A, i, False, b)
+    if any_left(A, _IN_DEPTH):
+        dive(A, b)
+
+
+@contracted_subroutine
+def search_rest(A: Vector, b: Body) -> None:
+    """Where motions on F that lack -K at their starts begin from rest, towards flat."""
+    begin(A, True, b)
+    for i in range(LANES):
+        A[_LOW + i], A[_HIGH + i] = 0.0, _FLAT
+    for _ in range(_NEWTON):
+        for i in range(LANES):
+            approach_rest(A, i)
+        if not any_left(A, _OPEN):
+            break
+        for i in range(LANES):
+            stand(A, i, True, b)
+
+
+@kernel
+def inward_batch(starts: Starts, chart: Chart, out: Matrix) -> None:
+    """The next turning point towards flat from every start -> out (10, n), rows as TurnRow."""
+    A = np.zeros(_ROWS)
+    for first in range(0, out.shape[1], LANES):
+        load(A, starts, first, chart)
+        search(A, True, chart.body)
+        store(A, first, True, chart.body, out)
+
+
+@kernel
+def outward_batch(starts: Starts, chart: Chart, out: Matrix) -> None:
+    """The same away from flat, or the vertical where that comes first."""
+    A = np.zeros(_ROWS)
+    for first in range(0, out.shape[1], LANES):
+        load(A, starts, first, chart)
+        search(A, False, chart.body)
+        store(A, first, False, chart.body, out)
+
+
+@kernel
+def rest_batch(starts: Starts, chart: Chart, out: Matrix) -> None:
+    """Where motions on F (Y = 0) with K < 0 at their starts begin from rest, towards flat -> out (10, n)."""
+    A = np.zeros(_ROWS)
+    for first in range(0, out.shape[1], LANES):
+        load(A, starts, first, chart)
+        search_rest(A, chart.body)
+        store(A, first, True, chart.body, out)
+
+
+@contracted_subroutine
+def end_at(A: Vector, i: int, inward: bool, b: Body) -> TurnRow[float]:
+    """The point at the distance of lane i, with K there."""
+    P = point_of(A, i, inward, b)
+    slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
+    K = A[_MOVING + i] - P.rise
+    return TurnRow(A[_D + i], P.r, P.w, P.sigma3, P.sigma4, K, slope, bend, P.size, math.nan)
+
+
+@kernel
+def point_batch(starts: Starts, d: Vector, inward: bool, chart: Chart, out: Matrix) -> None:
+    """The point at a distance from every start -> out (10, n), rows as TurnRow.
+
+    Error: the size of the terms of K.
+    """
+    A = np.zeros(_ROWS)
+    for first in range(0, d.size, LANES):
+        load(A, starts, first, chart)
+        for i in range(min(LANES, d.size - first)):
+            A[_D + i] = d[first + i]
+            put(end_at(A, i, True, chart.body) if inward else end_at(A, i, False, chart.body), out, first + i)
