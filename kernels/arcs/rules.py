@@ -51,8 +51,8 @@ _HALVED = (
 )  # even in s: half of the rule serves
 _AT_END = 1e-15  # in the place of s = 0: in its square no node is an end, and all ratios are those at the end
 _DEEPEST = 300.0  # of falls, in x: what is left is below any rounding
-# The error is at most _SAFETY times this power of the difference of two rules: doubling would square it.
-_SAFETY, _POWER = 10.0, 1.5
+# The error is at most so many times the difference of two rules to the power of 1.5: doubling would square it.
+_SAFETY = 10.0
 _ROUNDING = 4.0 * 2.2e-16  # of K, for each unit of what it was summed from; the root takes half of it
 # Rows of the work array: the inner end, the outer one, and then these.
 _OUTER = END_ROWS
