@@ -27,7 +27,7 @@ _LOCK = threading.RLock()
 # and what takes longest stands outside. Others stand where "falling" does.
 _TWO_ENDED = (
     *("batch", "motions", "recording", "variation"),
-    *("counting", "falling", "algebra", "point", "forces", "orbits", "bounces", "passages"),
+    *("counting", "falling", "algebra", "point", "forces", "nutation", "turning_points", "rules", "passages"),
 )
 _NAMED = 4  # kernels that are named when they are compiled
 
@@ -37,6 +37,10 @@ if TYPE_CHECKING:
     from kernels import status as status
     from kernels import types as types
     from kernels._jit import Kernel
+    from kernels.arcs import nutation as nutation
+    from kernels.arcs import potential as potential
+    from kernels.arcs import rules as rules
+    from kernels.arcs import turning_points as turning_points
     from kernels.disk import algebra as algebra
     from kernels.disk import body as body
     from kernels.disk import chaplygin as chaplygin
@@ -48,13 +52,7 @@ if TYPE_CHECKING:
     from kernels.disk import polynomials as polynomials
     from kernels.disk import race_law as race_law
     from kernels.disk import sifting as sifting
-    from kernels.integrals import bounces as bounces
-    from kernels.integrals import ends as ends
     from kernels.integrals import forces as forces
-    from kernels.integrals import leg_tables as leg_tables
-    from kernels.integrals import legs as legs
-    from kernels.integrals import low_falls as low_falls
-    from kernels.integrals import orbits as orbits
     from kernels.integrals import passages as passages
     from kernels.integrals import point as point
     from kernels.integrals import quadrature as quadrature

@@ -12,7 +12,7 @@ from kernels.arcs import rules as Ru
 from kernels.arcs import turning_points as T
 from kernels.arcs.potential import make_chart
 from kernels.arcs.rules import ArcRow, Arcs
-from kernels.arcs.turning_points import Starts, TurnRow
+from kernels.arcs.turning_points import Starts, Place
 
 _SLOW = 0.05
 _LONG, _PIECE = 3.0, 1.0
@@ -23,16 +23,19 @@ rule = cache(Ru.make_rule)
 points = cache(N.make_points)
 
 
+OUT = object()
+
+
 def searched(kernel, starts, chart):
     out = np.empty((10, starts.X.size))
-    kernel(starts, chart, out)
-    return TurnRow(*out)
+    kernel(starts, chart, out) if kernel is not OUT else T.orbit_batch(starts, chart, np.empty_like(out), out, np.empty_like(out))
+    return Place(*out)
 
 
 def point(starts, d, inward, chart):
     out = np.empty((10, starts.X.size))
     T.point_batch(starts, np.ascontiguousarray(d), inward, chart, out)
-    return TurnRow(*out)
+    return Place(*out)
 
 
 def from_end(X, Y, end):
@@ -58,8 +61,8 @@ class Pieces(NamedTuple):
     X: np.ndarray
     Y: np.ndarray
     L: np.ndarray
-    inner: TurnRow
-    outer: TurnRow
+    inner: Place
+    outer: Place
     slow_in: np.ndarray
     slow_out: np.ndarray
 
@@ -91,7 +94,7 @@ def joined(a, b):
     def both(x, y):
         return (
             type(x)(*map(np.concatenate, zip(x, y, strict=True)))
-            if isinstance(x, TurnRow)
+            if isinstance(x, Place)
             else np.concatenate((x, y))
         )
 
@@ -104,7 +107,7 @@ def cut(p, rows, d, slow, chart):
     L = q.L
     C = point(from_end(q.X, q.Y, q.outer), d, True, chart)
     D = point(from_end(q.X, q.Y, q.inner), L - d, False, chart)
-    C = TurnRow(*(np.where(d <= 0.5 * L, a, b) for a, b in zip(C, D, strict=True)))
+    C = Place(*(np.where(d <= 0.5 * L, a, b) for a, b in zip(C, D, strict=True)))
     s = slow_of(C) if slow else np.full(d.size, np.inf)
     upper = q._replace(L=d, inner=C, slow_in=s)
     lower = q._replace(L=L - d, outer=C, slow_out=s)
@@ -263,7 +266,7 @@ def orbits(b, chart, X, Y, Y_far, r, w, rate, s3, s4, accuracy, lead=True, fall=
     start = Starts(*map(np.ascontiguousarray, (X, Y, K, r, w, s3, s4)))
     state = point(start, np.zeros(n), True, chart)
     down = searched(T.inward_batch, start, chart)
-    up = searched(T.outward_batch, start, chart)
+    up = searched(OUT, start, chart)
     upright = np.where(w > 0.5, -np.log(r), -0.5 * np.log1p(-w))
     V = point(start, upright, False, chart)
     crosses = up.K > 0
@@ -277,7 +280,7 @@ def orbits(b, chart, X, Y, Y_far, r, w, rate, s3, s4, accuracy, lead=True, fall=
             for c in (np.where(crosses, V.K, 1.0), beyond.r, beyond.w, beyond.sigma3, beyond.sigma4)
         ),
     )
-    far = TurnRow(*np.full((10, n), np.nan))
+    far = Place(*np.full((10, n), np.nan))
     k = np.flatnonzero(crosses)
     if k.size:
         far = put_rows(far, k, searched(T.inward_batch, take(far_start, k), chart))

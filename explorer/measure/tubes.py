@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import compiled
 from explorer.measure.box_integrals import NaturalDensity, ends_of_bar, mirrored
 from explorer.measure.density import Density
 from explorer.measure.sampling import Range
+from explorer.motion.starts import motions_through
 from explorer.motion.turning_points import lowest_tilts
 from explorer.phase.disk import Disk
-from explorer.phase.lines import LineChart, line_chart, other_eta_hat
-from explorer.phase.states import Array
+from explorer.phase.lines import LinearConstants, LineChart, line_chart, other_eta_hat
+from explorer.phase.states import Array, Rows
 
 # Half the width of a tube is sought by iteration. Each round overshoots by this much, so that it ends above the
 # bound that it would otherwise creep up to; a tube that is 2 % too wide wastes 2 % of its draws.
@@ -133,7 +133,7 @@ class Tube:
         counted &= nearer & (width > 0.0)
         weight = np.where(counted, weight * width / mass, 0.0)
         weight[counted] *= natural.density.shape(*(column[counted] for column in given))
-        theta, status = self._tilts(place, bar, eta, other, np.flatnonzero(weight > 0.0), accuracy)
+        theta, status = self._tilts(place, LinearConstants(bar, eta, other), np.flatnonzero(weight > 0.0), accuracy)
         return Draws(given[0], given[1], bar * unit, eta * unit, energy * disk.energy_unit, weight, theta, status)
 
     def _draw_factor(self, name: str, columns: Iterator[Array], weight: Array) -> Array:
@@ -209,15 +209,16 @@ class Tube:
         return (fixed - m2 * eta) / m, eta, 2.0 * widest / abs(m)
 
     def _tilts(
-        self, place: "Place", bar: Array, eta: Array, other: Array, rows: NDArray[np.intp], accuracy: float
+        self, place: "Place", hats: LinearConstants, rows: NDArray[np.intp], accuracy: float
     ) -> tuple[Array, NDArray[np.int8]]:
-        """theta_min and status of the rows that count."""
-        disk = self.natural.disk
-        here, there = np.where(place.z >= 0.0, [eta, other], [other, eta]) * disk.eta_hat_to_eta(1.0)
-        starts = np.stack([place.h, place.phidot, bar, here, there, abs(place.z)])[:, rows]
-        orbits = compiled.point.Orbits(*np.ascontiguousarray(starts))
+        """theta_min and status of the rows that count; hats: with eta_hat in the place of eta."""
+        disk, (bar, *etas) = self.natural.disk, hats
+        s3, s4 = place.chart.rates(bar, hats.eta_plus)
+        seen = Rows(*(column[rows] for column in (place.q, place.z, place.phidot, s3 / place.q, s4)))
+        linear = LinearConstants(bar[rows], *(disk.eta_hat_to_eta(eta[rows]) for eta in etas))
         code = np.zeros(rows.size, np.int8)
-        out = lowest_tilts(disk, orbits, accuracy, code)
+        motions = motions_through(disk, seen, linear, seen.z >= 0.0)
+        out = lowest_tilts(disk, motions, accuracy, code)
         theta, status = np.full(bar.size, np.nan), np.zeros(bar.size, np.int8)
         theta[rows], status[rows] = np.where(code == 0, out, np.nan), code
         return theta, status
@@ -227,8 +228,8 @@ class Tube:
 class Place:
     """Tilts and speeds of draws, the chart there, and the factors of the energy, eq. (2.19); natural units."""
 
+    q: Array
     z: Array
-    h: Array
     phidot: Array
     tilting: Array
     inertia3: Array
@@ -239,8 +240,7 @@ class Place:
     def at(cls, disk: Disk, phi: Array, phidot: Array) -> "Place":
         b = disk.body
         q, z = np.cos(phi), np.sin(phi)
-        h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
-        return cls(z, h, phidot, 0.5 * b.M * phidot**2 + q, b.I1 / (q * q), b.J, line_chart(disk, q, z))
+        return cls(q, z, phidot, 0.5 * b.M * phidot**2 + q, b.I1 / (q * q), b.J, line_chart(disk, q, z))
 
     def energy(self, bar: Array, eta: Array) -> Array:
         s3, s4 = self.chart.rates(bar, eta)

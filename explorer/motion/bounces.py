@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
-from explorer.motion.legs import FALL_KERNELS, falls_of_energy, leg_kernels, legs_of, motions_by_rules
+from explorer.motion.falls import falls_beside
+from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.passages import allowed
 from explorer.motion.plan import plan
-from explorer.motion.starts import fallen, held_constants, orbit_starts, seen_from
+from explorer.motion.starts import Motions, fallen, held_constants, orbit_starts, seen_from
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import LinearConstants
@@ -147,10 +148,10 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
     return _in_turn(states, _joined(in_parts(jobs, len(states), some, 4 * BLOCK)), count)
 
 
-def bounce_kernels(accuracy: float) -> tuple[str, ...]:
-    """The kernels of `bounces` at an accuracy, for `compiled.warmup`; a fall may start below the vertical."""
-    own = "bounces.bounces_of_legs", "bounces.bounce_batch", "falling.line_chart_batch"
-    return "algebra.constants_batch", *leg_kernels(accuracy), *FALL_KERNELS, *own
+def bounce_kernels() -> tuple[str, ...]:
+    """The kernels of `bounces`, for `compiled.warmup`."""
+    searches = "turning_points.orbit_batch", "turning_points.inward_batch", "turning_points.point_batch"
+    return "algebra.constants_batch", *searches, "turning_points.rest_batch", "rules.arc_batch", "nutation.well_batch"
 
 
 class _Pairs(NamedTuple):
@@ -184,41 +185,65 @@ def _pairs(
 ) -> _Pairs:
     """first_only: nothing is asked but the first one; the other passage of a motion may stay unknown then."""
     disk, code = states.disk, compiled.status.Status
-    orbits = orbit_starts(states, linear)
-    status = fallen(orbits, status)
-    out = np.empty((len(compiled.bounces.BounceRow._fields), status.size))
-    ends, legs, upright = legs_of(disk, orbits, status, accuracy, 3, first_only)
-    compiled.bounces.bounces_of_legs(orbits, ends, legs, disk.natural, out, status)
-    motions_by_rules(compiled.bounces.bounce_batch, disk, orbits, upright, accuracy, out, status)
-    found = compiled.bounces.BounceRow(*out)
-    crosses, first_here = np.isfinite(found.theta_there), found.first_here == 1.0
-    from_here = np.stack([first_here, *([] if first_only else [np.where(crosses, ~first_here, True)])])
+    motions, own, status = orbit_starts(states, linear), seen_from(states, linear), fallen(linear, status)
+    rows, n = np.flatnonzero(status == code.OK), status.size
+    some = motions.at(rows)
+    ends = ends_of(disk, some)
+    orbits = orbits_of(disk, some, ends, accuracy, True)
+    fall = falls_beside(disk, some, ends.vertical, accuracy).ways
+    pairs = _pairs_of(some, own[rows] * states.rows.p[rows] > 0.0, own[rows], ends, orbits, fall, first_only)
+    known = (pairs.error <= allowed(accuracy, fall.time)).all(axis=0)
+    status[rows[~known]] = code.STEP_LIMIT
 
-    def in_turn(here: Array, there: Array) -> Array:
-        return np.where(from_here, here, there)
+    def of_all(found: NDArray[Any]) -> NDArray[Any]:
+        out = np.zeros((*found.shape[:-1], n), found.dtype)
+        out[..., rows] = found
+        return out
 
-    own = seen_from(states, linear)
-    energy = np.where(status == code.OK, found.energy, np.nan)
-    moving = np.where(upright & (status == code.OK), found.moving, np.nan)
-    fall = falls_of_energy(disk, linear.sigma3_bar, energy, accuracy, orbits, moving)
-    error = in_turn(found.error_here, found.error_there) + np.nan_to_num(2.0 * fall.error)
-    error = np.fmax(error, found.first_error)
-    status[(status == code.OK) & ~(error <= allowed(accuracy, fall.time)).all(axis=0)] = code.STEP_LIMIT
-    time = found.time_here + np.nan_to_num(found.time_there)
+    return _Pairs(*map(of_all, pairs))._replace(status=status)
+
+
+def _pairs_of(
+    motions: Motions,
+    rises: NDArray[np.bool_],
+    own: Array,
+    ends: Ends,
+    orbits: Orbits,
+    fall: compiled.rules.ArcRow[Array],
+    first_only: bool,
+) -> _Pairs:
+    """The same from the ways of motions; rises: whether they move away from the face `own` of their state."""
+    crosses, (here, there, lead) = ends.crosses, orbits
+    first_here = ~(rises & crosses)
+    turns = np.stack([first_here, *([] if first_only else [~first_here | ~crosses])])
+
+    def in_turn(on_this: Array, on_other: Array) -> Array:
+        return np.where(turns, on_this, on_other)
+
+    def there_and_back(way: compiled.rules.ArcRow[Array]) -> Array:
+        return np.fmax(2.0 * way.angle_error, way.time_error / way.time)
+
+    back, back_error = (np.where(crosses, column, 0.0) for column in (there.time, there.time_error))
+    whole = 2.0 * (here.time + back)
+    onward = np.where(crosses, here.time + back, whole)
+    first = np.where(rises, onward - lead.time, lead.time)
+    erred = lead.time_error + np.where(rises, 2.0 * (here.time_error + back_error), 0.0)
+    of_fall = np.nan_to_num(2.0 * np.fmax(fall.angle_error, fall.time_error))
+    error = in_turn(there_and_back(here), there_and_back(there)) + of_fall
     return _Pairs(
         face=in_turn(own, -own).astype(np.int8),
-        side=np.sign(in_turn(orbits.near, orbits.far)).astype(np.int8),
-        theta_min=in_turn(found.theta_here, found.theta_there),
-        chi=in_turn(found.chi_here, found.chi_there),
-        psi=in_turn(own * found.psi_here, -own * found.psi_there),
-        duration=in_turn(found.time_here, found.time_there),
-        error=error,
-        first=found.first,
-        first_error=found.first_error,
-        period=time,
-        between=np.where(crosses, 0.5 * time, time),
+        side=np.sign(in_turn(motions.starts.Y, motions.Y_far)).astype(np.int8),
+        theta_min=2.0 * np.arctan(in_turn(ends.inner.r, ends.far.r)),
+        chi=2.0 * in_turn(here.chi, there.chi),
+        psi=2.0 * in_turn(own * here.psi, -own * there.psi),
+        duration=2.0 * in_turn(here.time, there.time),
+        error=np.maximum(error, erred / whole),
+        first=first,
+        first_error=erred / whole,
+        period=whole,
+        between=np.where(crosses, 0.5 * whole, whole),
         fall_angle=2.0 * fall.chi,
-        status=status,
+        status=np.zeros(crosses.size, np.int8),
     )
 
 

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of
-from explorer.motion.legs import legs_of, motions_by_rules
+from explorer.motion.orbits import ends_of, orbits_of, smallest
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.passages import allowed
 from explorer.motion.plan import plan
-from explorer.motion.starts import fallen, held_constants, orbit_starts, seen_from
+from explorer.motion.starts import Motions, fallen, held_constants, orbit_starts, seen_from
 from explorer.motion.vertical import LARGEST
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
@@ -108,45 +109,60 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     require_axial_inertia(disk)
     how = plan(("period",), accuracy, "quadrature")
     status, linear = _known(states, eta_hat)
-    starts = orbit_starts(states, linear)
-    status = fallen(starts, status)
-
-    call = partial(_orbits, disk, starts, status, how.accuracy)
-    parts = in_parts(jobs_of("jobs", jobs), len(states), call, 4 * BLOCK)
+    motions, status = orbit_starts(states, linear), fallen(linear, status)
+    parts = in_parts(jobs_of("jobs", jobs), len(states), partial(_orbits, disk, motions, status, how.accuracy), BLOCK)
     out, status = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
-    found = compiled.orbits.OrbitRow(*out)
+    found, ok = _Period(*out), status == compiled.status.Status.OK
     flat = Periods(
         period=found.time * disk.time_unit,
         chi=found.chi,
         psi=found.psi * seen_from(states, linear),
-        theta_min=np.fmin(found.theta_here, found.theta_there),
-        crosses=np.isfinite(found.theta_there),
-        energy=found.energy * disk.energy_unit,
-        error_estimate=np.fmax(found.angle_error, found.time_error),
+        theta_min=found.theta_min,
+        crosses=ok & (found.crosses == 1.0),
+        energy=np.where(ok, natural_constants(states).energy, np.nan) * disk.energy_unit,
+        error_estimate=found.error,
         status=status,
         states=states,
     )
     return flat.reshaped(states.shape)
 
 
+class _Period(NamedTuple):
+    """A period in natural units, psi as the face of the state has it; crosses: 1 for motions that do."""
+
+    time: Array
+    chi: Array
+    psi: Array
+    theta_min: Array
+    crosses: Array
+    error: Array
+
+
 def _orbits(
-    disk: Disk,
-    starts: compiled.point.Orbits,
-    status: NDArray[np.int8],
-    accuracy: float,
-    rows: NDArray[np.intp],
+    disk: Disk, motions: Motions, status: NDArray[np.int8], accuracy: float, rows: NDArray[np.intp]
 ) -> tuple[Array, NDArray[np.int8]]:
-    """Some of the orbits (8, n), NaN where the status, which is the second result, is not OK."""
-    some = compiled.point.Orbits(*(column[rows] for column in starts))
-    code, out = status[rows], np.empty((8, rows.size))
-    ends, legs, upright = legs_of(disk, some, code, accuracy, 2)
-    compiled.orbits.orbits_of_legs(some, ends, legs, disk.natural, out, code)
-    motions_by_rules(compiled.orbits.orbit_batch, disk, some, upright, accuracy, out, code)
-    found = compiled.orbits.OrbitRow(*out)
-    missed = ~(np.fmax(found.angle_error, found.time_error) <= allowed(accuracy, found.time))
-    code[(code == compiled.status.Status.OK) & missed] = compiled.status.Status.STEP_LIMIT
-    out[:, code != compiled.status.Status.OK] = np.nan
-    return out, code
+    """Some of the periods (6, n), NaN where the status, which is the second result, is not OK."""
+    code = compiled.status.Status
+    answer, told = np.full((len(_Period._fields), rows.size), np.nan), status[rows]
+    asked = np.flatnonzero(told == code.OK)
+    some = motions.at(rows[asked])
+    ends = ends_of(disk, some)
+    here, there, _lead = orbits_of(disk, some, ends, accuracy, False)
+    back = compiled.rules.ArcRow(*np.where(ends.crosses, there, 0.0))
+    time = 2.0 * (here.time + back.time)
+    error = np.fmax(2.0 * (here.angle_error + back.angle_error), 2.0 * (here.time_error + back.time_error) / time)
+    found = _Period(
+        time=time,
+        chi=2.0 * (here.chi + back.chi),
+        psi=2.0 * (here.psi - back.psi),
+        theta_min=smallest(ends),
+        crosses=ends.crosses.astype(np.float64),
+        error=error,
+    )
+    known = error <= allowed(accuracy, time)
+    answer[:, asked[known]] = np.stack(found)[:, known]
+    told[asked[~known]] = code.STEP_LIMIT
+    return answer, told
 
 
 def _known(states: States, eta_hat: ArrayLike | None) -> tuple[NDArray[np.int8], LinearConstants]:

@@ -1,5 +1,7 @@
 """Knowledge of a motion before it is followed: its status, its constants, its place in the orbit kernels."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -8,10 +10,7 @@ from explorer.phase.constants import NaturalConstants
 from explorer.phase.disk import Disk
 from explorer.phase.lines import LinearConstants, nearer_plus
 from explorer.phase.membership import falls_of
-from explorer.phase.states import Array, States
-
-# Of a potential, for each unit of its terms; and how much larger those from flat are where that is felt.
-_ROUNDING, _FELT = 2.2e-16, 50.0
+from explorer.phase.states import Array, Rows, States
 
 
 def status_at_start(states: States, natural: NaturalConstants) -> NDArray[np.int8]:
@@ -55,49 +54,42 @@ def held_constants(states: States, natural: NaturalConstants) -> tuple[NDArray[n
 def seen_from(states: States, linear: LinearConstants) -> Array:
     """The face, +1 or -1, in whose hemisphere states are; one that crosses the vertical is in both.
 
-    It is seen from the face of the smaller |eta|: as a difference of two large numbers the energy has few digits
-    where I3 is small.
+    That one is seen from the face of the smaller |eta|, and at rest from the one to which it begins to fall.
     """
-    z = states.rows.z
-    nearer = nearer_plus(linear.eta_plus, linear.eta_minus) | (states.rows.p == 0.0)
-    return np.where((z > 0.0) | ((z == 0.0) & nearer), 1.0, -1.0)
+    _q, z, p, ratio, sigma4 = states.rows
+    plus = np.where(p == 0.0, ratio * sigma4 >= 0.0, nearer_plus(linear.eta_plus, linear.eta_minus))
+    return np.where((z > 0.0) | ((z == 0.0) & plus), 1.0, -1.0)
 
 
-def orbit_starts(states: States, linear: LinearConstants) -> "compiled.point.Orbits":
-    """Motions in the chart of the quadrature kernels, as seen from the hemisphere they start in."""
-    q, z, p, _, _ = states.rows
-    plus = seen_from(states, linear) > 0.0
-    near = np.where(plus, linear.eta_plus, linear.eta_minus)
-    far = np.where(plus, linear.eta_minus, linear.eta_plus)
-    h = 2.0 * np.sin(0.5 * np.arctan2(q, abs(z)))
-    return compiled.point.Orbits(
-        *np.nan_to_num(np.stack([h, np.where(plus, p, -p), linear.sigma3_bar, near, far, abs(z)]))
-    )
+class Motions(NamedTuple):
+    """Motions through states, natural units, as seen from the face in whose hemisphere these are; Y_far: of the
+    other one."""
+
+    starts: "compiled.turning_points.Starts"
+    Y_far: Array
+
+    def at(self, rows: NDArray[np.intp]) -> "Motions":
+        """Some of the motions."""
+        return Motions(compiled.turning_points.Starts(*(column[rows] for column in self.starts)), self.Y_far[rows])
 
 
-def told_upright(
-    disk: Disk, starts: "compiled.point.Orbits", one_face: NDArray[np.bool_]
-) -> tuple[NDArray[np.bool_], Array]:
-    """Whether the potential of motions is told from the vertical, and the rounding of what it is told from flat.
-
-    Where I3 is little, sigma4 at flat may be of the size of 1/I3, and V - V_0 a difference of squares of that.
-    From the vertical on sigma4 changes by no more than sigma3 does. one_face: which do not cross the vertical.
-    """
-    b = disk.body
-    # Rows of samples that are no motions hold any numbers.
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        X, here, there = abs(starts.sigma3_bar) / b.r0, starts.near / b.I1, starts.far / b.I1
-        flat = starts.sigma3_bar / b.r0 / b.k
-        upright = flat * b.dr0 - here / b.r0 / b.k
-        rise = X + abs(here) + abs(there)
-        from_upright = rise * (2.0 * abs(upright) + rise)
-        near, far = (abs(rise) * (2.0 * abs(flat) + abs(rise)) for rise in (upright - flat, upright + flat))
-        from_flat = b.J * np.where(one_face, near, np.fmax(near, far))
-        return from_flat > _FELT * (1.0 + from_upright), _ROUNDING * from_flat
+def orbit_starts(states: States, linear: LinearConstants) -> Motions:
+    """Motions as arcs need them; states that are no input give any numbers."""
+    return motions_through(states.disk, states.rows, linear, seen_from(states, linear) > 0.0)
 
 
-def fallen(starts: "compiled.point.Orbits", status: NDArray[np.int8]) -> NDArray[np.int8]:
+def motions_through(disk: Disk, rows: Rows, linear: LinearConstants, plus: NDArray[np.bool_]) -> Motions:
+    """The same of rows of states; plus: whether each is seen from face +1."""
+    b, (q, z, p, ratio, sigma4) = disk.body, rows
+    near = np.where(plus, linear.eta_plus, linear.eta_minus) / b.I1
+    far = np.where(plus, linear.eta_minus, linear.eta_plus) / b.I1
+    r, w = q / (1.0 + abs(z)), 2.0 * abs(z) / (1.0 + abs(z))
+    columns = linear.sigma3_bar / b.r0, near, 0.5 * b.M * p * p, r, w, q * ratio, np.where(plus, sigma4, -sigma4)
+    return Motions(compiled.turning_points.Starts(*map(np.ascontiguousarray, columns)), far)
+
+
+def fallen(linear: LinearConstants, status: NDArray[np.int8]) -> NDArray[np.int8]:
     """`status`, with FALLS where an eta is exactly 0: such a motion has no period."""
     code = compiled.status.Status
-    zero = (starts.near == 0.0) | (starts.far == 0.0)
+    zero = (linear.eta_plus == 0.0) | (linear.eta_minus == 0.0)
     return np.where((status == code.OK) & zero, code.FALLS, status).astype(np.int8)

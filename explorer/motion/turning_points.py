@@ -9,17 +9,14 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.motion.parts import BLOCK, attended
 from explorer.motion.plan import Plan
-from explorer.motion.starts import held_constants, orbit_starts, status_at_start, told_upright
+from explorer.motion.orbits import ends_of, smallest
+from explorer.motion.starts import Motions, held_constants, orbit_starts, status_at_start
 from explorer.phase.constants import NaturalConstants, best_constants, natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 
 # Some thousand passages at the finest settings; only a start beside an equilibrium needs more.
 MAX_STEPS = 2_000_000
-# Of the accuracy: rounding of potentials that is not felt in a tilt, where V is steep at it; and how steep it is
-# where a motion does not cross the vertical.
-_UNFELT, _GENTLE = 0.5, 0.1
-_MUCH = 1.0  # of I3/I1: from here on rounding at flat is that at the vertical
 
 
 @dataclass(frozen=True)
@@ -94,7 +91,7 @@ def followed(
 
 def tilt_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `smallest_tilt`, for `compiled.warmup`."""
-    by_roots = ("ends.end_batch", "orbits.tilt_batch")
+    by_roots = ("turning_points.orbit_batch", "turning_points.inward_batch")
     return "algebra.constants_batch", *(by_roots if how.method == "quadrature" else (how.first_event,))
 
 
@@ -125,44 +122,22 @@ def smallest_tilt(
     return np.where(status == code.OK, theta, np.nan), status, steps
 
 
-def lowest_tilts(disk: Disk, orbits: "compiled.point.Orbits", accuracy: float, status: NDArray[np.int8]) -> Array:
-    """The tilt of motions at their flattest moment (rad), from the roots of E - V, which lanes look for first.
+def lowest_tilts(disk: Disk, motions: Motions, accuracy: float, status: NDArray[np.int8]) -> Array:
+    """The tilt of motions at their flattest moment (rad), from where E - V is 0.
 
-    Where rounding of what is told from flat is felt, potentials are told from the vertical instead.
     status: samples that come in as not OK are skipped; it becomes the outcome's.
     """
-    theta, rows, code = np.full(status.size, np.nan), np.empty((5, status.size)), compiled.status.Status
+    theta, code = np.full(status.size, np.nan), compiled.status.Status
     if not disk.body.I3 > 0.0:  # there is no potential of the tilt alone
         status[status == code.OK] = code.STEP_LIMIT
         return theta
-    compiled.ends.end_batch(orbits, disk.leg_tables, disk.natural, rows, status)
-    ends = compiled.ends.Ends(*rows)
-    if disk.body.k >= _MUCH:
-        compiled.orbits.tilt_batch(orbits, ends, accuracy, disk.natural, theta, status)
-        return theta
-    upright, felt = _told_upright(disk, orbits, ends, accuracy)
-    upright &= status == code.OK
-    status[upright & felt] = code.STEP_LIMIT
-    compiled.orbits.tilt_batch(orbits, ends, accuracy, disk.natural, theta, status)
-    again = upright & (status == code.STEP_LIMIT)
-    if again.any():
-        rows[:, again] = np.nan
-        found = np.where(again, code.OK, code.STEP_LIMIT).astype(np.int8)
-        tilts = np.empty(status.size)
-        compiled.orbits.tilt_batch(orbits, ends, accuracy, disk.upright, tilts, found)
-        theta[again], status[again] = tilts[again], found[again]
+    rows = np.flatnonzero(status == code.OK)
+    ends = ends_of(disk, motions.at(rows))
+    theta[rows] = smallest(ends)
+    # Errors are those of ln tan(theta/2), so relative ones of the tilt.
+    known = np.fmax(ends.inner.error, ends.far.error) <= accuracy
+    status[rows[~known]] = code.STEP_LIMIT
     return theta
-
-
-def _told_upright(
-    disk: Disk, orbits: "compiled.point.Orbits", ends: "compiled.ends.Ends", accuracy: float
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether potentials of motions may be told from the vertical, and whether they have to be."""
-    crosses = np.isfinite(ends.moving)
-    upright, rounding = told_upright(disk, orbits, np.isfinite(ends.here) & ~crosses)
-    # E - V at the vertical is a measure of its slopes on both faces; a wobble may have gentler ones.
-    steepness = np.where(crosses, np.fmin(ends.moving, 1.0), _GENTLE)
-    return upright, rounding > _UNFELT * accuracy * steepness
 
 
 def _both_ways(

@@ -247,9 +247,9 @@ class Disk:
         return compiled.body.make_disk(self.I1 / unit, min(self.I3 / unit, 2.0 * self.I1 / unit))
 
     @cached_property
-    def upright(self) -> compiled.body.Disk:
-        """The same disk for motions whose potential is told from the vertical."""
-        return compiled.body.make_upright(self.natural)
+    def chart(self) -> compiled.potential.Chart:
+        """The disk as arcs of motions need it."""
+        return compiled.potential.make_chart(self.natural)
 
     @property
     def body(self) -> compiled.body.Body:
@@ -265,11 +265,6 @@ class Disk:
     def tables(self) -> compiled.tables.Tables:
         """Tables by which the kernels integrate from the vertical."""
         return compiled.tables.make_tables(self.natural, table_rules(self.body.I1, self.body.I3))
-
-    @cached_property
-    def leg_tables(self) -> compiled.leg_tables.LegTables:
-        """Tables by which the kernels follow motions from turning point to turning point."""
-        return compiled.leg_tables.make_leg_tables(self.natural, leg_rules())
 
     def describe(self) -> Description:
         """The disk as run.json and summary.json show it; printed, with units and with what follows from it.

@@ -109,7 +109,7 @@ class RaceAngles(SceneOfStates):
     @property
     def kernels(self) -> tuple[str, ...]:
         if self.eta_hat is None:
-            return *bounce_kernels(self.plan.accuracy), *KERNELS
+            return *bounce_kernels(), *KERNELS
         some = () if self.energy is None else ("algebra.constants_batch",)
         return *some, *LaneStream.KERNELS, *passage_kernels(self.plan), *KERNELS
 

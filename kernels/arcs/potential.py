@@ -4,15 +4,13 @@ With x = ln tan(theta/2) on the nearer face and the time s of the blown-up field
 
     dx/ds = p,    M p^2 / 2 = K(x) = E - V(x),    V = I1 ratio^2 / 2 + J sigma4^2 / 2 + q,    ratio = sigma3/q
 
-Flat is x = -inf, the vertical x = 0. K at a distance d from an end is K there less V - V_end, and that
-difference is
-made of products:
+Flat is x = -inf, the vertical x = 0. K at a distance d from an end is K there less V - V_end, and that difference
+is made of products:
 
     V - V_end = I1 d_ratio (ratio + ratio_end) / 2 + J d_sigma4 (sigma4 + sigma4_end) / 2 + d_q
 
-Differences of Chaplygin's polynomials P are P[S, S_end] (S - S_end): one Horner scheme gives the coefficients
-of the
-divided difference at the end, a second one its value at a point. An end carries sigma3 and sigma4 as they were
+Differences of Chaplygin's polynomials P are P[S, S_end] (S - S_end): one Horner scheme gives the coefficients of
+the divided difference at the end, a second one its value at a point. An end carries sigma3 and sigma4 as they were
 given, or as they were found from another end. This file alone knows V: a body with thickness changes nothing else.
 """
 
@@ -35,21 +33,35 @@ DIVIDED = 4 * DEGREE  # coefficients of the divided differences of four polynomi
 _LEAST = 1e-300  # below any product of S and rho that is divided by
 _LN2 = math.log(2.0)
 # Rows of a work array that hold the ends of a group: R to SIGMA4 are given, the others follow from them.
-R, W, SIGMA3, SIGMA4, S, LOG_S, Q, Z, RHO_OVER_S, DRHO, D, RATIO, _COEFFICIENTS = range(13)
+(
+    R,
+    W,
+    SIGMA3,
+    SIGMA4,
+    S,
+    LOG_S,
+    INV,
+    Q,
+    INV_Q,
+    RHO_OVER_S,
+    INV_RHO,
+    DRHO,
+    D,
+    RATIO,
+    _COEFFICIENTS,
+) = range(15)
 END_ROWS = _COEFFICIENTS + DIVIDED
 
 
 class Chart(NamedTuple):
     """A body as arcs need it.
 
-    series: (4, DEGREE + 1) ascending powers of 2S - 1 of rho/S, rho' - 1, v and v' - v'(0). All change by what
-    is of
-    the order of c, so that differences can be divided by k however small I3 is. dv: v'(0).
+    series: (4, DEGREE + 1) ascending powers of 2S - 1 of rho/S, rho' - 1, v and v' - v'(0). All change by what is
+    of the order of c, so that differences can be divided by k however small I3 is.
     """
 
     body: Body
     series: Matrix
-    dv: float
 
 
 class Motion(NamedTuple):
@@ -62,8 +74,8 @@ class Motion(NamedTuple):
 class End(NamedTuple):
     """A point of a motion from which differences are taken: the state, and the solutions there.
 
-    r: tan(theta/2); w: 1 - r^2, with all its digits beside the vertical. first: where in the work array the
-    coefficients of the divided differences begin.
+    r: tan(theta/2); w: 1 - r^2, with all its digits beside the vertical; inv: 1/(1 + r^2). first: where in the
+    work array the coefficients of the divided differences begin.
     """
 
     r: float
@@ -72,9 +84,11 @@ class End(NamedTuple):
     sigma4: float
     S: float
     log_S: float
+    inv: float
     q: float
-    z: float
+    inv_q: float
     rho_over_S: float
+    inv_rho: float
     drho: float
     D: float
     ratio: float
@@ -82,10 +96,7 @@ class End(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A point at some distance from an end.
-
-    Rise: V less that of the end; size: of the terms it was summed from.
-    """
+    """A point at some distance from an end; rise: V less that of the end; size: of the terms it was summed from."""
 
     r: float
     w: float
@@ -103,7 +114,7 @@ def make_chart(disk: Disk) -> Chart:
     rows, _r0, _dr0 = chaplygin.power_series(disk.body.c)
     start = np.array([0.0, 1.0, 0.0, rows[3][0]])
     small = [np.append(row[0] - first, row[1:]) for row, first in zip(rows[:4], start, strict=True)]
-    return Chart(disk.body, np.ascontiguousarray([economise(row, DEGREE) for row in small]), float(start[3]))
+    return Chart(disk.body, np.ascontiguousarray([economise(row, DEGREE) for row in small]))
 
 
 @contracted_subroutine
@@ -113,11 +124,12 @@ def make_ends(A: Vector, at: int, chart: Chart) -> None:
     for i in range(LANES):
         r, w = E[R * LANES + i], E[W * LANES + i]
         larger = 1.0 + r * r
-        E[S * LANES + i] = 2.0 * r * (r / larger)
-        E[Q * LANES + i], E[Z * LANES + i] = 2.0 * r / larger, w / larger
-        E[RATIO * LANES + i] = 0.5 * E[SIGMA3 * LANES + i] * larger / r
+        inv = 1.0 / larger
+        E[S * LANES + i], E[INV * LANES + i] = 2.0 * r * (r * inv), inv
+        E[Q * LANES + i], E[INV_Q * LANES + i] = 2.0 * r * inv, 0.5 * larger / r
+        E[RATIO * LANES + i] = E[SIGMA3 * LANES + i] * E[INV_Q * LANES + i]
         # ln S = ln(1 - z) without cancellation: far from the vertical by itself, beside it from z.
-        z = w / larger
+        z = w * inv
         far = _LN2 + 2.0 * logarithm(r) - logarithm(larger)
         beside = log_ratio(-z / (2.0 - z))
         E[LOG_S * LANES + i] = beside if z < 0.5 else far
@@ -134,7 +146,9 @@ def make_ends(A: Vector, at: int, chart: Chart) -> None:
         g = C[i] * t + series[0, 0]
         drho = 1.0 + (C[DEGREE * LANES + i] * t + series[1, 0])
         v = C[2 * DEGREE * LANES + i] * t + series[2, 0]
+        rho = E[S * LANES + i] * g
         E[RHO_OVER_S * LANES + i], E[DRHO * LANES + i] = g, drho
+        E[INV_RHO * LANES + i] = 1.0 / (rho if rho > _LEAST else _LEAST)
         E[D * LANES + i] = 0.5 * c * E[S * LANES + i] * g * E[LOG_S * LANES + i] + v
 
 
@@ -149,9 +163,11 @@ def end_of(A: Vector, at: int, i: int) -> End:
         A[e + SIGMA4 * LANES],
         A[e + S * LANES],
         A[e + LOG_S * LANES],
+        A[e + INV * LANES],
         A[e + Q * LANES],
-        A[e + Z * LANES],
+        A[e + INV_Q * LANES],
         A[e + RHO_OVER_S * LANES],
+        A[e + INV_RHO * LANES],
         A[e + DRHO * LANES],
         A[e + D * LANES],
         A[e + RATIO * LANES],
@@ -197,10 +213,11 @@ def point_at(A: Vector, d: float, inward: bool, end: End, motion: Motion, b: Bod
     """The point at the distance d from an end, towards flat (inward) or away from it; `inward` is a constant."""
     times, grown = exponential(-d if inward else d)
     r = end.r * times
-    inv, inv_end = 1.0 / (1.0 + r * r), 1.0 / (1.0 + end.r * end.r)
+    larger = 1.0 + r * r
+    inv, inv_r = 1.0 / larger, 1.0 / r
     de = end.r * grown * (r + end.r)
-    S_here, dS = 2.0 * r * r * inv, 2.0 * de * inv * inv_end
-    share = de * inv_end
+    S_here, dS = 2.0 * r * r * inv, 2.0 * de * inv * end.inv
+    share = de * end.inv
     dlog = (-2.0 * d if inward else 2.0 * d) - log_ratio(share / (2.0 + share))
     g, rho1, v, dv = quotients(A, end.first, 2.0 * S_here - 1.0)
     scale, half_c = 2.0 * dS, 0.5 * b.c
@@ -209,27 +226,25 @@ def point_at(A: Vector, d: float, inward: bool, end: End, motion: Motion, b: Bod
     drho = S_here * dg + dS * end.rho_over_S
     dD = half_c * (drho * log_S + rho_end * dlog) + dv0
     ddD = half_c * (ddrho * log_S + end.drho * dlog + dg) + ddv
-    dsigma4 = (motion.X * ddrho + motion.Y * ddD) / b.k
-    q = 2.0 * r * inv
-    # r r_end - 1 and 1 - r^2: differences of what is alike where the end is beside the vertical, there told
-    # from w.
+    dsigma4 = (motion.X * ddrho + motion.Y * ddD) * (1.0 / b.k)
+    q, inv_q = 2.0 * r * inv, 0.5 * larger * inv_r
+    # r r_end - 1 and 1 - r^2: differences of what is alike where the end is beside the vertical, there told from w.
     upright = end.w < 0.5
-    both = grown - end.w * times if upright else r * end.r - 1.0
+    product = grown - end.w * times if upright else r * end.r - 1.0
     w = end.w * times * times - grown * (2.0 + grown) if upright else 1.0 - r * r
-    dcosh = 0.5 * grown * both / r
+    dcosh = 0.5 * grown * product * inv_r
     if inward:
         # sigma3 goes like S there: as a share of that of the end, and the part of Y.
-        inv_rho = 1.0 / (rho_end if rho_end > _LEAST else _LEAST)
-        part = drho * inv_rho
+        part = drho * end.inv_rho
         of_Y = motion.Y * (dD - end.D * part)
         dsigma3 = end.sigma3 * part + of_Y
-        sigma3 = end.sigma3 * (S_here * (end.rho_over_S + dg) * inv_rho) + of_Y
-        dratio = dsigma3 / end.q + sigma3 * dcosh
+        sigma3 = end.sigma3 * (S_here * (end.rho_over_S + dg) * end.inv_rho) + of_Y
+        dratio = dsigma3 * end.inv_q + sigma3 * dcosh
     else:
         dsigma3 = motion.X * drho + motion.Y * dD
         sigma3 = end.sigma3 + dsigma3
-        dratio = dsigma3 / q + end.sigma3 * dcosh
-    sigma4, ratio = end.sigma4 + dsigma4, sigma3 / q
+        dratio = dsigma3 * inv_q + end.sigma3 * dcosh
+    sigma4, ratio = end.sigma4 + dsigma4, sigma3 * inv_q
     of_ratio = 0.5 * b.I1 * dratio * (ratio + end.ratio)
     of_spin = 0.5 * b.J * dsigma4 * (sigma4 + end.sigma4)
     of_height = -dcosh * q * end.q

@@ -1,7 +1,6 @@
 """Integrals over arcs by one family of rules: Clenshaw and Curtis's, doubled until the estimate allows.
 
-In a variable in which the roots at turning points are gone, integrands are analytic, and the error is squared
-where
+In a variable in which the roots at turning points are gone, integrands are analytic, and the error is squared where
 the nodes are doubled:
 
     from a turning point on: d = L s^2, even in s       an arc that goes on at both ends: d = L (1 - cos g)/2
@@ -35,25 +34,25 @@ from kernels.arcs.potential import (
     point_at,
 )
 from kernels.disk.body import Body
-from kernels.disk.rows import Entry
+from kernels.disk.rows import Entry, put
 from kernels.types import Longs, Matrix, Vector
 
-DOUBLINGS = 6
+DOUBLINGS = 7
 # Kinds of arcs: from a turning point outwards, or inwards; one that goes on at both ends; between turning points;
 # a fall from somewhere, and from rest.
 TURN_INSIDE, TURN_OUTSIDE, NO_TURN, TWO_TURNS, FALL, FALL_FROM_REST = range(6)
 KINDS = 6
-_FIRST = 30, 30, 16, 16, 16, 30  # intervals of the first rule, over pi in g
-_HALVED = (
-    TURN_INSIDE,
-    TURN_OUTSIDE,
-    FALL_FROM_REST,
-)  # even in s: half of the rule serves
+NOTHING = -1  # an arc of no length
+_FIRST = 16, 16, 8, 8, 8, 16  # intervals of the first rule, over pi in g
+_HALVED = TURN_INSIDE, TURN_OUTSIDE, FALL_FROM_REST  # even in s: half of the rule serves
 _AT_END = 1e-15  # in the place of s = 0: in its square no node is an end, and all ratios are those at the end
 _DEEPEST = 300.0  # of falls, in x: what is left is below any rounding
 # The error is at most so many times the difference of two rules to the power of 1.5: doubling would square it.
 _SAFETY = 10.0
-_ROUNDING = 4.0 * 2.2e-16  # of K, for each unit of what it was summed from; the root takes half of it
+# With which rule to begin, which no answer depends on: a node brings some 0.6 digits, fewer on a long arc.
+_DIGITS, _LONG = 0.6, 20.0
+_EPSILON = 2.2e-16
+_ROUNDING = 4.0 * _EPSILON  # of K, for each unit of what it was summed from; the root takes half of it
 # Rows of the work array: the inner end, the outer one, and then these.
 _OUTER = END_ROWS
 (
@@ -79,11 +78,9 @@ _ROWS = (2 * END_ROWS + 15) * LANES
 class Rule(NamedTuple):
     """Nodes of all kinds of arcs and all doublings, those at the inner end and those at the outer one.
 
-    share, rate: distances from the nearer end, of arcs of unit length, and how they grow; weight; coarse: of
-    the rule
-    of half as many nodes. first (KINDS, DOUBLINGS, 2), as a matrix of two rows: where the nodes of each begin,
-    and how
-    many there are.
+    share, rate: distances from the nearer end, of arcs of unit length, and how they grow; weight; coarse: of the
+    rule of half as many nodes. first (2, KINDS * DOUBLINGS * 2): where the nodes of each begin, and how many there
+    are.
     """
 
     share: Vector
@@ -94,12 +91,11 @@ class Rule(NamedTuple):
 
 
 class Arcs(NamedTuple):
-    """Arcs (n): constants of the motion, kind, length in x; both ends as in `Starts`, with K there.
+    """Arcs (n): constants of the motion, length in x; both ends as in `turning_points.Starts`, with K there.
 
     slow_in, slow_out: the distance beyond an end of the next zero of K, inf where none is near.
     """
 
-    kind: Longs
     X: Vector
     Y: Vector
     L: Vector
@@ -308,31 +304,59 @@ def found_in(A: Vector, i: int) -> tuple[ArcRow[float], float]:
     return ArcRow(time, chi, psi, off + noise, angle + noise), max(angle, off / time)
 
 
-@kernel
-def arc_batch(arcs: Arcs, accuracy: float, rule: Rule, chart: Chart, out: Matrix) -> None:
-    """Every arc -> out (5, n), rows as ArcRow.
+@contracted_subroutine
+def first_doubling(kind: int, length: float, digits: float) -> int:
+    """The rule to begin with: half of its nodes bring the digits of the difference that the estimate needs."""
+    nodes, half = digits / _DIGITS * (1.0 + length / _LONG), 0.5 * _FIRST[kind]
+    half = 0.5 * half if kind == TURN_INSIDE or kind == TURN_OUTSIDE or kind == FALL_FROM_REST else half
+    doubling = 0
+    while half < nodes and doubling < DOUBLINGS - 2:
+        half *= 2.0
+        doubling += 1
+    return doubling
 
-    accuracy: of the angles (rad) and, relative, of the time: nodes are doubled until the estimate allows, or
-    what is
+
+@contracted_subroutine
+def pick(kind: int, kinds: Longs, arcs: Arcs, digits: float, rows: Longs, doublings: Longs) -> int:
+    """The arcs of a kind -> rows, and the rules that they begin with -> doublings; how many there are."""
+    n = 0
+    for j in range(kinds.size):
+        if kinds[j] == kind:
+            rows[n], doublings[n] = j, first_doubling(kind, arcs.L[j], digits)
+            n += 1
+    return n
+
+
+@kernel
+def arc_batch(kinds: Longs, arcs: Arcs, accuracy: float, rule: Rule, chart: Chart, out: Matrix) -> None:
+    """Every arc of its kind (n) -> out (5, n), rows as ArcRow.
+
+    accuracy: of the angles (rad) and, relative, of the time: nodes are doubled until the estimate allows, or what is
     best stays, with its error.
     """
-    A, rows = np.zeros(_ROWS), np.zeros(arcs.kind.size, np.int64)
+    n = kinds.size
+    A, rows, doublings, now = np.zeros(_ROWS), np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64)
+    digits = math.log10(_SAFETY / accuracy) / 1.5
     for kind in range(KINDS):
-        n = 0
-        for j in range(arcs.kind.size):
-            if arcs.kind[j] == kind:
-                rows[n] = j
-                n += 1
+        left = pick(kind, kinds, arcs, digits, rows, doublings)
         for doubling in range(DOUBLINGS):
-            left = 0
-            for first in range(0, n, LANES):
-                load(A, arcs, rows, first, n, chart)
+            # Those that begin later stay in `rows`; those that do now, or go on, move to `now`.
+            m, later = 0, 0
+            for k in range(left):
+                if doublings[k] <= doubling:
+                    now[m] = rows[k]
+                    m += 1
+                else:
+                    rows[later], doublings[later] = rows[k], doublings[k]
+                    later += 1
+            left = later
+            for first in range(0, m, LANES):
+                load(A, arcs, now, first, m, chart)
                 integrate(A, kind, doubling, rule, chart.body)
-                for i in range(min(LANES, n - first)):
-                    j = rows[first + i]
+                for i in range(min(LANES, m - first)):
+                    j = now[first + i]
                     row, missing = found_in(A, i)
-                    out[0, j], out[1, j], out[2, j], out[3, j], out[4, j] = row
+                    put(row, out, j)
                     if missing > accuracy:
-                        rows[left] = j
+                        rows[left], doublings[left] = j, doubling
                         left += 1
-            n = left

@@ -1,9 +1,9 @@
 """Turning points: the one search, in lanes, by steps that cannot pass one.
 
 From a point with K > 0, K' and a bound B of V'', K(d + h) >= K + K' h - B h^2/2, so that up to the root of that
-parabola the motion goes on. Steps grow quadratically short at a turning point, need no bracket, begin from rest
-(K = 0, K' > 0), and notice crests of V, where K' turns from falling to rising. Deep below, V has one minimum only,
-and Newton's method in 1/q^2, in which the wall of V is straight, needs three or four steps.
+parabola the motion goes on. Such steps need no bracket, begin from rest (K = 0, K' > 0), and notice crests of V,
+where K' turns from falling to rising. As soon as the bound proves one root near by, Halley's steps find it. Deep
+below, V has one minimum only, and Newton's method in 1/q^2, in which the wall of V is straight, needs three or four.
 """
 
 import math
@@ -33,7 +33,10 @@ from kernels.disk.elementary import log_ratio
 from kernels.disk.rows import Entry, put
 from kernels.types import Matrix, Vector
 
-REACH = 0.25  # in x: within it rho and sigma4 are bounded by their values and rates
+# In x: where the next zero of K lies no farther beyond an end, or K is as little at a crest, the motion is slow.
+SLOW = 0.05
+_CLOSEST = 1e-14  # so far a zero of K is at least, for want of digits
+REACH = 0.35  # in x: within it rho and sigma4 are bounded by their values and rates
 _GROWN = math.exp(REACH)
 _DEEP = math.exp(-3.0)  # tan(theta/2) below which V falls, and then rises as the wall
 _STEPS = 400  # sixteen for each decade of closeness to a crest
@@ -45,13 +48,32 @@ _DEEPEST = 745.0  # in x, below the vertical: tan(theta/2) is the smallest numbe
 _FLAT = 60.0  # from the vertical: V on F is that at flat
 _LEAST = 1e-300
 _ROUNDING = 4.0 * _EPSILON  # of K, for each unit of what it was summed from
-# How far a search is.
-_OPEN, _IN_DEPTH, _FOUND = 0.0, 1.0, 2.0
-_X, _Y, _MOVING, _D, _K, _SLOPE, _R, _Q, _RATIO, _SIGMA4 = range(END_ROWS * LANES, (END_ROWS + 10) * LANES, LANES)
-_BEFORE, _FALLING, _CREST, _STATE, _CROSSES, _ENERGY, _UPRIGHT, _LOW, _HIGH = range(
-    (END_ROWS + 10) * LANES, (END_ROWS + 19) * LANES, LANES
-)
-_ROWS = (END_ROWS + 19) * LANES
+# How far a search is: by steps that cannot pass a root, by Halley's, by Newton's in the depth, done.
+_OPEN, _NEAR, _IN_DEPTH, _FOUND, _FOUND_DEEP = 0.0, 1.0, 2.0, 3.0, 4.0
+(
+    _X,
+    _Y,
+    _MOVING,
+    _D,
+    _K,
+    _SLOPE,
+    _BEND,
+    _R,
+    _Q,
+    _RATIO,
+    _SIGMA4,
+    _BEFORE,
+    _K_BEFORE,
+    _FALLING,
+    _CREST,
+    _STATE,
+    _CROSSES,
+    _ENERGY,
+    _UPRIGHT,
+    _LOW,
+    _HIGH,
+) = range(END_ROWS * LANES, (END_ROWS + 21) * LANES, LANES)
+_ROWS = (END_ROWS + 21) * LANES
 
 
 class Starts(NamedTuple):
@@ -66,13 +88,13 @@ class Starts(NamedTuple):
     sigma4: Vector
 
 
-class TurnRow(NamedTuple, Generic[Entry]):
-    """A point at the distance d from a start, as an end of an arc: a turning point, or where the vertical came
-    first.
+class Place(NamedTuple, Generic[Entry]):
+    """A point of a motion at the distance d from a start; from a search a turning point, or the vertical before it.
 
-    K: there, 0 at a turning point; slope, bend: V' and V'' in x; error: of x, from rounding; crest: a distance
-    near
-    which K has a least value on the way, NaN without one. All is NaN where nothing was found.
+    r, w, sigma3, sigma4: the state, as in `Starts`. K: there, 0 at a turning point. slow: how far from here K has
+    its next zero beyond, inf where that is not near. error: from rounding, of x at turning points, elsewhere of K.
+    crest: a distance on the way at which K has a least value that is as slow, else NaN. All is NaN where nothing
+    was found.
     """
 
     d: Entry
@@ -81,8 +103,7 @@ class TurnRow(NamedTuple, Generic[Entry]):
     sigma3: Entry
     sigma4: Entry
     K: Entry
-    slope: Entry
-    bend: Entry
+    slow: Entry
     error: Entry
     crest: Entry
 
@@ -131,10 +152,10 @@ def point_of(A: Vector, i: int, inward: bool, b: Body) -> Point:
 
 @contracted_device
 def stand(A: Vector, i: int, inward: bool, b: Body) -> None:
-    """K, its rate and what bounds V'' at the distance of lane i."""
+    """K, its derivatives along the way and what bounds V'' at the distance of lane i."""
     P = point_of(A, i, inward, b)
-    slope, _bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
-    A[_K + i], A[_SLOPE + i] = A[_MOVING + i] - P.rise, slope if inward else -slope
+    slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
+    A[_K + i], A[_SLOPE + i], A[_BEND + i] = A[_MOVING + i] - P.rise, slope if inward else -slope, -bend
     A[_R + i], A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i] = P.r, P.q, P.ratio, P.sigma4
 
 
@@ -143,9 +164,9 @@ def begin(A: Vector, inward: bool, b: Body) -> None:
     """All searches at their starts."""
     for i in range(LANES):
         end = end_of(A, 0, i)
-        slope, _bend = slope_and_bend(end.q, end.z, end.ratio, end.sigma4, b)
-        A[_D + i] = A[_BEFORE + i] = A[_FALLING + i] = A[_CROSSES + i] = 0.0
-        A[_K + i], A[_SLOPE + i] = A[_MOVING + i], slope if inward else -slope
+        slope, bend = slope_and_bend(end.q, end.w * end.inv, end.ratio, end.sigma4, b)
+        A[_D + i] = A[_BEFORE + i] = A[_K_BEFORE + i] = A[_FALLING + i] = A[_CROSSES + i] = 0.0
+        A[_K + i], A[_SLOPE + i], A[_BEND + i] = A[_MOVING + i], slope if inward else -slope, -bend
         A[_R + i], A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i] = end.r, end.q, end.ratio, end.sigma4
         A[_CREST + i], A[_STATE + i] = math.nan, _OPEN
         potential = 0.5 * b.I1 * end.ratio * end.ratio + 0.5 * b.J * end.sigma4 * end.sigma4 + end.q
@@ -155,34 +176,58 @@ def begin(A: Vector, inward: bool, b: Body) -> None:
 
 
 @contracted_device
+def notice_crest(A: Vector, i: int) -> None:
+    """Note where K has just passed a least value at which the motion is slow.
+
+    A step that passes one at K_c begins where K <= 3 K_c/2, since it is no longer than sqrt(K_c/B).
+    """
+    slope = A[_SLOPE + i]
+    slow = A[_K_BEFORE + i] <= 3.0 * SLOW * SLOW * A[_BEND + i]
+    past = (A[_STATE + i] == _OPEN) & (A[_FALLING + i] == 1.0) & (slope > 0.0) & slow
+    A[_CREST + i] = 0.5 * (A[_BEFORE + i] + A[_D + i]) if past else A[_CREST + i]
+    A[_BEFORE + i], A[_K_BEFORE + i], A[_FALLING + i] = A[_D + i], A[_K + i], 1.0 if slope < 0.0 else 0.0
+
+
+@contracted_device
 def advance(A: Vector, i: int, inward: bool, b: Body) -> None:
     """One step of the search in lane i, without branches."""
-    d, moving, slope = A[_D + i], A[_K + i], A[_SLOPE + i]
-    is_open = A[_STATE + i] == _OPEN
-    past = is_open & (A[_FALLING + i] == 1.0) & (slope > 0.0) & (A[_CREST + i] != A[_CREST + i])
-    A[_CREST + i] = 0.5 * (A[_BEFORE + i] + d) if past else A[_CREST + i]
-    A[_BEFORE + i], A[_FALLING + i] = d if is_open else A[_BEFORE + i], 1.0 if slope < 0.0 else 0.0
-    h = step_of(moving, slope, steepest(A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i], A[_ENERGY + i], inward, b))
+    d, moving, slope, state = A[_D + i], A[_K + i], A[_SLOPE + i], A[_STATE + i]
+    is_open = state == _OPEN
+    bound = steepest(A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i], A[_ENERGY + i], inward, b)
+    h = step_of(moving, slope, bound)
     if inward:
         deep = is_open & (A[_R + i] < _DEEP) & ((moving > 0.0) | ((moving == 0.0) & (slope > 0.0)))
-        there = False
+        there, left = False, REACH
     else:
         deep = False
         out = d + h >= A[_UPRIGHT + i]
         there = is_open & out & (d == A[_UPRIGHT + i])
-        h = A[_UPRIGHT + i] - d if out else h
+        left = A[_UPRIGHT + i] - d
+        h = left if out else h
     ends = is_open & ((h <= _AT_END * d) | (h <= 0.0) | there)
+    # Within twice Newton's step K falls, and has a root.
+    newton = -moving / slope
+    alone = (moving > 0.0) & (slope < 0.0) & (2.0 * newton <= min(left, REACH)) & (2.0 * bound * newton <= -slope)
+    near = (state == _NEAR) | (is_open & alone & (not deep) & (not ends))
+    high = d + 2.0 * newton if is_open else d if moving < 0.0 else A[_HIGH + i]
+    low = A[_LOW + i] if moving < 0.0 else d
+    new = d - 2.0 * moving * slope / (2.0 * slope * slope - moving * A[_BEND + i])
+    new = new if (new >= low) & (new <= high) else 0.5 * (low + high)
+    # What Halley's step leaves is of its third order.
+    step, steep = abs(new - d), bound / abs(slope)
+    settled = near & (step * step * step * steep * (steep + 1.0) <= _AT_END * new)
+    A[_LOW + i], A[_HIGH + i] = low, high
     A[_CROSSES + i] = 1.0 if there & (moving > 0.0) else A[_CROSSES + i]
-    A[_STATE + i] = _IN_DEPTH if deep else _FOUND if ends else A[_STATE + i]
-    A[_D + i] = d + h if is_open & (not deep) & (not ends) else d
+    A[_STATE + i] = _IN_DEPTH if deep else _FOUND if ends | settled else _NEAR if near else state
+    A[_D + i] = new if near else d + h if is_open & (not deep) & (not ends) else d
 
 
 @contracted_subroutine
-def any_left(A: Vector, state: float) -> bool:
-    """Whether a search is still so far."""
+def any_left(A: Vector, until: float) -> bool:
+    """Whether a search is not yet so far."""
     n = 0
     for i in range(LANES):
-        n += 1 if A[_STATE + i] == state else 0
+        n += 1 if A[_STATE + i] < until else 0
     return n > 0
 
 
@@ -213,7 +258,7 @@ def approach(A: Vector, i: int) -> None:
     A[_R + i] = r / math.sqrt(1.0 + share) if ends else r
     A[_LOW + i], A[_HIGH + i] = low, high
     A[_D + i] = (new if newton else 0.5 * (low + high)) if is_open else d
-    A[_STATE + i] = _FOUND if ends else A[_STATE + i]
+    A[_STATE + i] = _FOUND_DEEP if ends else A[_STATE + i]
 
 
 @contracted_subroutine
@@ -228,7 +273,7 @@ def dive(A: Vector, b: Body) -> None:
             A[_R + i] = A[_R + i] if A[_STATE + i] == _IN_DEPTH else r
         for i in range(LANES):
             approach(A, i)
-        if not any_left(A, _IN_DEPTH):
+        if not any_left(A, _FOUND):
             break
 
 
@@ -247,40 +292,19 @@ def approach_rest(A: Vector, i: int) -> None:
 
 
 @contracted_subroutine
-def turn_of(A: Vector, i: int, inward: bool, b: Body) -> TurnRow[float]:
-    """What the search in lane i has found."""
-    d, crosses = A[_D + i], A[_CROSSES + i] == 1.0
-    P = point_of(A, i, inward, b)
-    nan = math.nan
-    if A[_STATE + i] != _FOUND:
-        return TurnRow(nan, nan, nan, nan, nan, nan, nan, nan, nan, nan)
-    r = 1.0 if crosses else A[_R + i]
-    w = 0.0 if crosses else P.w if r > 0.5 else (1.0 - r) * (1.0 + r)
-    slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
-    K = A[_MOVING + i] - P.rise if crosses else 0.0
-    error = _ROUNDING * (P.size + abs(A[_MOVING + i])) / abs(slope) if slope != 0.0 else math.inf
-    return TurnRow(d, r, w, P.sigma3, P.sigma4, K, slope, bend, error, A[_CREST + i])
-
-
-@contracted_subroutine
-def store(A: Vector, first: int, inward: bool, b: Body, out: Matrix) -> None:
-    """What the lanes have found into columns from `first` on."""
-    for i in range(min(LANES, out.shape[1] - first)):
-        put(turn_of(A, i, inward, b), out, first + i)
-
-
-@contracted_subroutine
 def search(A: Vector, inward: bool, b: Body) -> None:
     """The next turning points; outwards the vertical where that comes first."""
     begin(A, inward, b)
     for _ in range(_STEPS):
+        for i in range(LANES):
+            notice_crest(A, i)
         if inward:
             for i in range(LANES):
                 advance(A, i, True, b)
         else:
             for i in range(LANES):
                 advance(A, i, False, b)
-        if not any_left(A, _OPEN):
+        if not any_left(A, _IN_DEPTH):
             break
         if inward:
             for i in range(LANES):
@@ -288,7 +312,7 @@ def search(A: Vector, inward: bool, b: Body) -> None:
         else:
             for i in range(LANES):
                 stand(A, i, False, b)
-    if any_left(A, _IN_DEPTH):
+    if any_left(A, _FOUND):
         dive(A, b)
 
 
@@ -301,15 +325,96 @@ def search_rest(A: Vector, b: Body) -> None:
     for _ in range(_NEWTON):
         for i in range(LANES):
             approach_rest(A, i)
-        if not any_left(A, _OPEN):
+        if not any_left(A, _IN_DEPTH):
             break
         for i in range(LANES):
             stand(A, i, True, b)
 
 
+@contracted_subroutine
+def find_crest(A: Vector, i: int, inward: bool, b: Body) -> float:
+    """The distance of a crest from near it, by Newton's method; NaN where the motion is not slow there."""
+    d, slow = A[_CREST + i], False
+    if d != d:
+        return d
+    found = A[_D + i]
+    for _ in range(_NEWTON):
+        A[_D + i] = d
+        P = point_of(A, i, inward, b)
+        slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
+        step = max(-REACH, min(REACH, (slope if inward else -slope) / bend))
+        slow = (bend < 0.0) & (A[_MOVING + i] - P.rise < -0.5 * SLOW * SLOW * bend)
+        d += step
+        if not ((abs(step) > _AT_END * d) & (bend < 0.0) & (d > 0.0) & (d < found)):
+            break
+    A[_D + i] = found
+    return d if slow & (d > 0.0) & (d < found) else math.nan
+
+
+@contracted_subroutine
+def slow_beyond(K: float, slope: float, bend: float) -> float:
+    """The distance to the next zero of K, which may be complex, from K and the derivatives of V; inf beyond SLOW."""
+    steep, inside = abs(slope), slope * slope + 2.0 * bend * K
+    if K > 0.0:
+        slow = 2.0 * K / (steep + math.sqrt(inside)) if inside >= 0.0 else math.sqrt(2.0 * K / -bend)
+    else:
+        slow = -2.0 * steep / bend if bend < 0.0 else math.inf
+    return max(slow, _CLOSEST) if slow < SLOW else math.inf
+
+
+@contracted_subroutine
+def place_of(A: Vector, i: int, inward: bool, turns: bool, b: Body) -> Place[float]:
+    """The point at the distance of lane i; turns: where K is 0."""
+    P = point_of(A, i, inward, b)
+    slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
+    K, error = A[_MOVING + i] - P.rise, _ROUNDING * (P.size + abs(A[_MOVING + i]))
+    if turns:
+        K, error = 0.0, error / abs(slope) if slope != 0.0 else math.inf
+    return Place(A[_D + i], P.r, P.w, P.sigma3, P.sigma4, K, slow_beyond(K, slope, bend), error, math.nan)
+
+
+@contracted_device
+def standing_at(P: Place[float], r: float, w: float, crest: float) -> Place[float]:
+    """The same point, with its tilt known better."""
+    return Place(P.d, r, w, P.sigma3, P.sigma4, P.K, P.slow, P.error, crest)
+
+
+@contracted_subroutine
+def turn_of(A: Vector, i: int, inward: bool, b: Body) -> Place[float]:
+    """What the search in lane i has found."""
+    nan = math.nan
+    if A[_STATE + i] < _FOUND:
+        return Place(nan, nan, nan, nan, nan, nan, nan, nan, nan)
+    crosses = A[_CROSSES + i] == 1.0
+    P, crest = place_of(A, i, inward, not crosses, b), find_crest(A, i, inward, b)
+    if crosses:
+        return standing_at(P, 1.0, 0.0, crest)
+    r = A[_R + i] if A[_STATE + i] == _FOUND_DEEP else P.r
+    return standing_at(P, r, P.w if r > 0.5 else (1.0 - r) * (1.0 + r), crest)
+
+
+@contracted_subroutine
+def store(A: Vector, first: int, inward: bool, b: Body, out: Matrix) -> None:
+    """What the lanes have found into columns from `first` on."""
+    for i in range(min(LANES, out.shape[1] - first)):
+        put(turn_of(A, i, inward, b), out, first + i)
+
+
+@contracted_subroutine
+def store_ends(A: Vector, first: int, b: Body, state: Matrix, vertical: Matrix) -> None:
+    """The start, and the vertical as the constants of the motion have it, into columns from `first` on."""
+    for i in range(min(LANES, state.shape[1] - first)):
+        d = A[_D + i]
+        A[_D + i] = 0.0
+        put(place_of(A, i, False, False, b), state, first + i)
+        A[_D + i] = A[_UPRIGHT + i]
+        put(standing_at(place_of(A, i, False, False, b), 1.0, 0.0, math.nan), vertical, first + i)
+        A[_D + i] = d
+
+
 @kernel
 def inward_batch(starts: Starts, chart: Chart, out: Matrix) -> None:
-    """The next turning point towards flat from every start -> out (10, n), rows as TurnRow."""
+    """The next turning point towards flat from every start -> out (9, n), rows as Place."""
     A = np.zeros(_ROWS)
     for first in range(0, out.shape[1], LANES):
         load(A, starts, first, chart)
@@ -318,18 +423,28 @@ def inward_batch(starts: Starts, chart: Chart, out: Matrix) -> None:
 
 
 @kernel
-def outward_batch(starts: Starts, chart: Chart, out: Matrix) -> None:
-    """The same away from flat, or the vertical where that comes first."""
+def orbit_batch(
+    starts: Starts, chart: Chart, state: Matrix, inner: Matrix, outer: Matrix, vertical: Matrix
+) -> None:
+    """Where every motion turns on the face of its start -> four times (9, n), rows as Place.
+
+    state: the start. inner: the next turning point towards flat. outer: the next away from it, or the vertical
+    before. vertical: what the constants of the motion give there, whether it comes there or not; K below 0 is what
+    it lacks.
+    """
     A = np.zeros(_ROWS)
-    for first in range(0, out.shape[1], LANES):
+    for first in range(0, inner.shape[1], LANES):
         load(A, starts, first, chart)
+        search(A, True, chart.body)
+        store(A, first, True, chart.body, inner)
         search(A, False, chart.body)
-        store(A, first, False, chart.body, out)
+        store(A, first, False, chart.body, outer)
+        store_ends(A, first, chart.body, state, vertical)
 
 
 @kernel
 def rest_batch(starts: Starts, chart: Chart, out: Matrix) -> None:
-    """Where motions on F (Y = 0) with K < 0 at their starts begin from rest, towards flat -> out (10, n)."""
+    """Where motions on F (Y = 0) with K < 0 at their starts begin from rest, towards flat -> out (9, n)."""
     A = np.zeros(_ROWS)
     for first in range(0, out.shape[1], LANES):
         load(A, starts, first, chart)
@@ -337,24 +452,13 @@ def rest_batch(starts: Starts, chart: Chart, out: Matrix) -> None:
         store(A, first, True, chart.body, out)
 
 
-@contracted_subroutine
-def end_at(A: Vector, i: int, inward: bool, b: Body) -> TurnRow[float]:
-    """The point at the distance of lane i, with K there."""
-    P = point_of(A, i, inward, b)
-    slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
-    K = A[_MOVING + i] - P.rise
-    return TurnRow(A[_D + i], P.r, P.w, P.sigma3, P.sigma4, K, slope, bend, P.size, math.nan)
-
-
 @kernel
 def point_batch(starts: Starts, d: Vector, inward: bool, chart: Chart, out: Matrix) -> None:
-    """The point at a distance from every start -> out (10, n), rows as TurnRow.
-
-    Error: the size of the terms of K.
-    """
+    """The point at a distance from every start -> out (9, n), rows as Place."""
     A = np.zeros(_ROWS)
     for first in range(0, d.size, LANES):
         load(A, starts, first, chart)
         for i in range(min(LANES, d.size - first)):
             A[_D + i] = d[first + i]
-            put(end_at(A, i, True, chart.body) if inward else end_at(A, i, False, chart.body), out, first + i)
+            place = place_of(A, i, True, False, chart.body) if inward else place_of(A, i, False, False, chart.body)
+            put(place, out, first + i)

@@ -8,7 +8,7 @@ from mpmath import mp, mpf
 import explorer as ex
 from kernels.arcs import exponentials
 from kernels.arcs.potential import make_chart
-from kernels.arcs.turning_points import Starts, TurnRow, inward_batch
+from kernels.arcs.turning_points import Starts, Place, inward_batch
 
 
 def half_passage(disk, sigma3_bar, eta_hat, speed, accuracy):
@@ -19,7 +19,7 @@ def half_passage(disk, sigma3_bar, eta_hat, speed, accuracy):
     start = Starts(X, Y, K, none + 1.0, none, X * b.r0, sigma4)
     turn = searched(inward_batch, start, chart)
     bend = b.M * (X * b.r0) ** 2 + b.J * b.k * sigma4**2 - 1.0
-    top = TurnRow(none, none + 1.0, none, X * b.r0, sigma4, K, b.J * X * b.r0 * sigma4, bend, none, none * np.nan)
+    top = Place(none, none + 1.0, none, X * b.r0, sigma4, K, b.J * X * b.r0 * sigma4, bend, none, none * np.nan)
     return 2.0 * np.arctan(turn.r[0]), between(X, Y, turn.d, turn, top, turn.crest, accuracy, chart)
 
 
