@@ -92,7 +92,11 @@ def orbits_of(disk: Disk, motions: Motions, ends: Ends, accuracy: float, lead: b
     crest = np.where(np.isnan(inner.crest), outer.d - outer.crest, outer.d + inner.crest)
     here[:, rows] = integrals(disk, arcs_between(X, Y, inner.d + outer.d, inner, outer), crest, accuracy)
     if lead:
-        ahead[:, rows] = integrals(disk, arcs_between(X, Y, inner.d, inner, state), inner.crest, accuracy)
+        ahead[:, rows] = np.where(outer.d == 0.0, here[:, rows], 0.0)
+        between = np.flatnonzero((inner.d > 0.0) & (outer.d > 0.0))
+        low, at, way = _some(inner, between), _some(state, between), arcs_between
+        part = integrals(disk, way(X[between], Y[between], low.d, low, at), low.crest, accuracy)
+        ahead[:, rows[between]] = part
     crossing = rows[ends.crosses[rows]]
     if crossing.size:
         far, top = _some(ends.far, crossing), _beyond(_some(ends.vertical, crossing))
@@ -114,9 +118,10 @@ def _wobbles(disk: Disk, motions: Motions, ends: Ends, rows: NDArray[np.intp]) -
     crosses, vertical = ends.crosses[rows], _some(ends.vertical, rows)
     wells = compiled.nutation.Wells(
         from_place(motions.starts.X[rows], motions.starts.Y[rows], inner),
-        ends.width[rows],
         inner.d,
+        outer.d + np.where(crosses, ends.far.d[rows], 0.0),
         np.where(crosses, inner.d + outer.d, np.inf),
+        np.where(crosses, ends.far.d[rows], np.inf),
         motions.Y_far[rows],
         vertical.sigma3,
         -vertical.sigma4,

@@ -59,15 +59,17 @@ class Points(NamedTuple):
 
 
 class Wells(NamedTuple):
-    """Wells (n) above their inner turning points: length, how far the state is, and the vertical.
+    """Wells (n) above their inner turning points: distances of the state and of the vertical from both ends.
 
-    Of the other face, which a well may reach into: Y and sigma4 at the vertical, as that face has them.
+    The vertical is at inf, and that far from the outer end, where a well does not reach it. Of the other face: Y
+    and sigma4 at the vertical, as that face has them.
     """
 
     inner: Starts
-    L: Vector
     to_state: Vector
+    from_state: Vector
     to_vertical: Vector
+    from_vertical: Vector
     Y_far: Vector
     sigma3_vertical: Vector
     sigma4_far: Vector
@@ -111,9 +113,10 @@ def load(A: Vector, wells: Wells, first: int, chart: Chart) -> None:
     """Wells into lanes; the last one fills those that are left over."""
     E, inner = A[_FAR * LANES :], wells.inner
     for i in range(LANES):
-        j = min(first + i, wells.L.size - 1)
+        j = min(first + i, wells.to_state.size - 1)
         A[_X + i], A[_Y + i], A[_Y_FAR + i] = inner.X[j], inner.Y[j], wells.Y_far[j]
-        A[_L + i], A[_UPRIGHT + i], A[_TERMS + i] = wells.L[j], wells.to_vertical[j], 0.0
+        A[_L + i] = wells.to_state[j] + wells.from_state[j]
+        A[_UPRIGHT + i], A[_TERMS + i] = wells.to_vertical[j], 0.0
         A[R * LANES + i], A[W * LANES + i] = inner.r[j], inner.w[j]
         A[SIGMA3 * LANES + i], A[SIGMA4 * LANES + i] = inner.sigma3[j], inner.sigma4[j]
         E[R * LANES + i], E[W * LANES + i] = 1.0, 0.0
@@ -175,12 +178,14 @@ def erred(coefficients: Vector, off: float) -> float:
 
 
 @contracted_subroutine
-def partly(A: Vector, i: int, share: float, slack: float) -> tuple[float, float, float, float, float]:
-    """Integrals from the inner end to a share of the length, which is uncertain by `slack`, and their errors."""
-    upto = 2.0 * math.asin(math.sqrt(min(share, 1.0)))
-    # d(angle)/d(share) = 1/sqrt(share (1 - share))
-    inside = share * (1.0 - share)
-    off = (slack / math.sqrt(inside) if inside > slack else 2.0 * math.sqrt(slack)) + 16.0 * _EPSILON
+def partly(A: Vector, i: int, to: float, rest: float, slack: float) -> tuple[float, float, float, float, float]:
+    """Integrals from the inner end over `to` of the length, and their errors; slack: relative, of both distances.
+
+    A motion that is steady to rounding is at either end at any time.
+    """
+    upto = 2.0 * math.atan2(math.sqrt(to), math.sqrt(rest))
+    near, far = min(to, rest), max(to, rest)
+    off = (slack * math.sqrt(near / far) if near > 0.0 and slack < 1.0 else 0.0) + 16.0 * _EPSILON
     at = _AT_POINTS + i
     time, chi, psi = A[at:], A[at + POINTS * LANES :], A[at + 2 * POINTS * LANES :]
     angle_error = erred(chi, off) + erred(psi, off)
@@ -188,24 +193,25 @@ def partly(A: Vector, i: int, share: float, slack: float) -> tuple[float, float,
 
 
 @contracted_subroutine
-def settle(A: Vector, i: int, to_state: float, points: Points, b: Body) -> WellRow[float]:
-    """The well in lane i."""
+def settle(A: Vector, i: int, j: int, wells: Wells, points: Points, b: Body) -> WellRow[float]:
+    """Well j, in lane i."""
     values = A[_AT_POINTS + i :]
     multiply(A, i, _BEND, points.twice)
     least = math.inf
-    for j in range(POINTS):
-        share = values[(_BEND * POINTS + j) * LANES]
+    for m in range(POINTS):
+        share = values[(_BEND * POINTS + m) * LANES]
         least = min(least, share)
         scale = math.sqrt(0.5 * b.M / share)
         for row in range(3):
-            values[(row * POINTS + j) * LANES] *= scale
+            values[(row * POINTS + m) * LANES] *= scale
     for row in range(3):
         multiply(A, i, row, points.cosines)
     L = A[_L + i]
     # Rounding of V' moves the bottom of the well.
     slack = 4.0 * _EPSILON * A[_TERMS + i] / (least * L)
-    whole = partly(A, i, 1.0, 0.0)
-    state, vertical = partly(A, i, to_state / L, slack), partly(A, i, A[_UPRIGHT + i] / L, slack)
+    whole = partly(A, i, 1.0, 0.0, 0.0)
+    state = partly(A, i, wells.to_state[j], wells.from_state[j], slack)
+    vertical = partly(A, i, wells.to_vertical[j], wells.from_vertical[j], slack)
     return WellRow(*whole, *state, *vertical)
 
 
@@ -213,9 +219,9 @@ def settle(A: Vector, i: int, to_state: float, points: Points, b: Body) -> WellR
 def well_batch(wells: Wells, points: Points, chart: Chart, out: Matrix) -> None:
     """Every well -> out (15, n), rows as WellRow."""
     A = np.zeros(_ROWS)
-    for first in range(0, wells.L.size, LANES):
+    for first in range(0, wells.to_state.size, LANES):
         load(A, wells, first, chart)
         for j in range(POINTS):
             look(A, j, points.share[j], chart.body)
-        for i in range(min(LANES, wells.L.size - first)):
-            put(settle(A, i, wells.to_state[first + i], points, chart.body), out, first + i)
+        for i in range(min(LANES, wells.to_state.size - first)):
+            put(settle(A, i, first + i, wells, points, chart.body), out, first + i)

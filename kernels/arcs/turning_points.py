@@ -30,7 +30,7 @@ from kernels.arcs.potential import (
 )
 from kernels.disk.body import Body
 from kernels.disk.elementary import log_ratio
-from kernels.disk.rows import Entry, put
+from kernels.disk.rows import Entry
 from kernels.types import Matrix, Vector
 
 # In x: where the next zero of K lies no farther beyond an end, or K is as little at a crest, the motion is slow.
@@ -72,8 +72,8 @@ _OPEN, _NEAR, _IN_DEPTH, _FOUND, _FOUND_DEEP = 0.0, 1.0, 2.0, 3.0, 4.0
     _UPRIGHT,
     _LOW,
     _HIGH,
-) = range(END_ROWS * LANES, (END_ROWS + 21) * LANES, LANES)
-_ROWS = (END_ROWS + 21) * LANES
+    _PLACE,
+) = range(END_ROWS * LANES, (END_ROWS + 22) * LANES, LANES)
 
 
 class Starts(NamedTuple):
@@ -106,6 +106,12 @@ class Place(NamedTuple, Generic[Entry]):
     slow: Entry
     error: Entry
     crest: Entry
+
+
+_D_AT, _R_AT, _W_AT, _SIGMA3_AT, _SIGMA4_AT, _K_AT, _SLOW_AT, _ERROR_AT, _CREST_AT = range(
+    _PLACE, _PLACE + 9 * LANES, LANES
+)
+_ROWS = _PLACE + 9 * LANES
 
 
 @contracted_device
@@ -200,9 +206,9 @@ def advance(A: Vector, i: int, inward: bool, b: Body) -> None:
         there, left = False, REACH
     else:
         deep = False
-        out = d + h >= A[_UPRIGHT + i]
-        there = is_open & out & (d == A[_UPRIGHT + i])
         left = A[_UPRIGHT + i] - d
+        out = h >= left
+        there = is_open & out & (left <= _AT_END * d)
         h = left if out else h
     ends = is_open & ((h <= _AT_END * d) | (h <= 0.0) | there)
     # Within twice Newton's step K falls, and has a root.
@@ -331,85 +337,99 @@ def search_rest(A: Vector, b: Body) -> None:
             stand(A, i, True, b)
 
 
-@contracted_subroutine
-def find_crest(A: Vector, i: int, inward: bool, b: Body) -> float:
-    """The distance of a crest from near it, by Newton's method; NaN where the motion is not slow there."""
-    d, slow = A[_CREST + i], False
-    if d != d:
-        return d
-    found = A[_D + i]
-    for _ in range(_NEWTON):
-        A[_D + i] = d
-        P = point_of(A, i, inward, b)
-        slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
-        step = max(-REACH, min(REACH, (slope if inward else -slope) / bend))
-        slow = (bend < 0.0) & (A[_MOVING + i] - P.rise < -0.5 * SLOW * SLOW * bend)
-        d += step
-        if not ((abs(step) > _AT_END * d) & (bend < 0.0) & (d > 0.0) & (d < found)):
-            break
-    A[_D + i] = found
-    return d if slow & (d > 0.0) & (d < found) else math.nan
-
-
-@contracted_subroutine
+@contracted_device
 def slow_beyond(K: float, slope: float, bend: float) -> float:
     """The distance to the next zero of K, which may be complex, from K and the derivatives of V; inf beyond SLOW."""
     steep, inside = abs(slope), slope * slope + 2.0 * bend * K
-    if K > 0.0:
-        slow = 2.0 * K / (steep + math.sqrt(inside)) if inside >= 0.0 else math.sqrt(2.0 * K / -bend)
-    else:
-        slow = -2.0 * steep / bend if bend < 0.0 else math.inf
+    moving = 2.0 * K / (steep + math.sqrt(abs(inside))) if inside >= 0.0 else math.sqrt(abs(2.0 * K / bend))
+    turning = -2.0 * steep / bend if bend < 0.0 else math.inf
+    slow = moving if K > 0.0 else turning
     return max(slow, _CLOSEST) if slow < SLOW else math.inf
 
 
-@contracted_subroutine
-def place_of(A: Vector, i: int, inward: bool, turns: bool, b: Body) -> Place[float]:
-    """The point at the distance of lane i; turns: where K is 0."""
-    P = point_of(A, i, inward, b)
+@contracted_device
+def place(A: Vector, i: int, d: float, inward: bool, b: Body) -> None:
+    """The point at a distance in lane i."""
+    P = point_at(A, d, inward, end_of(A, 0, i), Motion(A[_X + i], A[_Y + i]), b)
     slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
-    K, error = A[_MOVING + i] - P.rise, _ROUNDING * (P.size + abs(A[_MOVING + i]))
-    if turns:
-        K, error = 0.0, error / abs(slope) if slope != 0.0 else math.inf
-    return Place(A[_D + i], P.r, P.w, P.sigma3, P.sigma4, K, slow_beyond(K, slope, bend), error, math.nan)
+    K = A[_MOVING + i] - P.rise
+    A[_D_AT + i], A[_R_AT + i], A[_W_AT + i] = d, P.r, P.w
+    A[_SIGMA3_AT + i], A[_SIGMA4_AT + i], A[_K_AT + i] = P.sigma3, P.sigma4, K
+    A[_SLOW_AT + i], A[_CREST_AT + i] = slow_beyond(K, slope, bend), math.nan
+    A[_ERROR_AT + i] = _ROUNDING * (P.size + abs(A[_MOVING + i]))
+    A[_SLOPE + i], A[_BEND + i] = slope, bend
 
 
 @contracted_device
-def standing_at(P: Place[float], r: float, w: float, crest: float) -> Place[float]:
-    """The same point, with its tilt known better."""
-    return Place(P.d, r, w, P.sigma3, P.sigma4, P.K, P.slow, P.error, crest)
+def at_vertical(A: Vector, i: int) -> None:
+    """The point in lane i, which is the vertical, as such."""
+    A[_R_AT + i], A[_W_AT + i] = 1.0, 0.0
+
+
+@contracted_device
+def as_found(A: Vector, i: int) -> None:
+    """The point in lane i, which a search has found, as such."""
+    crosses, r = A[_CROSSES + i] == 1.0, A[_R + i] if A[_STATE + i] == _FOUND_DEEP else A[_R_AT + i]
+    w = A[_W_AT + i] if r > 0.5 else (1.0 - r) * (1.0 + r)
+    A[_R_AT + i], A[_W_AT + i] = 1.0 if crosses else r, 0.0 if crosses else w
+    A[_K_AT + i] = A[_K_AT + i] if crosses else 0.0
+    A[_SLOW_AT + i] = A[_SLOW_AT + i] if crosses else slow_beyond(0.0, A[_SLOPE + i], A[_BEND + i])
+    A[_ERROR_AT + i] = A[_ERROR_AT + i] if crosses else A[_ERROR_AT + i] / abs(A[_SLOPE + i])
+    A[_D_AT + i] = A[_D_AT + i] if A[_STATE + i] >= _FOUND else math.nan
 
 
 @contracted_subroutine
-def turn_of(A: Vector, i: int, inward: bool, b: Body) -> Place[float]:
-    """What the search in lane i has found."""
-    nan = math.nan
-    if A[_STATE + i] < _FOUND:
-        return Place(nan, nan, nan, nan, nan, nan, nan, nan, nan)
-    crosses = A[_CROSSES + i] == 1.0
-    P, crest = place_of(A, i, inward, not crosses, b), find_crest(A, i, inward, b)
-    if crosses:
-        return standing_at(P, 1.0, 0.0, crest)
-    r = A[_R + i] if A[_STATE + i] == _FOUND_DEEP else P.r
-    return standing_at(P, r, P.w if r > 0.5 else (1.0 - r) * (1.0 + r), crest)
+def write(A: Vector, first: int, out: Matrix) -> None:
+    """The points in the lanes into columns from `first` on; all NaN without a distance."""
+    n = min(LANES, out.shape[1] - first)
+    for row in range(out.shape[0]):
+        for i in range(n):
+            out[row, first + i] = A[_PLACE + row * LANES + i] if A[_PLACE + i] == A[_PLACE + i] else math.nan
 
 
 @contracted_subroutine
 def store(A: Vector, first: int, inward: bool, b: Body, out: Matrix) -> None:
-    """What the lanes have found into columns from `first` on."""
-    for i in range(min(LANES, out.shape[1] - first)):
-        put(turn_of(A, i, inward, b), out, first + i)
+    """What searches have found into columns from `first` on."""
+    if inward:
+        for i in range(LANES):
+            place(A, i, A[_D + i], True, b)
+    else:
+        for i in range(LANES):
+            place(A, i, A[_D + i], False, b)
+    for i in range(LANES):
+        as_found(A, i)
+    for i in range(LANES):
+        if A[_CREST + i] == A[_CREST + i]:
+            A[_CREST_AT + i] = find_crest(A, i, inward, b)
+    write(A, first, out)
+
+
+@contracted_subroutine
+def find_crest(A: Vector, i: int, inward: bool, b: Body) -> float:
+    """The distance of a crest from near it, by Newton's method; NaN where the motion is not slow there."""
+    d, slow, end, motion = A[_CREST + i], False, end_of(A, 0, i), Motion(A[_X + i], A[_Y + i])
+    for _ in range(_NEWTON):
+        P = point_at(A, d, True, end, motion, b) if inward else point_at(A, d, False, end, motion, b)
+        slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
+        step = max(-REACH, min(REACH, (slope if inward else -slope) / bend))
+        slow = (bend < 0.0) & (A[_MOVING + i] - P.rise < -0.5 * SLOW * SLOW * bend)
+        d += step
+        if not ((abs(step) > _AT_END * d) & (bend < 0.0) & (d > 0.0) & (d < A[_D + i])):
+            break
+    return d if slow & (d > 0.0) & (d < A[_D + i]) else math.nan
 
 
 @contracted_subroutine
 def store_ends(A: Vector, first: int, b: Body, state: Matrix, vertical: Matrix) -> None:
-    """The start, and the vertical as the constants of the motion have it, into columns from `first` on."""
-    for i in range(min(LANES, state.shape[1] - first)):
-        d = A[_D + i]
-        A[_D + i] = 0.0
-        put(place_of(A, i, False, False, b), state, first + i)
-        A[_D + i] = A[_UPRIGHT + i]
-        put(standing_at(place_of(A, i, False, False, b), 1.0, 0.0, math.nan), vertical, first + i)
-        A[_D + i] = d
+    """The starts, and the vertical as the constants of their motions have it, into columns from `first` on."""
+    for i in range(LANES):
+        place(A, i, 0.0, False, b)
+    write(A, first, state)
+    for i in range(LANES):
+        place(A, i, A[_UPRIGHT + i], False, b)
+    for i in range(LANES):
+        at_vertical(A, i)
+    write(A, first, vertical)
 
 
 @kernel
@@ -458,7 +478,12 @@ def point_batch(starts: Starts, d: Vector, inward: bool, chart: Chart, out: Matr
     A = np.zeros(_ROWS)
     for first in range(0, d.size, LANES):
         load(A, starts, first, chart)
-        for i in range(min(LANES, d.size - first)):
-            A[_D + i] = d[first + i]
-            place = place_of(A, i, True, False, chart.body) if inward else place_of(A, i, False, False, chart.body)
-            put(place, out, first + i)
+        for i in range(LANES):
+            A[_D + i] = d[min(first + i, d.size - 1)]
+        if inward:
+            for i in range(LANES):
+                place(A, i, A[_D + i], True, chart.body)
+        else:
+            for i in range(LANES):
+                place(A, i, A[_D + i], False, chart.body)
+        write(A, first, out)
