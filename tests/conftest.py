@@ -4,8 +4,6 @@ import gc
 import json
 import os
 import pickle
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -31,13 +29,6 @@ BODIES = {
 }
 
 
-ROOT = Path(__file__).parents[1]
-COMPILE_REFERENCE = [
-    sys.executable,
-    "-c",
-    "import sys; sys.path.append('tests'); from one_by_one import in_turn; in_turn.compile()",
-]
-
 # Objects after which Python looks for garbage. Modules and collected tests are half a million that stay: to look
 # through them again and again is a tenth of the suite's time.
 _COLLECTED = 50_000
@@ -58,15 +49,10 @@ def pytest_collection_finish():
 
 
 def pytest_sessionstart(session):
-    """Compile the kernels, and their reference, before workers start, who would all compile the same ones."""
+    """Compile the kernels before workers start, who would all compile the same ones."""
     workers = getattr(session.config.option, "numprocesses", None)
     if workers and not hasattr(session.config, "workerinput") and not session.config.option.collectonly:
-        from one_by_one import in_turn  # takes long to import
-
-        beside = None if in_turn.is_cached() else subprocess.Popen(COMPILE_REFERENCE, cwd=ROOT)
         compiled.compile_missing(say=print)
-        if beside is not None:
-            beside.wait()
 
 
 @pytest.fixture(scope="session")

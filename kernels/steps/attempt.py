@@ -92,7 +92,10 @@ def to_depth(x: State, depth: int) -> State:
 
 @device
 def rk4_attempt(depth: int, x: State, h: float, control: float, unit: float, b: Body) -> tuple[State, bool, float]:
-    """As `attempt`, of the classical method; alike below. `control` is not used."""
+    """One step: the state after it, whether it is accepted, and the step to try next; alike below.
+
+    Call with constant depth: the compiler then drops what the depth does not need. `control` is not used here.
+    """
     return to_depth(rk4_step(x, h, b), depth), True, h
 
 
@@ -124,24 +127,6 @@ def dopri5_attempt(
 def limited(step: float, longest: float) -> float:
     """The step to try next, no longer than any may be."""
     return step if step < longest else longest
-
-
-@device
-def attempt(
-    method: int, depth: int, x: State, h: float, control: float, unit: float, b: Body
-) -> tuple[State, bool, float]:
-    """One step: the state after it, whether it is accepted, and the step to try next.
-
-    Call with constant method and depth: the compiler then keeps one branch and drops what the
-    depth does not need.
-    """
-    if method == RK4:
-        return rk4_attempt(depth, x, h, control, unit, b)
-    if method == RK8:
-        return rk8_attempt(depth, x, h, control, unit, b)
-    if method == DOP853:
-        return dop853_attempt(depth, x, h, control, unit, b)
-    return dopri5_attempt(depth, x, h, control, unit, b)
 
 
 @device

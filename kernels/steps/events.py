@@ -9,7 +9,6 @@ from typing import NamedTuple
 from kernels._jit import device
 from kernels.disk.body import Body
 from kernels.disk.field import State, angles, reduced
-from kernels.types import Vector
 
 
 class Event(NamedTuple):
@@ -28,15 +27,7 @@ class Stop(NamedTuple):
     value: float
 
 
-class Stops(NamedTuple):
-    """Where a motion is recorded: whenever the event has taken the next of the values."""
-
-    event: Event
-    values: Vector
-
-
 TURNING_POINT = Event(0.0, 0.0, 1.0, 0.0)
-VERTICAL = Event(0.0, 1.0, 0.0, 0.0)
 TIME = Event(0.0, 0.0, 0.0, 1.0)
 
 

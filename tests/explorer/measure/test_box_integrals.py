@@ -9,46 +9,16 @@ import pytest
 from conftest import BODIES
 from scipy.integrate import nquad, quad
 
-from explorer.measure import box_integrals
 from explorer.measure.box_integrals import (
     Integral,
     NaturalDensity,
     Work,
-    between_energies,
-    ends_of_bar,
-    mirrored,
     over_tilts,
     panels_between,
-    settled,
 )
 from explorer.measure.density import Density
 
 UNIFORM, COIN = BODIES["uniform"], BODIES["coin"]
-
-
-def test_panels_are_doubled_until_the_result_settles():
-    asked = []
-
-    def integral(panels):
-        asked.append(panels)
-        return Integral(1.0 + 0.1**panels, 1e-9)
-
-    found = settled(integral, 1e-5, 8)
-    assert asked == [1, 2, 4, 8]
-    assert found == pytest.approx(Integral(1.0 + 1e-8, 1e-9 + 1e-4 - 1e-8))
-    asked.clear()
-    assert settled(integral, 1e-4) == Integral(1.1, 1e-9)
-    assert asked == [1]
-    jumping = {1: 1.0, 2: 1.2, 4: 1.19}
-    assert settled(lambda panels: Integral(jumping[panels], 0.0), 1e-7).error == pytest.approx(0.2)
-
-
-def test_a_range_of_energies_is_a_difference_and_errors_add():
-    def below(energy):
-        return Integral(energy**2, 0.1)
-
-    assert between_energies(below, (2.0, 3.0)) == pytest.approx(Integral(5.0, 0.2))
-    assert between_energies(below, (-math.inf, 3.0)) == pytest.approx(Integral(9.0, 0.1))
 
 
 def test_an_integral_over_tilts_is_that_of_its_pieces():
@@ -65,24 +35,6 @@ def test_nodes_integrate_a_square_root_that_ends_at_an_end(panels):
     kinked = np.sqrt(2.0 - nodes) * abs(nodes - 0.5)
     exact = quad(lambda x: math.sqrt(2.0 - x) * abs(x - 0.5), 0.0, 2.0, points=[0.5], epsabs=1e-13)[0]
     assert (kinked * weights).sum() == pytest.approx(exact, rel=1e-9)
-
-
-def test_ends_that_are_out_of_order_or_unknown_leave_an_empty_or_whole_panel():
-    nodes, weights = panels_between([np.array([1.0, 0.0]), np.array([np.nan, np.nan]), np.array([0.5, 3.0])], 1)
-    assert weights.sum(axis=-1) == pytest.approx([0.0, 3.0])
-    assert (nodes[0] == 1.0).all()
-
-
-def test_the_ends_of_sigma3_bar_keep_every_rate_in_its_range():
-    m, n = np.array([2.0, -1.0]), np.array([0.5, 0.5])
-    low, high = ends_of_bar((m, -1.0, 4.0, 0.0), (n, -9.0, 9.0, np.array([0.1, 0.1])))
-    np.testing.assert_allclose(low, [-0.5, -4.0])
-    np.testing.assert_allclose(high, [2.0, 1.0])
-
-
-def test_the_mirror_image_turns_all_ranges_round_but_that_of_sigma3():
-    assert mirrored("phi", (-0.1, 0.7), -1) == (-0.7, 0.1)
-    assert mirrored("sigma3", (-0.1, 0.7), -1) == mirrored("phi", (-0.1, 0.7), 1) == (-0.1, 0.7)
 
 
 @pytest.mark.parametrize("disk", [UNIFORM, COIN], ids=["natural", "SI"])
@@ -110,13 +62,6 @@ def test_a_box_alone_has_the_mass_of_its_sides():
     assert natural.factor_mass("sigma4") == 4.0
 
 
-def test_panels_end_at_the_mean_of_a_gaussian_and_five_deviations_to_each_side():
-    u = COIN.rate_unit
-    natural = NaturalDensity(COIN, Density.of(COIN, None, None, f"phidot={0.5 * u}:{0.4 * u}"))
-    assert natural.bells("phidot") == pytest.approx([-1.5, 0.5, 2.5])
-    assert natural.bells("sigma3") == []
-
-
 def test_only_densities_that_do_not_vanish_at_flat_reach_it():
     flat = f"phi=0:{0.5 * math.pi!r}"
     assert NaturalDensity(UNIFORM, Density.of(UNIFORM, flat)).reaches_flat()
@@ -138,17 +83,6 @@ def test_an_integrand_that_is_never_smooth_ends_and_its_error_says_so(spent):
     assert work.points - spent < (40_000_000 if spent else 300_000_000)
     assert found.error > 0.01 * found.value
     assert abs(found.value - 4.0 / math.pi) < 5.0 * found.error
-
-
-def test_the_constant_of_a_density_that_jumps_takes_bounded_work_and_its_error_covers_it(monkeypatch):
-    monkeypatch.setattr(box_integrals, "_MOST_POINTS", 2_000_000)
-    box = "phi=-0.3:0.4,sigma3=-1:1,sigma4=-1:1,phidot=0.5"
-    jump = Density.of(UNIFORM, box, density=lambda phi, phidot, sigma3, sigma4: (sigma3 + phi > 0.3) * 1.0)
-    natural = NaturalDensity(UNIFORM, jump)
-    mass = natural.mass()
-    exact = 2.0 * (0.7 * 0.7 + 0.5 * (0.4**2 - 0.3**2))  # of 1 - (0.3 - phi) over phi
-    assert abs(mass.value - exact) <= mass.error
-    assert natural.work.points < 60_000_000  # a hundred cuts of both pieces would take ten times that
 
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="there are no such timers")

@@ -1,8 +1,6 @@
 """Counts in logarithmic bins: sums, quantiles and what JSON keeps of them."""
 
-import base64
 import json
-import zlib
 
 import numpy as np
 import pytest
@@ -61,14 +59,6 @@ def test_signed_quantiles_and_width_are_those_of_a_normal_sample():
 def test_packed_codes_come_back():
     codes = np.arange(1000, dtype=np.uint16) ** 2
     np.testing.assert_array_equal(unpack(pack(codes)), codes)
-
-
-@pytest.mark.parametrize("count", [0, 1, 2, 3, 4, 500, 501])
-def test_the_text_of_codes_is_base_85(count):
-    codes = np.random.default_rng(count).integers(0, 1 << 16, count).astype(np.uint16)
-    text = base64.b85encode(zlib.compress(codes.astype("<u2").tobytes(), 1)).decode()
-    assert pack(codes) == text
-    np.testing.assert_array_equal(unpack(text), codes)
 
 
 def test_groups_are_counted_each_as_by_itself():

@@ -101,21 +101,6 @@ def test_a_table_of_other_kernels_is_not_used(private):
     assert "measured with other kernels" in plan(("chi",), 1e-6).reason
 
 
-def test_settings_go_beyond_those_measured_only_where_this_is_asked_for_and_end_at_rounding(private):
-    curve = calibration.current().motions["dopri5"]
-    assert curve.at(1e-14) == pytest.approx(curve.setting[-1], rel=1e-12)
-    found = curve.at(np.array([1e-6, 1e-12, 1e-14, 0.0]), 3.5, [False, True, True, True])
-    assert found[0] == curve.at(1e-6, 3.5)
-    assert 0.01 < found[1] / curve.setting[-1] < 0.1
-    assert found[1:].max() == pytest.approx(found[1:].min(), rel=1e-12)
-
-
-def test_rounding_of_slow_starts_shortens_no_steps(private):
-    """At 1e-10 passages are asked to err by about as much as slow starts are rounded, whatever the step."""
-    curve = calibration.current().curves["rk4"]
-    assert curve.at(1e-10) == pytest.approx(curve.at(1e-9) * 10.0**-0.25, rel=0.01)
-
-
 def test_settings_are_monotone_in_the_accuracy(private):
     targets = 10.0 ** -np.arange(1.0, 12.0)
     for curve in calibration.current().curves.values():
@@ -161,29 +146,3 @@ def test_the_accuracy_asked_is_met_by_work_nobody_calibrated_on(private, method,
             assert np.percentile(abs(error[ok]), 99) <= accuracy
         tilt = abs(ratios[1] - 1)[ok & known]
         assert tilt.size == 0 or np.percentile(tilt, 99) <= accuracy
-
-
-@pytest.mark.parametrize("exponent", range(2, 11))
-@pytest.mark.parametrize("method", ["auto", "rk8", "dopri5"])
-def test_motions_in_time_meet_the_accuracy_too(private, method, exponent):
-    """A whole passage followed in time, against quadrature."""
-    rng = np.random.default_rng(100 + exponent)
-    errors = []
-    for disk in (ex.Disk.uniform(), ex.Disk(I1=0.3, I3=0.25)):
-        start = (
-            rng.uniform(-2, 2, 60),
-            rng.choice([-1, 1], 60) * 10 ** rng.uniform(-3, -1, 60),
-            rng.uniform(0.5, 2, 60),
-        )
-        exact = ex.passages(disk, *start, accuracy=1e-11)
-        for i in np.flatnonzero(exact.status == 0):
-            state = constants_to_states(disk, *(column[i : i + 1] for column in start))
-            got = ex.simulate(
-                state,
-                t_eval=exact.duration[i : i + 1],
-                observables=("chi", "psi"),
-                method=method,
-                accuracy=10.0**-exponent,
-            )
-            errors += [abs(got.chi[0, 0] - exact.delta_chi[i]), abs(got.psi[0, 0] - exact.delta_psi[i])]
-    assert np.percentile(errors, 99) <= 10.0**-exponent

@@ -5,7 +5,7 @@ import pytest
 
 import explorer as ex
 from explorer.motion.crossing import CrossingRise
-from explorer.motion.rise import Rise, crosses, rise
+from explorer.motion.rise import rise
 from explorer.phase.constants import natural_constants
 
 BARS = [1e-2, -1e-3, 1e-4, -5.37e-5, 1e-5, 1e-9, -1e-30, 1e-200]
@@ -21,27 +21,12 @@ def constants(disk, sigma3_bar, speed):
 def test_a_rise_is_half_a_period_of_the_motions_beside_it(paper_body, sigma3_bar, speed):
     """Periods by quadrature, which know nothing of series, at an eta that makes no difference."""
     made = rise(paper_body, *constants(paper_body, sigma3_bar, speed))
-    assert isinstance(made, CrossingRise)
     states = ex.constants_to_states(paper_body, sigma3_bar, 1e-290, speed)
     period = ex.periods(states, 1e-10)
     assert 2.0 * made.half == pytest.approx(period.period[0], rel=1e-11)
     race = paper_body.race_limit
     assert 2.0 * made.chi_half == pytest.approx(period.chi[0] - race, abs=1e-10)
     assert 2.0 * made.psi_half == pytest.approx(period.psi[0] - race, abs=1e-10)
-
-
-@pytest.mark.parametrize("sigma3_bar", [0.1, -0.05])
-def test_both_kinds_of_rise_agree_where_both_can_be_used(paper_body, sigma3_bar):
-    """To nine digits, which is what one series has left where the turning point is as sharp as this."""
-    known = constants(paper_body, sigma3_bar, 1.5)
-    pieces, whole = CrossingRise(paper_body, *known), Rise(paper_body, *known)
-    assert pieces.half == pytest.approx(whole.half, rel=2e-9)
-    assert pieces.centre_half == pytest.approx(whole.centre_half, abs=2e-8)
-    time = np.linspace(0.0, 0.999 * whole.half, 100)
-    for name, mine, theirs in zip(whole.at(time)._fields, pieces.at(time), whole.at(time), strict=True):
-        np.testing.assert_allclose(mine, theirs, atol=1e-7, err_msg=name)
-    for theta in (0.3, 2.0):
-        assert pieces.time_at(theta) == pytest.approx(whole.time_at(theta), rel=1e-9)
 
 
 @pytest.mark.parametrize("sigma3_bar", BARS)
@@ -70,9 +55,3 @@ def test_the_period_converges_as_sigma3_bar_vanishes(paper_body):
         away.append(abs(plus.period - 2.0 * swing))
     assert away[0] < 1e-3
     assert away[-1] < 1e-12
-
-
-def test_a_rise_that_is_barred_or_steep_needs_no_pieces():
-    disk = ex.Disk.uniform()
-    assert isinstance(rise(disk, *constants(disk, 1.0, 1.0)), Rise)
-    assert not crosses(disk, 0.8, 0.1)

@@ -253,6 +253,16 @@ def test_rules_that_agree_by_chance_are_not_believed():
     assert abs(coarse.psi - fine.psi)[0] <= coarse.error_estimate[0] <= 0.03
 
 
+def test_a_race_of_many_turns_is_known_as_well_as_it_says():
+    """Of a body with kappa = 316, at once back from the one face. By dop853: 996.06696698 and 0.00281386."""
+    body = ex.Disk(I1=1e-5, I3=2e-5)
+    state = ex.constants_to_states(body, 1.302064474326873, 5.132887124718588e-08, 0.001513399969955084, -1)
+    for accuracy in (1e-4, 1e-5, 1e-6, 1e-7):
+        found = ex.periods(state, accuracy=accuracy)
+        assert found.error_estimate[0] <= accuracy
+        assert abs(found.chi[0] - 996.06978084) <= 3.0 * found.error_estimate[0] + 1e-8
+
+
 def _assert_bounces_are_passages(found, face, true, other):
     """Two bounces of each state are the passages towards `face` and the other, within ten times the errors."""
     for column in (0, 1):

@@ -5,12 +5,10 @@ import pytest
 from conftest import BODIES
 from hypothesis import given
 from hypothesis import strategies as st
-from one_by_one import in_turn
 from shares import INTEGRATORS, Curves, Motions, assert_paid_for
 
 import explorer as ex
 from explorer.motion.plan import plan
-from explorer.motion.trajectories import finer
 from explorer.motion.turning_points import turning_points
 from explorer.paper import eight_dimensions as plain_disk
 from explorer.phase.lines import line_slope
@@ -60,36 +58,20 @@ def test_every_depth_agrees_with_the_full_eight_dimensional_equations(seed):
     np.testing.assert_allclose(full.contact[:, 2], 0.0, atol=1e-10 * disk.r)
 
 
-@pytest.mark.parametrize("method", ["dopri5", "rk4", "dop853", "rk8"])
+@pytest.mark.parametrize("method", INTEGRATORS)
 @pytest.mark.parametrize("key", ROWS, ids=str)
 def test_the_four_figure_rows(key, method):
-    from kernels.steps import attempt as steps_module
-    from kernels.steps import events
-
-    name, eta_hat = key
-    disk = BODIES[name]
-    states = constants_to_states(disk, 1.0, eta_hat, 1.0)
-    initial = np.zeros((10, 1))
-    initial[:5] = states.natural
-    out, constants_error = np.empty((1, 2, 10)), np.empty((3, 1))
-    status, steps = np.zeros(1, np.int8), np.zeros(1, np.int32)
-    code = getattr(steps_module, method.upper())
-    control = {"rk4": 2e-3, "rk8": 0.05}.get(method, 1e-12)
-    how = steps_module.Integration(code, 10, np.array([control]), 10**6, 1e-6)
-    stops, free = events.Stops(events.VERTICAL, np.zeros(2)), np.full((3, 1), np.nan)
-    outcome = steps_module.Outcome(status, steps, constants_error)
-    in_turn(how, stops, initial, free, disk.natural, out, outcome)
-    assert status[0] == ex.Status.OK
-    tau, chi, psi, theta, distance = ROWS[key]
-    after = out[0, 1]
-    assert after[5] == pytest.approx(tau, abs=1e-7)
-    assert after[6] == pytest.approx(chi, abs=1e-7)
-    assert after[7] == pytest.approx(psi, abs=1e-7)
-    assert np.hypot(after[8], after[9]) == pytest.approx(distance, abs=5e-6)
+    (name, eta_hat), (tau, chi, psi, theta, distance) = key, ROWS[key]
+    states = constants_to_states(BODIES[name], 1.0, eta_hat, 1.0)
+    got = ex.simulate(states, t_eval=[tau], observables=ALL, method=method, accuracy=1e-9, max_steps=10**6)
+    assert got.status[0] == ex.Status.OK
+    assert got.phi[0, 0] == pytest.approx(0.0, abs=1e-7)
+    assert got.chi[0, 0] == pytest.approx(chi, abs=1e-7)
+    assert got.psi[0, 0] == pytest.approx(psi, abs=1e-7)
+    assert np.hypot(*got.path[0, 0, :2]) == pytest.approx(distance, abs=5e-6)
     turn = turning_points(states, plan(("theta_min", "chi"), 1e-10, method))
     assert turn.theta[0] == pytest.approx(theta, abs=5e-9)
     if name == "uniform":
-        assert out[0, 0, 6] == pytest.approx(PASSAGES[eta_hat], abs=1e-7)
         assert 2.0 * turn.chi[0] == pytest.approx(PASSAGES[eta_hat], abs=1e-7)
 
 
@@ -298,13 +280,6 @@ def test_a_motion_ends_where_it_was_followed_to(t_eval):
     assert motion(0.0).phi == pytest.approx(0.1, abs=1e-15)
     assert repr(motion).startswith("Trajectories of 1 motion")
     assert " 1 time(s)" in repr(motion(0.5 * motion.t_end))
-
-
-def test_finer_times_keep_those_that_there_were():
-    t = np.array([0.0, 1.0, 1.0 + 1e-9, 4.0])
-    fine = finer(t, 4)
-    np.testing.assert_array_equal(fine[::4], t)
-    np.testing.assert_allclose(np.diff(fine), np.repeat(np.diff(t) / 4.0, 4), rtol=1e-6)
 
 
 def test_trajectories_name_their_statuses_as_other_results_do():

@@ -5,9 +5,8 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer import compiled
-from explorer.phase.constants import constants_of, natural_constants
-from explorer.phase.states import constants_to_states, phi_to_states
+from explorer.phase.constants import constants_of
+from explorer.phase.states import constants_to_states
 
 
 def test_at_the_vertical_the_constants_are_the_state_itself(body):
@@ -81,21 +80,3 @@ def test_a_body_without_axial_inertia_has_eta_but_no_eta_hat():
     assert found.eta_plus[0] == pytest.approx(0.3 * 0.5)  # eta = I1 sigma3, which is constant
     with pytest.raises(ex.InputError, match="I3 = 0"):
         ex.falls(ex.phi_to_states(disk, 0.2, 0.1, 0.5, 0.4))
-
-
-def test_constants_by_name_are_the_rows_of_the_kernels(body):
-    unit = body.rate_unit
-    states = phi_to_states(body, [0.2, -1.0, 0.4], 0.3 * unit, 0.5 * unit, [0.4 * unit, -0.9 * unit, np.nan])
-    natural = natural_constants(states)
-    rows = np.empty((6, 3))
-    compiled.algebra.constants_batch(states.natural, body.whole, body.natural, rows)
-    for name, row in compiled.constants.Constants(*rows)._asdict().items():
-        np.testing.assert_array_equal(getattr(natural, name)[:2], row[:2])
-        assert np.isnan(getattr(natural, name)[2])
-    for name, column in natural.linear._asdict().items():
-        np.testing.assert_array_equal(column, getattr(natural, name))
-    near = natural.nearer_plus
-    np.testing.assert_array_equal(abs(natural.eta(near)), np.fmin(abs(natural.eta_plus), abs(natural.eta_minus)))
-    chosen = natural.at(np.array([1, 0]))
-    np.testing.assert_array_equal(chosen.energy, natural.energy[[1, 0]])
-    np.testing.assert_array_equal(chosen.rounding(near[[1, 0]]), natural.rounding(near)[[1, 0]])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from conftest import computed
 
-from explorer.scenes.measure_zero_summary import Counted, Tubes, summarise
+from explorer.scenes.measure_zero_summary import Counted, Tubes
 from explorer.scenes.registry import build_scene
 
 
@@ -24,14 +24,6 @@ def test_sums_are_arrays_over_rungs_faces_and_batches_and_of_all_draws(scene, to
     assert total.tubes.draws.sum() == 2 * scene.deltas.size * 40_000
     assert total.below.shape == (scene.deltas.size, 4)
     assert total.tubes.first(1).sum.shape == (scene.deltas.size, 2, 1)
-
-
-def test_a_summary_needs_the_question_and_the_sums_only(scene, total):
-    found = summarise(scene.question, total)
-    assert found == scene.summarise(total)
-    assert found["constant"]["value"] == pytest.approx(
-        found["constant_predicted"], abs=4 * found["constant"]["error"]
-    )
 
 
 def test_the_error_of_equal_batches_is_that_of_their_spread_or_of_the_draws():

@@ -25,17 +25,6 @@ def test_a_disk_has_the_race_number_and_the_values_at_the_vertical_of_the_paper(
     assert (b.kappa, b.r0, b.dr0) == pytest.approx(tuple(expected), rel=1e-15)
 
 
-@pytest.mark.parametrize("name", DISKS)
-def test_products_that_are_kept_are_what_their_names_say(name):
-    I1, I3, *_ = DISKS[name]
-    b = make_disk(I1, I3).body
-    assert (b.M, b.J) == (I1 + 1.0, I3 + 1.0)
-    assert (b.inv_M * b.M, b.inv_J * b.J) == pytest.approx((1.0, 1.0), rel=1e-15)
-    assert (b.J_over_M, b.inv_kappa2, b.k, b.c) == pytest.approx(
-        (b.J / b.M, 1.0 / b.kappa**2, I3 / I1, I3 / (b.J * I1)), rel=1e-15
-    )
-
-
 def test_a_disk_without_axial_inertia_has_solutions_without_a_logarithm():
     """c = 0: rho = S and D = 1 - S."""
     disk = make_disk(0.3, 0.0)

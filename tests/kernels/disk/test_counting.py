@@ -19,23 +19,6 @@ GROUPS = RANDOM.integers(-1, 3, VALUES.size)
 OF_PLACES = np.where(GROUPS < 0, np.nan, GROUPS)
 
 
-def test_sizes_are_counted_by_group_and_sign():
-    with np.errstate(divide="ignore"):
-        places = PER_DECADE * np.log10(abs(VALUES))
-    first, width = -120, 140
-    counts, zeros = np.zeros((6, width), np.int32), np.zeros(6, np.int64)
-    ends = np.tile([np.inf, -np.inf], (6, 1))
-    log_count_batch(Sizes(VALUES, places, OF_PLACES), 0, first, counts.reshape(-1), zeros, ends)
-    for row in range(6):
-        sign = VALUES >= 0.0 if row % 2 else VALUES < 0.0
-        chosen = np.isfinite(VALUES) & sign & (row // 2 == GROUPS)
-        size, place = abs(VALUES[chosen]), places[chosen]
-        expected = np.bincount(np.floor(place[size > 0]).astype(int) - first, minlength=width)
-        np.testing.assert_array_equal(counts[row], expected)
-        assert zeros[row] == (size == 0).sum()
-        assert ends[row].tolist() == [size.min(), size.max()]
-
-
 def test_a_place_outside_the_row_writes_nowhere():
     counts, zeros, ends = np.zeros(4, np.int32), np.zeros(2, np.int64), np.zeros((2, 2))
     places = np.array([-1.0, 0.0, 1.5, 2.0, 1e300])

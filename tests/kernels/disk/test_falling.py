@@ -115,14 +115,3 @@ def test_the_barriers_series_judges_as_bisection_for_the_barrier_does(name, star
     np.testing.assert_array_equal(by_series, bisected)
     # Both verdicts occur, else nothing would be compared.
     assert 0.01 < by_series[0].mean() < 0.99
-
-
-def test_a_series_that_is_off_by_its_slack_is_bisected():
-    """What is too near to be told goes to bisection, so a worse series costs time and no verdict."""
-    disk = BODIES["hoop"]
-    states, constants = drawn_beyond_the_vertical(disk, 4000)
-    o = obstacle(disk)
-    off = o._replace(V=(o.V[0] + 1e-4, *o.V[1:]), sine=(o.sine[0] - 1e-4, *o.sine[1:]))
-    np.testing.assert_array_equal(
-        verdicts(states, constants, off._replace(slack=2e-3)), verdicts(states, constants, o)
-    )

@@ -90,11 +90,6 @@ def test_the_flat_state_is_the_heteroclinic_connection_of_the_race():
     assert 0.6 * d.p + 1.1 * d.rho * b.inv_kappa2 == pytest.approx(0.0, abs=1e-15)
 
 
-def test_a_shift_is_made_in_every_component():
-    x, k = State(*np.linspace(0.1, 1.9, 10)), State(*np.linspace(-3.0, 4.7, 10))
-    np.testing.assert_allclose(shift(x, 0.3, k), np.array(x) + 0.3 * np.array(k), rtol=1e-15)
-
-
 def test_the_speed_is_that_of_all_the_energy_in_tilting(body):
     x = natural((0.4, 0.7, -0.3, 0.9))
     assert 0.5 * body.body.M * speed(x, body.body) ** 2 == pytest.approx(energy(x, body.body), rel=1e-15)

@@ -14,9 +14,7 @@ from kernels.steps.attempt import (
     RK8,
     ConstantsError,
     all_finite,
-    first_guess,
     locate,
-    to_depth,
     verdict,
 )
 from kernels.steps.events import Stop
@@ -27,7 +25,7 @@ from kernels.steps.fixed import rk4_step
 @pytest.mark.parametrize(
     ("event", "target"),
     [
-        (events.VERTICAL, 0.05),
+        (events.Event(0.0, 1.0, 0.0, 0.0), 0.05),
         (events.Event(1.0, 0.0, 0.0, 0.0), 0.9),
         (events.TURNING_POINT, -1.05),
         (events.TIME, 0.11),
@@ -61,12 +59,6 @@ def test_the_path_depth_adds_the_centre_and_leaves_the_rest_close():
     assert PATH > ANGLES > REDUCED
 
 
-@pytest.mark.parametrize("depth", [REDUCED, ANGLES, PATH])
-def test_a_depth_keeps_its_components_and_no_others(depth):
-    x = State(*np.arange(1.0, 11.0))
-    assert to_depth(x, depth) == x[:depth] + (0.0,) * (10 - depth)
-
-
 @pytest.mark.parametrize(
     ("moved", "status"),
     [
@@ -87,10 +79,3 @@ def test_one_component_that_is_not_finite_is_enough():
         for bad in (np.nan, np.inf, -np.inf):
             assert not all_finite(State(*np.where(np.arange(10) == place, bad, 1.0)))
     assert all_finite(start())
-
-
-@pytest.mark.parametrize("value", [0.25, 0.5, 1.0])
-def test_a_guess_that_is_right_at_once_is_kept(value):
-    """Of an upright disk at rest, whose time grows like s: halving the bracket would leave it again."""
-    x = State(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    assert first_guess(x, x._replace(t=1.0), 1.0, Stop(events.TIME, value), UNIFORM.body) == value

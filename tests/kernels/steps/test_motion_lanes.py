@@ -3,7 +3,6 @@
 import re
 
 import numba
-import numpy as np
 import pytest
 
 from kernels._jit import numba_type
@@ -26,24 +25,3 @@ def test_lanes_with_the_path_are_packed():
     if "pd" not in found:
         pytest.skip("this machine has no packed double arithmetic")
     assert found.count("pd") > 5 * found.count("sd")
-
-
-def test_a_landing_that_is_full_leaves_the_other_times_for_the_next():
-    W, landing = lanes.work_array(), lanes.work_array()
-    times = np.linspace(1.0, 2.0, 20)
-    for i in (3, 5):
-        W[lanes.NOTE * lanes.LANES + i] = lanes.HIT
-        W[(lanes.NOW + 5) * lanes.LANES + i] = 2.0
-        W[lanes.SAMPLE * lanes.LANES + i] = 10 + i
-    counts = []
-    sent = []
-    waiting = 0
-    while True:
-        waiting = lanes.collect(W, times, landing, 0)
-        counts.append(waiting)
-        columns = landing.reshape(lanes.ROWS, lanes.LANES)[:, :waiting]
-        sent += list(zip(columns[lanes.SAMPLE], columns[lanes.MET], columns[lanes.NEXT], strict=True))
-        if waiting < lanes.LANES:
-            break
-    assert counts == [16, 16, 8]
-    assert sent == [(j, k, times[k]) for j in (13.0, 15.0) for k in range(20)]

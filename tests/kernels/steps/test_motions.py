@@ -1,23 +1,20 @@
-"""Motions in lanes: those of the plain loop, independent of each other, with a status for every failure."""
+"""Motions in lanes: at their times, independent of each other, with a status for every failure."""
 
 import math
 
 import numpy as np
 import pytest
-from one_by_one import in_turn
-from steppers import CASES, NAMES, UNIFORM, random_states
+from steppers import CASES, NAMES, UNIFORM, random_states, run_batch
 
 from kernels.disk.algebra import constants_batch
 from kernels.disk.field import ANGLES, PATH, ROW
 from kernels.status import Status
 from kernels.steps import motions
 from kernels.steps.attempt import DOP853, Integration, Outcome
-from kernels.steps.events import TIME, TURNING_POINT, Stops
 from kernels.steps.trail import COLUMNS, Curve, Trail
 
 NO_TRAIL = Trail(Curve(0.0, 0.0), np.empty((0, COLUMNS)), np.zeros(1, np.int64), 0)
 TIMES = np.array([0.3, 0.31, 0.9, 2.0, 5.0])
-DEPTHS = {"angles": ANGLES, "path": PATH}
 
 
 def starts(n, seed=1):
@@ -47,46 +44,12 @@ def in_lanes(how, states, pinned, **given):
     return made.out, made.outcome
 
 
-def one_by_one(how, states, pinned, times=TIMES):
-    made = work(how, states, pinned, times)
-    stops = Stops(TIME, times)
-    in_turn(how, stops, states, pinned, UNIFORM.natural, made.out, made.outcome)
-    return made.out, made.outcome
-
-
 def free(n):
     return np.full((3, n), np.nan)
 
 
 def setting(method, control, depth, n, max_steps=100_000):
     return Integration(method, depth, np.full(n, control), max_steps, 1e-2)
-
-
-@pytest.mark.parametrize("depth", DEPTHS.values(), ids=DEPTHS)
-@pytest.mark.parametrize(("method", "control"), CASES, ids=NAMES)
-def test_lanes_give_bit_for_bit_what_one_motion_after_another_gives(method, control, depth):
-    states = starts(101)
-    how = setting(method, control, depth, 101)
-    (fast, ran), (slow, followed) = in_lanes(how, states, free(101)), one_by_one(how, states, free(101))
-    np.testing.assert_array_equal(ran.steps, followed.steps)
-    np.testing.assert_array_equal(ran.status, followed.status)
-    assert (ran.status == Status.OK).sum() > 90
-    np.testing.assert_array_equal(fast, slow)
-
-
-@pytest.mark.parametrize("depth", DEPTHS.values(), ids=DEPTHS)
-@pytest.mark.parametrize(("method", "control"), CASES, ids=NAMES)
-def test_motions_that_are_held_differ_by_rounding(method, control, depth):
-    """Lanes may round a product and a sum together where they put a motion back onto its constants; the motions
-    carry that on, by some units in the last place a step."""
-    states = starts(101)
-    how, pinned = setting(method, control, depth, 101), constants(states)[:3].copy()
-    (fast, ran), (slow, followed) = in_lanes(how, states, pinned), one_by_one(how, states, pinned)
-    np.testing.assert_array_equal(ran.status, followed.status)
-    assert (ran.status == Status.OK).all()
-    assert abs(ran.steps - followed.steps).max() <= (1 if method == DOP853 else 0)
-    np.testing.assert_allclose(fast, slow, rtol=0.0, atol=2e-10)
-    np.testing.assert_allclose(ran.errors, followed.errors, rtol=0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize(("method", "control"), CASES, ids=NAMES)
@@ -139,10 +102,8 @@ def test_a_time_deep_in_a_race_is_found_where_a_cubic_through_the_step_does_not_
     states[:5] = np.array([1.0, 0.0, -1.0, 1.0, b.I1 * b.dr0 / (b.I3 * b.r0)])[:, None]
     eta = np.tile([1e-9, -1e-9], 16)
     pinned = np.stack([np.ones(32), eta, 2.0 * b.I1 * b.dr0 - eta])
-    how, turn = setting(DOP853, 1e-9, ANGLES, 32), np.empty((32, 1, 10))
-    stops, outcome = Stops(TURNING_POINT, np.zeros(1)), work(how, states, pinned).outcome
-    in_turn(how, stops, states, pinned, UNIFORM.natural, turn, outcome)
-    middle = turn[0, 0, ROW.t]
+    how = setting(DOP853, 1e-9, ANGLES, 32)
+    middle = run_batch(DOP853, ANGLES, states[:8], 1e-9, pinned=pinned)[0][ROW.t, 0]
     times = np.append(middle + np.linspace(-1e-8, 1e-8, 41), middle + 0.1)
     out, outcome = in_lanes(how, states, pinned, times=times)
     assert (outcome.status == Status.OK).all()
@@ -150,9 +111,6 @@ def test_a_time_deep_in_a_race_is_found_where_a_cubic_through_the_step_does_not_
     assert (np.diff(out[::2, :-1, ROW.chi]) > 0.0).all()
     turned = out[:2, -1, ROW.chi] - out[:2, 0, ROW.chi]
     assert turned[0] - turned[1] == pytest.approx(2.0 * math.pi * b.kappa, abs=1.5)
-    slow, _ = one_by_one(how, states, free(32), times)
-    fast, _ = in_lanes(how, states, free(32), times=times)
-    np.testing.assert_array_equal(fast, slow)
 
 
 def test_what_holding_takes_shrinks_with_the_tolerance_and_is_of_held_motions_only():
