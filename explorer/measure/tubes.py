@@ -133,7 +133,9 @@ class Tube:
         counted &= nearer & (width > 0.0)
         weight = np.where(counted, weight * width / mass, 0.0)
         weight[counted] *= natural.density.shape(*(column[counted] for column in given))
-        theta, status = self._tilts(place, LinearConstants(bar, eta, other), np.flatnonzero(weight > 0.0), accuracy)
+        theta, status = self._tilts(
+            place, LinearConstants(bar, eta, other), np.flatnonzero(weight > 0.0), accuracy
+        )
         return Draws(given[0], given[1], bar * unit, eta * unit, energy * disk.energy_unit, weight, theta, status)
 
     def _draw_factor(self, name: str, columns: Iterator[Array], weight: Array) -> Array:

@@ -20,9 +20,11 @@ def rule() -> "compiled.rules.Rule":
     return compiled.rules.make_rule()
 
 
-def rows_of(table: Array, rows: NDArray[np.intp]) -> "compiled.turning_points.Place[Array]":
-    """Some of the places (9, n)."""
-    return compiled.turning_points.Place(*table.take(rows, 1))
+def some(
+    place: "compiled.turning_points.Place[Array]", rows: NDArray[np.intp]
+) -> "compiled.turning_points.Place[Array]":
+    """Some of the places."""
+    return compiled.turning_points.Place(*(column[rows] for column in place))
 
 
 def from_place(
@@ -38,6 +40,13 @@ def places(disk: Disk, starts: "compiled.turning_points.Starts", d: Array, inwar
     out = np.empty((len(compiled.turning_points.Place._fields), d.size))
     compiled.turning_points.point_batch(starts, np.ascontiguousarray(d), inward, disk.chart, out)
     return out
+
+
+def next_inward(disk: Disk, starts: "compiled.turning_points.Starts") -> "compiled.turning_points.Place[Array]":
+    """The next turning points towards flat."""
+    out = np.empty((len(compiled.turning_points.Place._fields), starts.X.size))
+    compiled.turning_points.inward_batch(starts, disk.chart, out)
+    return compiled.turning_points.Place(*out)
 
 
 def arcs_between(

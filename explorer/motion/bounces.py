@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
-from explorer.motion.falls import falls_beside
+from explorer.motion.falls import KERNELS, departures_of_moving, falls_of
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.passages import allowed
 from explorer.motion.plan import plan
 from explorer.motion.starts import Motions, fallen, held_constants, orbit_starts, seen_from
 from explorer.phase.constants import natural_constants
-from explorer.phase.disk import require_axial_inertia
+from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import LinearConstants
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
@@ -150,8 +150,8 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
 
 def bounce_kernels() -> tuple[str, ...]:
     """The kernels of `bounces`, for `compiled.warmup`."""
-    searches = "turning_points.orbit_batch", "turning_points.inward_batch", "turning_points.point_batch"
-    return "algebra.constants_batch", *searches, "turning_points.rest_batch", "rules.arc_batch", "nutation.well_batch"
+    own = "turning_points.orbit_batch", "turning_points.inward_batch", "nutation.well_batch"
+    return "algebra.constants_batch", *own, *KERNELS
 
 
 class _Pairs(NamedTuple):
@@ -189,9 +189,10 @@ def _pairs(
     rows, n = np.flatnonzero(status == code.OK), status.size
     some = motions.at(rows)
     ends = ends_of(disk, some)
-    orbits = orbits_of(disk, some, ends, accuracy, True)
-    fall = falls_beside(disk, some, ends.vertical, accuracy).ways
-    pairs = _pairs_of(some, own[rows] * states.rows.p[rows] > 0.0, own[rows], ends, orbits, fall, first_only)
+    rises = own[rows] * states.rows.p[rows] > 0.0
+    orbits = orbits_of(disk, some, ends, accuracy, rises | (not first_only), True)
+    fall = _falls(disk, some, ends, accuracy)
+    pairs = _pairs_of(some, rises, own[rows], ends, orbits, fall, first_only)
     known = (pairs.error <= allowed(accuracy, fall.time)).all(axis=0)
     status[rows[~known]] = code.STEP_LIMIT
 
@@ -200,7 +201,7 @@ def _pairs(
         out[..., rows] = found
         return out
 
-    return _Pairs(*map(of_all, pairs))._replace(status=status)
+    return _Pairs(*(of_all(column) for column in pairs))._replace(status=status)
 
 
 def _pairs_of(
@@ -209,7 +210,7 @@ def _pairs_of(
     own: Array,
     ends: Ends,
     orbits: Orbits,
-    fall: compiled.rules.ArcRow[Array],
+    fall: compiled.in_turn.FallRow[Array],
     first_only: bool,
 ) -> _Pairs:
     """The same from the ways of motions; rises: whether they move away from the face `own` of their state."""
@@ -223,13 +224,14 @@ def _pairs_of(
     def there_and_back(way: compiled.rules.ArcRow[Array]) -> Array:
         return np.fmax(2.0 * way.angle_error, way.time_error / way.time)
 
-    back, back_error = (np.where(crosses, column, 0.0) for column in (there.time, there.time_error))
+    back, back_error = (
+        np.where(crosses & (rises | (not first_only)), column, 0.0) for column in (there.time, there.time_error)
+    )
     whole = 2.0 * (here.time + back)
     onward = np.where(crosses, here.time + back, whole)
     first = np.where(rises, onward - lead.time, lead.time)
     erred = lead.time_error + np.where(rises, 2.0 * (here.time_error + back_error), 0.0)
-    of_fall = np.nan_to_num(2.0 * np.fmax(fall.angle_error, fall.time_error))
-    error = in_turn(there_and_back(here), there_and_back(there)) + of_fall
+    error = in_turn(there_and_back(here), there_and_back(there)) + np.nan_to_num(2.0 * fall.error)
     return _Pairs(
         face=in_turn(own, -own).astype(np.int8),
         side=np.sign(in_turn(motions.starts.Y, motions.Y_far)).astype(np.int8),
@@ -245,6 +247,14 @@ def _pairs_of(
         fall_angle=2.0 * fall.chi,
         status=np.zeros(crosses.size, np.int8),
     )
+
+
+def _falls(disk: Disk, motions: Motions, ends: Ends, accuracy: float) -> compiled.in_turn.FallRow[Array]:
+    """The falls with the constants of motions, from how these are at the vertical or would be."""
+    Y, Y_far, K = motions.starts.Y, motions.Y_far, ends.vertical.K
+    eta, size = np.where(abs(Y) <= abs(Y_far), Y, Y_far) * disk.body.I1, motions.starts.K
+    departures = departures_of_moving(disk, motions.starts.X * disk.body.r0, eta, K, abs(K) + 2.0 * size)
+    return falls_of(disk, departures, accuracy=accuracy)
 
 
 def _in_turn(states: States, pairs: _Pairs, count: int) -> Bounces:

@@ -8,14 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
+from explorer.motion.arcs import next_inward
 from explorer.motion.parts import blocks
+from explorer.motion.passages_by_quadrature import from_vertical
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
 from explorer.phase.results import Result
 from explorer.phase.states import Array
 
-KERNELS = ("forces.forces_batch",)  # for `compiled.warmup`
+KERNELS = "forces.forces_batch", "turning_points.inward_batch"  # for `compiled.warmup`
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -103,6 +105,7 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
 
 def _extremes(disk: Disk, starts: Starts) -> Array:
     """(2, n): rows as ForceRow."""
-    out = np.empty((2, starts.status.size))
-    compiled.forces.forces_batch(starts.natural(disk), disk.natural, out)
+    out, crossings = np.empty((2, starts.status.size)), starts.natural(disk)
+    r = next_inward(disk, from_vertical(disk, crossings).starts).r
+    compiled.forces.forces_batch(crossings, 2.0 * r / np.sqrt(1.0 + r * r), disk.natural, out)
     return out

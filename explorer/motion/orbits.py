@@ -1,13 +1,13 @@
 """Whole motions between their turning points, from arcs: what `periods`, `bounces` and smallest tilts ask for."""
 
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.arcs import arcs_between, from_place, integrals, rows_of
+from explorer.motion.arcs import arcs_between, from_place, integrals, next_inward, some
 from explorer.motion.starts import Motions
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
@@ -51,16 +51,14 @@ def _points() -> "compiled.nutation.Points":
 def ends_of(disk: Disk, motions: Motions) -> Ends:
     """The turning points of motions."""
     turning, n = compiled.turning_points, motions.starts.X.size
-    tables = [np.empty((len(turning.Place._fields), n)) for _ in range(4)]
-    turning.orbit_batch(motions.starts, disk.chart, *tables)
-    state, inner, outer, vertical = (turning.Place(*table) for table in tables)
-    crosses, far = outer.K > 0.0, np.full_like(tables[0], np.nan)
+    tables = np.full((5, len(turning.Place._fields), n), np.nan)
+    turning.orbit_batch(motions.starts, disk.chart, *tables[:4])
+    state, inner, outer, vertical = (turning.Place(*table) for table in tables[:4])
+    crosses, far = outer.K > 0.0, tables[4]
     rows = np.flatnonzero(crosses)
     if rows.size:
-        found = np.empty((far.shape[0], rows.size))
-        beyond = from_place(motions.starts.X[rows], motions.Y_far[rows], _beyond(rows_of(tables[3], rows)))
-        turning.inward_batch(beyond, disk.chart, found)
-        far[:, rows] = found
+        starts = from_place(motions.starts.X[rows], motions.Y_far[rows], beyond(some(vertical, rows)))
+        far[:, rows] = next_inward(disk, starts)
     return Ends(state, inner, outer, vertical, turning.Place(*far), crosses)
 
 
@@ -70,65 +68,63 @@ def smallest(ends: Ends) -> Array:
     return tilt
 
 
-def _beyond(place: "compiled.turning_points.Place[Array]") -> "compiled.turning_points.Place[Array]":
+def beyond(vertical: "compiled.turning_points.Place[Array]") -> "compiled.turning_points.Place[Array]":
     """The vertical as seen from the other face."""
-    return place._replace(sigma4=-place.sigma4)
+    return vertical._replace(sigma4=-vertical.sigma4)
 
 
-def _some(
-    place: "compiled.turning_points.Place[Array]", rows: NDArray[np.intp]
-) -> "compiled.turning_points.Place[Array]":
-    return compiled.turning_points.Place(*(column[rows] for column in place))
+def orbits_of(
+    disk: Disk, motions: Motions, ends: Ends, accuracy: float, there: NDArray[np.bool_] | bool, lead: bool
+) -> Orbits:
+    """The ways of motions between their ends.
 
-
-def orbits_of(disk: Disk, motions: Motions, ends: Ends, accuracy: float, lead: bool) -> Orbits:
-    """The ways of motions between their ends; lead: whether the one from the state is asked for."""
+    there: whether the way on the other face is asked for, where a motion comes there; lead: that from the state.
+    What is not is NaN.
+    """
     rule, n = compiled.rules.ArcRow, ends.crosses.size
-    here, there, ahead = (np.full((len(rule._fields), n), np.nan) for _ in range(3))
+    here, back, ahead = (np.full((len(rule._fields), n), np.nan) for _ in range(3))
     narrow = ends.width < compiled.nutation.WIDEST
     rows = np.flatnonzero(np.isfinite(ends.width) & ~narrow)
-    X, Y, state, inner, outer = motions.starts.X[rows], motions.starts.Y[rows], *_at(ends, rows)
+    X, Y, Y_far = motions.starts.X, motions.starts.Y, motions.Y_far
+
+    def ways(of: NDArray[np.intp], constant: Array, length: Array, low: Any, high: Any, crest: Array) -> Array:
+        arcs = arcs_between(X[of], constant[of], length[of], some(low, of), some(high, of))
+        return integrals(disk, arcs, crest[of], accuracy)
+
+    state, inner, outer, vertical, far, crosses = ends
     # At most one crest lies on the way, on one or on the other side of the state.
     crest = np.where(np.isnan(inner.crest), outer.d - outer.crest, outer.d + inner.crest)
-    here[:, rows] = integrals(disk, arcs_between(X, Y, inner.d + outer.d, inner, outer), crest, accuracy)
+    here[:, rows] = ways(rows, Y, inner.d + outer.d, inner, outer, crest)
+    crossing = rows[(crosses & there)[rows]]
+    back[:, crossing] = ways(crossing, Y_far, far.d, far, beyond(vertical), far.crest)
     if lead:
-        ahead[:, rows] = np.where(outer.d == 0.0, here[:, rows], 0.0)
-        between = np.flatnonzero((inner.d > 0.0) & (outer.d > 0.0))
-        low, at, way = _some(inner, between), _some(state, between), arcs_between
-        part = integrals(disk, way(X[between], Y[between], low.d, low, at), low.crest, accuracy)
-        ahead[:, rows[between]] = part
-    crossing = rows[ends.crosses[rows]]
-    if crossing.size:
-        far, top = _some(ends.far, crossing), _beyond(_some(ends.vertical, crossing))
-        ways = arcs_between(motions.starts.X[crossing], motions.Y_far[crossing], far.d, far, top)
-        there[:, crossing] = integrals(disk, ways, far.crest, accuracy)
+        # From an end it is all or nothing.
+        ahead[:, rows] = np.where(outer.d[rows] == 0.0, here[:, rows], 0.0)
+        between = rows[(inner.d[rows] > 0.0) & (outer.d[rows] > 0.0)]
+        ahead[:, between] = ways(between, Y, inner.d, inner, state, inner.crest)
     rows = np.flatnonzero(narrow)
     if rows.size:
-        here[:, rows], there[:, rows], ahead[:, rows] = _wobbles(disk, motions, ends, rows)
-    return Orbits(rule(*here), rule(*there), rule(*ahead))
-
-
-def _at(ends: Ends, rows: NDArray[np.intp]) -> "tuple[compiled.turning_points.Place[Array], ...]":
-    return tuple(_some(place, rows) for place in ends[:3])
+        here[:, rows], back[:, rows], ahead[:, rows] = _wobbles(disk, motions.at(rows), ends, rows)
+    return Orbits(rule(*here), rule(*back), rule(*ahead))
 
 
 def _wobbles(disk: Disk, motions: Motions, ends: Ends, rows: NDArray[np.intp]) -> tuple[Array, Array, Array]:
     """The same ways of motions whose turning points are near together, by the bend of the potential alone."""
-    state, inner, outer = _at(ends, rows)
-    crosses, vertical = ends.crosses[rows], _some(ends.vertical, rows)
+    inner, outer, vertical = (some(place, rows) for place in (ends.inner, ends.outer, ends.vertical))
+    crosses, far = ends.crosses[rows], ends.far.d[rows]
     wells = compiled.nutation.Wells(
-        from_place(motions.starts.X[rows], motions.starts.Y[rows], inner),
+        from_place(motions.starts.X, motions.starts.Y, inner),
         inner.d,
-        outer.d + np.where(crosses, ends.far.d[rows], 0.0),
+        outer.d + np.where(crosses, far, 0.0),
         np.where(crosses, inner.d + outer.d, np.inf),
-        np.where(crosses, ends.far.d[rows], np.inf),
-        motions.Y_far[rows],
+        np.where(crosses, far, np.inf),
+        motions.Y_far,
         vertical.sigma3,
         -vertical.sigma4,
     )
     out = np.empty((len(compiled.nutation.WellRow._fields), rows.size))
     compiled.nutation.well_batch(wells, _points(), disk.chart, out)
     whole, lead, upright = out.reshape(3, -1, rows.size)
-    beyond = np.vstack([whole[:3] - upright[:3], whole[3:]])
-    beyond[2] *= -1.0  # psi, as that face has it
-    return np.where(crosses, upright, whole), np.where(crosses, beyond, np.nan), lead
+    rest = np.vstack([whole[:3] - upright[:3], whole[3:]])
+    rest[2] *= -1.0  # psi, as that face has it
+    return np.where(crosses, upright, whole), np.where(crosses, rest, np.nan), lead

@@ -11,16 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, number, shown
+from explorer.motion.falls import departures_beside, falls_of, rows_apart
 from explorer.motion.parts import BLOCK, blocks, in_parts
 from explorer.motion.passages_by_integration import LENIENCE, by_integration
-from explorer.motion.passages_by_quadrature import (
-    by_quadrature,
-    by_rules,
-    departures_beside,
-    falls_of,
-    rows_apart,
-    table_kernel,
-)
+from explorer.motion.passages_by_quadrature import by_quadrature, table_kernel
 from explorer.motion.plan import Plan, plan
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import keywords_of, read_columns
@@ -189,9 +183,9 @@ def passages_by(disk: Disk, starts: Starts, how: Plan) -> tuple[Passages, NDArra
 
 
 def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-11) -> Passages:
-    """Passages by adaptive rules: by quadrature, but by none of the tables of the body."""
+    """Passages as arcs: by quadrature, but by none of the tables of the body."""
     how = plan(OBSERVABLES, accuracy, "quadrature")
-    parts = (by_rules(disk, starts.at(rows), how) for rows in blocks(starts.status.size))
+    parts = (by_quadrature(disk, starts.at(rows), how, 0.0, False) for rows in blocks(starts.status.size))
     return _assemble(disk, starts, parts, how, 0.0)
 
 

@@ -1,77 +1,45 @@
-"""Passages and falls as integrals between turning points: eta is what was given, and no step is taken."""
+"""Passages as integrals between turning points: eta is what was given, and no step is taken."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
+from explorer.motion.arcs import from_place, next_inward, places
+from explorer.motion.falls import rows_apart
+from explorer.motion.orbits import ends_of, orbits_of
 from explorer.motion.plan import Plan
-from explorer.motion.vertical import Starts
+from explorer.motion.starts import Motions
+from explorer.motion.vertical import Starts, depth
 from explorer.phase.disk import Disk
-from explorer.phase.energy import energy_at, potential_at_flat
-from explorer.phase.gauss import packed_rules
+from explorer.phase.energy import energy_at
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array
 
 # The least accuracy for which there are rules of few digits; less by a little, since a power of ten may be rounded
 # down.
 ROUGH = 1e-5 * (1.0 - 1e-9)
-# Rows of doubles whose lengths are multiples of this displace one another in the cache.
-_ALIKE = 512
-# Of speeds at the vertical, natural units. Where a motion at rest there is known to fall, less changes no digit.
-_AS_FROM_REST = 1e-60
 
 
-def rows_apart(rows: int, n: int) -> Array:
-    """Room for results: n in each row, or a few more where rows would displace one another in the cache."""
-    return np.empty((rows, n + 8 if n % _ALIKE == 0 else n))
+def by_quadrature(
+    disk: Disk, starts: Starts, how: Plan, edge: float, tables: bool = True
+) -> "compiled.races.Ways":
+    """Passages as integrals: by the tables of the body where these serve, else as arcs.
 
-
-def by_quadrature(disk: Disk, starts: Starts, how: Plan, edge: float) -> "compiled.races.Ways":
-    """Passages as integrals. edge: the tilt phi (rad) at which they start and stop, 0 for the vertical."""
+    edge: the tilt phi (rad) at which they start and stop, 0 for the vertical. tables: False for arcs alone.
+    """
     crossings = starts.natural(disk)
-    n = starts.status.size
+    n, code = starts.status.size, compiled.status.Status
     out, status = rows_apart(8, n), starts.status.copy()
-    if edge == 0.0:
-        by_tables(disk, crossings, how.accuracy, out, status)
+    if tables and edge == 0.0:
+        near_flat(disk, crossings, how.accuracy, out, status)
     else:
         out.fill(np.nan)
-    if unanswered(out, status == compiled.status.Status.OK):
-        _by_adaptive_rules(disk, crossings, chord(edge), how.accuracy, out, status)
-    return _ways(disk, starts.face, crossings, out[:, :n], status)
-
-
-def _by_adaptive_rules(
-    disk: Disk,
-    crossings: "compiled.passages.Crossings",
-    h_end: float,
-    accuracy: float,
-    out: Array,
-    status: NDArray[np.int8],
-) -> None:
-    """Passages that are still NaN in `out`, cut at h_end; the slowest that no rule finds start as from rest."""
-    batch, code, rules = compiled.passages.passage_by_rules_batch, compiled.status.Status, packed_rules()
-    batch(crossings, h_end, accuracy, rules, disk.natural, out, status)
-    slow = (crossings.speed < _AS_FROM_REST) & (crossings.speed > 0.0)
-    rows = np.flatnonzero(slow & (status == code.STEP_LIMIT))
+        status[(status == code.OK) & (crossings.eta == 0.0)] = code.FALLS
+    rows = np.flatnonzero(np.isnan(out[0, :n]) & (status == code.OK))
     if rows.size:
-        rest = compiled.passages.Crossings(crossings.sigma3_bar[rows], crossings.eta[rows], np.zeros(rows.size))
-        found, told = np.full((out.shape[0], rows.size), np.nan), np.full(rows.size, code.OK, np.int8)
-        batch(rest, h_end, accuracy, rules, disk.natural, found, told)
-        kept = told == code.OK
-        out[:, rows[kept]], status[rows[kept]] = found[:, kept], code.OK
-
-
-def by_tables(
-    disk: Disk,
-    crossings: "compiled.passages.Crossings",
-    accuracy: float,
-    out: Array,
-    status: NDArray[np.int8],
-) -> None:
-    """Passages from the vertical by the tables of the body, where they serve -> out (8, n or more)."""
-    near_flat(disk, crossings, accuracy, out, status)
-    if unanswered(out, status == compiled.status.Status.OK):
-        compiled.passages.wide_batch(crossings, accuracy, disk.tables, disk.natural, out, status)
+        some = compiled.passages.Crossings(*(column[rows] for column in crossings))
+        out[:, rows], status[rows] = as_arcs(disk, some, edge, how.accuracy)
+    return _ways(disk, starts.face, crossings, out[:, :n], status)
 
 
 def near_flat(
@@ -81,7 +49,7 @@ def near_flat(
     out: Array,
     status: NDArray[np.int8],
 ) -> None:
-    """As `by_tables`, only those that come near flat."""
+    """Passages that come near flat, from the vertical, by tables of the body -> out (8, n or more); else NaN."""
     kernel = compiled.passages.rough_batch if few_digits(accuracy) else compiled.passages.passage_batch
     kernel(crossings, accuracy, disk.tables, disk.natural, out, status)
 
@@ -96,26 +64,61 @@ def few_digits(accuracy: float) -> bool:
     return accuracy >= ROUGH
 
 
-def unanswered(out: Array, asked: NDArray[np.bool_]) -> bool:
-    """Whether one of the samples that are asked for still is NaN in the first row of results."""
-    return bool((np.isnan(out[0, : asked.size]) & asked).any())
+def as_arcs(
+    disk: Disk, crossings: "compiled.passages.Crossings", edge: float, accuracy: float
+) -> tuple[Array, NDArray[np.int8]]:
+    """Passages (8, n), rows as PassageRow, and their status: twice the way from the edge to flattest.
+
+    A motion that does not come as far as the edge is BAD_INPUT.
+    """
+    b, code, place = disk.body, compiled.status.Status, compiled.turning_points.Place
+    motions, n = from_vertical(disk, crossings), crossings.speed.size
+    X, Y, Y_far = motions.starts.X, motions.starts.Y, motions.Y_far
+    energy = energy_at(b, crossings.speed, crossings.sigma3_bar, motions.starts.sigma4, 1.0)
+    missed = np.zeros(n, np.bool_)
+    if edge > 0.0:
+        at = places(disk, motions.starts, np.full(n, depth(edge)), True)
+        missed = ~(next_inward(disk, motions.starts).d > depth(edge))
+        motions = Motions(from_place(X, Y, place(*at)), Y_far)
+    kept = np.flatnonzero(~missed)
+    motions = motions.at(kept)
+    ends = ends_of(disk, motions)
+    lead, inner = orbits_of(disk, motions, ends, accuracy, False, True).lead, ends.inner
+    with np.errstate(divide="ignore", invalid="ignore"):  # of motions that do not come this way
+        way = 0.5 * inner.sigma3 * (1.0 + inner.r * inner.r) / inner.r
+        found = compiled.in_turn.PassageRow(
+            theta_min=2.0 * np.arctan(inner.r),
+            chi=2.0 * lead.chi,
+            psi=2.0 * lead.psi,
+            time=2.0 * lead.time,
+            energy=energy[kept],
+            angle_error=2.0 * lead.angle_error,
+            time_error=lead.time_error / lead.time,
+            way=way,
+        )
+    out, status = np.full((8, n), np.nan), np.full(n, code.BAD_INPUT, np.int8)
+    out[:, kept] = np.stack(found)
+    status[kept] = np.where(np.isnan(found.time_error), code.STEP_LIMIT, code.OK)
+    status[kept[inner.d == 0.0]] = code.BAD_INPUT
+    return out, status
 
 
-def by_rules(disk: Disk, starts: Starts, how: Plan) -> "compiled.races.Ways":
-    """As `by_quadrature` from the vertical, all by adaptive rules, without tables of the body."""
-    crossings = starts.natural(disk)
-    out, status = np.full((8, starts.status.size), np.nan), starts.status.copy()
-    _by_adaptive_rules(disk, crossings, chord(0.0), how.accuracy, out, status)
-    return _ways(disk, starts.face, crossings, out, status)
+def from_vertical(disk: Disk, crossings: "compiled.passages.Crossings") -> Motions:
+    """Motions where they cross the vertical, as arcs need them."""
+    b, (bar, eta, speed) = disk.body, crossings
+    X, Y = bar / b.r0, eta / b.I1
+    one, none, K = np.ones_like(bar), np.zeros_like(bar), 0.5 * b.M * speed * speed
+    starts = compiled.turning_points.Starts(X, Y, K, one, none, bar, (X * b.dr0 - Y / b.r0) / b.k)
+    return Motions(starts, 2.0 * b.dr0 * bar - Y)
 
 
 def _ways(
     disk: Disk, face: Array, crossings: "compiled.passages.Crossings", out: Array, status: NDArray[np.int8]
 ) -> "compiled.races.Ways":
     """What a kernel wrote: rows of PassageRow."""
-    found, (bar, eta, speed) = compiled.quadrature.PassageRow(*out), crossings
+    found, (bar, eta, speed) = compiled.in_turn.PassageRow(*out), crossings
     energy, on_f = found.energy, eta == 0.0
-    if on_f.any():  # the kernel skips what lies on F
+    if on_f.any():  # what lies on F was left out
         energy = np.where(on_f, energy_on_f(disk, bar, speed), energy)
     error = np.fmax(found.angle_error, found.time_error)
     followed = found.theta_min, found.chi, found.psi, found.time, found.way
@@ -126,68 +129,3 @@ def energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:
     """Energy of a start at the vertical on a line l_+-, eqs (2.19), (6.1); natural units."""
     energy: Array = energy_at(disk.body, speed, sigma3_bar, line_slope(disk) * sigma3_bar, 1.0)
     return energy
-
-
-def chord(phi: float) -> float:
-    """2 sin(theta/2) at the tilt phi (rad), as the kernels measure tilt; at the vertical exactly theirs."""
-    return 2.0 * float(np.sin(0.5 * (0.5 * np.pi - phi))) if phi > 0.0 else float(compiled.point.VERTICAL)
-
-
-def fall_from_vertical(
-    disk: Disk, sigma3_bar: Array, energy: Array, edge: float = 0.0, accuracy: float = 0.0
-) -> "compiled.quadrature.FallRow[Array]":
-    """The fall on F with these constants from the vertical to flat, face +1, natural units; as `falls_of`."""
-    return falls_of(disk, departures_of_energy(disk, sigma3_bar, energy), edge, accuracy)
-
-
-def falls_of(
-    disk: Disk, departures: "compiled.passages.Departures", edge: float = 0.0, accuracy: float = 0.0
-) -> "compiled.quadrature.FallRow[Array]":
-    """The falls on F that leave the vertical so, to flat, face +1, natural units.
-
-    edge: phi (rad) at which they begin instead. accuracy: of twice the angle, and of the time; 0: the best there
-    is.
-    """
-    n = departures.level.size
-    out = rows_apart(4, n)
-    if edge == 0.0:
-        compiled.passages.fall_batch(departures, accuracy, disk.tables, disk.natural, out)
-    else:
-        out.fill(np.nan)
-    if unanswered(out, np.isfinite(departures.level)):
-        compiled.passages.fall_by_rules_batch(departures, chord(edge), packed_rules(), disk.natural, out)
-    return compiled.quadrature.FallRow(*out[:, :n])
-
-
-def vertical_above_flat(disk: Disk, sigma3_bar: Array) -> Array:
-    """V - V_0 at the vertical on F, eq. (3.8), natural units."""
-    none = np.zeros(sigma3_bar.size)
-    return departures_of_moving(disk, sigma3_bar, none, none, none).level
-
-
-@np.errstate(over="ignore", invalid="ignore")  # of motions that are no input
-def departures_of_energy(disk: Disk, sigma3_bar: Array, energy: Array) -> "compiled.passages.Departures":
-    """Falls with these energies, as far as a difference of energies tells their start; natural units."""
-    bar, given = np.ascontiguousarray(sigma3_bar), np.ascontiguousarray(energy)
-    at_flat = potential_at_flat(disk.body, bar)
-    level = given - at_flat
-    moving = level - vertical_above_flat(disk, bar)
-    return compiled.passages.Departures(bar, level, moving, compiled.passages.ROUNDING * (abs(given) + at_flat))
-
-
-def departures_beside(disk: Disk, crossings: "compiled.passages.Crossings") -> "compiled.passages.Departures":
-    """Falls on F with the sigma3_bar and energies of motions beside it that cross the vertical; natural units."""
-    with np.errstate(over="ignore", invalid="ignore"):  # of motions that are no input
-        given = 0.5 * disk.body.M * crossings.speed**2
-    return departures_of_moving(disk, crossings.sigma3_bar, crossings.eta, given, given)
-
-
-def departures_of_moving(
-    disk: Disk, sigma3_bar: Array, eta: Array, given: Array, size: Array
-) -> "compiled.passages.Departures":
-    """The same from E - V of motions beside F at the vertical, and the size of what that is a difference of."""
-    motions = compiled.passages.Beside(*map(np.ascontiguousarray, (sigma3_bar, eta, given, size)))
-    out = rows_apart(3, sigma3_bar.size)
-    # The polynomial of (r'(S) - 1)/S at S = 1.
-    compiled.passages.departure_batch(motions, disk.natural.series[4].sum(), disk.natural, out)
-    return compiled.passages.Departures(motions.sigma3_bar, *out[:, : sigma3_bar.size])

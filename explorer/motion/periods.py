@@ -110,7 +110,9 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     how = plan(("period",), accuracy, "quadrature")
     status, linear = _known(states, eta_hat)
     motions, status = orbit_starts(states, linear), fallen(linear, status)
-    parts = in_parts(jobs_of("jobs", jobs), len(states), partial(_orbits, disk, motions, status, how.accuracy), BLOCK)
+    parts = in_parts(
+        jobs_of("jobs", jobs), len(states), partial(_orbits, disk, motions, status, how.accuracy), BLOCK
+    )
     out, status = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
     found, ok = _Period(*out), status == compiled.status.Status.OK
     flat = Periods(
@@ -147,7 +149,7 @@ def _orbits(
     asked = np.flatnonzero(told == code.OK)
     some = motions.at(rows[asked])
     ends = ends_of(disk, some)
-    here, there, _lead = orbits_of(disk, some, ends, accuracy, False)
+    here, there, _lead = orbits_of(disk, some, ends, accuracy, True, False)
     back = compiled.rules.ArcRow(*np.where(ends.crosses, there, 0.0))
     time = 2.0 * (here.time + back.time)
     error = np.fmax(2.0 * (here.angle_error + back.angle_error), 2.0 * (here.time_error + back.time_error) / time)

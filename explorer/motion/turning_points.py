@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
+from explorer.motion.orbits import ends_of, smallest
 from explorer.motion.parts import BLOCK, attended
 from explorer.motion.plan import Plan
-from explorer.motion.orbits import ends_of, smallest
 from explorer.motion.starts import Motions, held_constants, orbit_starts, status_at_start
 from explorer.phase.constants import NaturalConstants, best_constants, natural_constants
 from explorer.phase.disk import Disk

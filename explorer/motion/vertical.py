@@ -76,3 +76,8 @@ def _all_usable(sigma3_bar: Array, eta_hat: Array, speed: Array, face: Array, un
         and size.max() <= beyond
         and (abs(face) == 1.0).all()
     )
+
+
+def depth(phi: float) -> float:
+    """How far the tilt phi (rad) is below the vertical, in x = ln tan(theta/2)."""
+    return float(np.arctanh(np.sin(phi)))

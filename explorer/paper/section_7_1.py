@@ -13,9 +13,9 @@ import numpy as np
 from numpy.polynomial.polynomial import polyfit
 from scipy.optimize import brentq
 
+from explorer.motion.falls import fall_from_vertical
 from explorer.motion.limit_motions import limit_motion
 from explorer.motion.passages import passages
-from explorer.motion.passages_by_quadrature import fall_from_vertical
 from explorer.motion.periods import periods
 from explorer.paper import eight_dimensions as plain
 from explorer.paper.checks import (

@@ -17,7 +17,7 @@ from explorer import compiled
 from explorer.errors import InputError, note, number, positive, shown, word
 from explorer.phase.arguments import column, explained
 from explorer.phase.energy import potential_at_flat
-from explorer.phase.gauss import leg_rules, table_rules
+from explorer.phase.gauss import table_rules
 from explorer.phase.paths import read_toml
 
 Array = NDArray[np.float64]

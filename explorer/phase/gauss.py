@@ -1,4 +1,4 @@
-"""Gauss-Legendre rules good to the last digit, packed for the quadrature kernels.
+"""Gauss-Legendre rules good to the last digit, for the tables of `kernels`.
 
 They rest on numpy's longdouble. Where that is a plain double (Windows, macOS on ARM) weights are off by 7e-14
 (relative) at 140 nodes and by 1e-12 at 280; those of numpy and SciPy are off by 1e-11 and 3e-10 everywhere.
@@ -10,13 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import compiled
-
 _Array = NDArray[np.float64]
 
-# Orders tried in turn. Where the integrand is smooth the third already agrees with the second, and few digits are
-# lost by then; that both agree by chance the first tells.
-SIZES = (7, 12, 20, 30, 44, 64, 96, 140)
 # From an error of 1e-3 at most; the last one only confirms.
 _NEWTON_STEPS = 4
 
@@ -45,34 +40,19 @@ def _legendre(n: int, x: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     return here, n * (x * here - before) / (x * x - 1.0)
 
 
-@cache
-def packed_rules() -> "compiled.quadrature.Rules":
-    """The rules as the kernels take them.
-
-    packed[0]: positive halves of symmetric rules of 2n nodes; packed[1]: whole rules of n nodes.
-    """
-    halves, wholes = [], []
-    for n in SIZES:
-        x, w = gauss(2 * n)
-        halves.append(np.stack([x[n:], w[n:]]))
-        wholes.append(np.stack(gauss(n)))
-    rules = np.stack([np.concatenate(halves, axis=1), np.concatenate(wholes, axis=1)])
-    return compiled.quadrature.Rules(np.ascontiguousarray(rules), np.array(SIZES, dtype=np.int64))
-
-
-# Orders of outer, fall, inner and wide rules, for 1e-2, 1e-3 and so on to 1e-11 and the best there is.
+# Orders of outer, fall and inner rules, for 1e-2, 1e-3 and so on to 1e-11 and the best there is.
 _ORDERS = (
-    (5, 5, 4, 12),
-    (7, 8, 8, 18),
-    (9, 11, 10, 22),
-    (13, 14, 14, 26),
-    (17, 18, 18, 30),
-    (17, 20, 22, 34),
-    (19, 22, 26, 38),
-    (21, 26, 32, 42),
-    (22, 30, 38, 46),
-    (23, 34, 44, 50),
-    (24, 40, 56, 52),
+    (5, 5, 4),
+    (7, 8, 8),
+    (9, 11, 10),
+    (13, 14, 14),
+    (17, 18, 18),
+    (17, 20, 22),
+    (19, 22, 26),
+    (21, 26, 32),
+    (22, 30, 38),
+    (23, 34, 44),
+    (24, 40, 56),
 )
 
 
@@ -86,7 +66,7 @@ _INNER_OF_SLIGHT = dict(enumerate((8, 12, 16, 22, 34, 44, 48, 52, 64, 64, 64)))
 
 @cache
 def table_rules(I1: float, I3: float) -> tuple[tuple[_Array, ...], ...]:
-    """Rules for kernels.integrals.tables.make_tables: outer, fall, inner and wide of its grades, coarse to fine.
+    """Rules for kernels.integrals.tables.make_tables: outer, fall and inner of its grades, coarse to fine.
 
     I1, I3: of the body, natural units.
 
@@ -96,15 +76,5 @@ def table_rules(I1: float, I3: float) -> tuple[tuple[_Array, ...], ...]:
     """
     slight = I1 < _SLIGHT or I3 < _SLENDER * I1
     own = _INNER_OF_LARGE if I1 >= _LARGE else _INNER_OF_SLIGHT if slight else {}
-    orders = [(outer, fall, own.get(g, inner), wide) for g, (outer, fall, inner, wide) in enumerate(_ORDERS)]
+    orders = [(outer, fall, own.get(g, inner)) for g, (outer, fall, inner) in enumerate(_ORDERS)]
     return tuple(tuple(np.stack(gauss(n)) for n in each) for each in orders)
-
-
-# Nodes of the rules for legs: a step in size is a digit or less.
-LEG_SIZES = (3, 4, 5, 6, 7, 8, 9, 10, 12, 15, 18, 22, 27, 33, 40, 50)
-
-
-@cache
-def leg_rules() -> tuple[_Array, ...]:
-    """Rules for kernels.integrals.leg_tables.make_leg_tables: of twice as many nodes as LEG_SIZES."""
-    return tuple(np.stack(gauss(2 * n)) for n in LEG_SIZES)

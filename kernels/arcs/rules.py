@@ -331,8 +331,8 @@ def pick(kind: int, kinds: Longs, arcs: Arcs, digits: float, rows: Longs, doubli
 def arc_batch(kinds: Longs, arcs: Arcs, accuracy: float, rule: Rule, chart: Chart, out: Matrix) -> None:
     """Every arc of its kind (n) -> out (5, n), rows as ArcRow.
 
-    accuracy: of the angles (rad) and, relative, of the time: nodes are doubled until the estimate allows, or what is
-    best stays, with its error.
+    accuracy: of the angles (rad) and, relative, of the time: nodes are doubled until the estimate allows, or what
+    is best stays, with its error.
     """
     n = kinds.size
     A, rows, doublings, now = np.zeros(_ROWS), np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64)

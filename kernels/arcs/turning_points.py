@@ -3,7 +3,7 @@
 From a point with K > 0, K' and a bound B of V'', K(d + h) >= K + K' h - B h^2/2, so that up to the root of that
 parabola the motion goes on. Such steps need no bracket, begin from rest (K = 0, K' > 0), and notice crests of V,
 where K' turns from falling to rising. As soon as the bound proves one root near by, Halley's steps find it. Deep
-below, V has one minimum only, and Newton's method in 1/q^2, in which the wall of V is straight, needs three or four.
+below, V has one minimum only, and Newton's method in 1/q^2, in which the wall of V is straight, needs three steps.
 """
 
 import math
@@ -89,7 +89,7 @@ class Starts(NamedTuple):
 
 
 class Place(NamedTuple, Generic[Entry]):
-    """A point of a motion at the distance d from a start; from a search a turning point, or the vertical before it.
+    """A point of a motion at the distance d from a start; if searched a turning point, or the vertical before it.
 
     r, w, sigma3, sigma4: the state, as in `Starts`. K: there, 0 at a turning point. slow: how far from here K has
     its next zero beyond, inf where that is not near. error: from rounding, of x at turning points, elsewhere of K.
@@ -339,7 +339,7 @@ def search_rest(A: Vector, b: Body) -> None:
 
 @contracted_device
 def slow_beyond(K: float, slope: float, bend: float) -> float:
-    """The distance to the next zero of K, which may be complex, from K and the derivatives of V; inf beyond SLOW."""
+    """The distance to the next zero of K, which may be complex, from K and derivatives of V; inf beyond SLOW."""
     steep, inside = abs(slope), slope * slope + 2.0 * bend * K
     moving = 2.0 * K / (steep + math.sqrt(abs(inside))) if inside >= 0.0 else math.sqrt(abs(2.0 * K / bend))
     turning = -2.0 * steep / bend if bend < 0.0 else math.inf

@@ -7,17 +7,6 @@ from kernels.disk import chaplygin
 from kernels.types import Matrix
 
 
-class Anchor(NamedTuple):
-    """The tilt at which sigma_4 is known for a motion, so that V is told from there: rho' and D', and rho' - 1.
-
-    At flat (1, 0, 0): D' is infinite there, but has no part in what a motion near it is measured from.
-    """
-
-    drho: float
-    dD: float
-    excess: float
-
-
 class Body(NamedTuple):
     """Constants of one disk in natural units (m = r = g = 1); all dimensionless."""
 
@@ -34,7 +23,6 @@ class Body(NamedTuple):
     k: float  # I3 / I1
     r0: float  # r(0)
     dr0: float  # r'(0)
-    anchor: Anchor
 
 
 class Disk(NamedTuple):
@@ -66,17 +54,5 @@ def make_disk(I1: float, I3: float) -> Disk:
         k=I3 / I1,
         r0=r0,
         dr0=dr0,
-        anchor=Anchor(1.0, 0.0, 0.0),
     )
     return Disk(body, series)
-
-
-def make_upright(disk: Disk) -> Disk:
-    """The same disk for motions whose V is told from the vertical, where D' = -1/r(0); `series` has D' above that.
-
-    Where I3 is little, sigma_4 at flat may be as large as 1/I3 where that of the motion is not: V - V_0 is then a
-    difference of squares of that size. From the vertical on sigma_4 changes by no more than sigma_3 does.
-    """
-    b = disk.body
-    series, excess = chaplygin.make_upright_series(b.c)
-    return Disk(b._replace(anchor=Anchor(b.dr0, -1.0 / b.r0, excess)), series)

@@ -60,17 +60,6 @@ def make_series(c: float) -> tuple[Matrix, float, float]:
     return np.ascontiguousarray(np.stack([economise(row, DEGREE) for row in rows])), r0, dr0
 
 
-def make_upright_series(c: float) -> tuple[Matrix, float]:
-    """The rows of make_series with v' + 1/r(0) in the place of v'; and r'(0) - 1.
-
-    Both are of the order of c, and known to as many digits: nothing is subtracted.
-    """
-    (g, drho, v, dv, excess), r0, _dr0 = power_series(c)
-    dv = np.append(-math.fsum(_unsettled(c)[1][2:]) / r0, dv[1:])
-    rows = g, drho, v, dv, excess
-    return np.ascontiguousarray(np.stack([economise(row, DEGREE) for row in rows])), math.fsum(excess)
-
-
 def make_whole(series: Matrix) -> Whole:
     """Rows of make_series as tuples, which lanes keep at hand."""
     return Whole(*(tuple(map(float, row)) for row in series[:4]))

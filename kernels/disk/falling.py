@@ -116,25 +116,6 @@ def potential_at_flat(X: float, b: Body) -> float:
     return V
 
 
-@device
-def spin_at_anchor(X: float, Y: float, b: Body) -> float:
-    """sigma4 where the body's anchor is: at flat it is X/k."""
-    return (X * b.anchor.drho + Y * b.anchor.dD) / b.k
-
-
-@device
-def rounding_at_anchor(Y: float, b: Body) -> float:
-    """The size of what `spin_at_anchor` may be a small difference of; 0 at flat."""
-    return abs(Y * b.anchor.dD / b.k)
-
-
-@device
-def potential_at_anchor(X: float, Y: float, b: Body) -> float:
-    """The part of V by sigma4 at the body's anchor, from which levels are counted: V_0 at flat."""
-    V, _spin = potential_above_flat(0.0, spin_at_anchor(X, Y, b), 0.0, 0.0, b)
-    return V
-
-
 def _rates_on_f(X: float, q: float, z: float, f: Solutions, b: Body) -> tuple[float, float]:
     """(sigma3/q^2, sigma4) with eta_+ = 0 where cos phi = q, sin phi = z; f: the solutions there. Eq. (5.9)."""
     # eta_- = 2 I1 r'(0) sigma3_bar where eta_+ = 0

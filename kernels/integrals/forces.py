@@ -3,16 +3,12 @@
 import math
 from typing import Generic, NamedTuple
 
-import numpy as np
-
 from kernels._jit import kernel, subroutine
 from kernels.disk.body import Disk
 from kernels.disk.rows import Entry, put
-from kernels.integrals import nodes
 from kernels.integrals.passages import Crossings
 from kernels.integrals.point import VERTICAL, Motion, motion_through, point
-from kernels.integrals.turning import turning_point
-from kernels.types import Matrix
+from kernels.types import Matrix, Vector
 
 # Points per passage at which forces are looked at.
 _FORCE_POINTS = 400
@@ -27,20 +23,17 @@ class ForceRow(NamedTuple, Generic[Entry]):
 
 
 @kernel
-def forces_batch(crossings: Crossings, disk: Disk, out: Matrix) -> None:
+def forces_batch(crossings: Crossings, h_turn: Vector, disk: Disk, out: Matrix) -> None:
     """Least normal force and largest needed friction of every passage, face +1 -> out (2, n), rows as ForceRow.
 
-    Looked at on a grid in y and at both ends, so good to some digits.
+    h_turn (n): at the turning point. Looked at on a grid in y and at both ends, so good to some digits.
     """
     b = disk.body
-    W = np.zeros(nodes.ROWS * nodes.ROOM)
     for i in range(out.shape[1]):
-        X, Y, speed = crossings.sigma3_bar[i] / b.r0, crossings.eta[i] / b.I1, crossings.speed[i]
-        motion = motion_through(VERTICAL, speed, X, Y, disk)
-        h_turn = turning_point(VERTICAL, speed == 0.0, motion, disk, W)
+        X, Y = crossings.sigma3_bar[i] / b.r0, crossings.eta[i] / b.I1
         out[:, i] = math.nan
-        if h_turn > 0.0:
-            put(extremes(h_turn, motion, disk), out, i)
+        if h_turn[i] > 0.0:
+            put(extremes(h_turn[i], motion_through(VERTICAL, crossings.speed[i], X, Y, disk), disk), out, i)
 
 
 @subroutine

@@ -43,14 +43,13 @@ def first_grade(target: float) -> int:
 @subroutine
 def grade_at(of_body: Tables, number: int) -> Grade:
     """The rules of a grade, from few nodes to many."""
-    first, last, row = 4 * number, 4 * number + 4, of_body.limits[number]
+    first, last, row = 3 * number, 3 * number + 3, of_body.limits[number]
     ends = of_body.ends
     return Grade(
         outer=of_body.outer[:, ends[first] : ends[last]],
         fall=of_body.fall[:, ends[first + 1] : ends[last + 1]],
         inner=of_body.inner[:, ends[first + 2] : ends[last + 2]],
-        wide=of_body.far[:, ends[first + 3] : ends[last + 3]],
-        limits=Limits(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8]),
+        limits=Limits(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]),
     )
 
 

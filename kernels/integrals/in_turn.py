@@ -5,17 +5,44 @@ as `passages` moves those that waited, they would take a tenth of all time where
 without an answer leaves is overwritten by a finer grade, or by NaN.
 """
 
-from typing import Any
+from typing import Any, Generic, NamedTuple
 
 from kernels._jit import device, subroutine
 from kernels.disk.body import Body
 from kernels.disk.falling import potential_at_flat
+from kernels.disk.rows import Entry
 from kernels.integrals import sums
 from kernels.integrals.near_flat import tilt_of
-from kernels.integrals.quadrature import FallRow, PassageRow
 from kernels.integrals.sums import CHECK, LANES
 from kernels.integrals.tables import Series
 from kernels.types import Longs, Matrix, Vector
+
+
+class PassageRow(NamedTuple, Generic[Entry]):
+    """A passage from its start to the turning point and back, natural units, face +1.
+
+    theta_min: smallest tilt; chi, psi, time: increases; angle_error (rad), time_error (relative): of these.
+    way: sigma3/q at the turning point, whose sign is the direction of the race.
+    """
+
+    theta_min: Entry
+    chi: Entry
+    psi: Entry
+    time: Entry
+    energy: Entry
+    angle_error: Entry
+    time_error: Entry
+    way: Entry
+
+
+class FallRow(NamedTuple, Generic[Entry]):
+    """The fall on F to flat: time, increases of chi and psi, and their error. psi changes sign on face -1."""
+
+    time: Entry
+    chi: Entry
+    psi: Entry
+    error: Entry
+
 
 # Where the rows of results stand in arrays of them.
 _OF_PASSAGE, _OF_FALL = PassageRow(*range(8)), FallRow(*range(4))

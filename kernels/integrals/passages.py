@@ -1,7 +1,6 @@
-"""Passages and falls of many samples: by tables where they serve, by adaptive quadrature elsewhere.
+"""Passages and falls of many samples near flat, by tables.
 
-Kernels of their own for few digits, for many, for passages that do not come near flat, and for adaptive rules:
-what a caller needs compiles in a part of the time.
+Kernels of their own for few digits and for many: what a caller needs compiles in a part of the time.
 """
 
 import math
@@ -13,8 +12,7 @@ from kernels._jit import device, kernel, maker, subroutine
 from kernels.disk.body import Body, Disk
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.rows import put
-from kernels.integrals import nodes, sums, tabulated, wide
-from kernels.integrals.falls import Departure, fall
+from kernels.integrals import sums, tabulated
 from kernels.integrals.grades import (
     Lines,
     empty_lines,
@@ -26,6 +24,8 @@ from kernels.integrals.grades import (
     take,
 )
 from kernels.integrals.in_turn import (
+    FallRow,
+    PassageRow,
     in_turn,
     load_crossings,
     load_departures,
@@ -34,8 +34,6 @@ from kernels.integrals.in_turn import (
     store_passages,
 )
 from kernels.integrals.near_flat import tilt_of
-from kernels.integrals.point import VERTICAL, Motion, motion_through
-from kernels.integrals.quadrature import FLOOR, FallRow, PassageRow, Rules, Start, passage
 from kernels.integrals.sums import CHECK, LANES, Goal
 from kernels.integrals.tables import GRADES, ROUGH, Series, Tables
 from kernels.status import Status
@@ -43,10 +41,8 @@ from kernels.types import Codes, Longs, Matrix, Vector
 
 _OK = int(Status.OK)
 _FALLS = int(Status.FALLS)
-# Before this grade wide rules try again as long as they fail, and a second one is always tried. From there on the
-# coefficients of a third may look converged by chance.
-_FEW = 6
 _LINE = 8  # doubles in a line of the cache
+FLOOR = 1e-11  # an accuracy below this is met as far as rounding allows
 ROUNDING = 4.0 * 2.2e-16  # of a difference, for each unit of its terms
 
 
@@ -203,8 +199,7 @@ def passage_batch(
     """The passage on face +1 from the vertical of every motion -> out (8, n or more), as PassageRow.
 
     target: accuracy of the angles (rad) and of the time (relative). status (n): samples that come in as not OK
-    are skipped; eta = 0 is FALLS. Those that tables do not serve stay OK, with NaN: they are left to
-    `wide_batch` and `passage_by_rules_batch`.
+    are skipped; eta = 0 is FALLS. Those that tables do not serve stay OK, with NaN: they are left to arcs.
     """
     asked = Asked(target, max(first_grade(target), ROUGH), GRADES)
     by_tables(Work(crossings, asked, out, status), make_room(), of_body, of_body.low, disk)
@@ -217,65 +212,6 @@ def rough_batch(
     """As `passage_batch`, for targets down to 1e-5: by short series and few nodes."""
     asked = Asked(target, min(first_grade(target), ROUGH), ROUGH + 1)
     by_tables(Work(crossings, asked, out, status), make_room(), of_body, of_body.short, disk)
-
-
-@subroutine
-def by_wide_tables(work: Work, room: Room, of_body: Tables, disk: Disk) -> None:
-    """`wide_batch`."""
-    crossings, asked, out, status = work
-    # No floor: adaptive rules may come closer to what rounding allows.
-    goal, n = Goal(asked.target, 0.0), status.size
-    for i in range(n + 1):
-        if i < n and status[i] == _OK and math.isnan(out[0, i]):
-            line_up(room.lines, asked.first, i)
-        if i < n and room.lines.counts[asked.first] < LANES:
-            continue
-        grade = next_grade(room.lines, i == n)
-        while grade >= 0:
-            taken = take(room.lines, grade, room.group)
-            fill(room.lanes, room.group, taken, crossings, disk.body)
-            wide.passages(room.lanes, goal, grade_at(of_body, grade), of_body, disk.body)
-            for k in range(taken):
-                settle(room, k, in_lane(room.lanes, k, of_body.wide, disk.body), grade, asked.end, out)
-            grade = next_grade(room.lines, i == n)
-
-
-@kernel
-def wide_batch(
-    crossings: Crossings, target: float, of_body: Tables, disk: Disk, out: Matrix, status: Codes
-) -> None:
-    """The same of every motion that is OK and still NaN: those that turn far from flat.
-
-    Those that stay NaN are left to `passage_by_rules_batch`.
-    """
-    first = first_grade(target)
-    asked = Asked(target, first, min(max(first + 3, _FEW), GRADES))
-    by_wide_tables(Work(crossings, asked, out, status), make_room(), of_body, disk)
-
-
-@kernel
-def passage_by_rules_batch(
-    crossings: Crossings, h_end: float, target: float, rules: Rules, disk: Disk, out: Matrix, status: Codes
-) -> None:
-    """The same, cut at h_end, of every motion that is OK and still NaN in out (8, n).
-
-    A motion that does not come as far as h_end is BAD_INPUT.
-    """
-    b = disk.body
-    W = np.zeros(nodes.ROWS * nodes.ROOM)
-    at_vertical = h_end == VERTICAL
-    for i in range(status.size):
-        if status[i] == _OK and crossings.eta[i] == 0.0:
-            status[i] = _FALLS
-        if status[i] != _OK or not math.isnan(out[0, i]):
-            continue
-        speed = crossings.speed[i]
-        X, Y = crossings.sigma3_bar[i] / b.r0, crossings.eta[i] / b.I1
-        motion = motion_through(VERTICAL, speed, X, Y, disk)
-        moving = 0.5 * b.M * speed * speed if at_vertical else 0.0
-        start = Start(h_end, speed == 0.0 and at_vertical, moving)
-        status[i], row = passage(start, motion, target, rules, disk, W)
-        put(row, out, i)
 
 
 @subroutine
@@ -366,21 +302,6 @@ def fall_batch(departures: Departures, target: float, of_body: Tables, disk: Dis
     """The fall on F from the vertical on face +1 of every sample -> out (4, n or more), as FallRow.
 
     target: accuracy of there and back, as for passages; the last grade gives the best there is. NaN where tables
-    do not serve: those are left to `fall_by_rules_batch`.
+    do not serve: those are left to arcs.
     """
     falls_by_tables(departures, target, make_room(), of_body, disk, out)
-
-
-@kernel
-def fall_by_rules_batch(departures: Departures, h_end: float, rules: Rules, disk: Disk, out: Matrix) -> None:
-    """The same from h_end, of every sample that is still NaN in out (4, n).
-
-    It stays NaN where the energy does not exceed V_0.
-    """
-    b = disk.body
-    W = np.zeros(nodes.ROWS * nodes.ROOM)
-    for i in range(departures.level.size):
-        motion = Motion(departures.sigma3_bar[i] / b.r0, 0.0, departures.level[i])
-        if math.isnan(out[0, i]) and motion.level > 0.0:
-            departure = Departure(departures.moving[i], departures.doubt[i])
-            put(fall(h_end, departure, motion, rules, disk, W), out, i)

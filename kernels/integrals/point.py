@@ -9,7 +9,7 @@ from typing import Generic, NamedTuple
 from kernels._jit import kernel, subroutine
 from kernels.disk import chaplygin
 from kernels.disk.body import Disk
-from kernels.disk.falling import potential_above_flat, spin_at_anchor
+from kernels.disk.falling import potential_above_flat
 from kernels.disk.rows import Entry, put
 from kernels.types import Matrix, Vector
 
@@ -18,37 +18,11 @@ VERTICAL = math.sqrt(2.0)  # h there
 
 
 class Motion(NamedTuple):
-    """Constants of one motion: X = sigma3_bar / r(0), Y = eta_+ / I1, and level = E - V_0.
-
-    With a body whose anchor is the vertical, V_0 here and below is the part of V by sigma4 there.
-    """
+    """Constants of one motion: X = sigma3_bar / r(0), Y = eta_+ / I1, and level = E - V_0."""
 
     X: float
     Y: float
     level: float
-
-
-class Orbits(NamedTuple):
-    """States (n) on motions, as seen from their hemisphere.
-
-    h and rate: 2 sin(theta/2) and theta-dot; near and far: eta of this and of the other face; z: cos(theta), which
-    beside the vertical h tells to few digits.
-    """
-
-    h: Vector
-    rate: Vector
-    sigma3_bar: Vector
-    near: Vector
-    far: Vector
-    z: Vector
-
-
-class Seen(NamedTuple):
-    """One such state, without its constants."""
-
-    h: float
-    rate: float
-    z: float
 
 
 class Point(NamedTuple, Generic[Entry]):
@@ -77,31 +51,17 @@ def point(h: float, X: float, Y: float, disk: Disk) -> Point[float]:
     smooth = 0.5 * X * f.rho_over_S * h
     ratio = (smooth + Y * f.D / h) / shape
     q, z = h * shape, 1.0 - S
-    anchored = spin_at_anchor(X, Y, b)
-    rise = (X * S * chaplygin.slope_excess(S, disk.series) - X * b.anchor.excess + Y * f.dD) / b.k
-    sigma4 = (X * f.drho + Y * f.dD) / b.k if b.anchor.dD == 0.0 else anchored + rise
-    V, _spin = potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * anchored, q, b)
+    rise = (X * S * chaplygin.slope_excess(S, disk.series) + Y * f.dD) / b.k
+    sigma4 = (X * f.drho + Y * f.dD) / b.k
+    V, _spin = potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * X / b.k, q, b)
     slope = h / shape * (b.J * ratio * sigma4 + z) - b.I1 * z * ratio * ratio / (shape * shape)
     return Point(S, shape, f.D, ratio, sigma4, V, slope)
 
 
 @subroutine
-def met(h: float, rate: float, X: float, Y: float, disk: Disk) -> tuple[Point[float], Motion]:
-    """(point at h, motion) with constants X, Y whose theta-dot is +-`rate` there."""
-    at = point(h, X, Y, disk)
-    return at, Motion(X, Y, 0.5 * disk.body.M * rate * rate + at.V)
-
-
-@subroutine
 def motion_through(h: float, rate: float, X: float, Y: float, disk: Disk) -> Motion:
     """The motion with constants X, Y whose theta-dot is +-`rate` at h."""
-    return met(h, rate, X, Y, disk)[1]
-
-
-@subroutine
-def kinetic(h: float, motion: Motion, disk: Disk) -> float:
-    """P = theta-dot^2 = 2 (E - V) / M."""
-    return 2.0 * disk.body.inv_M * (motion.level - point(h, motion.X, motion.Y, disk).V)
+    return Motion(X, Y, 0.5 * disk.body.M * rate * rate + point(h, X, Y, disk).V)
 
 
 @kernel

@@ -25,18 +25,14 @@ from kernels.types import Longs, Matrix
 
 # h where the fixed nodes end: as far out as the low series stay short.
 HANDOVER = 0.5
-# On S <= 1/8 the nearest singularity is 16 intervals away: coefficients fall like 62^-n; on S <= 1 like 5.8^-n.
-LOW_DEGREE, SHORT_DEGREE, WIDE_DEGREE = 8, 3, 24
+# On S <= 1/8 the nearest singularity is 16 intervals away: coefficients fall like 62^-n.
+LOW_DEGREE, SHORT_DEGREE = 8, 3
 # Of cos(theta/2) among short series: its error counts in all of the race, not in what is left.
 _SHORT_SHAPE = 5
-# Tilts at which wide passages look for their turning point: SCANNED of them, in equal steps of ln h.
-SCANNED, _LOWEST = 20, 0.02
-SCAN_STEP = math.log(math.sqrt(2.0) / _LOWEST) / SCANNED
-
 # Rows of the tables of fixed tilts below those of Fixed: the last Legendre coefficients.
 LAST, LAST_BUT_ONE = 8, 9
-# Rows of the tables of relative nodes; below them, for those in ln h, the last coefficients.
-GAP, WEIGHT, EVEN, EVEN_BUT_ONE = range(4)
+# Rows of the tables of relative nodes.
+GAP, WEIGHT = range(2)
 
 
 class Fixed(NamedTuple):
@@ -66,7 +62,6 @@ def fixed(table: Matrix, j: int) -> Fixed:
 LowPowers = Annotated[tuple[float, ...], nb.UniTuple(float64, LOW_DEGREE + 1)]
 ShortPowers = Annotated[tuple[float, ...], nb.UniTuple(float64, SHORT_DEGREE + 1)]
 ShapePowers = Annotated[tuple[float, ...], nb.UniTuple(float64, _SHORT_SHAPE + 1)]
-WidePowers = Annotated[tuple[float, ...], nb.UniTuple(float64, WIDE_DEGREE + 1)]
 
 
 class Low(NamedTuple):
@@ -94,18 +89,7 @@ class Short(NamedTuple):
     inv_shape: ShapePowers
 
 
-class Wide(NamedTuple):
-    """As `Low`, for S <= 1."""
-
-    per_S: float
-    rho_over_S: WidePowers
-    v: WidePowers
-    dv: WidePowers
-    excess: WidePowers
-    inv_shape: WidePowers
-
-
-Series = Low | Short | Wide
+Series = Low | Short
 
 
 class Limits(NamedTuple):
@@ -114,7 +98,7 @@ class Limits(NamedTuple):
     depth: range in y, below the handover, that the inner rule covers. rounds: steps of Newton's method towards
     the turning point, and settled: the last of them at most. missed: share of what the inner rule adds up that it
     misses at most; 0 where its last coefficients tell. slowest: share of the energy above V_0 with which a motion
-    must leave the vertical. trust, trust_of_fall, trust_of_wide: what the other rules miss of what they add up, in
+    must leave the vertical. trust, trust_of_fall: what the other rules miss of what they add up, in
     squares of the share that their last coefficients have; 0 where these coefficients tell by themselves. spun:
     how many times as much as of chi the inner rule misses of the time, and where spin is fast of chi less psi.
     """
@@ -126,37 +110,31 @@ class Limits(NamedTuple):
     slowest: float
     trust: float
     trust_of_fall: float
-    trust_of_wide: float
     spun: float
 
 
 class Grade(NamedTuple):
-    """Rules of one accuracy: outer (10, n), fall (10, n), inner (2, n), wide (4, n)."""
+    """Rules of one accuracy: outer (10, n), fall (10, n), inner (2, n)."""
 
     outer: Matrix
     fall: Matrix
     inner: Matrix
-    wide: Matrix
     limits: Limits
 
 
 class Tables(NamedTuple):
     """Tables of one body.
 
-    vertical (8, 1), scan (8, SCANNED): single tilts. low, short, wide: series. outer, fall, inner, far: nodes of
-    all grades side by side; ends: where those of a grade end, four numbers for each. limits (GRADES, 9): fields
-    of Limits.
+    vertical (8, 1): a single tilt. low, short: series. outer, fall, inner: nodes of all grades side by side; ends:
+    where those of a grade end, three numbers for each. limits (GRADES, 8): fields of Limits.
     """
 
     vertical: Matrix
-    scan: Matrix
     low: Low
     short: Short
-    wide: Wide
     outer: Matrix
     fall: Matrix
     inner: Matrix
-    far: Matrix
     ends: Longs
     limits: Matrix
 
@@ -184,52 +162,44 @@ _LAST_OF_SLENDER, _SLENDER = 8, 0.1
 # the spin makes large angles of it, and of what is missed elsewhere.
 _SPINNING = 0.03
 _GRADES = (
-    Limits(3.0, 2, 3e-2, 4e-3, 2e-2, 0.0055, 0.005, 0.007, 10.0),
-    Limits(4.5, 3, 2e-3, 4e-4, 5e-3, 0.04, 0.22, 0.3, 3.0),
-    Limits(5.5, 3, 2e-3, 1e-4, 5e-3, 0.17, 0.9, 0.5, 1.8),
-    Limits(7.0, 4, 3e-5, 5e-6, 2e-2, 0.03, 0.07, 0.8, 3.0),
-    Limits(8.5, 4, 3e-5, 6e-7, 3e-3, 15.0, 20.0, 0.8, 4.0),
-    Limits(9.5, 4, 3e-5, 8e-8, 5e-3, 0.35, 1.3, 0.8, 2.0),
-    Limits(11.0, 5, 1e-6, 1.2e-8, 5e-3, 0.8, 2.2, 0.8, 2.0),
-    Limits(12.5, 5, 1e-6, 8e-10, 5e-3, 1.2, 7.0, 0.8, 2.0),
-    Limits(14.0, 5, 1e-6, 7e-11, 3e-3, 2.2, 20.0, 0.8, 2.0),
-    Limits(15.0, 5, 3e-7, 6e-12, 2e-3, 3.0, 40.0, 0.8, 2.0),
-    Limits(16.0, 5, 1e-8, 2e-14, 1e-3, 0.0, 0.0, 0.0, 1.0),
+    Limits(3.0, 2, 3e-2, 4e-3, 2e-2, 0.0055, 0.005, 10.0),
+    Limits(4.5, 3, 2e-3, 4e-4, 5e-3, 0.04, 0.22, 3.0),
+    Limits(5.5, 3, 2e-3, 1e-4, 5e-3, 0.17, 0.9, 1.8),
+    Limits(7.0, 4, 3e-5, 5e-6, 2e-2, 0.03, 0.07, 3.0),
+    Limits(8.5, 4, 3e-5, 6e-7, 3e-3, 15.0, 20.0, 4.0),
+    Limits(9.5, 4, 3e-5, 8e-8, 5e-3, 0.35, 1.3, 2.0),
+    Limits(11.0, 5, 1e-6, 1.2e-8, 5e-3, 0.8, 2.2, 2.0),
+    Limits(12.5, 5, 1e-6, 8e-10, 5e-3, 1.2, 7.0, 2.0),
+    Limits(14.0, 5, 1e-6, 7e-11, 3e-3, 2.2, 20.0, 2.0),
+    Limits(15.0, 5, 3e-7, 6e-12, 2e-3, 3.0, 40.0, 2.0),
+    Limits(16.0, 5, 1e-8, 2e-14, 1e-3, 0.0, 0.0, 1.0),
 )
 
 
 def make_tables(disk: Disk, rules: Sequence[tuple[np.ndarray, ...]]) -> Tables:
     """Tables for passages of a disk.
 
-    rules: for each grade Gauss rules (2, n) on [-1, 1] for outer, fall, inner and wide. The last two have an even
-    number of nodes; their positive half is used.
+    rules: for each grade Gauss rules (2, n) on [-1, 1] for outer, fall and inner. The last has an even number of
+    nodes; its positive half is used.
     """
     power_series, nearest = chaplygin.power_series(disk.body.c)[0], 0.5 * HANDOVER * HANDOVER
     grades = [_grade(disk, each, _limits(disk, g)) for g, each in enumerate(rules)]
-    sizes = [[nodes.shape[1] for nodes in grade[:4]] for grade in grades]
-    outer, fall, inner, far = (np.concatenate(nodes, axis=1) for nodes in list(zip(*grades, strict=True))[:4])
+    sizes = [[nodes.shape[1] for nodes in grade[:3]] for grade in grades]
+    outer, fall, inner = (np.concatenate(nodes, axis=1) for nodes in list(zip(*grades, strict=True))[:3])
     return Tables(
         vertical=at_tilts(disk, np.array([0.5 * math.pi]), np.zeros(1)),
-        scan=at_tilts(disk, 2.0 * np.arcsin(0.5 * scanned_tilts()), np.zeros(SCANNED)),
         low=Low(4.0 / HANDOVER**2, *_series(power_series, nearest, (LOW_DEGREE, LOW_DEGREE))),
         short=Short(4.0 / HANDOVER**2, *_series(power_series, nearest, (SHORT_DEGREE, _SHORT_SHAPE))),
-        wide=Wide(2.0, *_series(power_series, 1.0, (WIDE_DEGREE, WIDE_DEGREE))),
         outer=outer,
         fall=fall,
         inner=inner,
-        far=far,
-        ends=np.concatenate([np.zeros(4, np.int64), np.cumsum(sizes, axis=0).ravel()]),
+        ends=np.concatenate([np.zeros(3, np.int64), np.cumsum(sizes, axis=0).ravel()]),
         limits=np.array([grade.limits for grade in grades]),
     )
 
 
-def scanned_tilts() -> np.ndarray:
-    """h where wide passages look for their turning point, from below the vertical on."""
-    return math.sqrt(2.0) * np.exp(-SCAN_STEP * np.arange(1, SCANNED + 1))
-
-
 def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
-    outer, fall, inner, wide = rules
+    outer, fall, inner = rules
     handover = 2.0 * math.asin(0.5 * HANDOVER)
     # A slow start makes theta-dot^2 small towards the vertical; there nodes lie close, like u^2.
     far = _towards_vertical(disk, 0.5 * math.pi - handover, outer)
@@ -240,15 +210,11 @@ def _grade(disk: Disk, rules: tuple[np.ndarray, ...], limits: Limits) -> Grade:
         u = 0.5 * (1.0 + fall[0])
         theta = 0.5 * math.pi * u * u * (3.0 - 2.0 * u)
         fallen = at_tilts(disk, theta, 1.5 * math.pi * u * (1.0 - u) * fall[1])
-    places, weights, _last = _half(inner)
-    # ln h rises from the turning point like s^2, s = sin(pi v/2): nodes lie close at both ends.
-    v, steps, last = _half(wide)
-    s, slope = np.sin(0.5 * math.pi * v), np.cos(0.5 * math.pi * v)
+    n = inner.shape[1] // 2
     return Grade(
         outer=np.concatenate([far, coefficients(outer, (outer.shape[1] - 1, outer.shape[1] - 2))]),
         fall=np.concatenate([fallen, coefficients(fall, (fall.shape[1] - 1, fall.shape[1] - 2))]),
-        inner=np.stack([1.0 - places, weights]),
-        wide=np.concatenate([[slope * slope, math.pi * s * slope * steps], last]),
+        inner=np.stack([1.0 - inner[0, n:], inner[1, n:]]),
         limits=limits,
     )
 
@@ -269,13 +235,6 @@ def _limits(disk: Disk, number: int) -> Limits:
         trust=limits.trust * (1.0 + spinning),
         spun=1.0 + (limits.spun - 1.0) * spinning,
     )
-
-
-def _half(rule: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes and weights of the positive half of a symmetric rule, and its last coefficients for even functions."""
-    n = rule.shape[1]
-    # Of an even function the even coefficients are left, of degrees n - 2 and n - 4.
-    return rule[0, n // 2 :], rule[1, n // 2 :], coefficients(rule, (n - 2, n - 4))[:, n // 2 :]
 
 
 def _towards_vertical(disk: Disk, length: float, rule: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from mpmath import mp, mpf
 import explorer as ex
 from kernels.arcs import exponentials
 from kernels.arcs.potential import make_chart
-from kernels.arcs.turning_points import Starts, Place, inward_batch
+from kernels.arcs.turning_points import Place, Starts, inward_batch
 
 
 def half_passage(disk, sigma3_bar, eta_hat, speed, accuracy):
