@@ -9,9 +9,7 @@ from explorer import compiled
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
-# In x = ln tan(theta/2): from a slow end of an arc longer than the first, a piece of the second is cut off, since
-# there and at the other end nodes lie differently.
-_LONG, PIECE = 3.0, 1.0
+PIECE = 1.0  # in x = ln tan(theta/2), cut off at a slow end: nodes there lie otherwise than on the rest of an arc
 
 
 @cache
@@ -68,15 +66,21 @@ def integrals(disk: Disk, arcs: Array, crest: Array, accuracy: float) -> Array:
     """
     n = crest.size
     parts, owner = _cut_at_slow_ends(disk, *_cut_at_crests(disk, arcs, np.arange(n), crest))
-    arc, kind = compiled.rules.Arcs(*parts), compiled.rules
-    turns_in, turns_out = arc.K_in == 0.0, arc.K_out == 0.0
-    inside = np.where(turns_out, kind.TWO_TURNS, kind.TURN_INSIDE)
-    kinds = np.where(turns_in, inside, np.where(turns_out, kind.TURN_OUTSIDE, kind.NO_TURN))
-    kinds[arc.L == 0.0] = kind.NOTHING
-    out = by_rules(disk, kinds, parts, accuracy)
+    out = by_rules(disk, _kinds(compiled.rules.Arcs(*parts)), parts, accuracy)
     if owner.size == n:
         return out
     return np.stack([np.bincount(owner, row, n) for row in out])
+
+
+def _kinds(arc: "compiled.rules.Arcs") -> NDArray[np.int64]:
+    """The kinds of arcs, by what is at their ends."""
+    kind, turns_in, turns_out = compiled.rules, arc.K_in == 0.0, arc.K_out == 0.0
+    inside = np.where(turns_out, kind.TWO_TURNS, kind.TURN_INSIDE)
+    kinds = np.where(turns_in, inside, np.where(turns_out, kind.TURN_OUTSIDE, kind.NO_TURN))
+    slow_in, slow_out = np.isfinite(arc.slow_in), np.isfinite(arc.slow_out)
+    kinds = np.where(slow_in, np.where(turns_in, kind.SLOW_TURN_INSIDE, kind.SLOW_INSIDE), kinds)
+    kinds = np.where(slow_out, np.where(turns_out, kind.SLOW_TURN_OUTSIDE, kind.SLOW_OUTSIDE), kinds)
+    return np.where(arc.L > 0.0, kinds, kind.NOTHING)
 
 
 def by_rules(disk: Disk, kinds: NDArray[np.int64], arcs: Array, accuracy: float) -> Array:
@@ -95,15 +99,18 @@ def _cut_at_crests(
 
 
 def _cut_at_slow_ends(disk: Disk, arcs: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
-    """The same, with one slow end at most, and that on a short piece."""
+    """The same, where those with a slow end are short and go on at the other one."""
     arc = compiled.rules.Arcs(*arcs)
-    slow_in, slow_out, long = np.isfinite(arc.slow_in), np.isfinite(arc.slow_out), arc.L > _LONG
-    rows = np.flatnonzero((slow_in & slow_out) | (long & (slow_in | slow_out)))
-    if not rows.size:
-        return arcs, owner
-    L = arc.L[rows]
-    d = np.where(long[rows], np.where(slow_out[rows], PIECE, L - PIECE), 0.5 * L)
-    return _cut(disk, arcs, owner, rows, d, False)
+    ends_otherwise = (arc.L > PIECE) | (arc.K_in == 0.0) | np.isfinite(arc.slow_in)
+    rows = np.flatnonzero(np.isfinite(arc.slow_out) & ends_otherwise)
+    if rows.size:
+        arcs, owner = _cut(disk, arcs, owner, rows, np.fmin(PIECE, 0.5 * arc.L[rows]), False)
+        arc = compiled.rules.Arcs(*arcs)
+    rows = np.flatnonzero(np.isfinite(arc.slow_in) & ((arc.L > PIECE) | (arc.K_out == 0.0)))
+    if rows.size:
+        L = arc.L[rows]
+        arcs, owner = _cut(disk, arcs, owner, rows, L - np.fmin(PIECE, 0.5 * L), False)
+    return arcs, owner
 
 
 def _cut(

@@ -1,4 +1,4 @@
-"""Falls on F to flat, from the vertical, from rest below it or from a tilt: by tables where these serve, as arcs."""
+"""Falls on F to flat, from the vertical, from rest below it or from a tilt: by tables, and as arcs elsewhere."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,7 @@ def fall_from_vertical(
 def falls_of(
     disk: Disk, departures: "compiled.passages.Departures", edge: float = 0.0, accuracy: float = 0.0
 ) -> "compiled.in_turn.FallRow[Array]":
-    """The falls on F that leave the vertical so, to flat, face +1, natural units; once, NaN for what does not fall.
+    """The falls on F that leave the vertical so, once to flat, face +1, natural units; NaN for what does not fall.
 
     edge: phi (rad) at which they begin instead. accuracy: of twice the angle, and of the time; 0: the best there
     is. What lacks energy to be at the vertical falls from rest below it.
@@ -77,7 +77,6 @@ def _as_arcs(
     end = place(*below_piece)
     kinds = np.where(end.K == 0.0, rule.FALL_FROM_REST, rule.FALL)
     way = rule.ArcRow(*first + by_rules(disk, kinds, arcs_between(X, none, none + 1.0, end, end), accuracy))
-    # What moving is not known to, at the vertical where little of it is left, counts like rounding.
     return np.stack([way.time, way.chi, way.psi, np.fmax(way.angle_error, way.time_error)])
 
 

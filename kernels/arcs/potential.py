@@ -96,7 +96,7 @@ class End(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A point at some distance from an end; rise: V less that of the end; size: of the terms it was summed from."""
+    """A point at some distance from an end; rise: V less that of the end; size: of the terms it is a sum of."""
 
     r: float
     w: float
@@ -228,7 +228,7 @@ def point_at(A: Vector, d: float, inward: bool, end: End, motion: Motion, b: Bod
     ddD = half_c * (ddrho * log_S + end.drho * dlog + dg) + ddv
     dsigma4 = (motion.X * ddrho + motion.Y * ddD) * (1.0 / b.k)
     q, inv_q = 2.0 * r * inv, 0.5 * larger * inv_r
-    # r r_end - 1 and 1 - r^2: differences of what is alike where the end is beside the vertical, there told from w.
+    # r r_end - 1 and 1 - r^2: differences of what is alike where the end is beside the vertical: from w there.
     upright = end.w < 0.5
     product = grown - end.w * times if upright else r * end.r - 1.0
     w = end.w * times * times - grown * (2.0 + grown) if upright else 1.0 - r * r

@@ -1,7 +1,7 @@
 """Integrals over arcs by one family of rules: Clenshaw and Curtis's, doubled until the estimate allows.
 
-In a variable in which the roots at turning points are gone, integrands are analytic, and the error is squared where
-the nodes are doubled:
+In a variable in which the roots at turning points are gone, integrands are analytic, and the error is squared
+where the nodes are doubled:
 
     from a turning point on: d = L s^2, even in s       an arc that goes on at both ends: d = L (1 - cos g)/2
     between turning points: the same, periodic in g      a fall to flat: in tan(theta/2), where flat is nothing
@@ -9,7 +9,7 @@ the nodes are doubled:
 
 Nodes are given as distances from the nearer end with all their digits, which is what differences from ends need.
 Where the motion is slow at an end, since K vanishes at a distance delta beyond it, d = delta sinh y first and the
-rule in y. (The double-exponential rule of Takahasi and Mori serves all of this as well, with two to five times as
+rule in y, on a short arc whose nodes all are given from that end. (The double-exponential rule of Takahasi and Mori serves all of this as well, with two to five times as
 many nodes.)
 """
 
@@ -37,14 +37,18 @@ from kernels.disk.body import Body
 from kernels.disk.rows import Entry, put
 from kernels.types import Longs, Matrix, Vector
 
-DOUBLINGS = 7
-# Kinds of arcs: from a turning point outwards, or inwards; one that goes on at both ends; between turning points;
-# a fall from somewhere, and from rest.
+DOUBLINGS = 8
+# Kinds of arcs: from a turning point outwards, or inwards; one that goes on at both ends; between turning points; a
+# fall from somewhere, and from rest; slow at the inner end, at the outer one, and the same if these turn.
 TURN_INSIDE, TURN_OUTSIDE, NO_TURN, TWO_TURNS, FALL, FALL_FROM_REST = range(6)
-KINDS = 6
+SLOW_INSIDE, SLOW_OUTSIDE, SLOW_TURN_INSIDE, SLOW_TURN_OUTSIDE = range(6, 10)
+KINDS = 10
 NOTHING = -1  # an arc of no length
-_FIRST = 16, 16, 8, 8, 8, 16  # intervals of the first rule, over pi in g
-_HALVED = TURN_INSIDE, TURN_OUTSIDE, FALL_FROM_REST  # even in s: half of the rule serves
+_FIRST = 16, 16, 8, 8, 8, 16, 8, 8, 16, 16  # intervals of the first rule, over pi in g
+# Even in s: half of the rule serves.
+_HALVED = TURN_INSIDE, TURN_OUTSIDE, FALL_FROM_REST, SLOW_TURN_INSIDE, SLOW_TURN_OUTSIDE
+# All nodes from the inner end, or from the outer one.
+_FROM_INSIDE, _FROM_OUTSIDE = (SLOW_INSIDE, SLOW_TURN_INSIDE), (SLOW_OUTSIDE, SLOW_TURN_OUTSIDE)
 _AT_END = 1e-15  # in the place of s = 0: in its square no node is an end, and all ratios are those at the end
 _DEEPEST = 300.0  # of falls, in x: what is left is below any rounding
 # The error is at most so many times the difference of two rules to the power of 1.5: doubling would square it.
@@ -52,7 +56,7 @@ _SAFETY = 10.0
 # With which rule to begin, which no answer depends on: a node brings some 0.6 digits, fewer on a long arc.
 _DIGITS, _LONG = 0.6, 20.0
 _EPSILON = 2.2e-16
-_ROUNDING = 4.0 * _EPSILON  # of K, for each unit of what it was summed from; the root takes half of it
+_ROUNDING = 8.0 * _EPSILON  # of K, for each unit of what it was summed from; the root takes half of it
 # Rows of the work array: the inner end, the outer one, and then these.
 _OUTER = END_ROWS
 (
@@ -61,13 +65,13 @@ _OUTER = END_ROWS
     _L,
     _K_IN,
     _K_OUT,
-    _SLOW_IN,
-    _SLOW_OUT,
+    _SLOW,
     _LENGTH,
     _TIME,
     _CHI,
     _PSI,
     _NOISE,
+    _TIME_NOISE,
     _OLD_TIME,
     _OLD_CHI,
     _OLD_PSI,
@@ -147,11 +151,11 @@ def places(kind: int, g: Vector) -> tuple[Vector, Vector, Vector]:
     """(distance from the inner end, from the outer one, rate) of the nodes at angles g, of arcs of unit length."""
     s, c = (np.clip(abs(f(g)), _AT_END, 1.0) for f in (np.cos, np.sin))
     near, far = (np.clip(abs(f(0.5 * g)), _AT_END, 1.0) ** 2 for f in (np.sin, np.cos))
-    if kind == TURN_INSIDE:
+    if kind in (TURN_INSIDE, SLOW_TURN_INSIDE):
         return s * s, c * c, 2.0 * s
-    if kind == TURN_OUTSIDE:
+    if kind in (TURN_OUTSIDE, SLOW_TURN_OUTSIDE):
         return c * c, s * s, 2.0 * s
-    if kind == NO_TURN:
+    if kind in (NO_TURN, SLOW_INSIDE, SLOW_OUTSIDE):
         return near, far, np.full(g.size, 0.5)
     if kind == TWO_TURNS:
         return near, far, np.sqrt(near * far)
@@ -172,8 +176,12 @@ def make_rule() -> Rule:
             weight = weights_of(kind, n)
             coarse = np.zeros(weight.size)
             coarse[::2] = weights_of(kind, n // 2)
-            inner, outer, rate = places(kind, np.arange(weight.size) * np.pi / n)
-            for end, (share, mine) in enumerate(((inner, inner <= 0.5), (outer, inner > 0.5))):
+            g = np.arange(weight.size) * np.pi / n
+            inner, outer, rate = places(kind, g)
+            nearer = (
+                np.full(g.size, kind in _FROM_INSIDE) if kind in _FROM_INSIDE + _FROM_OUTSIDE else inner <= 0.5
+            )
+            for end, (share, mine) in enumerate(((inner, nearer), (outer, ~nearer))):
                 columns.append(np.stack([share, rate, weight, coarse])[:, mine])
                 first[:, (kind * DOUBLINGS + doubling) * 2 + end] = start, columns[-1].shape[1]
                 start += columns[-1].shape[1]
@@ -189,31 +197,15 @@ def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -
         j = rows[min(first + i, n - 1)]
         A[_X + i], A[_Y + i], A[_L + i] = arcs.X[j], arcs.Y[j], arcs.L[j]
         A[_K_IN + i], A[_K_OUT + i] = arcs.K_in[j], arcs.K_out[j]
-        A[_SLOW_IN + i], A[_SLOW_OUT + i] = arcs.slow_in[j], arcs.slow_out[j]
+        slow = min(arcs.slow_in[j], arcs.slow_out[j])
+        length = arcs.L[j] / slow  # 0 without a slow end; below, its asinh
+        A[_SLOW + i], A[_LENGTH + i] = slow, math.log(length + math.sqrt(length * length + 1.0))
         A[R * LANES + i], A[W * LANES + i] = arcs.r_in[j], arcs.w_in[j]
         A[SIGMA3 * LANES + i], A[SIGMA4 * LANES + i] = arcs.sigma3_in[j], arcs.sigma4_in[j]
         E[R * LANES + i], E[W * LANES + i] = arcs.r_out[j], arcs.w_out[j]
         E[SIGMA3 * LANES + i], E[SIGMA4 * LANES + i] = arcs.sigma3_out[j], arcs.sigma4_out[j]
     make_ends(A, 0, chart)
     make_ends(A, _OUTER, chart)
-
-
-@contracted_subroutine
-def begin(A: Vector) -> bool:
-    """No sums yet. Returns whether an end is so slow that distances go by sinh."""
-    slowest = math.inf
-    for i in range(LANES):
-        for row in range(7):
-            A[_TIME + row * LANES + i] = 0.0
-        slow = min(A[_SLOW_IN + i], A[_SLOW_OUT + i])
-        slow = slow if slow < 0.5 * A[_L + i] else math.inf
-        A[_SLOW_IN + i] = A[_SLOW_IN + i] if A[_SLOW_IN + i] == slow else math.inf
-        A[_SLOW_OUT + i] = slow if A[_SLOW_IN + i] == math.inf else math.inf
-        length = A[_L + i] / slow
-        # asinh
-        A[_LENGTH + i] = logarithm(length + math.sqrt(length * length + 1.0)) if slow < math.inf else 0.0
-        slowest = min(slowest, slow)
-    return slowest < math.inf
 
 
 @contracted_device
@@ -224,41 +216,32 @@ def sinh_cosh(y: float) -> tuple[float, float]:
 
 
 @contracted_device
-def placed(A: Vector, i: int, share: float, rate: float, inside: bool, slow_lanes: bool) -> tuple[float, float]:
-    """Distance of a node from its end, and its rate; inside, slow_lanes: constants."""
-    L = A[_L + i]
-    if not slow_lanes:
-        return L * share, L * rate
-    slow_in, slow_out, length = A[_SLOW_IN + i], A[_SLOW_OUT + i], A[_LENGTH + i]
-    here, there = (slow_in, slow_out) if inside else (slow_out, slow_in)
-    slow = min(here, there)
-    slow = slow if slow < math.inf else 1.0
-    y = length * share
-    sinh_y, cosh_y = sinh_cosh(y)
-    sinh_half, _ = sinh_cosh(0.5 * y)
-    _, cosh_rest = sinh_cosh(length - 0.5 * y)
-    _, cosh_there = sinh_cosh(length - y)
-    at_slow, at_other = here < math.inf, there < math.inf
-    d = slow * sinh_y if at_slow else 2.0 * slow * cosh_rest * sinh_half if at_other else L * share
-    grows = slow * length * rate
-    return d, grows * cosh_y if at_slow else grows * cosh_there if at_other else L * rate
+def placed(A: Vector, i: int, share: float, rate: float, slow: bool) -> tuple[float, float]:
+    """Distance of a node from its end, and its rate; slow: a constant."""
+    if not slow:
+        return A[_L + i] * share, A[_L + i] * rate
+    sinh_y, cosh_y = sinh_cosh(A[_LENGTH + i] * share)
+    return A[_SLOW + i] * sinh_y, A[_SLOW + i] * A[_LENGTH + i] * rate * cosh_y
 
 
 @contracted_device
-def add_node(A: Vector, i: int, j: int, rule: Rule, inside: bool, slow_lanes: bool, b: Body) -> None:
-    """Add node j to the sums of lane i."""
-    d, rate = placed(A, i, rule.share[j], rule.rate[j], inside, slow_lanes)
+def add_node(A: Vector, i: int, j: int, rule: Rule, inside: bool, slow: bool, b: Body) -> None:
+    """Add node j to the sums of lane i; inside, slow: constants."""
+    d, rate = placed(A, i, rule.share[j], rule.rate[j], slow)
     end = end_of(A, 0 if inside else _OUTER, i)
     P = point_at(A, d, not inside, end, Motion(A[_X + i], A[_Y + i]), b)
     K = (A[_K_IN + i] if inside else A[_K_OUT + i]) - P.rise
-    ds = rate * math.sqrt(0.5 * b.M / K)
+    inv_K = 1.0 / K
+    ds = rate * math.sqrt(0.5 * b.M * inv_K)
     turn = P.z * P.ratio - P.q * P.sigma4
     time, chi, psi = ds * P.q, ds * P.ratio, ds * turn
     weight, coarse = rule.weight[j], rule.coarse[j]
+    noise = weight * ds * (P.size + abs(P.rise + K)) * inv_K
     A[_TIME + i] += weight * time
     A[_CHI + i] += weight * chi
     A[_PSI + i] += weight * psi
-    A[_NOISE + i] += weight * (ds * (P.q + abs(P.ratio) + abs(turn))) * ((P.size + abs(P.rise + K)) / K)
+    A[_NOISE + i] += noise * (abs(P.ratio) + abs(turn))
+    A[_TIME_NOISE + i] += noise * P.q
     A[_OLD_TIME + i] += coarse * time
     A[_OLD_CHI + i] += coarse * chi
     A[_OLD_PSI + i] += coarse * psi
@@ -267,15 +250,16 @@ def add_node(A: Vector, i: int, j: int, rule: Rule, inside: bool, slow_lanes: bo
 @contracted_subroutine
 def integrate(A: Vector, kind: int, doubling: int, rule: Rule, b: Body) -> None:
     """The sums of the arcs in the lanes."""
-    slow_lanes = begin(A)
+    slow = kind >= SLOW_INSIDE
+    A[_TIME : _OLD_PSI + LANES] = 0.0
     for end in range(2):
         row = (kind * DOUBLINGS + doubling) * 2 + end
         first = int(rule.first[0, row])
         for j in range(first, first + int(rule.first[1, row])):
-            if slow_lanes and end == 0:
+            if slow and end == 0:
                 for i in range(LANES):
                     add_node(A, i, j, rule, True, True, b)
-            elif slow_lanes:
+            elif slow:
                 for i in range(LANES):
                     add_node(A, i, j, rule, False, True, b)
             elif end == 0:
@@ -300,15 +284,15 @@ def found_in(A: Vector, i: int) -> tuple[ArcRow[float], float]:
     turn = 1.0 + abs(chi) + abs(psi)
     angle = missed(chi, A[_OLD_CHI + i], turn) + missed(psi, A[_OLD_PSI + i], turn)
     off = missed(time, A[_OLD_TIME + i], time)
-    noise = _ROUNDING * A[_NOISE + i]
-    return ArcRow(time, chi, psi, off + noise, angle + noise), max(angle, off / time)
+    row = ArcRow(time, chi, psi, off + _ROUNDING * A[_TIME_NOISE + i], angle + _ROUNDING * A[_NOISE + i])
+    return row, max(angle, off / time)
 
 
 @contracted_subroutine
 def first_doubling(kind: int, length: float, digits: float) -> int:
     """The rule to begin with: half of its nodes bring the digits of the difference that the estimate needs."""
     nodes, half = digits / _DIGITS * (1.0 + length / _LONG), 0.5 * _FIRST[kind]
-    half = 0.5 * half if kind == TURN_INSIDE or kind == TURN_OUTSIDE or kind == FALL_FROM_REST else half
+    half = 0.5 * half if kind in _HALVED else half
     doubling = 0
     while half < nodes and doubling < DOUBLINGS - 2:
         half *= 2.0

@@ -35,7 +35,7 @@ from kernels.types import Matrix, Vector
 
 # In x: where the next zero of K lies no farther beyond an end, or K is as little at a crest, the motion is slow.
 SLOW = 0.05
-_CLOSEST = 1e-14  # so far a zero of K is at least, for want of digits
+_CLOSEST = 1e-300  # such a distance is never 0
 REACH = 0.35  # in x: within it rho and sigma4 are bounded by their values and rates
 _GROWN = math.exp(REACH)
 _DEEP = math.exp(-3.0)  # tan(theta/2) below which V falls, and then rises as the wall
