@@ -13,7 +13,6 @@ from explorer.errors import InputError, jobs_of, whole
 from explorer.motion.falls import KERNELS, departures_of_moving, falls_of
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of
 from explorer.motion.parts import BLOCK, in_parts
-from explorer.motion.passages import allowed
 from explorer.motion.plan import plan
 from explorer.motion.starts import Motions, fallen, held_constants, orbit_starts, seen_from
 from explorer.phase.constants import natural_constants
@@ -193,7 +192,7 @@ def _pairs(
     orbits = orbits_of(disk, some, ends, accuracy, rises | (not first_only), True)
     fall = _falls(disk, some, ends, accuracy)
     pairs = _pairs_of(some, rises, own[rows], ends, orbits, fall, first_only)
-    known = (pairs.error <= allowed(accuracy, fall.time)).all(axis=0)
+    known = (pairs.error <= accuracy).all(axis=0)
     status[rows[~known]] = code.STEP_LIMIT
 
     def of_all(found: NDArray[Any]) -> NDArray[Any]:

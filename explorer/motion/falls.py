@@ -15,6 +15,7 @@ KERNELS = (
     *("passages.departure_batch", "passages.fall_batch"),
     *("turning_points.point_batch", "turning_points.rest_batch", "rules.arc_batch"),
 )  # for `compiled.warmup`
+OF_FALL = 0.1  # of the accuracy of a race, for the fall that is taken from a passage
 _BEST = 1e-15  # of an accuracy: no answer is better
 # Rows of doubles whose lengths are multiples of this displace one another in the cache.
 _ALIKE = 512
@@ -43,12 +44,13 @@ def falls_of(
     n = departures.level.size
     out = rows_apart(4, n)
     if edge == 0.0:
-        compiled.passages.fall_batch(departures, accuracy, disk.tables, disk.natural, out)
+        compiled.passages.fall_batch(departures, OF_FALL * accuracy, disk.tables, disk.natural, out)
     else:
         out.fill(np.nan)
-    rows = np.flatnonzero(np.isnan(out[0, :n]) & (departures.level > 0.0))
+    most = max(0.5 * OF_FALL * accuracy, _BEST)
+    rows = np.flatnonzero(~(out[3, :n] <= most) & (departures.level > 0.0))
     if rows.size:
-        out[:, rows] = _as_arcs(disk, departures, rows, edge, max(accuracy, _BEST))
+        out[:, rows] = _as_arcs(disk, departures, rows, edge, most)
     return compiled.in_turn.FallRow(*out[:, :n])
 
 

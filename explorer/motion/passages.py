@@ -23,7 +23,7 @@ from explorer.phase.results import Result
 from explorer.phase.states import Array
 
 OBSERVABLES = ("race_angle", "delta_chi", "delta_psi", "theta_min", "duration")
-# An accuracy below this, times one plus the time of the fall, is met as far as rounding allows.
+# By integration an accuracy below this, times one plus the time of the fall, is met as far as rounding allows.
 _FLOOR = 1e-9
 
 
@@ -196,12 +196,6 @@ def passage_kernels(how: Plan) -> tuple[str, ...]:
     return *by, "passages.departure_batch", "passages.fall_batch", "races.race_batch"
 
 
-def allowed(accuracy: float, time: Array) -> Array:
-    """The largest error of an answer, for motions that take a time; NaN counts as 0. As `races.measure`."""
-    most: Array = np.fmax(LENIENCE * accuracy, _FLOOR * (1.0 + np.nan_to_num(time)))
-    return most
-
-
 def _in_parts(disk: Disk, given: list[Array], how: Plan, edge: float, jobs: int) -> Passages:
     """Passages, a part of them by each of so many threads."""
     starts = starts_at_vertical(disk, *given)
@@ -242,7 +236,8 @@ def _assemble(
 ) -> Passages:
     """Results in the units of the disk, with the fall taken out of chi. parts: ways of the starts, in order."""
     races, n, first = compiled.races, starts.status.size, 0
-    terms = races.Terms(LENIENCE * how.accuracy, _FLOOR)
+    integrated = how.method != "quadrature"
+    terms = races.Terms(LENIENCE * how.accuracy, _FLOOR) if integrated else races.Terms(how.accuracy, 0.0)
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
     out, status = rows_apart(12, n), np.empty(n, np.int8)
     for ways in parts:

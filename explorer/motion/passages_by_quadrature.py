@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.arcs import from_place, next_inward, places
-from explorer.motion.falls import rows_apart
+from explorer.motion.falls import OF_FALL, rows_apart
 from explorer.motion.orbits import ends_of, orbits_of
 from explorer.motion.plan import Plan
 from explorer.motion.starts import Motions
@@ -35,10 +35,11 @@ def by_quadrature(
     else:
         out.fill(np.nan)
         status[(status == code.OK) & (crossings.eta == 0.0)] = code.FALLS
-    rows = np.flatnonzero(np.isnan(out[0, :n]) & (status == code.OK))
+    found, most = compiled.in_turn.PassageRow(*out[:, :n]), (1.0 - OF_FALL) * how.accuracy
+    rows = np.flatnonzero((status == code.OK) & ~(np.fmax(found.angle_error, found.time_error) <= most))
     if rows.size:
         some = compiled.passages.Crossings(*(column[rows] for column in crossings))
-        out[:, rows], status[rows] = as_arcs(disk, some, edge, how.accuracy)
+        out[:, rows], status[rows] = as_arcs(disk, some, edge, most)
     return _ways(disk, starts.face, crossings, out[:, :n], status)
 
 

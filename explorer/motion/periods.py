@@ -13,7 +13,6 @@ from explorer import compiled
 from explorer.errors import InputError, jobs_of
 from explorer.motion.orbits import ends_of, orbits_of, smallest
 from explorer.motion.parts import BLOCK, in_parts
-from explorer.motion.passages import allowed
 from explorer.motion.plan import plan
 from explorer.motion.starts import Motions, fallen, held_constants, orbit_starts, seen_from
 from explorer.motion.vertical import LARGEST
@@ -161,7 +160,7 @@ def _orbits(
         crosses=ends.crosses.astype(np.float64),
         error=error,
     )
-    known = error <= allowed(accuracy, time)
+    known = error <= accuracy
     answer[:, asked[known]] = np.stack(found)[:, known]
     told[asked[~known]] = code.STEP_LIMIT
     return answer, told

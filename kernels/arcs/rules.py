@@ -9,8 +9,8 @@ where the nodes are doubled:
 
 Nodes are given as distances from the nearer end with all their digits, which is what differences from ends need.
 Where the motion is slow at an end, since K vanishes at a distance delta beyond it, d = delta sinh y first and the
-rule in y, on a short arc whose nodes all are given from that end. (The double-exponential rule of Takahasi and Mori serves all of this as well, with two to five times as
-many nodes.)
+rule in y, on a short arc whose nodes all are given from that end. (The double-exponential rule of Takahasi and
+Mori serves all of this as well, with two to five times as many nodes.)
 """
 
 import math
@@ -19,7 +19,7 @@ from typing import Generic, NamedTuple
 import numpy as np
 
 from kernels._jit import contracted_device, contracted_subroutine, kernel
-from kernels.arcs.exponentials import exponential, logarithm
+from kernels.arcs.exponentials import exponential
 from kernels.arcs.potential import (
     END_ROWS,
     LANES,
@@ -38,8 +38,8 @@ from kernels.disk.rows import Entry, put
 from kernels.types import Longs, Matrix, Vector
 
 DOUBLINGS = 8
-# Kinds of arcs: from a turning point outwards, or inwards; one that goes on at both ends; between turning points; a
-# fall from somewhere, and from rest; slow at the inner end, at the outer one, and the same if these turn.
+# Kinds of arcs: from a turning point outwards, or inwards; one that goes on at both ends; between turning points;
+# a fall from somewhere, and from rest; slow at the inner end, at the outer one, and the same if these turn.
 TURN_INSIDE, TURN_OUTSIDE, NO_TURN, TWO_TURNS, FALL, FALL_FROM_REST = range(6)
 SLOW_INSIDE, SLOW_OUTSIDE, SLOW_TURN_INSIDE, SLOW_TURN_OUTSIDE = range(6, 10)
 KINDS = 10
