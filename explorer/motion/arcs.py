@@ -9,7 +9,11 @@ from explorer import compiled
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
-PIECE = 1.0  # in x = ln tan(theta/2), cut off at a slow end: nodes there lie otherwise than on the rest of an arc
+# In x = ln tan(theta/2): what is cut off at a slow end, since nodes lie otherwise there than on the rest of an
+# arc; and at both ends of one longer than the last: integrands fall like e^-d, so that little is left between.
+PIECE, _LAYER, _LONG = 1.0, 30.0, 100.0
+# The error that is allowed whatever accuracy is asked for, for each radian of angles: units of the last digit.
+OF_ANGLES = 32.0 * 2.2e-16
 
 
 @cache
@@ -65,7 +69,7 @@ def integrals(disk: Disk, arcs: Array, crest: Array, accuracy: float) -> Array:
     crest: the distance from the outer end at which a motion is slow on its way, NaN where it is not.
     """
     n = crest.size
-    parts, owner = _cut_at_slow_ends(disk, *_cut_at_crests(disk, arcs, np.arange(n), crest))
+    parts, owner = _cut_at_ends(disk, *_cut_at_crests(disk, arcs, np.arange(n), crest))
     out = by_rules(disk, _kinds(compiled.rules.Arcs(*parts)), parts, accuracy)
     if owner.size == n:
         return out
@@ -98,18 +102,20 @@ def _cut_at_crests(
     return _cut(disk, arcs, owner, rows, crest[rows], True) if rows.size else (arcs, owner)
 
 
-def _cut_at_slow_ends(disk: Disk, arcs: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
-    """The same, where those with a slow end are short and go on at the other one."""
+def _cut_at_ends(disk: Disk, arcs: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
+    """The same, where those with a slow end are short and go on at the other one, and none is very long."""
     arc = compiled.rules.Arcs(*arcs)
-    ends_otherwise = (arc.L > PIECE) | (arc.K_in == 0.0) | np.isfinite(arc.slow_in)
-    rows = np.flatnonzero(np.isfinite(arc.slow_out) & ends_otherwise)
+    slow, otherwise = np.isfinite(arc.slow_out), (arc.L > PIECE) | (arc.K_in == 0.0) | np.isfinite(arc.slow_in)
+    rows = np.flatnonzero((slow & otherwise) | (arc.L > _LONG))
     if rows.size:
-        arcs, owner = _cut(disk, arcs, owner, rows, np.fmin(PIECE, 0.5 * arc.L[rows]), False)
+        piece = np.where(slow[rows], PIECE, _LAYER)
+        arcs, owner = _cut(disk, arcs, owner, rows, np.fmin(piece, 0.5 * arc.L[rows]), False)
         arc = compiled.rules.Arcs(*arcs)
-    rows = np.flatnonzero(np.isfinite(arc.slow_in) & ((arc.L > PIECE) | (arc.K_out == 0.0)))
+    slow, otherwise = np.isfinite(arc.slow_in), (arc.L > PIECE) | (arc.K_out == 0.0)
+    rows = np.flatnonzero((slow & otherwise) | (arc.L > _LONG))
     if rows.size:
-        L = arc.L[rows]
-        arcs, owner = _cut(disk, arcs, owner, rows, L - np.fmin(PIECE, 0.5 * L), False)
+        L, piece = arc.L[rows], np.where(slow[rows], PIECE, _LAYER)
+        arcs, owner = _cut(disk, arcs, owner, rows, L - np.fmin(piece, 0.5 * L), False)
     return arcs, owner
 
 

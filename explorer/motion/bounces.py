@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
+from explorer.motion.arcs import OF_ANGLES
 from explorer.motion.falls import KERNELS, departures_of_moving, falls_of
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of
 from explorer.motion.parts import BLOCK, in_parts
@@ -192,7 +193,8 @@ def _pairs(
     orbits = orbits_of(disk, some, ends, accuracy, rises | (not first_only), True)
     fall = _falls(disk, some, ends, accuracy)
     pairs = _pairs_of(some, rises, own[rows], ends, orbits, fall, first_only)
-    known = (pairs.error <= accuracy).all(axis=0)
+    allowed = np.fmax(accuracy, OF_ANGLES * (abs(pairs.chi) + abs(pairs.psi)))
+    known = (pairs.error <= allowed).all(axis=0)
     status[rows[~known]] = code.STEP_LIMIT
 
     def of_all(found: NDArray[Any]) -> NDArray[Any]:

@@ -12,6 +12,8 @@ from explorer.motion.starts import Motions
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
+_OF_ARC = 0.125  # of the accuracy: a period goes twice over two ways, which may be cut in two
+
 
 class Ends(NamedTuple):
     """Where motions turn, seen from the faces on which they do; rows as Place, NaN where nothing was found.
@@ -87,9 +89,11 @@ def orbits_of(
     rows = np.flatnonzero(np.isfinite(ends.width) & ~narrow)
     X, Y, Y_far = motions.starts.X, motions.starts.Y, motions.Y_far
 
+    of_arc = _OF_ARC * accuracy
+
     def ways(of: NDArray[np.intp], constant: Array, length: Array, low: Any, high: Any, crest: Array) -> Array:
         arcs = arcs_between(X[of], constant[of], length[of], some(low, of), some(high, of))
-        return integrals(disk, arcs, crest[of], accuracy)
+        return integrals(disk, arcs, crest[of], of_arc)
 
     state, inner, outer, vertical, far, crosses = ends
     # At most one crest lies on the way, on one or on the other side of the state.

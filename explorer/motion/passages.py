@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, number, shown
+from explorer.motion.arcs import OF_ANGLES
 from explorer.motion.falls import departures_beside, falls_of, rows_apart
 from explorer.motion.parts import BLOCK, blocks, in_parts
 from explorer.motion.passages_by_integration import LENIENCE, by_integration
@@ -236,8 +237,9 @@ def _assemble(
 ) -> Passages:
     """Results in the units of the disk, with the fall taken out of chi. parts: ways of the starts, in order."""
     races, n, first = compiled.races, starts.status.size, 0
-    integrated = how.method != "quadrature"
-    terms = races.Terms(LENIENCE * how.accuracy, _FLOOR) if integrated else races.Terms(how.accuracy, 0.0)
+    by_integrals = how.method == "quadrature"
+    bounds = (how.accuracy, 0.0, OF_ANGLES) if by_integrals else (LENIENCE * how.accuracy, _FLOOR, 0.0)
+    terms = races.Terms(*bounds)
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
     out, status = rows_apart(12, n), np.empty(n, np.int8)
     for ways in parts:

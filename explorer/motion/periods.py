@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of
+from explorer.motion.arcs import OF_ANGLES
 from explorer.motion.orbits import ends_of, orbits_of, smallest
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import plan
@@ -160,7 +161,7 @@ def _orbits(
         crosses=ends.crosses.astype(np.float64),
         error=error,
     )
-    known = error <= accuracy
+    known = error <= np.fmax(accuracy, OF_ANGLES * (abs(found.chi) + abs(found.psi)))
     answer[:, asked[known]] = np.stack(found)[:, known]
     told[asked[~known]] = code.STEP_LIMIT
     return answer, told

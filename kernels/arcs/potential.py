@@ -30,7 +30,6 @@ from kernels.types import Matrix, Vector
 LANES = 32
 DEGREE = chaplygin.DEGREE
 DIVIDED = 4 * DEGREE  # coefficients of the divided differences of four polynomials
-_LEAST = 1e-300  # below any product of S and rho that is divided by
 _LN2 = math.log(2.0)
 # Rows of a work array that hold the ends of a group: R to SIGMA4 are given, the others follow from them.
 (
@@ -44,7 +43,7 @@ _LN2 = math.log(2.0)
     Q,
     INV_Q,
     RHO_OVER_S,
-    INV_RHO,
+    INV_G,
     DRHO,
     D,
     RATIO,
@@ -88,7 +87,7 @@ class End(NamedTuple):
     q: float
     inv_q: float
     rho_over_S: float
-    inv_rho: float
+    inv_g: float
     drho: float
     D: float
     ratio: float
@@ -146,9 +145,7 @@ def make_ends(A: Vector, at: int, chart: Chart) -> None:
         g = C[i] * t + series[0, 0]
         drho = 1.0 + (C[DEGREE * LANES + i] * t + series[1, 0])
         v = C[2 * DEGREE * LANES + i] * t + series[2, 0]
-        rho = E[S * LANES + i] * g
-        E[RHO_OVER_S * LANES + i], E[DRHO * LANES + i] = g, drho
-        E[INV_RHO * LANES + i] = 1.0 / (rho if rho > _LEAST else _LEAST)
+        E[RHO_OVER_S * LANES + i], E[INV_G * LANES + i], E[DRHO * LANES + i] = g, 1.0 / g, drho
         E[D * LANES + i] = 0.5 * c * E[S * LANES + i] * g * E[LOG_S * LANES + i] + v
 
 
@@ -167,7 +164,7 @@ def end_of(A: Vector, at: int, i: int) -> End:
         A[e + Q * LANES],
         A[e + INV_Q * LANES],
         A[e + RHO_OVER_S * LANES],
-        A[e + INV_RHO * LANES],
+        A[e + INV_G * LANES],
         A[e + DRHO * LANES],
         A[e + D * LANES],
         A[e + RATIO * LANES],
@@ -214,7 +211,7 @@ def point_at(A: Vector, d: float, inward: bool, end: End, motion: Motion, b: Bod
     times, grown = exponential(-d if inward else d)
     r = end.r * times
     larger = 1.0 + r * r
-    inv, inv_r = 1.0 / larger, 1.0 / r
+    inv, inv_r, larger_end = 1.0 / larger, 1.0 / r, 1.0 + end.r * end.r
     de = end.r * grown * (r + end.r)
     S_here, dS = 2.0 * r * r * inv, 2.0 * de * inv * end.inv
     share = de * end.inv
@@ -235,10 +232,12 @@ def point_at(A: Vector, d: float, inward: bool, end: End, motion: Motion, b: Bod
     dcosh = 0.5 * grown * product * inv_r
     if inward:
         # sigma3 goes like S there: as a share of that of the end, and the part of Y.
-        part = drho * end.inv_rho
+        # Of S itself nothing may be left.
+        shrunk = times * times * larger_end * inv
+        part = shrunk * dg * end.inv_g + grown * (times + 1.0) * inv
         of_Y = motion.Y * (dD - end.D * part)
         dsigma3 = end.sigma3 * part + of_Y
-        sigma3 = end.sigma3 * (S_here * (end.rho_over_S + dg) * end.inv_rho) + of_Y
+        sigma3 = end.sigma3 * (shrunk * (end.rho_over_S + dg) * end.inv_g) + of_Y
         dratio = dsigma3 * end.inv_q + sigma3 * dcosh
     else:
         dsigma3 = motion.X * drho + motion.Y * dD

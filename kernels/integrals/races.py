@@ -34,12 +34,13 @@ class Units(NamedTuple):
 class Terms(NamedTuple):
     """On what terms passages are measured.
 
-    allowed: the error above which a sample is refused; floor: the same where rounding is all that is left, times
-    one plus the time of the fall.
+    allowed: the error above which a sample is refused. Where rounding is all that is left, floor: the same times
+    one plus the time of the fall; rounding: the same for each radian of the angles.
     """
 
     allowed: float
     floor: float
+    rounding: float
 
 
 class Ways(NamedTuple):
@@ -111,7 +112,8 @@ def measure(W: Vector, terms: Terms) -> None:
         # The fall angle is a part of the race angle, and all there is of a fall.
         part = fall_error if fallen else 2.0 * fall_error
         error = error if ok & (error > part) else part
-        allowed = max(terms.allowed, terms.floor * (1.0 + W[_FALL_TIME * LANES + i]))
+        turned = abs(W[_CHI * LANES + i]) + abs(W[_PSI * LANES + i]) if ok else 0.0
+        allowed = max(terms.allowed, terms.floor * (1.0 + W[_FALL_TIME * LANES + i]), terms.rounding * turned)
         missed = (ok | fallen) & (not error <= allowed)
         W[_ERROR * LANES + i] = error
         W[_STATUS * LANES + i] = _LIMIT if missed else code
