@@ -1,4 +1,4 @@
-"""All pictures: each draws where it is told to, names its axes, and claims nothing that was not done."""
+"""All pictures: each draws where it is told to, names its axes, and can be read."""
 
 import re
 
