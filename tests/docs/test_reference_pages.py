@@ -3,13 +3,11 @@
 import re
 
 import pytest
-from docs.pages import PAGES, ROOT
+from docs.pages import PAGES
 from docs.reference_pages import DOCS, pages_with_parts, parsers, renewed
 
-import explorer as ex
 from explorer import compiled
 from explorer.phase.columns import COLUMNS
-from explorer.runs.workers import Workers
 from explorer.scenes.registry import SCENES
 
 GLOSSARY = (DOCS / "reference" / "glossary.md").read_text("utf-8")
@@ -30,13 +28,6 @@ def test_every_option_column_status_and_scene_is_in_the_glossary():
     assert {word for word in words if f"`{word}`" not in GLOSSARY} == set()
 
 
-def test_the_command_line_page_says_how_many_workers_there_are_by_default():
-    page = (DOCS / "reference" / "command-line.md").read_text("utf-8")
-    told = re.findall(r"^\| `--jobs N` \| .*\(default:? (.+?)\)", page, flags=re.MULTILINE)
-    assert told
-    assert set(told) == {str(Workers().jobs)}
-
-
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_links_of_a_page_lead_to_files(page):
     targets = [target for target in LINK.findall(TEXT[page]) if "://" not in target]
@@ -47,8 +38,3 @@ def test_cited_identifiers_have_the_form_of_a_doi():
     cited = re.findall(r"doi:(\S+?)[\s),;]", "\n".join(TEXT.values()), flags=re.IGNORECASE)
     assert cited
     assert [doi for doi in cited if not re.fullmatch(r"10\.\d{4,9}/[-.;()/:\w]+", doi)] == []
-
-
-def test_the_python_page_names_every_public_name():
-    page = (ROOT / "docs" / "reference" / "python.md").read_text("utf-8")
-    assert [name for name in ex.__all__ if name != "plot" and f".{name}\n" not in page] == []

@@ -1,29 +1,15 @@
-"""The door to the kernels: what goes through it, what it compiles, and whose compiled code it refuses."""
+"""The bridge to the kernels: what is compiled, and whose compiled code is refused."""
 
-import _thread
 import os
-import re
-import signal
 import subprocess
 import sys
-import threading
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from explorer import compiled
 
 ROOT = Path(__file__).parents[2]
-
-
-def test_scenes_read_nothing_but_statuses_through_the_door():
-    """A scene says what it asks; which kernel answers is decided in `motion.plan`."""
-    texts = [path.read_text("utf-8") for path in (ROOT / "explorer" / "scenes").glob("*.py")]
-    named = {
-        name for text in texts for name in re.findall(r"(?<!`)\bcompiled\.(\w+)|explorer\.compiled import", text)
-    }
-    assert named <= {"status"}
 
 
 SMALL = ("counting.sum_batch", "falling.critical_X2_batch")
@@ -61,71 +47,23 @@ def test_what_the_cache_has_is_not_imported_to_find_that_out(tmp_path):
     assert said == ["1 True\n", "0 False\n"]
 
 
-@pytest.fixture
-def shared(monkeypatch):
-    """Compiles eight pretended kernels with a helper that runs some code; returns the names that it left."""
-
-    def compile_with(code):
-        helper = subprocess.Popen(
-            [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
-        monkeypatch.setattr(compiled, "_second_process", lambda: helper)
-        here, slow = [], threading.Event()
-        kernels = [
-            SimpleNamespace(name=f"k{n}", compile=lambda n=n: (slow.wait(0.05), here.append(n))) for n in range(8)
-        ]
-        compiled._compile_by_two(kernels)
-        assert helper.poll() is not None
-        return here
-
-    return compile_with
+def opened(folder):
+    folder.chmod(0o777)
 
 
-def test_two_processes_share_the_kernels_from_both_ends(shared):
-    here = shared("import sys\nfor line in sys.stdin: print(line, flush=True)")
-    assert here == list(range(len(here)))
-    assert 0 < len(here) < 8
-
-
-def test_a_second_process_that_ends_leaves_its_kernels_to_the_first(shared):
-    here = shared("raise SystemExit(1)")
-    assert here == list(range(len(here)))
-    assert len(here) >= 7  # the one that was given out is compiled when it is loaded
-
-
-@pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")
-def test_compiled_code_that_others_own_or_can_change_is_not_loaded(tmp_path, monkeypatch):
-    """Also below the top folder; where they cannot enter that, modes below do not matter."""
-    code = tmp_path / "disk_1" / "field.nbi"
-    code.parent.mkdir(mode=0o755)
-    code.write_bytes(b"")
-    code.chmod(0o644)
-    for path in (code, code.parent):
-        before = path.stat().st_mode
-        path.chmod(0o777)
-        tmp_path.chmod(0o700)
-        assert compiled._foreign(tmp_path) is None
-        tmp_path.chmod(0o755)
-        assert compiled._foreign(tmp_path) == f"{path} can be written by other users"
-        path.chmod(before)
-        assert compiled._foreign(tmp_path) is None
-    link = tmp_path / "steps_1"
-    for target in (code.parent, code, tmp_path / "nothing"):
-        link.symlink_to(target)
-        assert compiled._foreign(tmp_path) == f"{link} is a link"
-        link.unlink()
-    mine = os.geteuid()
-    monkeypatch.setattr(os, "geteuid", lambda: mine + 1)
-    assert compiled._foreign(tmp_path) == f"{code.parent} belongs to another user"
+def linked(folder):
+    folder.rmdir()
+    folder.symlink_to(folder.parent)
 
 
 @pytest.mark.skipif(os.name != "posix", reason="modes are those of POSIX")
-def test_a_cache_that_others_can_change_is_refused_before_a_kernel_is_there(tmp_path):
+@pytest.mark.parametrize(("change", "says"), [(opened, "can be written by other users"), (linked, "is a link")])
+def test_a_cache_that_others_can_change_is_refused_before_a_kernel_is_there(change, says, tmp_path):
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     digest = compiled.source_digest()[:16]
     inside = tmp_path / f"nearflat-{digest}" / "disk_1"
     inside.mkdir(parents=True)
-    inside.chmod(0o777)
+    change(inside)
     inside.parent.chmod(0o755)
     done = subprocess.run(
         [sys.executable, "-m", "explorer.commands.main", "warmup"],
@@ -136,25 +74,4 @@ def test_a_cache_that_others_can_change_is_refused_before_a_kernel_is_there(tmp_
         check=False,
     )
     assert done.returncode == 2
-    assert f"compiled code is not loaded: {inside} can be written by other users; remove" in done.stderr
-
-
-def test_ctrl_c_waits_until_numba_is_loaded(monkeypatch):
-    """A package that was loaded by half lacks its own parts when it is loaded again."""
-    done = []
-
-    def loads(module):
-        _thread.interrupt_main()
-        done.extend(range(1000))
-        return module
-
-    monkeypatch.delitem(sys.modules, "numba", raising=False)
-    monkeypatch.setattr(compiled.importlib, "import_module", loads)
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background ignores it
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            compiled._load("kernels.status")
-        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    finally:
-        signal.signal(signal.SIGINT, before)
-    assert len(done) == 1000
+    assert f"compiled code is not loaded: {inside} {says}; remove" in done.stderr

@@ -3,7 +3,6 @@
 import math
 import pickle
 from fractions import Fraction
-from numbers import Real
 
 import numpy as np
 import pytest
@@ -43,7 +42,11 @@ def test_what_is_no_whole_number_in_its_bounds_is_refused_by_name_value_and_reme
         whole("--samples", value, 1, 10)
     assert str(refused.value).startswith("samples = ")
     assert "number" in str(refused.value)
-    assert len(str(refused.value).splitlines()) == 1
+
+
+def test_a_number_beyond_its_bounds_is_answered_with_them():
+    with pytest.raises(InputError, match=r"accuracy = 2\.0 .*from 0 to 1"):
+        number("accuracy", 2.0, 0.0, 1.0)
 
 
 @pytest.mark.parametrize("value", [0.25, "0.25", np.float64(0.25), np.array([0.25]), Fraction(1, 4)])
@@ -68,26 +71,6 @@ def test_a_masked_number_is_none(value):
         with pytest.raises(InputError, match=r"^m = "):
             read("m", value)
     assert number("m", np.ma.array(0.25)) == number("m", np.ma.array([0.25], mask=[False])) == 0.25
-
-
-def test_bounds_of_a_number_are_in_the_message():
-    for low, high, words in (
-        (0.0, 1.0, "from 0 to 1"),
-        (3.0, math.inf, "3 or more"),
-        (-math.inf, 1.0, "1 or less"),
-    ):
-        with pytest.raises(InputError, match=words):
-            number("x", 2.0, low, high)
-    with pytest.raises(InputError, match="t_end = soon is not a number"):
-        number("t_end", "soon")
-    with pytest.raises(InputError, match="jobs = 0 must be a whole number, 1 or more"):
-        whole("jobs", 0, 1)
-
-
-@pytest.mark.parametrize("value", ["up", 0, 2.0, None, True])
-def test_a_sign_is_plus_or_minus_one_whatever_else_is_given(value):
-    with pytest.raises(InputError, match=r"side = .* must be \+1 or -1$"):
-        sign("side", value)
 
 
 def test_a_positive_number_is_above_zero():
@@ -133,11 +116,6 @@ def test_an_end_may_be_left_out_only_where_a_range_may_be_unbounded(value, ends)
     assert read_range("--energy", value, unbounded=True) == ends
     with pytest.raises(InputError, match="is not a range"):
         read_range("--ladder", value)
-
-
-def test_an_infinite_end_is_on_its_own_side():
-    with pytest.raises(InputError, match="is not a range"):
-        read_range("--energy", (math.inf, 3.0), unbounded=True)
 
 
 @pytest.mark.parametrize("value", ["1:2:3", "a:b", "nan:1", (1.0,), 3.0, None, (True, 2), "inf:inf", "", ":"])
@@ -194,13 +172,3 @@ def test_the_beginning_of_a_name_is_taken_for_it():
     assert suggest("race", known).startswith("did you mean 'race_angle'?")
     assert suggest("eta", known).startswith("did you mean 'eta_hat'?")
     assert suggest("fase", known).startswith("did you mean 'face'?")
-
-
-def test_what_an_object_raises_when_it_is_read_passes_through():
-    class Gone:
-        def __float__(self):
-            raise ReferenceError("gone")
-
-    Real.register(Gone)
-    with pytest.raises(ReferenceError, match="gone"):
-        number("accuracy", Gone())

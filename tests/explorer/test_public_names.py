@@ -1,11 +1,9 @@
 """The public names: lazy, typed, and the same whatever was imported before."""
 
 import ast
-import pickle
 import subprocess
 import sys
 from importlib import resources
-from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
 
@@ -91,11 +89,6 @@ def test_the_package_and_help_load_nothing_heavy(action):
     assert done.stdout.endswith("[]\n")
 
 
-def test_the_package_is_packed_by_its_name():
-    """Code of a user that travels to other processes holds it."""
-    assert pickle.loads(pickle.dumps(ex)) is ex
-
-
 def test_type_checkers_see_the_same_names():
     tree = ast.parse(Path(ex.__file__).read_text("utf-8"))
     (block,) = (node for node in tree.body if isinstance(node, ast.If))
@@ -103,7 +96,3 @@ def test_type_checkers_see_the_same_names():
     seen |= {node.targets[0].id for node in block.body if isinstance(node, ast.Assign)}
     assert {name for name in seen if not name.startswith("_")} == set(ex.__all__)
     assert all(resources.files(package).joinpath("py.typed").is_file() for package in ("explorer", "kernels"))
-
-
-def test_the_version_is_that_of_the_installed_package():
-    assert ex.__version__ == version("nearflat")

@@ -59,16 +59,3 @@ def test_a_scene_file_that_would_not_run_is_refused(line, tmp_path, capsys):
     assert main(["plan", str(file)]) == main(["run", str(file)]) == 2
     planned, ran = capsys.readouterr().err.splitlines()
     assert planned.replace("plan", "run") == ran
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["race-angels"], "did you mean 'race-angles'"),
-        (["race-angles", "--accuracy", "much"], "--accuracy much is not a number"),
-        (["race-angles", "--method", "euler"], "--method 'euler'"),
-    ],
-)
-def test_what_cannot_be_planned_is_named(words, message, capsys):
-    assert main(["plan", *words]) == 2
-    assert message in capsys.readouterr().err

@@ -6,7 +6,6 @@ import pytest
 from told import said
 
 import explorer as ex
-from explorer.scenes.registry import scene_class
 
 
 def test_help_for_a_scene_shows_its_options_and_those_of_no_other(capsys):
@@ -17,16 +16,6 @@ def test_help_for_a_scene_shows_its_options_and_those_of_no_other(capsys):
     assert "--eta-hat" not in out
     assert "How rarely does it nearly fall?" in out
     assert "example: nearflat run" in out
-
-
-@pytest.mark.parametrize("docstring", [None, "", "\n", "RaceAngles(*, disks: tuple = ())"])
-def test_help_for_a_scene_that_says_nothing_of_itself(docstring, capsys, monkeypatch):
-    """As all scenes do where docstrings are left out (python -OO)."""
-    monkeypatch.setattr(scene_class("race-angles"), "__doc__", docstring)
-    status, out, _ = said(capsys, "run", "race-angles", "--help")
-    assert status == 0
-    assert "Run the scene race-angles." in out
-    assert "disks: tuple" not in out
 
 
 def test_help_without_a_scene_says_which_scene_takes_what(capsys):
@@ -55,13 +44,6 @@ def test_numbers_below_zero_are_values_and_not_flags(words, key, value, capsys, 
     status, out, err = said(capsys, "run", *words, "--out", tmp_path / "run", "--json", "--quiet")
     assert status == 0, err
     assert json.loads(out)[key] == value
-
-
-def test_one_option_has_one_name_in_every_scene(capsys):
-    for words in (("falling-set", "--max-energy", "3"), ("portrait", "--energies", "1:2")):
-        status, _, err = said(capsys, "run", *words)
-        assert status == 2
-        assert words[1] in err
 
 
 def test_the_record_has_a_format_its_options_and_the_command_line(capsys, tmp_path):

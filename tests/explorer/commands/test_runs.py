@@ -29,8 +29,3 @@ def test_resume_and_summary_give_the_same_object_as_the_run(run, capsys):
     assert json.loads(capsys.readouterr().out) == run.summary
     assert main(["summary", str(run.folder), "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == run.summary
-
-
-def test_workers_that_cannot_be_are_refused(run, capsys):
-    assert main(["resume", str(run.folder), "--backend", "gpu"]) == 2
-    assert "--backend 'gpu'" in capsys.readouterr().err

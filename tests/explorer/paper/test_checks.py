@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from explorer.paper import checks
-from explorer.paper.checks import at_least, at_most, distance, exponent, largest, logarithmic, near, worst
+from explorer.paper.checks import at_least, at_most, exponent, largest, logarithmic, near, worst
 
 
 def test_the_error_of_a_comparison_is_the_largest_difference():
@@ -55,26 +54,3 @@ def test_fits_find_what_was_put_in():
     assert lead == pytest.approx(0.3, rel=1e-10)
     assert left < 1e-12
     assert logarithmic(x, x**0.5)[1] > 0.05
-
-
-def test_the_thick_body_with_units_is_the_one_without():
-    disk, unit = checks.WITH_UNITS[3], checks.WITH_UNITS[3].m * checks.WITH_UNITS[3].r ** 2
-    assert (disk.I1 / unit, disk.I3 / unit) == (checks.THICK.I1, checks.THICK.I3)
-    assert 1.0 not in (disk.m, disk.r, disk.g)
-
-
-def test_random_bodies_are_bodies_and_random_states_not_steep():
-    rng = np.random.default_rng(0)
-    for _ in range(100):
-        disk = checks.random_body(rng)
-        assert 0.0 < disk.I3 <= 2.0 * disk.I1
-        assert abs(checks.random_state(rng, disk, 0.7)[0]) < 0.7
-
-
-def test_a_followed_motion_is_the_observed_one():
-    times = np.linspace(0.0, 1.0, 5)
-    start = checks.sample(checks.UNIFORM)
-    run = checks.followed(checks.UNIFORM, start, times)
-    rows = checks.observed(checks.UNIFORM, start, times, *checks.ALL)
-    assert all(np.array_equal(getattr(run, name), row[0]) for name, row in zip(checks.ALL, rows, strict=True))
-    assert distance(run.phi[0], 0.3) < 1e-15

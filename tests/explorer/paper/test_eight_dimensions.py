@@ -34,23 +34,6 @@ def test_rotations_stay_rotations_and_the_contact_point_on_the_floor():
     assert motion.nu @ [0.0, 0.0, 1.0] == pytest.approx((motion.u * motion.omega).sum(axis=1), abs=1e-10)
 
 
-def test_the_velocity_of_the_rim_is_the_derivative_of_its_point():
-    u, udot, h = np.array([0.5, -0.3, 0.8]), np.array([0.2, 0.7, -0.1]), 1e-6
-    ends = [plain.rim_point(THICK, u + sign * h * udot) for sign in (1.0, -1.0)]
-    assert plain.rim_velocity(THICK, u, udot) == pytest.approx((ends[0] - ends[1]) / (2.0 * h), abs=1e-9)
-
-
 def test_a_disk_at_rest_upright_tips_as_an_inverted_pendulum():
     """Section 3.4: M phi'' = m g r sin phi."""
     assert plain.tilting(UNIFORM, (0.3, 0.0, 0.0, 0.0)) == pytest.approx(np.sin(0.3) / 1.25, rel=1e-13)
-
-
-def test_a_coarser_tolerance_gives_the_same_motion_to_that_tolerance():
-    times = np.array([0.0, 2.0])
-    fine, coarse = (plain.integrate(UNIFORM, sample(UNIFORM), times, tolerance).a for tolerance in (1e-12, 1e-8))
-    assert 0.0 < np.max(abs(fine - coarse)) < 1e-6
-
-
-def test_the_cross_product_gives_the_digits_of_numpys():
-    a, b = np.random.default_rng(3).normal(size=(2, 3))
-    assert (plain.cross(a, b) == np.cross(a, b)).all()

@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from explorer.paper import four_dimensions
-from explorer.paper.checks import BODIES, THICK, UNIFORM, sample
-from explorer.paper.closed_forms import amended, chaplygin, line_ratio
+from explorer.paper.checks import BODIES, THICK, sample
+from explorer.paper.closed_forms import amended, chaplygin
 
 
 @pytest.mark.parametrize("face", [1, -1])
@@ -43,19 +43,3 @@ def test_what_is_integrated_down_to_a_tilt_is_the_series_about_the_vertical(disk
     sigma = four_dimensions.rates_down(disk, 0.4, -0.7, face, tilts)
     assert sigma == pytest.approx(np.array(chaplygin(disk, 0.4, -0.7, z)), abs=1e-12)
     assert four_dimensions.potential(disk, tilts, sigma) == pytest.approx(amended(disk, 0.4, -0.7, z), rel=1e-11)
-
-
-@pytest.mark.parametrize("disk", BODIES, ids=lambda disk: disk.name)
-def test_the_line_that_is_shot_at_is_the_one_in_closed_form(disk):
-    assert four_dimensions.shot_slope(disk) == pytest.approx(line_ratio(disk), rel=1e-12)
-    _, speed, bar, s4 = four_dimensions.upright(disk, 0.01, -1)
-    assert (speed, bar) == (-1.0, 1.0)
-    assert s4 == pytest.approx(0.01 - line_ratio(disk), rel=1e-12)
-
-
-def test_turns_are_where_phidot_vanishes():
-    times = four_dimensions.turns(UNIFORM, sample(UNIFORM), 6.0)
-    phi, phidot, s3, s4 = sample(UNIFORM)
-    run = four_dimensions.reduced(UNIFORM, 1, (0.5 * np.pi - phi, -phidot, s3, s4), 6.0)
-    assert len(times) >= 2
-    assert abs(run.sol(times)[1]) == pytest.approx(np.zeros(len(times)), abs=1e-9)

@@ -1,12 +1,11 @@
 """Misprints: each is decided by numbers of a statement, and the numbers can decide otherwise."""
 
-import math
 from dataclasses import replace
 
 import pytest
 
 from explorer.paper.misprints import MISPRINTS, misprints_page
-from explorer.paper.statement import FACTOR, STATEMENTS, Finding
+from explorer.paper.statement import FACTOR, STATEMENTS
 
 # The statement that decides each.
 DECIDED_BY = {
@@ -54,10 +53,8 @@ def test_the_numbers_refute_the_printed_form_and_bear_the_right_one(where, decid
     rows = [(statement, finding) for statement, finding in deciding if where in finding.printed]
     assert {statement.number for statement, _ in rows} == {DECIDED_BY[where]}
     for _, finding in rows:
-        assert finding.error <= finding.tolerance
-        assert math.isfinite(finding.printed[where])
-        assert finding.printed[where] >= FACTOR * finding.tolerance
         assert finding.passed
+        assert finding.printed[where] >= FACTOR * finding.tolerance
 
 
 @pytest.mark.parametrize("where", MISPRINTS)
@@ -86,13 +83,3 @@ def test_the_page_lists_every_misprint_with_both_numbers(deciding):
         assert int(row[3].partition(" ")[0]) == DECIDED_BY[row[0]]
         off, right_off = float(row[5]), float(row[6].removeprefix("< ").removeprefix("at most "))
         assert off > 10.0 * right_off
-
-
-def test_the_page_says_where_nothing_decides():
-    page = misprints_page(
-        [(STATEMENTS[8], [Finding("a point", 1.0, 1.0, 1e-9, 1e-8, "a reason", {"(2.35)": 2.0})])]
-    )
-    rows = page_rows(page)
-    assert [row[0] for row in rows if row[3] != "none"] == ["(2.35)"]
-    assert len(rows) == 23
-    assert "| 8 EQ-2.35 | a point; expected 1 | 2 | < 1e-08 |" in page

@@ -9,32 +9,9 @@ from PIL import Image
 import explorer as ex
 from explorer import plot
 from explorer.plot.captions import CAPTIONS, caption_in
-from explorer.plot.film import _Frames
 
 HOOP = BODIES["hoop"]
 FRAMES = 10
-
-
-class Steps:
-    """A stage whose picture of a row is grey of that number."""
-
-    def image(self, row):
-        return Image.new("RGB", (8, 4), (row, row, row))
-
-
-def test_the_frames_come_in_their_order_and_the_last_fade_into_the_first():
-    frames = _Frames(Steps(), list(range(30, 230, 5)))
-    greys = []
-    for number in range(frames.n_frames):
-        frames.seek(number)
-        assert frames.tell() == number
-        assert (frames.mode, frames.size) == ("RGB", (8, 4))
-        greys.append(np.asarray(frames)[0, 0, 0])
-    assert (np.diff(greys[:28]) == 5).all()
-    assert (np.diff(np.asarray(greys[28:], int)) < 0).all()
-    assert abs(int(greys[-1]) - 30) < 30
-    with pytest.raises(EOFError):
-        frames.seek(frames.n_frames)
 
 
 @pytest.mark.parametrize(

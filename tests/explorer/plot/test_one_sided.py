@@ -7,7 +7,6 @@ from matplotlib.colors import to_hex
 
 from explorer import plot
 from explorer.phase.states import constants_to_states
-from explorer.plot.one_sided import circle_distance
 from explorer.plot.style import SIGN_COLOURS
 from explorer.portrait.both_sides import both_sides
 
@@ -58,11 +57,6 @@ def test_limit_paths_have_their_races_and_all_paths_start_together(both):
     solid = [line for line in ax.lines if line.get_ls() == "-" and len(line.get_xdata()) > 2]
     assert [line.get_xydata()[0].tolist() for line in solid] == [[0.0, 0.0], [0.0, 0.0]]
     assert "1.684 rad apart" in ax.get_title()
-
-
-@pytest.mark.parametrize(("angle", "apart"), [(0.0, 0.0), (4.6, 2 * np.pi - 4.6), (np.pi, np.pi), (-1.0, 1.0)])
-def test_angles_are_apart_on_the_circle(angle, apart):
-    assert circle_distance(angle) == pytest.approx(apart)
 
 
 def test_distances_are_the_worse_medians_of_the_summary_with_the_largest_as_a_band():

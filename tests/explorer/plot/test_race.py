@@ -62,11 +62,6 @@ def test_ridges_hold_the_share_of_passages_on_each_side_of_the_limit(passages):
         assert left / (left + right) == pytest.approx(signed.below.total / signed.total, abs=0.05)
 
 
-def test_keywords_go_to_the_ridges(summary):
-    ax = plot.race_histogram(summary, alpha=0.25)
-    assert {patch.get_alpha() for patch in ax.patches} == {0.25}
-
-
 def test_the_deviation_lies_on_its_law_with_a_constant(passages):
     """Medians of (race angle - kappa pi) / (K eta) on ln(1/eta) - c, from passages by quadrature."""
     eta_hat, found = passages

@@ -6,7 +6,6 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer import plot
-from explorer.plot.sketch import _arc
 from explorer.plot.style import SIGN_COLOURS
 
 HOOP = BODIES["hoop"]
@@ -27,9 +26,3 @@ def test_the_motion_drawn_has_the_colour_of_its_side(plane):
     (dot,) = [line for line in plane.lines if line.get_marker() == "o"]
     eta_hat = ex.constants(ex.phi_to_states(HOOP, 0.0, 1.0, *np.ravel(dot.get_data()))).eta_hat_plus
     assert dot.get_color() == SIGN_COLOURS[int(np.sign(eta_hat.item()))]
-
-
-def test_an_arc_goes_the_short_way_from_one_direction_to_the_other():
-    arc = _arc(np.array([0.0, 0.0, 2.0]), np.array([0.0, 3.0, 0.0]), np.zeros(3), 0.5)
-    np.testing.assert_allclose(arc[[0, -1]], [[0.0, 0.0, 0.5], [0.0, 0.5, 0.0]], atol=1e-15)
-    np.testing.assert_allclose(np.linalg.norm(arc, axis=1), 0.5)

@@ -3,8 +3,6 @@
 import json
 import re
 
-import pytest
-
 from explorer.plot import style
 from explorer.view.assembly import FOLDER, assemble, program
 
@@ -29,10 +27,6 @@ def test_every_import_names_what_the_other_module_exports():
             assert set(names.split(", ")) <= exports[needed], path.name
 
 
-def test_nothing_of_the_module_system_is_left_in_the_program():
-    assert not re.search(r"^\s*(import|export)\b", program(), flags=re.MULTILINE)
-
-
 def test_the_page_names_no_address_of_the_network():
     page = assemble(START)
     assert not re.search(r"https?:|//\w+\.\w|@import|url\(|<link|src=", page)
@@ -54,18 +48,3 @@ def test_blue_and_vermilion_are_those_of_the_pictures_and_only_the_sides():
     assert f"--minus: {style.MINUS.lower()}" in css
     for path in MODULES:
         assert not re.search(r"0072b2|d55e00", path.read_text("utf-8"), re.IGNORECASE)
-
-
-@pytest.mark.parametrize("path", MODULES, ids=lambda path: path.name)
-def test_modules_and_their_functions_stay_small(path):
-    lines = path.read_text("utf-8").splitlines()
-    assert len(lines) <= 400
-    assert lines[0].startswith("// ")
-    begun = None
-    for number, line in enumerate(lines):
-        # Functions at the margin, methods two spaces in; both end with a brace at the same depth.
-        if re.match(r"(export )?(async )?(function|class) |  \w[\w ]*\(.*\{$", line):
-            begun = number
-        if begun is not None and re.match(r"(  )?\}$", line):
-            assert number - begun < 60, lines[begun]
-            begun = None
