@@ -12,8 +12,8 @@ from explorer.phase.states import Array
 # In x = ln tan(theta/2): what is cut off at a slow end, since nodes lie otherwise there than on the rest of an
 # arc; and at both ends of one longer than the last: integrands fall like e^-d, so that little is left between.
 PIECE, _LAYER, _LONG = 1.0, 30.0, 100.0
-# The error that is allowed whatever accuracy is asked for, for each radian of angles: units of the last digit.
-OF_ANGLES = 32.0 * 2.2e-16
+# The error that is allowed whatever accuracy is asked for, for each radian of angles: of 14 digits.
+OF_ANGLES = 64.0 * 2.2e-16
 
 
 @cache

@@ -50,11 +50,11 @@ def falls_of(
     most = max(0.5 * OF_FALL * accuracy, _BEST)
     rows = np.flatnonzero(~(out[3, :n] <= most) & (departures.level > 0.0))
     if rows.size:
-        out[:, rows] = _as_arcs(disk, departures, rows, edge, most)
+        out[:, rows] = falls_as_arcs(disk, departures, rows, edge, most)
     return compiled.in_turn.FallRow(*out[:, :n])
 
 
-def _as_arcs(
+def falls_as_arcs(
     disk: Disk, departures: "compiled.passages.Departures", rows: NDArray[np.intp], edge: float, accuracy: float
 ) -> Array:
     """Some of the falls (4, n), rows as FallRow."""

@@ -196,8 +196,8 @@ numbers = [
     ),
     ex.passage_forces(disk, 1.0, 1e-3, 1.0).min_normal_force,
     ex.periods(constants_to_states(disk, 1.0, 1e-3, 1.0)).period,
-    # Hardly any moment of inertia about the axis: lanes leave it to the rules of one motion at a time.
-    ex.periods(ex.phi_to_states(ex.Disk(I1=0.5, I3=0.02), 0.5, 0.1, 1.0, 1.0), accuracy=1e-10).period,
+    ex.bounces(constants_to_states(disk, 1.0, [1e-3, 0.3], 1.0), 2).race_angle,
+    ex.periods(ex.phi_to_states(disk, 0.5, 1e-3, 1.0, 0.9), accuracy=1e-10).period,
     ex.falls(states).theta_min_estimate,
     ex.flow_stretch(states).determinant,
     ex.limit_motion(ex.phi_to_states(disk, 0.0, 1.0, 1.0, 0.7285923160189477), side=1)(1.0).chi,

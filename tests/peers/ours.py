@@ -5,7 +5,7 @@ from peers.problem import COUNT, DISK, T_END, work
 
 import explorer as ex
 from explorer import compiled
-from explorer.motion.passages_by_quadrature import by_tables
+from explorer.motion.passages_by_quadrature import near_flat
 
 COPIES = 80  # of the 256 trajectories in one call, so that its fixed cost does not count
 METHODS = {"rk4": 0, "dopri5": 1, "rk8": 2, "dop853": 3}
@@ -82,7 +82,7 @@ def quadrature():
     def make(accuracy):
         def solve(_n):
             status = np.zeros(eta.size, np.int8)
-            by_tables(DISK, crossings, accuracy, out, status)
+            near_flat(DISK, crossings, accuracy, out, status)
             assert not np.isnan(out[1]).any()
             return np.where(status == 0, out[1], np.nan)[:COUNT]
 

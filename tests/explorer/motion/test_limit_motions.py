@@ -6,8 +6,8 @@ from conftest import BODIES
 from passing import start_on_f
 
 import explorer as ex
+from explorer.motion.falls import fall_from_vertical
 from explorer.motion.limit_motions import limit_motion
-from explorer.motion.passages_by_quadrature import fall_from_vertical
 from explorer.motion.trajectories import trajectories
 from explorer.phase.constants import natural_constants
 from explorer.phase.states import constants_to_states

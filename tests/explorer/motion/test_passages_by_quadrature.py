@@ -9,7 +9,8 @@ from conftest import BODIES
 from reference.report_extremes import measure, rows
 
 import explorer as ex
-from explorer.motion.passages_by_quadrature import energy_on_f, fall_from_vertical
+from explorer.motion.falls import fall_from_vertical
+from explorer.motion.passages_by_quadrature import energy_on_f
 
 EXTREMES = list(rows())
 

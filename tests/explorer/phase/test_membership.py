@@ -7,7 +7,7 @@ from numpy.polynomial.polynomial import polyval
 
 import explorer as ex
 from explorer import compiled
-from explorer.motion.passages_by_quadrature import fall_from_vertical
+from explorer.motion.falls import fall_from_vertical
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import natural_constants

@@ -4,9 +4,14 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from kernels.integrals.forces import ForceRow, forces, forces_batch
-from kernels.integrals.passages import Crossings
-from kernels.integrals.point import VERTICAL, kinetic, motion_through
+import explorer as ex
+from kernels.integrals.forces import forces
+from kernels.integrals.point import VERTICAL, motion_through, point
+
+
+def kinetic(h, motion, disk):
+    """theta-dot^2 = 2 (E - V) / M."""
+    return 2.0 * disk.body.inv_M * (motion.level - point(h, motion.X, motion.Y, disk.natural).V)
 
 
 @pytest.mark.parametrize("name", ["uniform", "hoop", "thick"])
@@ -16,35 +21,23 @@ def test_the_normal_force_is_the_weight_and_the_acceleration_of_the_height(name)
     motion = motion_through(VERTICAL, 0.4, 0.6, 0.2, natural)
     step = 1e-5
     for theta in (0.5, 0.9, 1.3):
-        P = [kinetic(2.0 * np.sin(0.5 * t), motion, natural) for t in (theta - step, theta, theta + step)]
+        P = [kinetic(2.0 * np.sin(0.5 * t), motion, BODIES[name]) for t in (theta - step, theta, theta + step)]
         height = 0.5 * np.cos(theta) * (P[2] - P[0]) / (2.0 * step) - np.sin(theta) * P[1]
         assert forces(2.0 * np.sin(0.5 * theta), motion, natural).normal == pytest.approx(1.0 + height, rel=1e-7)
-
-
-def test_a_batch_gives_the_extremes_and_nan_where_nothing_turns():
-    disk, n = BODIES["uniform"], 3
-    out = np.empty((2, n))
-    forces_batch(Crossings(np.full(n, 0.3), np.array([0.1, 1e-3, np.nan]), np.ones(n)), disk.natural, out)
-    found = ForceRow(*out)
-    motion = motion_through(VERTICAL, 1.0, 0.3 / disk.body.r0, 0.1 / disk.body.I1, disk.natural)
-    at_vertical = forces(VERTICAL, motion, disk.natural)
-    assert found.normal[0] <= at_vertical.normal
-    assert found.friction[0] >= at_vertical.friction
-    assert np.isnan(out).any(axis=0).tolist() == [False, False, True]
 
 
 @pytest.mark.parametrize(("sigma3_bar", "eta", "speed"), [(0.3, 0.1, 1.0), (1.4, 0.05, 0.2), (-0.9, 0.3, 0.6)])
 def test_the_extremes_are_those_of_a_fine_grid_between_the_vertical_and_the_turning_point(sigma3_bar, eta, speed):
     disk = BODIES["uniform"]
-    out = np.empty((2, 1))
-    forces_batch(Crossings(np.array([sigma3_bar]), np.array([eta]), np.array([speed])), disk.natural, out)
+    out = ex.passage_forces(disk, sigma3_bar, disk.eta_to_eta_hat(eta), speed)
     motion = motion_through(VERTICAL, speed, sigma3_bar / disk.body.r0, eta / disk.body.I1, disk.natural)
     h = np.geomspace(VERTICAL, 1e-3, 4001)
-    moves = np.array([kinetic(each, motion, disk.natural) >= 0.0 for each in h])
+    moves = np.array([kinetic(each, motion, disk) >= 0.0 for each in h])
     passed = h[: np.argmin(moves)]
     found = np.array([forces(each, motion, disk.natural) for each in passed])
     assert passed.size > 500
-    np.testing.assert_allclose(out[:, 0], [found[:, 0].min(), found[:, 1].max()], rtol=2e-3)
+    assert out.min_normal_force[0] == pytest.approx(found[:, 0].min(), rel=2e-3)
+    assert out.max_friction[0] == pytest.approx(found[:, 1].max(), rel=2e-3)
 
 
 def test_where_the_disk_is_not_pressed_down_no_friction_is_enough():
@@ -58,6 +51,5 @@ def test_where_the_disk_is_not_pressed_down_no_friction_is_enough():
 def test_a_fast_start_is_pressed_down_least_at_the_vertical_and_no_further():
     """There the contact bears the weight less what holds the centre on its circle: 1 - speed^2."""
     disk, speed = BODIES["uniform"], 3.0
-    out = np.empty((2, 1))
-    forces_batch(Crossings(np.array([0.05]), np.array([0.5]), np.array([speed])), disk.natural, out)
-    assert ForceRow(*out[:, 0]).normal == pytest.approx(1.0 - speed**2, rel=1e-12)
+    found = ex.passage_forces(disk, 0.05, disk.eta_to_eta_hat(0.5), speed)
+    assert found.min_normal_force[0] == pytest.approx(1.0 - speed**2, rel=1e-12)

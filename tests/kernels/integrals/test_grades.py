@@ -66,10 +66,9 @@ def test_the_accuracy_asked_chooses_the_first_grade():
 
 def test_a_grade_has_the_nodes_between_its_ends():
     of_body = BODIES["uniform"].tables
-    for place, name in enumerate(("outer", "fall", "inner", "wide")):
+    for place, name in enumerate(("outer", "fall", "inner")):
         nodes = [grade_at(of_body, number)[place] for number in range(GRADES)]
-        whole = of_body.far if name == "wide" else getattr(of_body, name)
-        assert np.array_equal(np.concatenate(nodes, axis=1), whole)
+        assert np.array_equal(np.concatenate(nodes, axis=1), getattr(of_body, name))
 
 
 def test_who_calls_the_kernels_knows_where_the_short_series_end():

@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 from conftest import BODIES
-from passing import across, batch, draw
+from passing import batch, draw
 
-from kernels.integrals.passages import Crossings, lanes_in_line
-from kernels.integrals.point import VERTICAL
-from kernels.integrals.quadrature import PassageRow
-from kernels.status import Status
+import explorer as ex
+from kernels.integrals.passages import lanes_in_line
 
 
 @pytest.mark.parametrize("accuracy", [1e-9, 1e-4, 1e-3])
@@ -37,21 +35,17 @@ def test_bad_neighbours_change_nothing():
         assert (status[~rest] != 0).all() or np.isfinite(out[:, ~rest]).all()
 
 
-def test_samples_on_f_fall_and_marked_ones_are_skipped():
-    disk, n = BODIES["uniform"], 4
-    crossings = Crossings(np.ones(n), np.array([1e-3, 0.0, 1e-3, 0.0]), np.ones(n))
-    status = np.array([Status.OK, Status.OK, Status.BAD_INPUT, Status.BAD_INPUT], np.int8)
-    out = across(disk, crossings, VERTICAL, 1e-9, status)
-    assert status.tolist() == [Status.OK, Status.FALLS, Status.BAD_INPUT, Status.BAD_INPUT]
-    assert np.isnan(out).all(axis=0).tolist() == [False, True, True, True]
+def test_samples_on_f_fall():
+    disk, one = BODIES["uniform"], np.ones(4)
+    found = ex.passages(disk, one, [1e-3, 0.0, np.nan, 0.0], one)
+    assert found.status.tolist() == [ex.Status.OK, ex.Status.FALLS, ex.Status.BAD_INPUT, ex.Status.FALLS]
+    assert np.isnan(found.delta_chi).tolist() == [False, True, True, True]
 
 
 def test_a_window_that_the_motion_does_not_reach_is_bad_input():
-    disk, one = BODIES["uniform"], np.ones(1)
-    status = np.zeros(1, np.int8)
-    out = across(disk, Crossings(one, 0.3 * one, one), 1e-3, 1e-9, status, by_tables=False)
-    assert status[0] == Status.BAD_INPUT
-    assert np.isnan(PassageRow(*out).chi[0])
+    found = ex.passages(BODIES["uniform"], 1.0, 2.0, 1.0, window=1e-3)
+    assert found.status[0] == ex.Status.BAD_INPUT
+    assert np.isnan(found.delta_chi[0])
 
 
 def test_lanes_begin_where_a_line_of_the_cache_does():

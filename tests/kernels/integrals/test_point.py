@@ -8,7 +8,7 @@ from conftest import BODIES
 
 from kernels.disk.falling import potential_at_flat
 from kernels.disk.field import State, energy
-from kernels.integrals.point import VERTICAL, kinetic, motion_through, point
+from kernels.integrals.point import VERTICAL, motion_through, point
 
 SHAPES = ["uniform", "hoop", "thick"]
 
