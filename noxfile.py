@@ -79,7 +79,7 @@ def lowest(session):
 
 @nox.session(default=False)
 def fuzz(session):
-    """Write results/faults/fuzz.json: 20,000 calls, command lines and edited run folders. Some ten minutes."""
+    """Write results/faults/fuzz.json: 20,000 calls, command lines and edited run folders. Up to half an hour."""
     session.install("--editable", ".[test]")
     command = ["python", "-m", "pytest", "-n", "0", "tests/properties", *session.posargs]
     session.run(*command, env={"NEARFLAT_EXAMPLES": "20000"})

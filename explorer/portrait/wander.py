@@ -6,6 +6,7 @@ rotation about a fixed centre unless chi(tau) is a multiple of 2 pi (Borisov, Ma
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, number, shown, whole
 from explorer.motion.periods import Periods, periods
-from explorer.motion.trajectories import trajectories
+from explorer.motion.trajectories import Trajectories, trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, columns_of, constants_to_states, require_states
 
@@ -39,7 +40,8 @@ class Wander:
     radius : array
         Of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|); infinite at a resonance.
     status : array of int8
-        `Status` of each motion; where it is not OK, the other columns are NaN.
+        `Status` of each motion, of its period or else of its integration; where it is not OK, the other columns
+        are NaN.
 
     Examples
     --------
@@ -97,15 +99,17 @@ def wander(states: States) -> Wander:
     require_axial_inertia(require_states(states).disk)
     states = replace(states, shape=(len(states),))
     each = _periods(states)
-    step = np.full(len(states), np.nan, np.complex128)
-    for row in np.flatnonzero(each.status == compiled.status.Status.OK):
+    step, status = np.full(len(states), np.nan, np.complex128), each.status.copy()
+    for row in np.flatnonzero(status == compiled.status.Status.OK):
         start, end = states.at(np.array([row])), float(each.period[row])
         moved = trajectories(start, t_eval=[end], observables=("path",), accuracy=_ACCURACY)
         assert moved.path is not None
-        step[row] = complex(moved.path[0, 0, 0], moved.path[0, 0, 1])
+        step[row], status[row] = complex(*moved.path[0, 0, :2]), moved.status[0]
+    followed = status == compiled.status.Status.OK
+    period, chi = (np.where(followed, values, np.nan) for values in (each.period, each.chi))
     with np.errstate(divide="ignore"):
-        radius = abs(step) / (2.0 * abs(np.sin(0.5 * each.chi)))
-    return Wander(each.period, each.chi, step, radius, each.status)
+        radius = abs(step) / (2.0 * abs(np.sin(0.5 * chi)))
+    return Wander(period, chi, step, radius, status)
 
 
 def _periods(states: States) -> Periods:
@@ -229,7 +233,7 @@ def wander_path(states: States, count: int) -> WanderPath:
     Raises
     ------
     InputError
-        For several states, and for one without a period.
+        For several states, and for one without a period or whose path cannot be integrated.
 
     Examples
     --------
@@ -243,16 +247,22 @@ def wander_path(states: States, count: int) -> WanderPath:
     count = whole("count", count, 1, _MOST_PERIODS)
     each = wander(states)
     if each.status[0] != compiled.status.Status.OK:
-        raise InputError(f"states: no period. {compiled.status.Status(int(each.status[0])).sentence}")
+        raise InputError(f"states: no period, or no path. {compiled.status.Status(int(each.status[0])).sentence}")
     period = float(each.period[0])
-    course = trajectories(states, period, observables=("chi",), accuracy=_ACCURACY)
-    if course.status[0] != compiled.status.Status.OK:
-        raise InputError(f"states: no path. {compiled.status.Status(int(course.status[0])).sentence}")
+    course = _followed(states, t_end=period, observables=("chi",))
     within = course.t[0, :-1]
     t = np.append((period * np.arange(count)[:, None] + within).ravel(), count * period)
     if not (np.isfinite(t).all() and (np.diff(t) > 0.0).all()):
         raise InputError(f"states: points of the path cannot be told apart within a period of {period:.3g}")
-    motion = trajectories(states, t_eval=t, observables=("path", "contact"), accuracy=_ACCURACY)
+    motion = _followed(states, t_eval=t, observables=("path", "contact"))
     assert motion.path is not None
     assert motion.contact is not None
     return WanderPath(states.disk, t, motion.contact[0, :, :2], motion.path[0, :, :2], each, count)
+
+
+def _followed(states: States, **asked: Any) -> Trajectories:
+    """One motion, followed to its end. Raises InputError where it cannot be."""
+    motion = trajectories(states, accuracy=_ACCURACY, **asked)
+    if motion.status[0] != compiled.status.Status.OK:
+        raise InputError(f"states: no path. {compiled.status.Status(int(motion.status[0])).sentence}")
+    return motion

@@ -80,13 +80,21 @@ def _missing(folder: Path, record: dict[str, Any]) -> Iterator[str]:
 
 
 def stored_summary(folder: Path, scene: Scene) -> dict[str, Any] | None:
-    """The content of summary.json where it is there and of these options, else None."""
+    """The content of summary.json where it is there, as it was written and of these options, else None."""
     try:
         content = store.read_json(folder / "summary.json")
     except store.CorruptFileError:
         return None
+    if not _as_written(folder):
+        return None
     options = json.loads(json.dumps(scene.options()))
     return content if all(content.get(key) == value for key, value in options.items()) else None
+
+
+def _as_written(folder: Path) -> bool:
+    """Whether summary.json has the digest in run.json, or there is none, as in a run of an earlier version."""
+    digest = store.digest_of_file(folder / "summary.json")
+    return bool(folders.read_record(folder).get("summary_digest", digest) == digest)
 
 
 def faults(part: Part) -> list[str]:
@@ -139,15 +147,17 @@ def _said_identity(paths: dict[int, Path]) -> str | None:
 
 
 def _summary_faults(folder: Path, digests: list[str]) -> list[str]:
-    """A summary that does not belong to the chunks, whose digests are given in order."""
+    """A summary that was changed, or does not belong to the chunks, whose digests are given in order."""
     if not (folder / "summary.json").exists():
         return []
     try:
         digest = store.read_json(folder / "summary.json").get("digest")
     except store.CorruptFileError as error:
         return [str(error)]
-    same = digest == store.digest_of_all(digests)
-    return [] if same else ["summary.json: does not belong to these chunks; run `nearflat summary`"]
+    if digest != store.digest_of_all(digests):
+        return ["summary.json: does not belong to these chunks; run `nearflat summary`"]
+    changed = "summary.json: its bytes are not those that were written; run `nearflat summary`"
+    return [] if _as_written(folder) else [changed]
 
 
 def summary(folder: Path) -> dict[str, Any]:
@@ -167,4 +177,8 @@ def summary(folder: Path) -> dict[str, Any]:
         )
     numbers = summary_of([Part(scene, folder)])[1]
     store.write_json(folder / "summary.json", numbers)
+    record = folders.read_record(folder)
+    if "summary_digest" in record:
+        record["summary_digest"] = store.digest_of_file(folder / "summary.json")
+        store.write_json(folder / "run.json", record)
     return numbers

@@ -262,6 +262,7 @@ def _fill(part: Part, folder: Path, manner: Manner) -> Run:
         seconds = round(time.monotonic() - clock, 3)
         run = Run([part])
         store.write_json(folder / "summary.json", run._total()[1])
+        how["summary_digest"] = store.digest_of_file(folder / "summary.json")
         if formats and not drawn:
             drawn = _draw(run, folder, how, progress)
     finally:

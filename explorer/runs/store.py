@@ -343,6 +343,11 @@ def digest_of_all(digests: Iterable[str]) -> str:
     return _sha("".join(digests).encode())
 
 
+def digest_of_file(path: Path) -> str:
+    """SHA-256 of the bytes of a file."""
+    return _sha(path.read_bytes())
+
+
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """Write JSON and commit it by a rename. NaN is refused: it is not JSON.
 

@@ -38,6 +38,7 @@ CALLS = {
     "Disk.uniform": "m? r? g",
     "Disk.parse": "text",
     "portrait.on_line": "disk sigma3_bar eta_hat?",
+    "portrait.wander": "states",
 }
 SELDOM = {
     "falling_constant": 0.1,

@@ -34,6 +34,18 @@ def test_a_summary_of_other_chunks_is_a_fault(finished):
     assert verify(finished.folder) == []
 
 
+def test_a_changed_number_of_a_summary_is_found_and_not_believed(finished):
+    path = finished.folder / "summary.json"
+    content = json.loads(path.read_text())
+    path.write_text(json.dumps({**content, "wrong_way": 7}))
+    assert verify(finished.folder) == [
+        "summary.json: its bytes are not those that were written; run `nearflat summary`"
+    ]
+    assert ex.open(finished.folder).summary == finished.summary
+    summary(finished.folder)
+    assert verify(finished.folder) == []
+
+
 @pytest.mark.parametrize("name", ["race-angles", "falling-set", "one-sided", "portrait"])
 def test_a_summary_that_says_the_same_is_not_written_again(name, tmp_path):
     """So that one may look at a finished run where nothing can be written."""
