@@ -161,7 +161,7 @@ def trade(scene: type[Scene], **options: Any) -> Trade: ...
 def trade(scene: str | type[Scene] | None = None, **options: Any) -> Trade:
     """Measure error and cost of every method on the samples that a scene draws, and on its motions in time.
 
-    Passages are compared with adaptive quadrature, smallest tilts with quadrature, motions in time with far finer
+    Passages are compared with arcs, without tables, smallest tilts with quadrature, motions in time with far finer
     steps. Costs are of the calls that the scene and `simulate` make, on one core, without compile time.
 
     Parameters
@@ -259,7 +259,7 @@ def _check(scene: Scene, trial: Trial) -> None:
     """Raise InputError where there is too little to measure, or no answer to compare with."""
     known, size = int(trial.known.sum()), trial.known.size
     if not trial.in_time and 2 * known < size:
-        # Those that adaptive rules give up on, by rounding, take them and small steps longest of all.
+        # Those that quadrature gives up on, by rounding, take it and small steps longest of all.
         raise InputError(
             f"--disk {scene.label}: {known:,} of {size:,} {trial.kind} have a known answer, and so few do not "
             "tell methods apart; give another disk, or a box whose starts are less slow"

@@ -10,7 +10,7 @@ from explorer.motion.trade import Measured, Row
 from explorer.scenes.base import Scene
 
 _REFERENCE = {
-    "passages": "quadrature by adaptive rules at 1e-11, which shares no table with what is measured",
+    "passages": "quadrature along arcs at 1e-11, which shares no table with what is measured",
     "tilts": "quadrature at 1e-13; quadrature itself against rk8 with steps far finer than any accuracy needs",
     "motions": "rk8 with steps far finer than any accuracy needs",
 }

@@ -90,7 +90,7 @@ class PassageTrial(Trial):
 
     @cached_property
     def exact(self) -> Passages:
-        """The passages by adaptive rules, without tables."""
+        """The passages as arcs, without tables."""
         return reference_passages(self.disk, self.starts)
 
     @property

@@ -156,7 +156,7 @@ _ROUND, _GROWS = 0.05, 1.5
 _SMALL, _SMALLEST, _SHARPER = 0.01, 1e-3, 10.0
 _DEEPER = {4: 11.5, 5: 12.5, 6: 14.0, 7: DEEPEST, 8: DEEPEST, 9: DEEPEST, 10: DEEPEST}
 # Of bodies smaller than that and slender, races of hundreds of radians err by some 1e-12 of themselves by any
-# table, which no grade sees: from this grade on all of it is left to adaptive rules.
+# table, which no grade sees: from this grade on all of it is left to arcs.
 _LAST_OF_SLENDER, _SLENDER = 8, 0.1
 # What is left of the time falls like e^(-3y), which rules of few nodes see worst. Where I3/I1 is below _SPINNING,
 # the spin makes large angles of it, and of what is missed elsewhere.

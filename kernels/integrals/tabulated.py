@@ -1,12 +1,11 @@
 """Passages from the vertical by tables: samples side by side, a fixed number of nodes, no branch.
 
-The integrals of `quadrature`, for motions that come near flat (h at the turning point <= WIDEST)
-and do not start too slowly. From the vertical to HANDOVER the nodes stand at tilts that are the same
+For motions that come near flat (h at the turning point <= WIDEST) and do not start too slowly. From the vertical to HANDOVER the nodes stand at tilts that are the same
 for all samples (`tables`). From there to the turning point they lie in y, and what the terms of first
 order give is known in closed form (`near_flat`), so the same nodes serve every |eta|: four of them at 1e-3,
 22 at 1e-11. The last coefficients of each panel's Legendre series say how well it has converged, or a bound that
 is known beforehand; samples that have not, and those outside these bounds, are left to a finer grade of rules and
-at last to `quadrature`.
+at last to arcs.
 
 Formulas are devices that return tuples; the loops over lanes read, call and write.
 """
@@ -102,9 +101,9 @@ _LEFT_OUT = 2.0  # in y: what is below the deepest node falls off like e^y, or e
 _SLOWEST = 1e-3  # share of the energy with which a motion must leave the vertical, whatever the grade
 # r^2 of a slow start that has gained as much as it left with at the middle of the rule.
 _MIDDLE = 0.8
-_PARKED = 0.1  # h_m of lanes that are left to `quadrature`: any number within the bounds
+_PARKED = 0.1  # h_m of lanes that are left to arcs: any number within the bounds
 EPSILON = 2.2e-16
-NOISE_UNITS = 100.0  # units of rounding, as in quadrature
+NOISE_UNITS = 100.0  # units of rounding
 
 
 @contracted_device
