@@ -205,6 +205,7 @@ def _pairs(
     return _Pairs(*(of_all(column) for column in pairs))._replace(status=status)
 
 
+@np.errstate(invalid="ignore", divide="ignore")  # of motions that were not found
 def _pairs_of(
     motions: Motions,
     rises: NDArray[np.bool_],

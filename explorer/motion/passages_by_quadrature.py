@@ -65,6 +65,7 @@ def few_digits(accuracy: float) -> bool:
     return accuracy >= ROUGH
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of motions that are no input
 def as_arcs(
     disk: Disk, crossings: "compiled.passages.Crossings", edge: float, accuracy: float
 ) -> tuple[Array, NDArray[np.int8]]:
@@ -85,7 +86,7 @@ def as_arcs(
     motions = motions.at(kept)
     ends = ends_of(disk, motions)
     lead, inner = orbits_of(disk, motions, ends, accuracy, False, True).lead, ends.inner
-    with np.errstate(divide="ignore", invalid="ignore"):  # of motions that do not come this way
+    with np.errstate(divide="ignore"):  # of motions that do not come this way
         way = 0.5 * inner.sigma3 * (1.0 + inner.r * inner.r) / inner.r
         found = compiled.in_turn.PassageRow(
             theta_min=2.0 * np.arctan(inner.r),

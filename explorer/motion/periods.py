@@ -140,6 +140,7 @@ class _Period(NamedTuple):
     error: Array
 
 
+@np.errstate(invalid="ignore", divide="ignore")  # of motions that were not found
 def _orbits(
     disk: Disk, motions: Motions, status: NDArray[np.int8], accuracy: float, rows: NDArray[np.intp]
 ) -> tuple[Array, NDArray[np.int8]]:

@@ -31,7 +31,7 @@ def measured(error, status, eta, allowed=1.0):
     )
     disk, out = BODIES["thick"], np.empty((12, N))
     level = ways.energy - disk.energy_at_flat(ways.sigma3_bar)
-    terms, units = races.Terms(allowed, 1e-9), races.Units(2.0, 3.0, 5.0, 7.0)
+    terms, units = races.Terms(allowed, 1e-9, 0.0), races.Units(2.0, 3.0, 5.0, 7.0)
     falls = races.Falls(time=column, chi=0.1 * column, level=level, error=np.full(N, 1e-9))
     races.race_batch(ways, falls, terms, units, disk.natural, 0, out)
     return ways, races.RaceRow(*out)
@@ -77,7 +77,7 @@ def test_lanes_give_what_columns_give_to_the_last_digit():
     ways.error[rng.integers(0, n, 100)] = np.nan
     falls = races.Falls(*rng.uniform(0.1, 2.0, (4, n)))
     falls.time[rng.integers(0, n, 50)], falls.level[rng.integers(0, n, 50)] = np.nan, -1.0
-    terms, units, M = races.Terms(1.0, 0.6), races.Units(2.0, 3.0, 5.0, 7.0), BODIES["thick"].body.M
+    terms, units, M = races.Terms(1.0, 0.6, 0.0), races.Units(2.0, 3.0, 5.0, 7.0), BODIES["thick"].body.M
     ok, fallen = ways.status == code.OK, ways.status == code.FALLS
     part = np.where(fallen, falls.error, 2.0 * falls.error)
     error = np.where(ok & (ways.error > part), ways.error, part)
