@@ -206,7 +206,7 @@ def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -
         A[_K_IN + i], A[_K_OUT + i] = arcs.K_in[j], arcs.K_out[j]
         slow = min(arcs.slow_in[j], arcs.slow_out[j])
         length = arcs.L[j] / slow  # 0 without a slow end; below, its asinh
-        A[_SLOW + i], A[_LENGTH + i] = slow, math.log(length + math.sqrt(length * length + 1.0))
+        A[_SLOW + i], A[_LENGTH + i] = slow, math.asinh(length)
         A[R * LANES + i], A[W * LANES + i] = arcs.r_in[j], arcs.w_in[j]
         A[SIGMA3 * LANES + i], A[SIGMA4 * LANES + i] = arcs.sigma3_in[j], arcs.sigma4_in[j]
         E[R * LANES + i], E[W * LANES + i] = arcs.r_out[j], arcs.w_out[j]

@@ -39,6 +39,7 @@ _CLOSEST = 1e-300  # such a distance is never 0
 REACH = 0.35  # in x: within it rho and sigma4 are bounded by their values and rates
 _GROWN = math.exp(REACH)
 _DEEP = math.exp(-3.0)  # tan(theta/2) below which V falls, and then rises as the wall
+_FAR = 0.1  # such a step at least is no end in sight
 _STEPS = 400  # sixteen for each decade of closeness to a crest
 _NEWTON = 60
 _EPSILON = 2.2e-16
@@ -202,7 +203,7 @@ def advance(A: Vector, i: int, inward: bool, b: Body) -> None:
     bound = steepest(A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i], A[_ENERGY + i], inward, b)
     h = step_of(moving, slope, bound)
     if inward:
-        deep = is_open & (A[_R + i] < _DEEP) & ((moving > 0.0) | ((moving == 0.0) & (slope > 0.0)))
+        deep = is_open & (A[_R + i] < _DEEP) & (moving > 0.0) & (h >= _FAR)
         there, left = False, REACH
     else:
         deep = False

@@ -192,8 +192,7 @@ UNLIKE = [ex.Disk(I1=I1, I3=I3) for I1, I3 in ((0.5, 0.3), (0.25, 0.02), (5.0, 3
 
 @pytest.mark.parametrize("made", [upright, anywhere])
 @pytest.mark.parametrize("disk", [*DISKS.values(), ex.Disk.matching(), *UNLIKE], ids=str)
-def test_a_coarse_accuracy_is_not_paid_for_as_a_fine_one(disk, made):
-    """The 99th percentile of true errors is within the accuracy, and not below a hundredth of it."""
+def test_the_accuracy_asked_is_kept_and_estimates_cover_errors(disk, made):
     states = made(disk, 1000, 8)
     best = ex.bounces(states, 1, 1e-11)
     for accuracy in 10.0 ** -np.arange(2, 11):
@@ -205,8 +204,9 @@ def test_a_coarse_accuracy_is_not_paid_for_as_a_fine_one(disk, made):
             found.duration / best.duration - 1,
         )
         largest = np.max([abs(error[both]) for error in errors], axis=0)
-        assert 0.01 * accuracy <= np.percentile(largest, 99) <= accuracy
-        assert (largest <= 10.0 * (found.error_estimate + best.error_estimate)[both]).all()
+        assert both.mean() > 0.99
+        assert (largest <= accuracy).all()
+        assert (largest <= 3.0 * (found.error_estimate + best.error_estimate)[both]).all()
 
 
 def largest_errors(found, best):

@@ -81,15 +81,13 @@ def test_the_smallest_tilt_of_bodies_of_little_I3_is_known_to_the_accuracy(I1, I
         assert motion.turns_between(theta[i] * (1.0 - accuracy), theta[i] * (1.0 + accuracy))
 
 
-def test_an_accuracy_that_rounding_forbids_is_refused_and_what_is_answered_has_it():
-    """Where I3 = 1e-8 the sigma4 of a state is known to some 1e-8 of sigma3."""
+def test_little_axial_inertia_takes_no_digits_of_a_tilt():
+    """Where I3 = 1e-8, sigma4 at flat may be 1e8 times sigma3."""
     disk, draw = ex.Disk(I1=1.0, I3=1e-8), np.random.default_rng(3)
     given = draw.uniform(-1.4, 1.4, 400), *draw.normal(0.0, 1.0, (3, 400))
     theta, status, _ = smallest_tilt(phi_to_states(disk, *given), plan(("theta_min",), 1e-9))
-    refused = status == ex.Status.STEP_LIMIT
-    assert 0.5 < refused.mean() < 0.95
-    assert np.isnan(theta[refused]).all()
-    for i in np.flatnonzero(~refused)[:12]:
+    assert (status == ex.Status.OK).mean() > 0.99
+    for i in np.flatnonzero(status == ex.Status.OK)[:12]:
         motion = SlowMotion.of_state(disk, *(float(column[i]) for column in given))
         assert motion.turns_between(theta[i] * (1.0 - 1e-9), theta[i] * (1.0 + 1e-9))
 

@@ -21,8 +21,9 @@ def test_passages_agree_with_25_digits(reference_passages, accuracy):
         assert status[0] == ex.Status.OK
         assert theta == pytest.approx(row["theta_min"], rel=1e-13, abs=0.0)
         off, late = abs(chi - row["delta_chi"]), abs(time / unit / row["duration"] - 1.0)
-        assert off <= min(max(accuracy, 1e-13 * abs(row["delta_chi"])), 3.0 * angle_error + 1e-14 * abs(chi))
-        assert late <= min(max(accuracy, 1e-13), 3.0 * time_error + 1e-15)
+        # Rounding of what is given moves the last three digits.
+        assert off <= max(min(accuracy, 3.0 * angle_error), 1e-13 * abs(row["delta_chi"]))
+        assert late <= max(min(accuracy, 3.0 * time_error), 1e-13)
 
 
 def test_after_a_period_motions_are_what_they_were(body):

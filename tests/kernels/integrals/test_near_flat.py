@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from kernels.integrals import nodes
 from kernels.integrals.near_flat import near_flat, newton, slope_of
 from kernels.integrals.point import VERTICAL, motion_through, point
 from kernels.integrals.tables import HANDOVER
-from kernels.integrals.turning import turning_point
 
 
 @pytest.mark.parametrize("name", ["uniform", "thick"])
@@ -33,5 +31,4 @@ def test_five_steps_of_newtons_method_find_the_turning_point():
         h, log_h, step = newton(h, log_h, motion, disk.body, low)
     assert abs(step) < 1e-12
     assert math.exp(log_h) == pytest.approx(h, rel=1e-14)
-    W = np.zeros(nodes.ROWS * nodes.ROOM)
-    assert h == pytest.approx(turning_point(VERTICAL, False, motion, disk.natural, W), rel=1e-12)
+    assert pytest.approx(motion.level, rel=1e-12) == point(h, motion.X, motion.Y, disk.natural).V

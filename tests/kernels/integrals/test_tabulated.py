@@ -81,7 +81,7 @@ def test_falls_by_tables_and_as_arcs_agree(name):
     passages.fall_batch(departures, 0.0, disk.tables, disk.natural, tables)
     arcs = falls_as_arcs(disk, departures, np.arange(n), 0.0, 1e-13)
     served = np.isfinite(tables[0])
-    assert served.mean() > 0.9
+    assert served.mean() > 0.8
     assert (abs(tables[:3] - arcs[:3]) <= 10 * (tables[3] + arcs[3]) + 1e-13)[:, served].all()
     assert (arcs[3] <= 1e-9).all()
 
