@@ -198,7 +198,7 @@ def _pairs(
     status[rows[~known]] = code.STEP_LIMIT
 
     def of_all(found: NDArray[Any]) -> NDArray[Any]:
-        out = np.zeros((*found.shape[:-1], n), found.dtype)
+        out = np.full((*found.shape[:-1], n), np.nan if found.dtype == np.float64 else 0, found.dtype)
         out[..., rows] = found
         return out
 

@@ -89,9 +89,9 @@ _ROWS = (2 * END_ROWS + 18) * LANES
 class Rule(NamedTuple):
     """Nodes of all kinds of arcs and all sizes, those at the inner end and those at the outer one.
 
-    share, rate: distances from the nearer end, of arcs of unit length, and how they grow; weight; coarse, coarser: of
-    the rules of a half and a quarter of the nodes. first (2, KINDS * SIZES * 2): where the nodes of each begin, and how many there
-    are.
+    share, rate: distances from the nearer end, of arcs of unit length, and how they grow; weight; coarse, coarser:
+    of the rules of a half and a quarter of the nodes. first (2, KINDS * SIZES * 2): where the nodes of each begin,
+    and how many there are.
     """
 
     share: Vector
@@ -193,7 +193,8 @@ def make_rule() -> Rule:
                 columns.append(np.stack([share, rate, weight, coarse, coarser])[:, mine])
                 first[:, (kind * SIZES + size) * 2 + end] = start, columns[-1].shape[1]
                 start += columns[-1].shape[1]
-    return Rule(*(np.ascontiguousarray(row) for row in np.concatenate(columns, axis=1)), first)
+    share, rate, weight, coarse, coarser = map(np.ascontiguousarray, np.concatenate(columns, axis=1))
+    return Rule(share, rate, weight, coarse, coarser, first)
 
 
 @contracted_subroutine

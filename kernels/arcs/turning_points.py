@@ -133,9 +133,8 @@ def steepest(q: float, ratio: float, sigma4: float, energy: float, inward: bool,
 def step_of(moving: float, slope: float, bound: float) -> float:
     """How far the motion goes on at least; moving: K there, slope: dK/dd."""
     root = math.sqrt(slope * slope + 2.0 * bound * (moving if moving > 0.0 else 0.0))
-    forward = 2.0 * moving / max(root - slope, _LEAST)
-    from_rest = 2.0 * slope / bound if slope > 0.0 else 0.0
-    h = forward if moving > 0.0 else from_rest if moving == 0.0 else 0.0
+    rising, falling = (slope + root) / bound, 2.0 * moving / max(root - slope, _LEAST)
+    h = 0.0 if moving < 0.0 else rising if slope > 0.0 else falling
     return min(h, REACH)
 
 

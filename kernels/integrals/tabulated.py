@@ -1,11 +1,11 @@
 """Passages from the vertical by tables: samples side by side, a fixed number of nodes, no branch.
 
-For motions that come near flat (h at the turning point <= WIDEST) and do not start too slowly. From the vertical to HANDOVER the nodes stand at tilts that are the same
-for all samples (`tables`). From there to the turning point they lie in y, and what the terms of first
-order give is known in closed form (`near_flat`), so the same nodes serve every |eta|: four of them at 1e-3,
-22 at 1e-11. The last coefficients of each panel's Legendre series say how well it has converged, or a bound that
-is known beforehand; samples that have not, and those outside these bounds, are left to a finer grade of rules and
-at last to arcs.
+For motions that come near flat (h at the turning point <= WIDEST) and do not start too slowly. From the
+vertical to HANDOVER the nodes stand at tilts that are the same for all samples (`tables`). From there to the
+turning point they lie in y, and what the terms of first order give is known in closed form (`near_flat`), so
+the same nodes serve every |eta|: four of them at 1e-3, 22 at 1e-11. The last coefficients of each panel's
+Legendre series say how well it has converged, or a bound that is known beforehand; samples that have not, and
+those outside these bounds, are left to a finer grade of rules and at last to arcs.
 
 Formulas are devices that return tuples; the loops over lanes read, call and write.
 """
