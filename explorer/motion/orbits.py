@@ -58,9 +58,9 @@ def ends_of(disk: Disk, motions: Motions) -> Ends:
     state, inner, outer, vertical = (turning.Place(*table) for table in tables[:4])
     crosses, far = outer.K > 0.0, tables[4]
     rows = np.flatnonzero(crosses)
-    if rows.size:
-        starts = from_place(motions.starts.X[rows], motions.Y_far[rows], beyond(some(vertical, rows)))
-        far[:, rows] = next_inward(disk, starts)
+    far[:, rows] = next_inward(
+        disk, from_place(motions.starts.X[rows], motions.Y_far[rows], beyond(some(vertical, rows)))
+    )
     return Ends(state, inner, outer, vertical, turning.Place(*far), crosses)
 
 
@@ -108,12 +108,16 @@ def orbits_of(
         ahead[:, between] = ways(between, Y, inner.d, inner, state, inner.crest)
     rows = np.flatnonzero(narrow)
     if rows.size:
-        here[:, rows], back[:, rows], ahead[:, rows] = _wobbles(disk, motions.at(rows), ends, rows)
+        whole, *parts = _wobbles(disk, motions.at(rows), ends, rows)
+        if lead:
+            here[:, rows], back[:, rows], ahead[:, rows] = parts
+        else:  # where the vertical lies in a well is not known as well as the well
+            here[:, rows], back[:, rows] = whole, 0.0
     return Orbits(rule(*here), rule(*back), rule(*ahead))
 
 
-def _wobbles(disk: Disk, motions: Motions, ends: Ends, rows: NDArray[np.intp]) -> tuple[Array, Array, Array]:
-    """The same ways of motions whose turning points are near together, by the bend of the potential alone."""
+def _wobbles(disk: Disk, motions: Motions, ends: Ends, rows: NDArray[np.intp]) -> tuple[Array, ...]:
+    """Of motions whose turning points are near together the way between these, and the same ways as above."""
     inner, outer, vertical = (some(place, rows) for place in (ends.inner, ends.outer, ends.vertical))
     crosses, far = ends.crosses[rows], ends.far.d[rows]
     wells = compiled.nutation.Wells(
@@ -131,4 +135,4 @@ def _wobbles(disk: Disk, motions: Motions, ends: Ends, rows: NDArray[np.intp]) -
     whole, lead, upright = out.reshape(3, -1, rows.size)
     rest = np.vstack([whole[:3] - upright[:3], whole[3:]])
     rest[2] *= -1.0  # psi, as that face has it
-    return np.where(crosses, upright, whole), np.where(crosses, rest, np.nan), lead
+    return whole, np.where(crosses, upright, whole), np.where(crosses, rest, np.nan), lead

@@ -20,6 +20,9 @@ from explorer.phase.states import Array
 ROUGH = 1e-5 * (1.0 - 1e-9)
 
 
+_AS_FROM_REST = 1e-140  # of speeds: less changes no digit, and its square may have none
+
+
 def by_quadrature(
     disk: Disk, starts: Starts, how: Plan, edge: float, tables: bool = True
 ) -> "compiled.races.Ways":
@@ -109,7 +112,8 @@ def from_vertical(disk: Disk, crossings: "compiled.passages.Crossings") -> Motio
     """Motions where they cross the vertical, as arcs need them."""
     b, (bar, eta, speed) = disk.body, crossings
     X, Y = bar / b.r0, eta / b.I1
-    one, none, K = np.ones_like(bar), np.zeros_like(bar), 0.5 * b.M * speed * speed
+    one, none = np.ones_like(bar), np.zeros_like(bar)
+    K = np.where(speed > _AS_FROM_REST, 0.5 * b.M * speed * speed, 0.0)
     starts = compiled.turning_points.Starts(X, Y, K, one, none, bar, (X * b.dr0 - Y / b.r0) / b.k)
     return Motions(starts, 2.0 * b.dr0 * bar - Y)
 

@@ -142,8 +142,6 @@ def test_samples_on_which_errors_do_not_fall_calibrate_nothing(private, traded):
     [
         (["--samples", "3"], "--samples 3: overheads are measured with fewer than 256; give that many"),
         (["measure-zero", "--samples", "1000"], "tilts have a known answer, and overheads are measured"),
-        # Starts at rest: rounding leaves three in four without an answer, after the longest search for one.
-        (["race-angles", "--samples", "1200", "--box", "phidot=0:0"], "of 1,200 passages have a known answer"),
         (["portrait"], "portrait: no method is chosen in this scene"),
         (["one-sided", "--motions", "0"], "leave --motions 0 out"),
         (["race-angles", "--method", "rk4"], "--method rk4: trade measures all of them"),
