@@ -23,9 +23,11 @@ from typing import Any
 
 MOST_JOBS = 1024  # threads or processes: more only take memory
 SHOWN = 60  # characters of a value in it
-_WHOLE = re.compile(r"[+-]?\d+", re.ASCII)
+_WRITTEN = 1024  # bits of an integer: more than doubles reach, and Python refuses to write very long ones
+_WHOLE = re.compile(r"[+-]?\d{1,400}", re.ASCII)  # Python refuses to read very long ones
 # How a remedy of the command line is written in Python, the longest first.
 _PYTHON = (
+    (r"nearflat resume ([^\s;,)`]+) --backend dask( --scheduler [^\s;,)`]+)?", r'ex.open("\1").resume()'),
     (r"nearflat (resume|verify) ([^\s;,)`]+)", r'ex.open("\2").\1()'),
     (r"nearflat summary ([^\s;,)`]+)", r'ex.open("\1").summary'),
     (r"--resume\b", 'exist="resume"'),
@@ -134,6 +136,8 @@ def shown(value: Any) -> str:
         return f"{type(value).__name__} of shape {shape} {getattr(value, 'dtype', '')}".rstrip()
     if isinstance(value, list | tuple | dict | set | bytes) and len(value) > SHOWN:
         return f"{type(value).__name__} of {len(value)}"
+    if isinstance(value, int) and value.bit_length() > _WRITTEN:
+        return f"an integer of {value.bit_length():,} bits"
     return shorten(" ".join(repr(value).split()), SHOWN)
 
 

@@ -12,7 +12,7 @@ from explorer.errors import InputError, said, shown
 
 def path_of(name: str, value: Any) -> Path:
     """Read a path: text that is not empty, or a Path. Raises InputError."""
-    if not isinstance(value, str | os.PathLike) or not os.fspath(value):
+    if not isinstance(value, str | os.PathLike) or not (text := os.fspath(value)) or "\0" in str(text):
         raise InputError(f"{said(name, value)} is no path; give text or a Path")
     return Path(value)
 

@@ -236,7 +236,7 @@ def to_arrow(columns: dict[str, NDArray[Any]]) -> "pa.Table":
 def _arrow_array(values: NDArray[Any]) -> "pa.Array":
     """A column as Arrow has it.
 
-    Numbers go there by hand: `pa.array` loads pandas first where it is installed, a quarter of a second.
+    Numbers go there by hand: `pa.array` loads pandas first, a quarter of a second.
     """
     import pyarrow as pa
 

@@ -34,7 +34,7 @@ _LEFT = re.compile(r"\.probe-\d+|(run|summary)\.\d+\.tmp")  # names of a moment,
 _PLACES = ("chunks", "bad", "figures")
 # What run.json lists, if it says so at all.
 _LISTS = ("arithmetic", "figures", "formats", "pictures")
-PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pyarrow", "tqdm")
+PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pandas", "pyarrow", "tqdm")
 
 
 def default_folder(scene: Scene) -> Path:

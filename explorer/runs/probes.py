@@ -101,8 +101,13 @@ def free_bytes(folder: Path) -> int | None:
     return room.free if room.total else None
 
 
-def require_room(scene: Scene, chunks: Sequence[int], folder: Path, say: Callable[[str], None]) -> None:
-    """Raise InputError where chunks that are to be computed need more room than there is on the disk."""
+def require_room(
+    scene: Scene, chunks: Sequence[int], folder: Path, begun: bool, say: Callable[[str], None]
+) -> None:
+    """Raise InputError where chunks that are to be computed need more room than there is on the disk.
+
+    begun: whether there are some already, so that the run is continued.
+    """
     samples = sum(map(scene.length, chunks))
     free = free_bytes(folder) if samples > _FEW else None
     if free is None:
@@ -110,7 +115,8 @@ def require_room(scene: Scene, chunks: Sequence[int], folder: Path, say: Callabl
     sums = probe(scene, chunks, say)
     needed = sums.stored * samples / sums.of
     if needed > free:
+        onward = f"make room, then continue with: nearflat resume {folder}"
+        remedy = onward if begun else "give --keep none, fewer --samples, or another --out"
         raise InputError(
-            f"--out {folder}: the run needs about {size(needed)}, and {size(free)} are free there; "
-            "give --keep none, fewer --samples, or another --out"
+            f"--out {folder}: the run needs about {size(needed)}, and {size(free)} are free there; {remedy}"
         )

@@ -243,7 +243,8 @@ def _fill(part: Part, folder: Path, manner: Manner) -> Run:
     missing = folders.missing_chunks(
         folder, scene, folders.digest_of_identity(scene), lambda text: note(text, manner.quiet)
     )
-    require_room(scene, missing, folder, lambda text: note(text, manner.quiet))
+    begun = len(missing) < scene.chunks()
+    require_room(scene, missing, folder, begun, lambda text: note(text, manner.quiet))
     before = folders.begun(folder, manner.command)
     other = folders.add_kind(before) if missing else None
     if other and len(missing) < scene.chunks():

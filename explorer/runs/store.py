@@ -35,7 +35,6 @@ _NAME = re.compile(r"chunk-([0-9]{6}|[1-9][0-9]{6,8})-([0-9a-f]{16})\.parquet")
 _KEY = b"nearflat"
 _LOOKED_AT = 256  # rows of a column, which tell whether its numbers repeat
 _FEW = 1 << 14  # rows, which one thread has read before others are asked to
-_LONGEST = 300  # characters of a message
 
 
 class CorruptFileError(InputError, RunError):
@@ -184,7 +183,7 @@ def _repeats(column: "pa.ChunkedArray") -> bool:
     """Whether numbers repeat among the first ones: a coordinate that is fixed, NaN of what was not computed."""
     first = column.chunk(0)[:_LOOKED_AT]
     # Bits, so that NaN repeats too; from Arrow's memory, since arrays are converted with the help of pandas, which
-    # takes a quarter of a second to load where it is installed.
+    # takes a quarter of a second to load.
     width, memory = first.type.bit_width // 8, first.buffers()[1]
     if not len(first):
         return False
@@ -285,13 +284,7 @@ def _corrupt(path: Path, error: Exception) -> CorruptFileError:
     folder = path.parents[1]
     fault = _in_one_line(error, 110)
     then = f"continue with: nearflat resume {folder}"
-    return CorruptFileError(f"{_named(path, then, fault)}: cannot be read or is damaged ({fault}); {then}")
-
-
-def _named(path: Path, *others: str) -> str:
-    """A path as long as a message has room for it."""
-    room = _LONGEST - sum(map(len, others)) - 40
-    return str(path) if len(str(path)) <= room else path.name
+    return CorruptFileError(f"{path}: cannot be read or is damaged ({fault}); {then}")
 
 
 def examined(path: Path, scene: Scene, identity: str) -> Note | str:
@@ -375,7 +368,7 @@ def read_json(path: Path) -> dict[str, Any]:
     """Read a JSON object. Raises CorruptFileError naming the file."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         fault = getattr(error, "strerror", None) or str(error)
         raise CorruptFileError(f"{path}: cannot be read ({fault})") from error
     if not isinstance(content, dict):

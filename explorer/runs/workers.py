@@ -348,7 +348,9 @@ class _WorkerWatch:
     def error(self, text: str) -> RunError:
         """What went wrong, with where, and how to go on."""
         where = f"--scheduler {self.scheduler}" if self.scheduler else "--backend dask"
-        then = f", then continue with: nearflat resume {self.folder}" if self.folder else ""
+        cluster = f" --scheduler {self.scheduler}" if self.scheduler else ""
+        anew = f", then continue with: nearflat resume {self.folder} --backend dask{cluster}"
+        then = anew if self.folder else ""
         return RunError(f"{where}: {text}{then}")
 
     def wait(self) -> bool:

@@ -356,7 +356,8 @@ class FallingSet(SceneOfStates):
         ok = summary["status"].get(compiled.status.Status.OK.name.lower(), 0)
         states = self.states_among(summary["status"])
         rows = summary["samples"] - states
-        bad = f"; {rows:,} rows are no states, and in none of these numbers" if rows else ""
+        left = "1 row is not a state and is" if rows == 1 else f"{rows:,} rows are not states and are"
+        bad = f"; {left} left out" if rows else ""
         lines = [
             f"{states:,} states, {ok:,} computed to the accuracy asked, "
             f"{summary['falls']} exactly on the falling set{bad}",

@@ -30,7 +30,7 @@ SENSIBLE = (
 )
 NUMBERS = "0.5 3 -1e-3 1e308 5e-324 nan -inf 1e400 0 -0 1j True 0x10 1e6: : 2:1 -1:2 1,5 x.toml"
 OTHERS = "hoop race-angles I1=1e308 r=1e308 I1=0.25,I3=0.5,r=5e-324 x/y/z .. - -- --no --help --out portrait"
-words = st.sampled_from([*NUMBERS.split(), *OTHERS.split(), "", " ", "²", "é" * 300, "x" * 5000])
+words = st.sampled_from([*NUMBERS.split(), *OTHERS.split(), "", " ", "²", "é" * 300, "x" * 5000, "1" * 5000])
 
 
 @st.composite

@@ -93,7 +93,7 @@ def test_the_share_that_would_fall_is_of_the_states(tmp_path):
     assert run.summary["could_fall_fraction"] == 1.0
     assert "would fall if eta were exactly 0: 100.0 %" in repr(run)
     assert "2 states, 2 computed to the accuracy asked" in repr(run)
-    assert "1 rows are no states, and in none of these numbers" in repr(run)
+    assert "1 row is not a state and is left out" in repr(run)
     assert run.figure("theta-min").axes[0].lines[0].get_ydata()[-1] == 1.0
 
 

@@ -16,7 +16,6 @@ VALUES = np.concatenate(
     ]
 )
 GROUPS = RANDOM.integers(-1, 3, VALUES.size)
-OF_PLACES = np.where(GROUPS < 0, np.nan, GROUPS)
 
 
 def test_a_place_outside_the_row_writes_nowhere():
