@@ -33,6 +33,12 @@ class Ends(NamedTuple):
         """Distance between both turning points, in x."""
         return self.inner.d + self.outer.d + np.where(self.crosses, self.far.d, 0.0)
 
+    @property
+    def beside_crest(self) -> NDArray[np.bool_]:
+        """Whether a crest of the potential lies close beyond a turning point."""
+        outer: NDArray[np.bool_] = np.where(self.crosses, self.far.slow, self.outer.slow) < np.inf
+        return outer | (self.inner.slow < np.inf)
+
 
 class Orbits(NamedTuple):
     """Half of the ways there and back: on the face of the state, on the other one, and from the state to flattest.
@@ -85,7 +91,7 @@ def orbits_of(
     """
     rule, n = compiled.rules.ArcRow, ends.crosses.size
     here, back, ahead = (np.full((len(rule._fields), n), np.nan) for _ in range(3))
-    narrow = ends.width < compiled.nutation.WIDEST
+    narrow = (ends.width < compiled.nutation.WIDEST) & ~ends.beside_crest
     rows = np.flatnonzero(np.isfinite(ends.width) & ~narrow)
     X, Y, Y_far = motions.starts.X, motions.starts.Y, motions.Y_far
 

@@ -290,9 +290,10 @@ def approach_rest(A: Vector, i: int) -> None:
     low, high = d if moving < 0.0 else A[_LOW + i], A[_HIGH + i] if moving < 0.0 else d
     new = d - moving / slope
     middle = 0.5 * (low + high) if (low > 0.0) | (high < 1e-3) else 0.1 * high
-    new = new if (slope > 0.0) & (new > low) & (new < high) else middle
+    newton = (slope > 0.0) & (new >= low) & (new <= high)
     is_open = A[_STATE + i] == _OPEN
-    A[_STATE + i] = _FOUND if is_open & (abs(new - d) <= _AT_END * new) else A[_STATE + i]
+    A[_STATE + i] = _FOUND if is_open & newton & (abs(new - d) <= _ALMOST * new) else A[_STATE + i]
+    new = new if newton else middle
     A[_LOW + i], A[_HIGH + i] = low, high
     A[_D + i] = new if is_open else d
 
