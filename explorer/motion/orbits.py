@@ -92,7 +92,8 @@ def orbits_of(
     rule, n = compiled.rules.ArcRow, ends.crosses.size
     here, back, ahead = (np.full((len(rule._fields), n), np.nan) for _ in range(3))
     narrow = (ends.width < compiled.nutation.WIDEST) & ~ends.beside_crest
-    rows = np.flatnonzero(np.isfinite(ends.width) & ~narrow)
+    # On a crest itself motions rest for ever.
+    rows = np.flatnonzero((ends.width > 0.0) & (ends.width < np.inf) & ~narrow)
     X, Y, Y_far = motions.starts.X, motions.starts.Y, motions.Y_far
 
     of_arc = _OF_ARC * accuracy

@@ -272,3 +272,11 @@ def _assert_bounces_are_passages(found, face, true, other):
             error = 10.0 * (found.error_estimate[:, column] + best.error_estimate)[known]
             assert (abs(found.delta_chi[:, column] - best.delta_chi)[known] <= error).all()
             assert (abs(abs(found.delta_psi[:, column]) - abs(best.delta_psi))[known] <= error).all()
+
+
+def test_a_disk_at_rest_on_a_crest_of_the_potential_has_no_period():
+    """Balanced upright, or rolling straight ahead too slowly: there is no moment at which it begins to fall."""
+    disk = BODIES["uniform"]
+    states = phi_to_states(disk, 0.0, 0.0, [0.0, 0.1], 0.0)
+    assert not ex.periods(states).ok.any()
+    assert not ex.bounces(states).ok.any()
