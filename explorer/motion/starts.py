@@ -78,6 +78,7 @@ def orbit_starts(states: States, linear: LinearConstants) -> Motions:
     return motions_through(states.disk, states.rows, linear, seen_from(states, linear) > 0.0)
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def motions_through(disk: Disk, rows: Rows, linear: LinearConstants, plus: NDArray[np.bool_]) -> Motions:
     """The same of rows of states; plus: whether each is seen from face +1."""
     b, (q, z, p, ratio, sigma4) = disk.body, rows
