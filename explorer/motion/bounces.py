@@ -199,7 +199,7 @@ def _pairs(
 
     def of_all(found: NDArray[Any]) -> NDArray[Any]:
         out = np.full((*found.shape[:-1], n), np.nan if found.dtype == np.float64 else 0, found.dtype)
-        out[..., rows] = found
+        out[..., rows[known]] = found[..., known]
         return out
 
     return _Pairs(*(of_all(column) for column in pairs))._replace(status=status)
