@@ -16,6 +16,12 @@ PIECE, _LAYER, _LONG = 1.0, 30.0, 100.0
 OF_ANGLES = 64.0 * 2.2e-16
 
 
+def allowed(accuracy: float, chi: Array, psi: Array) -> Array:
+    """The largest error of an answer with such angles (rad)."""
+    most: Array = np.fmax(accuracy, OF_ANGLES * (abs(chi) + abs(psi)))
+    return most
+
+
 @cache
 def rule() -> "compiled.rules.Rule":
     """Nodes and weights, the same for all bodies."""

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
-from explorer.motion.arcs import OF_ANGLES
+from explorer.motion.arcs import allowed
 from explorer.motion.falls import KERNELS, departures_of_moving, falls_of
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import plan
-from explorer.motion.starts import Motions, fallen, held_constants, orbit_starts, seen_from
+from explorer.motion.starts import Motions, fallen, held_constants, motions_through, seen_from
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import LinearConstants
@@ -185,7 +185,8 @@ def _pairs(
 ) -> _Pairs:
     """first_only: nothing is asked but the first one; the other passage of a motion may stay unknown then."""
     disk, code = states.disk, compiled.status.Status
-    motions, own, status = orbit_starts(states, linear), seen_from(states, linear), fallen(linear, status)
+    own, status = seen_from(states, linear), fallen(linear, status)
+    motions = motions_through(disk, states.rows, linear, own > 0.0)
     rows, n = np.flatnonzero(status == code.OK), status.size
     some = motions.at(rows)
     ends = ends_of(disk, some)
@@ -193,8 +194,7 @@ def _pairs(
     orbits = orbits_of(disk, some, ends, accuracy, rises | (not first_only), True)
     fall = _falls(disk, some, ends, accuracy)
     pairs = _pairs_of(some, rises, own[rows], ends, orbits, fall, first_only)
-    allowed = np.fmax(accuracy, OF_ANGLES * (abs(pairs.chi) + abs(pairs.psi)))
-    known = (pairs.error <= allowed).all(axis=0)
+    known = (pairs.error <= allowed(accuracy, pairs.chi, pairs.psi)).all(axis=0)
     status[rows[~known]] = code.STEP_LIMIT
 
     def of_all(found: NDArray[Any]) -> NDArray[Any]:

@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, jobs_of
-from explorer.motion.arcs import OF_ANGLES
+from explorer.motion.arcs import allowed
 from explorer.motion.orbits import ends_of, orbits_of, smallest
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import plan
-from explorer.motion.starts import Motions, fallen, held_constants, orbit_starts, seen_from
+from explorer.motion.starts import Motions, fallen, held_constants, motions_through, seen_from
 from explorer.motion.vertical import LARGEST
-from explorer.phase.constants import natural_constants
+from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import LinearConstants, linear_constants
 from explorer.phase.results import Result
@@ -108,8 +108,10 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     disk = require_states(states).disk
     require_axial_inertia(disk)
     how = plan(("period",), accuracy, "quadrature")
-    status, linear = _known(states, eta_hat)
-    motions, status = orbit_starts(states, linear), fallen(linear, status)
+    natural = natural_constants(states)
+    status, linear = _known(states, natural, eta_hat)
+    own, status = seen_from(states, linear), fallen(linear, status)
+    motions = motions_through(disk, states.rows, linear, own > 0.0)
     parts = in_parts(
         jobs_of("jobs", jobs), len(states), partial(_orbits, disk, motions, status, how.accuracy), BLOCK
     )
@@ -118,10 +120,10 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     flat = Periods(
         period=found.time * disk.time_unit,
         chi=found.chi,
-        psi=found.psi * seen_from(states, linear),
+        psi=found.psi * own,
         theta_min=found.theta_min,
         crosses=ok & (found.crosses == 1.0),
-        energy=np.where(ok, natural_constants(states).energy, np.nan) * disk.energy_unit,
+        energy=np.where(ok, natural.energy, np.nan) * disk.energy_unit,
         error_estimate=found.error,
         status=status,
         states=states,
@@ -162,15 +164,16 @@ def _orbits(
         crosses=ends.crosses.astype(np.float64),
         error=error,
     )
-    known = error <= np.fmax(accuracy, OF_ANGLES * (abs(found.chi) + abs(found.psi)))
+    known = error <= allowed(accuracy, found.chi, found.psi)
     answer[:, asked[known]] = np.stack(found)[:, known]
     told[asked[~known]] = code.STEP_LIMIT
     return answer, told
 
 
-def _known(states: States, eta_hat: ArrayLike | None) -> tuple[NDArray[np.int8], LinearConstants]:
+def _known(
+    states: States, natural: NaturalConstants, eta_hat: ArrayLike | None
+) -> tuple[NDArray[np.int8], LinearConstants]:
     """Status and linear constants of the motions, with the eta_hat that was given."""
-    natural = natural_constants(states)
     if eta_hat is None:
         return held_constants(states, natural)
     given = columns_of(eta_hat=eta_hat, states=natural.sigma3_bar.reshape(states.shape))[0] / states.disk.rate_unit

@@ -20,15 +20,12 @@ from kernels._jit import contracted_subroutine, kernel
 from kernels.arcs.potential import (
     END_ROWS,
     LANES,
-    SIGMA3,
-    SIGMA4,
     Chart,
     Motion,
-    R,
-    W,
     end_of,
     make_ends,
     point_at,
+    put_end,
     slope_and_bend,
 )
 from kernels.arcs.turning_points import Starts
@@ -111,16 +108,14 @@ def make_points() -> Points:
 @contracted_subroutine
 def load(A: Vector, wells: Wells, first: int, chart: Chart) -> None:
     """Wells into lanes; the last one fills those that are left over."""
-    E, inner = A[_FAR * LANES :], wells.inner
+    inner = wells.inner
     for i in range(LANES):
         j = min(first + i, wells.to_state.size - 1)
         A[_X + i], A[_Y + i], A[_Y_FAR + i] = inner.X[j], inner.Y[j], wells.Y_far[j]
         A[_L + i] = wells.to_state[j] + wells.from_state[j]
         A[_UPRIGHT + i], A[_TERMS + i] = wells.to_vertical[j], 0.0
-        A[R * LANES + i], A[W * LANES + i] = inner.r[j], inner.w[j]
-        A[SIGMA3 * LANES + i], A[SIGMA4 * LANES + i] = inner.sigma3[j], inner.sigma4[j]
-        E[R * LANES + i], E[W * LANES + i] = 1.0, 0.0
-        E[SIGMA3 * LANES + i], E[SIGMA4 * LANES + i] = wells.sigma3_vertical[j], wells.sigma4_far[j]
+        put_end(A, 0, i, inner.r[j], inner.w[j], inner.sigma3[j], inner.sigma4[j])
+        put_end(A, _FAR, i, 1.0, 0.0, wells.sigma3_vertical[j], wells.sigma4_far[j])
     make_ends(A, 0, chart)
     make_ends(A, _FAR, chart)
 

@@ -116,6 +116,14 @@ def make_chart(disk: Disk) -> Chart:
     return Chart(disk.body, np.ascontiguousarray([economise(row, DEGREE) for row in small]))
 
 
+@contracted_device
+def put_end(A: Vector, at: int, i: int, r: float, w: float, sigma3: float, sigma4: float) -> None:
+    """What is given of the end of lane i into rows `at` and following, for `make_ends`."""
+    e = at * LANES + i
+    A[e + R * LANES], A[e + W * LANES] = r, w
+    A[e + SIGMA3 * LANES], A[e + SIGMA4 * LANES] = sigma3, sigma4
+
+
 @contracted_subroutine
 def make_ends(A: Vector, at: int, chart: Chart) -> None:
     """The ends in rows `at` and following of a work array, from their r, w, sigma3 and sigma4."""

@@ -20,19 +20,7 @@ import numpy as np
 
 from kernels._jit import contracted_device, contracted_subroutine, kernel
 from kernels.arcs.exponentials import exponential
-from kernels.arcs.potential import (
-    END_ROWS,
-    LANES,
-    SIGMA3,
-    SIGMA4,
-    Chart,
-    Motion,
-    R,
-    W,
-    end_of,
-    make_ends,
-    point_at,
-)
+from kernels.arcs.potential import END_ROWS, LANES, Chart, Motion, end_of, make_ends, point_at, put_end
 from kernels.disk.body import Body
 from kernels.disk.rows import Entry, put
 from kernels.types import Longs, Matrix, Vector
@@ -200,7 +188,6 @@ def make_rule() -> Rule:
 @contracted_subroutine
 def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -> None:
     """Arcs into lanes; the last one fills those that are left over."""
-    E = A[_OUTER * LANES :]
     for i in range(LANES):
         j = rows[min(first + i, n - 1)]
         A[_X + i], A[_Y + i], A[_L + i] = arcs.X[j], arcs.Y[j], arcs.L[j]
@@ -208,10 +195,8 @@ def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -
         slow = min(arcs.slow_in[j], arcs.slow_out[j])
         length = arcs.L[j] / slow  # 0 without a slow end; below, its asinh
         A[_SLOW + i], A[_LENGTH + i] = slow, math.asinh(length)
-        A[R * LANES + i], A[W * LANES + i] = arcs.r_in[j], arcs.w_in[j]
-        A[SIGMA3 * LANES + i], A[SIGMA4 * LANES + i] = arcs.sigma3_in[j], arcs.sigma4_in[j]
-        E[R * LANES + i], E[W * LANES + i] = arcs.r_out[j], arcs.w_out[j]
-        E[SIGMA3 * LANES + i], E[SIGMA4 * LANES + i] = arcs.sigma3_out[j], arcs.sigma4_out[j]
+        put_end(A, 0, i, arcs.r_in[j], arcs.w_in[j], arcs.sigma3_in[j], arcs.sigma4_in[j])
+        put_end(A, _OUTER, i, arcs.r_out[j], arcs.w_out[j], arcs.sigma3_out[j], arcs.sigma4_out[j])
     make_ends(A, 0, chart)
     make_ends(A, _OUTER, chart)
 

@@ -16,16 +16,14 @@ from kernels.arcs.exponentials import logarithm
 from kernels.arcs.potential import (
     END_ROWS,
     LANES,
-    SIGMA3,
-    SIGMA4,
     Chart,
     Motion,
     Point,
     R,
-    W,
     end_of,
     make_ends,
     point_at,
+    put_end,
     slope_and_bend,
 )
 from kernels.disk.body import Body
@@ -145,21 +143,20 @@ def load(A: Vector, starts: Starts, first: int, chart: Chart) -> None:
     for i in range(LANES):
         j = min(first + i, last)
         A[_X + i], A[_Y + i], A[_MOVING + i] = starts.X[j], starts.Y[j], starts.K[j]
-        A[R * LANES + i], A[W * LANES + i] = starts.r[j], starts.w[j]
-        A[SIGMA3 * LANES + i], A[SIGMA4 * LANES + i] = starts.sigma3[j], starts.sigma4[j]
+        put_end(A, 0, i, starts.r[j], starts.w[j], starts.sigma3[j], starts.sigma4[j])
     make_ends(A, 0, chart)
 
 
 @contracted_device
-def point_of(A: Vector, i: int, inward: bool, b: Body) -> Point:
-    """The point at the distance of lane i."""
-    return point_at(A, A[_D + i], inward, end_of(A, 0, i), Motion(A[_X + i], A[_Y + i]), b)
+def point_of(A: Vector, i: int, d: float, inward: bool, b: Body) -> Point:
+    """The point at a distance from the start of lane i."""
+    return point_at(A, d, inward, end_of(A, 0, i), Motion(A[_X + i], A[_Y + i]), b)
 
 
 @contracted_device
 def stand(A: Vector, i: int, inward: bool, b: Body) -> None:
     """K, its derivatives along the way and what bounds V'' at the distance of lane i."""
-    P = point_of(A, i, inward, b)
+    P = point_of(A, i, A[_D + i], inward, b)
     slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
     A[_K + i], A[_SLOPE + i], A[_BEND + i] = A[_MOVING + i] - P.rise, slope if inward else -slope, -bend
     A[_R + i], A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i] = P.r, P.q, P.ratio, P.sigma4
@@ -351,7 +348,7 @@ def slow_beyond(K: float, slope: float, bend: float) -> float:
 @contracted_device
 def place(A: Vector, i: int, d: float, inward: bool, b: Body) -> None:
     """The point at a distance in lane i."""
-    P = point_at(A, d, inward, end_of(A, 0, i), Motion(A[_X + i], A[_Y + i]), b)
+    P = point_of(A, i, d, inward, b)
     slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
     K = A[_MOVING + i] - P.rise
     A[_D_AT + i], A[_R_AT + i], A[_W_AT + i] = d, P.r, P.w
@@ -408,9 +405,9 @@ def store(A: Vector, first: int, inward: bool, b: Body, out: Matrix) -> None:
 @contracted_subroutine
 def find_crest(A: Vector, i: int, inward: bool, b: Body) -> float:
     """The distance of a crest from near it, by Newton's method; NaN where the motion is not slow there."""
-    d, slow, end, motion = A[_CREST + i], False, end_of(A, 0, i), Motion(A[_X + i], A[_Y + i])
+    d, slow = A[_CREST + i], False
     for _ in range(_NEWTON):
-        P = point_at(A, d, True, end, motion, b) if inward else point_at(A, d, False, end, motion, b)
+        P = point_of(A, i, d, True, b) if inward else point_of(A, i, d, False, b)
         slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
         step = max(-REACH, min(REACH, (slope if inward else -slope) / bend))
         slow = (bend < 0.0) & (A[_MOVING + i] - P.rise < -0.5 * SLOW * SLOW * bend)

@@ -89,13 +89,6 @@ def gather(W: Vector, i: int, rows: Gathered, value: float, last: float, last_bu
 
 
 @contracted_device
-def keep_least(W: Vector, i: int, speed2: float) -> None:
-    """Note the least theta-dot^2 met."""
-    least = W[LEAST * LANES + i]
-    W[LEAST * LANES + i] = speed2 if speed2 < least else least
-
-
-@contracted_device
 def tail_of(W: Vector, i: int, rows: Gathered) -> float:
     """The sum of sizes of the last two coefficients."""
     return abs(W[rows.last * LANES + i]) + abs(W[rows.last_but_one * LANES + i])
