@@ -53,12 +53,10 @@ if TYPE_CHECKING:
     from kernels.disk import race_law as race_law
     from kernels.disk import sifting as sifting
     from kernels.integrals import forces as forces
-    from kernels.integrals import in_turn as in_turn
-    from kernels.integrals import passages as passages
     from kernels.integrals import point as point
-    from kernels.integrals import races as races
-    from kernels.integrals import tables as tables
-    from kernels.integrals import tabulated as tabulated
+    from kernels.near_flat import passages as passages
+    from kernels.near_flat import races as races
+    from kernels.near_flat import tables as tables
     from kernels.steps import attempt as attempt
     from kernels.steps import batch as batch
     from kernels.steps import events as events

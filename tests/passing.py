@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from explorer.motion import passages_by_quadrature
+from explorer.motion import falls, passages_by_quadrature
 from explorer.phase.states import constants_to_states
-from kernels.integrals.passages import Crossings
+from kernels.near_flat.passages import Crossings, passage_batch
 
 
 def batch(disk, sigma3_bar, eta_hat, speed, accuracy, by_tables):
@@ -12,11 +12,15 @@ def batch(disk, sigma3_bar, eta_hat, speed, accuracy, by_tables):
     n = sigma3_bar.size
     crossings = Crossings(sigma3_bar, eta_hat * disk.body.I3 * disk.body.r0, speed)
     out, status = np.full((8, n), np.nan), np.zeros(n, np.int8)
+
+    def left():
+        return np.flatnonzero(~(np.maximum(out[5], out[6]) <= accuracy))
+
     if by_tables:
-        passages_by_quadrature.near_flat(disk, crossings, accuracy, out, status)
-    rows = np.flatnonzero(np.isnan(out[0]) & (status == 0))
-    left = Crossings(*(column[rows] for column in crossings))
-    out[:, rows], status[rows] = passages_by_quadrature.as_arcs(disk, left, 0.0, accuracy)
+        falls.by_tables(disk, passage_batch, crossings, accuracy, left, out)
+    rows = left()
+    some = Crossings(*(column[rows] for column in crossings))
+    out[:, rows], status[rows] = passages_by_quadrature.as_arcs(disk, some, 0.0, accuracy)
     return out, status
 
 

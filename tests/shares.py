@@ -36,10 +36,14 @@ def share_of(accuracy, errors, estimates, answered, wrong_way, passages=1.0):
 
 
 def assert_paid_for(measured, method):
-    """At every accuracy p99 is within it and not below a hundredth of it, estimates hold, and all are answered."""
+    """At every accuracy p99 is within it, estimates hold, and all are answered.
+
+    Of integrators it is not below a hundredth of the accuracy either: digits cost them steps.
+    """
     for accuracy in ACCURACIES:
         got = measured.share(method, accuracy)
-        assert 0.01 <= got.p99 <= 1.0, (accuracy, got)
+        assert got.p99 <= 1.0, (accuracy, got)
+        assert got.p99 >= 0.01 or method == "quadrature", (accuracy, got)
         assert got.over_estimate <= 10.0, (accuracy, got)
         assert got.answered == 1.0, (accuracy, got)
         assert got.wrong_way == 0, (accuracy, got)

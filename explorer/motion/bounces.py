@@ -212,7 +212,7 @@ def _pairs_of(
     own: Array,
     ends: Ends,
     orbits: Orbits,
-    fall: compiled.in_turn.FallRow[Array],
+    fall: compiled.passages.FallRow[Array],
     first_only: bool,
 ) -> _Pairs:
     """The same from the ways of motions; rises: whether they move away from the face `own` of their state."""
@@ -251,7 +251,7 @@ def _pairs_of(
     )
 
 
-def _falls(disk: Disk, motions: Motions, ends: Ends, accuracy: float) -> compiled.in_turn.FallRow[Array]:
+def _falls(disk: Disk, motions: Motions, ends: Ends, accuracy: float) -> compiled.passages.FallRow[Array]:
     """The falls with the constants of motions, from how these are at the vertical or would be."""
     Y, Y_far, K = motions.starts.Y, motions.Y_far, ends.vertical.K
     eta, size = np.where(abs(Y) <= abs(Y_far), Y, Y_far) * disk.body.I1, motions.starts.K

@@ -1,5 +1,8 @@
 """Falls on F to flat, from the vertical, from rest below it or from a tilt: by tables, and as arcs elsewhere."""
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,10 +15,12 @@ from explorer.phase.lines import line_slope
 from explorer.phase.states import Array
 
 KERNELS = (
-    *("passages.departure_batch", "passages.fall_batch"),
+    "passages.fall_batch",
     *("turning_points.point_batch", "turning_points.rest_batch", "rules.arc_batch"),
 )  # for `compiled.warmup`
 OF_FALL = 0.1  # of the accuracy of a race, for the fall that is taken from a passage
+_COARSE = 1e-6 * (1.0 - 1e-9)  # the least accuracy of coarse tables; a power of ten may be rounded down
+_ROUNDING = 4.0 * 2.2e-16  # of a difference, for each unit of its terms
 _BEST = 1e-15  # of an accuracy: no answer is better
 # Rows of doubles whose lengths are multiples of this displace one another in the cache.
 _ALIKE = 512
@@ -28,30 +33,56 @@ def rows_apart(rows: int, n: int) -> Array:
 
 def fall_from_vertical(
     disk: Disk, sigma3_bar: Array, energy: Array, edge: float = 0.0, accuracy: float = 0.0
-) -> "compiled.in_turn.FallRow[Array]":
+) -> "compiled.passages.FallRow[Array]":
     """The fall on F with these constants from the vertical to flat, face +1, natural units; as `falls_of`."""
     return falls_of(disk, departures_of_energy(disk, sigma3_bar, energy), edge, accuracy)
 
 
 def falls_of(
     disk: Disk, departures: "compiled.passages.Departures", edge: float = 0.0, accuracy: float = 0.0
-) -> "compiled.in_turn.FallRow[Array]":
+) -> "compiled.passages.FallRow[Array]":
     """The falls on F that leave the vertical so, once to flat, face +1, natural units; NaN for what does not fall.
 
     edge: phi (rad) at which they begin instead. accuracy: of twice the angle, and of the time; 0: the best there
     is. What lacks energy to be at the vertical falls from rest below it.
     """
-    n = departures.level.size
+    n, most = departures.level.size, max(0.5 * OF_FALL * accuracy, _BEST)
     out = rows_apart(4, n)
+    out.fill(np.nan)
+
+    def left() -> NDArray[np.intp]:
+        return np.flatnonzero(~(out[3, :n] <= most) & (departures.level > 0.0))
+
     if edge == 0.0:
-        compiled.passages.fall_batch(departures, OF_FALL * accuracy, disk.tables, disk.natural, out)
-    else:
-        out.fill(np.nan)
-    most = max(0.5 * OF_FALL * accuracy, _BEST)
-    rows = np.flatnonzero(~(out[3, :n] <= most) & (departures.level > 0.0))
+        by_tables(disk, compiled.passages.fall_batch, departures, accuracy, left, out)
+    rows = left()
     if rows.size:
         out[:, rows] = falls_as_arcs(disk, departures, rows, edge, most)
-    return compiled.in_turn.FallRow(*out[:, :n])
+    return compiled.passages.FallRow(*out[:, :n])
+
+
+def by_tables(
+    disk: Disk,
+    kernel: Callable[..., None],
+    motions: NamedTuple,
+    accuracy: float,
+    left: Callable[[], NDArray[np.intp]],
+    out: Array,
+) -> None:
+    """What the tables of a disk answer of motions from the vertical, by a kernel of `passages` -> out.
+
+    left: those that are not yet answered as well as was asked, from what out holds.
+    """
+    for tables in disk.tables[0 if accuracy >= _COARSE else 1 :]:
+        rows = left()
+        if not rows.size:
+            return
+        if rows.size == motions[0].size:
+            kernel(motions, tables, disk.natural, out)
+            continue
+        found = rows_apart(out.shape[0], rows.size)
+        kernel(type(motions)(*(column[rows] for column in motions)), tables, disk.natural, found)
+        out[:, rows] = found[:, : rows.size]
 
 
 def falls_as_arcs(
@@ -95,7 +126,7 @@ def departures_of_energy(disk: Disk, sigma3_bar: Array, energy: Array) -> "compi
     at_flat = potential_at_flat(disk.body, bar)
     level = given - at_flat
     moving = level - vertical_above_flat(disk, bar)
-    return compiled.passages.Departures(bar, level, moving, compiled.passages.ROUNDING * (abs(given) + at_flat))
+    return compiled.passages.Departures(bar, level, moving, _ROUNDING * (abs(given) + at_flat))
 
 
 def departures_beside(disk: Disk, crossings: "compiled.passages.Crossings") -> "compiled.passages.Departures":
@@ -109,8 +140,16 @@ def departures_of_moving(
     disk: Disk, sigma3_bar: Array, eta: Array, given: Array, size: Array
 ) -> "compiled.passages.Departures":
     """The same from E - V of motions beside F at the vertical, and the size of what that is a difference of."""
-    motions = compiled.passages.Beside(*map(np.ascontiguousarray, (sigma3_bar, eta, given, size)))
-    out = rows_apart(3, sigma3_bar.size)
-    # The polynomial of (r'(S) - 1)/S at S = 1.
-    compiled.passages.departure_batch(motions, disk.natural.series[4].sum(), disk.natural, out)
-    return compiled.passages.Departures(motions.sigma3_bar, *out[:, : sigma3_bar.size])
+    b = disk.body
+    # sigma4 at the vertical is less by eta_hat than on F, eq. (6.2): no energies are subtracted.
+    on_f, eta_hat = line_slope(disk) * sigma3_bar, eta / (b.I3 * b.r0)
+    turning = 0.5 * b.J * eta_hat
+    moving = given - turning * (2.0 * on_f - eta_hat)
+    doubt = _ROUNDING * (size + abs(turning) * (2.0 * abs(on_f) + abs(eta_hat)))
+    # V - V_0 at the vertical on F, eq. (3.8). The squares of sigma4 there and at flat are not subtracted: where
+    # they are large, nothing would be left of 1. The series is that of (r'(S) - 1)/S, here at S = 1.
+    flat = sigma3_bar / (b.k * b.r0)
+    rise = flat * disk.natural.series[4].sum()
+    above = 0.5 * b.I1 * (sigma3_bar * sigma3_bar) + 0.5 * b.J * rise * (2.0 * flat + rise) + 1.0
+    columns = sigma3_bar, moving + above, moving, doubt
+    return compiled.passages.Departures(*map(np.ascontiguousarray, columns))

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 Done = TypeVar("Done")
 
-BLOCK = 8192  # samples at a time: hundredths of a second, and what is found between stays in the cache
+BLOCK = 16384  # samples at a time: hundredths of a second, and what is found between stays in the cache
 _HEARD = 0.2  # seconds between two looks at signals, on systems where these do not break off a wait
 
 

@@ -15,7 +15,7 @@ from explorer.motion.arcs import OF_ANGLES
 from explorer.motion.falls import departures_beside, falls_of, rows_apart
 from explorer.motion.parts import BLOCK, blocks, in_parts
 from explorer.motion.passages_by_integration import LENIENCE, by_integration
-from explorer.motion.passages_by_quadrature import by_quadrature, table_kernel
+from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import keywords_of, read_columns
@@ -193,8 +193,8 @@ def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-11) -> P
 def passage_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `passages` by a plan, for `compiled.warmup`; a few starts need another one."""
     quadrature = how.method == "quadrature"
-    by = (table_kernel(how.accuracy),) if quadrature else ("algebra.constants_batch", how.first_event)
-    return *by, "passages.departure_batch", "passages.fall_batch", "races.race_batch"
+    by = ("passages.passage_batch",) if quadrature else ("algebra.constants_batch", how.first_event)
+    return *by, "passages.fall_batch", "races.race_batch"
 
 
 def _in_parts(disk: Disk, given: list[Array], how: Plan, edge: float, jobs: int) -> Passages:

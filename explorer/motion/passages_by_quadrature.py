@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.arcs import from_place, next_inward, places
-from explorer.motion.falls import OF_FALL, rows_apart
+from explorer.motion.falls import OF_FALL, by_tables, rows_apart
 from explorer.motion.orbits import ends_of, orbits_of
 from explorer.motion.plan import Plan
 from explorer.motion.starts import Motions
@@ -14,11 +14,6 @@ from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array
-
-# The least accuracy for which there are rules of few digits; less by a little, since a power of ten may be rounded
-# down.
-ROUGH = 1e-5 * (1.0 - 1e-9)
-
 
 _AS_FROM_REST = 1e-140  # of speeds: less changes no digit, and its square may have none
 
@@ -32,40 +27,22 @@ def by_quadrature(
     """
     crossings = starts.natural(disk)
     n, code = starts.status.size, compiled.status.Status
-    out, status = rows_apart(8, n), starts.status.copy()
+    out, most = rows_apart(8, n), (1.0 - OF_FALL) * how.accuracy
+    out.fill(np.nan)
+    found, status = compiled.passages.PassageRow(*out[:, :n]), starts.status.copy()
+    status[(status == code.OK) & (crossings.eta == 0.0)] = code.FALLS
+
+    def left() -> NDArray[np.intp]:
+        error = np.maximum(found.angle_error, found.time_error)  # NaN where there is no answer
+        return np.flatnonzero((status == code.OK) & ~(error <= most))
+
     if tables and edge == 0.0:
-        near_flat(disk, crossings, how.accuracy, out, status)
-    else:
-        out.fill(np.nan)
-        status[(status == code.OK) & (crossings.eta == 0.0)] = code.FALLS
-    found, most = compiled.in_turn.PassageRow(*out[:, :n]), (1.0 - OF_FALL) * how.accuracy
-    rows = np.flatnonzero((status == code.OK) & ~(np.fmax(found.angle_error, found.time_error) <= most))
+        by_tables(disk, compiled.passages.passage_batch, crossings, how.accuracy, left, out)
+    rows = left()
     if rows.size:
         some = compiled.passages.Crossings(*(column[rows] for column in crossings))
         out[:, rows], status[rows] = as_arcs(disk, some, edge, most)
     return _ways(disk, starts.face, crossings, out[:, :n], status)
-
-
-def near_flat(
-    disk: Disk,
-    crossings: "compiled.passages.Crossings",
-    accuracy: float,
-    out: Array,
-    status: NDArray[np.int8],
-) -> None:
-    """Passages that come near flat, from the vertical, by tables of the body -> out (8, n or more); else NaN."""
-    kernel = compiled.passages.rough_batch if few_digits(accuracy) else compiled.passages.passage_batch
-    kernel(crossings, accuracy, disk.tables, disk.natural, out, status)
-
-
-def table_kernel(accuracy: float) -> str:
-    """The name of the kernel that `near_flat` calls at an accuracy: it answers most passages."""
-    return "passages.rough_batch" if few_digits(accuracy) else "passages.passage_batch"
-
-
-def few_digits(accuracy: float) -> bool:
-    """Whether short series and few nodes serve."""
-    return accuracy >= ROUGH
 
 
 @np.errstate(over="ignore", invalid="ignore")  # of motions that are no input
@@ -91,7 +68,7 @@ def as_arcs(
     lead, inner = orbits_of(disk, motions, ends, accuracy, False, True).lead, ends.inner
     with np.errstate(divide="ignore"):  # of motions that do not come this way
         way = 0.5 * inner.sigma3 * (1.0 + inner.r * inner.r) / inner.r
-        found = compiled.in_turn.PassageRow(
+        found = compiled.passages.PassageRow(
             theta_min=2.0 * np.arctan(inner.r),
             chi=2.0 * lead.chi,
             psi=2.0 * lead.psi,
@@ -122,7 +99,7 @@ def _ways(
     disk: Disk, face: Array, crossings: "compiled.passages.Crossings", out: Array, status: NDArray[np.int8]
 ) -> "compiled.races.Ways":
     """What a kernel wrote: rows of PassageRow."""
-    found, (bar, eta, speed) = compiled.in_turn.PassageRow(*out), crossings
+    found, (bar, eta, speed) = compiled.passages.PassageRow(*out), crossings
     energy, on_f = found.energy, eta == 0.0
     if on_f.any():  # what lies on F was left out
         energy = np.where(on_f, energy_on_f(disk, bar, speed), energy)

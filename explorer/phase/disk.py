@@ -17,7 +17,7 @@ from explorer import compiled
 from explorer.errors import InputError, note, number, positive, shown, word
 from explorer.phase.arguments import column, explained
 from explorer.phase.energy import potential_at_flat
-from explorer.phase.gauss import table_rules
+from explorer.phase.gauss import gauss
 from explorer.phase.paths import read_toml
 
 Array = NDArray[np.float64]
@@ -262,9 +262,15 @@ class Disk:
         return compiled.chaplygin.make_whole(self.natural.series)
 
     @cached_property
-    def tables(self) -> compiled.tables.Tables:
-        """Tables by which the kernels integrate from the vertical."""
-        return compiled.tables.make_tables(self.natural, table_rules(self.body.I1, self.body.I3))
+    def tables(self) -> tuple[compiled.tables.Tables, ...]:
+        """Tables for passages near flat, down to 1e-6 and for finer accuracies; none of slender bodies."""
+        make = compiled.tables
+        if self.body.I1 < make.LEAST_I1:
+            return ()
+        return tuple(
+            make.make_tables(self.natural, orders, [np.stack(gauss(n)) for n in orders[:3]])
+            for orders in (make.COARSE, make.FINE)
+        )
 
     def describe(self) -> Description:
         """The disk as run.json and summary.json show it; printed, with units and with what follows from it.

@@ -1,7 +1,7 @@
 // One passage near flat as an integral: what the readouts say, independent of the frames of the picture.
 //
 // With h = 2 sin(theta/2) = h_m cosh y, where h_m is the turning point, time and angles are integrals over y of
-// analytic functions (section 5 of the notes in kernels/integrals/quadrature.py). Gauss's rule on panels; towards
+// analytic functions. Gauss's rule on panels; towards
 // the start the panels shrink, since a slow start has a branch point close by.
 
 import { solutions } from "./chaplygin.js";

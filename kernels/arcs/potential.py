@@ -20,10 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from kernels._jit import contracted_device, contracted_subroutine
-from kernels.arcs.exponentials import exponential, logarithm
 from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
-from kernels.disk.elementary import log_ratio
+from kernels.disk.elementary import exponential, log_ratio, logarithm
 from kernels.disk.polynomials import economise
 from kernels.types import Matrix, Vector
 

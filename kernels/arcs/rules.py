@@ -19,9 +19,9 @@ from typing import Generic, NamedTuple
 import numpy as np
 
 from kernels._jit import contracted_device, contracted_subroutine, kernel
-from kernels.arcs.exponentials import exponential
 from kernels.arcs.potential import END_ROWS, LANES, Chart, Motion, end_of, make_ends, point_at, put_end
 from kernels.disk.body import Body
+from kernels.disk.elementary import exponential
 from kernels.disk.rows import Entry, put
 from kernels.types import Longs, Matrix, Vector
 

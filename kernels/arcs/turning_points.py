@@ -12,7 +12,6 @@ from typing import Generic, NamedTuple
 import numpy as np
 
 from kernels._jit import contracted_device, contracted_subroutine, kernel
-from kernels.arcs.exponentials import logarithm
 from kernels.arcs.potential import (
     END_ROWS,
     LANES,
@@ -27,7 +26,7 @@ from kernels.arcs.potential import (
     slope_and_bend,
 )
 from kernels.disk.body import Body
-from kernels.disk.elementary import log_ratio
+from kernels.disk.elementary import log_ratio, logarithm
 from kernels.disk.rows import Entry
 from kernels.types import Matrix, Vector
 

@@ -2,76 +2,60 @@
 
 import math
 
+import numpy as np
+
 from kernels._jit import contracted_device, strict_device
-from kernels.disk.polynomials import horner, long_horner, strict_horner, taylor
+from kernels.disk.polynomials import horner, strict_horner, taylor
 
-# Largest range in y, below the handover, that nodes cover. What the closed forms leave decays like e^(-2y):
-# e^-32 of it lies deeper.
-DEEPEST = 16.0
-_SQUARINGS = 3  # so that the polynomial of the exponential covers an eighth of the range
-
-# exp(-d) on 0 <= d <= DEEPEST / 8, squared three times; sin(x)/x in x^2; atanh(s)/s in s^2 up to 1/9; atan(x)/x
-# in x^2.
-_SHORT = DEEPEST / 2.0**_SQUARINGS
+_LN2, _LN2_REST = 6.93147180369123816490e-01, 1.90821492927058770002e-10  # the first has 32 bits
+_INV_LN2 = 1.0 / math.log(2.0)
+_BIAS, _FRACTION = 1023, 52  # of the exponent of a double, and bits behind it
+_ROOT_HALF = int(np.float64(math.sqrt(0.5)).view(np.int64))
+# (e^f - 1)/f for |f| <= ln(2)/2: what is left out is below rounding.
+_POWERS = tuple(1.0 / math.factorial(n + 1) for n in range(13))
+# sin(x)/x in x^2; atanh(s)/s in s^2 up to 1/9; atan(x)/x in x^2.
 _STEEPEST = 0.2  # of (h_m / tau)^2 at the handover
 _QUARTER = 0.5 * math.pi
 _QUARTER_REST = 6.123233995736766e-17  # what pi/2 has beyond its double
 # Of pi/2 the first 33 bits, so that whole multiples up to 2^20 are exact, and the rest.
 _RIGHT, _RIGHT_REST, _INV_RIGHT = 1.57079632673412561417, 6.07710050650619224932e-11, 2.0 / math.pi
-_WHOLE = 1.5 * 2.0**52  # added and taken away, it leaves whole numbers: functions that round are calls
+# Added and taken away it leaves whole numbers, which stand in the last bits of the sum: functions that round are
+# calls.
+_WHOLE = 1.5 * 2.0**52
 # Powers of x^2 in sin(x)/x and cos(x) for |x| <= pi/4: what is left out is below rounding.
 _SINES = tuple((-1.0) ** n / math.factorial(2 * n + 1) for n in range(8))
 _COSINES = tuple((-1.0) ** n / math.factorial(2 * n) for n in range(9))
 _SINE = taylor(lambda n: (-1.0) ** n * _QUARTER ** (2 * n) / math.factorial(2 * n + 1), 11)
-_EXP = taylor(lambda n: (-_SHORT) ** n / math.factorial(n), 14)
-ATANH = taylor(lambda n: 9.0**-n / (2 * n + 1), 10)
-# The same to 1e-8 or better.
-EXP_SHORT = taylor(lambda n: (-_SHORT) ** n / math.factorial(n), 9)
-ATANH_SHORT = taylor(lambda n: 9.0**-n / (2 * n + 1), 4)
+_ATANH = taylor(lambda n: 9.0**-n / (2 * n + 1), 10)
 _ATAN = taylor(lambda n: (-_STEEPEST) ** n / (2 * n + 1), 12)
-
-
-@contracted_device
-def exp_fall_by(powers: tuple[float, ...], d: float) -> float:
-    """exp(-d) for 0 <= d <= DEEPEST, to the digits of its powers."""
-    return _squared(horner(powers, 2.0 / DEEPEST * d - 1.0))
-
-
-@contracted_device
-def _squared(e: float) -> float:
-    for _ in range(_SQUARINGS):
-        e = e * e
-    return e
-
-
-@contracted_device
-def exp_fall_at_once(d: float) -> float:
-    """As `exp_fall`, even and odd powers apart, where all that follows waits for it."""
-    return _squared(long_horner(_EXP, 2.0 / DEEPEST * d - 1.0))
-
-
-@contracted_device
-def exp_fall(d: float) -> float:
-    """exp(-d) for 0 <= d <= DEEPEST."""
-    return exp_fall_by(_EXP, d)
-
-
-@contracted_device
-def log_ratio_by(powers: tuple[float, ...], s: float) -> float:
-    """ln((1 + s)/(1 - s)) for |s| <= 1/3, to the digits of its powers."""
-    return 2.0 * s * horner(powers, 18.0 * s * s - 1.0)
-
-
-@contracted_device
-def log_ratio_at_once(powers: tuple[float, ...], s: float) -> float:
-    """As `log_ratio_by`, even and odd powers apart, where all that follows waits for it."""
-    return 2.0 * s * long_horner(powers, 18.0 * s * s - 1.0)
 
 
 @contracted_device
 def log_ratio(s: float) -> float:
     """ln((1 + s)/(1 - s)) for |s| <= 1/3."""
-    return log_ratio_by(ATANH, s)
+    return 2.0 * s * horner(_ATANH, 18.0 * s * s - 1.0)
+
+
+@contracted_device
+def exponential(d: float) -> tuple[float, float]:
+    """(e^d, e^d - 1) for |d| <= 700, each to its own rounding."""
+    shifted = d * _INV_LN2 + _WHOLE
+    n = shifted - _WHOLE
+    f = (d - n * _LN2) - n * _LN2_REST
+    power = np.int64((np.float64(shifted).view(np.int64) + _BIAS) << _FRACTION).view(np.float64)
+    grown = power * (f * horner(_POWERS, f))
+    return power + grown, grown + (power - 1.0)
+
+
+@contracted_device
+def logarithm(x: float) -> float:
+    """ln x for a normal x > 0, to rounding."""
+    word = np.float64(x).view(np.int64)
+    # A mantissa from sqrt(1/2) to sqrt 2, so that its logarithm is short.
+    exponent = (word - _ROOT_HALF) >> _FRACTION
+    mantissa = np.int64(word - (exponent << _FRACTION)).view(np.float64)
+    n = np.float64(exponent)
+    return n * _LN2 + (log_ratio((mantissa - 1.0) / (mantissa + 1.0)) + n * _LN2_REST)
 
 
 @contracted_device

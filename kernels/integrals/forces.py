@@ -6,8 +6,8 @@ from typing import Generic, NamedTuple
 from kernels._jit import kernel, subroutine
 from kernels.disk.body import Disk
 from kernels.disk.rows import Entry, put
-from kernels.integrals.passages import Crossings
 from kernels.integrals.point import VERTICAL, Motion, motion_through, point
+from kernels.near_flat.passages import Crossings
 from kernels.types import Matrix, Vector
 
 # Points per passage at which forces are looked at.

@@ -5,7 +5,6 @@ from peers.problem import COUNT, DISK, T_END, work
 
 import explorer as ex
 from explorer import compiled
-from explorer.motion.passages_by_quadrature import near_flat
 
 COPIES = 80  # of the 256 trajectories in one call, so that its fixed cost does not count
 METHODS = {"rk4": 0, "dopri5": 1, "rk8": 2, "dop853": 3}
@@ -80,11 +79,11 @@ def quadrature():
     crossings = compiled.passages.Crossings(one, eta, one)
 
     def make(accuracy):
+        tables = DISK.tables[0 if accuracy >= 1e-6 else 1]
+
         def solve(_n):
-            status = np.zeros(eta.size, np.int8)
-            near_flat(DISK, crossings, accuracy, out, status)
-            assert not np.isnan(out[1]).any()
-            return np.where(status == 0, out[1], np.nan)[:COUNT]
+            compiled.passages.passage_batch(crossings, tables, DISK.natural, out)
+            return np.where(np.isfinite(out[6]), out[1], np.nan)[:COUNT]
 
         return solve
 

@@ -111,8 +111,6 @@ def page(rows, missing, limits, busy):
         # With vectors of 256 bits the loop that measures this ceiling is held up by its loads and stores.
         *([] if "NUMBA_CPU_NAME" in os.environ else tables.shares_of_steps(limits, steppers())),
         "",
-        *tables.shares_of_quadrature(rows, limits),
-        "",
         "## All rows",
         "",
         "*Half, doubled*: integration to the turning point and the symmetry of a passage; *quadrature*: the",

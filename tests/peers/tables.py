@@ -2,10 +2,9 @@
 
 import re
 
-import numpy as np
 from peers import cpp
 from peers.counting import counted
-from peers.measuring import ASKED, COUNT, KERNEL, METHODS, PEER, PUBLIC, seconds
+from peers.measuring import ASKED, COUNT, METHODS, PEER, PUBLIC, seconds
 
 INTEGRATED = tuple(f"passages, {method}" for method in METHODS)
 KERNELS = tuple(f"{method}, to t = 1.6" for method in METHODS)
@@ -131,7 +130,7 @@ def every(rows):
 
 def shares_of_steps(limits, steppers):
     """How near the limit of strict arithmetic fixed steps run; steppers: (name, method, solver)."""
-    counts = counted()["steps"]
+    counts = counted()
     together = 2.0 * limits.multiply_adds
     yield (
         f"Additions and multiplications of this core: {together:.1e}/s where a product and a sum are rounded"
@@ -146,23 +145,6 @@ def shares_of_steps(limits, steppers):
         rate = solver.solve.steps() * solver.count / seconds(solver, 15)
         share = rate * counts[method] / limits.strict
         lines.append((name, f"{rate / 1e6:.0f}", f"{counts[method]}", f"{share:.0%}"))
-    yield from _table(heads, lines)
-
-
-def shares_of_quadrature(rows, limits):
-    """Roots and divisions of a passage, and the share of the time that these alone would take."""
-    yield f"Roots and divisions that this core can make: {limits.roots:.1e}/s and {limits.divisions:.1e}/s."
-    yield ""
-    heads = ("quadrature", "accuracy", "roots", "divisions", "ns of these alone", "ns in all", "share")
-    lines = []
-    for name, parts in (("quadrature", ("passage",)), (QUADRATURE, ("passage", "fall"))):
-        for row in (row for row in rows if row.name == name):
-            of = counted()["quadrature"][f"{row.setting:g}"]
-            roots, divisions = np.sum([of[part] for part in parts], axis=0)
-            alone, whole = roots / limits.roots + divisions / limits.divisions, 1.0 / row.rate
-            said = (f"{row.setting:g}", f"{roots:.0f}", f"{divisions:.0f}", f"{1e9 * alone:.0f}")
-            what = "the kernel" if row.kind == KERNEL else name
-            lines.append((what, *said, f"{1e9 * whole:.0f}", f"{alone / whole:.0%}"))
     yield from _table(heads, lines)
 
 

@@ -153,5 +153,5 @@ def beside_truth(body):
 
 @pytest.mark.parametrize("method", ["quadrature", *INTEGRATORS])
 def test_the_accuracy_asked_is_the_accuracy_paid_for(beside_truth, method):
-    """The 99th percentile of the true error is within it, and not below a hundredth of it; all are answered."""
+    """The 99th percentile of the error is within it, of integrators not below a hundredth; all are answered."""
     assert_paid_for(beside_truth, method)

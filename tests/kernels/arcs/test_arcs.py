@@ -7,7 +7,7 @@ from passing import batch
 
 import explorer as ex
 from explorer.motion.trajectories import trajectories
-from kernels.arcs import exponentials
+from kernels.disk import elementary
 
 
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-11])
@@ -48,11 +48,11 @@ def test_after_a_period_motions_are_what_they_were(body):
 
 @pytest.mark.parametrize("x", [-600.0, -40.0, -0.3, -1e-9, 1e-300, 1e-17, 0.2, 3.0, 600.0])
 def test_the_exponential_is_right_to_rounding_with_and_without_one(x):
-    power, grown = exponentials.exponential(x)
+    power, grown = elementary.exponential(x)
     assert power == pytest.approx(float(mp.exp(mpf(x))), rel=5e-16, abs=0.0)
     assert grown == pytest.approx(float(mp.expm1(mpf(x))), rel=5e-16, abs=0.0)
 
 
 @pytest.mark.parametrize("x", [1e-300, 0.1, 0.7, 0.999, 1.0, 1.4143, 3e200])
 def test_the_logarithm_is_right_to_rounding(x):
-    assert exponentials.logarithm(x) == pytest.approx(float(mp.log(mpf(x))), rel=5e-16, abs=1e-17)
+    assert elementary.logarithm(x) == pytest.approx(float(mp.log(mpf(x))), rel=5e-16, abs=1e-17)

@@ -6,12 +6,8 @@ from kernels.disk import elementary
 
 
 def test_the_elementary_functions_are_at_rounding():
-    d = np.linspace(0.0, elementary.DEEPEST, 500)
-    for fall in (elementary.exp_fall, elementary.exp_fall_at_once):
-        np.testing.assert_allclose([fall(x) for x in d], np.exp(-d), rtol=8e-15)
     s = np.linspace(-1 / 3, 1 / 3, 501)
-    for ratio in (elementary.log_ratio, lambda x: elementary.log_ratio_at_once(elementary.ATANH, x)):
-        np.testing.assert_allclose([ratio(x) for x in s], 2.0 * np.arctanh(s), rtol=7e-16, atol=0)
+    np.testing.assert_allclose([elementary.log_ratio(x) for x in s], 2.0 * np.arctanh(s), rtol=7e-16, atol=0)
     x = np.linspace(0.0, 0.44, 200)
     np.testing.assert_allclose([elementary.arctan(v) for v in x], np.arctan(x), rtol=4e-16, atol=0)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from kernels.integrals import races
+from kernels.near_flat import races
 from kernels.status import Status
 
 N = 6

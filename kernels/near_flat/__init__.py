@@ -1,0 +1,1 @@
+"""The fast path near flat: passages and falls from the vertical by tables of the body."""

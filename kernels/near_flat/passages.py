@@ -1,0 +1,355 @@
+"""Passages that come near flat, and falls, from the vertical: samples side by side, the same nodes, no branch.
+
+From the vertical to HANDOVER the nodes stand at tilts that are the same for all samples (`tables`). From there to
+the turning point they lie in y, and what the terms of first order give is known in closed form (`closed_forms`),
+so that few nodes serve every |eta|. What a rule misses is told by its last Legendre coefficients. Motions that do
+not come near flat, and those that start too slowly, have no error that tells, and are left to arcs.
+"""
+
+import math
+from typing import Generic, NamedTuple
+
+import numpy as np
+
+from kernels._jit import contracted_device, contracted_subroutine, kernel
+from kernels.disk.body import Body, Disk
+from kernels.disk.elementary import exponential, inverse_root
+from kernels.disk.falling import contracted_potential_above_flat, potential_at_flat
+from kernels.disk.rows import Entry
+from kernels.near_flat.closed_forms import (
+    Closed,
+    Integrals,
+    Motion,
+    closed_forms,
+    left_over,
+    near_flat,
+    newton,
+    slope_of,
+)
+from kernels.near_flat.tables import LAST, LAST_BUT_ONE, SHARE, WEIGHT, Fixed, Low, Rules, Tables, fixed
+from kernels.types import Matrix, Vector
+
+LANES = 64  # _ROWS rows of them lie within the first cache
+_WIDEST = 0.1  # of h_m: well inside HANDOVER
+_NARROWEST = 1e-303  # of |Y|: h_m must not be denormal
+_PARKED = 0.1  # h_m of lanes that are left to arcs: any number within the bounds
+_ROUNDS = 5  # of Newton's method, from the law of first order to rounding
+_SLOWEST = 1e-3  # share of the energy with which a motion must leave the vertical
+_MIDDLE = 0.8  # r^2 of a slow start that has gained as much as it left with at the middle of the rule
+_OF_START = 0.1  # what is missed of a slow start, in e^(-2 n sqrt(r)): no error of 500,000 was twice its estimate
+_OF_COEFFICIENTS = 10.0  # what a rule misses, in squares of the share of its last coefficients
+_TURNED = 40.0  # what an error of the turning point, about the square of Newton's last step, does to the angles
+_EPSILON = 2.2e-16
+_ROUNDING = 100.0 * _EPSILON  # of angles and time
+# Rows of the work array: entry (row, i) stands at row * LANES + i.
+_ROWS = 33
+(
+    # the motion; NOISE: what rounding does to angles and time
+    _X, _Y, _MOVING, _LEVEL, _NOISE, _H, _LOG_H, _STEP, _WAY,
+    _CHI, _REST, _TIME, _ANGLE_ERROR, _TIME_ERROR,
+    # fields of Closed
+    _CAP, _LOG_CAP, _LOWEST, _TURN2, _RACE, _PULL, _SPIN, _SLOW, _REST0, _REST1,
+    # of each integral: sums of sizes, and the last coefficients at fixed tilts
+    _CHI_SIZE, _REST_SIZE, _TIME_SIZE, _CHI_LAST, _REST_LAST, _TIME_LAST, _CHI_BEFORE, _REST_BEFORE, _TIME_BEFORE,
+) = range(0, _ROWS * LANES, LANES)  # fmt: skip
+
+
+class Crossings(NamedTuple):
+    """Motions (n) where they cross the vertical: constants, and the size of theta-dot there."""
+
+    sigma3_bar: Vector
+    eta: Vector
+    speed: Vector
+
+
+class Departures(NamedTuple):
+    """Falls (n) on F, as they leave the vertical.
+
+    level: E - V_0; moving: kinetic energy at the vertical, below 0 what the motion lacks to be there; doubt: the
+    rounding of that. At a slow start `moving` is less than the rounding of `level`.
+    """
+
+    sigma3_bar: Vector
+    level: Vector
+    moving: Vector
+    doubt: Vector
+
+
+class PassageRow(NamedTuple, Generic[Entry]):
+    """A passage from its start to the turning point and back, natural units, face +1.
+
+    theta_min: smallest tilt; chi, psi, time: increases; angle_error (rad), time_error (relative): of these.
+    way: sigma3/q at the turning point, whose sign is the direction of the race.
+    """
+
+    theta_min: Entry
+    chi: Entry
+    psi: Entry
+    time: Entry
+    energy: Entry
+    angle_error: Entry
+    time_error: Entry
+    way: Entry
+
+
+class FallRow(NamedTuple, Generic[Entry]):
+    """The fall on F to flat: time, increases of chi and psi, and their error. psi changes sign on face -1."""
+
+    time: Entry
+    chi: Entry
+    psi: Entry
+    error: Entry
+
+
+@contracted_device
+def motion_of(W: Vector, i: int) -> Motion:
+    """The motion in lane i."""
+    return Motion(W[_X + i], W[_Y + i], W[_LEVEL + i])
+
+
+@contracted_device
+def leave(W: Vector, i: int, at: Fixed, given: float, b: Body) -> None:
+    """What rounding in E - V does to a motion that leaves the vertical; its level, unless that is `given`.
+
+    It acts while the motion is within about a radian of the vertical.
+    """
+    x, y, moving, doubt = W[_X + i], W[_Y + i], W[_MOVING + i], W[_NOISE + i]
+    inv_k = 1.0 / b.k
+    ratio, rise = x * at.ratio_x + y * at.ratio_y, x * at.rise_x + y * at.rise_y
+    gyration = 0.5 * b.I1 * ratio * ratio
+    _V, spin = contracted_potential_above_flat(gyration, rise, 2.0 * x * inv_k, 1.0, b)
+    level = given if given > 0.0 else moving + gyration + spin + 1.0
+    terms = abs(level) + gyration + abs(spin) + 1.0
+    duration = min(1.0, math.sqrt(0.5 * b.M / moving))
+    of_start = (4.0 * _EPSILON * terms + doubt) / moving * duration * (1.0 + abs(ratio) + abs(x * inv_k + rise))
+    W[_LEVEL + i], W[_NOISE + i] = level, _ROUNDING * (1.0 + terms / abs(level)) + of_start
+    W[_TIME_ERROR + i] = 0.0 if moving > _SLOWEST * level else math.nan
+
+
+@contracted_subroutine
+def turn(W: Vector, b: Body, low: Low) -> None:
+    """H and LOG_H of the turning point, and the last step towards it; no error where it is not near flat."""
+    for i in range(LANES):
+        level, size = W[_LEVEL + i], abs(W[_Y + i])
+        first = size * math.sqrt(0.5 * b.I1 / level)
+        # Gravity shares the energy at the turning point: one step of q = h.
+        left = level - first
+        near = (size > _NARROWEST) & (first < 2.0 * _WIDEST) & (left > 0.5 * level)
+        W[_H + i] = size * math.sqrt(0.5 * b.I1 / left) if near else _PARKED
+        W[_TIME_ERROR + i] = W[_TIME_ERROR + i] if near else math.nan
+    for i in range(LANES):
+        W[_LOG_H + i] = math.log(W[_H + i])
+    for _ in range(_ROUNDS):
+        for i in range(LANES):
+            W[_H + i], W[_LOG_H + i], W[_STEP + i] = newton(W[_H + i], W[_LOG_H + i], motion_of(W, i), b, low)
+    for i in range(LANES):
+        near = W[_H + i] < _WIDEST
+        W[_H + i], W[_LOG_H + i] = W[_H + i] if near else _PARKED, W[_LOG_H + i] if near else math.log(_PARKED)
+        W[_TIME_ERROR + i] = W[_TIME_ERROR + i] if near else math.nan
+
+
+@contracted_subroutine
+def begin_near(W: Vector, b: Body, low: Low) -> None:
+    """What is known in closed form below the handover; its factors into rows."""
+    for i in range(LANES):
+        h, log_h, motion = W[_H + i], W[_LOG_H + i], motion_of(W, i)
+        at = near_flat(h, 1.0 / h, log_h, motion, b, low)
+        slope = -slope_of(h, at, motion.X, b)
+        good = slope > 0.0
+        known, integrals = closed_forms(h, log_h, at, slope if good else 1.0, motion, b, low)
+        W[_WAY + i] = at.n * at.inv_shape
+        W[_NOISE + i] += _ROUNDING * W[_LEVEL + i] / slope
+        W[_CHI + i], W[_REST + i], W[_TIME + i] = integrals.chi, integrals.rest, integrals.time
+        W[_CAP + i], W[_LOG_CAP + i], W[_LOWEST + i] = known.cap, known.log_cap, known.lowest
+        W[_TURN2 + i] = known.turn2
+        W[_RACE + i], W[_PULL + i], W[_SPIN + i], W[_SLOW + i] = known.race, known.pull, known.spin, known.slow
+        W[_REST0 + i], W[_REST1 + i] = known.rest0, known.rest1
+        turned = _TURNED * W[_STEP + i] * W[_STEP + i]
+        W[_ANGLE_ERROR + i], W[_TIME_ERROR + i] = turned, W[_TIME_ERROR + i] + (turned if good else math.nan)
+
+
+@contracted_device
+def known_of(W: Vector, i: int) -> Closed:
+    """The factors of the closed forms in lane i."""
+    return Closed(
+        W[_CAP + i],
+        W[_LOG_CAP + i],
+        W[_LOWEST + i],
+        W[_TURN2 + i],
+        W[_RACE + i],
+        W[_PULL + i],
+        W[_SPIN + i],
+        W[_SLOW + i],
+        W[_REST0 + i],
+        W[_REST1 + i],
+    )
+
+
+@contracted_device
+def add(W: Vector, i: int, node: Integrals) -> None:
+    """Add what a node gives to the sums of lane i, and to those of sizes."""
+    W[_CHI + i] += node.chi
+    W[_REST + i] += node.rest
+    W[_TIME + i] += node.time
+    W[_CHI_SIZE + i] += abs(node.chi)
+    W[_REST_SIZE + i] += abs(node.rest)
+    W[_TIME_SIZE + i] += abs(node.time)
+
+
+@contracted_subroutine
+def near_panel(W: Vector, rules: Rules, b: Body, low: Low) -> None:
+    """Add what the closed forms leave between the turning point and the handover."""
+    inner = rules.inner
+    for j in range(inner.shape[1]):
+        share, weight = inner[SHARE, j], 5.0 * inner[WEIGHT, j]
+        for i in range(LANES):
+            lowest = W[_LOWEST + i]
+            v, rate = lowest + (1.0 - lowest) * share, weight * (1.0 - lowest)
+            node = left_over(v, W[_H + i], W[_LOG_H + i], known_of(W, i), motion_of(W, i), b, low)
+            rate /= v
+            add(W, i, Integrals(rate * node.chi, rate * node.rest, rate * node.time))
+    for i in range(LANES):
+        W[_ANGLE_ERROR + i] += rules.missed * (W[_CHI_SIZE + i] + W[_REST_SIZE + i])
+        W[_TIME_ERROR + i] += rules.missed * W[_TIME_SIZE + i]
+
+
+@contracted_device
+def at_fixed(at: Fixed, motion: Motion, b: Body) -> tuple[float, Integrals]:
+    """(theta-dot^2, weighted integrands) of a motion at a fixed tilt."""
+    ratio = motion.X * at.ratio_x + motion.Y * at.ratio_y
+    rise = motion.X * at.rise_x + motion.Y * at.rise_y
+    flat = motion.X * (1.0 / b.k)
+    V, _spin = contracted_potential_above_flat(0.5 * b.I1 * ratio * ratio, rise, 2.0 * flat, at.height, b)
+    speed2 = 2.0 * b.inv_M * (motion.level - V)
+    inv_speed = inverse_root(speed2)
+    rest = at.time * inv_speed * (ratio * at.slope + flat + rise)
+    return speed2, Integrals(at.chi * ratio * inv_speed, rest, at.time * inv_speed)
+
+
+@contracted_subroutine
+def far_panel(W: Vector, nodes: Matrix, b: Body) -> None:
+    """Add a stretch below the vertical, by nodes at tilts that all samples share, and what rules miss."""
+    W[_CHI_LAST : _TIME_BEFORE + LANES] = 0.0
+    n = nodes.shape[1]
+    for j in range(n):
+        at, last, last_but_one = fixed(nodes, j), nodes[LAST, j], nodes[LAST_BUT_ONE, j]
+        for i in range(LANES):
+            _speed2, node = at_fixed(at, motion_of(W, i), b)
+            add(W, i, node)
+            W[_CHI_LAST + i] += last * node.chi
+            W[_REST_LAST + i] += last * node.rest
+            W[_TIME_LAST + i] += last * node.time
+            W[_CHI_BEFORE + i] += last_but_one * node.chi
+            W[_REST_BEFORE + i] += last_but_one * node.rest
+            W[_TIME_BEFORE + i] += last_but_one * node.time
+    told(W, nodes, b)
+
+
+@contracted_device
+def share_of(last: float, before: float, size: float) -> float:
+    """The last coefficients of a rule over its sum of sizes, 1 at most."""
+    share = (abs(last) + abs(before)) / (size + 1e-300)  # never 0/0
+    return share if share < 1.0 else 1.0
+
+
+@contracted_subroutine
+def told(W: Vector, nodes: Matrix, b: Body) -> None:
+    """Add what a rule at fixed tilts misses.
+
+    Its last coefficients tell it: the error of a Gauss rule goes like the square of their share. Two in turn may
+    vanish by chance, so that the largest share of all three integrals serves each. Where the speed vanishes at i r
+    from the end of a rule, all may; what it misses then falls like e^(-2 n sqrt(r)).
+    """
+    n = nodes.shape[1]
+    middle = fixed(nodes, n // 2)
+    for i in range(LANES):
+        speed2, _node = at_fixed(middle, motion_of(W, i), b)
+        moving = W[_MOVING + i]
+        gained = 0.5 * b.M * speed2 - moving
+        root2 = _MIDDLE * moving / (gained if gained > moving else moving)
+        of_start, _less = exponential(-2.0 * n * math.sqrt(math.sqrt(root2)))
+        chi = share_of(W[_CHI_LAST + i], W[_CHI_BEFORE + i], W[_CHI_SIZE + i])
+        rest = share_of(W[_REST_LAST + i], W[_REST_BEFORE + i], W[_REST_SIZE + i])
+        time = share_of(W[_TIME_LAST + i], W[_TIME_BEFORE + i], W[_TIME_SIZE + i])
+        share = max(max(chi, rest), time)
+        missed = _OF_COEFFICIENTS * share * share + _OF_START * of_start
+        W[_ANGLE_ERROR + i] += missed * (W[_CHI_SIZE + i] + W[_REST_SIZE + i])
+        W[_TIME_ERROR + i] += missed * W[_TIME_SIZE + i]
+
+
+@contracted_subroutine
+def finish(W: Vector, times: float) -> None:
+    """CHI, REST and TIME so many times, and their errors with rounding; that of the time is relative."""
+    for i in range(LANES):
+        chi, rest, time, noise = W[_CHI + i], W[_REST + i], W[_TIME + i], W[_NOISE + i]
+        W[_ANGLE_ERROR + i] = times * (W[_ANGLE_ERROR + i] + noise * (abs(chi) + abs(rest)))
+        W[_TIME_ERROR + i] = W[_TIME_ERROR + i] / time + noise
+        W[_CHI + i], W[_REST + i], W[_TIME + i] = times * chi, times * rest, times * time
+
+
+@contracted_subroutine
+def load(W: Vector, row: int, values: Vector, first: int, unit: float) -> None:
+    """Numbers in units into a row, from `first` on; the last one fills the lanes that are left over."""
+    n = min(LANES, values.size - first)
+    some, room = values[first : first + n], W[row : row + LANES]
+    for i in range(n):
+        room[i] = some[i] / unit
+    for i in range(n, LANES):
+        room[i] = room[n - 1]
+
+
+@kernel
+def passage_batch(crossings: Crossings, tables: Tables, disk: Disk, out: Matrix) -> None:
+    """The passage on face +1 from the vertical of every motion -> out (8, n or more), as PassageRow.
+
+    time_error is NaN where tables do not serve.
+    """
+    b, rules, low = disk.body, tables.rules, tables.low
+    W, at = np.zeros(_ROWS * LANES), fixed(tables.vertical, 0)
+    for first in range(0, crossings.eta.size, LANES):
+        load(W, _X, crossings.sigma3_bar, first, b.r0)
+        load(W, _Y, crossings.eta, first, b.I1)
+        load(W, _MOVING, crossings.speed, first, 1.0)
+        for i in range(LANES):
+            W[_MOVING + i] *= 0.5 * b.M * W[_MOVING + i]
+            W[_NOISE + i] = 0.0
+            leave(W, i, at, 0.0, b)
+        W[_CHI_SIZE : _TIME_SIZE + LANES] = 0.0
+        turn(W, b, low)
+        begin_near(W, b, low)
+        near_panel(W, rules, b, low)
+        far_panel(W, rules.outer, b)
+        finish(W, 2.0)
+        n = min(LANES, crossings.eta.size - first)
+        for i in range(n):
+            out[0, first + i] = 2.0 * math.asin(0.5 * W[_H + i])
+        for i in range(n):
+            out[1, first + i], out[2, first + i] = W[_CHI + i], W[_CHI + i] - W[_REST + i]
+            out[3, first + i], out[4, first + i] = W[_TIME + i], W[_LEVEL + i] + potential_at_flat(W[_X + i], b)
+            out[5, first + i], out[6, first + i] = W[_ANGLE_ERROR + i], W[_TIME_ERROR + i]
+            out[7, first + i] = W[_WAY + i]
+
+
+@kernel
+def fall_batch(departures: Departures, tables: Tables, disk: Disk, out: Matrix) -> None:
+    """The fall on F from the vertical on face +1 of every sample -> out (4, n or more), as FallRow.
+
+    error is NaN where tables do not serve.
+    """
+    b, n = disk.body, departures.level.size
+    W, at = np.zeros(_ROWS * LANES), fixed(tables.vertical, 0)
+    for first in range(0, n, LANES):
+        W[:] = 0.0
+        load(W, _X, departures.sigma3_bar, first, b.r0)
+        load(W, _LEVEL, departures.level, first, 1.0)
+        load(W, _MOVING, departures.moving, first, 1.0)
+        load(W, _NOISE, departures.doubt, first, 1.0)
+        for i in range(LANES):
+            leave(W, i, at, W[_LEVEL + i], b)
+        far_panel(W, tables.rules.fall, b)
+        finish(W, 1.0)
+        for i in range(min(LANES, n - first)):
+            out[0, first + i], out[1, first + i] = W[_TIME + i], W[_CHI + i]
+            out[2, first + i] = W[_CHI + i] - W[_REST + i]
+            angle, time = W[_ANGLE_ERROR + i], W[_TIME_ERROR + i] * W[_TIME + i]
+            out[3, first + i] = angle if angle > time else time  # NaN where that of the time is
