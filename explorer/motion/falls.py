@@ -85,6 +85,7 @@ def by_tables(
         out[:, rows] = found[:, : rows.size]
 
 
+@np.errstate(invalid="ignore")  # of motions that stay where they are
 def falls_as_arcs(
     disk: Disk, departures: "compiled.passages.Departures", rows: NDArray[np.intp], edge: float, accuracy: float
 ) -> Array:
@@ -110,7 +111,10 @@ def falls_as_arcs(
     end = place(*below_piece)
     kinds = np.where(end.K == 0.0, rule.FALL_FROM_REST, rule.FALL)
     way = rule.ArcRow(*first + by_rules(disk, kinds, arcs_between(X, none, none + 1.0, end, end), accuracy))
-    return np.stack([way.time, way.chi, way.psi, np.fmax(way.angle_error, way.time_error)])
+    # Beside V_0 all changes by about as large a share as E - V_0 does.
+    doubt = departures.doubt[rows] / departures.level[rows]
+    error = np.fmax(way.angle_error + doubt * abs(way.chi), way.time_error + doubt * way.time)
+    return np.stack([way.time, way.chi, way.psi, error])
 
 
 def vertical_above_flat(disk: Disk, sigma3_bar: Array) -> Array:

@@ -92,8 +92,9 @@ def orbits_of(
     rule, n = compiled.rules.ArcRow, ends.crosses.size
     here, back, ahead = (np.full((len(rule._fields), n), np.nan) for _ in range(3))
     narrow = (ends.width < compiled.nutation.WIDEST) & ~ends.beside_crest
-    # On a crest itself motions rest for ever.
-    rows = np.flatnonzero((ends.width > 0.0) & (ends.width < np.inf) & ~narrow)
+    # On a crest itself motions rest for ever. What falls on the other face has a way on this one.
+    length = ends.inner.d + ends.outer.d
+    rows = np.flatnonzero((length > 0.0) & (length < np.inf) & ~narrow)
     X, Y, Y_far = motions.starts.X, motions.starts.Y, motions.Y_far
 
     of_arc = _OF_ARC * accuracy
@@ -106,7 +107,7 @@ def orbits_of(
     # At most one crest lies on the way, on one or on the other side of the state.
     crest = np.where(np.isnan(inner.crest), outer.d - outer.crest, outer.d + inner.crest)
     here[:, rows] = ways(rows, Y, inner.d + outer.d, inner, outer, crest)
-    crossing = rows[(crosses & there)[rows]]
+    crossing = rows[(crosses & there & (far.d > 0.0))[rows]]
     back[:, crossing] = ways(crossing, Y_far, far.d, far, beyond(vertical), far.crest)
     if lead:
         # From an end it is all or nothing.

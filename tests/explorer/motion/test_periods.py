@@ -1,16 +1,13 @@
 """Whole periods by quadrature: the numbers of the paper, returns, and eta at the extremes."""
 
 import dataclasses
-import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.phase.lines import other_eta_hat
 from explorer.phase.states import constants_to_states, phi_to_states
 from explorer.portrait.steady import steady_motions
 
@@ -20,8 +17,6 @@ ROWS = {  # mathematics, section 10
     ("hoop", 0.01): (3.5443368831, 8.57037740, 3.49347084),
     ("hoop", -0.01): (3.5168724512, -2.31358306, -7.37252693),
 }
-
-LITTLE = json.loads((Path(__file__).parents[2] / "reference" / "little_inertia.json").read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("key", ROWS, ids=str)
@@ -128,31 +123,6 @@ def test_a_motion_that_is_at_the_vertical_and_moves_crosses_it_at_any_accuracy(a
     assert bounces.duration[0, 1] == pytest.approx(0.98969326 * phidot, rel=1e-3)
 
 
-@pytest.mark.parametrize("inertia", [(0.25, 0.02), (0.25, 1e-4), (0.25, 1e-6), (1.0, 1e-8)], ids=str)
-def test_motions_and_their_mirror_images_are_those_of_their_passages(inertia):
-    """From the vertical, whichever face's eta was given; the other is a difference of large numbers."""
-    disk, rng, n = ex.Disk(I1=inertia[0], I3=inertia[1]), np.random.default_rng(7), 40
-    eta_hat = 10.0 ** rng.uniform(-8.0, 0.0, n) * rng.choice([-1.0, 1.0], n)
-    given = rng.normal(0.0, 1.2, n), eta_hat, rng.uniform(0.02, 2.5, n)
-    true = ex.passages(disk, *given, 1, accuracy=1e-12)
-    other = ex.passages(disk, given[0], other_eta_hat(disk, given[0], eta_hat), given[2], 1, accuracy=1e-12)
-    plus, minus = (constants_to_states(disk, *given, face) for face in (1, -1))
-    for accuracy in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10):
-        one, two = ex.periods(plus, accuracy), ex.periods(minus, accuracy)
-        assert (one.status == two.status).all()
-        assert one.ok.any()
-        for found, sign in ((one, 1.0), (two, -1.0)):
-            known = found.ok & true.ok & other.ok
-            error = 10.0 * (found.error_estimate + true.error_estimate + other.error_estimate)[known]
-            assert (abs(found.chi - true.delta_chi - other.delta_chi)[known] <= error).all()
-            assert (abs(found.psi - sign * (true.delta_psi - other.delta_psi))[known] <= error).all()
-            assert (
-                found.error_estimate[known] <= np.fmax(10.0 * accuracy, 1e-9 * (1.0 + found.period[known]))
-            ).all()
-        for states, face in ((plus, 1), (minus, -1)):
-            _assert_bounces_are_passages(ex.bounces(states, 2, accuracy), face, true, other)
-
-
 @pytest.mark.parametrize("inertia", [(0.25, 0.02), (0.25, 1e-4), (0.25, 1e-6), (1.0, 1e-8)])
 def test_beside_the_vertical_periods_are_told_by_their_errors_from_either_face(inertia):
     """Seen from the face of the larger |eta| the energy is a difference; what rounding leaves open is refused."""
@@ -169,109 +139,6 @@ def test_beside_the_vertical_periods_are_told_by_their_errors_from_either_face(i
         assert (abs(found.psi - true.psi)[known] <= error).all()
         assert found.ok.mean() > (0.99 if accuracy > 1e-7 else 0.9)
     assert ex.bounces(beside, 2, 1e-2).ok.mean() > 0.9
-
-
-@pytest.mark.parametrize("row", LITTLE, ids=lambda row: f"{row['body']}-{row['state'][0]:.3f}")
-def test_bodies_of_little_inertia_about_their_axis_are_told_by_their_errors(row):
-    """Their sigma4 at flat is of the size of 1/I3, and its square far larger than the energy."""
-    I1, I3 = row["body"]
-    states = phi_to_states(ex.Disk(I1=I1, I3=I3), *row["state"])
-    # Of sigma4, which is a difference of numbers of the size of 1/I3, no more is known.
-    told = [accuracy for accuracy in (1e-2, 1e-4, 1e-6, 1e-8) if 10.0 * accuracy > 20.0 * 2.2e-16 / I3]
-    for accuracy in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10):
-        found = ex.periods(states, accuracy)
-        assert found.ok[0] or accuracy not in told
-        if found.ok[0]:
-            turned = found.chi[0] - row["chi"], found.psi[0] - row["psi"], found.period[0] / row["period"] - 1.0
-            assert max(map(abs, turned)) <= 10.0 * found.error_estimate[0] <= 1e2 * max(accuracy, 1e-9)
-            assert found.crosses[0] == row["crosses"]
-            assert found.theta_min[0] == pytest.approx(row["theta_min"], rel=1e-6)
-
-
-def test_a_motion_that_comes_fast_to_flat_never_turns_back_where_series_end():
-    """Slower accuracies say where it turns; sharper ones say the same or nothing."""
-    state = 1.5693424333744794, -1.4770374080039275, 1.2415135732670817e-09, 14.157380516772877
-    random = np.random.default_rng(4)
-    beside = np.array(state)[:, None] * (1.0 + 1e-4 * random.normal(size=(4, 100)))
-    beside[:, 0] = state
-    states = phi_to_states(ex.Disk.uniform(), *beside[:, beside[0] < 0.5 * np.pi])
-    true = ex.periods(states, 1e-8)
-    assert true.ok.all()
-    assert true.period[0] == pytest.approx(0.216034, abs=1e-6)
-    assert true.chi[0] == pytest.approx(-3.95894, abs=1e-5)
-    for accuracy in (1e-2, 1e-10, 1e-11, 1e-12, 1e-13):
-        found = ex.periods(states, accuracy)
-        known = found.ok
-        error = 10.0 * (true.error_estimate + found.error_estimate)[known]
-        assert (abs(found.chi - true.chi)[known] <= error).all()
-        assert (abs(found.period / true.period - 1.0)[known] <= error).all()
-        np.testing.assert_allclose(found.theta_min[known], true.theta_min[known], rtol=1e-7)
-        assert known.all() or accuracy <= 1e-10
-
-
-NEAR_FLAT = [  # in 60 digits: theta_min, chi, psi, period, as `make_little_inertia` has them
-    (
-        (8.0, 16.0),
-        (1.5707862030670934, 1.2226573119762036, 0.0, -3990.1351396677123),
-        (3.151538526791397e-07, 0.18983338849741216, 3.3317598500909864, 0.0007874235517167938),
-    ),
-    (
-        (8.0, 16.0),
-        (1.5707955642235067, -1.0386056648674165, -7.6e-10, -38825.8),
-        (1.979700039046573e-08, 0.1900118800814193, 3.3318722221523025, 8.092197305595137e-05),
-    ),
-    (
-        (2.336977151693502, 4.673954303387004),
-        (1.570790889801188, 0.0, 1.6488613567037726e-9, 0.0),
-        (8.200132375489744e-07, 4.10167906372634, 4.1016790637180085, 0.01230695555961168),
-    ),
-]
-
-
-@pytest.mark.parametrize(("inertia", "state", "true"), NEAR_FLAT)
-def test_periods_of_fast_spin_or_from_rest_near_flat_are_told_by_their_errors(inertia, state, true):
-    """A race that spin bends at its turning point, and a motion that rests at its outer end."""
-    states, theta = phi_to_states(ex.Disk(I1=inertia[0], I3=inertia[1]), *state), true[0]
-    for accuracy in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10):
-        found = ex.periods(states, accuracy)
-        assert found.ok[0] or accuracy < 1e-8
-        if found.ok[0]:
-            turned = found.chi[0] - true[1], found.psi[0] - true[2], found.period[0] / true[3] - 1.0
-            assert max(map(abs, turned)) <= 10.0 * found.error_estimate[0] <= 1e2 * max(accuracy, 1e-9)
-            assert found.theta_min[0] == pytest.approx(theta, rel=1e-11)
-
-
-def test_rules_that_agree_by_chance_are_not_believed():
-    """From beside the vertical of a body with little I3, rules of 20 and 30 nodes miss psi by the same 0.1 rad."""
-    disk = ex.Disk(I1=1 / 48, I3=0.0007854637296675545)
-    states = phi_to_states(
-        disk, 7.678612032992706e-07, 3.371589902485747e-07, -2.2604129726315185e-07, 3.0132185173704737
-    )
-    coarse, fine = ex.periods(states, 1e-2), ex.periods(states, 1e-4)
-    assert coarse.ok[0]
-    assert fine.ok[0]
-    assert abs(coarse.psi - fine.psi)[0] <= coarse.error_estimate[0] <= 0.03
-
-
-def test_a_race_of_many_turns_is_known_as_well_as_it_says():
-    """Of a body with kappa = 316, at once back from the one face. By dop853: 996.06696698 and 0.00281386."""
-    body = ex.Disk(I1=1e-5, I3=2e-5)
-    state = ex.constants_to_states(body, 1.302064474326873, 5.132887124718588e-08, 0.001513399969955084, -1)
-    for accuracy in (1e-4, 1e-5, 1e-6, 1e-7):
-        found = ex.periods(state, accuracy=accuracy)
-        assert found.error_estimate[0] <= accuracy
-        assert abs(found.chi[0] - 996.06978084) <= 3.0 * found.error_estimate[0] + 1e-8
-
-
-def _assert_bounces_are_passages(found, face, true, other):
-    """Two bounces of each state are the passages towards `face` and the other, within ten times the errors."""
-    for column in (0, 1):
-        own = found.face[:, column] == face
-        for of_face, best in ((own, true), (~own, other)):
-            known = of_face & found.ok[:, column] & best.ok
-            error = 10.0 * (found.error_estimate[:, column] + best.error_estimate)[known]
-            assert (abs(found.delta_chi[:, column] - best.delta_chi)[known] <= error).all()
-            assert (abs(abs(found.delta_psi[:, column]) - abs(best.delta_psi))[known] <= error).all()
 
 
 def test_a_disk_at_rest_on_a_crest_of_the_potential_has_no_period():

@@ -1,0 +1,29 @@
+"""The motions of motions.csv, which `make_motions` makes and describes: an array with a field for each column."""
+
+from pathlib import Path
+
+import numpy as np
+
+import explorer as ex
+
+MOTIONS = np.genfromtxt(
+    Path(__file__).with_name("motions.csv"), delimiter=",", names=True, dtype=None, encoding="utf-8"
+)
+BY_CONSTANTS = np.isfinite(MOTIONS["eta_hat"])
+FALLS = MOTIONS["eta_hat"] == 0.0
+PASSAGES = BY_CONSTANTS & (MOTIONS["phi"] == 0.0) & ~FALLS
+
+
+def of_one_body(chosen):
+    """The rows of chosen motions, those together that have the same body and are given in the same way."""
+    kinds = np.stack([MOTIONS["I1"], MOTIONS["I3"], BY_CONSTANTS], axis=1)
+    which = np.unique(kinds, axis=0, return_inverse=True)[1].ravel()
+    return [np.flatnonzero(chosen & (which == kind)) for kind in np.unique(which[chosen])]
+
+
+def states_of(disk, motions):
+    """The states that motions of one body start from."""
+    if np.isfinite(motions["eta_hat"][0]):
+        names = ("phi", "phidot", "sigma3_bar", "eta_hat", "face")
+        return ex.coordinates_to_states(disk, **{name: motions[name] for name in names})
+    return ex.phi_to_states(disk, *(motions[name] for name in ("phi", "phidot", "sigma3", "sigma4")))
