@@ -34,6 +34,14 @@ class Pinned(NamedTuple, Generic[Entry]):
     eta_minus: Entry
 
 
+class Motion(NamedTuple):
+    """Constants of one motion near face +1: X = sigma3_bar / r(0), Y = eta_+ / I1, and level = E - V_0."""
+
+    X: float
+    Y: float
+    level: float
+
+
 # A dozen operations per term and the series, each half a unit in the last place.
 _ULPS = 6 * 2.2e-16
 

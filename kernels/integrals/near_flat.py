@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from kernels._jit import contracted_device
 from kernels.disk.body import Body
+from kernels.disk.constants import Motion
 from kernels.disk.elementary import (
     ATANH,
     ATANH_SHORT,
@@ -28,7 +29,6 @@ from kernels.disk.elementary import (
 )
 from kernels.disk.falling import contracted_potential_above_flat
 from kernels.disk.polynomials import horner
-from kernels.integrals.point import Motion
 from kernels.integrals.tables import HANDOVER, SHORT_DEGREE, Series
 
 _LN2 = math.log(2.0)

@@ -14,6 +14,7 @@ import math
 
 from kernels._jit import contracted_device, contracted_subroutine
 from kernels.disk.body import Body
+from kernels.disk.constants import Motion
 from kernels.disk.elementary import inverse_root
 from kernels.disk.falling import contracted_potential_above_flat
 from kernels.integrals import tables
@@ -31,7 +32,6 @@ from kernels.integrals.near_flat import (
     place_of_node,
     slope_of,
 )
-from kernels.integrals.point import Motion
 from kernels.integrals.sums import (
     ANGLE_ERROR,
     BELOW,
