@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer.errors import InputError, number, shown, sign
 from explorer.motion.rise import KERNELS as RISE
-from explorer.motion.rise import Rise
+from explorer.motion.rise import Moving, Rise
 from explorer.motion.starts import Motions, motions_through
 from explorer.phase import membership
 from explorer.phase.arguments import column
@@ -121,15 +121,13 @@ class Continuation:
         if not ((times >= 0.0) & (times <= last)).all():
             raise InputError(f"t = {shown(t)}: give times from 0 to {last:g}, that of {_MOST_IMPACTS:g} impacts")
         at, start = self._unfold(np.ravel(times) * self.disk.rate_unit + self._offset), self._origin
-        moving = replace(
-            at,
+        moving = at._replace(
             chi=at.chi - start.chi,
             psi=self.face * (at.psi - start.psi),
             centre=self.face * (at.centre - start.centre) * np.exp(-1j * start.chi),
             sigma4=self.face * at.sigma4,
-            face=self.face * at.face,
         )
-        return in_space(self.disk, moving, times)
+        return in_space(self.disk, self.face, moving, times)
 
 
 class LimitMotion(Continuation):
@@ -181,53 +179,26 @@ class LimitMotion(Continuation):
         top = rise.centre_half
         mirrored = top + np.exp(2j * rise.chi_half) * np.conj(here.centre - top)
         centre = np.where(falling, mirrored, here.centre)
-        chi = np.where(falling, 2.0 * rise.chi_half - here.chi, here.chi)
-        psi = np.where(falling, 2.0 * rise.psi_half - here.psi, here.psi)
         # Each bounce turns the whole picture by the same angle and moves it along.
         turn = 2.0 * rise.chi_half + self._jump
         whole = top + np.exp(2j * rise.chi_half) * np.conj(-top)
         spin = np.exp(1j * turn)
         straight = abs(spin - 1.0) < _WHOLE_TURN
         moved = bounces * whole if straight else whole * (spin**bounces - 1.0) / (spin - 1.0)
-        centre = moved + np.exp(1j * turn * bounces) * centre
         psi_turn = 2.0 * rise.psi_half + self._jump
-        return Moving(
-            theta=here.theta,
-            q=here.q,
-            thetadot=np.where(falling, -here.speed, here.speed),
-            chi=chi + turn * bounces,
-            psi=psi + psi_turn * bounces,
-            centre=centre,
-            turn=here.turn,
-            sigma4=here.sigma4,
-            face=np.ones_like(phase),
+        return here._replace(
+            thetadot=np.where(falling, -here.thetadot, here.thetadot),
+            chi=np.where(falling, 2.0 * rise.chi_half - here.chi, here.chi) + turn * bounces,
+            psi=np.where(falling, 2.0 * rise.psi_half - here.psi, here.psi) + psi_turn * bounces,
+            centre=moved + np.exp(1j * turn * bounces) * centre,
         )
 
 
-@dataclass(frozen=True)
-class Moving:
-    """A motion on F in natural units; tilt theta from the flat state of `face`.
-
-    centre: a1 + i a2; turn: sigma3 / q^2, the rate of chi.
-    """
-
-    theta: Array
-    q: Array
-    thetadot: Array
-    chi: Array
-    psi: Array
-    centre: NDArray[np.complex128]
-    turn: Array
-    sigma4: Array
-    face: Array
-
-
-def in_space(disk: Disk, at: Moving, times: Array) -> LimitState:
-    """A motion in the units of the disk, with contact point and velocities."""
+def in_space(disk: Disk, face: int, at: Moving, times: Array) -> LimitState:
+    """A motion that falls to `face`, in the units of the disk, with contact point and velocities."""
     shape = times.shape
-    phi = at.face * (_HALF_PI - at.theta)
-    phidot = -at.face * at.thetadot
-    q, z, away = at.q, at.face * np.cos(at.theta), np.exp(1j * at.chi)
+    phi, phidot = face * (_HALF_PI - at.theta), -face * at.thetadot
+    q, z, away = at.q, face * np.cos(at.theta), np.exp(1j * at.chi)
     shadow = at.centre + z * away
     sliding = (-phidot * q - 1j * at.sigma4) * away  # eq. (2.33)
     turning = (q * (at.sigma4 - z * at.turn) - 1j * phidot) * away  # eq. (2.29)
@@ -307,16 +278,12 @@ class PendulumMotion(Continuation):
         # back from theta = pi, -2 along its own direction. chi is -jump in odd swings.
         turned = np.exp(-1j * jump)
         moved = (1.0 - np.cos(theta)) * np.where(back, turned, 1.0) + np.where(back, 2.0 - 2.0 * turned, 0.0)
-        return Moving(
+        return here._replace(
             theta=theta,
-            q=here.q,
-            thetadot=np.where(back, -here.speed, here.speed),
+            thetadot=np.where(back, -here.thetadot, here.thetadot),
             chi=np.where(back, -jump, 0.0),
             psi=swings * jump,
             centre=np.floor(swings / 2.0) * (2.0 - 2.0 * turned) + moved,
-            turn=np.zeros_like(theta),
-            sigma4=np.zeros_like(theta),
-            face=np.ones_like(theta),
         )
 
 

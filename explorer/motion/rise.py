@@ -7,7 +7,7 @@ with the root taken out at a turning point, and halved where the motion changes 
 """
 
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebint, chebpts1, chebvander
@@ -27,6 +27,7 @@ KERNELS = (
     *("turning_points.inward_batch", "turning_points.orbit_batch", "turning_points.point_batch"),
     *series.KERNELS,
 )  # for `compiled.warmup`
+Place: TypeAlias = "compiled.turning_points.Place[Array]"
 Coefficients = NDArray[np.complex128]
 _NODES = 32  # of a piece
 # What the last coefficients of a piece may leave of its series; the last are so many.
@@ -75,17 +76,20 @@ class Along(NamedTuple):
     unsure: Array
 
 
-class Rising(NamedTuple):
-    """The rise at some times. centre: a1 + i a2, from 0 at flat; turn: sigma3/q^2, the rate of chi."""
+class Moving(NamedTuple):
+    """A motion on F at some times, natural units; theta: tilt from the flat state that it falls to.
+
+    q: sin(theta), which theta near pi has no digits for. centre: a1 + i a2. turn: sigma3/q^2, the rate of chi.
+    """
 
     theta: Array
     q: Array
-    speed: Array
+    thetadot: Array
     chi: Array
     psi: Array
-    centre: NDArray[np.complex128]
     turn: Array
     sigma4: Array
+    centre: NDArray[np.complex128]
 
 
 class Piece(NamedTuple):
@@ -150,22 +154,13 @@ class Rise:
             self._lay(stretch)
         self._starts = np.array([piece.start for piece in self._pieces])
 
-    def _stretch(
-        self, place: "compiled.turning_points.Place[Array]", crossed: bool, before: bool, length: float
-    ) -> Stretch:
+    def _stretch(self, place: Place, crossed: bool, before: bool, length: float) -> Stretch:
         turns = bool(place.K[0] == 0.0)
         if not place.error[0] < _KNOWN * (place.slow[0] if turns else place.K[0]):
             raise _endless()
         return Stretch(from_place(self._X, self._Y[crossed], place), crossed, before, length, 2 if turns else 1)
 
-    def _way(
-        self,
-        crossed: bool,
-        place: "compiled.turning_points.Place[Array]",
-        to: "compiled.turning_points.Place[Array]",
-        length: Array,
-        crest: Array,
-    ) -> list[Stretch]:
+    def _way(self, crossed: bool, place: Place, to: Place, length: Array, crest: Array) -> list[Stretch]:
         """The way from one place up to the next; crest: how far from it the rise is slow, NaN where it is not."""
         if 0.0 < crest[0] < length[0]:
             start = from_place(self._X, self._Y[crossed], place)
@@ -243,7 +238,7 @@ class Rise:
             made = (rates @ integral).astype(np.complex128)
             return made, (abs(rates) * abs(at.unsure)).mean(axis=2)
 
-    def at(self, time: Array) -> Rising:
+    def at(self, time: Array) -> Moving:
         """The rise at times since flat, 0 <= time <= half."""
         rows, centre = np.empty((7, time.size)), np.empty(time.size, np.complex128)
         number = np.searchsorted(self._starts, time, side="right") - 1
@@ -254,7 +249,7 @@ class Rise:
             rows[:, here] = at.theta, at.q, at.speed, piece.chi(u), piece.psi(u), at.ratio / at.q, at.sigma4
             centre[here] = piece.centre(u)
         theta, q, speed, chi, psi, turn, sigma4 = rows
-        return Rising(theta, q, speed, chi, psi, centre, turn, sigma4)
+        return Moving(theta, q, speed, chi, psi, turn, sigma4, centre)
 
 
 def _endless() -> InputError:
