@@ -56,18 +56,16 @@ class Stretch(NamedTuple):
         share, rate = abs(u) ** self.power, self.power * abs(u) ** (self.power - 1)
         if self.length < np.inf:
             return self.length * share, self.length * rate
-        with np.errstate(divide="ignore"):  # at flat itself
-            return np.minimum(-np.log1p(-share), _DEEPEST), rate / (1.0 - share)
+        return np.minimum(-np.log1p(-share), _DEEPEST), rate / (1.0 - share)
 
 
 class Along(NamedTuple):
     """Points of a rise in natural units, as seen from the face that it leaves.
 
-    theta: tilt from there; q: its sine, which theta near pi has no digits for; z: its cosine. ratio: sigma3/q.
-    unsure: the relative error of K.
+    q, z: sine and cosine of theta, the tilt from there; speed: of theta; ratio: sigma3/q. unsure: the relative
+    error of K.
     """
 
-    theta: Array
     q: Array
     z: Array
     speed: Array
@@ -93,11 +91,9 @@ class Moving(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """A piece low <= u <= high of a stretch, with its series; `time` counts from `start`, since flat."""
+    """A piece of a stretch with its series in u; `time` counts from `start`, since flat."""
 
     stretch: Stretch
-    low: float
-    high: float
     start: float
     time: Series
     chi: Series
@@ -106,10 +102,11 @@ class Piece(NamedTuple):
 
     def solve(self, since: Array) -> Array:
         """u at times since its low end: Newton's method from a table."""
-        table, slope = np.linspace(self.low, self.high, _NODES), self.time.deriv()
+        (low, high), slope = self.time.domain, self.time.deriv()
+        table = np.linspace(low, high, _NODES)
         u = np.interp(since, self.time(table), table)
         for _ in range(_NEWTON_STEPS):
-            u = np.clip(u - (self.time(u) - since) / slope(u), self.low, self.high)
+            u = np.clip(u - (self.time(u) - since) / slope(u), low, high)
         return u
 
 
@@ -173,23 +170,16 @@ class Rise:
         ways = self._stretch(place, crossed, False, half), self._stretch(to, crossed, True, half)
         return list(ways) if half > 0.0 else []
 
-    @np.errstate(divide="ignore", invalid="ignore")  # at a turning point itself
+    @np.errstate(divide="ignore", invalid="ignore")  # at a turning point itself, and at flat
     def _along(self, stretch: Stretch, u: Array) -> Along:
         """Points of a stretch."""
         d, _rate = stretch.distance(u)
         starts = compiled.turning_points.Starts(*(np.full(u.size, column[0]) for column in stretch.start))
         at = compiled.turning_points.Place(*places(self._disk, starts, d, stretch.before != stretch.crossed))
         larger, face = 1.0 + at.r * at.r, -1.0 if stretch.crossed else 1.0
-        tilt, q = 2.0 * np.arctan(at.r), 2.0 * at.r / larger
-        return Along(
-            theta=np.pi - tilt if stretch.crossed else tilt,
-            q=q,
-            z=face * at.w / larger,
-            speed=np.sqrt(2.0 * self._disk.body.inv_M * np.maximum(at.K, 0.0)),
-            ratio=at.sigma3 / q,
-            sigma4=face * at.sigma4,
-            unsure=at.error / at.K,
-        )
+        q = 2.0 * at.r / larger
+        speed = np.sqrt(2.0 * self._disk.body.inv_M * np.maximum(at.K, 0.0))
+        return Along(q, face * at.w / larger, speed, at.sigma3 / q, face * at.sigma4, at.error / at.K)
 
     def _lay(self, stretch: Stretch) -> None:
         """Add the pieces of a stretch, halved until their series have all digits."""
@@ -215,7 +205,7 @@ class Rise:
             total = coefficients.sum(axis=1)
             coefficients[1:, 0] += self.chi_half, self.psi_half, self.centre_half
             rows = (Series(row, [first, last]) for row in (*coefficients[:3].real, coefficients[3]))
-            self._pieces.append(Piece(stretch, first, last, self.half, *rows))
+            self._pieces.append(Piece(stretch, self.half, *rows))
             self.half += float(total[0].real)
             self.chi_half += float(total[1].real)
             self.psi_half += float(total[2].real)
@@ -246,7 +236,8 @@ class Rise:
             piece, here = self._pieces[each], number == each
             u = piece.solve(time[here] - piece.start)
             at = self._along(piece.stretch, u)
-            rows[:, here] = at.theta, at.q, at.speed, piece.chi(u), piece.psi(u), at.ratio / at.q, at.sigma4
+            tilt, turn = np.arctan2(at.q, at.z), at.ratio / at.q
+            rows[:, here] = tilt, at.q, at.speed, piece.chi(u), piece.psi(u), turn, at.sigma4
             centre[here] = piece.centre(u)
         theta, q, speed, chi, psi, turn, sigma4 = rows
         return Moving(theta, q, speed, chi, psi, turn, sigma4, centre)
