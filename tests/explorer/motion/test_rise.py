@@ -202,3 +202,12 @@ def test_a_swing_of_the_pendulum_takes_the_time_of_its_integral(body, begin, spe
     assert limit.period == pytest.approx(2.0 * time(0.5 * np.pi), rel=1e-12 if begin == 0.0 else 1e-7)
     for phi in (0.5, 1.5):
         assert limit(time(phi) - time(begin)).phi == pytest.approx(phi, abs=1e-9 if begin == 0.0 else 1e-6)
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.7, -1.1])
+def test_the_pendulum_swings_the_same_way_however_slender_the_body(begin):
+    swings = [
+        ex.limit_motion(ex.phi_to_states(ex.Disk(I1=I1, I3=1.5 * I1), begin, 1.5, 0.0, 0.0)).period
+        for I1 in (1e-6, 1e-9)
+    ]
+    assert swings[0] == pytest.approx(swings[1], rel=1e-5)
