@@ -27,7 +27,7 @@ _LOCK = threading.RLock()
 # and what takes longest stands outside. Others stand where "falling" does.
 _TWO_ENDED = (
     *("batch", "motions", "recording", "variation"),
-    *("counting", "falling", "algebra", "point", "forces", "nutation", "turning_points", "rules", "passages"),
+    *("counting", "falling", "algebra", "nutation", "turning_points", "rules", "passages"),
 )
 _NAMED = 4  # kernels that are named when they are compiled
 
@@ -52,8 +52,6 @@ if TYPE_CHECKING:
     from kernels.disk import polynomials as polynomials
     from kernels.disk import race_law as race_law
     from kernels.disk import sifting as sifting
-    from kernels.integrals import forces as forces
-    from kernels.integrals import point as point
     from kernels.near_flat import passages as passages
     from kernels.near_flat import races as races
     from kernels.near_flat import tables as tables

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.motion.arcs import next_inward
-from explorer.motion.parts import blocks
+from explorer.motion.arcs import from_place, next_inward, places
+from explorer.motion.parts import BLOCK, blocks
 from explorer.motion.passages_by_quadrature import from_vertical
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import read_columns
@@ -17,7 +17,9 @@ from explorer.phase.disk import Disk
 from explorer.phase.results import Result
 from explorer.phase.states import Array
 
-KERNELS = "forces.forces_batch", "turning_points.inward_batch"  # for `compiled.warmup`
+KERNELS = "turning_points.inward_batch", "turning_points.point_batch"  # for `compiled.warmup`
+_POINTS = 400  # of a passage at which forces are looked at
+_NEAR = 10.0  # in x: half of them lie as near the turning point, half as near the vertical
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -90,22 +92,45 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
     """
     (bar, eta, speed), shape = read_columns({"sigma3_bar": sigma3_bar, "eta_hat": eta_hat, "phidot": phidot})
     starts = starts_at_vertical(disk, bar, eta, speed, np.ones_like(bar))
-    out = np.concatenate([_extremes(disk, starts.at(rows)) for rows in blocks(starts.status.size)], axis=1)
-    out[:, starts.status != compiled.status.Status.OK] = np.nan
-    found = compiled.forces.ForceRow(*out)
-    code, falls = compiled.status.Status, starts.eta_hat == 0.0
+    groups = blocks(starts.status.size, BLOCK // _POINTS)
+    normal, friction = np.concatenate([_extremes(disk, starts.at(rows)) for rows in groups], axis=1)
+    code, falls, good = compiled.status.Status, starts.eta_hat == 0.0, starts.status == compiled.status.Status.OK
     # No friction is enough where the table would have to pull; elsewhere an infinite one has overflowed.
-    overflown = np.isnan(found.friction) | (np.isinf(found.friction) & (found.normal > 0.0))
-    lost = (starts.status == code.OK) & (overflown | ~np.isfinite(found.normal))
+    overflown = np.isnan(friction) | (np.isinf(friction) & (normal > 0.0))
+    lost = good & (overflown | ~np.isfinite(normal))
     status = np.where(lost, np.where(falls, code.FALLS, code.NOT_FINITE), starts.status).astype(np.int8)
-    out[:, lost] = np.nan
-    flat = Forces(disk, bar, eta, speed, found.normal, found.friction, status)
-    return flat.reshaped(shape)
+    normal[lost | ~good] = friction[lost | ~good] = np.nan
+    return Forces(disk, bar, eta, speed, normal, friction, status).reshaped(shape)
 
 
+@np.errstate(all="ignore")  # of what has no passage, and overflows
 def _extremes(disk: Disk, starts: Starts) -> Array:
-    """(2, n): rows as ForceRow."""
-    out, crossings = np.empty((2, starts.status.size)), starts.natural(disk)
-    r = next_inward(disk, from_vertical(disk, crossings).starts).r
-    compiled.forces.forces_batch(crossings, 2.0 * r / np.sqrt(1.0 + r * r), disk.natural, out)
-    return out
+    """Least normal forces and largest friction (2, n), on a grid that is as fine at both ends of the way."""
+    crossing = from_vertical(disk, starts.natural(disk)).starts
+    turning = next_inward(disk, crossing)
+    share = np.linspace(0.0, 1.0, _POINTS // 2)
+    length = np.fmin(_NEAR, 0.5 * turning.d)
+    here = []
+    for start, d, inward in (
+        (crossing, np.multiply.outer(length, share), True),
+        (from_place(crossing.X, crossing.Y, turning), np.multiply.outer(length, share * share), False),
+    ):
+        each = compiled.turning_points.Starts(*(np.repeat(column, share.size) for column in start))
+        here.append(_forces(disk, compiled.turning_points.Place(*places(disk, each, d.ravel(), inward))))
+    normal, friction = np.concatenate([forces.reshape(2, -1, share.size) for forces in here], axis=2)
+    return np.stack([normal.min(axis=1), friction.max(axis=1)])
+
+
+def _forces(disk: Disk, at: compiled.turning_points.Place[Array]) -> Array:
+    """Normal force and friction (2, n) at points.
+
+    Centre of mass: a3 = sin theta, and (2.33) for the horizontal part, differentiated once more.
+    """
+    b, larger = disk.body, 1.0 + at.r * at.r
+    q, z = 2.0 * at.r / larger, at.w / larger
+    ratio, speed2 = at.sigma3 / q, 2.0 * b.inv_M * np.maximum(at.K, 0.0)
+    acceleration = -b.inv_M * (b.J * ratio * at.sigma4 + z - b.I1 * z * ratio * (ratio / q))
+    normal = 1.0 + z * acceleration - q * speed2
+    along = q * acceleration + z * speed2 + ratio * at.sigma4 / q
+    across = ratio * np.sqrt(speed2) * (1.0 - b.inv_J)
+    return np.stack([normal, np.where(normal > 0.0, np.hypot(along, across) / normal, np.inf)])

@@ -3,31 +3,38 @@
 Between impacts the disk moves on F. At an impact phidot changes sign and chi jumps by sgn(eta) kappa pi
 (eq. 7.16), psi by face times that (7.11); the motion is then the same fall run backwards. So one rise, from flat
 to its turning point, holds the whole motion (`rise`). Where sigma3_bar = sigma4_bar = 0 the disk may swing over
-the vertical and fall to both flat states in turn (`pendulum`).
+the vertical, as an inverted pendulum, and fall to both flat states in turn.
 """
 
 from __future__ import annotations
 
+import math
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer.errors import InputError, number, shown, sign
-from explorer.motion.pendulum import Pendulum
-from explorer.motion.rise import rise
+from explorer.motion.rise import KERNELS as RISE
+from explorer.motion.rise import Moving, Rise
+from explorer.motion.starts import Motions, motions_through
+from explorer.phase import membership
 from explorer.phase.arguments import column
-from explorer.phase.constants import natural_constants
+from explorer.phase.constants import NaturalConstants, best_constants
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.lines import line_chart, linear_constants
 from explorer.phase.membership import falls_of
 from explorer.phase.results import Table
-from explorer.phase.states import Array, States, StateWarning, require_states
+from explorer.phase.states import Array, Rows, States, StateWarning, require_states
 
+KERNELS = *membership.KERNELS, *RISE, "falling.line_chart_batch"  # for `compiled.warmup`
 _HALF_PI = 0.5 * np.pi
 _MOST_IMPACTS = 1e8  # their times take 0.8 GB, and a double has 8 digits left for the place between two
 # |e^(i turn) - 1| below which a whole number of turns is meant: the sum of a geometric series loses all digits.
 _WHOLE_TURN = 1e-12
+# Of sigma3_bar over the energy: below, the rate of the race overflows, and no double tells the race from a jump.
+_TINY = 1e-290
 _MEANT = 1e-12  # |eta_hat|, of the rates, that is left where a state on F was computed: by rounding
 
 
@@ -114,15 +121,13 @@ class Continuation:
         if not ((times >= 0.0) & (times <= last)).all():
             raise InputError(f"t = {shown(t)}: give times from 0 to {last:g}, that of {_MOST_IMPACTS:g} impacts")
         at, start = self._unfold(np.ravel(times) * self.disk.rate_unit + self._offset), self._origin
-        moving = replace(
-            at,
+        moving = at._replace(
             chi=at.chi - start.chi,
             psi=self.face * (at.psi - start.psi),
             centre=self.face * (at.centre - start.centre) * np.exp(-1j * start.chi),
             sigma4=self.face * at.sigma4,
-            face=self.face * at.face,
         )
-        return in_space(self.disk, moving, times)
+        return in_space(self.disk, self.face, moving, times)
 
 
 class LimitMotion(Continuation):
@@ -153,20 +158,15 @@ class LimitMotion(Continuation):
     array([1.123 , 4.6417])
     """
 
-    def __init__(
-        self, disk: Disk, energy: float, sigma3_bar: float, face: int, side: int, start: tuple[float, float]
-    ) -> None:
+    def __init__(self, disk: Disk, rise: Rise, sigma3_bar: float, face: int, side: int, rises: bool) -> None:
         self.disk, self.face, self.side = disk, face, side
         self.sigma3_bar = sigma3_bar * disk.rate_unit
-        self._rise = rise(disk, energy, sigma3_bar)
-        self._jump = side * disk.race_limit
-        theta, thetadot = start
-        rising = self._rise.time_at(theta)
-        self._offset = rising if thetadot >= 0.0 else 2.0 * self._rise.half - rising
+        self._rise, self._jump = rise, side * disk.race_limit
+        self._offset = rise.offset if rises else 2.0 * rise.half - rise.offset
         self._origin = self._unfold(np.array([self._offset]))
-        self.period = 2.0 * self._rise.half * disk.time_unit
-        self.impact_speed = self._rise.impact_speed * disk.rate_unit
-        self.chi_per_period = 2.0 * self._rise.chi_half + self._jump
+        self.period = 2.0 * rise.half * disk.time_unit
+        self.impact_speed = rise.impact_speed * disk.rate_unit
+        self.chi_per_period = 2.0 * rise.chi_half + self._jump
 
     def _unfold(self, since_impact: Array) -> Moving:
         """The motion at times counted from an impact, as on face +1."""
@@ -179,53 +179,26 @@ class LimitMotion(Continuation):
         top = rise.centre_half
         mirrored = top + np.exp(2j * rise.chi_half) * np.conj(here.centre - top)
         centre = np.where(falling, mirrored, here.centre)
-        chi = np.where(falling, 2.0 * rise.chi_half - here.chi, here.chi)
-        psi = np.where(falling, 2.0 * rise.psi_half - here.psi, here.psi)
         # Each bounce turns the whole picture by the same angle and moves it along.
         turn = 2.0 * rise.chi_half + self._jump
         whole = top + np.exp(2j * rise.chi_half) * np.conj(-top)
         spin = np.exp(1j * turn)
         straight = abs(spin - 1.0) < _WHOLE_TURN
         moved = bounces * whole if straight else whole * (spin**bounces - 1.0) / (spin - 1.0)
-        centre = moved + np.exp(1j * turn * bounces) * centre
         psi_turn = 2.0 * rise.psi_half + self._jump
-        return Moving(
-            theta=here.theta,
-            q=here.q,
-            thetadot=np.where(falling, -here.speed, here.speed),
-            chi=chi + turn * bounces,
-            psi=psi + psi_turn * bounces,
-            centre=centre,
-            turn=here.turn,
-            sigma4=here.sigma4,
-            face=np.ones_like(phase),
+        return here._replace(
+            thetadot=np.where(falling, -here.thetadot, here.thetadot),
+            chi=np.where(falling, 2.0 * rise.chi_half - here.chi, here.chi) + turn * bounces,
+            psi=np.where(falling, 2.0 * rise.psi_half - here.psi, here.psi) + psi_turn * bounces,
+            centre=moved + np.exp(1j * turn * bounces) * centre,
         )
 
 
-@dataclass(frozen=True)
-class Moving:
-    """A motion on F in natural units; tilt theta from the flat state of `face`.
-
-    centre: a1 + i a2; turn: sigma3 / q^2, the rate of chi.
-    """
-
-    theta: Array
-    q: Array
-    thetadot: Array
-    chi: Array
-    psi: Array
-    centre: NDArray[np.complex128]
-    turn: Array
-    sigma4: Array
-    face: Array
-
-
-def in_space(disk: Disk, at: Moving, times: Array) -> LimitState:
-    """A motion in the units of the disk, with contact point and velocities."""
+def in_space(disk: Disk, face: int, at: Moving, times: Array) -> LimitState:
+    """A motion that falls to `face`, in the units of the disk, with contact point and velocities."""
     shape = times.shape
-    phi = at.face * (_HALF_PI - at.theta)
-    phidot = -at.face * at.thetadot
-    q, z, away = at.q, at.face * np.cos(at.theta), np.exp(1j * at.chi)
+    phi, phidot = face * (_HALF_PI - at.theta), -face * at.thetadot
+    q, z, away = at.q, face * np.cos(at.theta), np.exp(1j * at.chi)
     shadow = at.centre + z * away
     sliding = (-phidot * q - 1j * at.sigma4) * away  # eq. (2.33)
     turning = (q * (at.sigma4 - z * at.turn) - 1j * phidot) * away  # eq. (2.29)
@@ -281,40 +254,36 @@ class PendulumMotion(Continuation):
     array([ 1.41, -1.41,  1.41])
     """
 
-    def __init__(self, disk: Disk, energy: float, side: int, start: tuple[float, float]) -> None:
+    def __init__(self, disk: Disk, rise: Rise, face: int, side: int, rises: bool) -> None:
+        """rise: the first half of a swing from the flat state of `face`, through the state that was given."""
         self.disk, self.face, self.side, self.sigma3_bar = disk, 1, side, 0.0
-        self._swing = Pendulum(disk, energy)
-        theta, thetadot = start
+        self._rise, self._whole = rise, 2.0 * rise.half
         # Times are counted from an impact on face +1, from which theta rises.
-        passed = self._swing.time_at(theta)
-        self._offset = passed if thetadot >= 0.0 else 2.0 * self._swing.whole - passed
+        passed = rise.offset if rises else -rise.offset
+        self._offset = (passed if face > 0 else self._whole + passed) % (2.0 * self._whole)
         self._origin = self._unfold(np.array([self._offset]))
-        self.period = self._swing.whole * disk.time_unit
-        self.impact_speed = self._swing.impact_speed * disk.rate_unit
+        self.period = self._whole * disk.time_unit
+        self.impact_speed = rise.impact_speed * disk.rate_unit
         self.chi_per_period = side * disk.race_limit
 
     def _unfold(self, since_impact: Array) -> Moving:
         """The motion at times counted from an impact on face +1."""
-        whole, jump = self._swing.whole, self.side * self.disk.race_limit
+        whole, jump = self._whole, self.side * self.disk.race_limit
         swings = np.floor(since_impact / whole)
         phase = since_impact - whole * swings
-        falling_back = swings % 2.0 == 1.0
-        theta = self._swing.theta(np.where(falling_back, whole - phase, phase))
-        speed = self._swing.speed(theta) * np.where(falling_back, -1.0, 1.0)
-        # chi is jump for odd numbers of impacts passed on face -1 more than on face +1, else 0.
-        chi = np.where(falling_back, -jump, 0.0)
-        # The contact point rests during a swing; its place moves by the chord of each race.
-        centre = self._swing.centre(theta, swings, jump)
-        return Moving(
+        back = swings % 2.0 == 1.0
+        here = self._rise.at(np.minimum(phase, whole - phase))
+        theta = np.where((phase > self._rise.half) != back, np.pi - here.theta, here.theta)
+        # In a swing the centre moves along e^(i chi) by 1 - cos theta, a whole one takes it 2 there; the next,
+        # back from theta = pi, -2 along its own direction. chi is -jump in odd swings.
+        turned = np.exp(-1j * jump)
+        moved = (1.0 - np.cos(theta)) * np.where(back, turned, 1.0) + np.where(back, 2.0 - 2.0 * turned, 0.0)
+        return here._replace(
             theta=theta,
-            q=np.sin(theta),
-            thetadot=speed,
-            chi=chi,
+            thetadot=np.where(back, -here.thetadot, here.thetadot),
+            chi=np.where(back, -jump, 0.0),
             psi=swings * jump,
-            centre=centre,
-            turn=np.zeros_like(theta),
-            sigma4=np.zeros_like(theta),
-            face=np.ones_like(theta),
+            centre=np.floor(swings / 2.0) * (2.0 - 2.0 * turned) + moved,
         )
 
 
@@ -367,12 +336,12 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     side = sign("side", side)
     if len(states) != 1:
         raise InputError(f"limit motion: needs one state, {len(states)} were given")
-    natural = natural_constants(states)
+    natural = best_constants(states)
     where = falls_of(states, natural)
     if not bool(where.could_fall[0]):
         raise InputError("limit motion: the disk could not fall from this state; see explorer.falls")
     face = int(where.face[0])
-    limit = _made(states, float(natural.energy[0]), float(natural.sigma3_bar[0]), face, side)
+    limit = _made(states, natural, face, side, bool(where.on_f[0]))
     limit.missed = disk.eta_to_eta_hat(float(natural.eta(np.array([face > 0]))[0])) * disk.rate_unit
     if misses_f(limit):
         warn_of_move(limit, 3)
@@ -384,13 +353,33 @@ def misses_f(limit: AnyLimit) -> bool:
     return abs(limit.missed) > _MEANT * max(limit.disk.rate_unit, abs(limit.sigma3_bar))
 
 
-def _made(states: States, energy: float, sigma3_bar: float, face: int, side: int) -> AnyLimit:
-    """The motion of one of both kinds; energy and sigma3_bar in natural units."""
-    q, z, p, _, _ = (float(row[0]) for row in states.rows)
-    if sigma3_bar == 0.0 and energy > 1.0:
-        return PendulumMotion(states.disk, energy, side, (float(np.arctan2(q, z)), p))
-    start = (float(np.arctan2(q, face * z)), face * p)
-    return LimitMotion(states.disk, energy, sigma3_bar, face, side, start)
+def _made(states: States, natural: NaturalConstants, face: int, side: int, on_f: bool) -> AnyLimit:
+    """The motion of one of both kinds."""
+    z, p, bar = (float(row[0]) for row in (states.rows.z, states.rows.p, natural.sigma3_bar))
+    if bar == 0.0:  # both lines l_+ and l_- meet here
+        face = 1 if z >= 0.0 else -1
+    tiny = _TINY * max(float(natural.energy[0]), 1.0)
+    if 0.0 < abs(bar) < tiny:
+        bar = math.copysign(tiny, bar)
+    eta = np.zeros(1) if on_f else natural.eta(np.array([face > 0]))
+    crossed, rises = face * z < 0.0, face * p >= 0.0
+    rise = Rise(states.disk, _onto_f(states, bar, eta, face), crossed)
+    if rise.upright:
+        return PendulumMotion(states.disk, rise, face, side, rises)
+    return LimitMotion(states.disk, rise, bar, face, side, rises)
+
+
+def _onto_f(states: States, sigma3_bar: float, eta: Array, face: int) -> Motions:
+    """The motion on F with the energy of a state, at its tilt; eta: by which it misses F."""
+    disk, b, (q, z, p, _, _) = states.disk, states.disk.body, states.rows
+    chart, bar = line_chart(disk, q, face * z), np.array([sigma3_bar])
+    (sigma3, sigma4), (off3, off4) = chart.rates(bar, 0.0), chart.rates(0.0, disk.eta_to_eta_hat(eta))
+    freed = b.I1 * off3 * (2.0 * sigma3 + off3) / (q * q) + b.J * off4 * (2.0 * sigma4 + off4)
+    speed = np.sqrt(np.maximum(p * p + b.inv_M * freed, 0.0))  # what could fall has the energy, up to rounding
+    rows = Rows(q, z, speed, sigma3 / q, face * sigma4)
+    plus = np.array([face > 0])
+    own = face * z >= 0.0
+    return motions_through(disk, rows, linear_constants(disk, bar, np.zeros(1), plus), plus == own)
 
 
 def warn_of_move(limit: AnyLimit, level: int) -> None:

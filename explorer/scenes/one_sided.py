@@ -17,10 +17,10 @@ import numpy as np
 from explorer.errors import InputError
 from explorer.measure import statistics
 from explorer.measure.sampling import Box, Range, chunk_stream
+from explorer.motion import limit_motions
 from explorer.motion.plan import plan
 from explorer.motion.trajectories import trajectories
 from explorer.motion.trials import MotionTrial, even_times
-from explorer.phase import membership
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 from explorer.portrait.both_sides import (
@@ -153,8 +153,7 @@ class OneSided(Scene):
 
     @property
     def kernels(self) -> tuple[str, ...]:
-        on_f = ("falling.on_f_batch", "point.point_batch")
-        return *membership.KERNELS, *on_f, *plan(QUANTITIES, self.accuracy, self.method).motions
+        return *limit_motions.KERNELS, *plan(QUANTITIES, self.accuracy, self.method).motions
 
     @property
     def kernels_of_figures(self) -> tuple[str, ...]:

@@ -119,7 +119,7 @@ def steepest(q: float, ratio: float, sigma4: float, energy: float, inward: bool,
     rate = grown * REACH
     rho = _GROWN * (abs(ratio) + b.k * rate * abs(sigma4)) / (1.0 - _GROWN * b.c * rate * rate)
     most = math.sqrt(2.0 * energy / b.I1)
-    bounded = rho if (rho > 0.0) & (rho < most) else most
+    bounded = rho if (rho >= 0.0) & (rho < most) else most
     spin = min(abs(sigma4) + rate * bounded * b.inv_J, math.sqrt(2.0 * energy * b.inv_J))
     turn = grown * spin
     of_spin = 2.0 * b.I3 * bounded * turn + b.J * b.k * turn * turn

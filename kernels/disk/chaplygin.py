@@ -131,17 +131,6 @@ def whole_solutions(S: float, log_S: float, c: float, whole: Whole) -> Solutions
 
 
 @device
-def slope_excess(S: float, series: Matrix) -> float:
-    """(rho' - 1) / S: what is left of rho' above its value at flat, without cancellation."""
-    x = 2.0 * S - 1.0
-    n = series.shape[1] - 1
-    total = series[4, n]
-    for j in range(n - 1, -1, -1):
-        total = total * x + series[4, j]
-    return total
-
-
-@device
 def sigma_from_constants(face: float, X: float, Y: float, f: Solutions, k: float) -> tuple[float, float]:
     """(sigma3, sigma4) from (X, Y) at a point of the hemisphere `face`. Needs I3 > 0."""
     return X * f.rho + Y * f.D, face * (X * f.drho + Y * f.dD) / k

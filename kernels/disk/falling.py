@@ -31,13 +31,13 @@ _MERGING = 1e-7
 FALLS_BACK, PASSES, UNDECIDED = 0, 1, 2
 
 
-class OnF(NamedTuple, Generic[Entry]):
+class OnF(NamedTuple):
     """One point of a motion on F (face +1): sigma3/q^2, sigma4, V, dV/dphi."""
 
-    turn: Entry
-    sigma4: Entry
-    V: Entry
-    dV: Entry
+    turn: float
+    sigma4: float
+    V: float
+    dV: float
 
 
 class Tilt(NamedTuple):
@@ -128,7 +128,7 @@ rates_on_f, contracted_rates_on_f = both_devices(_rates_on_f)
 
 
 @subroutine
-def on_f(q: float, z: float, X: float, disk: Disk) -> OnF[float]:
+def on_f(q: float, z: float, X: float, disk: Disk) -> OnF:
     """The motion with eta_+ = 0 where cos phi = q, sin phi = z. Needs I3 > 0. Eqs (3.8), (5.9)."""
     b = disk.body
     S, log_S = depth_below_vertical(q, z)
@@ -238,13 +238,6 @@ def critical_X2_batch(phi: Vector, disk: Disk, out: Vector) -> None:
     """critical_X2 at every phi < 0."""
     for i in range(phi.size):
         out[i] = critical_X2(phi[i], disk)
-
-
-@kernel
-def on_f_batch(theta: Vector, X: float, disk: Disk, out: Matrix) -> None:
-    """theta (n) in (0, pi) -> out (4, n): the motion with eta_+ = 0, rows as OnF."""
-    for i in range(theta.size):
-        put(on_f(math.sin(theta[i]), math.cos(theta[i]), X, disk), out, i)
 
 
 @subroutine

@@ -7,7 +7,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 NUMERICAL = {
-    "kernels": ("kernels/disk", "kernels/integrals", "kernels/steps"),
+    "kernels": ("kernels/arcs", "kernels/disk", "kernels/near_flat", "kernels/steps"),
     "explorer": ("explorer/phase", "explorer/motion", "explorer/measure", "explorer/portrait"),
 }
 APPLICATION = ("explorer/runs", "explorer/scenes")

@@ -15,6 +15,29 @@ def test_the_normal_force_of_the_papers_own_scenes_falls_below_zero(name, least)
     assert np.isinf(found.max_friction[0])
 
 
+@pytest.mark.parametrize(("sigma3_bar", "eta_hat", "speed"), [(0.3, 0.1, 1.0), (1.4, 0.05, 0.2), (-0.9, 0.3, 0.6)])
+def test_the_extremes_are_those_along_the_motion(sigma3_bar, eta_hat, speed):
+    """As integrated, with the forces that the field gives, down and up again to the vertical."""
+    disk = BODIES["uniform"]
+    found = ex.passage_forces(disk, sigma3_bar, eta_hat, speed)
+    (way,) = ex.portrait.contact_forces(disk, [eta_hat], sigma3_bar, speed)
+    beyond = np.flatnonzero(way.theta[1:] >= 0.5 * np.pi)
+    here = slice(0, 1 + beyond[0] if beyond.size else None)
+    normal, friction = way.normal[here], way.friction[here]
+    assert found.min_normal_force[0] == pytest.approx(normal.min(), rel=2e-3)
+    if np.isnan(friction).any():
+        assert found.max_friction[0] == np.inf
+    else:
+        assert found.max_friction[0] == pytest.approx(friction.max(), rel=2e-3)
+
+
+def test_a_fast_start_is_pressed_down_least_at_the_vertical_and_no_further():
+    """There the contact bears the weight less what holds the centre on its circle: 1 - speed^2."""
+    disk, speed = BODIES["uniform"], 3.0
+    found = ex.passage_forces(disk, 0.05, disk.eta_to_eta_hat(0.5), speed)
+    assert found.min_normal_force[0] == pytest.approx(1.0 - speed**2, rel=1e-12)
+
+
 def test_a_calm_passage_stays_on_the_table():
     found = ex.passage_forces(BODIES["uniform"], 0.05, 0.3, 0.2)
     assert 0.0 < found.min_normal_force[0] < 1.0

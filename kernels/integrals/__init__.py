@@ -1,1 +1,0 @@
-"""Motion as integrals over the tilt: passages, periods and contact forces by quadrature."""
