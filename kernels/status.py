@@ -50,8 +50,10 @@ _TEXTS = {
         "Go on from there by `limit_motion`, once for each side.",
     ),
     Status.BAD_INPUT: (
-        "The numbers given are no state: not finite, too large, already flat, or a face other than +1 and -1.",
-        "Give finite numbers below 1e100 natural units, -pi/2 < phi < pi/2 and a speed towards flat of 0 or more.",
+        "The numbers given are no state (not finite, too large, already flat, a face other than +1 and -1), or "
+        "start a passage with whose energy no motion falls flat.",
+        "Give finite numbers below 1e100 natural units, -pi/2 < phi < pi/2 and a speed towards flat of 0 or more, "
+        "enough to come near it.",
     ),
     Status.STEP_LIMIT: (
         "The work allowed ended before the event or the accuracy asked: a slow start, or an equilibrium near.",

@@ -64,13 +64,13 @@ def arcs_between(
     inner: "compiled.turning_points.Place[Array]",
     outer: "compiled.turning_points.Place[Array]",
 ) -> Array:
-    """Arcs (15, n) of motions between two of their places, rows as `compiled.rules.Arcs`."""
-    ends = [row for at in (inner, outer) for row in (at.r, at.w, at.sigma3, at.sigma4, at.K, at.slow)]
+    """Arcs (17, n) of motions between two of their places, rows as `compiled.rules.Arcs`."""
+    ends = [row for at in (inner, outer) for row in (at.r, at.w, at.sigma3, at.sigma4, at.K, at.slow, at.error)]
     return np.stack([X, Y, length, *ends])
 
 
 def integrals(disk: Disk, arcs: Array, crest: Array, accuracy: float) -> Array:
-    """Integrals (5, n) along arcs (15, n), rows as ArcRow.
+    """Integrals (5, n) along arcs (17, n), rows as ArcRow.
 
     crest: the distance from the outer end at which a motion is slow on its way, NaN where it is not.
     """
@@ -131,14 +131,14 @@ def _cut(
     """Cut some arcs at distances d from their outer ends; slow: whether the motion is, where they are cut."""
     arc = compiled.rules.Arcs(*arcs.take(rows, 1))
     inner = compiled.turning_points.Starts(*arc[:2], arc.K_in, *arc[3:7])
-    outer = compiled.turning_points.Starts(*arc[:2], arc.K_out, *arc[9:13])
+    outer = compiled.turning_points.Starts(*arc[:2], arc.K_out, *arc[10:14])
     here = np.where(d <= 0.5 * arc.L, places(disk, outer, d, True), places(disk, inner, arc.L - d, False))
     at = compiled.turning_points.Place(*here)
     slowness = at.slow if slow else np.full(d.size, np.inf)
-    cut = np.stack([at.r, at.w, at.sigma3, at.sigma4, at.K, slowness])
+    cut = np.stack([at.r, at.w, at.sigma3, at.sigma4, at.K, slowness, at.error])
     upper, lower = arcs.take(rows, 1), arcs.take(rows, 1)
-    upper[2], upper[3:9] = d, cut
-    lower[2], lower[9:15] = arc.L - d, cut
+    upper[2], upper[3:10] = d, cut
+    lower[2], lower[10:17] = arc.L - d, cut
     kept = arcs.copy()
     kept[:, rows] = upper
     return np.hstack([kept, lower]), np.append(owner, owner[rows])

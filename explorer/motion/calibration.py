@@ -38,12 +38,11 @@ _FEWEST = 4  # rows above rounding; the method's order is taken from the last th
 
 @dataclass(frozen=True)
 class Curve:
-    """One method, from coarse to fine: setting (step or tolerance), 99th percentile of the error, field
-    evaluations and nanoseconds per passage; and the error below which it is one of rounding."""
+    """One method, from coarse to fine: setting (step or tolerance), 99th percentile of the error and
+    nanoseconds per passage; and the error below which it is one of rounding."""
 
     setting: Array
     error: Array
-    evaluations: Array
     nanoseconds: Array
     rounding: float
 
@@ -67,12 +66,10 @@ class Curve:
         settings: Array = np.exp(np.maximum(continued, np.where(beyond, min(finest, of_rounding), finest)))
         return settings
 
-    def cost(self, target: float) -> tuple[float, float]:
-        """(nanoseconds, field evaluations) per passage at that setting."""
+    def cost(self, target: float) -> float:
+        """Nanoseconds per passage at that setting."""
         here, order = np.log(self.at(target)), np.log(self.setting)[::-1]
-        evaluations = np.interp(here, order, np.log(self.evaluations)[::-1])
-        nanoseconds = np.interp(here, order, np.log(self.nanoseconds)[::-1])
-        return float(np.exp(nanoseconds)), float(np.exp(evaluations))
+        return float(np.exp(np.interp(here, order, np.log(self.nanoseconds)[::-1])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +97,7 @@ class Calibration:
 def _cheapest(known: Calibration, methods: tuple[str, ...], target: float) -> str:
     curves = known.motions or known.curves
     able = [m for m in methods if curves[m].error.min() * SAFETY <= target] or list(methods)
-    return min(able, key=lambda method: curves[method].cost(target)[0])
+    return min(able, key=lambda method: curves[method].cost(target))
 
 
 @lru_cache(maxsize=256)
@@ -155,8 +152,8 @@ def _curves(name: str, rows_of: Any) -> dict[str, Curve]:
 def _columns(method: str, rows: Any) -> Array:
     """The rows of a method as columns. Raises ValueError where they are no such numbers."""
     columns = column(method, rows).T
-    if columns.ndim != 2 or columns.shape[0] != 4 or not (np.isfinite(columns) & (columns > 0.0)).all():
-        raise ValueError(f"rows of {method} must be four positive numbers each")
+    if columns.ndim != 2 or columns.shape[0] != 3 or not (np.isfinite(columns) & (columns > 0.0)).all():
+        raise ValueError(f"rows of {method} must be three positive numbers each")
     return columns
 
 
@@ -166,8 +163,7 @@ def _curve(name: str, columns: Array, rounding: float) -> Curve:
         raise ValueError(f"rows of {name} must go from coarse to fine, {_FEWEST} or more above rounding")
     if not (columns[1][-1] < columns[1][0] and resolved[-1] < resolved[:-2].min()):
         raise ValueError(f"errors of {name} do not fall")
-    setting, error, evaluations, nanoseconds = columns
-    return Curve(setting, error, evaluations, nanoseconds, rounding)
+    return Curve(*columns, rounding)
 
 
 def store(table: dict[str, Any]) -> Path:

@@ -43,7 +43,8 @@ class Periods(Result):
     energy : array
         Energy.
     error_estimate : array
-        Of the angles (rad) and of the period (relative), whichever is larger.
+        Of the angles (rad) and of the period (relative), whichever is larger. Of theta_min (relative) as well
+        where `eta_hat` is known; that of a state in doubles is to some 1e-16, and theta_min to as large a share.
     status : array of int8
         `Status` of each state.
     states : States

@@ -148,11 +148,10 @@ class Plan:
             microseconds = calibration.current().quadrature / 1000
             return f"about {microseconds:.1f} microseconds per passage, the same at every distance from F"
         measured = calibration.current()
-        nanoseconds, evaluations = measured.curves[self.method].cost(self.accuracy)
-        work = f"about {evaluations:.0f} evaluations of the field and {nanoseconds / 1000:.1f} microseconds"
+        microseconds = measured.curves[self.method].cost(self.accuracy) / 1000
         return (
-            f"{work} per passage in lanes, more near F, like the logarithm of the distance ({measured.origin}); "
-            "several times that for motions in time"
+            f"about {microseconds:.1f} microseconds per passage in lanes, more near F, like the logarithm of the "
+            f"distance ({measured.origin}); several times that for motions in time"
         )
 
 

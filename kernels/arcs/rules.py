@@ -57,6 +57,8 @@ _OUTER = END_ROWS
     _L,
     _K_IN,
     _K_OUT,
+    _SIZE_IN,
+    _SIZE_OUT,
     _SLOW,
     _LENGTH,
     _TIME,
@@ -70,8 +72,8 @@ _OUTER = END_ROWS
     _OLDER_TIME,
     _OLDER_CHI,
     _OLDER_PSI,
-) = range(2 * END_ROWS * LANES, (2 * END_ROWS + 18) * LANES, LANES)
-_ROWS = (2 * END_ROWS + 18) * LANES
+) = range(2 * END_ROWS * LANES, (2 * END_ROWS + 20) * LANES, LANES)
+_ROWS = (2 * END_ROWS + 20) * LANES
 
 
 class Rule(NamedTuple):
@@ -93,7 +95,8 @@ class Rule(NamedTuple):
 class Arcs(NamedTuple):
     """Arcs (n): constants of the motion, length in x; both ends as in `turning_points.Starts`, with K there.
 
-    slow_in, slow_out: the distance beyond an end of the next zero of K, inf where none is near.
+    slow_in, slow_out: the distance beyond an end of the next zero of K, inf where none is near. error_in,
+    error_out: of K from rounding, where it is not 0.
     """
 
     X: Vector
@@ -105,12 +108,14 @@ class Arcs(NamedTuple):
     sigma4_in: Vector
     K_in: Vector
     slow_in: Vector
+    error_in: Vector
     r_out: Vector
     w_out: Vector
     sigma3_out: Vector
     sigma4_out: Vector
     K_out: Vector
     slow_out: Vector
+    error_out: Vector
 
 
 class ArcRow(NamedTuple, Generic[Entry]):
@@ -192,6 +197,9 @@ def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -
         j = rows[min(first + i, n - 1)]
         A[_X + i], A[_Y + i], A[_L + i] = arcs.X[j], arcs.Y[j], arcs.L[j]
         A[_K_IN + i], A[_K_OUT + i] = arcs.K_in[j], arcs.K_out[j]
+        # The size of what K was found from; a turning point is where K is 0, and no farther off.
+        A[_SIZE_IN + i] = arcs.error_in[j] / _ROUNDING if arcs.K_in[j] > 0.0 else 0.0
+        A[_SIZE_OUT + i] = arcs.error_out[j] / _ROUNDING if arcs.K_out[j] > 0.0 else 0.0
         slow = min(arcs.slow_in[j], arcs.slow_out[j])
         length = arcs.L[j] / slow  # 0 without a slow end; below, its asinh
         A[_SLOW + i], A[_LENGTH + i] = slow, math.asinh(length)
@@ -229,7 +237,8 @@ def add_node(A: Vector, i: int, j: int, rule: Rule, inside: bool, slow: bool, b:
     turn = P.z * P.ratio - P.q * P.sigma4
     time, chi, psi = ds * P.q, ds * P.ratio, ds * turn
     weight, coarse, coarser = rule.weight[j], rule.coarse[j], rule.coarser[j]
-    noise = weight * ds * (P.size + abs(P.rise + K)) * inv_K
+    size = P.size + abs(P.rise + K) + (A[_SIZE_IN + i] if inside else A[_SIZE_OUT + i])
+    noise = weight * ds * size * inv_K
     A[_TIME + i] += weight * time
     A[_CHI + i] += weight * chi
     A[_PSI + i] += weight * psi

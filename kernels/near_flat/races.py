@@ -109,6 +109,8 @@ def measure(W: Vector, terms: Terms) -> None:
     for i in range(LANES):
         code, error, fall_error = W[_STATUS * LANES + i], W[_ERROR * LANES + i], W[_FALL_ERROR * LANES + i]
         ok, fallen = code == _OK, code == _FALLS
+        # With the energy of such a passage nothing falls: it has no race.
+        lacks = (ok | fallen) & (not W[_LEVEL * LANES + i] > 0.0)
         # The fall angle is a part of the race angle, and all there is of a fall.
         part = fall_error if fallen else 2.0 * fall_error
         error = error if ok & (error > part) else part
@@ -116,7 +118,7 @@ def measure(W: Vector, terms: Terms) -> None:
         allowed = max(terms.allowed, terms.floor * (1.0 + W[_FALL_TIME * LANES + i]), terms.rounding * turned)
         missed = (ok | fallen) & (not error <= allowed)
         W[_ERROR * LANES + i] = error
-        W[_STATUS * LANES + i] = _LIMIT if missed else code
+        W[_STATUS * LANES + i] = _BAD if lacks else _LIMIT if missed else code
 
 
 @subroutine

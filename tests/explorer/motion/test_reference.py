@@ -127,12 +127,12 @@ def test_answers_are_as_right_as_they_say(answer, accuracy):
     assert np.median(estimate / np.fmax(error, 1e-16)) <= CAUTION[accuracy]
 
 
-@pytest.mark.xfail(strict=True, reason="rounding of E - V at a crest is not in the estimate")
-@pytest.mark.parametrize("accuracy", [1e-8, 1e-6])
+@pytest.mark.parametrize("accuracy", [1e-8, 1e-6, 1e-3, 1e-2])
 def test_beside_a_crest_by_a_trillionth_of_the_energy_estimates_hold(accuracy):
-    """An error of 2.4e-6 is called 4e-9 and 2e-8; by 1e-9 and finer it has no answer."""
+    """Rounding of E - V at the crest leaves no more than five digits: so many are answered."""
     found = compared(passages, PASSAGES & ALMOST_ON_CREST, accuracy)
-    assert (found.error <= 3.0 * found.estimate).all()
+    assert np.isfinite(found.estimate).all() == (accuracy >= 1e-3)
+    assert not (found.error > 3.0 * found.estimate).any()
 
 
 def test_limit_motions_have_the_periods_of_falls_and_rises():

@@ -53,7 +53,7 @@ def test_what_is_asked_is_met_by_all_methods(part):
 def test_quadrature_stands_at_its_grades_and_only_where_it_gives_the_answer(traded):
     passages, motions = traded.parts
     found = [row for row in passages.rows if row.method == "quadrature"]
-    assert [row.setting for row in found] == list(trade.GRADES)
+    assert [row.setting for row in found] == list(trade.OF_QUADRATURE)
     assert all(row.p99 <= row.setting for row in found)
     assert not any(row.method == "quadrature" for row in motions.rows)
 
