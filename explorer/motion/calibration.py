@@ -163,7 +163,8 @@ def _curve(name: str, columns: Array, rounding: float) -> Curve:
         raise ValueError(f"rows of {name} must go from coarse to fine, {_FEWEST} or more above rounding")
     if not (columns[1][-1] < columns[1][0] and resolved[-1] < resolved[:-2].min()):
         raise ValueError(f"errors of {name} do not fall")
-    return Curve(*columns, rounding)
+    setting, error, nanoseconds = columns
+    return Curve(setting, error, nanoseconds, rounding)
 
 
 def store(table: dict[str, Any]) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.motion.arcs import from_place, next_inward, places
 from explorer.motion.parts import BLOCK, blocks
-from explorer.motion.passages_by_quadrature import from_vertical
+from explorer.motion.passages_by_quadrature import from_vertical as motions_at_vertical
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
@@ -19,7 +20,7 @@ from explorer.phase.states import Array
 
 KERNELS = "turning_points.inward_batch", "turning_points.point_batch"  # for `compiled.warmup`
 _POINTS = 400  # of a passage at which forces are looked at
-_NEAR = 10.0  # in x: half of them lie as near the turning point, half as near the vertical
+_NEAR = 20.0  # in y: half of them lie within half of it from the turning point, half from the vertical
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -105,19 +106,27 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
 
 @np.errstate(all="ignore")  # of what has no passage, and overflows
 def _extremes(disk: Disk, starts: Starts) -> Array:
-    """Least normal forces and largest friction (2, n), on a grid that is as fine at both ends of the way."""
-    crossing = from_vertical(disk, starts.natural(disk)).starts
+    """Least normal forces and largest friction (2, n), on a grid in y, h = 2 sin(theta/2) = h_turn cosh y."""
+    crossing = motions_at_vertical(disk, starts.natural(disk)).starts
     turning = next_inward(disk, crossing)
-    share = np.linspace(0.0, 1.0, _POINTS // 2)
-    length = np.fmin(_NEAR, 0.5 * turning.d)
+    below = np.linspace(0.0, 0.5, _POINTS // 2, endpoint=False)
+    above = np.linspace(0.5, 0.0, _POINTS // 2 + 1)
+    h = 2.0 * turning.r[:, None] / np.sqrt(1.0 + turning.r[:, None] ** 2)
+    end = np.arccosh(np.fmax(math.sqrt(2.0) / h, 1.0))
+    span = np.fmin(_NEAR, end)
+    risen = np.sinh(span * below) ** 2
+    from_turning = 0.5 * (np.log1p(risen) - np.log1p(-0.25 * h * h * risen / (1.0 - 0.25 * h * h)))
+    far = h * np.cosh(end - span * above)
+    from_vertical = np.fmax(np.log(2.0 / far) + 0.5 * np.log1p(-0.25 * far * far), 0.0)
     here = []
     for start, d, inward in (
-        (crossing, np.multiply.outer(length, share), True),
-        (from_place(crossing.X, crossing.Y, turning), np.multiply.outer(length, share * share), False),
+        (crossing, from_vertical, True),
+        (from_place(crossing.X, crossing.Y, turning), from_turning, False),
     ):
-        each = compiled.turning_points.Starts(*(np.repeat(column, share.size) for column in start))
-        here.append(_forces(disk, compiled.turning_points.Place(*places(disk, each, d.ravel(), inward))))
-    normal, friction = np.concatenate([forces.reshape(2, -1, share.size) for forces in here], axis=2)
+        each = compiled.turning_points.Starts(*(np.repeat(column, d.shape[1]) for column in start))
+        found = _forces(disk, compiled.turning_points.Place(*places(disk, each, d.ravel(), inward)))
+        here.append(found.reshape(2, *d.shape))
+    normal, friction = np.concatenate(here, axis=2)
     return np.stack([normal.min(axis=1), friction.max(axis=1)])
 
 

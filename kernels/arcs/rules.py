@@ -1,4 +1,4 @@
-"""Integrals over arcs by one family of rules: Clenshaw and Curtis's, doubled until the estimate allows.
+"""Integrals over arcs by one family of rules: Clenshaw and Curtis's, with more nodes until the estimate allows.
 
 In a variable in which the roots at turning points are gone, integrands are analytic, and the error is squared
 where the nodes are doubled:
@@ -321,8 +321,8 @@ def pick(kind: int, kinds: Longs, arcs: Arcs, digits: float, rows: Longs, sizes:
 def arc_batch(kinds: Longs, arcs: Arcs, accuracy: float, rule: Rule, chart: Chart, out: Matrix) -> None:
     """Every arc of its kind (n) -> out (5, n), rows as ArcRow.
 
-    accuracy: of the angles (rad) and, relative, of the time: nodes are doubled until the estimate allows, or what
-    is best stays, with its error.
+    accuracy: of the angles (rad) and, relative, of the time: more nodes are taken until the estimate allows, or
+    what the last rule gives stays, with its error.
     """
     n = kinds.size
     A, rows, sizes, now = np.zeros(_ROWS), np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64)

@@ -2,7 +2,7 @@
 
 From a point with K > 0, K' and a bound B of V'', K(d + h) >= K + K' h - B h^2/2, so that up to the root of that
 parabola the motion goes on. Such steps need no bracket, begin from rest (K = 0, K' > 0), and notice crests of V,
-where K' turns from falling to rising. As soon as the bound proves one root near by, Halley's steps find it. Deep
+where K turns from falling to rising. As soon as the bound proves one root near by, Halley's steps find it. Deep
 below, V has one minimum only, and Newton's method in 1/q^2, in which the wall of V is straight, needs three steps.
 """
 

@@ -85,10 +85,9 @@ def test_passages_by_quadrature(benchmark, work):
     assert (status == 0).all()
     apart = abs(found[1] - got.delta_chi)
     assert (apart <= found[5] + got.error_estimate).all()
-    # From 1e-3 to 1e-1 of |eta_hat|: beyond, the rules take of the accuracy asked what they may.
     middling = (abs(start[1]) >= 1e-3) & (abs(start[1]) <= 0.1)
     p99 = float(np.percentile(apart[middling], 99))
-    assert 1e-11 <= p99 <= 1e-9
+    assert p99 <= 1e-9
     finest = ex.passages(disk, *start, accuracy=1e-11)
     answered = middling & (finest.status == 0)
     assert answered.sum() > 0.999 * middling.sum()

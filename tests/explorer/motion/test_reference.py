@@ -91,14 +91,15 @@ def bounces(disk, motions, accuracy, number=0):
     return errors, np.where(ok, column["error_estimate"], np.nan), [chi, psi]
 
 
-# How many motions have no answer, by accuracy. Passages: those without a limit motion, from which a race is
-# measured. Periods and bounces: four that are on F of the other face to rounding, and one of 80 s beside the
-# vertical. Bounces: narrow wobbles, since rounding of the state leaves open when they are flattest; motions that
-# turn by thousands of radians, whose times rounding leaves open; and those near flat where it does so with E - V_0
-# and the fall angle. A fall: of a body with I3/I1 = 1e-6.
+# How many motions have no answer, by accuracy. Passages: two without a limit motion, from which a race is
+# measured, and one beside a crest, where rounding of E - V leaves no more than ten digits. Falls: of bodies with
+# I3/I1 = 1e-6, which spin by thousands of radians. Periods and bounces: four that are on F of the other face to
+# rounding, and one of 80 s beside the vertical. Bounces: narrow wobbles, since rounding of the state leaves open
+# when they are flattest; motions that turn by thousands of radians, whose times rounding leaves open; and those
+# near flat where it does so with E - V_0 and the fall angle.
 REFUSED = {
-    passages: (2, 2, 2, 2),
-    falls: (1, 0, 0, 0),
+    passages: (3, 2, 2, 2),
+    falls: (2, 0, 0, 0),
     periods: (5, 5, 4, 4),
     bounces: (58, 30, 15, 4),
 }
@@ -136,16 +137,13 @@ def test_beside_a_crest_by_a_trillionth_of_the_energy_estimates_hold(accuracy):
 
 
 def test_limit_motions_have_the_periods_of_falls_and_rises():
-    """A fall to flat, the jump there, the way to the other face, and back.
-
-    The rise is found from differences of energies, which lose digits where sigma4 at flat is of the size of 1/I3.
-    """
-    for rows in of_one_body(FALLS & (MOTIONS["I3"] >= 1e-4)):
+    """A fall to flat, the jump there, the way to the other face, and back."""
+    for rows in of_one_body(FALLS):
         for motions in (MOTIONS[[row]] for row in rows):
             disk = ex.Disk(I1=motions["I1"][0], I3=motions["I3"][0])
             limit = ex.limit_motion(states_of(disk, motions))
             assert limit.face == motions["face"]
-            assert limit.period == pytest.approx(whole(motions, "duration")[0], rel=3e-9)
+            assert limit.period == pytest.approx(whole(motions, "duration")[0], rel=1e-11)
             assert limit.chi_per_period == pytest.approx(whole(motions, "chi")[0] + disk.race_limit, abs=3e-9)
 
 

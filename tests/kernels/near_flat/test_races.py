@@ -82,9 +82,10 @@ def test_lanes_give_what_columns_give_to_the_last_digit():
     part = np.where(fallen, falls.error, 2.0 * falls.error)
     error = np.where(ok & (ways.error > part), ways.error, part)
     late = terms.floor * (1.0 + falls.time)
-    missed = (ok | fallen) & ~(error <= np.where(late > terms.allowed, late, terms.allowed))
-    status = np.where(missed, code.STEP_LIMIT, ways.status)
-    ok, fallen, side = ok & ~missed, fallen & ~missed, np.sign(ways.eta)
+    lacks = (ok | fallen) & ~(falls.level > 0.0)
+    missed = (ok | fallen) & ~lacks & ~(error <= np.where(late > terms.allowed, late, terms.allowed))
+    status = np.where(lacks, code.BAD_INPUT, np.where(missed, code.STEP_LIMIT, ways.status))
+    ok, fallen, side = ok & ~missed & ~lacks, fallen & ~missed & ~lacks, np.sign(ways.eta)
     with np.errstate(invalid="ignore"):
         speed = np.sqrt(2.0 * falls.level / M) * units.rate
     plain = races.RaceRow(
