@@ -82,12 +82,18 @@ def beyond(vertical: "compiled.turning_points.Place[Array]") -> "compiled.turnin
 
 
 def orbits_of(
-    disk: Disk, motions: Motions, ends: Ends, accuracy: float, there: NDArray[np.bool_] | bool, lead: bool
+    disk: Disk,
+    motions: Motions,
+    ends: Ends,
+    accuracy: float,
+    there: NDArray[np.bool_] | bool,
+    lead: bool,
+    tables: bool = True,
 ) -> Orbits:
     """The ways of motions between their ends.
 
     there: whether the way on the other face is asked for, where a motion comes there; lead: that from the state.
-    What is not is NaN.
+    What is not is NaN. tables: whether those of the disk may serve ways from the vertical; else arcs alone.
     """
     rule, n = compiled.rules.ArcRow, ends.crosses.size
     here, back, ahead = (np.full((len(rule._fields), n), np.nan) for _ in range(3))
@@ -100,8 +106,17 @@ def orbits_of(
     of_arc = _OF_ARC * accuracy
 
     def ways(of: NDArray[np.intp], constant: Array, length: Array, low: Any, high: Any, crest: Array) -> Array:
-        arcs = arcs_between(X[of], constant[of], length[of], some(low, of), some(high, of))
-        return integrals(disk, arcs, crest[of], of_arc)
+        out, left = np.empty((len(rule._fields), of.size)), np.ones(of.size, np.bool_)
+        upright = np.flatnonzero((high.w[of] == 0.0) & (high.K[of] > 0.0))
+        if tables and disk.tables and upright.size:
+            rows = of[upright]
+            out[:, upright] = _by_tables(disk, X[rows], constant[rows], high.K[rows])
+            row = rule(*out[:, upright])
+            left[upright] = ~((row.angle_error <= of_arc) & (row.time_error <= of_arc * row.time))
+        rows = of[left]
+        arcs = arcs_between(X[rows], constant[rows], length[rows], some(low, rows), some(high, rows))
+        out[:, left] = integrals(disk, arcs, crest[rows], of_arc)
+        return out
 
     state, inner, outer, vertical, far, crosses = ends
     # At most one crest lies on the way, on one or on the other side of the state.
@@ -122,6 +137,16 @@ def orbits_of(
         else:  # where the vertical lies in a well is not known as well as the well
             here[:, rows], back[:, rows] = whole, 0.0
     return Orbits(rule(*here), rule(*back), rule(*ahead))
+
+
+def _by_tables(disk: Disk, X: Array, Y: Array, K: Array) -> Array:
+    """Ways (5, n), rows as ArcRow, between the vertical and flattest; NaN errors where tables do not serve."""
+    b, n = disk.body, X.size
+    out = np.empty((len(compiled.passages.PassageRow._fields), n))
+    crossings = compiled.passages.Crossings(X * b.r0, Y * b.I1, np.sqrt(2.0 * b.inv_M * K))
+    compiled.passages.passage_batch(crossings, disk.tables[-1], disk.natural, out)
+    both = compiled.passages.PassageRow(*out)
+    return 0.5 * np.stack([both.time, both.chi, both.psi, both.time_error * both.time, both.angle_error])
 
 
 def _wobbles(disk: Disk, motions: Motions, ends: Ends, rows: NDArray[np.intp]) -> tuple[Array, ...]:

@@ -65,7 +65,7 @@ def as_arcs(
     kept = np.flatnonzero(~missed)
     motions = motions.at(kept)
     ends = ends_of(disk, motions)
-    lead, inner = orbits_of(disk, motions, ends, accuracy, False, True).lead, ends.inner
+    lead, inner = orbits_of(disk, motions, ends, accuracy, False, True, False).lead, ends.inner
     with np.errstate(divide="ignore"):  # of motions that do not come this way
         way = 0.5 * inner.sigma3 * (1.0 + inner.r * inner.r) / inner.r
         found = compiled.passages.PassageRow(
