@@ -23,7 +23,7 @@ _TITLES = {
     Question.HOW_GOOD,
     "What accuracy costs, for each method at many settings: the time of a sample on one core against the 99th "
     "percentile of its error. Lower and further right is better. The band joins the integrators that no other "
-    "beats; the stars are quadrature at its grades.",
+    "beats; the stars are quadrature at several accuracies.",
 )
 def work_precision(measured: Measured, ax: Axes | None = None, **look: Any) -> Axes:
     """Draw time per sample against the 99th percentile of the error, a line per method, the front in grey.
