@@ -151,7 +151,7 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
 def bounce_kernels() -> tuple[str, ...]:
     """The kernels of `bounces`, for `compiled.warmup`."""
     own = "turning_points.orbit_batch", "turning_points.inward_batch", "nutation.well_batch"
-    return "algebra.constants_batch", "falling.line_chart_batch", *own, *KERNELS
+    return "algebra.constants_batch", "falling.line_chart_batch", "passages.passage_batch", *own, *KERNELS
 
 
 class _Pairs(NamedTuple):
