@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.motion.arcs import from_place, next_inward, places
 from explorer.motion.parts import BLOCK, blocks
-from explorer.motion.passages_by_quadrature import from_vertical as motions_at_vertical
+from explorer.motion.passages_by_quadrature import from_vertical
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
@@ -107,7 +107,7 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
 @np.errstate(all="ignore")  # of what has no passage, and overflows
 def _extremes(disk: Disk, starts: Starts) -> Array:
     """Least normal forces and largest friction (2, n), on a grid in y, h = 2 sin(theta/2) = h_turn cosh y."""
-    crossing = motions_at_vertical(disk, starts.natural(disk)).starts
+    crossing = from_vertical(disk, starts.natural(disk)).starts
     turning = next_inward(disk, crossing)
     below = np.linspace(0.0, 0.5, _POINTS // 2, endpoint=False)
     above = np.linspace(0.5, 0.0, _POINTS // 2 + 1)
@@ -115,13 +115,13 @@ def _extremes(disk: Disk, starts: Starts) -> Array:
     end = np.arccosh(np.fmax(math.sqrt(2.0) / h, 1.0))
     span = np.fmin(_NEAR, end)
     risen = np.sinh(span * below) ** 2
-    from_turning = 0.5 * (np.log1p(risen) - np.log1p(-0.25 * h * h * risen / (1.0 - 0.25 * h * h)))
+    above_turning = 0.5 * (np.log1p(risen) - np.log1p(-0.25 * h * h * risen / (1.0 - 0.25 * h * h)))
     far = h * np.cosh(end - span * above)
-    from_vertical = np.fmax(np.log(2.0 / far) + 0.5 * np.log1p(-0.25 * far * far), 0.0)
+    below_vertical = np.fmax(np.log(2.0 / far) + 0.5 * np.log1p(-0.25 * far * far), 0.0)
     here = []
     for start, d, inward in (
-        (crossing, from_vertical, True),
-        (from_place(crossing.X, crossing.Y, turning), from_turning, False),
+        (crossing, below_vertical, True),
+        (from_place(crossing.X, crossing.Y, turning), above_turning, False),
     ):
         each = compiled.turning_points.Starts(*(np.repeat(column, d.shape[1]) for column in start))
         found = _forces(disk, compiled.turning_points.Place(*places(disk, each, d.ravel(), inward)))
