@@ -89,7 +89,7 @@ def test_an_upright_roll_has_the_period_of_its_wobble_where_it_is_stable_and_non
 
 def test_falls_carry_an_error_estimate():
     disk = BODIES["uniform"]
-    got = ex.passages(disk, 1.0, 0.0, [1.0, 1e-3])
+    got = ex.passages(disk, 1.0, 0.0, [1.0, 1e-3], accuracy=1e-9)
     assert (got.status == ex.Status.FALLS).all()
     assert (got.error_estimate < 1e-9).all()
     quick = ex.limit_motion(constants_to_states(disk, 1.0, 0.0, 1.0))
@@ -99,7 +99,7 @@ def test_falls_carry_an_error_estimate():
 def test_a_fall_from_rest_is_not_given_and_one_from_a_hair_beside_is_known():
     """From (sigma3_bar, phidot) = (0, 0) it never leaves; a hair beside, its time is an elliptic integral."""
     disk, phidot = BODIES["uniform"], 1e-12
-    got = ex.passages(disk, [0.0, 0.0], 0.0, [0.0, phidot])
+    got = ex.passages(disk, [0.0, 0.0], 0.0, [0.0, phidot], accuracy=1e-12)
     assert (got.status == [ex.Status.STEP_LIMIT, ex.Status.FALLS]).all()
     assert np.isnan(got.fall_time[0])
     kinetic = 0.5 * disk.body.M * phidot**2
