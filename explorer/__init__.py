@@ -16,10 +16,10 @@ from explorer.lazy import make_lazy
 if TYPE_CHECKING:
     from explorer import plot as plot
     from explorer import portrait as portrait
+    from explorer.commands.calls import plan as plan
+    from explorer.commands.calls import run as run
+    from explorer.commands.calls import trade as trade
     from explorer.commands.cite import cite as cite
-    from explorer.commands.plan import plan as plan
-    from explorer.commands.run import run as run
-    from explorer.commands.trade import trade as trade
     from explorer.compiled import status as _status
     from explorer.errors import CoarseTimesWarning as CoarseTimesWarning
     from explorer.errors import InputError as InputError

@@ -15,7 +15,7 @@ from wandering import resonant_and_paths
 
 import explorer as ex
 from explorer import compiled
-from explorer.commands.trade import trade
+from explorer.commands.calls import trade
 from explorer.motion import calibration
 
 settings.register_profile("nearflat", deadline=None, max_examples=40, derandomize=bool(os.environ.get("CI")))
@@ -154,8 +154,6 @@ def reference_passages():
 
 
 def computed(scene):
-    """All chunks of a scene together, as they come out of a stored run."""
-    from explorer.scenes.base import Chunks
-
-    tables, tallies = zip(*(scene.process(index) for index in range(scene.chunks())), strict=True)
-    return scene.add_up(Chunks((json.loads(json.dumps(tally)) for tally in tallies), iter(tables)))
+    """The counts of all chunks of a scene together, as they come out of a stored run."""
+    states = (json.dumps(scene.chunk(index)[1].state(), allow_nan=False) for index in range(scene.chunks))
+    return sum((scene.tally.of_state(json.loads(state)) for state in states), scene.tally())

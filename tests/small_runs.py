@@ -4,7 +4,7 @@ import numpy as np
 
 from explorer.measure import laws
 from explorer.measure.falling_constant import constant_of
-from explorer.measure.laws import Estimate, Ladder
+from explorer.measure.laws import Estimate
 from explorer.measure.tubes import dimensions, draw_tube
 
 SMALL_RACES = {"samples": 3000, "seed": 5, "eta_hat": "1e-4:1e-2", "chunk_size": 700}
@@ -28,13 +28,11 @@ def coverage(disk, density, runs, draws, seed):
             values += hits.mean(axis=1)
             squares += hits.var(axis=1, ddof=1) / draws
         means[k], errors[k] = values, np.sqrt(squares)
-    dof = np.full(DELTAS.size, 2.0 * draws - 2.0)
     truths = constant.value, 1.0, constant.value * DELTAS[0]
     inside = np.zeros(3)
     for run in range(runs):
-        ladder = Ladder(DELTAS, means[:, run], errors[:, run], dof)
-        first = Estimate(means[0, run], errors[0, run], dof[0])
-        for i, found in enumerate((laws.fit_constant(ladder), laws.fit_slope(ladder), first)):
+        ladder = Estimate(means[:, run], errors[:, run], 2.0 * draws - 2.0)
+        for i, found in enumerate((laws.fit_constant(DELTAS, ladder), laws.fit_slope(DELTAS, ladder), ladder[0])):
             low, high = found.interval()
             inside[i] += low <= truths[i] <= high
     return (inside / runs).tolist()

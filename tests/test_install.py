@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from explorer.commands.demo import demo
+from explorer.commands.demo import Demo
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs" / "tutorials").glob("*.md"))]
@@ -49,7 +49,7 @@ def test_a_plain_install_runs_the_readme_and_the_tutorials(page):
 def test_a_demo_writes_where_git_does_not_look():
     if not (ROOT / ".git").exists():
         pytest.skip("only a clone knows what git ignores")
-    folder = demo.__defaults__[0]
+    folder = Demo().out
     told = subprocess.run(
         ["git", "-C", ROOT, "check-ignore", f"{folder}/README.md"], capture_output=True, text=True
     )

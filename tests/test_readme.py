@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from explorer.commands.main import _parser
+from explorer.commands.main import parser_of
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text("utf-8")
@@ -28,7 +28,8 @@ def test_the_readme_has_the_two_lines_and_ci_runs_the_second():
 
 @pytest.mark.parametrize("line", COMMANDS)
 def test_every_command_of_the_readme_has_options_that_exist(line):
-    _parser().parse_args(shlex.split(line, comments=True)[1:])
+    name, *words = shlex.split(line, comments=True)[1:]
+    parser_of(name, words).parse_args(words)
 
 
 def test_the_readme_is_a_page_and_not_a_book():

@@ -1,37 +1,39 @@
-"""A scene of one's own: how long is a period of motions that start at the vertical?"""
+"""A scene of one's own: how long is a period of motions that start at the vertical?
 
-from dataclasses import dataclass
-from functools import partial
-from typing import Annotated, ClassVar
+It runs from Python, as below, and by: nearflat run own_scene.py:Periods --speed 1
+"""
 
 import explorer as ex
-from explorer.errors import number
-from explorer.measure.sampling import Box, chunk_stream
-from explorer.scenes.base import SampledScene
-from explorer.scenes.options import Option
+from explorer.scenes import Box, Column, Counts, LogHistogram, SampledScene, Sum, number_from, option
 
 
-@ex.register
-@dataclass(frozen=True, kw_only=True)
+class PeriodCounts(Counts):
+    """What is counted of all samples: fields that add up, from chunk to chunk and from run to run."""
+
+    total: Sum
+    period: LogHistogram
+
+
 class Periods(SampledScene):
     """How long is a period? Of motions that start at the vertical with speeds below a limit."""
 
-    speed: float = 2.0
-    name: ClassVar[str] = "periods"
+    speed: float = option(number_from(0.1), "largest speed at the vertical", default=2.0)
+    tally = PeriodCounts
+    columns = {"phidot": Column("Speed at the vertical.", "rad/time"), "period": Column("Period.", "time")}  # noqa: RUF012
 
-    class Keywords(SampledScene.Keywords, total=False):
-        speed: Annotated[float, Option("--speed", partial(number, low=0.1), "X", "largest speed at the vertical")]
+    def draw(self, random, count):  # initial states of a chunk, from its random stream
+        return Box((0.0, 0.0), (0.1, self.speed), (-1.0, 1.0), (-1.0, 1.0)).draw(random, count)
 
-    def compute(self, index):  # the samples of one chunk, from the random stream of that chunk
-        box = Box((0.0, 0.0), (0.1, self.speed), (-1.0, 1.0), (-1.0, 1.0))
-        states = ex.phi_to_states(self.disk, **box.draw(chunk_stream(self.seed, index), self.length(index)))
-        found = ex.periods(states)
-        return {"phidot": states.phidot, "period": found.period, "status": found.status}
+    def observe(self, drawn):  # what is found of some of them
+        found = ex.periods(ex.phi_to_states(self.disk, **drawn), self.accuracy)
+        return {"phidot": drawn["phidot"], "period": found.period, "status": found.status}
 
-    def tally(self, index, table):  # what a chunk adds to the summary: of all its samples, ready for JSON
+    def count(self, tally, table):  # what is added to the counts
         good = table["period"][table["status"] == 0]
-        return {**super().tally(index, table), "known": good.size, "sum": float(good.sum())}
+        tally.total += Sum(good)
+        tally.period.count(good)
 
-    def summarise(self, total):  # the numbers of the run, from the tallies of all chunks
-        known = sum(tally["known"] for tally in total)
-        return {"samples": self.samples, "known": known, "mean": sum(tally["sum"] for tally in total) / known}
+    def summarise(self, tally):  # the numbers of the run
+        known = tally.period.total
+        mean, median = float(tally.total) / known, tally.period.quantile(0.5)
+        return {**super().summarise(tally), "known": known, "mean": mean, "median": median}

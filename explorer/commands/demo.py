@@ -4,23 +4,25 @@ import argparse
 import json
 import shlex
 import shutil
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from explorer import compiled
-from explorer.commands.common import add_json
+from explorer.commands.common import add_json, given_to
 from explorer.commands.gallery import picture_lines
 from explorer.commands.made_by import FILE, command_of, leave_made_by
 from explorer.errors import InputError, note
 from explorer.motion.plan import method_in_words
 from explorer.phase.paths import path_of
-from explorer.runs.run import Manner, Run, execute
+from explorer.runs.run import Run, execute
+from explorer.runs.settings import asked
 from explorer.runs.side_by_side import SideBySide, exact_of, side_by_side
 from explorer.runs.store import write_json
-from explorer.runs.workers import Workers
-from explorer.scenes.base import SampledScene, Scene
-from explorer.scenes.registry import build_scene
+from explorer.scenes.options import Options, Reader, option, whole_from
+from explorer.scenes.registry import scene_class
+from explorer.scenes.scene import SampledScene, Scene
 
 COMPARED = "side-by-side.json"
 _COMMAND = "nearflat demo"
@@ -42,51 +44,60 @@ _STEPS: tuple[tuple[str, dict[str, Any], str], ...] = (
 _BESIDE = {"falling-set": ("theta_min", True), "race-angles": ("race_angle", False)}
 
 
-def demo(out: Path | str = _OUT, *, jobs: int = 2, seed: int = 0, quiet: bool = True) -> list[Run]:
+class Demo(Options):
+    """Where the demo goes, and how."""
+
+    out: Path = option(Reader(path_of, "DIR", "Path | str"), "folder", default=Path(_OUT))
+    jobs: int = option(whole_from(1, 1024), "threads", default=2)
+    seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
+
+    @property
+    def command(self) -> str:
+        """What makes the same again."""
+        said = [f"--out={self.out}"] if self.out != Path(_OUT) else []
+        return shlex.join([*_COMMAND.split(), *said, *([f"--seed={self.seed}"] if self.seed else [])])
+
+
+def demo(given: Demo, quiet: bool = True) -> list[Run]:
     """Run the three scenes into folders below `out`, which an earlier demo may already fill.
 
-    Raises InputError where `out` holds something else.
+    Raises InputError where it holds something else.
     """
-    workers = Workers(jobs)
-    folder = path_of("--out", out)
-    command = shlex.join(
-        [
-            *_COMMAND.split(),
-            *(["--out", str(out)] if str(out) != _OUT else []),
-            *(["--seed", str(seed)] if seed else []),
-        ]
-    )
-    made = [(build_scene(name, seed=seed, **options), title) for name, options, title in _STEPS]
+    made = [(scene_class(name).of({"seed": given.seed, **options}), title) for name, options, title in _STEPS]
     scenes = [(scene, title_of(scene, title)) for scene, title in made]
-    _clear(folder)
+    _clear(given.out)
     compiled.warmup(_kernels([scene for scene, _ in scenes]), lambda text: note(text, quiet))
     runs: list[Run] = []
     compared: dict[str, SideBySide] = {}
     for scene, title in scenes:
         note(f"\n{title}", quiet)
-        run = execute(scene, folder / scene.name, Manner(workers, "error", quiet, ("png",)))
+        how = {
+            "out": given.out / scene.name,
+            "jobs": given.jobs,
+            "format": "png",
+            "progress": False if quiet else None,
+        }
+        run = execute(asked(scene, how, exist="error"))
         for line in scene.headline(run.summary):
             note(f"  {line}", quiet)
         if scene.name in _BESIDE and isinstance(scene, SampledScene):
             column, relative = _BESIDE[scene.name]
-            compared[scene.name] = side_by_side(scene, column, relative=relative, jobs=workers.jobs)
+            compared[scene.name] = side_by_side(scene, column, relative=relative, jobs=given.jobs)
             for line in compared[scene.name].lines():
                 note(f"  {line}", quiet)
-        if not (folder / FILE).exists():
-            leave_made_by(folder, command)
+        if not (given.out / FILE).exists():
+            leave_made_by(given.out, given.command)
         runs.append(run)
-    write_json(folder / COMPARED, {name: asdict(both) for name, both in compared.items()})
-    (folder / "README.md").write_text(
-        _page(folder, command, runs, [title for _, title in scenes], compared), encoding="utf-8"
-    )
+    write_json(given.out / COMPARED, {name: asdict(both) for name, both in compared.items()})
+    page = _page(given.out, given.command, runs, [title for _, title in scenes], compared)
+    (given.out / "README.md").write_text(page, encoding="utf-8")
     return runs
 
 
 def _kernels(scenes: list[Scene]) -> tuple[str, ...]:
-    """All that the runs, their pictures and their comparisons call, so that everything is compiled at once."""
+    """All that the runs and their comparisons call, so that it is compiled at once."""
     exact = [exact_of(scene) for scene in scenes if scene.name in _BESIDE and isinstance(scene, SampledScene)]
-    names = [name for scene in (*scenes, *exact) for name in scene.kernels]
-    return *names, *(name for scene in scenes for name in scene.kernels_of_figures)
+    return tuple(name for scene in (*scenes, *exact) for name in scene.kernels)
 
 
 def title_of(scene: Scene, title: str) -> str:
@@ -124,18 +135,18 @@ def _page(folder: Path, command: str, runs: list[Run], titles: list[str], compar
     return "\n".join(lines) + "\n"
 
 
-def add_arguments(command: argparse.ArgumentParser) -> None:
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat demo`."""
-    command.add_argument("--out", default=_OUT, metavar="DIR", help=f"folder (default {_OUT})")
-    command.add_argument("--jobs", default=2, metavar="N", help="threads (default 2)")
-    command.add_argument("--seed", default=0, metavar="S", help="seed of the random streams (default 0)")
+    Demo.add_to(command)
     add_json(command)
 
 
 def call(options: argparse.Namespace) -> int:
-    runs = demo(options.out, jobs=options.jobs, seed=options.seed, quiet=options.quiet)
+    """Run it, and say where it is."""
+    given = Demo.of(given_to(Demo, options))
+    runs = demo(given, options.quiet)
     if options.json:
         print(json.dumps({run.scene.name: run.summary for run in runs}))
     else:
-        print(f"Pictures and numbers are in {options.out}; start with {Path(options.out) / 'README.md'}.")
+        print(f"Pictures and numbers are in {given.out}; start with {given.out / 'README.md'}.")
     return 0

@@ -2,6 +2,7 @@
 
 import argparse
 import html
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -114,7 +115,7 @@ def title_of(picture: Path) -> str:
     return f"{above.name}, {picture.stem.replace('-', ' ')}"
 
 
-def add_arguments(command: argparse.ArgumentParser) -> None:
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat gallery`."""
     command.add_argument("folder", nargs="?", default="results", metavar="DIR", help="folder (default results)")
 

@@ -39,7 +39,7 @@ def command_of(folder: Path, picture: str | None = None) -> str:
             content = store.read_json(folder / FILE)
             return str(content["pictures"].get(picture, content["made_by"]))
         record = read_record(folder)
-        scene = record["identity"]["options"].get("scene")
+        scene = record["options"].get("scene")
         return str(record.get("command") or f"ex.run({scene!r}, ...), with the options in run.json")
     except (InputError, RunError, KeyError, TypeError, AttributeError):
         return UNKNOWN

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 from explorer.commands.common import add_json
@@ -12,7 +13,7 @@ from explorer.paper.pages import headline, line_of, one_figure, paper
 from explorer.phase.disk import Disk
 
 
-def add_arguments(command: argparse.ArgumentParser) -> None:
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat paper`."""
     command.add_argument("--only", metavar="NAME", help="one statement, by name or number; nothing is written")
     command.add_argument("--figure", metavar="N", help="one figure, 1 to 9; no statement is checked")

@@ -3,70 +3,64 @@
 import argparse
 import json
 import sys
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from explorer import compiled
-from explorer.commands.common import add_json
+from explorer.commands.common import add_json, given_to
 from explorer.errors import note, number, sign
 from explorer.motion.forces import KERNELS as FORCES
 from explorer.motion.forces import passage_forces
 from explorer.motion.passages import OBSERVABLES, passage_kernels, passages
-from explorer.motion.plan import plan
+from explorer.motion.plan import METHODS, plan
+from explorer.phase.columns import column
 from explorer.phase.disk import Disk
+from explorer.scenes.options import DISK, NUMBER, Options, Reader, option, word_of
 
 _ROUNDING = 1e-12  # of a normal force, m g: a hoop may touch zero
-_UNITS = {
-    "duration": "units of the disk (time)",
-    "fall_time": "units of the disk (time)",
-    "energy": "units of the disk (energy)",
-    "impact_speed": "units of the disk (rate)",
-    "min_normal_force": "m g",
-    "max_friction": "",
-    "error_estimate": "",
-    "face": "",
-}
 _NUMBERS = (
-    "race_angle",
-    "delta_chi",
-    "delta_psi",
-    "fall_angle",
-    "theta_min",
-    "duration",
-    "fall_time",
-    "energy",
-    "impact_speed",
-    "limit",
-    "error_estimate",
+    *("race_angle", "delta_chi", "delta_psi", "fall_angle", "theta_min", "duration", "fall_time"),
+    *("energy", "impact_speed", "limit", "error_estimate"),
 )
-_WORDS = ("status", "method", "model", "disk")
 
 
-class Start(NamedTuple):
-    """A motion at the vertical, in the units of the disk: speed towards the flat state `face`."""
+class Start(Options):
+    """A motion at the vertical."""
 
-    sigma3_bar: float
-    eta_hat: float
-    phidot: float
-    face: int = 1
+    disk: Disk = option(DISK, "as for run", default=Disk.uniform())
+    sigma3_bar: float = option(NUMBER, "sigma3 at the vertical, in the units of the disk", required=True)
+    eta_hat: float = option(
+        NUMBER, "distance beside the falling set, in the units of the disk; 0 is the fall itself", required=True
+    )
+    phidot: float = option(
+        Reader(partial(number, low=0.0), "X", "float | str"),
+        "speed at the vertical towards the flat state, 0 or more, in the units of the disk",
+        required=True,
+    )
+    face: int = option(Reader(sign, "X", "int | str"), "flat state, 1 or -1", default=1)
+    accuracy: float = option(NUMBER._replace(metavar="TOL"), "as for run", default=1e-6)
+    method: str = option(word_of(*METHODS), "as for run", default="auto")
+    window: float | None = option(NUMBER._replace(metavar="Q"), "cos phi at which to start and to stop, 0 to 1")
 
 
-def passage_report(
-    disk: Disk, start: Start, *, method: str = "auto", accuracy: float = 1e-6, window: float | None = None
-) -> dict[str, Any]:
+def passage_report(start: Start) -> dict[str, Any]:
     """What `nearflat passage --json` prints. Quantities that do not exist are None."""
-    made = passages(disk, *start, method=method, accuracy=accuracy, window=window)
+    disk, at = start.disk, (start.sigma3_bar, start.eta_hat, start.phidot)
+    how: dict[str, Any] = {"method": start.method, "accuracy": start.accuracy, "window": start.window}
+    made = passages(disk, *at, start.face, **how)
     status = compiled.status.Status(int(made.status[0]))
     report: dict[str, Any] = {"disk": disk.name, "face": start.face, "status": status.name.lower()}
     for name in _NUMBERS:
         report[name] = _number(getattr(made, name)[0])
-    report |= {"method": made.method, "model": made.model, "accuracy": accuracy}
+    report |= {"method": made.method, "model": made.model, "accuracy": start.accuracy}
     report["warnings"] = []
     if status == compiled.status.Status.FALLS:
         report["limits"] = _continuations(disk, report["fall_angle"], start.face)
     elif status == compiled.status.Status.OK:
-        forces = passage_forces(disk, *start[:3])
+        forces = passage_forces(disk, *at)
         report["min_normal_force"] = _number(forces.min_normal_force[0])
         report["max_friction"] = _number(forces.max_friction[0])
         report["warnings"] = _physicality(forces.min_normal_force[0], forces.max_friction[0])
@@ -107,49 +101,35 @@ def passage_text(report: dict[str, Any]) -> str:
     """The report as lines of text."""
     lines = []
     for name, value in report.items():
-        if name in ("warnings", "limits", "accuracy") or value is None:
-            continue
-        shown = value if name in _WORDS or name == "face" else f"{value:.12g} {_UNITS.get(name, 'rad')}".rstrip()
-        lines.append(f"{name:18} {shown}")
+        if isinstance(value, str | int):
+            lines.append(f"{name:18} {value}")
+        elif isinstance(value, float) and name != "accuracy":
+            lines.append(f"{name:18} {value:.12g} {_unit(name)}".rstrip())
     for name, values in report.get("limits", {}).items():
         sign = ">" if name == "plus" else "<"
         lines += [f"limit, eta {sign} 0     {key} {value:+.12g} rad" for key, value in values.items()]
     return "\n".join(lines)
 
 
-def add_arguments(command: argparse.ArgumentParser) -> None:
+def _unit(name: str) -> str:
+    if name == "min_normal_force":
+        return "m g"
+    unit = column(name).unit
+    return unit if unit in ("", "rad") else f"units of the disk ({unit})"
+
+
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat passage`."""
-    command.add_argument("--disk", default="uniform", metavar="DISK", help="as for run (default uniform)")
-    for flag, text in (
-        ("--sigma3-bar", "sigma3 at the vertical, in the units of the disk"),
-        ("--eta-hat", "distance beside the falling set, in the units of the disk; 0 is the fall itself"),
-        ("--phidot", "speed at the vertical towards the flat state, 0 or more, in the units of the disk"),
-    ):
-        command.add_argument(flag, required=True, metavar="X", help=text)
-    command.add_argument("--face", default=1, metavar="X", help="flat state, 1 or -1 (default 1)")
-    command.add_argument("--accuracy", default="1e-6", metavar="TOL", help="as for run (default 1e-6)")
-    command.add_argument("--method", default="auto", metavar="NAME", help="as for run (default auto)")
-    command.add_argument("--window", metavar="Q", help="cos phi at which to start and to stop, 0 to 1")
+    Start.add_to(command)
     add_json(command)
 
 
 def call(options: argparse.Namespace) -> int:
-    start = Start(
-        number("--sigma3-bar", options.sigma3_bar),
-        number("--eta-hat", options.eta_hat),
-        number("--phidot", options.phidot, 0.0),
-        sign("--face", options.face),
-    )
-    disk, accuracy = Disk.parse(options.disk), number("--accuracy", options.accuracy)
-    called = (*passage_kernels(plan(OBSERVABLES, accuracy, options.method)), *FORCES)
+    """Print what is known of the passage."""
+    start = Start.of(given_to(Start, options))
+    called = (*passage_kernels(plan(OBSERVABLES, start.accuracy, start.method)), *FORCES)
     compiled.warmup(called, lambda text: note(text, options.quiet))
-    report = passage_report(
-        disk,
-        start,
-        method=options.method,
-        accuracy=accuracy,
-        window=None if options.window is None else number("--window", options.window),
-    )
+    report = passage_report(start)
     print(json.dumps(report) if options.json else passage_text(report))
     for warning in () if options.quiet else report["warnings"]:
         print(f"nearflat passage: {warning}", file=sys.stderr)

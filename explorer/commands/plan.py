@@ -1,25 +1,15 @@
-"""`nearflat plan`, and `ex.plan` for Python: how a run would be computed, why, and what it will cost."""
+"""`nearflat plan`: how a run would be computed, why, and what it will cost."""
 
 import argparse
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, Literal, Unpack, overload
+from typing import Any
 
-from explorer.commands.run import (
-    OfFallingSet,
-    OfMeasureZero,
-    OfOneSided,
-    OfPortrait,
-    OfRaceAngles,
-    add_existing,
-    add_question,
-    document,
-    given_by,
-)
+from explorer.commands.common import add_json, add_question, given_by
 from explorer.runs.amounts import duration, size
 from explorer.runs.estimate import Estimate, estimate
 from explorer.runs.settings import Asked, asked
-from explorer.scenes.base import Scene
 
 
 @dataclass(frozen=True)
@@ -65,51 +55,12 @@ class RunPlan:
         return "\n".join(lines)
 
 
-@overload
-def plan(scene: Literal["falling-set"], **options: Unpack[OfFallingSet]) -> RunPlan: ...
-@overload
-def plan(scene: Literal["measure-zero"], **options: Unpack[OfMeasureZero]) -> RunPlan: ...
-@overload
-def plan(scene: Literal["one-sided"], **options: Unpack[OfOneSided]) -> RunPlan: ...
-@overload
-def plan(scene: Literal["portrait"], **options: Unpack[OfPortrait]) -> RunPlan: ...
-@overload
-def plan(scene: Literal["race-angles"], **options: Unpack[OfRaceAngles]) -> RunPlan: ...
-@overload
-def plan(scene: type[Scene], **options: Any) -> RunPlan: ...
-def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
-    """Say how a run would be computed and what it will cost; nothing is stored.
-
-    Parameters
-    ----------
-    scene : str or type
-        As for `run`.
-
-    Returns
-    -------
-    RunPlan
-        Its estimate is within a factor of two where the cores are free.
-
-    Raises
-    ------
-    InputError
-        As `run` would raise it.
-
-    Examples
-    --------
-    >>> import explorer as ex
-    >>> ex.plan("falling-set", samples=1000).model
-    'quadrature'
-    """
-    return _planned(asked(scene, options))
-
-
-document(plan)
-
-
-def _planned(made: Asked) -> RunPlan:
-    scene = made.scene
-    chosen = scene.plan
+def planned(made: Asked) -> RunPlan:
+    """How the run that was asked for would be computed."""
+    scene, chosen = made.scene, made.scene.plan
+    if not scene.observables:  # a user's scene need not say what it computes
+        own = "that of the scene, which names no observables"
+        return RunPlan(scene.name, [], scene.accuracy, own, scene.method, own, "as measured", estimate(made))
     return RunPlan(
         scene.name,
         list(scene.observables),
@@ -127,7 +78,7 @@ def _told(planned: RunPlan) -> list[tuple[str, Any]]:
     far = planned.estimate
     figures = f", {far.seconds_for_figures:.0f} s of it for pictures" if far.seconds_for_figures else ""
     more = f", more than the {size(far.free)} free" if far.free is not None and far.disk > far.free else ""
-    plain = [(key, value) for key, value in vars(planned).items() if key != "estimate"]
+    plain = [(key, value) for key, value in vars(planned).items() if key != "estimate" and value]
     return [
         *plain,
         ("samples", f"{far.samples:,} in {far.chunks:,} chunks"),
@@ -137,15 +88,15 @@ def _told(planned: RunPlan) -> list[tuple[str, Any]]:
     ]
 
 
-def add_arguments(command: argparse.ArgumentParser) -> None:
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat plan`, which are those of `run`."""
-    add_question(command)
-    add_existing(command)
+    add_question(command, words)
+    add_json(command)
 
 
 def call(options: argparse.Namespace) -> int:
+    """Print the plan."""
     name, given = given_by(options)
-    made = asked(name, {**given, "progress": False}, options.command_line)
-    planned = _planned(made._replace(manner=made.manner._replace(quiet=options.quiet)))
-    print(json.dumps({**vars(planned), "estimate": asdict(planned.estimate)}) if options.json else planned)
+    made = planned(asked(name, given, options.command_line))
+    print(json.dumps({**vars(made), "estimate": asdict(made.estimate)}) if options.json else made)
     return 0

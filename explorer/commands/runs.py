@@ -1,42 +1,38 @@
-"""`nearflat status`, `verify`, `resume` and `summary`: commands that look at a stored run or go on with it."""
+"""`nearflat status`, `verify`, `resume`, `summary` and `merge`: commands about stored runs."""
 
 import argparse
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from explorer.commands.common import add_json, show
-from explorer.commands.run import add_figures, add_settings
-from explorer.runs.folder import scene_of
-from explorer.runs.inspect import status, summary, verify
 from explorer.runs.merge import merge
-from explorer.runs.run import Run, execute, open
-from explorer.runs.settings import asked
+from explorer.runs.run import open
+from explorer.runs.settings import Settings
 
-_RESUME = ("jobs", "backend", "scheduler", "format")
+_RESUME = ("jobs", "backend", "scheduler", "format", "figures")
 
 
-def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Add the options of the four commands."""
-    if command.prog.endswith(" summary"):
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
+    """Add the options of the five commands."""
+    if command.prog.endswith((" summary", " merge")):
         text = "folder of a run; several are added up, where they ask the same question with different seeds"
         command.add_argument("folder", metavar="DIR", type=Path, nargs="+", help=text)
     else:
         command.add_argument("folder", metavar="DIR", type=Path, help="folder of a run")
     if command.prog.endswith(" resume"):
-        add_settings(command, _RESUME)
-        add_figures(command)
+        Settings.add_to(command, _RESUME)
     add_json(command)
 
 
 def call(options: argparse.Namespace) -> int:
-    each = {"status": _status, "verify": _verify, "resume": _resume, "summary": _summary}
+    each = {"status": _status, "verify": _verify, "resume": _resume, "summary": _summary, "merge": _summary}
     return each[options.command](options)
 
 
 def _status(options: argparse.Namespace) -> int:
-    far = status(options.folder)
+    far = open(options.folder).status
     if options.json:
         print(json.dumps(asdict(far)))
         return 0
@@ -51,37 +47,22 @@ def _status(options: argparse.Namespace) -> int:
 
 
 def _verify(options: argparse.Namespace) -> int:
-    faults = verify(options.folder)
+    faults = open(options.folder).verify()
     if options.json:
         print(json.dumps({"intact": not faults, "faults": faults}))
     else:
-        for fault in faults:
-            print(fault)
-        many = f"mend what is wrong with: nearflat resume {options.folder}"
-        print(many if faults else "intact")
+        print(*faults, sep="\n", end="\n" if faults else "")
+        print(f"mend what is wrong with: nearflat resume {options.folder}" if faults else "intact")
     return 1 if faults else 0
 
 
 def _resume(options: argparse.Namespace) -> int:
-    given = {word: getattr(options, word) for word in (*_RESUME, "figures")}
-    scene = scene_of(options.folder)
-    run = {"out": options.folder, "progress": False if options.quiet else None}
-    manner = asked(scene, {**given, **run}).manner
-    return show(execute(scene, options.folder, manner), options.json)
+    given = {name: getattr(options, name) for name in _RESUME if hasattr(options, name)}
+    return show(open(options.folder).resume(**given, progress=False if options.quiet else None), options.json)
 
 
 def _summary(options: argparse.Namespace) -> int:
-    numbers, run = _added_up(options.folder)
-    if options.json:
-        print(json.dumps(numbers))
-    else:
-        print("\n".join(run.scene.headline(numbers)))
+    runs = [open(folder) for folder in options.folder]
+    run = runs[0].renewed() if len(runs) == 1 else merge(*runs)
+    print(json.dumps(run.summary) if options.json else "\n".join(run.scene.headline(run.summary)))
     return 0
-
-
-def _added_up(folders: list[Path]) -> tuple[dict[str, Any], Run]:
-    """The numbers of a run, added up anew and stored; or of several together."""
-    if len(folders) == 1:
-        return summary(folders[0]), open(folders[0])
-    run = merge(*map(open, folders))
-    return run.summary, run

@@ -1,32 +1,27 @@
-"""`nearflat trade`, and `ex.trade` for Python: speed against accuracy, measured on the samples of a scene."""
+"""`nearflat trade`: speed against accuracy, measured on the samples of a scene."""
 
 import argparse
 import json
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, TypedDict, Unpack, overload
+from typing import Any
 
 from explorer import compiled
 from explorer.commands import trade_report
-from explorer.commands.common import add_json
-from explorer.commands.run import add_options, add_scene, document, given_by
+from explorer.commands.common import add_json, add_scene, given_by
 from explorer.errors import InputError, flag, note, positive, said, whole
 from explorer.motion import calibration
 from explorer.motion.trade import Errors, Measured, Row, curves, largest_errors, measure, only_errors
 from explorer.motion.trials import Trial
 from explorer.phase.disk import Disk
 from explorer.phase.paths import path_of
-from explorer.runs.settings import SETTINGS
-from explorer.scenes.base import Scene
-from explorer.scenes.falling_set import FallingSet
-from explorer.scenes.measure_zero import MeasureZero
-from explorer.scenes.one_sided import OneSided
-from explorer.scenes.options import Option, options_of
-from explorer.scenes.race_angles import RaceAngles
-from explorer.scenes.registry import SCENES, build_scene, scene_class
+from explorer.runs.settings import Settings
+from explorer.scenes.options import Options, Reader, option, options_of
+from explorer.scenes.registry import scene_class
+from explorer.scenes.scene import Scene
 
-# With fewer passages or tilts, overheads are measured.
+# The time of fewer passages or tilts is mostly that of the call.
 FEWEST, FEWEST_MOTIONS, MOTIONS = 256, 64, 1024
 MOST, MOST_MOTIONS = 1_000_000, 100_000  # beyond, a percentile gains nothing and every setting takes minutes
 # Without a scene: passages at all these distances from F, natural units.
@@ -34,8 +29,7 @@ PLAIN, ALL_DISTANCES = "race-angles", (1e-8, 1.0)
 # Errors are calibrated on all of these too, so that they hold for bodies nobody measured.
 BODIES = (Disk.uniform(), Disk.hoop(), Disk(I1=0.02, I3=0.04), Disk(I1=0.5, I3=0.3))
 _OF_EACH_BODY = 1024, 64  # passages, motions
-_LEFT_OUT = ("method", "accuracy")  # what is measured
-_IDLE = ("keep", "slice", "grid")  # which change no sample
+_MEASURED = ("method", "accuracy")
 
 
 def _motions(name: str, value: Any) -> int:
@@ -45,49 +39,20 @@ def _motions(name: str, value: Any) -> int:
     return count
 
 
-class Trading(TypedDict, total=False):
-    """Keywords of `trade` beside those of the scene."""
+class Trading(Options):
+    """What is measured beside the samples of the scene."""
 
-    motions: Annotated[
-        int,
-        Option(
-            "--motions",
-            _motions,
-            "N",
-            f"motions in time, from the first samples, that are measured too: {FEWEST_MOTIONS} or more; 0: none",
-            default=str(MOTIONS),
-        ),
-    ]
-    t_end: Annotated[
-        float,
-        Option(
-            "--t-end",
-            positive,
-            "T",
-            "end of these motions, in the units of the disk",
-            default="2.5 natural units, about a passage; in one-sided the times of the scene",
-        ),
-    ]
-    progress: Annotated[bool | None, Option("progress", flag, "", "False prints nothing")]
-
-
-TRADING = options_of(Trading)
-
-
-class TradeFallingSet(FallingSet.Keywords, Trading, total=False):
-    """Keywords of `trade("falling-set")`."""
-
-
-class TradeMeasureZero(MeasureZero.Keywords, Trading, total=False):
-    """Keywords of `trade("measure-zero")`."""
-
-
-class TradeOneSided(OneSided.Keywords, Trading, total=False):
-    """Keywords of `trade("one-sided")`."""
-
-
-class TradeRaceAngles(RaceAngles.Keywords, Trading, total=False):
-    """Keywords of `trade("race-angles")`."""
+    motions: int = option(
+        Reader(_motions, "N", "int"),
+        f"motions in time, from the first samples, that are measured too: {FEWEST_MOTIONS} or more; 0: none",
+        default=MOTIONS,
+    )
+    t_end: float | None = option(
+        Reader(positive, "T", "float | str"),
+        "end of these motions, in the units of the disk",
+        words="2.5 natural units, about a passage; in one-sided the times of the scene",
+    )
+    progress: bool | None = option(Reader(flag, None, "bool | None"), "False prints nothing")
 
 
 @dataclass(frozen=True, repr=False)
@@ -148,133 +113,67 @@ class Trade:
         return "\n".join(trade_report.tables(self.parts))
 
 
-@overload
-def trade(scene: Literal["falling-set"], **options: Unpack[TradeFallingSet]) -> Trade: ...
-@overload
-def trade(scene: Literal["measure-zero"], **options: Unpack[TradeMeasureZero]) -> Trade: ...
-@overload
-def trade(scene: Literal["one-sided"], **options: Unpack[TradeOneSided]) -> Trade: ...
-@overload
-def trade(scene: Literal["race-angles"] | None = None, **options: Unpack[TradeRaceAngles]) -> Trade: ...
-@overload
-def trade(scene: type[Scene], **options: Any) -> Trade: ...
-def trade(scene: str | type[Scene] | None = None, **options: Any) -> Trade:
-    """Measure error and cost of every method on the samples that a scene draws, and on its motions in time.
-
-    Passages are compared with arcs, without tables, smallest tilts with quadrature, motions in time with far finer
-    steps. Costs are of the calls that the scene and `simulate` make, on one core, without compile time.
-
-    Parameters
-    ----------
-    scene : str or type, optional
-        As for `run`; by default passages as race-angles draws them, with |eta_hat| from 1e-8 to 1 natural units.
-        `samples` is 4096 unless it is given.
-
-    Returns
-    -------
-    Trade
-        For `explorer.plot.work_precision`; `store` lets `accuracy` use it.
-
-    Raises
-    ------
-    InputError
-        For an option that the scene does not take, a scene in which no method is chosen, and too few samples.
-
-    Examples
-    --------
-    >>> import explorer as ex
-    >>> found = ex.trade("race-angles", disk="hoop", samples=1024, motions=0)  # doctest: +SKIP
-    """
-    return _asked(scene, options).measured()
+def measured(scene: str | type[Scene] | None, options: Mapping[str, Any]) -> Trade:
+    """What `ex.trade` returns. Raises InputError."""
+    return _measured(*trials_of(scene, options))
 
 
-document(trade, TRADING, Trading)
+def _measured(scene: Scene, trials: list[Trial], quiet: bool) -> Trade:
+    return Trade(scene, [measure(trial, lambda text: note(text, quiet)) for trial in trials])
 
 
-class _Asked(NamedTuple):
-    """What is to be measured; nothing was computed yet but the true answers."""
-
-    scene: Scene
-    trials: list[Trial]
-    quiet: bool
-
-    def measured(self) -> Trade:
-        return Trade(self.scene, [measure(trial, lambda text: note(text, self.quiet)) for trial in self.trials])
-
-
-def _asked(scene: str | type[Scene] | None, options: dict[str, Any]) -> _Asked:
-    """What options ask for. Raises InputError."""
-    read = {option.word: option for option in TRADING}
-    said = {
-        word: read[word].read(read[word].flag, options[word]) for word in read if options.get(word) is not None
-    }
-    made = scene_of(scene, {word: value for word, value in options.items() if word not in read})
-    _check_size(made)
-    count = said.get("motions", MOTIONS)
-    in_time = None if count == 0 else made.motions(count, said.get("t_end"))
+def trials_of(scene: str | type[Scene] | None, options: Mapping[str, Any]) -> tuple[Scene, list[Trial], bool]:
+    """The scene, what is to be measured of it, and whether quietly; only the true answers are computed yet."""
+    names = [each.name for each in options_of(Trading)]
+    asked = Trading.of({name: value for name, value in options.items() if name in names})
+    made = scene_for(scene, {name: value for name, value in options.items() if name not in names})
+    if type(made).trial is not Scene.trial and made.options["samples"] > MOST:
+        raise InputError(
+            f"--samples {made.options['samples']}: all are followed by every method at every setting; give "
+            f"{MOST:,} at most"
+        )
+    in_time = made.motions(asked.motions, asked.t_end) if asked.motions else None
     trials: list[Trial] = [trial for trial in (made.trial(), in_time) if trial is not None]
     if not trials:
-        raise InputError(f"{made.name}: {_why_none(made, count)}")
+        raise InputError(f"{made.name}: {_why_none(made, asked.motions)}")
     for trial in trials:
-        _check(made, trial)
-    return _Asked(made, trials, said.get("progress") is False)
+        _check(trial)
+    return made, trials, asked.progress is False
 
 
-def scene_of(scene: str | type[Scene] | None, options: dict[str, Any]) -> Scene:
+def scene_for(scene: str | type[Scene] | None, options: dict[str, Any]) -> Scene:
     """The scene whose samples are measured. Raises InputError."""
-    for word in _LEFT_OUT:
-        if options.get(word) is not None:
-            raise InputError(f"{said(f'--{word}', options[word])}: trade measures all of them; leave it out")
-    kind = scene_class(PLAIN if scene is None else scene)
-    own = (option for option in kind.OPTIONS if option.word not in (*_LEFT_OUT, *_IDLE))
-    kind.require_options(options, (*own, *TRADING))
-    made = build_scene(kind, **options)
-    plain = scene is None and options.get("eta_hat") is None
-    if plain and isinstance(made, RaceAngles) and made.eta_hat is not None:
-        low, high = (size * made.disk.rate_unit for size in ALL_DISTANCES)
-        made = replace(made, eta_hat=(low, high))
-    if hasattr(made, "samples") and options.get("samples") is None:
-        made = replace(made, samples=min(made.samples, made.tried))  # type: ignore[call-arg]
-    return made
+    for name in _MEASURED:
+        if options.get(name) is not None:
+            raise InputError(f"{said(f'--{name}', options[name])}: trade measures all of them; leave it out")
+    made = scene_class(PLAIN if scene is None else scene).of(options)
+    more: dict[str, Any] = {}
+    if scene is None and options.get("eta_hat") is None and made.options.get("eta_hat") is not None:
+        more["eta_hat"] = tuple(size * made.disk.rate_unit for size in ALL_DISTANCES)
+    if "samples" in made.options and options.get("samples") is None:
+        more["samples"] = min(made.options["samples"], made.tried)
+    return replace(made, **more)
 
 
 def _why_none(scene: Scene, count: int) -> str:
     if count == 0 and scene.motions(1, None) is not None:
-        return "computes nothing but motions in time by a method of choice; leave --motions 0 out"
-    names = ", ".join(name for name in SCENES if name != "portrait")
-    return f"no method is chosen in this scene, so there is nothing to trade; measure {names}"
+        return "methods can be compared only on its motions in time; leave --motions 0 out"
+    return "no method is chosen in this scene, so there is nothing to trade; measure another one"
 
 
-def _check_size(scene: Scene) -> None:
-    """Raise InputError before anything is drawn or compiled where too few or too many samples are asked for."""
-    size = scene.trial_size
-    given = f"--samples {size}" if getattr(scene, "states", None) is None else f"--states: holds {size}"
-    if size is not None and size > MOST:
-        raise InputError(f"{given}: all are followed by every method at every setting; give {MOST:,} at most")
-    if size is not None and size < FEWEST:
-        raise InputError(f"{given}: overheads are measured with fewer than {FEWEST}; give that many or more")
-
-
-def _check(scene: Scene, trial: Trial) -> None:
+def _check(trial: Trial) -> None:
     """Raise InputError where there is too little to measure, or no answer to compare with."""
     known, size = int(trial.known.sum()), trial.known.size
-    if not trial.in_time and 2 * known < size:
-        # Those that quadrature gives up on, by rounding, take it and small steps longest of all.
+    fewest = 1 if trial.in_time else max(FEWEST, size // 2)  # those without an answer take small steps longest
+    if known < fewest:
         raise InputError(
-            f"--disk {scene.label}: {known:,} of {size:,} {trial.kind} have a known answer, and so few do not "
-            "tell methods apart; give another disk, or a box whose starts are less slow"
+            f"{known:,} of {size:,} {trial.kind} have a known answer, and {fewest:,} are needed to tell methods "
+            "apart; give more --samples, another --disk, or a --box whose starts are less slow"
         )
-    if not trial.in_time and known < FEWEST:
-        raise InputError(
-            f"--samples {getattr(scene, 'samples', '')}, --disk {scene.label}: {known} {trial.kind} have a known "
-            f"answer, and overheads are measured with fewer than {FEWEST}; give more, or another box or disk"
-        )
-    if known == 0:
-        raise InputError(f"{scene.name}: none of these motions could be followed; give another box or disk")
 
 
 def _plain(disk: Disk, samples: int, seed: int) -> Scene:
-    return scene_of(None, {"disk": disk, "samples": samples, "seed": seed})
+    return scene_for(None, {"disk": disk, "samples": samples, "seed": seed})
 
 
 def calibrate(measured: Trade) -> dict[str, Any]:
@@ -290,7 +189,7 @@ def calibrate(measured: Trade) -> dict[str, Any]:
     quadrature = [row.nanoseconds for row in plain.rows if row.method == "quadrature"]
     table = {
         "kernels": compiled.source_digest(),
-        "measured_on": measured.scene.options(),
+        "measured_on": measured.scene.options,
         "quadrature": quadrature[-1],
         "methods": curves(plain, errors),
         "motions": curves(in_time, errors_in_time),
@@ -314,42 +213,34 @@ def _errors(trials: Iterable[Trial | None]) -> list[Errors]:
     return [only_errors(trial) for trial in trials if trial is not None]
 
 
-def folder_for(out: Path) -> Path:
-    """The folder for a report, made now rather than after the measurement. Raises InputError."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"--out {out}: cannot be written ({error.strerror}); give a folder that can") from None
-    return out
-
-
-def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Add the options of `nearflat trade`: those of the scenes, and its own."""
-    add_scene(command, f"{', '.join(SCENES)}, or a TOML file; by default passages as race-angles draws them", "?")
-    add_options(command, SCENES.values(), hidden=(*_LEFT_OUT, *_IDLE))
-    default = f"{Scene.tried}; measure-zero {MeasureZero.tried} draws; one-sided {OneSided.tried} points per disk"
-    command.add_argument("--samples", metavar="N", help=f"samples that are measured (default {default})")
-    for option in TRADING:
-        if option.metavar:
-            command.add_argument(option.flag, metavar=option.metavar, help=option.help_for(Trading))
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
+    """Add the options of `nearflat trade`: those of the scene, and its own."""
+    kind = add_scene(command, words, "; by default passages as race-angles draws them", nargs="?")
+    Trading.add_to(command)
+    (scene_class(PLAIN) if kind is Scene else kind).add_to(command)
     command.add_argument("--out", metavar="DIR", help="folder (default results/trade, or results/trade-SCENE)")
     command.add_argument("--no-store", action="store_true", help="do not keep the result for this machine")
     add_json(command)
 
 
 def call(options: argparse.Namespace) -> int:
-    scene, given = given_by(options, apart=("no_store",))
-    of_runs = {option.word for option in SETTINGS} - {"out", "progress"}  # a TOML file may have them
-    given = {word: value for word, value in given.items() if word not in of_runs}
-    out = given.pop("out", None) or ("results/trade" if scene is None else f"results/trade-{scene}")
-    asked = _asked(scene, given)
-    folder = folder_for(path_of("--out", out))
-    found = asked.measured()
+    """Measure, keep what was found for this machine, and write the page."""
+    scene, given = given_by(options)
+    out = path_of(
+        "--out", given.pop("out", None) or ("results/trade" if scene is None else f"results/trade-{scene}")
+    )
+    of_runs = {each.name for each in fields(Settings)} - {"progress"}  # a TOML file may have them
+    made, trials, quiet = trials_of(scene, {name: value for name, value in given.items() if name not in of_runs})
+    try:  # before anything is measured
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"--out {out}: cannot be written ({error.strerror}); give a folder that can") from None
+    found = _measured(made, trials, quiet)
     where = None if options.no_store else found.store()
-    trade_report.write(found.scene, found.parts, folder, options.command_line, where)
+    trade_report.write(found.scene, found.parts, out, options.command_line, where)
     if options.json:
-        print(json.dumps({"scene": found.scene.options(), "parts": [asdict(part) for part in found.parts]}))
+        print(json.dumps({"scene": found.scene.options, "parts": [asdict(part) for part in found.parts]}))
         return 0
     print(found)
-    print(f"Tables and picture are in {folder}." + (f" Calibration kept in {where}." if where else ""))
+    print(f"Tables and picture are in {out}." + (f" Calibration kept in {where}." if where else ""))
     return 0

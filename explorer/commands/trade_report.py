@@ -7,7 +7,7 @@ from pathlib import Path
 
 from explorer.commands.made_by import leave_page
 from explorer.motion.trade import Measured, Row
-from explorer.scenes.base import Scene
+from explorer.scenes.scene import Scene
 
 _REFERENCE = {
     "passages": "quadrature along arcs at 1e-11, which shares no table with what is measured",

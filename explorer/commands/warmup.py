@@ -1,12 +1,13 @@
 """`nearflat warmup`: compile before the first question is asked."""
 
 import argparse
+from collections.abc import Sequence
 
 from explorer.compiled import warmup
 from explorer.errors import note
 
 
-def add_arguments(command: argparse.ArgumentParser) -> None:
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """The command has no options of its own."""
 
 

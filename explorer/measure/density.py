@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, number, shown
-from explorer.measure.sampling import BLOCK, Box, Range, gather, parse_ranges
+from explorer.measure.sampling import BLOCK, Box, Range, Stream, gather, parse_ranges
 from explorer.phase.arguments import read_range, returned_numbers
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
@@ -142,7 +142,7 @@ class Density:
                 good &= (column >= low) & (column <= high)
         return good
 
-    def draw(self, disk: Disk, random: np.random.Generator, count: int) -> dict[str, Array]:
+    def draw(self, disk: Disk, random: Stream, count: int) -> dict[str, Array]:
         """`count` states, drawn from the density by rejection; Gaussians by their inverse.
 
         Raises InputError where hardly a draw is kept, or where a function turns out larger than at the points

@@ -27,6 +27,7 @@ from explorer.phase.states import COORDINATES, Array, States, phi_to_states, req
 _ACCURACY = 1e-6  # of the motions (rad), far below what a test of some thousand states can see
 _PARTS = 3  # of each coordinate, in the test of all four together: 81 cells
 _STEPS_IN_ALL = 150_000_000  # of all motions together: some seven seconds; those that need more count as failed
+_LONGEST_STEP = 10.0  # natural units: no step is as long, since motions turn in some three
 _FEWEST = 20  # states in a cell of both samples; with fewer its share of chi-square is not distributed so
 _STEPS_AT_ONCE = 200_000  # some tenths of a second; one motion may take more
 _MOST_STEPS, _MOST_WORK = 10**7, 10**9  # the latter take some minutes
@@ -208,6 +209,8 @@ def push_forward(
     still, start = (density.draw(disk, chunk_stream(seed, index), samples) for index in (0, 1))
     states = phi_to_states(disk, **start)
     most = _STEPS_IN_ALL // samples
+    if time > _LONGEST_STEP * most * disk.time_unit:
+        raise InputError(f"time = {time:g}: no motion reaches it in {most:,} steps; give a shorter time")
     motions = trajectories(states, t_eval=[time], observables=COORDINATES, accuracy=_ACCURACY, max_steps=most)
     good = motions.status == compiled.status.Status.OK
     if not good.any():

@@ -4,8 +4,9 @@ Estimates of the rungs are independent and normal, with an error that is itself 
 plain draws are binomial. Nothing here is about disks.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy
@@ -26,42 +27,52 @@ _MOST_PLAIN = 1e15  # plain draws; no run has as many, and counts beyond are no 
 
 @dataclass(frozen=True)
 class Estimate:
-    """An unbiased estimate with its standard error, which is known to `dof` degrees of freedom."""
+    """Unbiased estimates with their standard errors, which are known to `dof` degrees of freedom.
 
-    value: float
-    error: float
-    dof: float = np.inf
+    Numbers, or arrays that broadcast together.
+    """
 
-    def interval(self, confidence: float = CONFIDENCE) -> list[float]:
-        """Two-sided interval of Student's distribution."""
-        reach = self.error * float(scipy.stats.t.ppf(0.5 + 0.5 * confidence, self.dof))
-        return [self.value - reach, self.value + reach]
+    value: Any
+    error: Any
+    dof: Any = np.inf
 
+    def __getitem__(self, rows: Any) -> "Estimate":
+        return Estimate(*(part[rows] for part in np.broadcast_arrays(self.value, self.error, self.dof)))
 
-@dataclass(frozen=True)
-class Ladder:
-    """Independent estimates of P(theta_min < delta), one entry a rung."""
+    def interval(self, confidence: float = CONFIDENCE) -> Array:
+        """Two-sided interval of Student's distribution, (..., 2)."""
+        reach = self.error * scipy.stats.t.ppf(0.5 + 0.5 * confidence, self.dof)
+        return np.stack([self.value - reach, self.value + reach], axis=-1)
 
-    delta: Array
-    value: Array
-    error: Array
-    dof: Array
-
-    def at(self, rows: NDArray[np.bool_]) -> "Ladder":
-        return Ladder(self.delta[rows], self.value[rows], self.error[rows], self.dof[rows])
-
-    def __len__(self) -> int:
-        return self.delta.size
+    def described(self) -> dict[str, Any]:
+        """An estimate of one number, ready for JSON."""
+        interval = self.interval().tolist()
+        return {"value": float(self.value), "error": float(self.error), "interval_95": interval}
 
 
-def total(parts: Sequence[Estimate], weights: Sequence[float] | Array | None = None) -> Estimate:
-    """The weighted sum of independent estimates, degrees of freedom after Welch and Satterthwaite."""
-    factors = np.ones(len(parts)) if weights is None else np.asarray(weights)
-    squares = np.array([(f * part.error) ** 2 for f, part in zip(factors, parts, strict=True)])
-    value = float(sum(f * part.value for f, part in zip(factors, parts, strict=True)))
-    variance = float(squares.sum())
-    spread = float((squares**2 / np.array([part.dof for part in parts])).sum())
-    return Estimate(value, variance**0.5, variance**2 / spread if spread > 0.0 else np.inf)
+def mean_of_draws(sums: Array, squares: Array, draws: Array) -> Estimate:
+    """The mean of independent draws, from the sums of batches of them (..., batches)."""
+    count = draws.sum(axis=-1)
+    mean = sums.sum(axis=-1) / count
+    variance = np.maximum(squares.sum(axis=-1) / count - mean * mean, 0.0)
+    return Estimate(mean, np.sqrt(variance / (count - 1.0)), count - 1.0)
+
+
+def mean_of_batches(sums: Array, draws: Array) -> Estimate:
+    """The same where only batches are independent, equally large: their spread tells the error."""
+    means, count = sums / draws, sums.shape[-1]
+    return Estimate(means.mean(axis=-1), means.std(axis=-1, ddof=1) / count**0.5, count - 1.0)
+
+
+def total(parts: Estimate, weights: Any = 1.0, axis: int = -1) -> Estimate:
+    """Weighted sums of independent estimates along an axis, degrees of freedom after Welch and Satterthwaite."""
+    squares = (weights * parts.error) ** 2
+    variance = squares.sum(axis=axis)
+    whole = np.expand_dims(variance, axis)
+    share = np.divide(squares, whole, out=np.zeros_like(squares), where=whole > 0.0)
+    with np.errstate(divide="ignore"):
+        dof = 1.0 / (share**2 / parts.dof).sum(axis=axis)
+    return Estimate((weights * parts.value).sum(axis=axis), np.sqrt(variance), dof)
 
 
 def simultaneous(count: int, confidence: float = CONFIDENCE) -> float:
@@ -69,35 +80,27 @@ def simultaneous(count: int, confidence: float = CONFIDENCE) -> float:
     return float(confidence ** (1.0 / max(count, 1)))
 
 
-def fit_constant(ladder: Ladder) -> Estimate:
+def fit_constant(delta: Array, ladder: Estimate) -> Estimate:
     """C of P = C delta: the mean over the rungs, whose relative errors are alike."""
-    parts = _estimates(ladder, ladder.delta)
-    return total(parts, np.full(len(parts), 1.0 / len(parts)))
+    return total(ladder, 1.0 / (delta * delta.size))
 
 
-def fit_slope(ladder: Ladder) -> Estimate:
+def fit_slope(delta: Array, ladder: Estimate) -> Estimate:
     """d ln P / d ln delta by least squares; needs two rungs with positive estimates."""
-    x = np.log(ladder.delta) - np.log(ladder.delta).mean()
+    x = np.log(delta) - np.log(delta).mean()
     factors = x / (x * x).sum()
-    spread = total(_estimates(ladder, ladder.value), factors)
-    return Estimate(float((factors * np.log(ladder.value)).sum()), spread.error, spread.dof)
+    spread = total(ladder, factors / ladder.value)
+    return Estimate((factors * np.log(ladder.value)).sum(), spread.error, spread.dof)
 
 
-def _estimates(ladder: Ladder, unit: Array) -> list[Estimate]:
-    return [
-        Estimate(float(v / u), float(e / u), float(d))
-        for v, e, d, u in zip(ladder.value, ladder.error, ladder.dof, unit, strict=True)
-    ]
-
-
-def ladder_p(ladder: Ladder, law: Law, law_error: float = 0.0) -> float:
+def ladder_p(delta: Array, ladder: Estimate, law: Law, law_error: float = 0.0) -> float:
     """p-value of a law: chi-square of all rungs. law_error: relative, of the law itself."""
-    expected = law(ladder.delta)
+    expected = law(delta)
     error = np.hypot(ladder.error, law_error * expected)
     away = abs(ladder.value - expected) / np.maximum(error, 1e-300)
     # As many normal deviations as Student's distribution gives these.
     normal = scipy.stats.norm.isf(scipy.stats.t.sf(away, ladder.dof))
-    return float(scipy.stats.chi2.sf((np.minimum(normal, 1e3) ** 2).sum(), len(ladder)))
+    return float(scipy.stats.chi2.sf((np.minimum(normal, 1e3) ** 2).sum(), delta.size))
 
 
 def bins_of(delta: Array, law: Law) -> Array:
@@ -148,9 +151,10 @@ def plain_draws_to_reject(delta: Array, law: Law, truth: Law, power: float = 0.9
     return float(many)
 
 
-def wrong_laws(constant: float, top: float) -> dict[str, Law]:
-    """Laws that codimension one rules out, by name. They are compared at delta up to `top`."""
+def known_laws(constant: float, top: float) -> dict[str, Law]:
+    """The law and those that codimension one rules out, by name. They are compared at delta up to `top`."""
     return {
+        "law": lambda delta: constant * delta,
         "dimension_two": lambda delta: constant * delta * (delta / top),
         "plateau": lambda delta: constant * delta + PLATEAU,
         "constant_off": lambda delta: constant * (1.0 + OFF) * delta,

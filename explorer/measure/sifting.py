@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from explorer import compiled
-from explorer.measure.log_counts import LOWEST_BIN, PER_DECADE, LogCounts
 from explorer.measure.sampling import Box, chunk_stream
+from explorer.measure.tallies import LOWEST_BIN, PER_DECADE, LogHistogram
 from explorer.phase.disk import Disk
 from explorer.phase.membership import obstacle
 from explorer.phase.states import COORDINATES, Array
@@ -37,7 +37,7 @@ class Sifted:
 
     faces: dict[str, int]
     could_fall: int
-    distance: LogCounts
+    distance: LogHistogram
     columns: dict[str, Array]
 
 
@@ -69,6 +69,6 @@ def sift(disk: Disk, box: Box, chunk: Chunk, near: float) -> Sifted:
     return Sifted(
         faces=dict(zip(FACES, found.faces.tolist(), strict=True)),
         could_fall=could,
-        distance=LogCounts.of_row(LOWEST_BIN, found.bins, zeros, found.ends),
+        distance=LogHistogram.of_sizes(LOWEST_BIN, found.bins, zeros, found.ends),
         columns=dict(zip(COORDINATES, found.columns[:, :kept].copy(), strict=True)),
     )

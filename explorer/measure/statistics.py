@@ -16,8 +16,7 @@ ONE_SIGMA = (15.865525393145708, 84.13447460685429)
 # Of so many values only the largest are put in order; where these begin, every so many say.
 _MANY, _EACH = 8192, 16
 
-# What counts samples, here and in `log_counts`, for `compiled.warmup`.
-KERNELS = ("counting.histogram_batch", "counting.log_count_batch", "counting.sum_batch")
+KERNELS = ("counting.histogram_batch", "counting.sum_batch")  # of what counts samples, for `compiled.warmup`
 
 
 def count_status(status: Iterable[NDArray[np.int8]]) -> dict[str, int]:
@@ -41,25 +40,21 @@ def add_counts(parts: Iterable[dict[str, int]]) -> dict[str, int]:
     return dict(sorted(total.items()))
 
 
-class Histograms:
-    """Histograms and sums of the finite ones of values by group, 0 ... count - 1, added block by block.
+def histograms(values: Array, groups: NDArray[np.int64], edges: Array, count: int) -> NDArray[np.int32]:
+    """Histograms (count, bins + 1) of the finite ones of values by group, 0 ... count - 1; -1 belongs nowhere.
 
-    counts (count, bins + 1): between equally spaced edges; last in each row, those outside.
+    Edges are equally spaced; what lies outside comes last in each row.
     """
+    counts = np.zeros((count, edges.size), np.int32)
+    compiled.counting.histogram_batch(values, groups, edges, counts.reshape(-1))
+    return counts
 
-    def __init__(self, edges: Array, count: int) -> None:
-        self._edges, self._parts = edges, np.zeros((count, 3))
-        self.counts = np.zeros((count, edges.size), np.int32)
 
-    def add(self, values: Array, summed: Array, groups: NDArray[np.int64]) -> None:
-        """Count the values, and add up what is summed of each."""
-        compiled.counting.histogram_batch(values, groups, self._edges, self.counts.reshape(-1))
-        compiled.counting.sum_batch(summed, groups, self._parts)
-
-    @property
-    def sums(self) -> list[float]:
-        """By group, rounded once."""
-        return [math.fsum(row) for row in self._parts.tolist()]
+def sums(values: Array, groups: NDArray[np.int64], count: int) -> Array:
+    """Sums of the finite ones of values by group, as `histograms`: (count, 3), parts that add up to each sum."""
+    parts = np.zeros((count, 3))
+    compiled.counting.sum_batch(values, groups, parts)
+    return parts
 
 
 def upper_quantile(values: Array, part: float) -> float:

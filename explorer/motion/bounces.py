@@ -16,9 +16,10 @@ from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import plan
 from explorer.motion.starts import Motions, fallen, held_constants, motions_through, seen_from
-from explorer.phase.constants import natural_constants
+from explorer.phase.constants import best_constants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import LinearConstants
+from explorer.phase.lines import LinearConstants, line_chart
+from explorer.phase.membership import impact_speed
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 
@@ -146,6 +147,33 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
         return _pairs(states.at(rows), of_rows, status[rows], how.accuracy, count == 1)
 
     return _in_turn(states, _joined(in_parts(jobs, len(states), some, 4 * BLOCK)), count)
+
+
+def motion_constants(found: Bounces) -> dict[str, NDArray[Any]]:
+    """Constants of the motion of each bounce by the names of `phase.columns`; NaN where nothing was found.
+
+    wrong_way is of its flattest moment, where sigma3 has the sign of chi's rate.
+    """
+    states, disk = found.states, found.states.disk
+    natural = best_constants(states)
+    ok = (found.status == compiled.status.Status.OK) & (found.face != 0)
+
+    def each(values: Array) -> Array:
+        return np.broadcast_to(values.reshape(*states.shape, 1), found.shape)
+
+    eta = np.where(found.face > 0, each(natural.eta_plus), each(natural.eta_minus))
+    speed = impact_speed(disk, natural.sigma3_bar, natural.energy)
+    columns = {
+        "sigma3_bar": each(natural.sigma3_bar) * disk.rate_unit,
+        "eta_hat": disk.eta_to_eta_hat(eta) * disk.rate_unit,
+        "energy": each(natural.energy) * disk.energy_unit,
+        "impact_speed": each(speed) * disk.rate_unit,
+    }
+    tilt = np.where(np.isfinite(found.theta_min), found.theta_min, 1.0).ravel()
+    chart = line_chart(disk, np.sin(tilt), np.cos(tilt))
+    sigma3 = chart.rates(each(natural.sigma3_bar).ravel(), disk.eta_to_eta_hat(eta).ravel())[0]
+    against = np.sign(sigma3).reshape(found.shape) != found.side
+    return {name: np.where(ok, values, np.nan) for name, values in columns.items()} | {"wrong_way": ok & against}
 
 
 def bounce_kernels() -> tuple[str, ...]:

@@ -106,8 +106,8 @@ def codimension_one() -> Iterator[Finding]:
                 hit = np.where(drawn.theta_min < delta, drawn.weight, 0.0)
                 value[i] += hit.mean()
                 error[i] = np.hypot(error[i], hit.std() / np.sqrt(draws))
-        ladder = laws.Ladder(deltas, value, error, np.full(3, 2.0 * draws))
-        slope, constant = laws.fit_slope(ladder), laws.fit_constant(ladder)
+        ladder = laws.Estimate(value, error, 2.0 * draws)
+        slope, constant = laws.fit_slope(deltas, ladder), laws.fit_constant(deltas, ladder)
         why = f"four standard errors of {draws} draws per δ and face"
         yield near(f"{disk.name}: slope of ln P in ln δ, δ = 1e-3 to 1e-7", slope.value, 1.0, 4 * slope.error, why)
         yield near(f"{disk.name}: C by draws beside F", constant.value, C.value, 4 * constant.error, why)

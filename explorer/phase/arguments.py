@@ -11,7 +11,7 @@ import inspect
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import wraps
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -163,6 +163,12 @@ def explained(function: F) -> F:
     """Let a function say as InputError, with its arguments, that it was called with others."""
     signature = inspect.signature(function)
     names = [name for name in signature.parameters if name not in ("self", "cls")]
+    for parameter in signature.parameters.values():
+        if parameter.kind is parameter.VAR_KEYWORD:  # `**given: Unpack[Settings]` stands for the keys of Settings
+            names.remove(parameter.name)
+            hint = parameter.annotation
+            kinds = get_args(eval(hint, function.__globals__) if isinstance(hint, str) else hint)
+            names += [key for kind in kinds for key in kind.__annotations__]
     name = function.__qualname__.removesuffix(".__init__")
 
     @wraps(function)

@@ -10,8 +10,8 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from explorer.errors import InputError
-from explorer.measure.log_counts import LogCounts
 from explorer.measure.statistics import poisson_interval
+from explorer.measure.tallies import LogHistogram, LogRow
 from explorer.motion.plan import method_in_words
 from explorer.phase.arguments import column
 from explorer.phase.states import Array
@@ -178,13 +178,13 @@ def _has_zero(values: Array) -> bool:
     "flat has probability zero.",
 )
 def theta_min_distribution(
-    theta: LogCounts | ArrayLike, samples: int | None = None, ax: Axes | None = None, **look: Any
+    theta: LogHistogram | ArrayLike, samples: int | None = None, ax: Axes | None = None, **look: Any
 ) -> Axes:
     """Draw the share of samples that come flatter than delta, and a guide of slope one: codimension one.
 
     Parameters
     ----------
-    theta : LogCounts or array_like
+    theta : LogHistogram or array_like
         theta_min (rad) of samples, of `explorer.periods` for instance, or counts of it.
     samples : int, optional
         Number of all samples, also of those whose theta_min was not computed; by default as many as `theta` has.
@@ -211,7 +211,7 @@ def theta_min_distribution(
     >>> float(ax.lines[0].get_ydata()[-1])
     0.5
     """
-    counts = theta if isinstance(theta, LogCounts) else _counted(column("theta", theta))
+    counts = theta.row() if isinstance(theta, LogHistogram) else _counted(column("theta", theta))
     samples = samples if samples is not None else counts.total
     if samples < counts.total:
         raise InputError(f"samples = {samples}: theta has {counts.total}; give the number of all, or leave it out")
@@ -241,8 +241,10 @@ def _guide(ax: Axes, values: Array, share: Array, middle: int) -> None:
     ax.loglog(ends, share[middle] * ends / values[middle], color=LAW, ls="--", lw=1.2, label=label)
 
 
-def _counted(theta: Array) -> LogCounts:
+def _counted(theta: Array) -> LogRow:
     """Tilts in bins; those that are not known are left out. Raises InputError for negative ones."""
     if (theta < 0.0).any():
         raise InputError(f"theta has {np.nanmin(theta):g}; give smallest tilts, 0 or more (rad)")
-    return LogCounts.of(theta.ravel())
+    counts = LogHistogram()
+    counts.count(theta.ravel())
+    return counts.row()

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
-from explorer.measure.laws import OFF, PLATEAU, SHAPE_BINS, wrong_laws
+from explorer.measure.laws import OFF, PLATEAU, SHAPE_BINS, known_laws
 from explorer.plot.captions import Question, captioned
 from explorer.plot.style import DARK, SERIES, SMALL, axes_or_new, dress, legend_below, mark_beyond, styled
 
@@ -55,7 +55,7 @@ def falling_ladder(summary: dict[str, Any], ax: Axes | None = None, **look: Any)
             "plateau": (SERIES[4], "--", rf"rejected: falls with $P = 10^{{{np.log10(PLATEAU):.0f}}}$"),
         }
         for name, (colour, style, label) in styles.items():
-            shares = wrong_laws(constant, top)[name](delta)
+            shares = known_laws(constant, top)[name](delta)
             ax.loglog(delta[shares < 1.0], shares[shares < 1.0], color=colour, ls=style, lw=1.6, label=label)
     tubes = [(row["delta"], row["estimate"], row["interval_95_simultaneous"]) for row in rows]
     _points(ax, tubes, _TUBES, "o", f"{_TUBES_NAME}, 95 %", look)

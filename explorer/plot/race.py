@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
 from explorer.errors import InputError, whole
-from explorer.measure.log_counts import SignedLogCounts
+from explorer.measure.tallies import LogHistogram
 from explorer.phase.arguments import read_range
 from explorer.phase.states import Array
 from explorer.plot.captions import Question, captioned
@@ -127,7 +127,7 @@ def _reach(found: RaceRidges) -> tuple[float, float]:
     every = [counts for sides in found.ridges.values() for counts in sides.values() if counts.total]
     if not every:
         return 1e-3, 1.0
-    most = max(max(counts.below.largest, counts.above.largest) for counts in every)
+    most = max(counts.row().largest for counts in every)
     low = min(max(min(abs(counts.quantile(0.05)), abs(counts.quantile(0.95))), 1e-15) for counts in every)
     most = 10.0 ** np.ceil(np.log10(max(most, 1e-14)) + 0.1)
     return float(min(0.1 * 10.0 ** np.floor(np.log10(low)), 0.1 * most)), float(most)
@@ -147,11 +147,11 @@ def _scaled(edges: Array, least: float) -> Array:
     return scaled
 
 
-def _counted(signed: SignedLogCounts, edges: Array) -> Array:
+def _counted(deviations: LogHistogram, edges: Array) -> Array:
     """Counts in the bins of `edges`."""
     outer = edges[edges > 0.0]
     halves = []
-    for counts in (signed.below, signed.above):
+    for counts in (deviations.row(above=False), deviations.row(below=False)):
         tiny = np.concatenate([[1e-300], outer])
         half = binned(counts, tiny)
         half[0] += counts.zeros

@@ -15,13 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import whole
-from explorer.measure.log_counts import PER_DECADE, LogCounts, SignedLogCounts
 from explorer.measure.statistics import upper_quantile
+from explorer.measure.tallies import PER_DECADE, LogHistogram, LogRow
 from explorer.phase.disk import Disk, require_disk
 from explorer.phase.states import Array, columns_of
 
 SIDES = {"plus": 1, "minus": -1}
 BINS = 40  # a decade of the deviation, in a summary: a picture joins some of them
+_JOINED = PER_DECADE // BINS
 # Of race angles between -1.5 and 1.5 kappa pi: 0 and +-kappa pi are middles of bins, also of five joined ones.
 ANGLE_BINS, _REACH = 585, 1.5
 PER_STEP = 3  # steps of |eta_hat| a decade, at which the law is looked at
@@ -43,7 +44,7 @@ class RaceRidges:
     limit : float
         kappa pi (rad).
     ridges : dict
-        By the exponent of the decade and the side, +-1: `SignedLogCounts` of race angle - side kappa pi (rad).
+        By the exponent of the decade and the side, +-1: `LogHistogram` of race angle - side kappa pi (rad).
     angles : dict
         By the side: race angles in the bins of `edges`, and how many lie outside them.
     edges : array
@@ -60,7 +61,7 @@ class RaceRidges:
     """
 
     limit: float
-    ridges: dict[int, dict[int, SignedLogCounts]] = field(default_factory=dict)
+    ridges: dict[int, dict[int, LogHistogram]] = field(default_factory=dict)
     angles: dict[int, tuple[NDArray[np.int64], int]] = field(default_factory=dict)
     edges: Array = field(default_factory=lambda: np.zeros(0))
 
@@ -114,25 +115,21 @@ def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, bins: int
     eta, race = columns_of(eta_hat=eta_hat, race_angle=race_angle)
     bins = whole("bins", bins, 1, _MOST_BINS)
     limit = disk.race_limit
-    deviation = race - np.sign(eta) * limit
+    deviations = LogHistogram()
+    deviations.count(race - np.sign(eta) * limit, decades_and_sides(eta))
     edges = angle_edges(limit, bins)
     angles = {}
     for side in (1, -1):
         chosen = race[(side * eta > 0.0) & np.isfinite(race)]
         counts = np.histogram(chosen, edges)[0]
         angles[side] = (counts, int(chosen.size - counts.sum()))
-    return RaceRidges(limit, by_decade(eta, deviation), angles, edges)
+    return RaceRidges(limit, by_decade(deviations), angles, edges)
 
 
 def decades_of(eta_hat: Array) -> Array:
     """The decade of each |eta_hat|: n where 10^n <= |eta_hat| < 10^(n + 1); -inf of 0."""
     with np.errstate(divide="ignore"):
         return np.asarray(np.floor(np.log10(abs(eta_hat)) + 1e-12))
-
-
-def by_decade(eta_hat: Array, deviation: Array) -> dict[int, dict[int, SignedLogCounts]]:
-    """Deviations counted by decade and by side; zeros and what is not finite belong nowhere."""
-    return sides_of_decades(SignedLogCounts.by_group(deviation, decades_and_sides(eta_hat)))
 
 
 def decades_and_sides(eta_hat: Array) -> Array:
@@ -143,69 +140,47 @@ def decades_and_sides(eta_hat: Array) -> Array:
     return groups
 
 
-def sides_of_decades(found: Mapping[int, SignedLogCounts]) -> dict[int, dict[int, SignedLogCounts]]:
+def by_decade(deviations: LogHistogram) -> dict[int, dict[int, LogHistogram]]:
     """By decade and by side what was counted by `decades_and_sides`; decades in which there is something."""
-    sides = {n: {side: found.get(2 * n + (side > 0)) for side in (1, -1)} for n in {n // 2 for n in found}}
-    return {
-        n: {side: counts or SignedLogCounts() for side, counts in both.items()}
-        for n, both in sorted(sides.items())
-        if any(counts and counts.total for counts in both.values())
-    }
+    decades = range(deviations.lowest // 2, deviations.groups.stop // 2 + 1)
+    found = {n: {side: deviations.part([2 * n + (side > 0)]) for side in SIDES.values()} for n in decades}
+    return {n: sides for n, sides in found.items() if any(counts.total for counts in sides.values())}
 
 
-class LawCounts:
-    """c of the law of passages that come block by block, counted by step of |eta| (natural units).
+def count_law(
+    tally: LogHistogram, disk: Disk, eta_hat: Array, race: Array, speed: Array, error: Array | None = None
+) -> None:
+    """Count c of the law of passages by step of |eta| (natural units), of which there are PER_STEP a decade.
 
-    There are PER_STEP steps a decade. Nothing is counted where rounding is felt in the deviation, or nearer to F
-    than where errors move c by more than 1, in all but a hundredth of the passages: a choice by motions would
-    choose c. most: how many passages may come.
+    Nothing is counted where rounding is felt in the deviation, or nearer to F than where errors move c by more
+    than 1, in all but a hundredth of the passages: a choice by motions would choose c. speed: of impact, units of
+    the disk. error: of the race angles (rad), as estimated; None of none.
     """
-
-    def __init__(self, disk: Disk, most: int) -> None:
-        self._disk, self._judged = disk, True
-        self._eta, self._constant, self._doubt = np.empty((3, most))
-        self._count, self._known = 0, np.zeros(1, np.int64)
-
-    def add(self, eta_hat: Array, race_angle: Array, speed: Array, error: Array | None = None) -> None:
-        """Find the constants of more passages.
-
-        speed: of impact, units of the disk. error: of the race angles (rad), as estimated; None of none.
-        """
-        law, unit, disk = compiled.race_law, self._disk.rate_unit, self._disk
-        rows = slice(self._count, self._count + eta_hat.size)
-        eta = np.abs(disk.eta_hat_to_eta(eta_hat / unit), out=self._eta[rows])
-        side, race, own = map(np.ascontiguousarray, (eta_hat, race_angle, eta if error is None else error))
-        with np.errstate(all="ignore"):  # a speed of a user's own may be anything
-            races = law.Races(side, race, own, eta, (speed / unit) ** 3, np.log(1.0 / eta))
-        limit, body = disk.race_limit, disk.body
-        law.constant_batch(races, limit, body, self._constant[rows], self._doubt, self._known)
-        self._count, self._judged = rows.stop, self._judged and error is not None
-
-    def counts(self) -> dict[int, SignedLogCounts]:
-        """What was counted, by step."""
-        eta, known = self._eta[: self._count], int(self._known[0])
-        with np.errstate(all="ignore"):
-            step = np.log10(eta)
-        step *= PER_STEP
-        step += 1e-9
-        np.floor(step, out=step)
-        if self._judged and known:
-            step[~(eta > upper_quantile(self._doubt[:known], 0.99))] = np.nan
-        found = SignedLogCounts.by_group(self._constant[: self._count], step)
-        return {n: counts for n, counts in found.items() if counts.total}
+    law, unit = compiled.race_law, disk.rate_unit
+    eta = abs(disk.eta_hat_to_eta(eta_hat / unit))
+    constant, doubt, known = np.empty(eta.size), np.empty(eta.size), np.zeros(1, np.int64)
+    side, angle, own = map(np.ascontiguousarray, (eta_hat, race, eta if error is None else error))
+    with np.errstate(all="ignore"):  # a speed of a user's own may be anything
+        races = law.Races(side, angle, own, eta, (speed / unit) ** 3, np.log(1.0 / eta))
+        step = np.floor(np.log10(eta) * PER_STEP + 1e-9)
+    law.constant_batch(races, disk.race_limit, disk.body, constant, doubt, known)
+    if error is not None and known[0]:
+        step[~(eta > upper_quantile(doubt[: known[0]], 0.99))] = np.nan
+    tally.count(constant, step)
 
 
-def law_rows(disk: Disk, found: Mapping[int, SignedLogCounts]) -> list[dict[str, Any]]:
+def law_rows(disk: Disk, found: LogHistogram) -> list[dict[str, Any]]:
     """Rows of a summary: |eta| in the middle of each step (eta natural, eta_hat not), and quantiles of c there."""
+    steps = ((10.0 ** ((n + 0.5) / PER_STEP), found.part([n])) for n in found.groups)
     return [
         {
             "eta": eta,
             "eta_hat": float(disk.eta_to_eta_hat(eta)) * disk.rate_unit,
-            "passages": found[n].total,
-            "constant": {f"{share:g}": found[n].quantile(share) for share in _SHARES},
+            "passages": constants.total,
+            "constant": {f"{share:g}": constants.quantile(share) for share in _SHARES},
         }
-        for n, eta in ((n, 10.0 ** ((n + 0.5) / PER_STEP)) for n in sorted(found))
-        if found[n].total
+        for eta, constants in steps
+        if constants.total
     ]
 
 
@@ -244,12 +219,12 @@ def race_law(
     """
     require_disk(disk)
     eta, race, speed = columns_of(eta_hat=eta_hat, race_angle=race_angle, impact_speed=impact_speed)
-    counts = LawCounts(disk, eta.size)
-    counts.add(eta, race, speed)
-    return law_rows(disk, counts.counts())
+    found = LogHistogram()
+    count_law(found, disk, eta, race, speed)
+    return law_rows(disk, found)
 
 
-def ridge_rows(ridges: Mapping[int, Mapping[int, SignedLogCounts]]) -> list[dict[str, Any]]:
+def ridge_rows(ridges: Mapping[int, Mapping[int, LogHistogram]]) -> list[dict[str, Any]]:
     """Rows of a summary: the deviations of each decade, in BINS bins a decade of their size."""
     return [
         {"decade": n, **{name: _packed(sides[side]) for name, side in SIDES.items()}}
@@ -257,7 +232,7 @@ def ridge_rows(ridges: Mapping[int, Mapping[int, SignedLogCounts]]) -> list[dict
     ]
 
 
-def binned(counts: LogCounts, edges: Array) -> Array:
+def binned(counts: LogRow, edges: Array) -> Array:
     """Counts of magnitudes between edges (rad), each bin of `counts` shared out evenly on the logarithmic axis."""
     if not counts.counts.size:
         return np.zeros(edges.size - 1)
@@ -267,32 +242,28 @@ def binned(counts: LogCounts, edges: Array) -> Array:
     return shared
 
 
-def _packed(signed: SignedLogCounts) -> dict[str, Any]:
-    return {name: _coarse(getattr(signed, name)) for name in ("below", "above")}
+def _packed(deviations: LogHistogram) -> dict[str, Any]:
+    return {"below": _coarse(deviations.row(above=False)), "above": _coarse(deviations.row(below=False))}
 
 
-def _coarse(counts: LogCounts) -> dict[str, Any]:
-    """The state of LogCounts with PER_DECADE / BINS of its bins joined."""
-    joined = PER_DECADE // BINS
+def _coarse(counts: LogRow) -> dict[str, Any]:
+    """Counts with PER_DECADE / BINS of their bins joined."""
     filled = np.flatnonzero(counts.counts)
-    bins, where = np.unique((filled + counts.first) // joined, return_inverse=True)
+    bins, where = np.unique((filled + counts.first) // _JOINED, return_inverse=True)
     sums = np.bincount(where, counts.counts[filled], bins.size).astype(int)
     ends = [counts.smallest, counts.largest] if counts.total else []
     return {"bins": bins.tolist(), "counts": sums.tolist(), "zeros": counts.zeros, "range": ends}
 
 
-def _unpacked(state: Mapping[str, Any]) -> SignedLogCounts:
-    made = SignedLogCounts()
-    made.below, made.above = (_fine(state[name]) for name in ("below", "above"))
-    return made
-
-
-def _fine(state: Mapping[str, Any]) -> LogCounts:
-    """Counts of the first of PER_DECADE / BINS bins for each that `_coarse` made, spread over all of them."""
-    joined = PER_DECADE // BINS
-    bins = np.array(state["bins"], np.int64)
-    fine = (joined * bins[:, None] + np.arange(joined)).ravel()
-    counts = np.array(state["counts"], np.int64)
-    # Whole numbers that add up to what they came from
-    parts = (counts[:, None] + np.arange(joined)) // joined
-    return LogCounts({**state, "bins": fine.tolist(), "counts": parts.ravel().tolist()})
+def _unpacked(state: Mapping[str, Any]) -> LogHistogram:
+    """What `_packed` wrote, each of its bins spread over those that were joined."""
+    halves = state["below"], state["above"]
+    used = [place for half in halves for place in half["bins"]] or [0]
+    first, last = min(used), max(used)
+    counts = np.zeros((2, last - first + 1, _JOINED), np.int64)
+    for row, half in enumerate(halves):
+        joined = np.array(half["counts"], np.int64)[:, None]
+        # Whole numbers that add up to what they came from
+        counts[row, np.array(half["bins"], int) - first] = (joined + np.arange(_JOINED)) // _JOINED
+    zeros, ends = [half["zeros"] for half in halves], [half["range"] or [np.inf, -np.inf] for half in halves]
+    return LogHistogram(0, first * _JOINED, counts.reshape(2, -1), np.array(zeros), np.array(ends))

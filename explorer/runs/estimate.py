@@ -1,17 +1,22 @@
-"""What a run will cost: time, memory and room on the disk, from parts of a few of its own chunks."""
+"""What a run will cost, time, memory and room on the disk: some of its chunks are computed and thrown away."""
 
+import json
+import shutil
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from os import cpu_count
+from pathlib import Path
 
-from explorer.errors import note
-from explorer.runs.probes import free_bytes, probe
-from explorer.runs.settings import Asked
-from explorer.scenes.base import Scene
+from explorer import compiled
+from explorer.errors import InputError, note
+from explorer.measure.tallies import Tally
+from explorer.runs.amounts import size
+from explorer.runs.settings import BASE_MEMORY, MOST_IN_MEMORY, Asked, Settings, samples_of
+from explorer.scenes.scene import SampledScene, Scene, Table
 
 _DRAWING = 90e6  # memory that drawing takes, measured
-_SECONDS_PER_BYTE = 0.5e-8  # to write Parquet, before compression; measured
 # Of one picture in PNG and SVG, measured over all scenes; maps take 0.75, and histograms 0.5.
 _SECONDS_PER_PICTURE, _BYTES_PER_PICTURE = 0.6, 250_000
 
@@ -22,8 +27,8 @@ class Estimate:
 
     seconds: from its start to its last picture, where the cores are free and the kernels are compiled;
     seconds_for_figures: those of them that the pictures take. memory: of the whole process, bytes. disk: of the
-    folder, bytes; 0 where there is none. free: bytes that may be written there; None where there is no folder, or
-    the system does not tell. probed: of how many chunks a part was computed to say so.
+    folder, bytes; 0 where there is none. free: bytes that may be written there; None where there is no folder.
+    probed: how many chunks were computed to say so.
     """
 
     chunks: int
@@ -37,45 +42,63 @@ class Estimate:
 
 
 def estimate(asked: Asked) -> Estimate:
-    """Compute a few chunks and extrapolate; writes nothing."""
-    scene, manner, stored = asked.scene, asked.manner, asked.out is not None
-    base = _memory_now()
+    """Compute a few chunks and scale what they take; writes nothing."""
+    scene, settings, command = asked
+    base, jobs, count = _memory_now(), min(settings.jobs, asked.scene.chunks), asked.scene.chunks
     # A command starts as this one did; in Python all is loaded by now.
-    starting = time.process_time() if manner.command is not None else 0.0
-    count = scene.chunks()
-    samples = sum(map(scene.length, range(count)))
-    sums = probe(scene, range(count), lambda text: note(text, manner.quiet))
-    seconds = sums.seconds + (sums.rows * _SECONDS_PER_BYTE if stored else 0.0)
-    pictures = scene.figure_count if manner.formats != () and stored else 0
+    starting = time.process_time() if command is not None else 0.0
+    compiled.compile_missing(scene.kernels, lambda text: note(text, settings.quiet))
+    probed = _to_probe(scene)
+    scene.chunk(probed[0])  # loads compiled code and fills caches, which no other has to do
+    began = time.process_time()  # of the processor, so that other programs do not count
+    sizes = [_bytes_of(*scene.chunk(index)) for index in probed]
+    seconds = (time.process_time() - began) * count / len(probed) / min(jobs, cpu_count() or 1)
+    stored, pictures = sum(sizes) * count / len(probed), scene.drawn if settings.out and settings.figures else 0
+    at_work = scene.bytes_per_sample * scene.length(0) if isinstance(scene, SampledScene) else max(sizes)
+    memory = base + jobs * at_work + (_DRAWING if pictures else 0.0)
     drawing = pictures * _SECONDS_PER_PICTURE
-    lanes = max(1, min(manner.workers.jobs, cpu_count() or 1, count))
-    return Estimate(
-        count,
-        samples,
-        starting + seconds * samples / sums.samples / lanes + drawing,
-        drawing,
-        base
-        + min(manner.workers.jobs, count) * _bytes_at_work(scene, sums.largest)
-        + (_DRAWING if pictures else 0.0),
-        (sums.stored * samples / sums.of + pictures * _BYTES_PER_PICTURE) if stored else 0.0,
-        None if asked.out is None else free_bytes(asked.out),
-        sums.chunks,
-    )
+    costs = starting + seconds + drawing, drawing
+    if settings.out is None:
+        return Estimate(count, samples_of(scene), *costs, memory + stored, 0.0, None, len(probed))
+    disk, free = stored + pictures * _BYTES_PER_PICTURE, free_bytes(settings.out)
+    return Estimate(count, samples_of(scene), *costs, memory, disk, free, len(probed))
 
 
-def _bytes_at_work(scene: Scene, kept: float) -> float:
-    """Memory of one chunk while it is computed."""
-    each = getattr(scene, "bytes_per_sample", 0.0)
-    return max(kept, float(each * scene.length(0)))
+def _bytes_of(table: Table, tally: Tally) -> int:
+    """What a chunk takes, about: Parquet, which is slow to load, takes little off measured numbers."""
+    return sum(values.nbytes for values in table.values()) + len(json.dumps(tally.state()))
+
+
+def _to_probe(scene: Scene) -> list[int]:
+    """Chunks that stand for all: the middle one, and the outer ones too where they differ."""
+    alike = isinstance(scene, SampledScene) and type(scene).length is SampledScene.length
+    return [scene.chunks // 2] if alike else sorted({0, scene.chunks // 2, scene.chunks - 1})
 
 
 def _memory_now() -> float:
     """What this process takes at its largest, with all libraries loaded; bytes."""
     if sys.platform == "win32":
-        from explorer.scenes.base import BASE_MEMORY
-
         return BASE_MEMORY
     import resource
 
     largest = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return float(largest if sys.platform == "darwin" else 1024 * largest)
+
+
+def free_bytes(folder: Path) -> int:
+    """How much may be written where a folder is, or will be made."""
+    return shutil.disk_usage(next(place for place in (folder, *folder.absolute().parents) if place.is_dir())).free
+
+
+def require_room(scene: Scene, chunks: Sequence[int], settings: Settings, folder: Path) -> None:
+    """Raise InputError where chunks that are to be computed need more room than there is on the disk.
+
+    Small runs are not looked at: they take some hundred megabytes at most, and less time than to look.
+    """
+    if sum(map(scene.length, chunks)) > MOST_IN_MEMORY:
+        needed = len(chunks) * _bytes_of(*scene.chunk(chunks[len(chunks) // 2]))
+        if needed > (free := free_bytes(folder)):
+            remedy = f"give --keep none, fewer --samples, or another --out; or make room and {settings.onward}"
+            raise InputError(
+                f"--out {folder}: needs about {size(needed)}, and {size(free)} are free there; {remedy}"
+            )

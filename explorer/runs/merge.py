@@ -1,14 +1,7 @@
 """Several runs of one question as one."""
 
-from itertools import pairwise
-
 from explorer.errors import InputError, RunError, shown
-from explorer.runs import folder as folders
-from explorer.runs.chunks import Part
 from explorer.runs.run import Run
-
-# In what runs of one question may differ: who was drawn, how many, and how they were cut into chunks.
-_FREE = ("seed", "samples", "chunk_size")
 
 
 def merge(*runs: Run) -> Run:
@@ -20,7 +13,7 @@ def merge(*runs: Run) -> Run:
     Parameters
     ----------
     *runs : Run
-        Finished runs of one scene. Their options may differ in `seed` (`rng`), `samples` and `chunk_size` only.
+        Finished runs of one scene. Their options may differ in `seed` (`rng`), `samples`, `chunk_size` and `keep`.
 
     Returns
     -------
@@ -46,38 +39,10 @@ def merge(*runs: Run) -> Run:
     parts = sorted((part for run in runs for part in run.parts), key=lambda part: part.scene.seed)
     if len(parts) < 2:
         raise InputError("merge: takes two runs or more; give them one after the other")
-    for part in parts[1:]:
-        _check_same_question(parts[0], part)
-    for part, other in pairwise(parts):
-        if part.scene.seed == other.scene.seed:
-            raise InputError(
-                f"merge: {part} and {other} both have seed {part.scene.seed}, so one repeats samples of the "
-                "other; give runs with different seeds, or resume one of them with more samples"
-            )
+    made = Run(parts[0].scene.together([part.scene for part in parts[1:]]), parts=parts)
     for part in parts:
         part.complete()
-    return Run(parts)
-
-
-def _check_same_question(first: Part, other: Part) -> None:
-    """Raise InputError unless the options agree that decide what is asked."""
-    if first.scene.options().get("states") is not None:
-        raise InputError(f"merge: {first} has the states of a file; give one run with the states of all files")
-    one, two = first.scene.options(), other.scene.options()
-    differing = [key for key in {**one, **two} if key not in _FREE and one.get(key) != two.get(key)]
-    if differing:
-        key = differing[0]
-        raise InputError(
-            f"merge: {first} has {key} = {one.get(key)}, {other} has {key} = {two.get(key)}; only runs of "
-            "the same question can be added up"
-        )
-    first.scene.together([other.scene])
-    if _kernels(first) != _kernels(other):
-        raise RunError(f"merge: other kernels computed {other} than {first}; run one of them anew")
-
-
-def _kernels(part: Part) -> object:
-    """What computed a run."""
-    if part.folder is None:
-        return folders.identity(part.scene)["kernels"]
-    return folders.read_record(part.folder)["identity"]["kernels"]
+        for what in ("kernels", "code"):
+            if part.identity[what] != parts[0].identity[what]:
+                raise RunError(f"merge: other {what} computed {part.place} than {parts[0].place}; run one anew")
+    return made

@@ -1,35 +1,31 @@
 """Runs: what a user holds, and how a scene becomes one, from its folder to its pictures."""
 
+import contextlib
+import html
+import sys
+import threading
 import time
 from collections import deque
 from collections.abc import Iterator, Sequence
-from contextlib import closing
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
 
 from explorer import compiled
-from explorer.errors import (
-    InputError,
-    Interrupted,
-    RunError,
-    in_words,
-    note,
-    one_of,
-    shorten,
-    shown,
-    words,
-)
+from explorer.errors import InputError, Interrupted, RunError, in_words, note, one_of, shorten, words
+from explorer.measure import statistics
 from explorer.phase.paths import path_of
-from explorer.phase.results import to_arrow
 from explorer.runs import folder as folders
-from explorer.runs import inspect, pictures, store
-from explorer.runs.chunks import Columns, Part, summary_of, tables, whole_scene
-from explorer.runs.interrupt import graceful
-from explorer.runs.lock import only_one
-from explorer.runs.probes import require_room
-from explorer.runs.progress import Progress
-from explorer.runs.workers import Task, Workers
-from explorer.scenes.base import NoStateError, Scene, Table
+from explorer.runs import pictures, store
+from explorer.runs.estimate import require_room
+from explorer.runs.interrupt import stopping
+from explorer.runs.settings import FORMATS, Asked, Settings, samples_of
+from explorer.runs.workers import compute_all
+from explorer.scenes.options import plain
+from explorer.scenes.scene import Picture, Scene, Table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,11 +33,24 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+Columns = Sequence[str] | None
 
-def _read_parts(name: str, value: Any) -> tuple[Part, ...]:
-    if not isinstance(value, Sequence) or not value or not all(isinstance(part, Part) for part in value):
-        raise InputError(f"{name} = {shown(value)}: run(...), open(folder) and merge(...) make runs")
-    return tuple(value)
+
+@dataclass(frozen=True)
+class Progressed:
+    """How far a run is: chunks and samples done, of all; counts of each status; what of it is missing.
+
+    missing: some of "chunks", "summary" and "figures"; figures are missed only where they were asked for.
+    """
+
+    scene: str
+    chunks: int
+    chunks_done: int
+    samples_done: int
+    status: dict[str, int]
+    finished: str | None
+    seconds_for_chunks: float | None
+    missing: tuple[str, ...] = ()
 
 
 class Run:
@@ -68,47 +77,134 @@ class Run:
     'symlog'
     """
 
-    scene: Scene
-    folder: Path | None
-
-    def __init__(self, parts: Sequence[Part]) -> None:
-        self._parts = _read_parts("parts", parts)
-        self.scene = whole_scene(self._parts)
-        self.folder = self._parts[0].folder if len(self._parts) == 1 else None
-        self._known: tuple[Any, dict[str, Any]] | None = None
-        self._summary: dict[str, Any] | None = None
+    def __init__(
+        self,
+        scene: Scene,
+        chunks: Sequence[store.Chunk] = (),
+        folder: Path | None = None,
+        parts: "Sequence[Run]" = (),
+    ) -> None:
+        self.scene, self.folder = scene, folder
+        self._held, self._parts = chunks, parts
 
     @property
-    def parts(self) -> tuple[Part, ...]:
-        """The runs that were merged; one, unless `merge` made it."""
-        return self._parts
+    def parts(self) -> "tuple[Run, ...]":
+        """The runs that were merged; the run itself, unless `merge` made it."""
+        return tuple(self._parts) or (self,)
 
     @property
     def options(self) -> dict[str, Any]:
         """Scene and options: `run(**options)` asks the same question again."""
-        return self.scene.options()
+        return self.scene.options
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What decided its numbers: options, and digests of what computed them."""
+        return folders.identity(self.scene) if self.folder is None else folders.read_record(self.folder)
+
+    @property
+    def chunks(self) -> list[store.Chunk]:
+        """Those that are there, and files that may be some."""
+        return list(self._held) if self.folder is None else store.chunks_in(self.folder)
+
+    def complete(self) -> list[store.Chunk]:
+        """All chunks, in order. Raises RunError where one is missing, or where there are two of its number."""
+        if self._parts:
+            return [chunk for part in self._parts for chunk in part.complete()]
+        chunks, due = self.chunks, range(self.scene.chunks)
+        if [chunk.number for chunk in chunks] == list(due):
+            return chunks
+        missing = len({*due} - {chunk.number for chunk in chunks})
+        fault = (
+            f"{missing} of {len(due)} chunks are missing" if missing else "there are chunks that are not its own"
+        )
+        raise RunError(f"{self.place}: {fault}; continue with: nearflat resume {self.place}")
+
+    @property
+    def place(self) -> str:
+        """Where it is, for messages."""
+        return str(self.folder or "the run in memory")
+
+    @cached_property
+    def _total(self) -> tuple[Any, dict[str, Any]]:
+        """All that was counted, for pictures, and the numbers."""
+        total, digests = self.scene.tally(), list[str]()
+        for part in self.parts:
+            due = folders.digest_of_identity(part.identity)
+            for said in map(store.Chunk.note, part.complete()):
+                try:
+                    total += self.scene.tally.of_state(said["tally"])
+                except (KeyError, TypeError, ValueError):
+                    due = ""
+                if said["identity"] != due:
+                    fault = "its chunks are not those that run.json describes"
+                    raise RunError(f"{part.place}: {fault}; see: nearflat verify {part.place}")
+                digests.append(said["digest"])
+        numbers = {**self.options, **plain(self.scene.summarise(total)), "digest": store.digest_of_all(digests)}
+        if self._parts:
+            numbers["seed"] = [part.scene.seed for part in self._parts]
+        return total, numbers
 
     @property
     def summary(self) -> dict[str, Any]:
         """The numbers of the run. Raises RunError where chunks are missing or damaged."""
-        if self._summary is None and self._known is None and self.folder is not None:
-            self._summary = inspect.stored_summary(self.folder, self.scene)
-        return self._summary or self._total()[1]
+        return self._total[1]
+
+    def renewed(self) -> "Run":
+        """The run with its numbers added up anew from its chunks, and stored where they are others than before."""
+        vars(self).pop("_total", None)
+        if self.folder is not None:
+            store.write_json(self.folder / "summary.json", self.summary)
+        return self
 
     @property
-    def status(self) -> inspect.Progressed:
+    def status(self) -> Progressed:
         """How far the run is: chunks and samples done, counts of each status, what is missing."""
-        return inspect.progressed(self._parts, self.scene)
+        notes, record, lacking = list[dict[str, Any]](), dict[str, Any](), set[str]()
+        for part in self.parts:
+            there = {chunk.number: chunk for chunk in part.chunks if chunk.number in range(part.scene.chunks)}
+            for chunk in there.values():
+                with contextlib.suppress(RunError):  # `verify` says what is wrong with it
+                    notes.append(chunk.note())
+            if part.folder is not None:
+                record = folders.read_record(part.folder)
+                lacking |= _lacking(part.folder, record)
+        due = sum(part.scene.chunks for part in self.parts)
+        lacking |= {"chunks"} if len(notes) < due else set()
+        return Progressed(
+            self.scene.name,
+            due,
+            len(notes),
+            sum(note["samples"] for note in notes),
+            statistics.add_counts(note["tally"]["status"] for note in notes),
+            None if self._parts else record.get("finished"),
+            None if self._parts else record.get("seconds_for_chunks"),
+            tuple(sorted(lacking)),
+        )
 
     @property
     def pictures(self) -> list[str]:
         """The names of the pictures that `figure` draws."""
-        total, summary = self._total()
-        return [name for name, _ in self.scene.figures(summary, total)]
+        return list(self._pictures())
+
+    def _pictures(self) -> dict[str, Picture]:
+        total, summary = self._total
+        return dict(self.scene.figures(summary, total))
+
+    def figure(self, name: str, ax: "Axes | None" = None, **options: Any) -> "Figure":
+        """One picture of the run.
+
+        name: one of `pictures`. ax: where to draw; by default on a new figure. options: keywords of the function
+        of `plot` that draws it, such as bins for "histogram". Raises InputError for an unknown name.
+        """
+        return pictures.draw(self._pictures(), name, options if ax is None else {"ax": ax, **options})
 
     def tables(self, columns: Columns = None) -> Iterator[Table]:
         """The kept samples chunk by chunk, in order, as arrays by name. Raises RunError where one is missing."""
-        return tables(self._parts, None if columns is None else self._read(columns))
+        chunks = self.complete()
+        known = chunks[0].columns()
+        names = [one_of("column", name, known) for name in words("columns", columns)] if columns else known
+        return (chunk.table(names) for chunk in chunks)
 
     def arrow(self, columns: Columns = None) -> "pa.Table":
         """The kept samples as an Arrow table; each field says its meaning, unit and equation in its metadata.
@@ -117,12 +213,12 @@ class Run:
         """
         import pyarrow as pa  # loaded only by those who ask for a table
 
-        parts = map(to_arrow, self._checked(columns))
+        parts = (store.as_arrow(self.scene, table) for table in self.tables(columns))
         try:
             # A user's own column of whole numbers may lack one in another chunk, and is of doubles there.
             return pa.concat_tables(parts, promote_options="permissive").unify_dictionaries()
         except pa.ArrowException as error:
-            fault = shorten(" ".join(str(error).split()), 120)
+            fault = store.in_one_line(error)
             raise RunError(f"columns of chunks do not go together ({fault}); look at: verify()") from None
 
     def frame(self, columns: Columns = None) -> "pd.DataFrame":
@@ -132,195 +228,67 @@ class Run:
         """
         return self.arrow(columns).to_pandas()
 
-    def _checked(self, columns: Columns) -> Iterator[Table]:
-        """The tables of those columns, in the order asked."""
-        names = self._read(columns)
-        return ({name: table[name] for name in names} for table in tables(self._parts, names))
-
-    def _read(self, columns: Columns) -> list[str]:
-        """Names of columns, all of them by default. Raises InputError for one that the run does not have."""
-        known = [*next(tables(self._parts))]
-        names = [*words("columns", columns)] if columns is not None else known
-        return [one_of("column", name, known) for name in names] or known
-
-    def figure(self, name: str, ax: "Axes | None" = None, **options: Any) -> "Figure":
-        """One picture of the run.
-
-        name: one of `pictures`. ax: where to draw; by default on a new figure. options: keywords of the function
-        of `plot` that draws it, such as bins for "histogram". Raises InputError for an unknown name.
-        """
-        total, summary = self._total()
-        return pictures.draw(self.scene.figures(summary, total), name, ax, options)
-
     def verify(self) -> list[str]:
         """Everything that is wrong with the run, a line each; an empty list where all is well."""
-        return [in_words(fault) for part in self._parts for fault in inspect.faults(part)]
+        return [in_words(fault) for part in self.parts for fault in part._faults()]
 
-    def resume(self, jobs: int = 2, progress: bool | None = None) -> "Run":
-        """Compute what is missing or damaged, and draw the pictures that are missing; returns the run itself."""
-        if len(self._parts) > 1:
+    def _faults(self) -> list[str]:
+        known, now = self.identity, folders.identity(self.scene)
+        faults = [
+            f"run.json: other {what} than these computed the run; it cannot be resumed with them"
+            for what in folders.MADE_BY
+            if known[what] != now[what]
+        ]
+        missing = sorted({*range(self.scene.chunks)} - {chunk.number for chunk in self.chunks})
+        named = shorten(", ".join(map(str, missing)), 60)
+        if missing:
+            faults.append(f"{len(missing):,} of {self.scene.chunks:,} chunks are missing: {named}")
+        looked_at = store.examined(self.chunks, self.scene, folders.digest_of_identity(known), rows=True)
+        faults += [f"{chunk.name}: {fault}" for chunk, fault in looked_at if fault]
+        told = self.folder and self.folder / "summary.json"
+        if not faults and told and told.exists():
+            fresh = store.as_json(Run(self.scene, folder=self.folder).summary)
+            if not told.is_file() or told.read_bytes() != fresh:
+                faults.append("summary.json: does not belong to these chunks; run `nearflat summary`")
+        return faults
+
+    def resume(self, **settings: Any) -> "Run":
+        """Compute what is missing or damaged, and draw the pictures that are missing; returns the run itself.
+
+        settings: how, as for `run`: jobs, backend, scheduler, format, figures, progress.
+        """
+        if self._parts:
             raise InputError("resume: several runs were merged here; resume each of them")
         if self.folder is not None:
-            execute(self.scene, self.folder, Manner(Workers(jobs), quiet=progress is False))
-            self._known = self._summary = None
+            execute(Asked(self.scene, Settings.of({**settings, "out": self.folder})))
+            vars(self).pop("_total", None)
         return self
-
-    def _total(self) -> tuple[Any, dict[str, Any]]:
-        if self._known is None:
-            self._known = summary_of(self._parts)
-        return self._known
 
     def _lines(self) -> list[str]:
         """What the description says, a line each."""
         where = f"stored in {self.folder}" if self.folder else "in memory"
         far = self.status
-        lines = [f"Run of {self.scene.name}, {len(self._parts)} merged" if len(self._parts) > 1 else ""]
-        lines = [lines[0] or f"Run of {self.scene.name}, {where}"]
-        if far.chunks_done < far.chunks:
-            return [*lines, f"{far.chunks_done} of {far.chunks} chunks; resume() computes the others"]
-        return [*lines, *map(in_words, self.scene.headline(self.summary))]
+        others = [f"{far.chunks_done} of {far.chunks} chunks; resume() computes the others"]
+        if far.chunks_done == far.chunks:
+            others = [in_words(line) for line in self.scene.headline(self.summary)]
+        return [f"Run of {self.scene.name}, {f'{len(self._parts)} merged' if self._parts else where}", *others]
 
     def __repr__(self) -> str:
         return "\n  ".join(self._lines())
 
     def _repr_html_(self) -> str:
-        import html
-
         first, *others = map(html.escape, self._lines())
         return f"<b>{first}</b><ul>{''.join(f'<li>{line}</li>' for line in others)}</ul>"
 
 
-class Manner(NamedTuple):
-    """How a run is made, and what it says and leaves beside its numbers.
-
-    exist: what becomes of a run that is in the folder: "resume", "replace" or "error". formats: of the pictures,
-    by default those that the run had; none are drawn where it is empty. command: the command line that asked for
-    the run, for run.json.
-    """
-
-    workers: Workers
-    exist: str = "resume"
-    quiet: bool = True
-    formats: tuple[str, ...] | None = None
-    command: str | None = None
-
-
-def execute(scene: Scene, out: Path | str | None, manner: Manner) -> Run:
-    """Compute a scene into a folder, or into memory where `out` is None.
-
-    Raises InputError before anything is written, RunError after. The numbers depend on the scene alone, never on
-    workers or an interruption. The first Ctrl-C or SIGTERM lets running chunks finish; then Interrupted is raised,
-    which says how to continue.
-    """
-    if out is None:
-        part = Part(scene)
-        compiled.warmup(scene.kernels, lambda text: note(text, manner.quiet))
-        progress = Progress(scene.chunks(), scene.name, manner.quiet)
-        _compute(part, list(range(scene.chunks())), manner, progress)
-        progress.close()
-        run = Run([part])
-        run._total()
-        return run
-    folder = Path(out)
-    highest = folders.highest_made(folder)
-    new = folders.open_folder(folder, scene, manner.exist) or manner.exist == "replace"
-    with only_one(folder):
-        try:
-            if manner.exist == "replace":
-                folders.clear(folder)
-            return _fill(Part(scene, folder), folder, manner)
-        except InputError as error:
-            # Only a run can tell that some input leads nowhere. What it has computed by then is kept, if anything.
-            if new and (isinstance(error, NoStateError) or not any((folder / "chunks").glob("*.parquet"))):
-                folders.take_back(folder, highest)
-                raise
-            raise RunError(f"{error} ({folder} holds what was computed)") from error
-
-
-def _fill(part: Part, folder: Path, manner: Manner) -> Run:
-    """Compute, store, summarise and draw what is not there."""
-    clock, scene = time.monotonic(), part.scene
-    missing = folders.missing_chunks(
-        folder, scene, folders.digest_of_identity(scene), lambda text: note(text, manner.quiet)
+def _lacking(folder: Path, record: dict[str, Any]) -> set[str]:
+    """What a stored run should have beside its chunks and has not."""
+    drawn = record.get("figures")
+    figures = not record.get("formats") or (
+        drawn is not None and all((folder / "figures" / name).is_file() for name in drawn)
     )
-    begun = len(missing) < scene.chunks()
-    require_room(scene, missing, folder, begun, lambda text: note(text, manner.quiet))
-    before = folders.begun(folder, manner.command)
-    other = folders.add_kind(before) if missing else None
-    if other and len(missing) < scene.chunks():
-        note(other, manner.quiet)
-    names, formats = before.pop("figures", None), before.pop("formats", None) or pictures.FORMATS
-    formats = formats if manner.formats is None else manner.formats
-    drawn = [] if missing else pictures.there(folder, names, formats)
-    how = {**before, "jobs": manner.workers.jobs, "backend": manner.workers.backend, "formats": formats}
-    folders.write_record(folder, scene, finished=None, figures=drawn or None, **how)
-    # Compiling takes long; what is stopped now can be resumed.
-    called = (*scene.kernels, *(scene.kernels_of_figures if formats and not drawn else ()))
-    compiled.warmup(called, lambda text: note(text, manner.quiet))
-    progress = Progress(scene.chunks(), scene.name, manner.quiet)
-    try:
-        _compute(part, missing, manner, progress)
-        seconds = round(time.monotonic() - clock, 3)
-        run = Run([part])
-        store.write_json(folder / "summary.json", run._total()[1])
-        how["summary_digest"] = store.digest_of_file(folder / "summary.json")
-        if formats and not drawn:
-            drawn = _draw(run, folder, how, progress)
-    finally:
-        progress.close()
-    done = {"finished": folders.now(), "chunks_computed": len(missing), "seconds_for_chunks": seconds}
-    folders.write_record(folder, scene, figures=drawn, **how, **done)
-    return run
-
-
-def _draw(run: Run, folder: Path, how: dict[str, Any], progress: Progress) -> list[str]:
-    """Draw all pictures into the folder. Ctrl-C stops at once: all samples are stored by then.
-
-    run.json names their files first: whoever replaces a run that was stopped deletes these, and no others.
-    """
-    total, summary = run._total()
-    try:
-        figures = list(run.scene.figures(summary, total))
-        files = pictures.files_of((name for name, _ in figures), how["formats"])
-        how["pictures"] = list(dict.fromkeys([*how["pictures"], *files]))
-        folders.write_record(folder, run.scene, finished=None, figures=None, **how)
-        return pictures.save_all(figures, folder / "figures", how["formats"], progress)
-    except KeyboardInterrupt:
-        then = f"all samples are stored; continue with: nearflat resume {folder}"
-        raise Interrupted(f"stopped while pictures were drawn; {then}") from None
-    except Exception as error:
-        if not pictures.is_of_matplotlib(error):
-            raise
-        raise RunError(
-            f"pictures cannot be drawn ({shorten(str(error), 100)}), samples and numbers are "
-            f"stored; change matplotlibrc or MPLBACKEND, then nearflat resume {folder}"
-        ) from error
-
-
-def _compute(part: Part, missing: list[int], manner: Manner, progress: Progress) -> None:
-    """Compute the chunks that are missing."""
-    scene, folder, done = part.scene, part.folder, 0
-    progress.already(scene.chunks() - len(missing))
-    made_by = compiled.source_digest(), folders.own_calibration(scene)
-    task = Task(scene, folders.digest_of_identity(scene), folder, *made_by)
-    with graceful(folder, manner.quiet) as stop:
-        with closing(manner.workers.compute(task, missing, stop)) as chunks:
-            try:
-                for chunk in chunks:
-                    done += 1
-                    if chunk.held is not None:
-                        part.held[chunk.number] = chunk.held
-                    progress.advance(chunk.status)
-            except KeyboardInterrupt:
-                stop.set()
-            except OSError:  # nobody reads what the run says; what is being computed is finished first
-                stop.set()
-                deque(chunks, maxlen=0)
-                raise
-        if stop.is_set() and done < len(missing):
-            there = scene.chunks() - len(missing) + done
-            how = f"continue with: nearflat resume {folder}" if folder else "nothing is kept without --out"
-            raise Interrupted(f"stopped with {there} of {scene.chunks()} chunks done; {how}")
+    there = {"figures": figures, "summary": (folder / "summary.json").is_file()}
+    return {name for name in there if not there[name]}
 
 
 def open(folder: Path | str) -> Run:
@@ -338,7 +306,7 @@ def open(folder: Path | str) -> Run:
     Raises
     ------
     InputError
-        Where there is no run, or one of a later version or of a scene that is not known here.
+        Where there is no run, or one of another version or of a scene that is not known here.
 
     Examples
     --------
@@ -351,4 +319,87 @@ def open(folder: Path | str) -> Run:
     [] True
     """
     place = path_of("folder", folder)
-    return Run([Part(folders.scene_of(place), place)])
+    return Run(folders.stored_scene(folders.read_record(place)), folder=place)
+
+
+def execute(asked: Asked) -> Run:
+    """Compute a run into its folder, or into memory where it has none.
+
+    Raises InputError before anything is written, RunError after. The numbers depend on the scene alone, never on
+    workers or an interruption. The first Ctrl-C or SIGTERM lets running chunks finish; then Interrupted is raised,
+    which says how to continue.
+    """
+    scene, settings, _ = asked
+    if settings.out is not None:
+        with folders.opened(settings.out, scene, settings.exist) as record:
+            return _fill(asked, settings.out, record)
+    compiled.warmup(scene.kernels, lambda text: note(text, settings.quiet))
+    with stopping(settings.onward) as stop:
+        held = sorted(_computed(asked, list(range(scene.chunks)), stop), key=lambda chunk: chunk.name)
+    run = Run(scene, held)
+    _ = run.summary  # which may find that nothing can be said
+    return run
+
+
+def _fill(asked: Asked, folder: Path, record: dict[str, Any]) -> Run:
+    """Compute, store, summarise and draw what is not there. record: what run.json says of a run that was begun."""
+    clock, (scene, settings, command) = time.monotonic(), asked
+
+    def say(text: str) -> None:
+        note(text, settings.quiet)
+
+    missing = folders.missing_chunks(folder, scene, say)
+    require_room(scene, missing, settings, folder)
+    formats = settings.format or record.get("formats") or FORMATS
+    before = {"started": folders.now(), "figures": None, "arithmetic": [], **record}
+    how = {
+        "started": before["started"],
+        "command": command or record.get("command"),
+        "jobs": settings.jobs,
+        "backend": settings.backend,
+        "formats": formats if settings.figures else [],
+        "figures": before["figures"],
+        "arithmetic": folders.processors(record, say) if missing else before["arithmetic"],
+    }
+    folders.write_record(folder, scene, how)
+    compiled.warmup(scene.kernels, say)  # takes long; what is stopped now can be resumed
+    with stopping(settings.onward) as stop:
+        deque(_computed(asked, missing, stop), maxlen=0)
+        how |= {"chunks_computed": len(missing), "seconds_for_chunks": round(time.monotonic() - clock, 3)}
+        run = Run(scene, folder=folder)
+        try:
+            fresh = store.as_json(run.summary)
+        except InputError as error:  # only a run can tell that some input leads nowhere
+            raise RunError(f"{error} ({folder} holds what was computed)") from error
+        told = folder / "summary.json"
+        if told.exists() and told.read_bytes() != fresh:
+            folders.remove_figures(folder, how["figures"])  # which are of fewer samples
+        run.renewed()
+        if how["formats"]:
+            # run.json names files first: whoever replaces a run that was stopped deletes these, and no others.
+            files = [f"{name}.{kind}" for name in run.pictures for kind in how["formats"]]
+            how["figures"] = list(dict.fromkeys([*(how["figures"] or ()), *files]))
+            folders.write_record(folder, scene, how)
+            if not pictures.draw_missing(run._pictures(), folder / "figures", how["formats"], stop.is_set):
+                raise Interrupted(f"all samples are stored, pictures are missing; {settings.onward}")
+    folders.write_record(folder, scene, {**how, "finished": folders.now()})
+    return run
+
+
+def _computed(asked: Asked, missing: list[int], stop: threading.Event) -> Iterator[store.Chunk]:
+    """Compute the chunks that are missing, and show how far it is. Raises Interrupted."""
+    scene, settings, _ = asked
+    due, count, counts = samples_of(scene), len(missing), dict[str, int]()
+    there = due - sum(map(scene.length, missing))
+    often = 0.1 if sys.stderr.isatty() else 5.0  # seconds between two lines
+    how: dict[str, Any] = {"desc": scene.name, "unit": " samples", "unit_scale": True, "mininterval": often}
+    with tqdm(total=due, initial=there, delay=2.0, disable=settings.quiet, **how) as bar:
+        for chunk, status in compute_all(scene, missing, settings, stop) if missing else ():
+            count -= 1
+            counts = statistics.add_counts([counts, status])
+            bar.set_postfix({name: n for name, n in counts.items() if name != "ok"}, refresh=False)
+            bar.update(sum(status.values()))
+            yield chunk
+    if count and stop.is_set():
+        done = scene.chunks - count
+        raise Interrupted(f"stopped with {done} of {scene.chunks} chunks done; {settings.onward}")

@@ -1,164 +1,168 @@
 """What users may say about a run beside its question: where it goes, who computes it, what it leaves."""
 
-from collections.abc import Mapping, Sequence
-from functools import partial
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, TypedDict
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from explorer.errors import InputError, flag, jobs_of, note, one_of, shown, whole
+from explorer.errors import MOST_JOBS, InputError, double_of, flag, one_of, shown, whole, words
 from explorer.phase.paths import path_of
-from explorer.runs import pictures
-from explorer.runs.folder import default_folder
-from explorer.runs.run import Manner
-from explorer.runs.workers import BACKENDS, Workers
-from explorer.scenes.base import SampledScene, Scene, chunk_size_for, read_memory
-from explorer.scenes.options import Option, options_of
-from explorer.scenes.registry import SCENES, build_scene, scene_class
+from explorer.runs.amounts import size
+from explorer.scenes.options import TRUTH, Options, Reader, option, options_of, whole_from, word_of
+from explorer.scenes.registry import scene_class
+from explorer.scenes.scene import SampledScene, Scene
 
-EXIST = ("resume", "replace", "error")
+FORMATS, KNOWN_FORMATS = ("png", "svg"), ("png", "svg", "pdf")
 # What a run in memory may draw: some hundred megabytes where all rows are kept.
 MOST_IN_MEMORY = 1_000_000
+BASE_MEMORY = 450e6  # bytes of compiled code and libraries, measured
+# A budget is shared by at least so many jobs, so that the numbers do not depend on how many there are.
+SHARERS = 4
+SMALLEST_CHUNK, LARGEST_CHUNK = 1 << 12, 1 << 20
 
 
-def _text(flag: str, value: Any) -> str:
-    if not isinstance(value, str):
-        raise InputError(f"{flag} {shown(value)} is no text; give the address of a scheduler")
-    return value
+def read_memory(name: str, value: Any) -> float:
+    """Bytes from "1GB", "500MB" or a number. Raises InputError."""
+    match = re.fullmatch(r"([\d.e+]+) ?([kmgt]?)i?b?", value.strip().lower()) if isinstance(value, str) else None
+    amount = double_of(match[1] if match else value)
+    read = (amount or 0.0) * 1000.0 ** " kmgt".index(match[2] or " " if match else " ")
+    if not 0.0 < read < 1e18:
+        raise InputError(f"{name} {shown(value)} is no amount; write 1GB or 500MB")
+    return read
+
+
+def read_formats(name: str, value: Any) -> tuple[str, ...]:
+    """Read formats of pictures: "png,svg", or a list of names. Raises InputError."""
+    names = value.split(",") if isinstance(value, str) else words(name, value)
+    return tuple(dict.fromkeys(one_of(name, each.strip().lower(), KNOWN_FORMATS) for each in names))
 
 
 def read_rng(name: str, value: Any) -> int:
     """A seed from an int, or from a SeedSequence or Generator of numpy, which give 128 bits. Raises InputError."""
     if isinstance(value, np.random.SeedSequence):
-        plain = not value.spawn_key and isinstance(value.entropy, int) and value.entropy < 2**128
-        words = [value.entropy] if plain else value.generate_state(4).tolist()
-    elif isinstance(value, np.random.Generator):
-        words = value.integers(0, 2**32, 4, dtype=np.uint32).tolist()
-    else:
-        try:
-            return whole(name, value, high=2**128 - 1)
-        except InputError as error:
-            raise InputError(f"{error}; or a SeedSequence or Generator of numpy") from None
-    return int(sum(int(word) << (32 * place) for place, word in enumerate(words)))
+        if not value.spawn_key and isinstance(value.entropy, int) and value.entropy < 2**128:
+            return value.entropy
+        return int.from_bytes(value.generate_state(4).astype("<u4").tobytes(), "little")
+    if isinstance(value, np.random.Generator):
+        return int.from_bytes(value.integers(0, 2**32, 4, dtype=np.uint32).astype("<u4").tobytes(), "little")
+    return whole(name, value, high=2**128 - 1)
 
 
-class Settings(TypedDict, total=False):
-    """Keywords of `run` that change no number, and `rng`."""
-
-    out: Annotated[
-        Path | str | None,
-        Option(
-            "--out",
-            path_of,
-            "DIR",
-            "folder of the run",
-            default=f"results/SCENE-DISK-SEED; from Python, up to {MOST_IN_MEMORY:,} samples stay in memory",
-        ),
-    ]
-    exist: Annotated[
-        str,
-        Option(
-            "exist",
-            partial(one_of, known=EXIST),
-            "WHAT",
-            'what becomes of a run that the folder holds: "resume" computes what is missing, and nothing where it '
-            'is finished; "replace" starts anew; "error" refuses',
-            default='"resume"',
-        ),
-    ]
-    jobs: Annotated[int, Option("--jobs", jobs_of, "N", "workers; they change no number", default="2")]
-    backend: Annotated[
-        str,
-        Option(
-            "--backend", partial(one_of, known=BACKENDS), "NAME", "threads, processes or dask", default="threads"
-        ),
-    ]
-    scheduler: Annotated[
-        str | None,
-        Option("--scheduler", _text, "ADDRESS", "address of a dask scheduler", "one of its own"),
-    ]
-    memory: Annotated[
-        str | float | None,
-        Option(
-            "--memory",
-            read_memory,
-            "SIZE",
-            "budget such as 1GB; sets the chunk size, which is stored with the run",
-        ),
-    ]
-    figures: Annotated[bool, Option("figures", flag, "", "whether pictures are drawn into the folder", "True")]
-    format: Annotated[
-        str | Sequence[str],
-        Option("--format", pictures.read_formats, "KINDS", "formats of the pictures: png, svg, pdf", "png,svg"),
-    ]
-    progress: Annotated[
-        bool | None,
-        Option(
-            "progress",
-            flag,
-            "",
-            "False prints nothing; else a bar on a terminal or in a notebook, elsewhere a line every few seconds",
-        ),
-    ]
-    rng: Annotated[
-        int | np.random.SeedSequence | np.random.Generator,
-        Option("rng", read_rng, "", "the random numbers: another name of `seed`, which takes what numpy takes"),
-    ]
+def _address(name: str, value: Any) -> str:
+    return str(value)
 
 
-SETTINGS = options_of(Settings)
+class Settings(Options):
+    """How a run is made, which changes no number."""
+
+    out: Path | None = option(
+        Reader(path_of, "DIR", "Path | str"),
+        "folder of the run",
+        words=f"results/SCENE-DISK-SEED; from Python, up to {MOST_IN_MEMORY:,} samples stay in memory",
+    )
+    exist: str = option(
+        word_of("resume", "replace", "error")._replace(metavar=None),
+        'what becomes of a run that is there: "resume" computes what is missing, "replace" all; "error" refuses',
+        default="resume",
+    )
+    jobs: int = option(whole_from(1, MOST_JOBS), "workers; they change no number", default=2)
+    backend: str = option(word_of("threads", "processes", "dask"), "kind of workers", default="threads")
+    scheduler: str | None = option(
+        Reader(_address, "ADDRESS", "str"), "address of a dask scheduler", words="one of its own"
+    )
+    memory: float | None = option(
+        Reader(read_memory, "SIZE", "str | float"),
+        "budget such as 1GB; sets the chunk size, which is stored with the run",
+    )
+    figures: bool = option(TRUTH, "draw pictures into the folder", default=True)
+    format: tuple[str, ...] | None = option(
+        Reader(read_formats, "KINDS", "str | Sequence[str]"),
+        "formats of the pictures: png, svg, pdf",
+        words="png,svg",
+    )
+    progress: bool | None = option(
+        Reader(flag, None, "bool"), "False prints nothing; else a bar where a run takes more than two seconds"
+    )
+    rng: int | None = option(
+        Reader(read_rng, None, "int | np.random.SeedSequence | np.random.Generator"),
+        "the random numbers: another name of `seed`, which takes what numpy takes",
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.scheduler is not None and self.backend != "dask":
+            raise InputError(f"--scheduler {self.scheduler}: is for --backend dask; give both")
+        if self.backend == "dask" and find_spec("distributed") is None:
+            raise InputError("--backend dask: needs the extra 'cluster': pip install 'nearflat[cluster]'")
+
+    @property
+    def quiet(self) -> bool:
+        """Whether nothing but errors is said."""
+        return self.progress is False
+
+    @property
+    def onward(self) -> str:
+        """How to go on with a run that was stopped."""
+        if self.out is None:
+            return "nothing is kept without --out"
+        by = " --backend dask" if self.backend == "dask" else ""
+        to = f" --scheduler {self.scheduler}" if self.scheduler else ""
+        return f"continue with: nearflat resume {self.out}{by}{to}"
 
 
 class Asked(NamedTuple):
-    """A run that was asked for: its scene, its folder if it has one, and how it is made."""
+    """A run that was asked for: its question, how it is made, and the command line, if one asked for it."""
 
     scene: Scene
-    out: Path | None
-    manner: Manner
+    settings: Settings
+    command: str | None = None
 
 
 def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist: str = "resume") -> Asked:
     """The run that scene and keywords ask for, of Python, of the command line or of a TOML file.
 
-    command: the command line, where there is one; then the run always has a folder. exist: what becomes of a run
-    in the folder, unless it is said. Raises InputError.
+    name: as `scene_class` takes it, or a scene. command: the command line, where there is one; then the run always
+    has a folder. exist: what becomes of a run in the folder, unless it is said. Raises InputError.
     """
-    rest, said = dict(given), dict[str, Any]()
-    for option in SETTINGS:
-        value = rest.pop(option.word, None)
-        if value is not None:
-            said[option.word] = option.read(option.flag, value)
-    quiet = said.get("progress") is False
-    if "rng" in said:
-        if rest.get("seed") is not None:
-            raise InputError(f"rng and seed = {rest['seed']} say the same; leave one of them out")
-        rest["seed"] = said["rng"]
-    workers = Workers(said.get("jobs", 2), said.get("backend", "threads"), said.get("scheduler"))
-    scene = name if isinstance(name, Scene) else _scene(name, rest, given.get("memory"), workers.jobs, quiet)
-    out = said.get("out")
-    if out is None and (command is not None or not _fits_in_memory(scene)):
-        out = default_folder(scene)
-        note(f"a run above {MOST_IN_MEMORY:,} samples is stored: it is in {out}", quiet or command is not None)
-    formats = said.get("format") if said.get("figures", True) else ()
-    return Asked(scene, out, Manner(workers, said.get("exist", exist), quiet, formats, command))
+    own = {each.name: given[each.name] for each in options_of(Settings) if given.get(each.name) is not None}
+    settings = Settings.of({"exist": exist, **own})
+    rest = {key: value for key, value in given.items() if key not in own and value is not None}
+    scene = name if isinstance(name, Scene) else _scene(scene_class(name), rest, settings)
+    if settings.out is None and (command is not None or samples_of(scene) > MOST_IN_MEMORY):
+        settings = replace(settings, out=Path(f"results/{scene.name}-{scene.label}-{scene.seed}"))
+    return Asked(scene, settings, command)
 
 
-def _fits_in_memory(scene: Scene) -> bool:
-    chunks = scene.chunks()
-    return chunks <= MOST_IN_MEMORY and sum(map(scene.length, range(chunks))) <= MOST_IN_MEMORY
+def samples_of(scene: Scene) -> int:
+    """How many samples all chunks of a scene stand for."""
+    return sum(map(scene.length, range(scene.chunks)))
 
 
-def _scene(name: Any, options: Mapping[str, Any], memory: Any, jobs: int, quiet: bool) -> Scene:
-    """The scene of a run, with chunks that fit into a budget where one is given."""
-    if memory is None:
-        return build_scene(name, **options)
-    kind = scene_class(name)
+def _scene(kind: type[Scene], given: dict[str, Any], settings: Settings) -> Scene:
+    """The scene of a run; its seed may be given as `rng`, and its chunk size by a budget of memory."""
+    more = {}
+    if settings.rng is not None:
+        more["seed"] = settings.rng
+    if settings.memory is not None:
+        more["chunk_size"] = chunk_size_for(kind, settings.memory, settings.jobs)
+    for name in more:
+        if name in given:
+            raise InputError(f"{'rng' if name == 'seed' else '--memory'} and {name} say the same; leave one out")
+    return kind.of({**given, **more})
+
+
+def chunk_size_for(kind: type[Scene], budget: float, jobs: int) -> int:
+    """The largest power of two of samples per chunk with which a few chunks at once fit into a budget, bytes.
+
+    The same for all `jobs` up to SHARERS. Raises InputError where not even small chunks fit.
+    """
     if not issubclass(kind, SampledScene):
-        names = ", ".join(each for each, other in SCENES.items() if issubclass(other, SampledScene))
-        raise InputError(f"--memory {memory}: sets the chunks of {names}, {kind.name} has none; leave it out")
-    if options.get("chunk_size") is not None:
-        raise InputError(f"--memory {memory}: sets chunk_size, which is given too; leave one of them out")
-    size = chunk_size_for(kind, memory, jobs)
-    note(f"--memory {memory}: chunks of {size:,} samples", quiet)
-    return build_scene(name, **{**options, "chunk_size": size})
+        raise InputError(f"--memory {size(budget)}: {kind.name} has no chunk size; leave it out")
+    each = max(jobs, SHARERS) * kind.bytes_per_sample
+    if budget < (least := BASE_MEMORY + SMALLEST_CHUNK * each):
+        raise InputError(f"--memory {size(budget)}: {kind.name} needs at least {least / 1e6:.0f}MB; give more")
+    return min(1 << (int((budget - BASE_MEMORY) / each).bit_length() - 1), LARGEST_CHUNK)

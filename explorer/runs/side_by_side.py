@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.motion.plan import method_in_words
-from explorer.scenes.base import SampledScene
+from explorer.scenes.scene import SampledScene
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def side_by_side(scene: SampledScene, column: str, *, relative: bool, jobs: int 
     """Compute a scene that integrates, and the same samples by quadrature, and compare one column."""
     exact = exact_of(scene)
     for each in (scene, exact):  # so that no time is that of loading code
-        replace(each, samples=1).compute(0)
+        _column(replace(each, samples=1), column, 0)
     seconds, found = _timed(scene, column, jobs)
     exact_seconds, known = _timed(exact, column, jobs)
     both = np.isfinite(found) & np.isfinite(known)
@@ -84,6 +84,11 @@ def _timed(scene: SampledScene, column: str, jobs: int) -> tuple[float, NDArray[
     began = time.perf_counter()
     jobs = min(jobs, os.cpu_count() or 1)
     parts = Parallel(n_jobs=jobs, backend="threading")(
-        delayed(lambda index: scene.compute(index)[column])(index) for index in range(scene.chunks())
+        delayed(_column)(scene, column, index) for index in range(scene.chunks)
     )
     return time.perf_counter() - began, np.concatenate(parts)
+
+
+def _column(scene: SampledScene, name: str, index: int) -> NDArray[Any]:
+    """What is found of the samples of one chunk."""
+    return np.concatenate([scene.observe(block)[name] for block in scene.blocks(index)])

@@ -1,37 +1,40 @@
-"""States that a user gives: in a file, as a table in memory, or as `States`."""
+"""States that a user gives: in a file, as a table in memory, or as `States`.
+
+A cell that should be a number and is none becomes NaN, so that its row is bad input and the others are computed.
+A column no cell of which is a number is a mistake, and refused.
+"""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, whole
+from explorer.errors import InputError, double_of, shorten
+from explorer.phase.arguments import plain_array
 from explorer.phase.charts import Chart, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.paths import path_of
-from explorer.phase.states import COORDINATES, States
-from explorer.scenes.given_columns import (
-    Columns,
-    DataFrame,
-    ParquetColumns,
-    as_columns,
-    as_numbers,
-    as_own,
-    csv_header,
-    read_csv,
-)
+from explorer.phase.states import COORDINATES, Array, States
 
-# What users may give.
-Given = Path | str | DataFrame | np.ndarray[Any, Any] | Mapping[str, Any] | States
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+Columns = dict[str, NDArray[Any]]
 
 _PARQUET = b"PAR1"  # how such a file begins
-_MOST_ROWS = 10**12
 _RECORD = {"file", "rows", "sha256"}  # what run.json says of given states
+
+
+class DataFrame(Protocol):
+    """A table of any library that hands over its columns as Arrow does."""
+
+    def __arrow_c_stream__(self, requested_schema: object = None, /) -> object: ...
 
 
 class Block(NamedTuple):
@@ -62,16 +65,16 @@ class Block(NamedTuple):
 class GivenStates:
     """States that a user gives. A row that is no state gets the status BAD_INPUT, and the others are computed.
 
-    what: how messages call them. sha256: of the file's bytes or of the numbers; it identifies a run. columns: a
-    table in memory, or a Parquet file that is read piece by piece; None for `States`, and where a stored run had
-    states that were never in a file. chart: which columns say where the disk is.
+    what: how messages call them. sha256: of the file's bytes or of the numbers; it identifies a run. columns: of a
+    table; None for `States`, for a Parquet file, which is read piece by piece, and where a stored run had states
+    that were never in a file. chart: which columns say where the disk is.
     """
 
     what: str
     rows: int
     sha256: str
     path: Path | None = None
-    columns: Columns | ParquetColumns | None = None
+    columns: Columns | None = None
     chart: Chart | None = None
     states: States | None = None
 
@@ -80,74 +83,44 @@ class GivenStates:
         """From what a user writes: a path, a table, `States`; or from what run.json says. Raises InputError."""
         if isinstance(value, GivenStates):
             return value
+        if isinstance(value, States):
+            exact = {} if value.exact is None else value.exact._asdict()
+            digest = _digest({"natural": value.natural, "status": value.status} | exact)
+            return cls(flag, _some(len(value), flag), digest, states=value)
         if isinstance(value, str | Path):
             return cls.open(flag, path_of(flag, value))
-        if isinstance(value, States):
-            return cls._of_states(flag, value)
-        if isinstance(value, Mapping) and value and set(value) <= _RECORD:
-            return cls._of_record(flag, value)
-        return cls._of_columns(flag, as_columns(value, flag))
+        if not (isinstance(value, Mapping) and value and set(value) <= _RECORD):
+            return cls._of_table(flag, _table(value, flag))
+        if "file" not in value:
+            return cls(flag, int(value["rows"]), value["sha256"])
+        opened = cls.open(flag, path_of(flag, value["file"]))
+        if opened.sha256 != value["sha256"]:
+            raise InputError(f"{flag} {opened.path}: is not the file of states that the run began with")
+        return opened
 
     @classmethod
     def open(cls, flag: str, path: Path) -> "GivenStates":
         """From a Parquet or a CSV file. Raises InputError where it cannot be read or says no state."""
-        import pyarrow as pa
+        import pyarrow.parquet as pq
 
         what = f"{flag} {path}"
-        try:
+        with _reading(what, "give Parquet or CSV"):
             with path.open("rb") as stream:
                 parquet = stream.read(len(_PARQUET)) == _PARQUET
-                if not parquet:
-                    csv_header(path, what)  # before all of a file is read that may be anything
                 stream.seek(0)
                 sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
-            columns: Columns | ParquetColumns
-            if parquet:
-                columns = ParquetColumns(path.resolve())
-                chart, rows = recognise(columns.names, what), columns.rows
-                columns.check(chart.present(columns.names), what)
-            else:
-                names = csv_header(path, what)[0]
-                chart = recognise(names, what)
-                columns = read_csv(path, dict.fromkeys(chart.present(names)), what)
-                rows = next(iter(columns.values())).size
-        except (OSError, UnicodeDecodeError, pa.ArrowException) as error:
-            raise InputError(f"{what}: cannot be read ({_in_one_line(error)}); give Parquet or CSV") from None
-        if rows == 0:
-            raise InputError(f"{what}: holds no states; give a table with one row for each")
-        return cls(what, rows, sha256, path.resolve(), columns, chart)
+            if not parquet:
+                return cls._of_table(what, _csv(path), sha256, path.resolve())
+            schema, rows = pq.read_schema(path), pq.read_metadata(path).num_rows
+        chart = _chart(schema.names, what)
+        _read(schema.empty_table(), chart, what)  # refuses columns of types that are of no use
+        return cls(what, _some(rows, what), sha256, path.resolve(), None, chart)
 
     @classmethod
-    def _of_columns(cls, flag: str, given: Mapping[str, Any]) -> "GivenStates":
-        chart = recognise(list(given), flag)
-        columns = _read(given, chart, flag)
-        lengths = {column.size for column in columns.values()}
-        if len(lengths) > 1:
-            raise InputError(f"{flag}: columns have {sorted(lengths)} entries; give one for each state")
-        if lengths == {0}:
-            raise InputError(f"{flag}: holds no states; give a table with one row for each")
-        return cls(flag, lengths.pop(), _digest(columns), None, columns, chart)
-
-    @classmethod
-    def _of_states(cls, flag: str, states: States) -> "GivenStates":
-        if len(states) == 0:
-            raise InputError(f"{flag}: holds no states; give one or more")
-        arrays = {"natural": states.natural, "status": states.status}
-        if states.exact is not None:
-            arrays.update(states.exact._asdict())
-        return cls(flag, len(states), _digest(arrays), states=states)
-
-    @classmethod
-    def _of_record(cls, flag: str, record: Mapping[str, Any]) -> "GivenStates":
-        if record.get("file") is None:
-            try:
-                return cls(flag, whole(f"{flag}: rows", record["rows"], 1, _MOST_ROWS), str(record["sha256"]))
-            except KeyError:
-                raise InputError(f"{flag}: run.json does not say which states they were; start anew") from None
-        opened = cls.open(flag, path_of(flag, record["file"]))
-        if opened.sha256 != record.get("sha256"):
-            raise InputError(f"{flag} {opened.path}: is not the file of states that the run began with")
-        return opened
+    def _of_table(cls, what: str, table: "pa.Table", sha256: str = "", path: Path | None = None) -> "GivenStates":
+        chart, rows = _chart(table.column_names, what), _some(table.num_rows, what)
+        columns = _read(table, chart, what)
+        return cls(what, rows, sha256 or _digest(columns), path, columns, chart)
 
     def describe(self) -> dict[str, str | int]:
         """The entry of run.json."""
@@ -165,7 +138,10 @@ class GivenStates:
                 f"{self.what}: this run has states that were given in Python; go on with "
                 "run(..., states=..., resume=True) there"
             )
-        table = self._table(first, count)
+        if self.columns is None:
+            table = self._piece(self.chart, first, count)
+        else:
+            table = {name: values[first : first + count] for name, values in self.columns.items()}
         states = self.chart.states(disk, table, degrees)
         # Coordinates that were given stay as they are, to the last digit and also where they are no state.
         given = {} if degrees else {name: table[name] for name in self.chart.present(table)}
@@ -179,26 +155,19 @@ class GivenStates:
         }
         return Block(states, row | coordinates, own)
 
-    def _table(self, first: int, count: int) -> Columns:
-        import pyarrow as pa
+    def _piece(self, chart: Chart, first: int, count: int) -> Columns:
+        """Some rows of a Parquet file: only the row groups that hold them are read."""
+        import pyarrow.parquet as pq
 
-        if isinstance(self.columns, dict):
-            return {name: values[first : first + count] for name, values in self.columns.items()}
-        assert self.columns is not None
-        assert self.chart is not None
-        try:
-            found = self.columns.read(first, count)
-        except (OSError, UnicodeDecodeError, pa.ArrowException) as error:
-            raise InputError(f"{self.what}: cannot be read ({_in_one_line(error)}); put the file back") from None
-        return _read(found, self.chart, self.what)
-
-
-def _read(given: Mapping[str, Any], chart: Chart, what: str) -> Columns:
-    """Columns that say where the disk is as numbers, and the user's own as they can be stored."""
-    numbers = chart.present(given)
-    return {
-        name: (as_numbers if name in numbers else as_own)(name, values, what) for name, values in given.items()
-    }
+        with (
+            _reading(self.what, "put the file back"),
+            pq.ParquetFile(self.path, page_checksum_verification=True) as file,
+        ):
+            groups = range(file.metadata.num_row_groups)
+            ends = np.cumsum([0, *(file.metadata.row_group(i).num_rows for i in groups)])
+            low, high = np.searchsorted(ends[1:], [first, first + count - 1], side="right")
+            table = file.read_row_groups(range(low, high + 1)).slice(first - ends[low], count)
+        return _read(table, chart, self.what)
 
 
 def _coordinates(states: States) -> Columns:
@@ -207,14 +176,148 @@ def _coordinates(states: States) -> Columns:
     return {name: np.where(good, getattr(states, name), np.nan) for name in COORDINATES}
 
 
+# Tables
+
+
+@contextmanager
+def _reading(what: str, remedy: str) -> Iterator[None]:
+    """Say in one sentence that a file cannot be read."""
+    import pyarrow as pa
+
+    try:
+        yield
+    except (OSError, UnicodeError, pa.ArrowException) as error:
+        reason = getattr(error, "strerror", None) or " ".join(str(error).split())
+        raise InputError(f"{what}: cannot be read ({shorten(reason, 120)}); {remedy}") from None
+
+
+def _table(given: Any, what: str) -> "pa.Table":
+    """A table in memory as Arrow has it. Raises InputError where it is none.
+
+    A frame of any library, a mapping of columns (a number stands for a column), a structured array, or an array
+    with rows of phi, phidot, sigma3, sigma4.
+    """
+    import pyarrow as pa
+
+    if isinstance(getattr(given, "columns", None), Mapping):  # a result of a call
+        given = given.columns
+    if hasattr(given, "iloc"):  # pandas, which would hand over its index as well
+        given = {name: given[name] for name in given.columns}
+    elif hasattr(given, "__arrow_c_stream__"):
+        return pa.table(given)
+    elif getattr(getattr(given, "dtype", None), "names", None):
+        given = {name: np.ravel(given[name]) for name in given.dtype.names}
+    try:
+        if isinstance(given, np.ndarray | list | tuple):
+            rows = plain_array(given)
+            if rows.ndim != 2 or rows.shape[1] != len(COORDINATES):
+                raise TypeError(f"shape {rows.shape} is not (n, 4)")
+            given = dict(zip(COORDINATES, rows.T, strict=True))
+        if not isinstance(given, Mapping):
+            raise TypeError(type(given).__name__)
+        columns = {str(name): plain_array(values) for name, values in given.items()}
+        length = max((len(values) for values in columns.values() if values.ndim), default=1)
+        return pa.table({name: _arrow(v if v.ndim else np.full(length, v[()])) for name, v in columns.items()})
+    except (TypeError, ValueError, pa.ArrowException) as error:
+        raise InputError(
+            f"{what}: is no table ({shorten(str(error), 120)}); give a path, a DataFrame, a dict of columns of "
+            f"one length, rows of {', '.join(COORDINATES)}, or States"
+        ) from None
+
+
+def _arrow(values: NDArray[Any]) -> "pa.Array":
+    import pyarrow as pa
+
+    values = values.astype(np.str_ if values.dtype.kind == "S" else values.dtype.newbyteorder("="), copy=False)
+    try:
+        return pa.array(values, from_pandas=True)
+    except pa.ArrowException:
+        if values.dtype != object:
+            raise
+        return pa.array([None if cell is None else str(cell) for cell in values.tolist()])  # of several kinds
+
+
+def _csv(path: Path) -> "pa.Table":
+    """A CSV file, with commas, semicolons or tabs; a line with too few or too many cells is a row without any."""
+    import pyarrow as pa
+    from pyarrow import csv
+
+    with path.open(encoding="utf-8") as stream:
+        separator = max(",;\t", key=stream.readline().count)
+    bad: list[int] = []
+
+    def skip(row: Any) -> str:
+        bad.append(row.number)
+        return "skip"
+
+    table = csv.read_csv(
+        path,
+        # In one block, so that all of a column decides on its type.
+        csv.ReadOptions(use_threads=False, block_size=min(path.stat().st_size + 1, 2**31 - 1)),
+        csv.ParseOptions(delimiter=separator, invalid_row_handler=skip),
+    )
+    if bad:
+        # Rows are numbered as the file's lines, the header being the first; what was skipped has its place.
+        places: list[int | None] = list(range(table.num_rows))
+        for number in bad:
+            places.insert(number - 2, None)
+        table = table.take(pa.array(places))
+    return table.rename_columns([name.strip() for name in table.column_names])
+
+
+def _chart(names: list[str], what: str) -> Chart:
+    """Which columns say where the disk is. Raises InputError where they say no state or not which."""
+    twice = sorted(name for name in names if names.count(name) > 1)
+    if twice:
+        raise InputError(f"{what}: has several columns {twice[0]!r}; rename or drop all but one")
+    return recognise(names, what)
+
+
+def _some(rows: int, what: str) -> int:
+    if rows == 0:
+        raise InputError(f"{what}: holds no states; give a table with one row for each")
+    return rows
+
+
+def _read(table: "pa.Table", chart: Chart, what: str) -> Columns:
+    """Columns that say where the disk is as numbers, and the user's own as they can be stored."""
+    numbers = chart.present(table.column_names)
+    return {
+        name: _numbers(table.column(name), f"{what}: column {name!r}")
+        if name in numbers
+        else _own(table.column(name), f"{what}: column {name!r}")
+        for name in table.column_names
+    }
+
+
+def _numbers(column: Any, what: str) -> Array:
+    """Doubles; NaN for cells that are no number. Raises InputError where no cell is."""
+    import pyarrow.types as types
+
+    if any(test(column.type) for test in (types.is_integer, types.is_floating, types.is_decimal)):
+        return np.array(column.cast("float64", safe=False).to_numpy())
+    numbers = np.array([double_of(cell) for cell in column.to_pylist()], np.float64)  # None becomes NaN
+    if np.isnan(numbers).all():
+        raise InputError(f"{what} holds no numbers, but {column.type}")
+    return numbers
+
+
+def _own(column: Any, what: str) -> NDArray[Any]:
+    """A column of the user's own as it can be stored: numbers, truth values, times, or text."""
+    import pyarrow.types as types
+
+    kind = column.type.value_type if types.is_dictionary(column.type) else column.type
+    if types.is_nested(kind):
+        raise InputError(f"{what} holds {kind}, which results cannot keep; leave it out")
+    values = column.cast("float64" if types.is_decimal(kind) else kind).to_numpy()
+    if values.dtype.kind in "fiubMm":
+        return np.array(values)
+    return np.array(["" if cell is None else str(cell) for cell in values.tolist()], np.str_)
+
+
 def _digest(arrays: Mapping[str, Any]) -> str:
     digest = hashlib.sha256()
     for name, values in arrays.items():
         digest.update(f"{name}:{values.dtype}:{values.shape};".encode())
         digest.update(np.ascontiguousarray(values).tobytes())
     return digest.hexdigest()
-
-
-def _in_one_line(error: Exception) -> str:
-    lines = str(getattr(error, "strerror", None) or error).splitlines()
-    return lines[0][:120] if lines else type(error).__name__

@@ -6,127 +6,105 @@ P = C delta, C by quadrature over F; it is fitted, tested, and compared with law
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Annotated, Any, ClassVar
+from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, one_of, whole
-from explorer.measure import invariance
+from explorer import compiled
+from explorer.errors import InputError
+from explorer.measure import invariance, statistics
 from explorer.measure.box_integrals import NaturalDensity
-from explorer.measure.density import Density, Function
-from explorer.measure.sampling import Box, Range, chunk_stream
-from explorer.motion.plan import Plan
+from explorer.measure.density import Density
+from explorer.measure.falling_probability import FEWEST_HITS, FallingProbability
+from explorer.measure.sampling import Range, chunk_stream
+from explorer.measure.tallies import ByName, Histogram, Records
+from explorer.measure.tubes import dimensions, widest_eta
+from explorer.motion.plan import Plan, plan
 from explorer.motion.trials import MotionTrial, TiltTrial, through_time
-from explorer.motion.turning_points import tilt_kernels
+from explorer.motion.turning_points import smallest_tilt, tilt_kernels, turning_points
 from explorer.phase import membership
 from explorer.phase.arguments import read_range
+from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.states import COORDINATES, Array
-from explorer.scenes.base import Chunks, Picture, SampledScene, Table, Tally, part_of
-from explorer.scenes.measure_zero_draws import PlainDraws, Question, TubeDraws, checking
-from explorer.scenes.measure_zero_summary import FEWEST_HITS, Counted, summarise
-from explorer.scenes.options import BOX, DENSITY, ENERGY, GAUSSIAN, OpenRange, Option, Ranges
+from explorer.phase.states import COORDINATES, Array, States, phi_to_states
+from explorer.scenes.options import Reader, option, whole_from, word_of
+from explorer.scenes.scene import MOST_SAMPLES, Counts, Picture, Table
+from explorer.scenes.starts import FromDensity
 
-SAMPLING = ("random", "sobol")
 SCRAMBLES = 16  # batches of Sobol points: enough for an error from their spread
 _BATCH = 1 << 14  # independent draws per batch of a tube
+_CHECKED = 256  # hits per chunk whose race is followed by integration,
+_CHECKED_BY = "dopri5"  # by this method
 
 
-@dataclass(frozen=True, kw_only=True)
-class MeasureZero(SampledScene):
+def read_ladder(name: str, value: Any) -> Range:
+    """Read the smallest and the largest delta. Raises InputError."""
+    low, high = read_range(name, value)
+    if not 1e-100 <= low < high <= 1.0:
+        raise InputError(f"{name} {low:g}:{high:g} must be LOW:HIGH within 1e-100:1 (tilts in rad)")
+    return low, high
+
+
+class ZeroCounts(Counts):
+    """below and batches: as FallingProbability.summary takes them. race: ways of races of some plain hits."""
+
+    falls: int
+    below: Histogram
+    race: ByName[int]
+    batches: Records
+
+
+class MeasureZero(FromDensity):
     """How rarely does it nearly fall? P(theta_min < delta) down to 1e-15 against the law C delta.
 
     samples: plain draws; tube: draws per rung and face; ladder: smallest and largest delta (rad).
     """
 
-    box: Box
-    energy: Range | None = None
-    gaussian: dict[str, Range] | None = None
-    density: Function | None = None
-    ladder: Range = (1e-15, 1e-1)
-    samples: int = 4_000_000  # enough to see a probability of 1e-6, were there one
-    tube: int = 1 << 18
-    sampling: str = "random"
-
-    name: ClassVar[str] = "measure-zero"
-    tried: ClassVar[int] = 1 << 15  # of which one in ten is followed
-    observables: ClassVar[tuple[str, ...]] = ("theta_min", "face", "could_fall")
-    columns: ClassVar[tuple[str, ...]] = (
-        *COORDINATES,
-        "sigma3_bar",
-        "eta_hat",
-        "energy",
-        "face",
-        "delta",
-        "weight",
-        "theta_min",
-        "status",
+    ladder: Range = option(
+        Reader(read_ladder, "LOW:HIGH", "str | tuple[float, float]"),
+        "tilts delta in rad, from the largest down by decades",
+        default=(1e-15, 1e-1),
     )
-    bytes_per_sample: ClassVar[int] = 1000
+    # Enough plain draws to see a probability of 1e-6, were there one
+    samples: int = option(
+        whole_from(1, MOST_SAMPLES), "number of samples; 1e6 is a whole number too", default=4_000_000
+    )
+    tube: int = option(whole_from(2, 10**9), "draws per delta and face in tubes beside F", default=1 << 18)
+    sampling: str = option(word_of("random", "sobol"), "draws in the tubes: random or sobol", default="random")
 
-    class Keywords(SampledScene.Keywords, total=False):
-        box: Annotated[Ranges, BOX]
-        energy: Annotated[OpenRange, ENERGY]
-        gaussian: Annotated[Ranges, GAUSSIAN]
-        density: Annotated[Function, DENSITY]
-        ladder: Annotated[
-            str | Range,
-            Option("--ladder", read_range, "LOW:HIGH", "tilts delta in rad, from the largest down by decades"),
-        ]
-        tube: Annotated[
-            int | float,
-            Option("--tube", partial(whole, low=2, high=10**9), "N", "draws per delta and face in tubes beside F"),
-        ]
-        sampling: Annotated[
-            str,
-            Option("--sampling", partial(one_of, known=SAMPLING), "HOW", "draws in the tubes: random or sobol"),
-        ]
+    tally, drawn = ZeroCounts, 3
+    tried = 1 << 15  # of which one in ten is followed
+    observables = ("theta_min", "face", "could_fall")
+    columns = (*COORDINATES, "sigma3_bar", "eta_hat", "energy", "face", "delta", "weight", "theta_min", "status")
 
     def __post_init__(self) -> None:
-        low, high = self.ladder  # first: the rungs are counted below
-        if not 1e-100 <= low < high <= 1.0:
-            raise InputError(f"--ladder {low:g}:{high:g} must be LOW:HIGH within 1e-100:1 (tilts in rad)")
         super().__post_init__()
         require_axial_inertia(self.disk)
         if self.sampling == "sobol" and self.tube < 2 * SCRAMBLES:
             raise InputError(f"--tube {self.tube}: Sobol points come in {SCRAMBLES} scrambles; give more draws")
-        source = self.question.source
-        if not {"sigma3", "sigma4"} & set(source.box.free):
+        if not {"sigma3", "sigma4"} & set(self.box.free):
             raise InputError(
                 "--box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "
                 "all, and there are no tubes; give one of them a range (falling_constant gives C in Python)"
             )
-        if NaturalDensity(self.disk, source).reaches_flat():
+        if NaturalDensity(self.disk, self.source).reaches_flat():
             raise InputError(
                 "--box reaches flat (phi = +-pi/2) where the density does not vanish and the energy has no bound: "
                 "P is of order delta ln(1/delta) there, there is no C; give --energy LOW:HIGH, or keep phi away"
             )
-        # What draws nothing, or is no density, is refused before anything is written.
-        source.draw(self.disk, chunk_stream(self.seed, 0), 1)
-        if np.count_nonzero(self.question.tested) < 2:
+        if np.count_nonzero(self.probability.tested) < 2:
+            low, high = self.ladder
             raise InputError(
-                f"--ladder {low:g}:{high:g}: needs two rungs at or below {self.question.law_limit:.1e}, where the "
-                "law holds for this box and disk; give a smaller LOW"
+                f"--ladder {low:g}:{high:g}: needs two rungs at or below {self.probability.law_limit:.1e}, where "
+                "the law holds for this box and disk; give a smaller LOW"
             )
 
-    @classmethod
-    def completed(cls, given: dict[str, Any]) -> dict[str, Any]:
-        disk = given.get("disks", cls.disks)[0]
-        return {**given, "box": replace(Box.default(disk), **given.get("box", {}))}
-
-    def options(self) -> dict[str, Any]:
-        # A function is identified by its values.
-        return {**super().options(), "density": self.question.source.describe().get("density")}
-
     @cached_property
-    def question(self) -> Question:
-        """What is asked, for those who draw and those who sum up."""
-        source = Density.of(self.disk, self.box, self.energy, self.gaussian, self.density)
-        scrambled = self.sampling == "sobol"
-        return Question(self.disk, source, self.deltas, self.plan, self.samples, self.seed, scrambled)
+    def source(self) -> Density:
+        return Density.of(self.disk, self.box, self.energy, self.gaussian, self.density)
 
     @cached_property
     def deltas(self) -> Array:
@@ -135,89 +113,145 @@ class MeasureZero(SampledScene):
         count = int(np.floor(np.log10(high / low) + 1e-9)) + 1
         return np.array([float(f"{high * 10.0**-k:.12g}") for k in range(count)])
 
+    @cached_property
+    def probability(self) -> FallingProbability:
+        """What is asked, and what becomes of the counts."""
+        scrambled = self.sampling == "sobol"
+        return FallingProbability(
+            self.disk, self.source, self.deltas, self.accuracy, self.samples, self.seed, scrambled
+        )
+
+    # Chunks: batches of each tube, by rung and face; and then plain draws, so that a longer run keeps all chunks
+    # of a shorter one.
+
     @property
-    def _parts(self) -> int:
-        """Batches of a tube."""
-        return SCRAMBLES if self.sampling == "sobol" else -(-self.tube // _BATCH)
-
-    def chunks(self) -> int:
-        return super().chunks() + 2 * self.deltas.size * self._parts
-
-    def piece(self, index: int) -> PlainDraws | TubeDraws:
-        """What chunk `index` is. Plain draws come last, so that a longer run keeps all chunks of a shorter one."""
-        tube, part = divmod(index, self._parts)
-        if tube >= 2 * self.deltas.size:
-            plain = index - 2 * self.deltas.size * self._parts
-            return PlainDraws(self.question, index, super().length(plain))
-        count = min(_BATCH, self.tube - part * _BATCH)
+    def _batches(self) -> tuple[int, int]:
+        """How many a tube has, and the draws in each; of independent draws the last may have fewer."""
         if self.sampling == "sobol":
-            count = 1 << int(np.log2(self.tube // SCRAMBLES))
-        return TubeDraws(self.question, index, count, tube // 2, 1 if tube % 2 == 0 else -1, part)
+            return SCRAMBLES, 1 << int(np.log2(self.tube // SCRAMBLES))
+        return -(-self.tube // _BATCH), _BATCH
+
+    @property
+    def _in_tubes(self) -> int:
+        return 2 * self.deltas.size * self._batches[0]
+
+    @property
+    def chunks(self) -> int:
+        return self._in_tubes + super().chunks
 
     def length(self, index: int) -> int:
-        return self.piece(index).count
+        if index >= self._in_tubes:
+            return super().length(index - self._in_tubes)
+        count, draws = self._batches
+        return min(draws, self.tube - index % count * draws)
+
+    def chunk(self, index: int) -> tuple[Table, ZeroCounts]:
+        table, tally = self._plain(index) if index >= self._in_tubes else self._batch(index)
+        tally.status += statistics.count_status([table["status"]])
+        # The first batches show what the draws and weights of every tube look like.
+        first = index < self._in_tubes and index % self._batches[0] == 0
+        return (table if first and self.keep == "near" else self.kept(table)), tally
+
+    def near(self, table: Table) -> NDArray[np.bool_]:
+        """Plain draws flatter than the first rung."""
+        near: NDArray[np.bool_] = np.isnan(table["delta"]) & (table["theta_min"] < self.deltas[0])
+        return near
+
+    def _batch(self, index: int) -> tuple[Table, ZeroCounts]:
+        """Draws in a tube. sigma3 and sigma4 are NaN: doubles do not hold such a small eta_hat as a difference."""
+        tube, count, tally = index // self._batches[0], self.length(index), ZeroCounts()
+        rung, face = tube // 2, 1 if tube % 2 == 0 else -1
+        random, size = chunk_stream(self.seed, index), dimensions(self.source)
+        if self.sampling == "sobol":
+            points = scipy.stats.qmc.Sobol(size, scramble=True, bits=53, rng=random).random(count)
+        else:
+            points = random.random((count, size))
+        draws = self.probability.draw(face, float(self.deltas[rung]), points)
+        tally.batches += Records([self.probability.batch(rung, face, draws)])
+        table = {
+            **vars(draws),
+            **dict.fromkeys(("sigma3", "sigma4"), np.full(count, np.nan)),
+            "face": np.full(count, face, np.int8),
+            "delta": np.full(count, self.deltas[rung]),
+        }
+        return {name: table[name] for name in self.columns}, tally
+
+    def _plain(self, index: int) -> tuple[Table, ZeroCounts]:
+        """Draws from the density that are followed; theta_min is 0 for those that fall."""
+        disk, tally = self.disk, ZeroCounts()
+        columns, states, known = self._followed(index)
+        plus = known.nearer_plus
+        theta, status, _ = smallest_tilt(states, self.plan, known)
+        falls = status == compiled.status.Status.FALLS
+        table = {
+            **columns,
+            "sigma3_bar": known.sigma3_bar * disk.rate_unit,
+            "eta_hat": disk.eta_to_eta_hat(known.eta(plus)) * disk.rate_unit,
+            "energy": known.energy * disk.energy_unit,
+            "face": np.where(plus, 1, -1).astype(np.int8),
+            "delta": np.full(plus.size, np.nan),
+            "weight": np.ones(plus.size),
+            "theta_min": np.where(falls, 0.0, theta),
+            "status": status.astype(np.int8),
+        }
+        tally.status["not followed"] += self.length(index) - plus.size
+        tally.falls += int(falls.sum())
+        tally.below = Histogram(self.probability.below(table["theta_min"]))
+        self._count_races(tally, table)
+        return table, tally
+
+    def _followed(self, index: int) -> tuple[Table, States, NaturalConstants]:
+        """The draws that could come flatter than the first rung: their coordinates, states and constants."""
+        columns = self.source.draw(self.disk, chunk_stream(self.seed, index), self.length(index))
+        states = phi_to_states(self.disk, **columns)
+        natural = natural_constants(states)
+        eta_hat = self.disk.eta_to_eta_hat(natural.eta(natural.nearer_plus))
+        rows = np.flatnonzero(abs(eta_hat) <= widest_eta(natural.energy, self.deltas[0], self.disk))
+        return {name: values[rows] for name, values in columns.items()}, states.at(rows), natural.at(rows)
+
+    def _count_races(self, tally: ZeroCounts, table: Table) -> None:
+        """Count which way contact points race at the flattest moment, by integration, against the sign of eta."""
+        rows = np.flatnonzero(self.near(table) & (table["theta_min"] > 0.0))[:_CHECKED]
+        theta, face, eta_hat = (table[name][rows] for name in ("theta_min", "face", "eta_hat"))
+        states = phi_to_states(self.disk, **{name: table[name][rows] for name in COORDINATES})
+        natural = natural_constants(states)
+        for each in (states, states.reversed()):
+            turn = turning_points(each, _checking(), natural)
+            here = (turn.face == face) & (abs(turn.theta / theta - 1.0) < 0.5)
+            agrees = np.sign(turn.way) == np.sign(eta_hat)
+            failed = turn.status != compiled.status.Status.OK
+            for way, those in (("right", here & agrees), ("wrong", here & ~agrees), ("not_resolved", failed)):
+                tally.race[way] += int(those.sum())
 
     @property
     def kernels(self) -> tuple[str, ...]:
-        checked = ("falling.line_chart_batch", checking().first_event)
+        checked = ("falling.line_chart_batch", _checking().first_event)
         return *membership.KERNELS, *checked, *tilt_kernels(self.plan), *invariance.kernels()
 
     @property
     def plans(self) -> tuple[Plan, ...]:
-        return *super().plans, checking(), invariance.following()
+        return *super().plans, _checking(), invariance.following()
 
     def trial(self) -> TiltTrial:
         """The plain draws that are followed; those in tubes have their tilt from a formula."""
-        return TiltTrial([plain.followed()[1:] for plain in self._plain()])
+        return TiltTrial([self._followed(index)[1:] for index in range(self._in_tubes, self.chunks)])
 
     def motions(self, count: int, t_end: float | None) -> MotionTrial:
-        states = next(self._plain()).followed()[1]
+        states = self._followed(self._in_tubes)[1]
         return through_time(states.at(np.arange(min(count, len(states)))), t_end)
 
-    def _plain(self) -> Iterator[PlainDraws]:
-        pieces = (self.piece(index) for index in range(self.chunks()))
-        return (piece for piece in pieces if isinstance(piece, PlainDraws))
+    def summarise(self, tally: ZeroCounts) -> dict[str, Any]:
+        found = self.probability.summary(tally.below.counts, tally.falls, tally.batches.items)
+        return {**found, "status": dict(tally.status), "race": dict(tally.race)}
 
-    def compute(self, index: int) -> Table:
-        return self.piece(index).compute()
-
-    def begin(self, index: int, parts: int) -> tuple[Table, Tally, int]:
-        piece = self.piece(index)
-        piece = replace(piece, count=part_of(piece.count, parts))
-        table = piece.compute()
-        return self.kept(index, table), piece.tally(table), piece.count
-
-    def tally(self, index: int, table: Table) -> Tally:
-        return self.piece(index).tally(table)
-
-    def near(self, index: int, table: Table) -> NDArray[np.bool_]:
-        return self.piece(index).near(table)
-
-    def add_up(self, chunks: Chunks) -> Counted:
-        return Counted.of(self.question, list(chunks.tallies))
-
-    def summarise(self, total: Counted) -> dict[str, Any]:
-        return summarise(self.question, total)
-
-    @property
-    def figure_count(self) -> int:
-        return 3
-
-    def figures(self, summary: dict[str, Any], total: Counted) -> Iterator[tuple[str, Picture]]:
+    def figures(self, summary: dict[str, Any], tally: ZeroCounts) -> Iterator[tuple[str, Picture]]:
         from explorer import plot
 
+        ladder, ratio = partial(plot.falling_ladder, summary), partial(plot.ladder_ratio, summary)
         if not summary["constant"]:
-            yield "ladder", partial(plot.falling_ladder, summary)
+            yield "ladder", ladder
             return
-        yield (
-            "ladder",
-            partial(
-                plot.stacked,
-                lambda ax: plot.falling_ladder(summary, ax),
-                lambda ax: plot.ladder_ratio(summary, ax),
-                height=8.4,
-            ),
-        )
+        yield "ladder", partial(plot.stacked, ladder, ratio, height=8.4)
         yield "convergence", partial(plot.constant_convergence, summary)
         yield "tilt", partial(plot.tilt_density, summary)
 
@@ -244,6 +278,11 @@ class MeasureZero(SampledScene):
             f"{summary['p_value_counts']['law']:.2g} (plain counts); that both agree "
             f"{summary['p_value_counts_against_tubes']:.2g}",
         ]
+
+
+def _checking() -> Plan:
+    """How the races of some hits are followed, to see which way they go."""
+    return plan(("race_angle",), 1e-4, _CHECKED_BY)
 
 
 def _interval(estimate: dict[str, Any], digits: int) -> str:

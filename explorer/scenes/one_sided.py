@@ -6,120 +6,82 @@ shrinks like eta ln(1/eta); the two limits themselves stay 2 kappa pi mod 2 pi a
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import cache, partial
+from collections.abc import Iterator
+from functools import partial
 from itertools import chain, islice
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypedDict
+from typing import Any
 
 import numpy as np
 
 from explorer.errors import InputError
 from explorer.measure import statistics
-from explorer.measure.sampling import Box, Range, chunk_stream
+from explorer.measure.sampling import Range, chunk_stream
+from explorer.measure.tallies import ByName, Records
 from explorer.motion import limit_motions
-from explorer.motion.plan import plan
 from explorer.motion.trajectories import trajectories
 from explorer.motion.trials import MotionTrial, even_times
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
-from explorer.portrait.both_sides import (
-    QUANTITIES,
-    BothSides,
-    beside,
-    both_sides,
-    limits_at,
-    sample_times,
-)
-from explorer.scenes.base import Chunks, Picture, Scene, Table, Tally, joined, together
-from explorer.scenes.beside import (
-    BOX,
-    box_beside,
-    check_eta_hat,
-    default_box,
-    describe_beside,
-    draw_beside,
-    eta_hat_option,
-)
-from explorer.scenes.options import (
-    ACCURACY,
-    DISK,
-    METHOD,
-    SAMPLES,
-    SEED,
-    Disks,
-    Distances,
-    Ranges,
-    read_disks,
-)
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from explorer.portrait.both_sides import QUANTITIES, beside, both_sides, limits_at, sample_times
+from explorer.scenes.options import DISKS, RANGE, RANGES, option, whole_from
+from explorer.scenes.scene import MOST_SAMPLES, Counts, Picture, Scene, Table, joined
+from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, BoxNearF, check_eta_hat
 
 BLOCK = 8  # starts per chunk
+SIDES = {"plus": 1, "minus": -1}
 # The limits coincide where the measured gap is below this (rad); it is 1.48 and more elsewhere.
 SAME = 1e-3
 
 
-@dataclass(frozen=True)
-class Approach:
-    """What all chunks say: the rows of every disk, and how many motions ended in each status."""
+class Approach(Counts):
+    """Of each disk and start, null where a motion failed.
 
-    tables: dict[str, Table]
-    status: dict[str, int]
+    distances: from the limit of its side, [of eta_hat > 0, of eta_hat < 0], the largest |eta_hat| first. apart: by
+    how much chi between the first two impacts is larger at the smallest eta_hat > 0 than at -eta_hat.
+    """
+
+    distances: ByName[Records]
+    apart: ByName[Records]
 
 
-@dataclass(frozen=True, kw_only=True)
 class OneSided(Scene):
     """What is the limit from each side? Distance to each limit motion as eta shrinks, for several disks."""
 
-    disks: tuple[Disk, ...] = (Disk.uniform(), Disk.hoop(), Disk.matching())
-    samples: int = 32
-    box: Box | None = None
-    eta_hat: Range | None = None
-
-    name: ClassVar[str] = "one-sided"
-    tried: ClassVar[int] = 4
-    observables: ClassVar[tuple[str, ...]] = QUANTITIES
-    columns: ClassVar[tuple[str, ...]] = (
-        "base",
-        "sigma3_bar",
-        "phidot",
-        "eta_hat",
-        "status",
-        *(f"distance_{name}" for name in QUANTITIES),
-        "distance",
-        "chi_between",
+    disk: tuple[Disk, ...] = option(  # type: ignore[assignment]  # several
+        DISKS,
+        "disk, as for other scenes; several may be given",
+        default=(Disk.uniform(), Disk.hoop(), Disk.matching()),
+        key="disks",
+        several=True,
     )
+    samples: int = option(whole_from(1, MOST_SAMPLES), "points of the falling set per disk", default=32)
+    box: BoxNearF | None = option(
+        RANGES,
+        BOX_NEAR_F,
+        follows=lambda self, given: None if given is None else BoxNearF.of(self.disk[0], given),
+    )
+    eta_hat: Range | None = option(RANGE, ETA_HAT, words="1e-6:1e-1, by decades, natural units")
 
-    class Keywords(TypedDict, total=False):
-        disk: Annotated[
-            Disks, replace(DISK, read=read_disks, text="disk, as for other scenes; several may be given")
-        ]
-        seed: Annotated[int, SEED]
-        accuracy: Annotated[float, ACCURACY]
-        method: Annotated[str, METHOD]
-        samples: Annotated[int | float, replace(SAMPLES, text="points of the falling set per disk")]
-        box: Annotated[Ranges, BOX]
-        eta_hat: Annotated[Distances, eta_hat_option("1e-6:1e-1, by decades,")]
+    tally, drawn = Approach, 7
+    tried = 4
+    observables = QUANTITIES
+    columns = (
+        *("base", "sigma3_bar", "phidot", "eta_hat", "status"),
+        *(f"distance_{name}" for name in QUANTITIES),
+        *("distance", "chi_between"),
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for disk in self.disks:
+        for disk in self.disk:
             require_axial_inertia(disk)
             check_eta_hat(self.span(disk), disk)
-        if len({disk.name for disk in self.disks}) < len(self.disks):
+        if len({disk.name for disk in self.disk}) < len(self.disk):
             raise InputError("--disk: one-sided needs different names; name disks in TOML files")
 
-    @classmethod
-    def completed(cls, given: dict[str, Any]) -> dict[str, Any]:
-        if "box" not in given:
-            return given
-        return {**given, "box": box_beside(given.get("disks", cls.disks)[0], given["box"])}
-
-    def where(self, disk: Disk) -> Box:
-        return self.box or default_box(disk)
+    @property
+    def label(self) -> str:
+        return "+".join(disk.name for disk in self.disk)
 
     def span(self, disk: Disk) -> Range:
         """|eta_hat| in the units of the disk; 1e-6 to 1e-1 natural units unless given."""
@@ -128,50 +90,35 @@ class OneSided(Scene):
     def ladder(self, disk: Disk) -> Array:
         """Magnitudes of eta_hat, one per decade, from the largest down."""
         low, high = self.span(disk)
-        rungs = max(1, round(math.log10(high / low)) + 1)
-        return np.geomspace(high, low, rungs)
-
-    def options(self) -> dict[str, Any]:
-        return {**super().options(), "box": self.box and describe_beside(self.box)}
+        return np.geomspace(high, low, max(1, round(math.log10(high / low)) + 1))
 
     @property
     def blocks(self) -> int:
         """Chunks per disk."""
         return -(-self.samples // BLOCK)
 
+    @property
     def chunks(self) -> int:
-        return len(self.disks) * self.blocks
+        return len(self.disk) * self.blocks
+
+    def _of(self, index: int) -> tuple[Disk, int, int]:
+        """The disk of chunk `index`, the number of its first start, and how many it has."""
+        first = index % self.blocks * BLOCK
+        return self.disk[index // self.blocks], first, min(BLOCK, self.samples - first)
+
+    def length(self, index: int) -> int:
+        disk, _, count = self._of(index)
+        return 2 * count * self.ladder(disk).size
 
     def starts(self, index: int) -> list[dict[str, float]]:
         """Points of F of chunk `index`, each by its phidot, sigma3_bar and face at the vertical."""
-        box, count = self.where(self.disks[index // self.blocks]), self._count(index)
-        drawn = draw_beside(box, chunk_stream(self.seed, index), count)
+        disk, _, count = self._of(index)
+        drawn = (self.box or BoxNearF.default(disk)).starts(chunk_stream(self.seed, index), count)
         return [{name: float(values[i]) for name, values in drawn.items()} for i in range(count)]
-
-    def _count(self, index: int) -> int:
-        return min(BLOCK, self.samples - index % self.blocks * BLOCK)
 
     @property
     def kernels(self) -> tuple[str, ...]:
-        return *limit_motions.KERNELS, *plan(QUANTITIES, self.accuracy, self.method).motions
-
-    @property
-    def kernels_of_figures(self) -> tuple[str, ...]:
-        return "falling.line_chart_batch", "recording.draw_batch", "recording.at_times"
-
-    def compute(self, index: int) -> Table:
-        return self._beside_starts(index, self._count(index))
-
-    def begin(self, index: int, parts: int) -> tuple[Table, Tally, int]:
-        count = max(1, self._count(index) // parts)
-        table = self._beside_starts(index, count)
-        return table, self.tally(index, table), table["status"].size
-
-    def _beside_starts(self, index: int, count: int) -> Table:
-        """The motions beside the first so many starts of chunk `index`."""
-        disk, starts = self.disks[index // self.blocks], self.starts(index)
-        first = BLOCK * (index % self.blocks)
-        return joined([self._approach(disk, first + i, start) for i, start in enumerate(starts[:count])])
+        return *limit_motions.KERNELS, *self.plan.motions
 
     def motions(self, count: int, t_end: float | None) -> MotionTrial:
         """`count` motions beside its first starts, at the times of the scene unless `t_end` is given.
@@ -179,89 +126,75 @@ class OneSided(Scene):
         Every start has motions at all distances, and every disk as many starts: one, or as many as `count` allows.
         """
         groups = []
-        for number, disk in enumerate(self.disks):
+        for number, disk in enumerate(self.disk):
             distances = self._distances(disk)
             chunks = range(number * self.blocks, (number + 1) * self.blocks)
-            starts = chain.from_iterable(self.starts(index) for index in chunks)
-            for start in islice(starts, max(1, count // (len(self.disks) * distances.size))):
-                states = beside(disk, start, distances)
+            starts = chain.from_iterable(map(self.starts, chunks))
+            for start in islice(starts, max(1, count // (len(self.disk) * distances.size))):
                 times = sample_times(limits_at(disk, start)[1])[0] if t_end is None else even_times(t_end)
-                groups.append((states, times))
+                groups.append((beside(disk, start, distances), times))
         return MotionTrial(groups)
 
     def _distances(self, disk: Disk) -> Array:
-        ladder = self.ladder(disk)
-        return np.concatenate([ladder, -ladder])
+        """eta_hat of the motions beside a start: on both sides the rungs of the ladder."""
+        return np.concatenate([self.ladder(disk), -self.ladder(disk)])
+
+    def chunk(self, index: int) -> tuple[Table, Approach]:
+        (disk, first, _), tally = self._of(index), Approach()
+        tables = [self._approach(disk, first + i, start) for i, start in enumerate(self.starts(index))]
+        for table in tables:
+            distance, chi = (table[name].reshape(2, -1) for name in ("distance", "chi_between"))
+            tally.distances[disk.name] += Records([_known(distance)])
+            tally.apart[disk.name] += Records(_known(chi[:1, -1] - chi[1:, -1]))
+        table = joined(tables)
+        tally.status += statistics.count_status([table["status"]])
+        return table, tally
 
     def _approach(self, disk: Disk, base: int, start: dict[str, float]) -> Table:
         """All rungs of the ladder, both signs, beside one point of F."""
-        eta_hat = self._distances(disk)
-        both = limits_at(disk, start)
-        times, middle = sample_times(both[1])
-        motion = trajectories(
-            beside(disk, start, eta_hat),
-            t_eval=times,
-            observables=QUANTITIES,
-            method=self.method,
-            accuracy=self.accuracy,
-        )
+        eta_hat, limits = self._distances(disk), limits_at(disk, start)
+        times, middle = sample_times(limits[1])
+        how: Any = {"observables": QUANTITIES, "method": self.method, "accuracy": self.accuracy}
+        motion = trajectories(beside(disk, start, eta_hat), t_eval=times, **how)
         assert motion.chi is not None
-        columns: Table = {
-            "base": np.full(eta_hat.size, base),
-            "sigma3_bar": np.full(eta_hat.size, start["sigma3_bar"]),
-            "phidot": np.full(eta_hat.size, start["phidot"]),
-            "eta_hat": eta_hat,
-            "status": motion.status,
-        }
+        fixed = {"base": base, "sigma3_bar": start["sigma3_bar"], "phidot": start["phidot"]}
+        columns: Table = {name: np.full(eta_hat.size, value) for name, value in fixed.items()}
+        columns |= {"eta_hat": eta_hat, "status": motion.status}
+        both = [limits[side](times) for side in SIDES.values()]  # every rung of a side has the same
         for name in QUANTITIES:
-            columns[f"distance_{name}"] = np.empty(eta_hat.size)
-        limits = {side: both[side](times) for side in (1, -1)}  # every rung of a side has the same
-        for row, value in enumerate(eta_hat):
-            limit = limits[1 if value > 0 else -1]
-            for name in QUANTITIES:
-                difference = getattr(motion, name)[row] - getattr(limit, name)
-                columns[f"distance_{name}"][row] = abs(difference).max() / _unit(disk, name)
+            limit = np.array([getattr(each, name) for each in both]).reshape(2, 1, -1)
+            away = abs(getattr(motion, name).reshape(2, eta_hat.size // 2, -1) - limit).max(axis=-1)
+            columns[f"distance_{name}"] = away.ravel() / (disk.r if name in ("path", "contact") else 1.0)
         columns["distance"] = np.max([columns[f"distance_{name}"] for name in QUANTITIES], axis=0)
         # Between the first two impacts the two sides differ by one fall.
         columns["chi_between"] = motion.chi[:, middle]
         return columns
 
-    def length(self, index: int) -> int:
-        disk, starts = self.disks[index // self.blocks], self._count(index)
-        return 2 * starts * len(self.ladder(disk))
+    def summarise(self, tally: Approach) -> dict[str, Any]:
+        per_disk = {disk.name: self._limits(disk, tally) for disk in self.disk}
+        return {"samples": self.samples, "disks": per_disk, "status": dict(tally.status)}
 
-    def add_up(self, chunks: Chunks) -> Approach:
-        tables = {}
-        for disk in self.disks:
-            tables[disk.name] = joined(list(islice(chunks.tables, self.blocks)))
-        return Approach(tables, statistics.add_counts(tally["status"] for tally in chunks.tallies))
-
-    def together(self, others: Sequence[Scene]) -> Scene:
-        return together(self, others)
-
-    def add_up_several(self, parts: Sequence[tuple[Scene, Chunks]]) -> Approach:
-        """Every run has its chunks disk by disk, so each is added up alone first."""
-        totals = [scene.add_up(chunks) for scene, chunks in parts]
-        tables = {name: joined([total.tables[name] for total in totals]) for name in totals[0].tables}
-        return Approach(tables, statistics.add_counts(total.status for total in totals))
-
-    def summarise(self, total: Approach) -> dict[str, Any]:
-        per_disk = {disk.name: self._summarise_disk(disk, total.tables[disk.name]) for disk in self.disks}
-        return {"samples": self.samples, "disks": per_disk, "status": total.status}
-
-    def _summarise_disk(self, disk: Disk, table: Table) -> dict[str, Any]:
-        rows = []
-        for size in self.ladder(disk):
-            row: dict[str, Any] = {"eta_hat": float(size)}
-            for sign, name in ((1, "plus"), (-1, "minus")):
-                chosen = table["distance"][np.isclose(table["eta_hat"], sign * size, rtol=1e-9, atol=0.0)]
-                chosen = chosen[np.isfinite(chosen)]
-                row[f"motions_{name}"] = int(chosen.size)
-                if chosen.size:
-                    row[f"median_{name}"] = float(np.median(chosen))
-                    row[f"largest_{name}"] = float(chosen.max())
-            rows.append(row)
-        gap = self._gap(disk, table)
+    def _limits(self, disk: Disk, tally: Approach) -> dict[str, Any]:
+        """How the motions of a disk approach its limits, and how far these are apart."""
+        distances, rows = np.array(tally.distances[disk.name].items, float), []
+        for place, size in enumerate(self.ladder(disk).tolist()):
+            rows.append({"eta_hat": size})
+            for side, name in enumerate(SIDES):
+                known = distances[:, side, place]
+                known = known[np.isfinite(known)]
+                rows[-1][f"motions_{name}"] = known.size
+                if known.size:
+                    rows[-1] |= {f"median_{name}": float(np.median(known)), f"largest_{name}": float(known.max())}
+        # 2 kappa pi mod 2 pi from the motions nearest to F, brought next to the exact value
+        apart = [each for each in tally.apart[disk.name].items if each is not None]
+        error = np.array([math.remainder(each - disk.gap, 2.0 * math.pi) for each in apart])
+        gap = {
+            "exact": disk.gap,
+            # Further from F than the limits are from each other, there is nothing to measure.
+            "measured": float(disk.gap + np.median(error)) if error.size and abs(error).max() < 0.5 else None,
+            "largest_error": float(abs(error).max()) if error.size else None,
+            "at_eta_hat": rows[-1]["eta_hat"],
+        }
         measured = gap["measured"]
         return {
             "gap": gap,
@@ -269,38 +202,19 @@ class OneSided(Scene):
             "coincide_exact": min(disk.gap, 2.0 * math.pi - disk.gap) < 1e-12,
             "kappa": disk.kappa,
             "distances": rows,
-            "rate_plus": fitted_rate(disk, rows, "plus"),
-            "rate_minus": fitted_rate(disk, rows, "minus"),
+            **{f"rate_{name}": fitted_rate(disk, rows, name) for name in SIDES},
         }
 
-    def _gap(self, disk: Disk, table: Table) -> dict[str, Any]:
-        """2 kappa pi mod 2 pi from the motions nearest to F, brought next to the exact value."""
-        smallest = self.ladder(disk)[-1]
-        near = np.isclose(abs(table["eta_hat"]), smallest, rtol=1e-9, atol=0.0)
-        plus = table["chi_between"][near & (table["eta_hat"] > 0)]
-        minus = table["chi_between"][near & (table["eta_hat"] < 0)]
-        error = np.array([math.remainder(d, 2.0 * math.pi) for d in plus - minus - disk.gap if np.isfinite(d)])
-        return {
-            "exact": disk.gap,
-            # Further from F than the limits are from each other, there is nothing to measure.
-            "measured": float(disk.gap + np.median(error)) if error.size and abs(error).max() < 0.5 else None,
-            "largest_error": float(abs(error).max()) if error.size else None,
-            "at_eta_hat": float(smallest),
-        }
-
-    @property
-    def figure_count(self) -> int:
-        return 1 + 2 * len(self.disks)
-
-    def figures(self, summary: dict[str, Any], total: Approach) -> Iterator[tuple[str, Picture]]:
+    def figures(self, summary: dict[str, Any], tally: Approach) -> Iterator[tuple[str, Picture]]:
         from explorer import plot
 
         yield "distance", partial(plot.one_sided_distance, summary)
-        for index, disk in enumerate(self.disks):
-            start = beside(disk, self.starts(index * self.blocks)[0], 0.0)
-            computed = cache(partial(both_sides, start))
-            yield f"motion-{disk.name}", partial(_draw_motion, computed)
-            yield f"contact-{disk.name}", partial(_draw_contact, computed)
+        for number, disk in enumerate(self.disk):
+            start = beside(disk, self.starts(number * self.blocks)[0], 0.0)
+            both = both_sides(start)
+            parts = partial(plot.one_sided_phi, both), partial(plot.one_sided_chi, both)
+            yield f"motion-{disk.name}", partial(plot.stacked, *parts)
+            yield f"contact-{disk.name}", partial(plot.contact_paths, both)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         lines = []
@@ -315,20 +229,11 @@ class OneSided(Scene):
         return lines
 
 
-def _draw_motion(computed: Callable[[], BothSides]) -> "Figure":
-    from explorer import plot
-
-    return plot.stacked(partial(plot.one_sided_phi, computed()), partial(plot.one_sided_chi, computed()))
-
-
-def _draw_contact(computed: Callable[[], BothSides], **options: Any) -> "Axes":
-    from explorer import plot
-
-    return plot.contact_paths(computed(), **options)
-
-
-def _unit(disk: Disk, name: str) -> float:
-    return disk.r if name in ("path", "contact") else 1.0
+def _known(values: Array) -> list[Any]:
+    """Ready for JSON."""
+    known = values.astype(object)
+    known[~np.isfinite(values)] = None
+    return list(known.tolist())
 
 
 def fitted_rate(disk: Disk, rows: list[dict[str, Any]], name: str) -> float | None:

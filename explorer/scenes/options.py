@@ -1,244 +1,254 @@
-"""The options of scenes: how a scene declares one, and the readers of what only scenes are given.
+"""Options, declared once: a field of a frozen dataclass is a flag, a key of TOML and run.json, a keyword, a help.
 
-The table `Keywords` of a scene is the only place that knows its options. The command line, TOML files, `ex.run`
-with its signature and its documentation, and run.json all go through it, in both directions: what `as_json`
-writes, the readers take back.
+    samples: int = option(whole_from(1), "number of samples", default=100_000)
+
+The constructor reads what a user gave, in any of these ways, and what `as_json` wrote. A reader is called with the
+name of the option and the value, and raises InputError with both.
 """
 
+import argparse
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import Field, dataclass, field, fields
 from functools import partial
-from pathlib import Path
-from types import NoneType, UnionType
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple, Self, dataclass_transform
 
-from explorer.errors import InputError, flag, number, one_of, shown, whole
+import numpy as np
+
+from explorer.errors import InputError, flag, number, one_of, shown, suggest, whole
 from explorer.measure.density import Function
-from explorer.measure.sampling import Box, Range, parse_ranges
-from explorer.motion.plan import METHODS
+from explorer.measure.sampling import Range, parse_ranges
 from explorer.phase.arguments import read_range
-from explorer.phase.disk import SYNTAX, Disk
-from explorer.portrait.slices import Slice
-from explorer.scenes.given_states import GivenStates
-
-# What users may give: one disk or several, ranges of coordinates, a range that may be open, distances from F.
-Disks = Disk | str | Sequence[Disk | str]
-Ranges = Box | str | Mapping[str, Range]
-OpenRange = str | tuple[float | None, float | None]
-Distances = str | float | Range
-
-MOST_SAMPLES = 10**12
-_KEEP = ("none", "near", "all")
+from explorer.phase.disk import Disk
 
 
-@dataclass(frozen=True)
-class Option:
-    """One option of a scene.
+class Reader(NamedTuple):
+    """How a value is read: read(name, value).
 
-    flag: as on the command line; a flag without dashes is an option for Python and for files only.
-    read: called as read(flag, value); returns the value of the scene's field; raises InputError naming the flag.
-    metavar, text: for --help; an option without a metavar takes no value and means True.
-    default: for --help, in words, where the default of the field does not say it.
-    field: the name of the scene's field, where it is not the word of the flag.
-    several: whether the flag may be given several times.
-    kind: the types that Python accepts; `options_of` takes them from the annotation.
+    metavar: what help calls it; "" of a flag that stands alone, and None of an option of Python and files only.
+    accepts: the types that users may give, as an annotation.
     """
 
-    flag: str
     read: Callable[[str, Any], Any]
-    metavar: str
-    text: str
-    default: str = ""
-    field: str = ""
-    several: bool = False
-    kind: Any = Any
-
-    @property
-    def word(self) -> str:
-        """The option as a keyword of Python: "--eta-hat" is eta_hat."""
-        return self.flag.lstrip("-").replace("-", "_")
-
-    @property
-    def name(self) -> str:
-        """The name of the scene's field, which is also the key in run.json."""
-        return self.field or self.word
-
-    def help_for(self, kind: type) -> str:
-        """The sentence of --help, with the default that this kind of scene has."""
-        plain = getattr(kind, self.name, None)
-        default = self.default or ("" if plain is None or plain is False else _written(plain))
-        return f"{self.text} (default {default})" if default else self.text
+    metavar: str | None
+    accepts: str
 
 
-def options_of(keywords: type) -> tuple[Option, ...]:
-    """The options that a typed dictionary of keywords declares: `seed: Annotated[int, Option("--seed", ...)]`."""
-    hints = get_type_hints(keywords, include_extras=True).values()
-    return tuple(replace(hint.__metadata__[0], kind=hint.__origin__) for hint in hints)
+def option(
+    reader: Reader,
+    text: str,
+    *,
+    default: Any = None,
+    words: str = "",
+    follows: Callable[[Any, Any], Any] | None = None,
+    key: str = "",
+    several: bool = False,
+    required: bool = False,
+) -> Any:
+    """A field that is an option.
+
+    text: for help, and words: its default, where the value does not say it. follows: called with all options and
+    with what was read, None where nothing was given; returns the value. key: what records call it that list
+    one or several, as `slices` for slice. several: whether the flag may be given more than once. required:
+    whether it must be given.
+    """
+    about = {"reader": reader, "text": text, "words": words, "follows": follows, "required": required}
+    return field(default=default, metadata={**about, "key": key, "several": several})
 
 
-def described(kinds: Iterable[Any]) -> Iterator[tuple[Option, str]]:
-    """Each option of some scenes, once, and its sentence, which says for which scenes it is, unless for all."""
-    several = list(kinds)
-    takers: dict[str, list[tuple[Any, Option]]] = {}
-    for kind in several:
-        for option in kind.OPTIONS:
-            takers.setdefault(option.word, []).append((kind, option))
-    for pairs in takers.values():
-        texts: dict[str, list[str]] = {}
-        for kind, option in pairs:
-            texts.setdefault(option.help_for(kind), []).append(kind.name)
-        alone = len(texts) == 1 and len(pairs) == len(several)
-        sentences = [text if alone else f"{', '.join(names)}: {text}" for text, names in texts.items()]
-        accepted = [option.kind for _, option in pairs]
-        yield replace(pairs[0][1], kind=accepted), "; ".join(sentences)
+@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(option,))
+class Options:
+    """Fields that are options; a subclass is a frozen dataclass without saying so."""
+
+    def __init_subclass__(cls, **how: Any) -> None:
+        super().__init_subclass__(**how)
+        dataclass(frozen=True, kw_only=True, repr=False)(cls)
+
+    def __post_init__(self) -> None:
+        """Read what was given, and then find what follows from it. Raises InputError."""
+        for each in options_of(type(self)):
+            given = getattr(self, each.name)
+            if given is None and each.metadata["required"]:
+                raise InputError(f"{flag_of(each)}: is needed; {each.metadata['text']}")
+            value = None if given is None else each.metadata["reader"].read(flag_of(each), given)
+            object.__setattr__(self, each.name, value)
+        for each in options_of(type(self)):
+            if each.metadata["follows"]:
+                object.__setattr__(self, each.name, each.metadata["follows"](self, getattr(self, each.name)))
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any]) -> Self:
+        """From names and values; None leaves the default. Raises InputError for a name that is no option."""
+        cls.require_options(given)
+        names = {key_of(each): each.name for each in options_of(cls)}
+        return cls(**{names.get(name, name): value for name, value in given.items() if value is not None})
+
+    @classmethod
+    def require_options(cls, names: Any) -> None:
+        """Raise InputError for a name of no option."""
+        flags = [flag_of(each) for each in options_of(cls)]
+        known = {name for each in options_of(cls) for name in (each.name, key_of(each))}
+        for name in names:
+            if name not in known:
+                said = f"--{name.replace('_', '-')}" if name.isidentifier() else shown(name)
+                what = getattr(cls, "name", cls.__name__.lower())
+                raise InputError(f"{said}: {what} takes no such option; {suggest(said, flags)}")
+
+    def as_json(self) -> dict[str, Any]:
+        """What decides the numbers; `of` takes it back."""
+        record = {}
+        for each in options_of(type(self)):
+            value = getattr(self, each.name)
+            listed = key_of(each) != each.name and not isinstance(value, tuple)
+            record[key_of(each)] = plain([value] if listed else value)
+        return record
+
+    @classmethod
+    def add_to(cls, parser: argparse.ArgumentParser, only: Collection[str] | None = None) -> None:
+        """Add the flags, or only some, to a parser, in a group for each class that declares some."""
+        shown = [
+            each for each in options_of(cls) if flag_of(each)[0] == "-" and each.name in (only or {each.name})
+        ]
+        for kind in cls.__mro__:
+            own = [each for each in shown if _home_of(cls, each) is kind]
+            group = parser.add_argument_group(_first_line(kind).rstrip(".")) if own else parser
+            for each in own:
+                reader = each.metadata["reader"]
+                how: dict[str, Any] = {"metavar": reader.metavar}
+                if reader.metavar == "":
+                    how = {"action": argparse.BooleanOptionalAction}
+                elif each.metadata["several"]:
+                    how["action"] = "append"
+                text = described(each).replace("%", "%%")
+                group.add_argument(flag_of(each), dest=each.name, default=argparse.SUPPRESS, help=text, **how)
 
 
-_WORDS = {tuple: "pair", Sequence: "list", Mapping: "mapping", Callable: "function", Path: "path"}
+def options_of(kind: type) -> "tuple[Field[Any], ...]":
+    """The options that a class declares and inherits."""
+    return tuple(each for each in fields(kind) if "reader" in each.metadata)
 
 
-def type_words(hint: Any) -> str:
-    """A type, or several, as a docstring says it: "Disk or str or list"."""
-    if isinstance(hint, list | UnionType):
-        parts = [type_words(part) for part in (hint if isinstance(hint, list) else get_args(hint))]
-        return " or ".join(dict.fromkeys(word for part in parts for word in part.split(" or ") if word))
-    origin = get_origin(hint) or hint
-    return "" if hint is NoneType else _WORDS.get(origin, origin.__name__)
+def key_of(each: "Field[Any]") -> str:
+    """What records call an option."""
+    return each.metadata["key"] or each.name
 
 
-def as_json(value: Any) -> Any:
-    """The value of an option as run.json holds it; an infinite end of a range is null."""
-    if hasattr(value, "describe") and not isinstance(value, type):
-        return value.describe()
-    if isinstance(value, Mapping):
-        return {name: as_json(item) for name, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [as_json(item) for item in value]
-    return None if isinstance(value, float) and math.isinf(value) else value
+def flag_of(each: "Field[Any]") -> str:
+    """An option as messages name it: as on the command line, where it has a flag."""
+    python_only = each.metadata["reader"].metavar is None
+    return each.name if python_only else f"--{each.name.replace('_', '-')}"
 
 
-def _written(value: Any) -> str:
+def described(each: "Field[Any]") -> str:
+    """The sentence of help, with the default."""
+    default = each.metadata["words"] or (
+        "" if each.default is None or each.default is False else written(each.default)
+    )
+    return f"{each.metadata['text']} (default {default})" if default else str(each.metadata["text"])
+
+
+def _home_of(cls: type, each: "Field[Any]") -> type:
+    return next(kind for kind in cls.__mro__ if each.name in vars(kind).get("__annotations__", ()))
+
+
+def _first_line(kind: type) -> str:
+    return (kind.__doc__ or kind.__name__).partition("\n")[0]
+
+
+def written(value: Any) -> str:
     """A default as a user would write it."""
-    if isinstance(value, tuple) and value and isinstance(value[0], float):
-        return ":".join(f"{end:g}" for end in value)
     if isinstance(value, tuple):
-        return ", ".join(getattr(item, "name", str(item)) for item in value)
-    return f"{value:g}" if isinstance(value, float) else str(value)
+        return (":" if isinstance(value[0], float) else ", ").join(map(written, value))
+    return f"{value:g}" if isinstance(value, float) else str(getattr(value, "name", value))
 
 
-def read_disk(flag: str, value: Any) -> tuple[Disk, ...]:
-    """Read one disk. Raises InputError."""
-    disks = read_disks(flag, value)
-    if len(disks) > 1:
-        raise InputError(f"{flag}: this scene takes one disk, {len(disks)} were given; leave out the others")
-    return disks
+def plain(value: Any) -> Any:
+    """A value as JSON has it; an open end of a range, and what is no number, is null."""
+    if hasattr(value, "describe") and not isinstance(value, type):
+        return dict(value.describe())
+    if isinstance(value, Mapping):
+        return {name: plain(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic | np.ndarray):
+        return plain(value.tolist())
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def read_disks(flag: str, value: Any) -> tuple[Disk, ...]:
-    """Read disks: each a Disk, a text as for Disk.parse, or the numbers that run.json has. Raises InputError."""
-    several = [value] if isinstance(value, str | Disk | Mapping) else value
-    if not isinstance(several, list | tuple) or not several:
-        raise InputError(f"{flag} {shown(value)} is not a disk; give a Disk, a name, or a list of them")
-    return tuple(_one_disk(flag, disk) for disk in several)
+# Readers of several scenes
 
 
-def _one_disk(flag: str, value: Any) -> Disk:
+def whole_from(low: int, high: int | None = None, metavar: str = "N") -> Reader:
+    """A whole number."""
+    return Reader(partial(whole, low=low, high=high), metavar, "int | float | str")
+
+
+def number_from(low: float, high: float = math.inf, metavar: str = "X") -> Reader:
+    """A finite number."""
+    return Reader(partial(number, low=low, high=high), metavar, "float | str")
+
+
+def word_of(*known: str) -> Reader:
+    """One of some words."""
+    metavar = "|".join(known) if len(known) < 5 else "NAME"
+    return Reader(partial(one_of, known=known), metavar, f"Literal[{', '.join(map(repr, known))}]")
+
+
+def read_disk(name: str, value: Any) -> Disk:
+    """Read a disk: a Disk, a text as for Disk.parse, or the numbers that run.json has. Raises InputError."""
+    if isinstance(value, list | tuple):
+        if len(value) != 1:
+            raise InputError(f"{name}: this scene takes one disk, {len(value)} were given; leave out the others")
+        (value,) = value
     if isinstance(value, Disk):
         return value
     if isinstance(value, Mapping):
         try:
             return Disk(**value)
         except (TypeError, InputError) as error:
-            raise InputError(f"{flag} {shown(dict(value))}: {error}; give m, r, g, I1, I3 and name") from None
+            raise InputError(f"{name} {shown(dict(value))}: {error}; give m, r, g, I1, I3 and name") from None
     if not isinstance(value, str):
-        raise InputError(f"{flag} {shown(value)} is not a disk; give a Disk or a name")
+        raise InputError(f"{name} {shown(value)} is not a disk; give a Disk or a name")
     return Disk.parse(value)
 
 
-def read_ranges(flag: str, value: Any) -> dict[str, Range]:
+def several(read: Callable[[str, Any], Any]) -> Callable[[str, Any], tuple[Any, ...]]:
+    """A reader of one value or of a list of them."""
+
+    def read_all(name: str, value: Any) -> tuple[Any, ...]:
+        return tuple(read(name, each) for each in (value if isinstance(value, list | tuple) else [value]))
+
+    return read_all
+
+
+def read_ranges(name: str, value: Any) -> dict[str, Range]:
     """Read ranges of coordinates: "phi=0,phidot=-2:2", a mapping, or a Box. Raises InputError."""
-    given = as_json(value)
-    for name, ends in given.items() if isinstance(given, Mapping) else ():
-        if not isinstance(ends, str | list):
-            raise InputError(f"{flag} {name} = {shown(ends)} is not a range; give LOW:HIGH or a pair of numbers")
-    return parse_ranges(given, flag)
+    return parse_ranges(plain(value), name)
 
 
-def read_slices(flag: str, value: Any) -> tuple[Slice, ...]:
-    """Read slices, each as text or a mapping. Raises InputError."""
-    several = [value] if isinstance(value, str | Slice | Mapping) else value
-    if not isinstance(several, list | tuple) or not several:
-        raise InputError(f"{flag} {shown(value)} is not a slice or a list of slices")
-    return tuple(Slice.of(each, flag) for each in several)
-
-
-def read_density(flag: str, value: Any) -> Function:
+def read_density(name: str, value: Any) -> Function:
     """Read a density. A stored run says only which function it had. Raises InputError."""
-    if isinstance(value, Mapping):
-        raise InputError(
-            f"{flag}: this run has a density that was given in Python; go on with run(..., density=...) there"
-        )
     if not callable(value):
-        raise InputError(f"{flag} = {shown(value)} cannot be called; give a function of four arrays")
+        told = "was given in Python; go on with run(..., density=...) there" if isinstance(value, Mapping) else ""
+        raise InputError(f"{name} {shown(value)} {told or 'cannot be called; give a function of four arrays'}")
     density: Function = value
     return density
 
 
-# Options of several scenes.
-DISK = Option(
-    "--disk",
-    read_disk,
-    "DISK",
-    f"disk: {SYNTAX}",
-    field="disks",
-    several=True,
-)
-SEED = Option("--seed", partial(whole, high=2**128 - 1), "S", "seed of the random streams")
-ACCURACY = Option(
-    "--accuracy", number, "TOL", "largest error: absolute of angles (rad), relative of times and tilts"
-)
-METHOD = Option("--method", partial(one_of, known=METHODS), "NAME", ", ".join(METHODS))
-SAMPLES = Option(
-    "--samples", partial(whole, low=1, high=MOST_SAMPLES), "N", "number of samples; 1e6 is a whole number too"
-)
-CHUNK_SIZE = Option("chunk_size", partial(whole, low=1, high=10**8), "N", "samples per chunk")
-KEEP = Option(
-    "--keep",
-    partial(one_of, known=_KEEP),
-    "WHICH",
-    "samples to store: those near the falling set (near), all or none; counts are always of all",
-)
-BOX = Option(
-    "--box",
-    read_ranges,
-    "BOX",
-    'where states are drawn, in the units of the disk: "phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2"',
-    default="that, in natural units",
-)
-ENERGY = Option(
-    "--energy",
-    partial(read_range, unbounded=True),
-    "LOW:HIGH",
-    "only states with an energy in this range, in the units of the disk; :HIGH and LOW: leave one end open",
-)
-GAUSSIAN = Option(
-    "--gaussian",
-    read_ranges,
-    "BELLS",
-    'coordinates drawn from a Gaussian that the box cuts off: "phidot=MEAN:DEVIATION,..", in the units of the '
-    "disk",
-)
-DENSITY = Option(
-    "density",
-    read_density,
-    "FUNCTION",
-    "a density, called as density(phi, phidot, sigma3, sigma4) with arrays in the units of the disk",
-)
-STATES = Option(
-    "--states",
-    GivenStates.of,
-    "FILE",
-    "Parquet or CSV file with states, instead of --box: columns tilt, tilt_rate, precession, spin; or phi, "
-    "phidot, sigma3, sigma4; or phidot, sigma3_bar, eta_hat; all other columns go on into the results",
-)
-DEGREES = Option("--degrees", flag, "", "angles and rates in --states are in degrees")
+TRUTH = Reader(flag, "", "bool")
+NUMBER = Reader(number, "X", "float | str")
+RANGE = Reader(read_range, "LOW:HIGH", "str | float | tuple[float, float]")
+OPEN_RANGE = Reader(partial(read_range, unbounded=True), "LOW:HIGH", "str | tuple[float | None, float | None]")
+RANGES = Reader(read_ranges, "NAME=LOW:HIGH,..", "str | Box | Mapping[str, tuple[float, float]]")
+DISK = Reader(read_disk, "DISK", "Disk | str")
+DISKS = Reader(several(read_disk), "DISK", "Disk | str | Sequence[Disk | str]")
+DENSITY = Reader(read_density, None, "Callable[[Array, Array, Array, Array], Array]")
+
+
+def all_options(kinds: Any) -> Iterator[tuple["Field[Any]", list[type]]]:
+    """Each option of some classes by its name, once, with the classes that have it."""
+    takers: dict[str, tuple[Field[Any], list[type]]] = {}
+    for kind in kinds:
+        for each in options_of(kind):
+            takers.setdefault(each.name, (each, []))[1].append(kind)
+    yield from takers.values()

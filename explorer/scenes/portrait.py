@@ -4,23 +4,22 @@ No samples are drawn. Each chunk is one portrait: the levels of the energy at on
 """
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from explorer.errors import InputError, flag, number
+from explorer.errors import InputError
 from explorer.measure.sampling import Range
-from explorer.phase.arguments import read_range
+from explorer.measure.tallies import ByName, Records
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.membership import require_well, well
 from explorer.portrait.potential import Component, Potential
 from explorer.portrait.potentials import at_constants, level_energies, on_line, well_separatrix
 from explorer.portrait.steady import PATHS, thresholds, whole_path
-from explorer.scenes.base import Chunks, Picture, Scene, Table, Tally, joined
-from explorer.scenes.options import Distances, OpenRange, Option
+from explorer.scenes.options import NUMBER, RANGE, TRUTH, option
+from explorer.scenes.scene import Counts, Picture, Scene, Table, joined
 
 LEVELS = 9
 # Natural units; on l_+ there is a well, a separatrix and, beside it, the wall at once.
@@ -29,7 +28,12 @@ SIGMA3_BAR, BESIDE = 0.25, 0.01
 _CURVES = (0.001, 0.01, 0.1)
 
 
-@dataclass(frozen=True, kw_only=True)
+class PortraitCounts(Counts):
+    """Rows of the summary, ready for JSON: places, levels, equilibria and separatrices."""
+
+    rows: ByName[Records]
+
+
 class Portrait(Scene):
     """Which motions are there at given constants of motion? Portraits, equilibria, separatrices, thresholds.
 
@@ -37,44 +41,22 @@ class Portrait(Scene):
     are in the units of the disk. energy: range of the levels. well: insist that l_+ carries a well at sigma3_bar.
     """
 
-    sigma3_bar: float | None = None
-    sigma4_bar: float | None = None
-    eta_hat: float | None = None
-    energy: Range | None = None
-    well: bool = False
+    sigma3_bar: float | None = option(
+        NUMBER, "constant of motion, in the units of the disk", words="0.25 natural units"
+    )
+    sigma4_bar: float | None = option(NUMBER, "the other constant, in the units of the disk, instead of --eta-hat")
+    eta_hat: float | None = option(
+        NUMBER,
+        "distance beside the line of face +1, in the units of the disk; 0 is on it",
+        words="on the line, and on both sides",
+    )
+    energy: Range | None = option(RANGE, "energies of the levels, in the units of the disk")
+    well: bool = option(TRUTH, "insist on a well beside the falling motions", default=False)
 
-    name: ClassVar[str] = "portrait"
+    tally, drawn = PortraitCounts, 9
     observables: ClassVar[tuple[str, ...]] = ("constants",)
-    columns: ClassVar[tuple[str, ...]] = ("energy", "piece", "falls", "phi", "phidot", "status")
-
-    class Keywords(Scene.Keywords, total=False):
-        sigma3_bar: Annotated[
-            float,
-            Option(
-                "--sigma3-bar", number, "X", "constant of motion, in the units of the disk", "0.25 natural units"
-            ),
-        ]
-        sigma4_bar: Annotated[
-            float,
-            Option(
-                "--sigma4-bar", number, "X", "the other constant, in the units of the disk, instead of --eta-hat"
-            ),
-        ]
-        eta_hat: Annotated[
-            Distances,
-            Option(
-                "--eta-hat",
-                number,
-                "X",
-                "distance beside the line of face +1, in the units of the disk; 0 is on it",
-                "on the line, and on both sides",
-            ),
-        ]
-        energy: Annotated[
-            OpenRange,
-            Option("--energy", read_range, "LOW:HIGH", "energies of the levels, in the units of the disk"),
-        ]
-        well: Annotated[bool, Option("--well", flag, "", "insist on a well beside the falling motions")]
+    columns = ("energy", "piece", "falls", "phi", "phidot", "status")
+    kernels = ("falling.critical_X2_batch", "falling.line_chart_batch")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -109,6 +91,7 @@ class Portrait(Scene):
         size = BESIDE / SIGMA3_BAR * min(abs(self.bar), SIGMA3_BAR * disk.rate_unit) or BESIDE * disk.rate_unit
         return line | {"plus": on_line(disk, self.bar, size), "minus": on_line(disk, self.bar, -size)}
 
+    @property
     def chunks(self) -> int:
         return len(self.places())
 
@@ -116,48 +99,41 @@ class Portrait(Scene):
         """A sample is a level."""
         return LEVELS
 
-    @property
-    def kernels(self) -> tuple[str, ...]:
-        return "falling.critical_X2_batch", "falling.line_chart_batch"
-
-    def compute(self, index: int) -> Table:
-        """Points of the levels: energy, number of the piece, whether it falls, phi, phidot (upper half)."""
-        potential = list(self.places().values())[index]
-        parts = []
-        for energy in level_energies(potential, self.energy, LEVELS):
-            for place, piece in enumerate(potential.components(float(energy))):
+    def chunk(self, index: int) -> tuple[Table, PortraitCounts]:
+        """Points of the levels of one portrait: energy, number of the piece, whether it falls, phi, phidot."""
+        name, potential = list(self.places().items())[index]
+        levels = {E: potential.components(E) for E in level_energies(potential, self.energy, LEVELS).tolist()}
+        parts: list[Table] = []
+        for energy, pieces in levels.items():
+            for place, piece in enumerate(pieces):
                 phi, phidot = potential.curve(piece)
                 fixed = {"energy": energy, "piece": place, "falls": piece.falls}
                 parts.append({key: np.full(phi.size, value) for key, value in fixed.items()})
                 parts[-1] |= {"phi": phi, "phidot": phidot, "status": np.zeros(phi.size, np.int8)}
-        return joined(parts)
+        table, own = joined(parts), ("phi", "theta", "energy", "curvature", "kind")
+        rows: dict[str, list[dict[str, Any]]] = {
+            "levels": [{"energy": energy, "pieces": _pieces(pieces)} for energy, pieces in levels.items()],
+            "equilibria": [{key: getattr(at, key) for key in own} for at in potential.equilibria],
+            "separatrices": [
+                {"phi": each.saddle.phi, "energy": each.saddle.energy, "branches": _pieces(each.branches)}
+                for each in potential.separatrices()
+            ],
+        }
+        tally = PortraitCounts()
+        tally.status["ok"] += len(levels)
+        tally.rows["places"] += Records([_place(name, potential, table)])
+        for kind, each in rows.items():
+            tally.rows[kind] += Records({"place": name, **row} for row in each)
+        return table, tally
 
-    def tally(self, index: int, table: Table) -> Tally:
-        return {"status": {"ok": int(np.unique(table["energy"]).size)}}
-
-    def add_up(self, chunks: Chunks) -> list[Table]:
-        return list(chunks.tables)
-
-    def summarise(self, total: list[Table]) -> dict[str, Any]:
-        rows: dict[str, Any] = {key: [] for key in ("places", "levels", "equilibria", "separatrices")}
-        for (name, potential), table in zip(self.places().items(), total, strict=True):
-            rows["places"].append(_place(name, potential, table))
-            for energy in np.unique(table["energy"]):
-                pieces = [_piece(piece) for piece in potential.components(float(energy))]
-                rows["levels"].append({"place": name, "energy": float(energy), "pieces": pieces})
-            for at in potential.equilibria:
-                row = {key: getattr(at, key) for key in ("phi", "theta", "energy", "curvature", "kind")}
-                rows["equilibria"].append({"place": name, **row})
-            for each in potential.separatrices():
-                row = {"place": name, "phi": each.saddle.phi, "energy": each.saddle.energy}
-                rows["separatrices"].append({**row, "branches": [_piece(piece) for piece in each.branches]})
+    def summarise(self, tally: PortraitCounts) -> dict[str, Any]:
         return {
-            "samples": len(rows["levels"]),
+            "samples": tally.status["ok"],
             "sigma3_bar": self.bar,
-            **rows,
+            **{kind: rows.items for kind, rows in tally.rows.items()},
             "thresholds": thresholds(self.disk),
             "well_on_the_line": self._well(),
-            "status": {"ok": len(rows["levels"])},
+            "status": dict(tally.status),
         }
 
     def _well(self) -> dict[str, Any] | None:
@@ -174,11 +150,7 @@ class Portrait(Scene):
             "left_end": rim.branches[0].low,
         }
 
-    @property
-    def figure_count(self) -> int:
-        return 7 + min(2, len(self.places()))  # both sides are in one picture
-
-    def figures(self, summary: dict[str, Any], total: list[Table]) -> Iterator[tuple[str, Picture]]:
+    def figures(self, summary: dict[str, Any], tally: PortraitCounts) -> Iterator[tuple[str, Picture]]:
         return self.pictures()
 
     def pictures(self) -> Iterator[tuple[str, Picture]]:
@@ -238,5 +210,5 @@ def _place(name: str, potential: Potential, table: Table) -> dict[str, Any]:
     }
 
 
-def _piece(piece: Component) -> dict[str, Any]:
-    return {"low": piece.low, "high": piece.high, "ends": list(piece.ends), "falls": piece.falls}
+def _pieces(pieces: Sequence[Component]) -> list[dict[str, Any]]:
+    return [{"low": each.low, "high": each.high, "ends": [*each.ends], "falls": each.falls} for each in pieces]

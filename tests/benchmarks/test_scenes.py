@@ -1,4 +1,4 @@
-"""What a stored run takes beside what it computes: pairs of the same work in one group, to be read as ratios.
+"""What scenes take: pairs of the same work in one group, to be read as ratios.
 
     python -m pytest tests/benchmarks/test_scenes.py --benchmark-enable
 
@@ -11,13 +11,11 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from explorer import compiled
 from explorer.measure.sifting import Chunk, sift
 from explorer.phase.constants import natural_constants
 from explorer.phase.membership import obstacle
 from explorer.phase.states import phi_to_states
-from explorer.runs.workers import Task, compute_chunk
-from explorer.scenes.registry import build_scene
+from explorer.scenes.falling_set import FallingSet
 from kernels.disk import falling
 
 STATES = 1 << 20
@@ -37,34 +35,28 @@ def test_verdicts_beyond_the_vertical(benchmark, by):
 
 
 @pytest.mark.benchmark(group="falling-set, a chunk")
-@pytest.mark.parametrize("what", ["one pass", "with theta_min near F", "stored", "block by block"])
-def test_a_chunk_of_a_large_run(benchmark, what, tmp_path):
-    scene = build_scene("falling-set", samples=STATES, chunk_size=STATES, theta_min="near")
-    (tmp_path / "chunks").mkdir()
-    task = Task(scene, "0" * 16, tmp_path, compiled.source_digest(), None)
-    counts = scene.process(0)[1]
+@pytest.mark.parametrize("what", ["one pass", "with theta_min near F", "block by block"])
+def test_a_chunk_of_a_large_run(benchmark, what):
+    scene = FallingSet(samples=STATES, chunk_size=STATES, theta_min="near")
+    counts = scene.chunk(0)[1]
     if what == "one pass":
         found = benchmark(sift, scene.disk, scene.box, Chunk(0, 0, STATES, 1 << 14), scene.tube)
-        assert found.could_fall == counts["could_fall"]
-        return
-    if what == "stored":
-        benchmark(compute_chunk, task, 0)
-        assert len(list((tmp_path / "chunks").iterdir())) == 1
+        assert found.could_fall == counts.could_fall
         return
     if what == "block by block":
         vars(scene)["_in_lanes"] = False
-    _, tally = benchmark(scene.process, 0)
-    assert tally["theta_min"] == counts["theta_min"]
-    assert tally["faces"] == counts["faces"]
+    _, tally = benchmark(scene.chunk, 0)
+    assert tally.theta_min.state() == counts.theta_min.state()
+    assert tally.faces == counts.faces
 
 
 @pytest.mark.benchmark(group="falling-set, theta_min of every state")
 @pytest.mark.parametrize("method", ["quadrature", "rk4", "rk8", "dopri5", "dop853"])
 def test_every_theta_min(benchmark, method):
     options = {"samples": 4096, "accuracy": 1e-3, "keep": "all"}
-    scene = build_scene("falling-set", method=method, **options)
-    table = benchmark(scene.compute, 0)
-    exact = build_scene("falling-set", method="quadrature", **options).compute(0)
+    scene = FallingSet(method=method, **options)
+    table, _ = benchmark(scene.chunk, 0)
+    exact, _ = FallingSet(method="quadrature", **options).chunk(0)
     error = float(np.nanpercentile(abs(table["theta_min"] - exact["theta_min"]), 99))
     assert error <= 1e-3
     assert (table["status"] == 0).all()

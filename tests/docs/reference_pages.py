@@ -1,7 +1,7 @@
-"""Write the parts of pages that the code knows better: options, columns, statuses, misprints.
+"""Write what the code knows better: options, columns, statuses and misprints in pages, and keywords for editors.
 
-Such a part stands between `<!-- made: NAME -->` and `<!-- end -->`. `python tests/docs/reference_pages.py` makes
-them all anew, and a test compares.
+A part of a page stands between `<!-- made: NAME -->` and `<!-- end -->`; keywords: explorer/commands/calls.pyi.
+`python tests/docs/reference_pages.py` makes them all anew, and a test compares.
 """
 
 import argparse
@@ -11,8 +11,13 @@ from pathlib import Path
 
 import explorer as ex
 from explorer import compiled
-from explorer.commands.main import COMMANDS, _parser
+from explorer.commands import calls
+from explorer.commands.main import COMMANDS, parser_of
+from explorer.commands.trade import Trading
 from explorer.phase.columns import COLUMNS
+from explorer.runs.settings import Settings
+from explorer.scenes.options import options_of
+from explorer.scenes.registry import NAMES, scene_class
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -27,9 +32,9 @@ def table(heads, rows):
 
 
 def parsers():
-    """Name -> parser, for all commands, with their arguments."""
-    (commands,) = (action for action in _parser()._actions if isinstance(action, argparse._SubParsersAction))
-    return {name: parser.loaded() for name, parser in commands.choices.items()}
+    """Words -> parser, for all commands, and for those about a scene with every scene."""
+    words = [(name,) for name in COMMANDS] + [("run", scene) for scene in NAMES]
+    return {" ".join(each): parser_of(each[0], each[1:]) for each in words}
 
 
 def arguments(parser):
@@ -47,15 +52,33 @@ def arguments(parser):
 
 
 def command_line():
-    """A section for each command."""
-    sections = []
-    for name, parser in parsers().items():
-        command = COMMANDS[name]
-        rows = list(arguments(parser))
+    """A section for each command; below `run` one for each scene, with what only it takes."""
+    sections, said = [], set()
+    every = parsers()
+    for name, command in COMMANDS.items():
         example = f"nearflat {name} {command.example}".strip()
         sections.append(f"## nearflat {name}\n\n{command.text}\n\n```bash\n{example}\n```\n")
-        if rows:
+        rows = list(arguments(every[name]))
+        if name == "plan":
+            sections.append("Takes what `nearflat run` takes.\n")
+        elif name == "trade":
+            rows = [row for row in rows if row not in said]
+            sections.append(
+                "Takes the options of the scene, as `nearflat run` does, but `--method` and `--accuracy`.\n"
+            )
             sections.append(table(["argument", "meaning"], rows) + "\n")
+        elif rows:
+            sections.append(table(["argument", "meaning"], rows) + "\n")
+        if name != "run":
+            continue
+        said |= set(rows)
+        for scene in NAMES:
+            own = [row for row in arguments(every[f"run {scene}"]) if row not in rows]
+            said |= set(own)
+            first = scene_class(scene).__doc__.partition("\n")[0]
+            sections.append(
+                f"### nearflat run {scene}\n\n{first} Also:\n\n{table(['argument', 'meaning'], own)}\n"
+            )
     return "\n".join(sections)
 
 
@@ -65,7 +88,7 @@ def options():
     for name, parser in parsers().items():
         for action in parser._actions:
             for flag in action.option_strings if action.help is not argparse.SUPPRESS else ():
-                known.setdefault(flag, []).append(name)
+                known.setdefault(flag, {})[name.partition(" ")[0]] = None
     rows = [
         (f"`{flag}`", ", ".join(names)) for flag, names in sorted(known.items()) if flag not in ("-h", "--help")
     ]
@@ -134,7 +157,51 @@ def pages_with_parts():
     return [page for page in sorted(DOCS.rglob("*.md")) if PART.search(page.read_text("utf-8"))]
 
 
+STUB = Path(calls.__file__).with_suffix(".pyi")
+HEAD = '''"""Keywords of run, plan and trade, made by tests/docs/reference_pages.py from what scenes declare."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal, TypedDict, Unpack, overload
+
+import numpy as np
+
+from explorer.commands.plan import RunPlan
+from explorer.commands.trade import Trade
+from explorer.measure.sampling import Box
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, States
+from explorer.portrait.slices import Slice
+from explorer.runs.run import Run
+from explorer.scenes.scene import Scene
+'''
+
+
+def stub():
+    """The keywords of each scene, of runs and of trade, and overloads of the three calls by scene."""
+    kinds = {scene_class(name).__name__: scene_class(name) for name in NAMES}
+    text = HEAD
+    for name, kind in {**kinds, "OfRun": Settings, "OfTrade": Trading}.items():
+        lines = [f"    {each.name}: {each.metadata['reader'].accepts}" for each in options_of(kind)]
+        text += "\n".join([f"\nclass {name}(TypedDict, total=False):", *lines, ""])
+    for name in kinds:
+        text += f"\nclass {name}Run({name}, OfRun, total=False): ..."
+        text += f"\nclass {name}Trade({name}, OfTrade, total=False): ...\n"
+    for call, more, returned in (("run", "Run", "Run"), ("plan", "Run", "RunPlan"), ("trade", "Trade", "Trade")):
+        text += "\n"
+        for name, kind in kinds.items():
+            literal = f'Literal["{kind.name}"]' + (
+                " | None = ..." if (call, name) == ("trade", "RaceAngles") else ""
+            )
+            text += (
+                f"@overload\ndef {call}(scene: {literal}, **options: Unpack[{name}{more}]) -> {returned}: ...\n"
+            )
+        text += f"@overload\ndef {call}(scene: str | type[Scene], **options: Any) -> {returned}: ...\n"
+    return text
+
+
 if __name__ == "__main__":
+    STUB.write_text(stub(), encoding="utf-8")
     for page in pages_with_parts():
         page.write_text(renewed(page.read_text("utf-8")), encoding="utf-8")
         print(page.relative_to(ROOT))

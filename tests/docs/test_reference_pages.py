@@ -4,11 +4,11 @@ import re
 
 import pytest
 from docs.pages import PAGES
-from docs.reference_pages import DOCS, pages_with_parts, parsers, renewed
+from docs.reference_pages import DOCS, STUB, pages_with_parts, parsers, renewed, stub
 
 from explorer import compiled
 from explorer.phase.columns import COLUMNS
-from explorer.scenes.registry import SCENES
+from explorer.scenes.registry import NAMES
 
 GLOSSARY = (DOCS / "reference" / "glossary.md").read_text("utf-8")
 TEXT = {page: page.read_text("utf-8") for page in PAGES}
@@ -21,10 +21,14 @@ def test_made_parts_are_as_the_code_makes_them(page):
     assert renewed(text) == text, "make them again: python tests/docs/reference_pages.py"
 
 
+def test_keywords_that_editors_complete_are_those_that_scenes_declare():
+    assert STUB.read_text("utf-8") == stub(), "make them again: python tests/docs/reference_pages.py"
+
+
 def test_every_option_column_status_and_scene_is_in_the_glossary():
     flags = {flag for parser in parsers().values() for action in parser._actions for flag in action.option_strings}
     codes = {each.name.lower() for each in compiled.status.Status}
-    words = flags - {"-h", "--help"} | COLUMNS.keys() | codes | SCENES.keys()
+    words = flags - {"-h", "--help"} | COLUMNS.keys() | codes | {*NAMES}
     assert {word for word in words if f"`{word}`" not in GLOSSARY} == set()
 
 

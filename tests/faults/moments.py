@@ -6,8 +6,9 @@
 BACKEND is serial, threads, processes or dask.
 
 Every run is a fork of this process, which has loaded and compiled everything: a moment costs one to two seconds.
-Promised are the exit status; silence about anything but the stop; that no process is left after 30 s; that every
-chunk which is there is whole; and that going on ends with the digest of an undisturbed run.
+Promised are the exit status (once all is done a signal may end the program as it ends any); silence about anything
+but the stop; that no process is left after 30 s; that every chunk which is there is whole; and that going on ends
+with the digest of an undisturbed run.
 """
 
 import fcntl
@@ -31,7 +32,7 @@ import scipy.stats  # noqa: F401
 from explorer import compiled
 from explorer.commands import run, runs  # noqa: F401 - before the fork
 from explorer.commands.main import main
-from explorer.scenes.registry import build_scene
+from explorer.scenes.registry import scene_class
 
 # How a run is stopped, and the exit statuses that are promised; all may also be done before, with status 0.
 PROMISED = {
@@ -140,6 +141,12 @@ def to_the_end(*words):
     return status, fork.text[1].decode(), fork.text[2].decode()
 
 
+def is_finished(folder):
+    """Whether the run in a folder has nothing left to do."""
+    record = folder / "run.json"
+    return record.exists() and "finished" in json.loads(record.read_text())
+
+
 def stopped(words, folder, how, moment, chunks):
     """Start a run, stop it so many seconds after the command began and that many chunks were there.
 
@@ -163,7 +170,7 @@ def stopped(words, folder, how, moment, chunks):
         broken.append(f"it did not end within {_ENDS:.0f} s")
         os.kill(fork.pid, signal.SIGKILL)
         os.waitpid(fork.pid, 0)
-    elif status not in (0, PROMISED[how]):
+    elif status not in (0, PROMISED[how]) and not (status < 0 and is_finished(folder)):
         broken.append(f"exit status {status}")
     broken += [f"it said: {said[-400:]}" for text in _UGLY if text in said]
     _, alive = psutil.wait_procs(family, timeout=_ORPHANS)
@@ -253,7 +260,7 @@ def table(lines):
 if __name__ == "__main__":
     if sys.argv[1] == "--table":
         sys.exit(table(Path(sys.argv[2])))
-    compiled.warmup(build_scene("race-angles", **METHOD).kernels)
+    compiled.warmup(scene_class("race-angles").of(METHOD).kernels)
     try:
         count, seed, samples = map(int, (*sys.argv[3:], OPTIONS["samples"])[:3])
         moments(Path(sys.argv[1]), sys.argv[2], count, seed, samples)

@@ -176,7 +176,6 @@ from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.lines import line_chart
 from explorer.phase.membership import barrier
 from explorer.phase.states import constants_to_states
-from explorer.measure.log_counts import SignedLogCounts
 from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.race_angles import RaceAngles
 from numba.core.runtime import _nrt_python, rtsys
@@ -184,9 +183,8 @@ _nrt_python.memsys_enable_stats()
 disk = ex.Disk.uniform()
 state = {"phi": -0.4, "phidot": 0.5, "sigma3": 0.05, "sigma4": -0.3}
 states = ex.phi_to_states(disk, **state)
-scene = RaceAngles.of({"samples": 8, "eta_hat": "1e-4:9e-4"})
-tally = scene.tally(0, scene.compute(0))
-faces = FallingSet.of({"samples": 70, "theta_min": "near", "box": "phi=-1:1"}).process(0)[1]["faces"]
+tally = RaceAngles(samples=8, eta_hat="1e-4:9e-4").chunk(0)[1]
+faces = FallingSet(samples=70, theta_min="near", box="phi=-1:1").chunk(0)[1].faces
 numbers = [
     ex.passages(disk, [1.0, 0.3], [1e-3, -1e-9], [1.0, 1e-3]).race_angle,
     ex.passages(disk, 1.0, 1e-3, 1.0, accuracy=1e-3).race_angle,
@@ -212,7 +210,7 @@ numbers = [
         for names in (("phi",), ("phi", "path"))
     ),
     list(faces.values()),
-    tally["plus"]["bins"], tally["minus"]["sum"], SignedLogCounts(tally["decades"]["-4"]["plus"]).quantile(0.5),
+    tally.angles["plus"].counts, float(tally.deviations["-8"]), tally.decades.part([-7]).quantile(0.5),
 ]
 print(json.dumps([float(x) for row in numbers for x in np.ravel(row)]))
 print(*rtsys.get_allocation_stats())

@@ -126,18 +126,17 @@ def child_sift(samples: str, jobs: str) -> Cost:
     from joblib import Parallel, delayed
 
     from explorer.measure.sifting import Chunk, sift
-    from explorer.scenes.of_states import BLOCK
-    from explorer.scenes.registry import build_scene
+    from explorer.scenes.falling_set import FallingSet
 
-    scene = build_scene("falling-set", samples=int(samples))
+    scene = FallingSet(samples=int(samples))
 
     def one(index: int) -> int:
-        return sift(scene.disk, scene.box, Chunk(0, index, scene.length(index), BLOCK), scene.tube).could_fall
+        return sift(
+            scene.disk, scene.box, Chunk(0, index, scene.length(index), scene.block), scene.tube
+        ).could_fall
 
     one(0)
-    return clocked(
-        lambda: Parallel(n_jobs=int(jobs), backend="threading")(map(delayed(one), range(scene.chunks())))
-    )
+    return clocked(lambda: Parallel(n_jobs=int(jobs), backend="threading")(map(delayed(one), range(scene.chunks))))
 
 
 def child_trade(low: str, high: str, disk: str, count: str) -> Cost:

@@ -69,15 +69,15 @@ def compute(target):
     """All chunks of every scene, into one file of arrays for each, with counts and digest; only used kernels."""
     from explorer.runs import store
     from explorer.runs.machine import machine
-    from explorer.scenes.registry import build_scene
+    from explorer.scenes.registry import scene_class
 
     said = {"machine": machine()}
     for name, options in SCENES.items():
-        scene = build_scene(name, **options)
+        scene = scene_class(name).of(options)
         tables, tallies, digests = [], [], []
-        for index in range(scene.chunks()):
-            kept, tally = scene.process(index)
-            tally = json.loads(json.dumps(tally))
+        for index in range(scene.chunks):
+            kept, counts = scene.chunk(index)
+            tally = json.loads(json.dumps(counts.state()))
             tables.append(kept)
             tallies.append(tally)
             digests.append(store.digest_of(kept, tally))

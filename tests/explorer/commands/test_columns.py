@@ -9,7 +9,7 @@ import explorer as ex
 from explorer import compiled
 from explorer.commands.main import main
 from explorer.phase.columns import COLUMNS
-from explorer.scenes.registry import SCENES, build_scene
+from explorer.scenes.registry import NAMES, scene_class
 
 
 def said(capsys, *words):
@@ -24,7 +24,7 @@ def test_all_columns_and_statuses_are_listed(capsys):
     assert "race_angle [rad, eq. (7.9)]\n    delta_chi less fall_angle" in text
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scene", NAMES)
 def test_a_scene_lists_what_it_stores(scene, capsys):
     """All that is there for every row; what depends on options, `row` for instance, may come beside it."""
     small = {
@@ -34,7 +34,11 @@ def test_a_scene_lists_what_it_stores(scene, capsys):
         "one-sided": {"samples": 1, "disk": "hoop"},
         "portrait": {},
     }[scene]
-    table = build_scene(scene, **small).compute(0)
+    table, _ = (
+        scene_class(scene)
+        .of({"keep": "all", **small} if "samples" in small and scene != "one-sided" else small)
+        .chunk(0)
+    )
     listed = json.loads(said(capsys, scene, "--json"))["columns"]
     assert set(listed) == set(table)
     assert all(each["meaning"] for each in listed.values())
@@ -60,7 +64,7 @@ def test_chunks_carry_the_same_texts_and_statuses_by_name(tmp_path):
 @pytest.mark.parametrize("scene", ["race-angles", "falling-set"])
 def test_columns_of_given_states_are_listed_too(scene, capsys):
     given = {"phi": [0.1, 0.2], "phidot": 1.0, "sigma3": 1.0, "sigma4": 0.5, "batch": ["a", "b"]}
-    table = build_scene(scene, states=given).compute(0)
+    table, _ = scene_class(scene).of({"states": given, "keep": "all"}).chunk(0)
     listed = json.loads(said(capsys, scene, "--json"))
     assert set(table) - {"batch"} == {*listed["columns_with_given_states"], *listed["columns"]}
     text = said(capsys, scene)

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 
 import pytest
 from matplotlib.figure import Figure
@@ -21,12 +22,12 @@ BAD = [  # one for each reader
     (["run", "faling-set"], "did you mean 'falling-set'"),
     (["run", "race-angles", "--method", "euler"], "--method 'euler'"),
     (["run", "race-angles", "--scheduler", "tcp://127.0.0.1:1"], "--scheduler tcp"),
-    (["run", "race-angles", "--memory", "1MB"], "--memory 1MB"),
+    (["run", "race-angles", "--memory", "1MB"], "--memory 1 MB"),
     (["verify", "nowhere"], "holds no run"),
     (["run", "missing.toml"], "cannot be read"),
     (["run"], "SCENE"),
-    (["dmeo"], "dmeo"),
-    ([], "COMMAND"),
+    (["dmeo"], "did you mean 'demo'"),
+    (["race-angles"], "nearflat run race-angles"),
 ]
 
 
@@ -85,7 +86,7 @@ def test_a_scene_file_sets_options_and_the_command_line_wins(capsys, tmp_path):
         ('scene = "race-angles"\ncolour = 1\n', "--colour"),
         ('scene = "race-angles"\nsamples = true\n', "--samples"),
         ('scene = "race-angles"\neta_hat = 1e-3\n', "is not a range"),
-        ("scene = 5\n", "is not a name"),
+        ("scene = 5\n", "names no scene"),
         ("=", "not valid TOML"),
     ],
 )
@@ -116,7 +117,7 @@ def test_the_demo_runs_again_in_its_own_folder_and_in_no_other(capsys, tmp_path,
     pictures = re.findall(r'^<img src="([^"]+)"', page, flags=re.MULTILINE)
     assert len(pictures) == 13
     assert all((out / picture).stat().st_size > 5000 for picture in pictures)
-    monkeypatch.setattr(Figure, "savefig", lambda _, path, **options: None)
+    monkeypatch.setattr(Figure, "savefig", lambda _, path, **options: Path(path).touch())
     first = json.loads((out / "race-angles" / "summary.json").read_text())
     status, printed, _ = said(capsys, "demo", "--out", out, "--json", "--quiet")
     assert status == 0
@@ -149,18 +150,6 @@ def test_a_foreign_kernels_package_is_named_with_the_remedy(tmp_path):
     assert len(done.stderr.strip().splitlines()) <= 2
 
 
-def test_an_interrupt_ends_with_status_130_and_says_how_to_go_on(capsys, tmp_path, monkeypatch):
-    from explorer.runs import workers
-
-    def interrupted(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(workers, "compute_chunk", interrupted)
-    status, _, err = said(capsys, "run", "race-angles", "--samples", 10, "--out", tmp_path / "r", "--jobs", 1)
-    assert status == 130
-    assert "continue with: nearflat resume" in err
-
-
 @pytest.mark.parametrize("words", [["plan", "race-angles", "--json"], ["run", "--help"]])
 def test_a_closed_pipe_ends_the_command_silently(words):
     """Also at the end of the interpreter, which flushes what is left."""
@@ -172,24 +161,13 @@ def test_a_closed_pipe_ends_the_command_silently(words):
         assert command.wait() in (0, 141)  # the parser itself swallows the error of its --help
 
 
-@pytest.mark.skipif(os.name != "posix", reason="terminals are those of Unix")
-def test_a_terminal_that_is_gone_ends_the_command_as_a_hang_up_does():
-    outer, inner = os.openpty()
-    words = [sys.executable, "-m", "explorer.commands.main", "plan", "race-angles"]
-    with subprocess.Popen(words, stdout=inner, stderr=subprocess.PIPE) as command:
-        os.close(inner)
-        os.close(outer)
-        assert command.stderr.read() == b""
-        assert command.wait() == 130
-
-
 LOADED = """
 import sys
 from explorer.commands.main import main
-from explorer.scenes.registry import SCENES
+from explorer.scenes.registry import NAMES
 passage = ["passage", "--sigma3-bar", "1", "--eta-hat", "-1e-6", "--phidot", "1", "--quiet"]
 many = ["plan", "falling-set", "--samples", "1e9"]
-for words in (passage, *(["plan", scene] for scene in SCENES), many):
+for words in (passage, *(["plan", scene] for scene in NAMES), many):
     assert main(words) == 0
 heavy = [f"scipy.{name}" for name in ("stats", "optimize", "linalg", "fft", "special", "interpolate")]
 heavy += ["numpy.f2py", "matplotlib", "pyarrow", "pandas", "numba.np.arraymath"]
@@ -213,8 +191,7 @@ def test_a_run_without_pictures_loads_neither_pandas_nor_matplotlib(tmp_path):
 
 @pytest.mark.parametrize("words", [["trade", "race-angles"], ["plan", "race-angles"], ["view"]])
 def test_an_unknown_option_is_named_by_its_command(words, capsys):
-    with pytest.raises(SystemExit, match="2"):
-        main([*words, "--delta", "3"])
+    assert main([*words, "--delta", "3"]) == 2
     error = capsys.readouterr().err
     assert error.startswith(f"nearflat {words[0]}: unrecognized arguments: --delta 3\n")
     assert f"Try 'nearflat {words[0]} --help'." in error
@@ -228,8 +205,7 @@ def test_an_unknown_option_is_named_by_its_command(words, capsys):
     ],
 )
 def test_a_misspelt_option_is_answered_with_the_nearest_one(words, meant, capsys):
-    with pytest.raises(SystemExit, match="2"):
-        main(words)
+    assert main(words) == 2
     assert meant in capsys.readouterr().err.splitlines()[0]
 
 

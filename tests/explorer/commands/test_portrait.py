@@ -1,9 +1,11 @@
 """The command that draws portraits: groups, options, and what it refuses."""
 
 import pytest
+from told import said
 
 import explorer as ex
-from explorer.commands.portrait import portrait
+from explorer.commands.portrait import GROUPS, Drawn, portrait
+from explorer.plot.captions import caption_of
 
 HOOP = ex.Disk.hoop()
 
@@ -15,7 +17,7 @@ RENDERED = ("hero", "phase", "race", "bounces", "paths")
 @pytest.mark.rendered("png", "svg", "pdf")
 @pytest.mark.parametrize("group", RENDERED)
 def test_each_group_of_pictures_is_one_command(group, tmp_path):
-    written = portrait(tmp_path / "pictures", HOOP, only=group)
+    written = portrait(Drawn(out=tmp_path / "pictures", disk=HOOP, only=group), {})
     assert written
     for path in written:
         assert path.stat().st_size > 5000
@@ -23,17 +25,30 @@ def test_each_group_of_pictures_is_one_command(group, tmp_path):
 
 
 def test_options_reach_the_phase_portrait(tmp_path):
-    written = portrait(tmp_path, HOOP, only="phase", sigma3_bar="0.3", eta_hat="1e-3", energy="0.5:2")
+    given = {"sigma3_bar": "0.3", "eta_hat": "1e-3", "energy": "0.5:2"}
+    written = portrait(Drawn(out=tmp_path, disk=HOOP, only="phase"), given)
     names = {path.name for path in written}
     assert {"portrait-on.png", "portrait-beside.png"} < names
     assert "portrait-plus.png" not in names
 
 
+@pytest.mark.parametrize("name", ["definitions", "limit", "surface"])
+def test_pictures_have_captions(name):
+    for stem, figure in GROUPS[name](HOOP, HOOP.rate_unit, {}):
+        assert stem
+        assert caption_of(figure) is not None
+
+
 @pytest.mark.parametrize(
-    ("options", "message"),
-    [({"only": "nothing"}, "only 'nothing'"), ({"sigma3_bar": "a lot"}, "sigma3_bar")],
+    ("words", "message"),
+    [
+        (["--only", "nothing"], "--only 'nothing'"),
+        (["--sigma3-bar", "much"], "--sigma3-bar much"),
+        (["--only", "race", "--well"], "--well: only the group phase"),
+    ],
 )
-def test_bad_input_is_named_before_anything_is_written(options, message, tmp_path):
-    with pytest.raises(ex.InputError, match=message):
-        portrait(tmp_path / "none", HOOP, **options)
+def test_bad_input_is_named_before_anything_is_written(words, message, tmp_path, capsys):
+    status, _, err = said(capsys, "portrait", *words, "--out", tmp_path / "none")
+    assert status == 2
+    assert message in err
     assert not (tmp_path / "none").exists()

@@ -76,5 +76,5 @@ def test_the_steps_of_all_motions_are_bounded(monkeypatch):
     some = ex.push_forward(disk, 4.0, 2000)
     assert 0 < some.failed < 2000
     assert some.pushed.shape[1] == 2000 - some.failed
-    with pytest.raises(ex.InputError, match="no motion reached it in 60 steps; give a shorter time"):
+    with pytest.raises(ex.InputError, match=r"no motion reache[sd] it in 60 steps; give a shorter time"):
         ex.push_forward(disk, 1e4, 2000)

@@ -8,7 +8,7 @@ from conftest import BODIES
 
 from explorer.measure.sampling import Box
 from explorer.measure.sifting import Chunk, in_lanes, sift
-from explorer.scenes.registry import build_scene
+from explorer.scenes.falling_set import FallingSet
 
 BOXES = {
     "the vertical": {},
@@ -23,20 +23,24 @@ BOXES = {
 
 def both(**options):
     """What a chunk gives in one pass, and step by step."""
-    scene = build_scene("falling-set", theta_min="near", **options)
-    fused = scene.process(0)
+    scene = FallingSet(theta_min="near", **options)
+    fused = scene.chunk(0)
     vars(scene)["_in_lanes"] = False
-    return fused, scene.process(0)
+    return fused, scene.chunk(0)
 
 
 def same(fused, stepwise, unit=1.0):
     for name, values in stepwise[0].items():
         np.testing.assert_array_equal(fused[0][name], values)
-    found, expected = fused[1].pop("distance"), stepwise[1].pop("distance")
+    found, expected = fused[1].state(), stepwise[1].state()
+    rows = [tally.distance.row() for _, tally in (fused, stepwise)]
     # Sums are rounded otherwise in lanes; a distance is one of rates of order one.
-    assert found.pop("range") == pytest.approx(expected.pop("range"), rel=1e-14, abs=1e-15 * unit)
-    assert found == expected
-    assert fused[1] == stepwise[1]
+    for end in ("smallest", "largest"):
+        assert getattr(rows[0], end) == pytest.approx(getattr(rows[1], end), rel=1e-14, abs=1e-15 * unit)
+    assert rows[0].zeros == rows[1].zeros
+    filled = [{row.first + k: row.counts[k] for k in np.flatnonzero(row.counts)} for row in rows]
+    assert filled[0] == filled[1]
+    assert {**found, "distance": 0} == {**expected, "distance": 0}
 
 
 @pytest.mark.parametrize("name", ["uniform", "coin", "heavy-core", "thick"])
@@ -49,23 +53,23 @@ def test_one_pass_gives_what_single_steps_give(name, box):
 @pytest.mark.parametrize("samples", [1, 63, 257, 16_384 + 3, 40_000])
 def test_blocks_and_lanes_that_are_not_full_count_what_they_hold(samples):
     fused, stepwise = both(samples=samples, box="phi=-0.5:0.5")
-    assert sum(fused[1]["faces"].values()) == samples
+    assert sum(fused[1].faces.values()) == samples
     same(fused, stepwise)
 
 
 def test_states_on_f_are_counted_apart_and_kept():
     """The pendulum without gyration lies on both lines: every distance is 0."""
     (kept, tally), _ = both(samples=2000, box="sigma3=0,sigma4=0")
-    assert tally["distance"]["zeros"] == tally["could_fall"] == len(kept["phi"]) > 0
-    assert tally["status"]["falls"] == tally["could_fall"]
+    assert tally.distance.row().zeros == tally.could_fall == len(kept["phi"]) > 0
+    assert tally.status["falls"] == tally.could_fall
 
 
 def test_flat_states_are_no_states():
     """Of the tilts within a few units of rounding of -pi/2 one is flat itself."""
     flat = -0.5 * math.pi
     (_, tally), _ = both(samples=500, box=f"phi={flat!r}:{flat + 4.5e-16!r}")
-    assert tally["status"]["bad_input"] == 500 - sum(tally["faces"].values())
-    assert 50 < tally["status"]["bad_input"] < 450
+    assert tally.status["bad_input"] == 500 - sum(tally.faces.values())
+    assert 50 < tally.status["bad_input"] < 450
 
 
 def test_distances_at_the_edges_of_bins_are_placed_as_the_librarys_logarithm_places_them():
@@ -73,8 +77,9 @@ def test_distances_at_the_edges_of_bins_are_placed_as_the_librarys_logarithm_pla
     for exponent in (-3, -2, -1):
         chunk, box = Chunk(0, 0, 64, 64), Box((0.0, 0.0), (1.0, 1.0), (0.0, 0.0), (10.0**exponent, 10.0**exponent))
         found = sift(disk, box, chunk, 1.0)
-        assert found.distance.total == found.could_fall == 64
-        assert found.distance.first == math.floor(400.0 * math.log10(found.distance.smallest))
+        distance = found.distance.row()
+        assert distance.total == found.could_fall == 64
+        assert distance.first == math.floor(400.0 * math.log10(distance.smallest))
 
 
 def test_rates_whose_squares_overflow_are_left_to_single_steps():

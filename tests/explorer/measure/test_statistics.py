@@ -6,12 +6,13 @@ from scipy.stats import beta
 
 import explorer as ex
 from explorer.measure.statistics import (
-    Histograms,
     add_counts,
     count_status,
     either_p,
+    histograms,
     poisson_interval,
     share,
+    sums,
     upper_bound,
     upper_quantile,
 )
@@ -56,13 +57,8 @@ def test_intervals_of_counts_are_the_exact_ones():
 
 def test_groups_have_histograms_and_sums_of_their_own():
     values, groups = np.array([0.5, 1.5, 9.0, 0.5, np.nan]), np.array([0, 1, 1, -1, 0])
-    whole, parts = (Histograms(np.array([0.0, 1.0, 2.0]), 2) for _ in range(2))
-    whole.add(values, values, groups)
-    for rows in (slice(0, 2), slice(2, 5)):
-        parts.add(values[rows], values[rows], groups[rows])
-    for found in (whole, parts):
-        assert found.counts.tolist() == [[1, 0, 0], [0, 1, 1]]
-        assert found.sums == [0.5, 10.5]
+    assert histograms(values, groups, np.array([0.0, 1.0, 2.0]), 2).tolist() == [[1, 0, 0], [0, 1, 1]]
+    assert sums(values, groups, 2).sum(axis=1).tolist() == [0.5, 10.5]
 
 
 @pytest.mark.parametrize("kind", ["even", "steep", "rising", "falling", "alike", "few", "some unknown"])

@@ -7,6 +7,7 @@ import pytest
 from shares import anywhere
 
 import explorer as ex
+from explorer.motion.bounces import motion_constants
 
 DISKS = {"uniform": ex.Disk.uniform(), "hoop": ex.Disk.hoop(), "coin": ex.Disk.uniform(5.67e-3, 12.1e-3, 9.81)}
 
@@ -245,3 +246,14 @@ def test_estimates_know_how_far_later_times_are_off(accuracy):
     assert off[ok].max() < 10.0
     of_both = found.error_estimate[:, :2].max(axis=1)
     assert (found.error_estimate <= 2.0 * of_both[:, None])[ok].all()
+
+
+def test_bounces_near_f_keep_the_constants_of_their_motion_and_go_no_wrong_way():
+    states = ex.constants_to_states(
+        DISKS["coin"], sigma3_bar=[7.0, 7.0], eta_hat=[1e-3, -1e-3], phidot=30.0, face=1
+    )
+    table = motion_constants(ex.bounces(states, 3))
+    for name, values in (("sigma3_bar", 7.0), ("energy", ex.constants(states).energy[:, None])):
+        np.testing.assert_allclose(table[name], np.broadcast_to(values, (2, 3)), rtol=1e-12)
+    np.testing.assert_allclose(table["eta_hat"][:, [0, 2]], [[1e-3] * 2, [-1e-3] * 2], rtol=1e-9)
+    assert not table["wrong_way"].any()

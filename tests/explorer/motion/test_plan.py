@@ -7,7 +7,7 @@ import pytest
 
 import explorer as ex
 from explorer.motion.plan import OBSERVABLES, RUNGS, plan
-from explorer.scenes.registry import SCENES, scene_class
+from explorer.scenes.registry import NAMES, scene_class
 
 
 def test_the_lowest_rung_that_gives_everything_is_chosen():
@@ -49,7 +49,7 @@ def test_an_accuracy_no_method_can_hold_is_refused(accuracy):
 
 
 def test_every_scene_asks_only_for_known_observables():
-    for name in SCENES:
+    for name in NAMES:
         assert set(scene_class(name).observables) <= set(OBSERVABLES)
 
 

@@ -7,14 +7,14 @@ from conftest import BODIES, computed
 import explorer as ex
 from explorer import plot
 from explorer.portrait.slices import Slice, slice_map
-from explorer.scenes.registry import build_scene
+from explorer.scenes.falling_set import FallingSet
 
 UNIFORM = BODIES["uniform"]
 
 
 def plane_by(method):
     """The map of all samples of a small run."""
-    scene = build_scene("falling-set", samples=200, method=method, accuracy=1e-3)
+    scene = FallingSet(samples=200, method=method, accuracy=1e-3)
     return scene.plane(computed(scene).plane)
 
 

@@ -8,14 +8,14 @@ import explorer as ex
 from explorer import plot
 from explorer.plot.style import SIGN_COLOURS
 from explorer.portrait.races import race_law, race_ridges
-from explorer.scenes.registry import build_scene
+from explorer.scenes.race_angles import RaceAngles
 
 UNIFORM = BODIES["uniform"]
 
 
 @pytest.fixture(scope="module")
 def summary():
-    scene = build_scene("race-angles", samples=2000)
+    scene = RaceAngles(samples=2000)
     return scene.summarise(computed(scene))
 
 
@@ -59,7 +59,7 @@ def test_ridges_hold_the_share_of_passages_on_each_side_of_the_limit(passages):
             (heights - row)[outside & (edges[:-1] >= 0)].sum(),
         )
         signed = ridges.ridges[decade][1]
-        assert left / (left + right) == pytest.approx(signed.below.total / signed.total, abs=0.05)
+        assert left / (left + right) == pytest.approx(signed.row(above=False).total / signed.total, abs=0.05)
 
 
 def test_the_deviation_lies_on_its_law_with_a_constant(passages):

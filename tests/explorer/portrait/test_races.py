@@ -5,31 +5,33 @@ import pytest
 from conftest import BODIES, computed
 
 import explorer as ex
-from explorer.measure.log_counts import SignedLogCounts
+from explorer.measure.tallies import LogHistogram
 from explorer.portrait.races import RaceRidges, binned, by_decade, race_law, race_ridges, ridge_rows
-from explorer.scenes.registry import build_scene
+from explorer.scenes.race_angles import RaceAngles
 
 UNIFORM, COIN = BODIES["uniform"], BODIES["coin"]
 
 
 def test_ridges_come_back_from_a_summary():
     """Counts of a summary are coarser, and no passage is lost or changes its side."""
-    scene = build_scene("race-angles", samples=500)
+    scene = RaceAngles(samples=500)
     total = computed(scene)
     summary = scene.summarise(total)
     found = RaceRidges.of_summary(summary)
-    assert sorted(found.ridges) == sorted(total.decades) == [-6, -5, -4, -3]
+    assert sorted(found.ridges) == sorted(by_decade(total.decades)) == [-6, -5, -4, -3]
     for decade, sides in found.ridges.items():
         for side, counts in sides.items():
-            fine = total.decades[decade][side]
-            assert (counts.below.total, counts.above.total) == (fine.below.total, fine.above.total)
-            assert (counts.below.largest, counts.above.smallest) == (fine.below.largest, fine.above.smallest)
+            fine = total.decades.part([2 * decade + (side > 0)])
+            for half in ({"above": False}, {"below": False}):
+                (one, other) = counts.row(**half), fine.row(**half)
+                assert (one.total, one.smallest, one.largest) == (other.total, other.smallest, other.largest)
+            assert counts.quantile(0.5) == pytest.approx(fine.quantile(0.5), rel=0.06)
     assert sum(found.angles[1][0]) + found.angles[1][1] == sum(sides[1].total for sides in found.ridges.values())
 
 
 def test_races_of_ones_own_are_counted_as_a_run_counts_them():
-    scene = build_scene("race-angles", samples=300)
-    table = scene.compute(0)
+    scene = RaceAngles(samples=300, keep="all")
+    table = scene.chunk(0)[0]
     ours = race_ridges(UNIFORM, table["eta_hat"], table["race_angle"])
     theirs = RaceRidges.of_summary(scene.summarise(computed(scene)))
     assert ridge_rows(ours.ridges) == ridge_rows(theirs.ridges)
@@ -38,9 +40,9 @@ def test_races_of_ones_own_are_counted_as_a_run_counts_them():
 
 
 def test_zeros_and_failures_belong_to_no_decade():
-    found = by_decade(np.array([1e-3, 0.0, np.nan, -1e-3]), np.array([0.1, 0.2, 0.3, np.nan]))
-    assert list(found) == [-3]
-    assert (found[-3][1].total, found[-3][-1].total) == (1, 0)
+    found = race_ridges(UNIFORM, [1e-3, 0.0, np.nan, -1e-3], [0.1, 0.2, 0.3, np.nan])
+    assert list(found.ridges) == [-3]
+    assert (found.ridges[-3][1].total, found.ridges[-3][-1].total) == (1, 0)
 
 
 def test_the_constant_of_the_law_does_not_depend_on_the_units():
@@ -67,7 +69,9 @@ def test_races_made_by_the_law_give_its_constant_back(side):
 
 def test_counts_are_shared_out_between_edges_and_none_is_lost():
     values = np.array([1e-3, 2e-3, 5e-2, 0.3])
-    counts = SignedLogCounts.of(values).above
+    sizes = LogHistogram()
+    sizes.count(values)
+    counts = sizes.row()
     edges = np.geomspace(1e-4, 1.0, 9)
     assert binned(counts, edges).sum() == pytest.approx(4.0)
     np.testing.assert_allclose(binned(counts, np.array([1e-4, 1e-2, 1.0])), [2.0, 2.0])

@@ -3,14 +3,14 @@
 import shutil
 
 import pytest
-from small_runs import SMALL_RACES
+from coins import SMALL, Coins
 
 import explorer as ex
 
 
 @pytest.fixture(scope="session")
 def computed_once(tmp_path_factory):
-    return ex.run("race-angles", out=tmp_path_factory.mktemp("races") / "run", jobs=2, **SMALL_RACES)
+    return ex.run(Coins, out=tmp_path_factory.mktemp("coins") / "run", **SMALL)
 
 
 @pytest.fixture

@@ -1,41 +1,59 @@
-"""What a run will cost, from a few of its chunks; how well it holds was measured on whole runs."""
+"""What a run will cost, from a few of its chunks."""
 
 import time
 
 import pytest
-from small_runs import SMALL_RACES
+from coins import SMALL, Coins
 
-from explorer.runs import probes
+import explorer as ex
+from explorer.runs import estimate as estimates
 from explorer.runs.estimate import estimate
 from explorer.runs.settings import asked
 
 
-def test_an_estimate_is_that_of_the_run(finished, tmp_path):
-    """Within a factor of two for the room that samples take; time is compared with that of the same chunks."""
-    made = asked("race-angles", {**SMALL_RACES, "out": tmp_path / "planned", "figures": False, "jobs": 1})
-    made.scene.process(0)
+def test_an_estimate_is_that_of_the_run(finished, tmp_path, monkeypatch):
+    monkeypatch.setattr(time, "sleep", lambda _: sum(range(200_000)))  # work, which a processor's clock sees
+    monkeypatch.setenv("COINS_SECONDS", "1")
+    made = asked(Coins, {**SMALL, "out": tmp_path / "planned", "jobs": 1})
     began = time.process_time()
     for index in range(5):
-        made.scene.process(index)
+        made.scene.chunk(index)
     spent = time.process_time() - began
     found = estimate(made)
-    chunks = sum(path.stat().st_size for path in (finished.folder / "chunks").iterdir())
-    assert (found.chunks, found.samples) == (5, 3000)
-    assert 0.5 < found.disk / chunks < 2.0
-    assert 0.2 < found.seconds / spent < 10.0  # it includes the writing, and both are short
+    chunks = sum(len(chunk.data()) for chunk in finished.chunks)
+    assert (found.chunks, found.samples, found.probed) == (5, 3000, 1)
+    assert 0.5 < found.disk / chunks < 3.0
+    assert 0.3 < (found.seconds - found.seconds_for_figures) / spent < 3.0
     assert 1e8 < found.memory < 1e10
+    assert found.free > 0
     assert not (tmp_path / "planned").exists()
 
 
-def test_a_run_in_memory_takes_no_room_on_the_disk(monkeypatch):
-    monkeypatch.setattr(probes, "_SECONDS", 0.0)
-    found = estimate(asked("race-angles", SMALL_RACES))
-    assert (found.disk, found.free, found.seconds_for_figures, found.probed) == (0.0, None, 0.0, 1)
+def test_a_run_in_memory_takes_no_room_on_the_disk():
+    found = estimate(asked(Coins, SMALL))
+    assert (found.disk, found.free, found.seconds_for_figures) == (0.0, None, 0.0)
 
 
-@pytest.mark.parametrize("samples", [65_536 * 100_001 + 1, 10**10])
-def test_an_estimate_counts_every_sample_of_very_many_chunks(samples, tmp_path):
-    found = estimate(asked("race-angles", {"samples": samples, "out": tmp_path / "run"}))
-    assert (found.samples, found.chunks) == (samples, -(-samples // 65_536))
-    few = estimate(asked("race-angles", {"samples": 10**7, "out": tmp_path / "run", "figures": False}))
-    assert found.disk / few.disk == pytest.approx(samples / 10**7, rel=0.1)
+class Uneven(Coins):
+    """Its last chunks are larger."""
+
+    def length(self, index):
+        return 100 if index < 3 else 1000
+
+
+def test_chunks_that_differ_are_tried_at_both_ends_and_in_the_middle(tmp_path):
+    found = estimate(asked(Uneven, {**SMALL, "out": tmp_path / "run"}))
+    assert (found.samples, found.probed) == (2300, 3)
+
+
+def test_an_estimate_counts_every_sample_of_very_many_chunks(tmp_path):
+    found = estimate(asked(Coins, {"samples": 10**10, "out": tmp_path / "run"}))
+    assert (found.samples, found.chunks) == (10**10, -(-(10**10) // 65_536))
+
+
+def test_a_run_for_which_there_is_no_room_is_refused_before_it_is_computed(tmp_path, monkeypatch):
+    monkeypatch.setattr(estimates, "free_bytes", lambda folder: 10_000_000)
+    with pytest.raises(ex.InputError, match=r"needs about .* MB, and 10 MB are free there"):
+        ex.run(Coins, samples=2_000_000, keep="all", out=tmp_path / "run", progress=False)
+    assert not [*(tmp_path / "run" / "chunks").iterdir()]
+    ex.run(Coins, samples=200_000, keep="all", out=tmp_path / "small", figures=False, progress=False)

@@ -34,8 +34,8 @@ def test_run_json_names_every_kind_that_computed_a_part_and_going_on_says_so(fin
     record = store.read_json(finished.folder / "run.json")
     assert record["arithmetic"] == [arithmetic()] == [record["machine"]["arithmetic"]]
     store.write_json(finished.folder / "run.json", {**record, "arithmetic": ["abacus"]})
-    store.found_chunks(finished.folder)[0].unlink()
     before = finished.summary["digest"]
+    finished.chunks[0].content.unlink()
     assert finished.resume(progress=True).summary["digest"] == before
-    assert "(abacus; this one: " in capsys.readouterr().err
+    assert f"of this run: abacus; {arithmetic()}" in capsys.readouterr().err
     assert store.read_json(finished.folder / "run.json")["arithmetic"] == ["abacus", arithmetic()]

@@ -1,185 +1,201 @@
-"""A run from start to end: what it leaves, and that its numbers depend on its options alone."""
+"""Runs as users hold them: numbers, samples, pictures, status; opened, mended, merged."""
 
-import json
+import shutil
 
-import numpy as np
-import pyarrow.dataset
 import pytest
-from small_runs import SMALL_RACES
+from coins import SMALL, Coins
 
 import explorer as ex
-from explorer.runs import store
-
-
-def text(run):
-    return (run.folder / "summary.json").read_text()
-
-
-def spoil(path, place=None):
-    content = bytearray(path.read_bytes())
-    content[len(content) // 3 if place is None else place] ^= 4
-    path.write_bytes(content)
-
-
-@pytest.mark.rendered
-def test_a_run_leaves_everything_it_promises(finished):
-    folder = finished.folder
-    record = json.loads((folder / "run.json").read_text())
-    assert record["finished"] >= record["started"]
-    assert record["identity"]["options"]["seed"] == 5
-    assert record["versions"]["numba"]
-    assert len(record["identity"]["kernels"]) == 64
-    assert len(list((folder / "chunks").glob("*.parquet"))) == 5
-    names = {path.name for path in (folder / "figures").iterdir()}
-    assert names == {"histogram.png", "histogram.svg", "deviation.png", "deviation.svg"}
-    assert json.loads(text(finished)) == finished.summary
-    assert not list(folder.rglob("*.tmp"))
-
-
-@pytest.mark.parametrize("options", [{"jobs": 1}, {"jobs": 3}, {"jobs": 2, "backend": "processes"}])
-def test_the_summary_is_the_same_bytes_however_it_was_computed(finished, tmp_path, options):
-    other = ex.run("race-angles", out=tmp_path / "other", **options, **SMALL_RACES)
-    assert text(other) == text(finished)
-
-
-def test_another_seed_gives_other_numbers(finished, tmp_path):
-    other = ex.run("race-angles", out=tmp_path / "other", **{**SMALL_RACES, "seed": 6})
-    assert other.summary["digest"] != finished.summary["digest"]
-
-
-@pytest.mark.parametrize("scene", ["falling-set", "one-sided"])
-def test_every_scene_gives_the_same_summary_with_one_and_two_jobs(scene, tmp_path):
-    options = (
-        {"samples": 10, "disk": ["hoop", "matching"]}
-        if scene == "one-sided"
-        else {"samples": 2000, "grid": 21, "chunk_size": 700}
-    )
-    one, two = (ex.run(scene, out=tmp_path / str(jobs), jobs=jobs, **options) for jobs in (1, 2))
-    assert text(one) == text(two)
-
-
-def test_resume_computes_only_what_is_missing_or_damaged(finished, capsys):
-    before, folder = text(finished), finished.folder
-    paths = store.found_chunks(folder)
-    untouched = paths[0].stat().st_mtime_ns
-    paths[1].unlink()
-    spoil(paths[3])
-    again = ex.run("race-angles", out=folder, **SMALL_RACES)
-    assert text(again) == before
-    assert json.loads((folder / "run.json").read_text())["chunks_computed"] == 2
-    assert paths[0].stat().st_mtime_ns == untouched
-    assert f"{paths[3].name}: its bytes are not those that were written" in capsys.readouterr().err
-    assert len(list((folder / "bad").iterdir())) == 1
-
-
-def test_samples_can_be_added_to_a_finished_run(finished, tmp_path):
-    whole = ex.run("race-angles", out=tmp_path / "whole", **{**SMALL_RACES, "samples": 5000})
-    longer = ex.run("race-angles", out=finished.folder, **{**SMALL_RACES, "samples": 5000})
-    assert text(longer) == text(whole)
-    # Four full chunks stayed; the fifth was shorter.
-    assert json.loads((finished.folder / "run.json").read_text())["chunks_computed"] == 4
-    with pytest.raises(ex.InputError, match="give as many, or more"):
-        ex.run("race-angles", out=finished.folder, **SMALL_RACES)
-
-
-def test_samples_can_be_read_as_one_parquet_dataset(finished):
-    table = pyarrow.dataset.dataset(finished.folder / "chunks").to_table()
-    assert table.num_rows == 3000
-    assert np.median(np.abs(table["race_angle"])) == pytest.approx(finished.summary["limit"], abs=0.01)
-    assert sum(len(table["race_angle"]) for table in finished.tables()) == 3000
-
-
-def test_a_cell_that_runs_again_finds_its_run(finished):
-    """And a different question in its folder is an error that says so."""
-    files = {path: path.stat().st_mtime_ns for path in finished.folder.rglob("*.p*") if path.is_file()}
-    again = ex.run("race-angles", out=finished.folder, **SMALL_RACES)
-    assert again.summary == finished.summary
-    assert {path: path.stat().st_mtime_ns for path in files} == files
-    other = {**SMALL_RACES, "seed": 8, "samples": 700}
-    with pytest.raises(ex.InputError, match=r'seed = 5, now seed = 8; .*, or exist="replace"'):
-        ex.run("race-angles", out=finished.folder, **other)
-    replaced = ex.run("race-angles", out=finished.folder, exist="replace", format="pdf", **other)
-    assert replaced.summary == ex.run("race-angles", **other).summary
-    assert {path.name for path in (finished.folder / "figures").iterdir()} == {"histogram.pdf", "deviation.pdf"}
+from explorer.errors import InputError
 
 
 def test_a_stored_run_is_opened_mended_and_asked_again(finished):
-    opened = ex.open(str(finished.folder))
-    assert (opened.summary, opened.verify()) == (finished.summary, [])
-    assert opened.status.missing == ()
-    store.found_chunks(finished.folder)[3].unlink()
+    digest = finished.summary["digest"]
+    finished.chunks[3].content.unlink()
     (finished.folder / "summary.json").unlink()
-    (finished.folder / "figures" / "deviation.svg").unlink()
-    opened = ex.open(finished.folder)
-    assert opened.status.missing == ("chunks", "summary", "figures")
-    assert len(opened.verify()) == 1
-    assert "resume() computes the others" in repr(opened)
-    assert opened.resume().verify() == []
+    (finished.folder / "figures" / "bars.svg").unlink()
+    opened = ex.open(str(finished.folder))
+    far = opened.status
+    assert (far.scene, far.chunks_done, far.chunks, far.samples_done) == ("coins", 4, 5, 2300)
+    assert (far.status, far.missing) == ({"ok": 2300}, ("chunks", "figures", "summary"))
+    assert opened.verify() == ["1 of 5 chunks are missing: 3"]
+    assert "4 of 5 chunks; resume() computes the others" in repr(opened)
+    with pytest.raises(ex.RunError, match=r"1 of 5 chunks are missing; continue with: ex.open\(.*\).resume\(\)"):
+        _ = opened.summary
+    assert opened.resume(progress=False).verify() == []
     assert opened.status.missing == ()
-    assert ex.run(**opened.options).summary == finished.summary == opened.summary
+    assert opened.summary["digest"] == digest
+    assert ex.run(Coins, **{key: opened.options[key] for key in SMALL}).summary == opened.summary
+
+
+def test_many_missing_chunks_are_told_in_a_few_lines(finished):
+    longer = ex.run(Coins, out=finished.folder, **{**SMALL, "samples": 700 * 30}, figures=False)
+    for chunk in longer.chunks[5:]:
+        chunk.content.unlink()
+    (fault,) = longer.verify()
+    assert fault.startswith("25 of 30 chunks are missing: 5, 6, 7")
+    assert len(fault) < 100
 
 
 def test_samples_are_tables_with_status_by_name(finished):
-    frame = finished.frame(["race_angle", "status"])
-    assert list(frame) == ["race_angle", "status"]
+    frame = finished.frame(["height", "status"])
+    assert list(frame) == ["height", "status"]
     assert len(frame) == 3000
     assert set(frame["status"]) == {"ok"}
+    assert frame["height"].mean() == pytest.approx(finished.summary["mean"], abs=1e-12)
     table = finished.arrow()
-    assert table.schema.field("race_angle").metadata[b"unit"] == b"rad"
+    assert table.schema.field("height").metadata[b"unit"] == b"length"
     assert table.num_rows == 3000
-    with pytest.raises(ex.InputError, match=r"'race_angel' is not known; did you mean 'race_angle'\?"):
-        finished.arrow(["race_angel"])
+    for read in (finished.arrow, finished.frame, finished.tables):
+        with pytest.raises(ex.InputError, match="column 'hight' is not known; did you mean 'height'"):
+            read(["hight"])
+        with pytest.raises(ex.InputError, match="columns = 'height': give a list of words"):
+            read("height")
 
 
-def test_what_is_no_part_no_column_and_no_picture_of_a_run_is_refused(computed_once):
-    for wrong in (None, [], "races", [1]):
-        with pytest.raises(ex.InputError, match=r"run\(...\), open\(folder\) and merge\(...\) make runs"):
-            ex.Run(wrong)
-    for wrong in (1, "theta_min", [1], {"theta_min": [1]}.values()):
-        for read in (computed_once.arrow, computed_once.frame, computed_once.tables):
-            with pytest.raises(ex.InputError, match=r"columns = .*: give a list of"):
-                read(wrong)
-    with pytest.raises(ex.InputError, match="column 'theta' is not known; did you mean 'theta_min'"):
-        computed_once.tables(["theta"])
-    with pytest.raises(ex.InputError, match="figure = None is no picture of this run"):
-        computed_once.figure(None)
+@pytest.mark.parametrize(("keep", "rows"), [("none", 0), ("near", 290), ("all", 3000)])
+def test_counts_are_of_all_samples_whichever_rows_are_kept(keep, rows, finished):
+    run = ex.run(Coins, **{**SMALL, "keep": keep})
+    assert abs(run.arrow().num_rows - rows) <= 30
+    numbers = {name: run.summary[name] for name in ("share", "mean", "status")}
+    assert numbers == {name: finished.summary[name] for name in numbers}
 
 
 def test_a_run_describes_itself_in_a_few_lines(finished):
-    assert len(repr(finished)) < 600
-    assert repr(finished).startswith(f"Run of race-angles, stored in {finished.folder}")
-    assert "<li>wrong way: 0; failures: none</li>" in finished._repr_html_()
+    assert repr(finished).startswith(f"Run of coins, stored in {finished.folder}\n  ")
+    assert repr(ex.run(Coins, samples=10)).startswith("Run of coins, in memory\n  ")
+    assert "<li>share: " in finished._repr_html_()
 
 
-@pytest.mark.parametrize("there", [False, True], ids=["new folder", "empty folder"])
-def test_a_run_whose_states_are_none_leaves_nothing(tmp_path, there):
-    folder = tmp_path / "results" / "races"
-    if there:
-        folder.mkdir(parents=True)
-    wrong = {"phi": [5.0, 6.0], "phidot": 1.0, "sigma3": 1.0, "sigma4": 0.5}
-    with pytest.raises(ex.InputError, match="none of the 2 rows"):
-        ex.run("race-angles", states=wrong, out=folder, figures=False)
-    assert [path.name for path in tmp_path.iterdir()] == (["results"] if there else [])
-    right = {**wrong, "phi": [0.5, 0.6]}
-    assert ex.run("race-angles", states=right, out=folder, exist="error", figures=False).summary["samples"] == 2
+def test_summary_json_is_that_of_the_chunks_and_can_be_added_up_anew(finished):
+    path = finished.folder / "summary.json"
+    right = path.read_text()
+    for wrong in (right.replace('"share": 0.', '"share": 0.1'), "{", right + " "):
+        path.write_text(wrong)
+        opened = ex.open(finished.folder)
+        assert opened.summary == finished.summary
+        assert opened.verify() == ["summary.json: does not belong to these chunks; run `nearflat summary`"]
+        assert opened.renewed().verify() == []
+        assert path.read_text() == right
 
 
-def test_a_run_that_is_refused_takes_no_other_away(tmp_path):
-    """A finished run, and one that somebody else is computing, stay as they are."""
-    from explorer.runs.lock import only_one
+def test_a_finished_run_is_read_and_summed_up_where_nothing_can_be_written(finished):
+    for path in (finished.folder, *finished.folder.rglob("*")):
+        path.chmod(0o555 if path.is_dir() else 0o444)
+    opened = ex.open(finished.folder)
+    assert opened.renewed().summary == finished.summary
+    assert opened.verify() == []
+    for path in (finished.folder, *finished.folder.rglob("*")):
+        path.chmod(0o755)
 
-    small = {"samples": 10, "out": tmp_path / "run", "figures": False}
-    before = ex.run("race-angles", **small).summary
-    with only_one(tmp_path / "run"), pytest.raises(ex.InputError, match="another run is at work"):
-        ex.run("race-angles", **small, exist="replace")
-    assert ex.open(tmp_path / "run").summary == before
+
+class Nothing(Coins):
+    """Finds, when all is counted, that nothing can be said."""
+
+    def summarise(self, tally):
+        raise InputError("none of the samples is a state; look at --bias")
 
 
-def test_a_run_stopped_while_it_draws_says_the_folder_to_continue_with(tmp_path, monkeypatch):
-    def stop(*_):
-        raise KeyboardInterrupt
+def test_input_that_only_the_whole_run_shows_to_be_useless_is_told_and_chunks_are_kept(tmp_path):
+    with pytest.raises(
+        ex.RunError, match=r"none of the samples is a state; look at bias .*holds what was computed"
+    ):
+        ex.run(Nothing, out=tmp_path / "run", samples=10, progress=False)
+    with pytest.raises(ex.InputError, match="none of the samples is a state"):
+        ex.run(Nothing, samples=10)
+    assert len([*(tmp_path / "run" / "chunks").iterdir()]) == 1
 
-    monkeypatch.setattr("explorer.runs.pictures.save_all", stop)
-    with pytest.raises(ex.Interrupted) as told:
-        ex.run("race-angles", samples=100, out=tmp_path / "run", progress=False)
-    assert str(told.value).endswith(f'all samples are stored; continue with: ex.open("{tmp_path}/run").resume()')
+
+# Pictures
+
+
+def test_pictures_are_drawn_by_name_with_keywords_and_on_axes_of_a_user(finished):
+    from matplotlib.figure import Figure
+
+    ax = Figure().add_subplot()
+    assert finished.pictures == ["bars"]
+    assert finished.figure("bars", ax=ax, width=0.2) is ax.figure
+    assert ax.patches[0].get_width() == 0.2
+    assert len(finished.figure("bars").axes) == 1
+    for name, options, message in (
+        ("bras", {}, "figure 'bras' is not known; did you mean 'bars'"),
+        (None, {}, "figure None is not known"),
+        ("bars", {"widht": 1}, "figure = 'bars' cannot be drawn with widht"),
+    ):
+        with pytest.raises(ex.InputError, match=message):
+            finished.figure(name, **options)
+
+
+def test_a_run_draws_the_formats_that_were_asked_for_and_resume_those_that_are_missing(tmp_path):
+    run = ex.run(Coins, out=tmp_path / "run", figures=False, **SMALL)
+    drawn = run.folder / "figures"
+    assert not drawn.exists()
+    assert run.status.missing == ()
+    for how, files in (
+        ({"figures": False}, set()),
+        ({"format": "pdf"}, {"bars.pdf"}),
+        ({}, {"bars.pdf"}),
+        ({"format": ["svg", "png"]}, {"bars.pdf", "bars.svg", "bars.png"}),
+    ):
+        run.resume(progress=False, **how)
+        assert {path.name for path in drawn.glob("*")} == files
+    before = {path: path.stat().st_mtime_ns for path in drawn.iterdir()}
+    (drawn / "bars.png").unlink()
+    assert run.status.missing == ("figures",)
+    run.resume(progress=False)
+    assert {path for path in drawn.iterdir() if path.stat().st_mtime_ns != before[path]} == {drawn / "bars.png"}
+    ex.run(Coins, out=run.folder, exist="replace", format="svg", **SMALL)
+    assert {path.name for path in drawn.iterdir()} == {"bars.svg"}
+
+
+def test_pictures_are_drawn_anew_where_samples_were_added(finished):
+    path = finished.folder / "figures" / "bars.png"
+    path.write_bytes(b"of fewer samples")
+    finished.resume(progress=False)
+    assert path.read_bytes() == b"of fewer samples"
+    ex.run(Coins, out=finished.folder, **{**SMALL, "samples": 4000})
+    assert path.read_bytes() != b"of fewer samples"
+
+
+# Several runs as one
+
+
+@pytest.fixture(scope="module")
+def several():
+    how = ({"seed": 2}, {"seed": 1, "keep": "none"}, {"seed": 3, "samples": 700, "chunk_size": 300})
+    return [ex.run(Coins, **{**SMALL, **each}) for each in how]
+
+
+def test_merged_runs_add_up_whatever_their_order_and_what_they_keep(several):
+    both = ex.merge(*several)
+    assert both.summary["samples"] == 6700 == both.summary["status"]["ok"]
+    assert both.summary["seed"] == [1, 2, 3]
+    heads = sum(round(run.summary["share"] * run.scene.samples) for run in several)
+    assert both.summary["share"] == heads / 6700
+    assert both.arrow().num_rows == 3700
+    assert both.summary == ex.merge(ex.merge(*several[1:]), several[0]).summary
+    assert (both.folder, both.status.chunks_done, both.verify()) == (None, 13, [])
+    assert repr(both).startswith("Run of coins, 3 merged")
+    assert both.figure("bars").axes
+    with pytest.raises(ex.InputError, match="resume each of them"):
+        both.resume()
+
+
+def test_runs_that_do_not_go_together_are_not_merged(several, finished):
+    first = several[0]
+    for other, message in (
+        (first, "two runs have seed 2"),
+        (
+            ex.run(Coins, **{**SMALL, "bias": 0.25}),
+            "bias = 0.5, another 0.25|bias = 0.25, another 0.5",
+        ),
+        ("run", "is no run; give what"),
+    ):
+        with pytest.raises(ex.InputError, match=message):
+            ex.merge(first, other)
+    with pytest.raises(ex.InputError, match="takes two runs or more"):
+        ex.merge(first)
+    folder = shutil.copytree(finished.folder, finished.folder.parent / "other")
+    next((folder / "chunks").iterdir()).unlink()
+    with pytest.raises(ex.RunError, match="1 of 5 chunks are missing"):
+        ex.merge(first, ex.open(folder))

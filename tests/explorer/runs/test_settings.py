@@ -1,54 +1,66 @@
-"""What users say about a run beside its question."""
+"""What is said about a run beside its question changes no number, and is refused in words."""
+
+from pathlib import Path
 
 import numpy as np
 import pytest
+from coins import Coins
 
 import explorer as ex
-from explorer.runs.settings import MOST_IN_MEMORY, asked, read_rng
-from explorer.scenes.registry import build_scene
+from explorer.runs.settings import asked
 
 
-def test_random_numbers_are_named_as_numpy_names_them():
-    """SPEC 7: an int, a SeedSequence and a Generator; the int is the seed of the command line."""
-    assert read_rng("rng", 7) == read_rng("rng", np.random.SeedSequence(7)) == 7
-    children = np.random.SeedSequence(7).spawn(2)
-    assert len({7, *(read_rng("rng", child) for child in children)}) == 3
-    drawn = [read_rng("rng", np.random.default_rng(7)) for _ in range(2)]
-    assert drawn[0] == drawn[1] < 2**128
-    for wrong in ("a lot", -1, 1.5, True, [1, 2]):
-        with pytest.raises(ex.InputError, match="or a SeedSequence or Generator of numpy"):
-            read_rng("rng", wrong)
-    assert asked("race-angles", {"rng": 7}).scene == build_scene("race-angles", seed=7)
-    with pytest.raises(ex.InputError, match="say the same"):
-        asked("race-angles", {"rng": 7, "seed": 7})
+def test_keywords_are_those_of_the_scene_and_those_of_the_run():
+    made = asked(Coins, {"samples": 10, "bias": "0.25", "jobs": "3", "format": "PDF,png", "out": None})
+    assert (made.scene.samples, made.scene.bias) == (10, 0.25)
+    assert (made.settings.jobs, made.settings.format, made.settings.out) == (3, ("pdf", "png"), None)
+    assert (made.settings.exist, asked(Coins, {}, exist="error").settings.exist) == ("resume", "error")
 
 
-def test_small_runs_of_python_have_no_folder_and_those_of_the_command_line_have(capsys):
-    small, large = {"samples": MOST_IN_MEMORY}, {"samples": MOST_IN_MEMORY + 1}
-    assert asked("race-angles", small).out is None
-    assert asked("race-angles", large).out.name == "race-angles-uniform-0"
-    assert "a run above 1,000,000 samples is stored: it is in results" in capsys.readouterr().err
-    assert asked("race-angles", small, "nearflat run race-angles").out.name == "race-angles-uniform-0"
-
-
-def test_pictures_may_be_left_out_and_have_other_formats():
-    assert asked("portrait", {}).manner.formats is None
-    assert asked("portrait", {"figures": False}).manner.formats == ()
-    assert asked("portrait", {"format": "pdf"}).manner.formats == ("pdf",)
+def test_large_runs_and_those_of_the_command_line_have_a_folder_of_their_own(capsys):
+    assert asked(Coins, {"samples": 10**6}).settings.out is None
+    named = Path("results/coins-uniform-4")
+    for made in (asked(Coins, {"samples": 10**6 + 1, "seed": 4}), asked(Coins, {"seed": 4}, "nearflat run coins")):
+        assert made.settings.out == named
+    assert not named.exists()
+    assert capsys.readouterr().err == ""  # nothing ran, so nothing is claimed to be there
 
 
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"exist": "maybe"}, "exist 'maybe' is not known; known: resume, replace, error"),
-        ({"figures": "no"}, "figures = no must be true or false"),
-        ({"out": 3}, "out = 3 is no path"),
-        ({"progress": "yes"}, "progress = yes must be true or false"),
-        ({"memory": "lots"}, "memory 'lots' is no amount"),
-        ({"jobs": 1.5}, "jobs = 1.5 must be a whole number"),
-        ({"format": "gif"}, "'gif' is no format"),
+        ({"jobs": 0}, "jobs = 0"),
+        ({"backend": "gpu"}, "'gpu' is not known; known: threads, processes, dask"),
+        ({"scheduler": "tcp://1.2.3.4:5"}, "is for backend dask; give both"),
+        ({"format": "png,jpg"}, "'jpg' is not known"),
+        ({"memory": "plenty"}, "memory 'plenty' is no amount"),
+        ({"memory": -(10**400)}, "is no amount"),
+        ({"memory": "100MB"}, "coins needs at least 466MB"),
+        ({"memory": "1GB", "chunk_size": 10}, "chunk_size say the same"),
+        ({"rng": 1, "seed": 2}, "rng and seed say the same"),
+        ({"rng": "dice"}, "rng = dice"),
+        ({"out": ""}, "out"),
+        ({"progress": 1}, "progress = 1 must be true or false"),
+        ({"bais": 0.5}, "did you mean 'bias'"),
     ],
 )
-def test_what_makes_no_sense_is_named_in_python_words(given, message):
+def test_what_cannot_be_is_refused_before_anything_is_written(given, message, tmp_path):
     with pytest.raises(ex.InputError, match=message):
-        asked("race-angles", given)
+        ex.run(Coins, **{"out": tmp_path / "run", **given})
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_budget_of_memory_sets_chunks_that_do_not_depend_on_the_jobs():
+    sizes = [asked(Coins, {"memory": "1GB", "jobs": jobs}).scene.chunk_size for jobs in (1, 2, 4)]
+    assert sizes == [1 << 17] * 3
+    assert asked(Coins, {"memory": 1e9, "jobs": 16}).scene.chunk_size == 1 << 15
+
+
+def test_rng_is_a_seed_from_what_numpy_has():
+    seeds = [
+        asked(Coins, {"rng": rng}).scene.seed
+        for rng in (7, np.random.SeedSequence(7), np.random.SeedSequence(7).spawn(1)[0], np.random.default_rng(7))
+    ]
+    assert seeds[:2] == [7, 7]
+    assert len({*seeds}) == 3
+    assert max(seeds) < 2**128

@@ -3,7 +3,7 @@
 import pytest
 
 from explorer.runs.side_by_side import side_by_side
-from explorer.scenes.registry import build_scene
+from explorer.scenes.registry import scene_class
 
 
 @pytest.mark.parametrize(
@@ -11,7 +11,7 @@ from explorer.scenes.registry import build_scene
 )
 def test_what_is_integrated_differs_from_the_exact_layer_by_less_than_the_accuracy_asked(name, column, relative):
     both = side_by_side(
-        build_scene(name, samples=2000, method="rk8", accuracy=1e-3), column, relative=relative, jobs=1
+        scene_class(name)(samples=2000, method="rk8", accuracy=1e-3), column, relative=relative, jobs=1
     )
     assert (both.method, both.exact_method) == ("rk8", "quadrature")
     assert both.compared > 1900

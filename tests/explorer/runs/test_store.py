@@ -1,208 +1,196 @@
-"""Chunks and JSON on disk: any change of a file is noticed."""
+"""A chunk is the bytes of a Parquet file: whole or not there, and whatever changes them is found."""
 
+import errno
+import hashlib
 import json
+import os
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.dataset
-import pyarrow.parquet
+import pyarrow.parquet as pq
 import pytest
-from small_runs import SMALL_RACES
+from coins import SMALL, Coins
 
 import explorer as ex
-from explorer.commands.main import main
-from explorer.phase.results import to_arrow
+from explorer.measure.tallies import Records
 from explorer.runs import store
-from explorer.runs.inspect import status, verify
-from explorer.scenes.race_angles import RaceAngles
+from explorer.scenes.scene import Counts
 
 
-def text(run):
-    return (run.folder / "summary.json").read_text()
+def chunk_of(run, number):
+    return run.chunks[number].content
 
 
-def test_a_note_with_its_counts_as_text_is_the_note_as_json():
-    tally = {"status": {"ok": 3}, "text": 'null} "ä"', "range": [1e-300, 0.1]}
-    note = store.Note(4, "ab", 3, "cd", tally)
-    assert store.as_text(note, json.dumps(tally)) == json.dumps(vars(note))
-
-
-def test_any_flipped_bit_of_a_chunk_is_noticed(finished):
-    rng = np.random.default_rng(0)
-    path = store.found_chunks(finished.folder)[2]
-    content = path.read_bytes()
-    assert verify(finished.folder) == []
-    for _ in range(40):
-        broken = bytearray(content)
-        broken[int(rng.integers(len(content)))] ^= 1 << int(rng.integers(8))
-        path.write_bytes(broken)
-        (fault,) = verify(finished.folder)
-        assert path.name in fault
-    path.write_bytes(content[:-100])
-    assert len(verify(finished.folder)) == 1
-
-
-def test_swapped_and_foreign_chunks_are_noticed(finished, tmp_path):
-    other = ex.run("race-angles", out=tmp_path / "other", **{**SMALL_RACES, "seed": 6})
-    mine, theirs = store.found_chunks(finished.folder), store.found_chunks(other.folder)
-    content = [mine[i].read_bytes() for i in range(2)]
-    mine[0].write_bytes(content[1])
-    mine[1].write_bytes(content[0])
-    assert len(verify(finished.folder)) == 2
-    mine[0].write_bytes(content[0])
-    mine[1].write_bytes(content[1])
-    # Renamed as well, so that the bytes agree with the name.
-    mine[2].unlink()
-    (mine[2].parent / theirs[2].name).write_bytes(theirs[2].read_bytes())
-    (fault,) = verify(finished.folder)
-    assert "it belongs to another run" in fault
-    (mine[2].parent / theirs[2].name).unlink()
-    moved = mine[3].name.replace("000003", "000002")
-    (mine[2].parent / moved).write_bytes(mine[3].read_bytes())
-    (fault,) = verify(finished.folder)
-    assert "it is chunk 3" in fault
-
-
-def rewritten(run, index, change):
-    """A chunk with other rows, written as nearflat writes one."""
-    path = store.found_chunks(run.folder)[index]
-    note, table = store.read_note(path), change(pyarrow.parquet.read_table(path))
-    path.unlink()
-    return store.write_chunk(run.folder, note, table)
-
-
-def test_a_chunk_without_a_column_of_its_scene_is_named_and_computed_anew(finished, capsys):
-    """As an earlier version might have left it."""
-    before = store.found_chunks(finished.folder)[1].read_bytes()
-    lacking = rewritten(finished, 1, lambda table: table.drop(["race_angle"]))
-    other = rewritten(finished, 3, lambda table: table.set_column(3, "face", pa.array([1.0] * table.num_rows)))
-    assert verify(finished.folder) == [
-        f"{lacking.name}: column 'race_angle' is missing",
-        f"{other.name}: column 'face' holds double, not int8",
+def test_a_stored_chunk_and_one_in_memory_are_the_same_bytes(finished):
+    held = ex.run(Coins, **SMALL)
+    assert held.folder is None
+    assert [(each.name, each.data()) for each in held.chunks] == [
+        (each.name, each.data()) for each in finished.chunks
     ]
-    with pytest.raises(ex.RunError, match=lacking.name):
-        finished.arrow(["race_angle"])
-    assert main(["resume", str(finished.folder), "--no-figures"]) == 0
-    assert "column 'race_angle' is missing; it is put aside" in capsys.readouterr().err
-    assert verify(finished.folder) == []
-    assert store.found_chunks(finished.folder)[1].read_bytes() == before
+    assert held.verify() == finished.verify() == []
 
 
-def test_other_rows_than_the_digest_is_of_are_found(finished):
-    path = rewritten(finished, 1, lambda table: table.slice(0, table.num_rows // 2))
-    assert verify(finished.folder) == [f"{path.name}: its rows and counts have another digest than it says"]
+def test_other_programs_read_chunks_with_units_and_meanings(finished):
+    table = pq.read_table(chunk_of(finished, 0))
+    assert table.schema.field("height").metadata[b"unit"] == b"length"
+    assert table.schema.field("status").metadata[b"meaning"].startswith(b"What became of the sample")
+    assert table.schema.field("status").type == pa.dictionary(pa.int8(), pa.string())
+    assert table.to_pandas()["status"].unique().tolist() == ["ok"]
+    duckdb = pytest.importorskip("duckdb")
+    ((mean,),) = duckdb.sql(f"select avg(height) from '{finished.folder}/chunks/*.parquet'").fetchall()
+    assert mean == pytest.approx(finished.summary["mean"])
 
 
-def test_two_chunks_of_one_number_are_refused_and_computed_anew(finished, capsys):
-    path = store.found_chunks(finished.folder)[3]
-    content = path.read_bytes()
-    other = rewritten(finished, 3, lambda table: table.slice(0, 1))
+def test_rows_come_back_as_they_were_computed(finished):
+    (table,) = finished.scene.chunk(4)[:1]
+    read = list(finished.tables())[4]
+    assert list(read) == list(table)
+    for name, values in table.items():
+        np.testing.assert_array_equal(read[name], values)
+        assert read[name].dtype == values.dtype
+    assert list(next(finished.tables(["note"]))) == ["note"]
+
+
+@pytest.mark.parametrize("place", [0.02, 0.3, 0.6, 0.9, 0.98])
+def test_a_flipped_bit_is_found_by_name_moved_aside_and_computed_anew(place, finished):
+    path, digest = chunk_of(finished, 1), finished.summary["digest"]
+    content = bytearray(path.read_bytes())
+    content[int(place * len(content))] ^= 4
     path.write_bytes(content)
-    assert store.all_chunks(finished.folder)[3] == sorted([path, other])
-    with pytest.raises(ex.RunError, match="holds two of chunk 3"):
-        finished.arrow()
-    assert main(["resume", str(finished.folder), "--no-figures"]) == 0
-    assert f"{other.name}: " in capsys.readouterr().err
-    assert verify(finished.folder) == []
+    assert finished.verify() == [f"{path.name}: its bytes are not those that were written"]
+    assert finished.resume(progress=False).summary["digest"] == digest
+    assert finished.verify() == []
+    assert (finished.folder / "bad" / path.name).read_bytes() == content
 
 
-def test_a_chunk_that_another_program_wrote_anew_is_named(finished):
-    path = store.found_chunks(finished.folder)[1]
-    pyarrow.parquet.write_table(pa.table({"phi": [0.1]}), path)
-    with pytest.raises(ex.RunError, match=rf"{path.name}: .*its metadata do not say which chunk it is"):
-        store.read_note(path)
-    assert status(finished.folder).chunks_done == 4
+def test_changed_rows_are_found_where_the_bytes_have_their_digest_in_the_name(finished):
+    """By the digest of rows and counts, which only `verify` looks at."""
+    path = chunk_of(finished, 1)
+    table, said = pq.read_table(path), pq.read_metadata(path).metadata
+    changed = table.set_column(1, table.schema.field("height"), pa.array(table["height"].to_numpy() + 1e-9))
+    made = pa.BufferOutputStream()
+    with pq.ParquetWriter(made, table.schema) as writer:
+        writer.write_table(changed)
+        writer.add_key_value_metadata({key: value for key, value in said.items() if key.startswith(b"nearflat")})
+    content = made.getvalue().to_pybytes()
+    path.unlink()
+    forged = path.with_name(f"chunk-000001-{hashlib.sha256(content).hexdigest()[:16]}.parquet")
+    forged.write_bytes(content)
+    assert finished.verify() == [f"{forged.name}: its rows and counts have another digest than it says"]
 
 
 @pytest.mark.parametrize(
-    "name", ["chunk-000003 (1)", "chunk-0000003-0123456789abcdef", "chunk-000099-0123456789abcdef"]
+    ("spoil", "message"),
+    [
+        (lambda path, other: path.write_bytes(b""), "its bytes are not those that were written"),
+        (lambda path, other: path.write_bytes(other.read_bytes()), "its bytes are not those that were written"),
+        (
+            lambda path, other: path.write_bytes(path.read_bytes()[:-9]),
+            "its bytes are not those that were written",
+        ),
+        (lambda path, other: path.rename(path.with_name("mine.parquet")), "is no chunk of this run"),
+        (lambda path, other: path.rename(path.with_name(path.name.replace("01-", "09-"))), "is beyond the end"),
+        (
+            lambda path, other: path.with_name(path.name.replace("01-", "01-0")[:29] + ".parquet").write_bytes(
+                b"x"
+            ),
+            "there are two of its number",
+        ),
+    ],
+    ids=["emptied", "exchanged", "cut", "foreign", "beyond", "twice"],
 )
-def test_what_has_nearly_the_name_of_a_chunk_is_put_aside(finished, name, capsys):
-    before, path = finished.summary, finished.folder / "chunks" / f"{name}.parquet"
-    path.write_bytes(store.found_chunks(finished.folder)[2].read_bytes())
-    assert any(path.name in fault for fault in verify(finished.folder))
-    assert main(["resume", str(finished.folder), "--no-figures"]) == 0
-    assert f"{path.name}: " in capsys.readouterr().err
-    assert (finished.folder / "bad" / path.name).exists()
-    assert verify(finished.folder) == []
-    assert ex.open(finished.folder).summary == before
+def test_files_that_are_no_good_chunks_are_told_and_moved_aside(spoil, message, finished):
+    digest = finished.summary["digest"]
+    spoil(chunk_of(finished, 1), chunk_of(finished, 2))
+    assert any(message in fault for fault in finished.verify())
+    assert finished.resume(progress=False).summary["digest"] == digest
+    assert finished.verify() == []
+    assert [*(finished.folder / "bad").iterdir()]
 
 
-def test_a_scene_that_makes_columns_of_different_lengths_is_told_so(monkeypatch):
-    process = RaceAngles.process
-
-    def with_more(self, index):
-        rows, tally = process(self, index)
-        return {**rows, "more": np.zeros(1)}, tally
-
-    monkeypatch.setattr(RaceAngles, "process", with_more)
-    with pytest.raises(ex.RunError, match="chunk 0: race-angles made what cannot be stored"):
-        ex.run("race-angles", samples=10, eta_hat="1e-4:1e-2", keep="all")
+def test_chunks_of_another_run_are_no_chunks_of_this_one(finished, tmp_path):
+    other = ex.run(Coins, **{**SMALL, "seed": 6}, out=tmp_path / "other")
+    theirs = chunk_of(other, 2)
+    chunk_of(finished, 2).unlink()
+    (finished.folder / "chunks" / theirs.name).write_bytes(theirs.read_bytes())
+    assert finished.verify() == [f"{theirs.name}: it belongs to another run"]
+    with pytest.raises(ex.RunError, match=r"its chunks are not those that run\.json describes"):
+        _ = ex.open(finished.folder).summary
 
 
-def test_own_columns_may_be_of_other_types_in_other_chunks(tmp_path):
-    """Whole numbers of which one is missing come as doubles."""
-    columns = {name: np.linspace(0.1, 0.5, 8) for name in ("phi", "phidot", "sigma3", "sigma4")}
-    table = pa.table({**columns, "own": pa.array([1, 2, 3, 4, 5, None, 7, 8])})
-    pyarrow.parquet.write_table(table, tmp_path / "states.parquet", row_group_size=4)
-    how = {"chunk_size": 4, "keep": "all", "out": tmp_path / "run", "figures": False}
-    run = ex.run("falling-set", states=tmp_path / "states.parquet", **how)
-    assert verify(run.folder) == []
-    assert run.arrow(["own"])["own"].to_pylist()[:2] == [1.0, 2.0]
-    assert json.loads((run.folder / "summary.json").read_text())["samples"] == 8
+def test_numbers_and_tables_of_a_damaged_chunk_are_never_given_out(finished):
+    path = chunk_of(finished, 3)
+    footer = path.read_bytes()
+    spoilt = footer.replace(b'"heads": ', b'"heads": 1', 1)
+    assert spoilt != footer
+    path.write_bytes(spoilt)
+    with pytest.raises(ex.RunError, match=f"{path.name}: cannot be read or is damaged"):
+        _ = finished.summary
 
 
-def test_other_files_among_the_chunks_are_put_aside(finished, capsys):
-    before, chunks = text(finished), finished.folder / "chunks"
-    for name in ("x.parquet", "chunk-000001-0000000000000000.parquet", "chunk-000001-ffffffffffffffff.parquet"):
-        (chunks / name).write_bytes(store.found_chunks(finished.folder)[2].read_bytes())
-    assert len(verify(finished.folder)) >= 3
-    again = ex.run("race-angles", out=finished.folder, **SMALL_RACES)
-    assert text(again) == before
-    assert verify(finished.folder) == []
-    assert len(list((finished.folder / "bad").iterdir())) == 3
-    assert pyarrow.dataset.dataset(chunks).to_table().num_rows == 3000
-    assert "x.parquet: is no chunk of a run" in capsys.readouterr().err
-    assert json.loads((finished.folder / "run.json").read_text())["chunks_computed"] == 0
+class Odd(Coins):
+    """Makes what cannot be stored."""
+
+    def observe(self, drawn):
+        table = super().observe(drawn)
+        return {name: values[:-1] if name == "height" else values for name, values in table.items()}
 
 
-def test_a_relative_folder_with_a_colon_is_a_folder_and_no_address(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    run = ex.run("race-angles", out="uniform:m=1", **SMALL_RACES)
-    assert verify(run.folder) == []
-    assert ex.open("uniform:m=1").summary == run.summary
+class RecordCounts(Counts):
+    items: Records
 
 
-def test_chunks_of_the_format_before_are_read(finished, tmp_path):
-    path = store.found_chunks(finished.folder)[0]
-    rows, note = store.read_chunk(path), store.read_note(path)
-    content = pyarrow.parquet.read_metadata(path).metadata[b"nearflat"]
-    before = to_arrow(rows).replace_schema_metadata({b"nearflat": content})
-    pyarrow.parquet.write_table(before, tmp_path / path.name, compression="lz4", write_page_checksum=True)
-    assert store.read_note(tmp_path / path.name) == note
-    again = store.read_chunk(tmp_path / path.name)
-    for name, values in rows.items():
-        np.testing.assert_array_equal(again[name], values)
-        assert again[name].dtype == values.dtype
+class Unjson(Coins):
+    """Counts what JSON does not have."""
+
+    tally = RecordCounts
+    columns = ("status",)
+
+    def count(self, tally, table):
+        tally.items += Records([float("nan")])
 
 
-def test_columns_whose_numbers_repeat_are_packed_and_others_are_not(tmp_path):
-    rng = np.random.default_rng(0)
-    own, fixed, unknown = rng.random(5000), np.full(5000, 0.1), np.full(5000, np.nan)
-    table = {"phi": fixed, "phidot": own, "theta_min": unknown, "status": np.zeros(5000, np.int8)}
-    tally = {"status": {"ok": 5000}}
-    (tmp_path / "chunks").mkdir()
-    note = store.Note(3, "a", 5000, store.digest_of(table, tally), tally)
-    path = store.write_chunk(tmp_path, note, to_arrow(table))
-    group = pyarrow.parquet.read_metadata(path).row_group(0)
-    kinds = {group.column(i).path_in_schema: group.column(i) for i in range(4)}
-    assert {name: kind.compression for name, kind in kinds.items()} == {
-        "phi": "LZ4",
-        "phidot": "UNCOMPRESSED",
-        "theta_min": "LZ4",
-        "status": "LZ4",
-    }
-    assert kinds["phi"].total_compressed_size < 1000 < own.nbytes <= kinds["phidot"].total_compressed_size
-    assert store.read_note(path) == note
-    for name, values in store.read_chunk(path).items():
-        np.testing.assert_array_equal(values, table[name])
+class Nameless(Coins):
+    """Lacks a column that it names."""
+
+    columns = ("status", "theta_min")
+
+
+@pytest.mark.parametrize("kind", [Odd, Unjson, Nameless])
+def test_a_scene_that_makes_what_cannot_be_stored_is_told_so(kind, tmp_path):
+    with pytest.raises(ex.RunError, match=rf"chunk \d: {kind.name} made what cannot be stored"):
+        ex.run(kind, samples=100, keep="all", jobs=1, out=tmp_path / "run", progress=False)
+    assert not [*(tmp_path / "run" / "chunks").iterdir()]
+
+
+@pytest.mark.parametrize("step", [(os, "fsync"), (Path, "replace")])
+def test_a_full_disk_leaves_no_half_written_chunk_and_can_be_resumed(step, tmp_path, monkeypatch, finished):
+    owner, name = step
+    plain, calls = getattr(owner, name), []
+
+    def failing(*arguments):
+        calls.append(1)
+        if len(calls) > 5:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return plain(*arguments)
+
+    monkeypatch.setattr(owner, name, failing)
+    with pytest.raises(ex.RunError, match=r"cannot be written .No space left on device"):
+        ex.run(Coins, out=tmp_path / "full", jobs=1, progress=False, **SMALL)
+    monkeypatch.undo()
+    assert not [*(tmp_path / "full").rglob("*.tmp")]
+    run = ex.open(tmp_path / "full")
+    assert 0 < run.status.chunks_done < 5
+    assert run.resume(progress=False).summary == finished.summary
+
+
+def test_a_file_that_says_the_same_stays_as_it_is(tmp_path):
+    path = tmp_path / "some.json"
+    store.write_json(path, {"a": 1})
+    before = path.stat().st_mtime_ns, path.stat().st_ino
+    store.write_json(path, {"a": 1})
+    assert (path.stat().st_mtime_ns, path.stat().st_ino) == before
+    assert store.read_json(path) == {"a": 1} == json.loads(path.read_text())
+    with pytest.raises(ValueError, match="JSON compliant"):
+        store.write_json(path, {"a": float("nan")})

@@ -1,11 +1,9 @@
 """Workers of every kind, killed and stopped, give the numbers of an undisturbed run."""
 
 import contextlib
-import gc
-import inspect
 import json
 import os
-import runpy
+import random
 import signal
 import socket
 import subprocess
@@ -14,48 +12,42 @@ import threading
 import time
 from pathlib import Path
 
-import numpy as np
+import coins
 import psutil
 import pytest
-from small_runs import SMALL_RACES
+from coins import SMALL, Coins
 
 import explorer as ex
-from explorer.commands import main as cli
-from explorer.runs import store, workers
-from explorer.scenes.registry import SCENES
-
-CHUNKS = 12
-OPTIONS = {"samples": CHUNKS * 2000, "chunk_size": 2000, "seed": 3, "keep": "all"}
-# The command without the pixels of its pictures, which take longer than its numbers. It hears Ctrl-C also where
-# the suite runs in the background, where it would inherit that it is ignored. Its workers begin four chunks; with
-# the others they wait as long as a file is there, so that a run is stopped in its middle however fast it is.
-PROGRAM = """
-import signal
-import sys
-import time
-from pathlib import Path
-from matplotlib.figure import Figure
-from explorer.commands.main import main
 from explorer.runs import workers
+from explorer.runs.folder import identity
+
+SCENE = f"{Path(coins.__file__).resolve()}:Coins"
+MANY = {"samples": 24_000, "chunk_size": 1000, "seed": 3, "keep": "all"}
+# The command hears Ctrl-C also where the suite runs in the background, where it would inherit that it is ignored.
+PROGRAM = """
+import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)
-Figure.savefig = lambda _, path, **options: Path(path).touch()
-hold = Path(sys.argv.pop(1))
-def held(task, index, compute=workers.compute_chunk):
-    while index > 3 and hold.exists():
-        time.sleep(0.01)
-    return compute(task, index)
-workers.compute_chunk = held
+from explorer.commands.main import main
 sys.exit(main())
 """
 
 
-def nearflat(*arguments, hold, errors=subprocess.PIPE):
+def nearflat(*words, seconds=0.0, **options):
+    """The command in a process of its own; each of its chunks takes so long."""
+    environment = {**os.environ, "COINS_SECONDS": str(seconds), "PYTHONPATH": os.pathsep.join(sys.path)}
     return subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, str(hold), *map(str, arguments)],
-        stdout=subprocess.PIPE,
-        stderr=errors,
-        text=True,
+        [sys.executable, "-c", PROGRAM, *map(str, words)],
+        **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "env": environment, **options},
     )
+
+
+def command(folder, *more):
+    given = [f"--{name.replace('_', '-')}={value}" for name, value in MANY.items()]
+    return ["run", SCENE, *given, "--no-figures", "--resume", "--json", "--out", folder, *more]
+
+
+def there(folder):
+    return len([*folder.glob("chunks/chunk-*.parquet")])
 
 
 def until(condition):
@@ -66,210 +58,178 @@ def until(condition):
         time.sleep(0.005)
 
 
-def wait_for_chunks(run, folder, count):
-    until(lambda: run.poll() is not None or len(store.found_chunks(folder)) >= count)
-
-
-@pytest.fixture
-def hold(tmp_path):
-    """A file for which most chunks of `nearflat` wait until it is removed."""
-    path = tmp_path / "hold"
-    path.touch()
-    yield path
-    path.unlink(missing_ok=True)
-
-
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    """The same options in a file."""
-    path = tmp_path_factory.mktemp("scene") / "races.toml"
-    path.write_text(
-        "\n".join(f"{name} = {value!r}" for name, value in {"scene": "race-angles", **OPTIONS}.items())
-    )
-    return path
-
-
-@pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory):
-    return ex.run("race-angles", out=tmp_path_factory.mktemp("plain") / "run", **OPTIONS).summary["digest"]
-
-
-def test_processes_give_the_digest_of_threads(undisturbed, tmp_path):
-    run = ex.run("race-angles", out=tmp_path / "run", backend="processes", **OPTIONS)
-    assert run.summary["digest"] == undisturbed
-
-
-def test_a_run_that_broke_off_lets_the_processes_go_before_the_next_one_uses_them(tmp_path, monkeypatch):
-    def broken(progress, status):
-        raise ArithmeticError
-
-    monkeypatch.setattr("explorer.runs.progress.Progress.advance", broken)
-    with pytest.raises(ArithmeticError) as held:
-        ex.run("race-angles", out=tmp_path / "run", backend="processes", jobs=2, **SMALL_RACES)
-    made = [each for each in gc.get_objects() if inspect.isgenerator(each) and each.__name__ == "_by_joblib"]
-    assert [each for each in made if each.gi_frame is not None] == []
-    del held
-    monkeypatch.undo()
-    resumed = ex.run("race-angles", out=tmp_path / "run", backend="processes", jobs=2, **SMALL_RACES)
-    assert resumed.summary["digest"] == ex.run("race-angles", out=None, **SMALL_RACES).summary["digest"]
-
-
-def test_a_cluster_of_its_own_listens_on_the_loopback_only(tmp_path, monkeypatch):
-    seen = set()
-
-    def spied(client, digest):
-        family = [psutil.Process(), *psutil.Process().children(recursive=True)]
-        for each in family:
-            seen.update(place.laddr.ip for place in each.net_connections("inet") if place.status == "LISTEN")
-
-    monkeypatch.setattr(workers, "_check_kernels", spied)
-    ex.run("race-angles", out=tmp_path / "run", backend="dask", jobs=1, **SMALL_RACES)
-    assert seen == {"127.0.0.1"}
-
-
-def test_stopped_at_random_moments_a_run_keeps_its_promises(tmp_path):
-    script = Path(__file__).parents[2] / "faults" / "moments.py"
-    command = [sys.executable, script, tmp_path, "threads", "3", str(time.time_ns() % 10**6), "8000"]
-    rows = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=True).stdout.splitlines()
-    assert len(rows) == 3
-    assert [row for row in map(json.loads, rows) if row["broken"]] == []
-
-
-@pytest.mark.parametrize("redirection", [">&-", "2>&-", ">&- 2>&-"])
-def test_streams_that_were_closed_before_the_start_take_nothing_else(redirection, tmp_path):
-    command = f"{sys.executable} -m explorer.commands.main cite --json {redirection}"
-    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-def test_an_output_that_is_full_is_an_error_of_one_line():
-    command = f"{sys.executable} -m explorer.commands.main columns > /dev/full"
-    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
-    assert (done.returncode, len(done.stderr.splitlines())) == (1, 1), done.stderr
-
-
-def test_a_scheduler_that_is_not_there_is_named(tmp_path, monkeypatch, capsys):
-    distributed = pytest.importorskip("distributed")
-    patient = distributed.Client
-    monkeypatch.setattr(distributed, "Client", lambda address, timeout: patient(address, timeout=0.5))
-    address = "tcp://127.0.0.1:9"
-    words = ["run", "race-angles", "--backend", "dask", "--scheduler", address, "--out", str(tmp_path / "run")]
-    assert cli.main(words) == 1
-    assert f"{address}: cannot be reached" in capsys.readouterr().err.splitlines()[-1]
-
-
-@pytest.mark.parametrize(("protocol", "required"), [("tls", False), ("tcp", True)])
-def test_settings_for_tls_that_do_not_fit_are_told_in_a_sentence(protocol, required, tmp_path):
-    dask = pytest.importorskip("dask")
-    pytest.importorskip("distributed")
-    address = f"{protocol}://127.0.0.1:9"
-    with (
-        dask.config.set({"distributed.comm.require-encryption": required}),
-        pytest.raises(ex.RunError, match=f"{address}: cannot be reached .*settings for TLS"),
-    ):
-        ex.run("race-angles", out=tmp_path / "run", backend="dask", scheduler=address, **SMALL_RACES)
-
-
-def test_a_killed_process_costs_its_chunks_a_second_try_not_the_run(undisturbed, scene, hold, tmp_path):
-    done = nearflat("run", scene, "--backend", "processes", "--out", tmp_path / "run", "--json", hold=hold)
-    wait_for_chunks(done, tmp_path / "run", 2)
-    children = [
-        child
-        for child in psutil.Process(done.pid).children(recursive=True)
-        if "resource_tracker" not in " ".join(child.cmdline()) and not child.children()
-    ]
-    assert children
-    children[0].kill()
-    hold.unlink()
-    out, err = done.communicate(timeout=200)
-    assert done.returncode == 0, err
-    assert json.loads(out)["digest"] == undisturbed
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-def test_a_stopped_run_continues_to_the_same_digest(number, undisturbed, scene, hold, tmp_path, capsys):
-    folder, said = tmp_path / "run", tmp_path / "said"
-    with said.open("w") as errors:
-        done = nearflat("run", scene, "--jobs", 2, "--out", folder, hold=hold, errors=errors)
-    wait_for_chunks(done, folder, 2)
-    os.kill(done.pid, number)
-    until(lambda: done.poll() is not None or "stopping when the running chunks are done" in said.read_text())
-    hold.unlink()
-    done.communicate(timeout=120)
-    if number != signal.SIGKILL:
-        assert done.returncode == 130
-        assert f"continue with: nearflat resume {folder}" in said.read_text().splitlines()[-1]
-        assert not list((folder / "chunks").glob(".*.tmp"))
-    assert not (folder / "summary.json").exists()
-    there = set(store.found_chunks(folder).values())
-    assert 2 <= len(there) < CHUNKS
-    assert cli.main(["resume", str(folder), "--json"]) == 0
-    assert there <= set(store.found_chunks(folder).values())
-    assert json.loads(capsys.readouterr().out)["digest"] == undisturbed
-
-
-def test_the_commands_that_look_at_a_run(tmp_path, capsys):
-    folder = tmp_path / "run"
-    run = ex.run("race-angles", out=folder, samples=5000, chunk_size=1000)
-    store.found_chunks(folder)[2].unlink()
-    for command, status, text in (
-        ("status", 0, "4 of 5 chunks, 4,000 samples"),
-        ("verify", 1, "chunk 2: is missing"),
-        ("summary", 1, "1 of 5 chunks are missing"),
-        ("resume", 0, "wrong way: 0"),
-        ("status", 0, "5 of 5 chunks"),
-        ("verify", 0, "intact"),
-        ("summary", 0, "wrong way: 0"),
-    ):
-        got = cli.main([command, str(folder)])
-        said = capsys.readouterr()
-        assert (got, text in said.out + said.err) == (status, True), (command, said)
-    assert json.loads((folder / "summary.json").read_text())["digest"] == run.summary["digest"]
-
-
-@pytest.mark.filterwarnings("ignore")
-def test_chunks_are_read_by_pandas_and_duckdb(tmp_path):
-    duckdb, pandas = pytest.importorskip("duckdb"), pytest.importorskip("pandas")
-    run = ex.run("race-angles", out=tmp_path / "run", samples=5000, chunk_size=1000)
-    places = run.folder / "chunks"
-    frame = pandas.read_parquet(places)
-    assert len(frame) == 5000
-    ((mean,),) = duckdb.sql(f"select avg(race_angle) from '{places}/*.parquet' where eta_hat > 0").fetchall()
-    assert mean == pytest.approx(frame.race_angle[frame.eta_hat > 0].mean())
-    assert np.isfinite(mean)
+def digest():
+    return ex.run(Coins, **MANY).summary["digest"]
 
 
 @pytest.mark.parametrize(
-    ("options", "message"), [({"jobs": 0}, "jobs = 0"), ({"backend": "gpu"}, "backend 'gpu'")]
+    "how", [{"jobs": 1}, {"jobs": 5}, {"backend": "processes"}, {"backend": "dask", "jobs": 1}]
 )
-def test_workers_that_cannot_be_are_refused_before_anything_is_written(options, message, tmp_path):
-    with pytest.raises(ex.InputError, match=message):
-        ex.run("race-angles", out=tmp_path / "run", **options, **SMALL_RACES)
-    assert not (tmp_path / "run").exists()
+@pytest.mark.parametrize("stored", [False, True])
+def test_one_digest_for_any_jobs_backend_and_place(how, stored, digest, tmp_path):
+    run = ex.run(Coins, out=tmp_path / "run" if stored else None, figures=False, progress=False, **how, **MANY)
+    assert run.summary["digest"] == digest
+    assert [chunk.number for chunk in run.chunks] == [*range(24)]
+
+
+def test_killed_at_random_moments_a_run_ends_with_the_same_digest(digest, tmp_path):
+    draw, kills = random.Random(time.time_ns()), 0
+    while True:
+        done = nearflat(*command(tmp_path / "run"), seconds=0.05)
+        until(lambda done=done: done.poll() is not None or (tmp_path / "run" / "run.json").exists())
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            out, err = done.communicate(timeout=draw.uniform(0.0, 0.5) + 0.2 * kills)
+            break
+        done.kill()
+        done.communicate()
+        kills += 1
+    assert (done.returncode, kills > 0) == (0, True), err
+    assert json.loads(out)["digest"] == digest
+    assert not [*(tmp_path / "run").rglob("*.tmp")]
+    assert not (tmp_path / "run" / "bad").exists()
+
+
+@pytest.mark.parametrize("backend", ["threads", "processes"])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_the_first_signal_keeps_running_chunks_and_tells_how_to_go_on(number, backend, digest, tmp_path):
+    if signal.getsignal(number) is signal.SIG_IGN:
+        pytest.skip("whoever started the tests has it ignored, and so does the run")
+    folder = tmp_path / "run"
+    done = nearflat(*command(folder, "--backend", backend), seconds=0.2, start_new_session=True)
+    until(lambda: done.poll() is not None or there(folder) >= 2)
+    began, before = time.monotonic(), there(folder)
+    os.killpg(done.pid, number)  # as a terminal does: to the processes too
+    _, err = done.communicate(timeout=60)
+    assert time.monotonic() - began < 3.0
+    assert done.returncode == 130, err
+    assert "stopping when the running chunks are done; once more stops now" in err
+    assert err.splitlines()[-1].endswith(f"of 24 chunks done; continue with: nearflat resume {folder}")
+    assert before <= there(folder) < 24
+    assert not (folder / "summary.json").exists()
+    assert not [*folder.rglob("*.tmp")]
+    assert ex.open(folder).resume(progress=False).summary["digest"] == digest
+
+
+def test_the_second_signal_ends_at_once(tmp_path):
+    folder = tmp_path / "run"
+    done = nearflat(*command(folder), seconds=5.0)
+    until(lambda: done.poll() is not None or (folder / "run.json").exists())
+    time.sleep(0.5)
+    began = time.monotonic()
+    for _ in range(2):
+        done.send_signal(signal.SIGINT)
+        time.sleep(0.2)
+    assert "stopped; continue with: nearflat resume" in done.communicate(timeout=60)[1]
+    assert (done.returncode, time.monotonic() - began < 2.0) == (130, True)
+
+
+def family(pid):
+    """The processes that compute chunks of another."""
+    children = psutil.Process(pid).children(recursive=True)
+    return [
+        each for each in children if "resource_tracker" not in " ".join(each.cmdline()) and not each.children()
+    ]
+
+
+def test_a_killed_process_ends_the_run_with_a_sentence_and_resume_goes_on(digest, tmp_path):
+    folder = tmp_path / "run"
+    done = nearflat(*command(folder, "--backend", "processes"), seconds=0.2)
+    until(lambda: done.poll() is not None or there(folder) >= 2)
+    family(done.pid)[0].kill()
+    _, err = done.communicate(timeout=60)
+    assert done.returncode == 1
+    assert "--backend processes: a worker was killed" in err.splitlines()[-1]
+    assert err.endswith(f"continue with: nearflat resume {folder}\n")
+    assert ex.open(folder).resume(progress=False).summary["digest"] == digest
+
+
+def test_processes_end_with_the_one_that_began_them(tmp_path):
+    folder = tmp_path / "run"
+    done = nearflat(*command(folder, "--backend", "processes"), seconds=0.2)
+    until(lambda: done.poll() is not None or there(folder) >= 2)
+    orphans = family(done.pid)
+    assert orphans
+    done.kill()
+    done.communicate()
+    _, alive = psutil.wait_procs(orphans, timeout=10)
+    assert alive == []
+
+
+def test_what_runs_in_a_thread_leaves_signals_alone(digest):
+    before, found = signal.getsignal(signal.SIGINT), []
+    thread = threading.Thread(target=lambda: found.append(ex.run(Coins, progress=False, **MANY).summary["digest"]))
+    thread.start()
+    thread.join()
+    assert found == [digest]
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_worker_that_would_compute_other_numbers_is_refused(tmp_path):
+    scene = Coins(**SMALL)
+    with pytest.raises(ex.RunError, match="the worker would compute other numbers than this run"):
+        workers.compute(scene, "0" * 16, None, 0)
+    assert identity(scene)["code"] != identity(type("Other", (Coins,), {"__module__": "x"})(**SMALL))["code"]
+
+
+class Huge(Coins):
+    """Does not fit."""
+
+    def draw(self, random, count):
+        raise MemoryError
+
+
+class Faulty(Coins):
+    """Has a mistake."""
+
+    def draw(self, random, count):
+        return 1 / 0
+
+
+@pytest.mark.parametrize("backend", ["threads", "processes"])
+def test_what_goes_wrong_in_a_chunk_comes_back_as_it_is(backend):
+    how = {"backend": backend, "progress": False, **SMALL}
+    with pytest.raises(ex.RunError, match="700 samples do not fit into memory; give a smaller memory"):
+        ex.run(Huge, **how)
+    with pytest.raises(ZeroDivisionError):
+        ex.run(Faulty, **how)
+
+
+def test_progress_is_shown_where_a_run_takes_longer_than_two_seconds(tmp_path):
+    for seconds, words, shown in ((1.5, (), True), (1.5, ("--quiet",), False), (0.0, (), False)):
+        folder = tmp_path / f"{seconds}{shown}"
+        given = ("--samples", 800, "--chunk-size", 100, "--no-figures", *words)
+        done = nearflat("run", SCENE, *given, "--out", folder, seconds=seconds)
+        _, err = done.communicate(timeout=60)
+        assert done.returncode == 0, err
+        assert ("samples/s" in err) is shown
+
+
+# A dask cluster
 
 
 def dask(kind, *words):
     """A scheduler or a worker on the loopback, in a process of its own."""
     common = ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0"]
     more = ["--nthreads", "1", "--no-nanny"] if kind == "worker" else []
-    command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words, *more, *common]
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    full = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words, *more, *common]
+    environment = {**os.environ, "COINS_SECONDS": "0.1", "PYTHONPATH": os.pathsep.join(sys.path)}
+    return subprocess.Popen(full, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
 
 
 @contextlib.contextmanager
-def a_cluster(workers):
-    """A real scheduler and its workers; yields its address and their processes."""
-    import distributed
-
+def a_cluster(count):
+    """A real scheduler and its workers; yields its address and the workers' processes."""
+    distributed = pytest.importorskip("distributed")
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    address = f"tcp://127.0.0.1:{port}"
-    running = [dask("scheduler", "--port", str(port)), *(dask("worker", address) for _ in range(workers))]
+        address = f"tcp://127.0.0.1:{probe.getsockname()[1]}"
+    running = [dask("scheduler", "--port", address.rpartition(":")[2])]
+    running += [dask("worker", address) for _ in range(count)]
     try:
         with distributed.Client(address, timeout=120) as client:
-            if workers:
-                client.wait_for_workers(workers, timeout=120)
+            if count:
+                client.wait_for_workers(count, timeout=120)
         yield address, running[1:]
     finally:
         for process in running:
@@ -277,98 +237,60 @@ def a_cluster(workers):
             process.wait()
 
 
-@pytest.fixture(scope="module")
-def cluster():
-    """The address of a cluster of two workers. Tests that need it stand last."""
-    with a_cluster(2) as (address, _):
-        yield address
+def killing(folder, worker):
+    """Kill a worker as soon as there are a few chunks; a list with the moment."""
+    moment = []
+
+    def kill():
+        until(lambda: there(folder) > 2)
+        worker.kill()
+        moment.append(time.monotonic())
+
+    threading.Thread(target=kill).start()
+    return moment
 
 
-def test_a_cluster_without_workers_is_told_within_ten_seconds_with_how_to_start_one(tmp_path):
+def test_a_cluster_that_loses_one_of_two_workers_ends_with_the_same_digest(digest, tmp_path):
+    with a_cluster(2) as (address, (first, _)):
+        lost = killing(tmp_path / "run", first)
+        where = {"backend": "dask", "scheduler": address, "out": tmp_path / "run"}
+        run = ex.run(Coins, progress=False, figures=False, **where, **MANY)
+    assert lost
+    assert run.summary["digest"] == digest
+
+
+def test_the_last_worker_lost_is_told_within_ten_seconds_and_resume_goes_on(digest, tmp_path):
+    folder = tmp_path / "run"
+    with a_cluster(1) as (address, (worker,)):
+        lost = killing(folder, worker)
+        with pytest.raises(ex.RunError, match=f"{address}: there is no worker; .*; continue with: .*resume"):
+            ex.run(Coins, out=folder, backend="dask", scheduler=address, progress=False, **MANY)
+        assert time.monotonic() - lost[0] < 10.0
+    assert 2 < there(folder) < 24
+    assert ex.open(folder).resume(progress=False).summary["digest"] == digest
+
+
+def test_a_cluster_without_workers_is_told_within_ten_seconds_and_can_be_stopped(tmp_path):
     with a_cluster(0) as (address, _):
         began = time.monotonic()
+        where = {"backend": "dask", "scheduler": address}
         with pytest.raises(
             ex.RunError, match=f"{address}: there is no worker; start one with: dask worker {address}"
         ):
-            ex.run("race-angles", out=tmp_path / "run", backend="dask", scheduler=address, **SMALL_RACES)
+            ex.run(Coins, out=tmp_path / "run", progress=False, **where, **SMALL)
         assert time.monotonic() - began < 10.0
-    assert ex.open(tmp_path / "run").resume().status.chunks_done == 5
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_run_that_waits_for_a_worker_can_be_stopped(number, scene, hold, tmp_path):
-    said = tmp_path / "said"
-    with a_cluster(0) as (address, _), said.open("w") as errors:
-        words = ("run", scene, "--backend", "dask", "--scheduler", address, "--out", tmp_path / "run")
-        done = nearflat(*words, hold=hold, errors=errors)
-        until((tmp_path / "run" / "run.json").exists)
-        time.sleep(1.0)
-        done.send_signal(number)
-        done.communicate(timeout=5.0)
+        done = nearflat(*command(tmp_path / "other", "--backend", "dask", "--scheduler", address))
+        until((tmp_path / "other" / "run.json").exists)
+        time.sleep(1.5)
+        done.send_signal(signal.SIGTERM)
+        _, err = done.communicate(timeout=10)
     assert done.returncode == 130
-    assert "stopped with 0 of 12 chunks done; continue with: nearflat resume" in said.read_text()
+    assert "stopped with 0 of 24 chunks done; continue with: nearflat resume" in err
 
 
-def test_the_last_worker_lost_is_told_and_finished_chunks_stay(tmp_path):
-    folder, lost = tmp_path / "run", []
-    options = {"samples": 2_000_000, "chunk_size": 4096, "eta_hat": "1e-4:1e-2", "keep": "none", "figures": False}
-
-    def kill(worker):
-        until(lambda: len(store.found_chunks(folder)) > 2)
-        worker.kill()
-        lost.append(time.monotonic())
-
-    with a_cluster(1) as (address, (worker,)):
-        killer = threading.Thread(target=kill, args=(worker,))
-        killer.start()
-        with pytest.raises(
-            ex.RunError, match=rf"{address}: there is no worker; .*then continue with: .*resume\(\)"
-        ):
-            ex.run("race-angles", out=folder, backend="dask", scheduler=address, progress=False, **options)
-        told = time.monotonic()
-        killer.join()
-    assert told - lost[0] < 10.0
-    there = set(store.found_chunks(folder).values())
-    assert 2 < len(there) < 489
-    resumed = ex.open(folder).resume(progress=False)
-    assert there <= set(store.found_chunks(folder).values())
-    assert resumed.verify() == []
-
-
-@pytest.fixture
-def own_scene():
-    """The documented scene of a user, from a file that no worker can import; forgotten at the end."""
-    known = dict(SCENES)
-    module = runpy.run_path(str(Path(__file__).parents[3] / "docs" / "examples" / "own_scene.py"))
-    yield module["Periods"]
-    SCENES.clear()
-    SCENES.update(known)
-
-
-@pytest.mark.parametrize("backend", ["threads", "processes", "dask"])
-def test_a_scene_of_a_user_has_workers_of_every_kind(backend, own_scene, request, tmp_path):
-    where = {"scheduler": request.getfixturevalue("cluster")} if backend == "dask" else {}
-    options = {"samples": 300, "chunk_size": 100, "speed": 1.5}
-    held = ex.run("periods", **options)
-    assert held.summary["mean"] == pytest.approx(held.frame()["period"].mean())
-    run = ex.run(own_scene, out=tmp_path / "run", backend=backend, **where, **options)
-    assert run.summary == held.summary
-    store.found_chunks(run.folder)[1].unlink()
-    assert ex.open(run.folder).resume().summary == run.summary
-    assert ex.merge(run, ex.run("periods", rng=1, **options)).summary["known"] == 600
-
-
-def test_a_dask_cluster_gives_the_digest_of_threads(undisturbed, scene, cluster, tmp_path, capsys):
-    words = ["run", scene, "--json", "--backend", "dask", "--scheduler", cluster, "--out", tmp_path / "run"]
-    assert cli.main(list(map(str, words))) == 0
-    assert json.loads(capsys.readouterr().out)["digest"] == undisturbed
-
-
-def test_workers_with_other_kernels_are_refused_by_name(cluster, tmp_path, monkeypatch):
-    monkeypatch.setattr(workers.compiled, "source_digest", lambda: "of another version")
-    with pytest.raises(ex.RunError, match=r"tcp://127\.0\.0\.1:\d+: the worker has other kernels than this run"):
-        ex.run("race-angles", out=tmp_path / "run", backend="dask", scheduler=cluster, **SMALL_RACES)
-    monkeypatch.undo()
-    task = workers.Task(ex.open(tmp_path / "run").scene, "", None, "of another version", None)
-    with pytest.raises(ex.RunError, match="chunk 0: the worker has other kernels"):
-        workers.compute_chunk(task, 0)
+def test_a_scheduler_that_is_not_there_is_named(tmp_path, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    patient, address = distributed.Client, "tcp://127.0.0.1:9"
+    monkeypatch.setattr(distributed, "Client", lambda address, timeout: patient(address, timeout=0.5))
+    with pytest.raises(ex.RunError, match=f"{address}: cannot be reached"):
+        ex.run(Coins, out=tmp_path / "run", backend="dask", scheduler=address, progress=False, **SMALL)

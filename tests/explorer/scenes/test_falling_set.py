@@ -5,16 +5,13 @@ import pytest
 from conftest import BODIES, computed
 
 import explorer as ex
-from explorer.measure.sampling import chunk_stream
-from explorer.phase.constants import constants_of
-from explorer.phase.states import phi_to_states
 from explorer.portrait.slices import Slice, slice_map
 from explorer.scenes import falling_set
-from explorer.scenes.registry import build_scene
+from explorer.scenes.falling_set import FallingCounts, FallingSet, nearer
 
 
 def summary_of(**options):
-    scene = build_scene("falling-set", **options)
+    scene = FallingSet(**options)
     return scene, scene.summarise(computed(scene))
 
 
@@ -50,72 +47,90 @@ def test_the_integrated_valley_lies_on_the_exact_curve():
         assert inside > 50
 
 
-@pytest.mark.parametrize("keep", ["none", "near", "all"])
-def test_counts_are_complete_whatever_is_kept(keep, tmp_path):
-    options = {"samples": 4000, "grid": 5, "chunk_size": 1500}
-    every = ex.run("falling-set", out=tmp_path / "all", keep="all", **options)
-    run = ex.run("falling-set", out=tmp_path / "run", keep=keep, **options)
-    for key in ("face_counts", "theta_min_quantiles", "distance_quantiles", "status"):
-        assert run.summary[key] == every.summary[key]
-    rows = sum(len(table["status"]) for table in run.tables())
-    near = sum(int(run.scene.near(0, table).sum()) for table in every.tables())
-    assert rows == {"none": 0, "near": near, "all": 4000}[keep]
-    assert near > 0
+@pytest.mark.parametrize("theta_min", ["all", "near"])
+def test_counts_are_complete_whatever_is_kept(theta_min):
+    """Also where drawing, counting and sifting are one pass: what is kept are the rows near F of all."""
+    scenes = {
+        keep: FallingSet(samples=40_000, chunk_size=15_000, theta_min=theta_min, keep=keep)
+        for keep in ("none", "near", "all")
+    }
+    summaries = {keep: scene.summarise(computed(scene)) for keep, scene in scenes.items()}
+    for key in ("face_counts", "could_fall_fraction", "theta_min_quantiles", "status"):
+        assert summaries["none"][key] == summaries["near"][key] == summaries["all"][key]
+    distances = [list(found["distance_quantiles"].values()) for found in summaries.values()]
+    for found in distances[1:]:
+        np.testing.assert_allclose(found, distances[0], rtol=1e-9)
+    for index in range(3):
+        every = scenes["all"].chunk(index)[0]
+        near = scenes["all"].near(every)
+        assert 0 < near.sum() < near.size == scenes["all"].length(index)
+        assert scenes["none"].chunk(index)[0]["status"].size == 0
+        for name, values in scenes["near"].chunk(index)[0].items():
+            np.testing.assert_array_equal(values, every[name][near])
 
 
-def test_beyond_ten_million_states_theta_min_is_computed_near_f_only(tmp_path, monkeypatch):
-    options = {"samples": 4000, "grid": 5, "keep": "all"}
-    every = ex.run("falling-set", out=tmp_path / "all", **options)
-    monkeypatch.setattr(falling_set, "MOST_THETA_MIN", 100)
-    run = ex.run("falling-set", out=tmp_path / "run", **options)
-    for whole, part in zip(every.tables(), run.tables(), strict=True):
-        near = run.scene.near(0, whole)
-        np.testing.assert_array_equal(part["theta_min"][near], whole["theta_min"][near])
-        assert np.isnan(part["theta_min"][~near]).all()
-        assert near.any()
-    assert run.summary["face_counts"] == every.summary["face_counts"]
-    sifted = ex.run("falling-set", out=tmp_path / "near", **{**options, "keep": "near"})
-    for key in ("face_counts", "could_fall_fraction", "distance_quantiles", "theta_min_quantiles", "status"):
-        assert sifted.summary[key] == run.summary[key]
-    for part, table in zip(sifted.tables(), run.tables(), strict=True):
-        near = run.scene.near(0, table)
-        for name, values in part.items():
-            np.testing.assert_array_equal(values, table[name][near])
-
-
-def test_an_energy_cut_changes_which_states_are_drawn_and_nothing_else():
-    """The kept states are the first of the box's own draws that lie below the energy."""
-    scene = build_scene("falling-set", samples=3000, box="phi=-1:1", energy=":2", keep="all", seed=3)
-    table = scene.compute(0)
-    assert (table["energy"] <= 2.0).all()
-    drawn = scene.box.draw(chunk_stream(3, 0), 8192)
-    energy = constants_of(phi_to_states(scene.disk, **drawn)).energy
-    np.testing.assert_array_equal(table["phi"][:100], drawn["phi"][energy <= 2.0][:100])
-    assert (energy > 2.0).any()
-
-
-def test_which_theta_min_is_computed_may_be_asked_for(tmp_path):
-    near = build_scene("falling-set", samples=2000, theta_min="near", keep="all").compute(0)
-    every = build_scene("falling-set", samples=2000, keep="all").compute(0)
-    assert np.isnan(near["theta_min"]).mean() > 0.9
+def test_theta_min_may_be_computed_near_f_only_as_it_is_of_many_states():
+    near, every = (FallingSet(samples=2000, theta_min=which, keep="all").chunk(0)[0] for which in ("near", "all"))
     known = np.isfinite(near["theta_min"])
+    assert 0.0 < known.mean() < 0.1
     np.testing.assert_array_equal(near["theta_min"][known], every["theta_min"][known])
-    many = build_scene("falling-set", samples=20_000_000)
+    few, many = FallingSet(samples=10_000_000), FallingSet(samples=10_000_001)
+    assert (few.theta_min, few.chunk_size) == ("all", 1 << 16)
     assert (many.theta_min, many.chunk_size) == ("near", 1 << 20)
 
 
-def test_the_headline_is_in_sentences_a_user_can_read():
+def test_the_nearer_face_decides_and_what_is_no_state_has_none():
+    table = {name: np.array([0.1, -0.1, 0.0, np.nan]) for name in ("sigma3_bar", "theta_min")}
+    table |= {
+        "eta_hat_plus": np.array([1e-3, 2.0, 0.0, np.nan]),
+        "eta_hat_minus": np.array([5.0, -1.0, 0.0, np.nan]),
+    }
+    table |= {"face": np.array([1, -1, 1, 0]), "could_fall": np.array([True, True, False, False])}
+    np.testing.assert_array_equal(nearer(table), [1e-3, 1.0, 0.0, np.nan])
+    tally = FallingCounts()
+    FallingSet().count(tally, table)
+    assert {name: count for name, count in tally.faces.items() if count} == {
+        "face_plus_eta_positive": 1,
+        "face_minus_eta_negative": 1,
+        "face_plus_eta_zero": 1,
+    }
+    assert (tally.could_fall, tally.distance.total) == (2, 2)
+
+
+def test_the_headline_is_in_sentences_a_user_can_read(tmp_path):
     scene, found = summary_of(samples=2000)
-    share = scene.headline(found)[1]
-    assert share.startswith(
-        f"would fall if eta were exactly 0: {100 * found['could_fall_fraction']:.1f} % (95 % interval "
-    )
+    share = f"would fall if eta were exactly 0: {100 * found['could_fall_fraction']:.1f} % (95 % interval "
+    assert scene.headline(found)[1].startswith(share)
+    assert "of the 2,000 states: median" in scene.headline(found)[2]
+    scene, found = summary_of(samples=2000, theta_min="near")
+    assert "states with |eta_hat| <= 0.001, the only" in scene.headline(found)[2]
+    (tmp_path / "states.csv").write_text("phi,phidot,sigma3,sigma4\n0.1,1,1,0.5\n,1,1,2\n0.2,1,1,1\n")
+    run = ex.run("falling-set", states=tmp_path / "states.csv")
+    for text in ("eta were exactly 0: 100.0 %", "2 states, 2 computed", "1 row is not a state and is left out"):
+        assert text in repr(run)
+    assert run.figure("theta-min").axes[0].lines[0].get_ydata()[-1] == 1.0
 
 
-@pytest.mark.parametrize(
-    ("which", "says"),
-    [("all", "of the 2,000 states: median"), ("near", "states with |eta_hat| <= 0.001, the only")],
-)
-def test_a_median_says_of_which_states(which, says):
-    scene, found = summary_of(samples=2000, theta_min=which)
-    assert says in scene.headline(found)[-1]
+def test_figures_are_of_all_samples_and_of_every_slice():
+    cuts = ["phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"] * 3
+    scene = FallingSet(samples=500, slice=cuts, grid=5)
+    tally = computed(scene)
+    names = [name for name, _ in scene.figures(scene.summarise(tally), tally)]
+    assert names == ["constants-plane", "slice-1", "slice-2", "slice-3", "theta-min"]
+    assert np.nanmin(scene.plane(tally.plane).smallest) == pytest.approx(tally.theta_min.quantile(0.0), rel=1e-3)
+
+
+def test_without_theta_min_no_motion_is_followed(monkeypatch):
+    """No integrator and no quadrature is called, and all that does not need them is counted the same."""
+
+    def forbidden(*_):
+        raise AssertionError("a motion was followed")
+
+    _, some = summary_of(samples=3000, theta_min="near")
+    monkeypatch.setattr(falling_set, "smallest_tilt", forbidden)
+    scene, found = summary_of(samples=3000, theta_min="none")
+    assert (found["theta_min_of"], found["theta_min_known"]) == ("no samples", 0)
+    for key in ("face_counts", "could_fall_fraction", "distance_quantiles", "valid_states"):
+        assert found[key] == some[key]
+    assert not [name for name in scene.kernels if name.startswith(("batch.", "turning_points."))]
+    assert FallingSet(samples=500, theta_min="none", keep="all").chunk(0)[0]["phi"].size == 500

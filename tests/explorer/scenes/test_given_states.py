@@ -1,4 +1,7 @@
-"""States that a user gives: what is read, how it is identified, and how damage is told."""
+"""States that a user gives: what is read, cell by cell, how it is identified, and how damage is told."""
+
+import json
+from fractions import Fraction
 
 import numpy as np
 import pandas as pd
@@ -7,8 +10,10 @@ import pyarrow.parquet
 import pytest
 
 import explorer as ex
-from explorer.runs import folder as folders
+from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.given_states import GivenStates
+from explorer.scenes.registry import scene_of
+from explorer.scenes.scene import joined
 
 DISK = ex.Disk.uniform()
 NAMES = ("phi", "phidot", "sigma3", "sigma4")
@@ -28,40 +33,50 @@ def test_bad_rows_are_flagged_with_their_number_and_the_others_are_computed(colu
     for row, value in zip(bad, (np.nan, np.inf, -np.inf, 1e300, 7.0), strict=True):
         columns["phi" if value == 7.0 else "sigma3"][row] = value
     pyarrow.parquet.write_table(pyarrow.table({**columns, "label": [f"n{i}" for i in range(500)]}), spoilt)
-    options = {"grid": 5, "keep": "all", "chunk_size": 128}
-    good = ex.run("falling-set", states=clean, out=tmp_path / "good", **options)
-    run = ex.run("falling-set", states=spoilt, out=tmp_path / "run", **options)
-    one, other = (
-        {name: np.concatenate([table[name] for table in done.tables()]) for name in ("status", "theta_min", "row")}
-        for done in (good, run)
-    )
+    scenes = [FallingSet(states=path, keep="all", chunk_size=128) for path in (clean, spoilt)]
+    one, other = (joined([scene.chunk(index)[0] for index in range(scene.chunks)]) for scene in scenes)
     assert set(other["row"][other["status"] == ex.Status.BAD_INPUT]) == set(bad)
     kept = np.setdiff1d(np.arange(500), bad)
     np.testing.assert_array_equal(one["theta_min"][kept], other["theta_min"][kept])
-    labels = np.concatenate([table["label"] for table in run.tables()])
-    assert labels.tolist() == [f"n{i}" for i in other["row"]]
-    assert folders.scene_of(run.folder).options() == run.scene.options()
+    assert other["label"].tolist() == [f"n{i}" for i in other["row"]]
+    record = json.loads(json.dumps(scenes[1].options, default=dict))
+    assert scene_of(record).options == record
     pyarrow.parquet.write_table(pyarrow.table(columns).slice(1), spoilt)
     with pytest.raises(ex.InputError, match="is not the file of states that the run began with"):
-        folders.scene_of(run.folder)
+        scene_of(record)
+
+
+class Stream:
+    """A frame of another library, as Arrow sees it: of polars or duckdb."""
+
+    def __init__(self, table):
+        self.table = table
+
+    def __arrow_c_stream__(self, schema=None):
+        return self.table.__arrow_c_stream__(schema)
 
 
 def test_every_kind_of_table_gives_the_same_states(columns, tmp_path):
     frame = pd.DataFrame(columns)
     frame.to_csv(tmp_path / "a.csv", index=False)
     frame.to_csv(tmp_path / "b.txt", index=False, sep=";", encoding="utf-8-sig")
-    frame.to_parquet(tmp_path / "c.parquet")
+    frame.to_csv(tmp_path / "t.tsv", index=False, sep="\t")
+    frame.to_parquet(tmp_path / "c.parquet", row_group_size=70)
     kinds = [
         frame,
         columns,
+        frame.set_index(2 * np.arange(500)),
         pyarrow.table(columns),
+        Stream(pyarrow.table(columns)),
         frame.to_records(index=False),
         np.column_stack(list(columns.values())),
+        np.column_stack(list(columns.values())).tolist(),
         ex.phi_to_states(DISK, **columns),
         {name: values.astype(">f8") for name, values in columns.items()},
         {name: np.ma.array(values) for name, values in columns.items()},
         tmp_path / "a.csv",
         str(tmp_path / "b.txt"),
+        tmp_path / "t.tsv",
         tmp_path / "c.parquet",
     ]
     expected = ex.phi_to_states(DISK, **columns).natural[:, 100:300]
@@ -71,6 +86,7 @@ def test_every_kind_of_table_gives_the_same_states(columns, tmp_path):
         found = given.read(DISK, 100, 200)
         np.testing.assert_array_equal(found.states.natural, expected)
         np.testing.assert_array_equal(found.columns["row"], np.arange(100, 300))
+        assert not found.own
 
 
 def test_an_eta_that_was_given_is_kept_however_small():
@@ -99,9 +115,9 @@ def spoilt(path, content):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"", "is empty"),
+        (b"", "Empty CSV file"),
         (b"PAR1 and no more", "cannot be read"),
-        (b"\x89PNG\r\n\x1a\n\0\0", "neither Parquet nor CSV"),
+        (b"\x89PNG\r\n\x1a\n\0\0", "cannot be read .*; give Parquet or CSV"),
         (b"a,b\n1,2\n", "which say no state; name columns as in one of: phi"),
         (b"phi,Phidot,sigma3,sigma4\n1,2,3,4\n", r"add phidot \(is it 'Phidot'\?\)"),
         (b"phi,phi,phidot,sigma3,sigma4\n1,1,1,1,1\n", "several columns 'phi'"),
@@ -118,13 +134,17 @@ def test_a_damaged_file_is_told_in_one_sentence(content, message, tmp_path):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (5, "int is no table"),
+        (5, r"is no table \(int\)"),
         ({}, "has no columns"),
-        ({"phi": [0.1, 0.2], "phidot": [1.0], "sigma3": 1.0, "sigma4": 1.0}, "columns differ in length"),
+        ({"phi": [0.1, 0.2], "phidot": [1.0], "sigma3": 1.0, "sigma4": 1.0}, "expected length 2 but got length 1"),
         ({"phi": [], "phidot": [], "sigma3": [], "sigma4": []}, "holds no states"),
         ({name: ["a"] for name in NAMES}, "holds no numbers"),
-        (dict.fromkeys(NAMES, np.ones((2, 2))), "has shape"),
-        (np.ones((3, 5)), "is not \\(n, 4\\)"),
+        (dict.fromkeys(NAMES, np.ones((2, 2))), "only handle 1-dimensional arrays"),
+        ({**dict.fromkeys(NAMES, 1.0), "x": [[1.0], [1.0, 2.0]]}, "is no table"),
+        (pyarrow.table({name: [[1.0]] if name == "x" else [1.0] for name in (*NAMES, "x")}), "'x' holds list"),
+        (dict.fromkeys(NAMES, True), "column 'phi' holds no numbers"),
+        (dict.fromkeys(NAMES, np.array([1], "M8[ns]")), "column 'phi' holds no numbers"),
+        (np.ones((3, 5)), r"is not \(n, 4\)"),
         ("nowhere.csv", "cannot be read"),
     ],
 )
@@ -142,3 +162,63 @@ def test_a_file_that_is_damaged_later_ends_the_run_with_a_sentence(columns, tmp_
     path.write_bytes(content)
     with pytest.raises(ex.InputError, match="put the file back"):
         given.read(DISK, 0, 500)
+
+
+RAGGED = """tilt,precession,name,id,spin
+0.1,60,a,1,1
+
+0.2,abc,b,2,1
+0.3,1
+ 0.4 ,-1e-3,"x,y",4,1
+1,2,3,4,5,6
+,5,,6,1
+"""
+
+
+def test_a_line_of_a_csv_file_that_is_no_state_keeps_its_place(tmp_path):
+    (tmp_path / "some.csv").write_text(RAGGED)
+    found, nan = GivenStates.of("--states", tmp_path / "some.csv").columns, np.nan
+    np.testing.assert_array_equal(found["tilt"], [0.1, 0.2, nan, 0.4, nan, nan])
+    np.testing.assert_array_equal(found["precession"], [60, nan, nan, -1e-3, nan, 5])
+    assert found["name"].tolist() == ["a", "b", "", "x,y", "", ""]
+    np.testing.assert_array_equal(found["id"], [1, 2, nan, 4, nan, 6])
+
+
+def test_a_cell_of_a_csv_file_is_a_number(tmp_path):
+    (tmp_path / "some.csv").write_text("tilt,precession,spin,y\n0x1,1,1,1_0\nx,1,1,2\n +1e0 ,1,1,3\nTrue,1,1,4\n")
+    found = GivenStates.of("--states", tmp_path / "some.csv").columns
+    np.testing.assert_array_equal(found["tilt"], [np.nan, np.nan, 1.0, np.nan])
+    assert found["y"].tolist() == ["1_0", "2", "3", "4"]
+
+
+@pytest.mark.parametrize("library", ["pandas", "arrow", "dict"])
+def test_missing_cells_of_any_kind_are_nan_or_empty(library):
+    frame = pd.DataFrame(
+        {
+            "tilt": [0.1, None, 0.3],
+            "precession": pd.array([1, None, 3], dtype="Int64"),
+            "spin": 1.0,
+            "whole": pd.array([1, None, 3], dtype="Int64"),
+            "kind": pd.Categorical(["a", None, "b"]),
+            "time": pd.to_datetime(["2020", None, "2022"]),
+            "truth": [True, False, True],
+        }
+    )
+    given = {"pandas": frame, "arrow": pyarrow.Table.from_pandas(frame), "dict": dict(frame)}[library]
+    found = GivenStates.of("--states", given).columns
+    for name in ("precession", "whole"):
+        np.testing.assert_array_equal(found[name], [1, np.nan, 3])
+    assert found["kind"].tolist() == ["a", "", "b"]
+    assert np.isnat(found["time"]).tolist() == [False, True, False]
+    assert found["truth"].dtype == bool
+
+
+@pytest.mark.parametrize("cell", ["x", "0x1", None, pd.NA], ids=repr)
+def test_a_cell_that_is_no_number_is_nan_and_the_others_are_read(cell):
+    masked = np.ma.array([1, 2, 3, 4], mask=[False, True, False, False])
+    cells = np.array([cell, 0.5, "2", Fraction(1, 4) * 16], object)
+    given = {"tilt": cells, "precession": masked, "spin": 3.0, "mine": np.array(["a", cell, None, b"b"], object)}
+    found = GivenStates.of("--states", given).columns
+    np.testing.assert_array_equal(found["tilt"], [np.nan, 0.5, 2.0, 4.0])
+    np.testing.assert_array_equal(found["precession"], [1, np.nan, 3, 4])
+    np.testing.assert_array_equal(found["spin"], [3.0] * 4)

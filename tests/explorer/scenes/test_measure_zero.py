@@ -1,25 +1,28 @@
 """Scene measure-zero: the law P(theta_min < delta) = C delta, its constant, and what is refused."""
 
 import functools
-import itertools
+import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from conftest import computed
 
 import explorer as ex
-from explorer.errors import Interrupted
-from explorer.scenes import measure_zero_draws, measure_zero_summary
-from explorer.scenes.registry import build_scene
+from explorer.measure import falling_probability
+from explorer.phase.constants import constants_of
+from explorer.phase.states import COORDINATES, phi_to_states
+from explorer.scenes.measure_zero import MeasureZero
+from explorer.scenes.registry import scene_of
 
 pytestmark = pytest.mark.long
-SMALL = {"samples": 40_000, "tube": 2048}
+FEW = {"samples": 5000, "tube": 512, "ladder": "1e-6:1e-1", "keep": "all"}
 
 
 def summary_of(**options):
-    scene = build_scene("measure-zero", **options)
-    return scene, scene.summarise(computed(scene))
+    scene = MeasureZero(**options)
+    return scene.summarise(computed(scene))
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -29,15 +32,19 @@ def computed_once():
     States pushed forward depend on the disk and the seed alone, the constant on the disk and the density.
     """
     with pytest.MonkeyPatch.context() as patch:
-        for home, name in ((measure_zero_summary, "push_forward"), (measure_zero_summary, "weight_on_f"),
-                           (measure_zero_draws, "constant_of")):  # fmt: skip
-            patch.setattr(home, name, functools.cache(getattr(home, name)))
+        for name in ("push_forward", "weight_on_f", "constant_of"):
+            patch.setattr(falling_probability, name, functools.cache(getattr(falling_probability, name)))
         yield
 
 
 @pytest.fixture(scope="module")
 def uniform():
-    return summary_of(**SMALL)
+    return summary_of(samples=40_000, tube=2048)
+
+
+@pytest.fixture(scope="module")
+def few():
+    return MeasureZero(**FEW)
 
 
 @pytest.mark.parametrize("disk", ["uniform", "hoop", "matching"])
@@ -55,7 +62,7 @@ def uniform():
 )
 def test_slope_and_constant_are_those_of_codimension_one(disk, options):
     """Every estimate within 4 standard errors, and errors as small as the draws allow."""
-    _, found = summary_of(disk=disk, samples=4096, tube=2048, **options)
+    found = summary_of(disk=disk, samples=4096, tube=2048, **options)
     assert found["falls"] == 0
     followed = sum(count for name, count in found["status"].items() if name != "not followed")
     assert found["status"]["ok"] == followed
@@ -76,37 +83,30 @@ def test_slope_and_constant_are_those_of_codimension_one(disk, options):
 
 def test_plain_counts_and_tubes_agree_where_both_have_hits(uniform):
     """Independent of the law: delta = 0.1 and 0.01, where it is off by 10 % and 1 %."""
-    _, found = uniform
-    for row in found["ladder"][:3]:
+    for row in uniform["ladder"][:3]:
         low, high = row["plain"]["interval_95"]
         spread = 0.5 * (high - low)
         assert abs(row["plain"]["value"] - row["estimate"]) < 1.6 * spread
-    assert found["ladder"][0]["estimate"] < 0.95 * found["ladder"][0]["predicted"]
-
-
-def test_no_falls_are_bounded_exactly(uniform):
-    _, found = uniform
-    assert found["falls"] == 0
-    assert found["upper_bound_95"] == pytest.approx(1.0 - 0.05 ** (1.0 / 40_000), rel=1e-9)
+    assert uniform["ladder"][0]["estimate"] < 0.95 * uniform["ladder"][0]["predicted"]
+    assert uniform["upper_bound_95"] == pytest.approx(1.0 - 0.05 ** (1.0 / 40_000), rel=1e-9)
 
 
 def test_probability_splits_as_predicted(uniform):
-    _, found = uniform
-    face = found["splits"]["face_plus"]
+    face = uniform["splits"]["face_plus"]
     assert abs(face["value"] - face["predicted"]) < 4.0 * face["error"]
-    shares = found["splits"]["energy"]
+    shares = uniform["splits"]["energy"]
     assert sum(row["share"] for row in shares) == pytest.approx(1.0)
     assert sum(row["predicted"] for row in shares) == pytest.approx(1.0)
     for row in shares:
         assert abs(row["share"] - row["predicted"]) < 4.5 * row["error"]
-    assert found["splits"]["tilt"]["p_value"] > 1e-3
-    for row in found["splits"]["eta_positive"][3:]:
+    assert uniform["splits"]["tilt"]["p_value"] > 1e-3
+    for row in uniform["splits"]["eta_positive"][3:]:
         assert abs(row["asymmetry"]) < 0.2
 
 
 def test_the_correction_to_the_law_shrinks_like_delta():
     """P/(C delta) - 1 at delta = 0.1 and 0.01 differ by about ten; Sobol points see it."""
-    _, found = summary_of(samples=4096, tube=1 << 14, sampling="sobol", ladder="1e-6:1e-1")
+    found = summary_of(samples=4096, tube=1 << 14, sampling="sobol", ladder="1e-6:1e-1")
     corrections = [row["correction"] for row in found["splits"]["eta_positive"]]
     assert corrections[0] < -0.05
     assert 0.04 < corrections[1] / corrections[0] < 0.2
@@ -114,127 +114,129 @@ def test_the_correction_to_the_law_shrinks_like_delta():
     assert found["sobol_gain"] > 3.0
 
 
-def test_numbers_do_not_depend_on_jobs(tmp_path):
-    options = {"samples": 20_000, "tube": 2048, "ladder": "1e-5:1e-1", "figures": False}
-    found = [ex.run("measure-zero", out=tmp_path / str(jobs), jobs=jobs, **options) for jobs in (1, 3)]
-    assert found[0].summary == found[1].summary
-    tables = [list(run.tables()) for run in found]
-    for one, other in zip(*tables, strict=True):
-        for name in one:
-            np.testing.assert_array_equal(one[name], other[name])
+def test_plain_draws_come_last_so_that_a_longer_run_keeps_all_chunks(few):
+    longer = replace(few, samples=500_000)
+    tubes = few.chunks - 1
+    assert few.deltas.tolist() == [0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6]
+    assert tubes == 12
+    assert [few.length(index) for index in range(13)] == [512] * 12 + [5000]
+    for index in (0, tubes - 1):
+        for name, values in few.chunk(index)[0].items():
+            np.testing.assert_array_equal(values, longer.chunk(index)[0][name])
 
 
-@pytest.mark.rendered
-def test_weights_are_stored_with_the_samples(tmp_path):
-    run = ex.run("measure-zero", out=tmp_path / "all", samples=1000, tube=512, keep="all")
-    rows = list(run.tables())
-    tube = [table for table in rows if table["delta"].size and np.isfinite(table["delta"][0])]
-    at = [table for table in tube if table["delta"][0] == 1e-9]
-    again = sum(float((t["weight"] * (t["theta_min"] < 1e-9)).mean()) for t in at)
-    row = next(row for row in run.summary["ladder"] if row["delta"] == 1e-9)
+def test_estimates_are_means_of_the_stored_weights(few):
+    tables = [few.chunk(index)[0] for index in range(few.chunks)]
+    assert all(tuple(table) == few.columns for table in tables)
+    rung = [table for table in tables if table["delta"][0] == 1e-4]
+    again = sum(float((table["weight"] * (table["theta_min"] < 1e-4)).mean()) for table in rung)
+    row = next(row for row in few.summarise(computed(few))["ladder"] if row["delta"] == 1e-4)
     assert again == pytest.approx(row["estimate"], rel=1e-12)
     assert row["effective_sample_size"] > 300
-    assert {path.stem for path in (run.folder / "figures").glob("*.png")} == {"ladder", "convergence", "tilt"}
 
 
-def test_a_box_that_misses_the_falling_set_says_so(tmp_path):
-    run = ex.run("measure-zero", out=tmp_path / "none", samples=1000, tube=512, box="sigma3=1:2,sigma4=-0.1:0.1")
-    assert run.summary["constant_predicted"] == 0.0
-    assert run.summary["constant"] is None is run.summary["slope"]
-    assert "misses the falling set: C = 0" in run.scene.headline(run.summary)[-1]
-    assert all(row["estimate"] == 0.0 for row in run.summary["ladder"][2:])
+def test_rows_that_are_kept_are_the_first_batches_and_plain_draws_below_the_first_rung(few):
+    near = replace(few, tube=20_000, keep="near")
+    assert [near.chunk(index)[0]["status"].size for index in (0, 1)] == [1 << 14, 0]
+    plain, tally = near.chunk(near.chunks - 1)
+    assert plain["theta_min"].size == tally.below.counts[:-1].sum() > 0
+    assert plain["theta_min"].max() < 0.1
+    assert replace(near, keep="none").chunk(0)[0]["status"].size == 0
 
 
-def test_a_density_given_in_python_is_sampled_and_identified(tmp_path):
+def test_a_plain_draw_that_is_not_followed_could_not_come_flatter_than_the_first_rung(few):
+    table, tally = few.chunk(few.chunks - 1)
+    followed = phi_to_states(few.disk, **{name: table[name] for name in COORDINATES})
+    nearer = np.fmin(*(abs(getattr(constants_of(followed), name)) for name in ("eta_hat_plus", "eta_hat_minus")))
+    np.testing.assert_allclose(nearer, abs(table["eta_hat"]), rtol=1e-9, atol=1e-14)
+    assert tally.status["not followed"] == 5000 - table["status"].size > 0
+    assert sum(tally.status.values()) == 5000
+    assert tally.race["wrong"] == 0 < tally.race["right"]
+
+
+def test_runs_with_other_seeds_add_up(few):
+    other = replace(few, seed=1, keep="none")
+    found = few.together([other]).summarise(computed(few) + computed(other))
+    assert found["samples"] == 10_000
+    alone = [scene.summarise(computed(scene))["ladder"] for scene in (few, other)]
+    for both, one, two in zip(found["ladder"], *alone, strict=True):
+        assert both["count"] == one["count"] + two["count"]
+        assert both["tube_draws"] == 2048
+        assert both["estimate"] == pytest.approx(0.5 * (one["estimate"] + two["estimate"]))
+
+
+def test_too_few_hits_are_counted_and_not_fitted():
+    scene = MeasureZero(samples=5000, tube=16, ladder="1e-6:1e-1")
+    found = scene.summarise(computed(scene))
+    assert found["slope"] is None is found["constant"]
+    assert found["ladder"][0]["effective_sample_size"] < 50
+    lines = scene.headline(found)
+    assert lines[-1].startswith("C was not estimated: one rung has an effective sample size of ")
+    assert lines[-1].endswith("Raise --tube, or narrow --box to where the density is.")
+
+
+def test_a_box_that_misses_the_falling_set_says_so():
+    scene = MeasureZero(samples=1000, tube=512, box="sigma3=1:2,sigma4=-0.1:0.1")
+    found = scene.summarise(computed(scene))
+    assert found["constant_predicted"] == 0.0
+    assert found["constant"] is None is found["slope"]
+    assert "misses the falling set: C = 0" in scene.headline(found)[-1]
+    assert all(row["estimate"] == 0.0 for row in found["ladder"][2:])
+
+
+def test_a_density_given_in_python_is_sampled_and_identified():
     def near_zero(phi, phidot, sigma3, sigma4):
         return np.exp(-(sigma3**2) - sigma4**2)
 
-    options = {"samples": 20_000, "tube": 1024, "ladder": "1e-8:1e-1", "out": tmp_path / "mine", "figures": False}
-    run = ex.run("measure-zero", density=near_zero, **options)
-    plain, tube = (run.summary["ladder"][0][key] for key in ("plain", "estimate"))
+    options = {"samples": 20_000, "tube": 1024, "ladder": "1e-8:1e-1"}
+    scene = MeasureZero(density=near_zero, **options)
+    found = scene.summarise(computed(scene))
+    plain, tube = (found["ladder"][0][key] for key in ("plain", "estimate"))
     assert plain["interval_95"][0] * 0.97 < tube < plain["interval_95"][1] * 1.03
-    assert (
-        abs(run.summary["constant"]["value"] - run.summary["constant_predicted"])
-        < 4 * run.summary["constant"]["error"]
-    )
-    again = ex.run("measure-zero", density=near_zero, **options)
-    assert again.summary == run.summary
-    with pytest.raises(ex.InputError):
-        ex.run("measure-zero", density=lambda phi, *_: 1.0 + phi**2, **options)
-    from explorer.runs.folder import scene_of
-
+    assert abs(found["constant"]["value"] - found["constant_predicted"]) < 4 * found["constant"]["error"]
+    assert MeasureZero(density=near_zero, **options).options == scene.options
+    assert MeasureZero(density=lambda phi, *_: 1.0 + phi**2, **options).options != scene.options
     with pytest.raises(ex.InputError, match="given in Python"):
-        scene_of(tmp_path / "mine")
+        scene_of(json.loads(json.dumps(scene.options)))
 
 
-def test_a_run_can_be_resumed_from_its_folder(tmp_path, monkeypatch):
-    """Also where it was stopped before its first chunk."""
-    from explorer.runs import workers
-    from explorer.runs.folder import scene_of
-
-    def stopped(*_):
-        raise KeyboardInterrupt
-
+def test_options_come_back_from_json():
     options = {"energy": "1.2:4", "gaussian": "sigma3=0.5:1", "box": "phi=-1:1", "sampling": "sobol"}
-    small = {"samples": 1000, "tube": 512, "ladder": "1e-7:1e-1"}
-    monkeypatch.setattr(workers, "compute_chunk", stopped)
-    with pytest.raises(Interrupted):
-        ex.run("measure-zero", out=tmp_path / "run", **small, **options)
-    assert scene_of(tmp_path / "run").options() == build_scene("measure-zero", **small, **options).options()
+    scene = MeasureZero(samples=1000, tube=512, ladder="1e-7:1e-1", **options)
+    assert scene_of(json.loads(json.dumps(scene.options))) == scene
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"ladder": "1e-300:1e-1"}, "ladder"),
         ({"ladder": "1e-3:2"}, "ladder"),
         ({"ladder": "1e-1:1e-15"}, "LOW:HIGH"),
         ({"ladder": "1e-4:1e-1"}, "two rungs at or below"),
         ({"ladder": "1e-6:1e-1", "box": "sigma3=-1e-3:1e-3"}, "two rungs at or below 8"),
-        ({"gaussian": "sigma3=0:1e-300"}, "is a point"),
-        ({"gaussian": ""}, "gaussian"),
         ({"gaussian": "phidot=1e9:1"}, "more than 37 deviations"),
         ({"energy": ":0.5"}, "energy: only 0 of"),
-        ({"energy": "nan:3"}, "is not a range"),
         ({"box": "sigma3=1e300:2e300"}, "rates beyond"),
         ({"disk": "m=1,r=1,g=1,I1=1,I3=1e-6"}, "too steep"),
-        ({"density": lambda *_: 1.0 + 1.0j}, "real numbers"),
-        ({"density": lambda *_: "3"}, "density"),
         ({"density": lambda phi, *_: np.random.default_rng().random(phi.size)}, "call to call"),
-        ({"ladder": "nan:1"}, "ladder"),
         ({"ladder": (-1.5, 0.3)}, "within 1e-100:1"),
         ({"tube": 1}, "tube"),
         ({"tube": 20, "sampling": "sobol"}, "16 scrambles"),
         ({"sampling": "halton"}, "sampling"),
-        ({"box": "sigma4=2:1"}, "is empty"),
         ({"box": "sigma3=0,sigma4=0"}, "both fixed"),
         ({"box": f"phi=0:{0.5 * math.pi!r}"}, "delta ln"),
-        ({"energy": "3:2"}, "is empty"),
-        ({"energy": "much"}, "energy"),
-        ({"gaussian": "sigma3=0"}, "MEAN:DEVIATION"),
-        ({"density": lambda *_: -1.0}, "not negative"),
-        ({"density": lambda *_: np.nan}, "is nan"),
         ({"disk": "m=1,r=1,g=1,I1=0.5,I3=0"}, "I3"),
         ({"max_energy": 3}, "takes no such option"),
     ],
 )
 def test_bad_input_is_named(options, message):
     with pytest.raises(ex.InputError, match=message):
-        build_scene("measure-zero", **options).options()
-
-
-def test_a_longer_run_takes_over_the_chunks_of_a_shorter_one(tmp_path):
-    options = {"tube": 2048, "ladder": "1e-5:1e-1", "seed": 3, "figures": False}
-    ex.run("measure-zero", out=tmp_path / "run", samples=70_000, **options)
-    longer = ex.run("measure-zero", out=tmp_path / "run", samples=200_000, **options)
-    fresh = ex.run("measure-zero", out=tmp_path / "fresh", samples=200_000, **options)
-    assert longer.summary == fresh.summary
+        _ = MeasureZero.of(options).options
 
 
 @pytest.mark.parametrize("box", ["sigma3=0", "sigma4=0", "phi=0.5,sigma4=0", "phi=-1:1,sigma4=0"])
 def test_states_beside_both_lines_count_once(box):
     """Where sigma3_bar = 0 on both lines a state near one is near the other; plain draws know no lines."""
-    _, found = summary_of(box=box, samples=100_000, tube=4096, ladder="1e-6:1e-1")
+    found = summary_of(box=box, samples=100_000, tube=4096, ladder="1e-6:1e-1")
     assert found["p_value_counts_against_tubes"] > 1e-3
     constant = found["constant"]
     assert abs(constant["value"] - found["constant_predicted"]) < 4 * constant["error"]
@@ -256,15 +258,8 @@ def test_states_beside_both_lines_count_once(box):
     ids=["fast", "bells", "narrow", "thin", "beside both", "tail", "tails"],
 )
 def test_narrow_densities_are_drawn_where_they_are(options):
-    _, found = summary_of(samples=4096, tube=4096, ladder="1e-12:1e-2", **options)
+    found = summary_of(samples=4096, tube=4096, ladder="1e-12:1e-2", **options)
     constant = found["constant"]
     assert min(row["effective_sample_size"] for row in found["ladder"]) > 100
     assert abs(constant["value"] - found["constant_predicted"]) < 4 * constant["error"]
     assert abs(found["slope"]["value"] - 1.0) < 4 * found["slope"]["error"]
-
-
-def test_rungs_are_decades(uniform):
-    scene, _ = uniform
-    assert scene.deltas[0] == 0.1
-    assert scene.deltas[-1] == 1e-15
-    assert all(a == pytest.approx(10 * b) for a, b in itertools.pairwise(scene.deltas))

@@ -1,22 +1,18 @@
-"""Options of scenes: one table for the command line, files, Python and run.json."""
+"""Options of scenes: declared once for the command line, files, Python and run.json; what is wrong is refused."""
 
-import argparse
-import dataclasses
 import inspect
 import json
 import tomllib
-from typing import get_args, get_overloads, get_type_hints
 
 import numpy as np
 import pytest
 
 import explorer as ex
-from explorer.commands import run as command
-from explorer.errors import InputError
+from explorer.commands.main import parser_of
 from explorer.measure.sampling import Box
 from explorer.portrait.slices import Slice
-from explorer.scenes.options import Option, as_json, read_disk, read_disks, read_ranges, read_slices
-from explorer.scenes.registry import SCENES, build_scene, scene_from_options
+from explorer.scenes.options import described, flag_of, options_of
+from explorer.scenes.registry import NAMES, read_scene_file, scene_class, scene_of
 
 GIVEN = {
     "falling-set": {
@@ -55,112 +51,120 @@ GIVEN = {
 }
 
 
+def made(name, **options):
+    return scene_class(name).of(options)
+
+
 def from_command_line(name):
-    parser = argparse.ArgumentParser()
-    command.add_options(parser, SCENES.values())
-    words = [word for flag, value in GIVEN[name].items() for word in (f"--{flag}={value}",)]
-    options = vars(parser.parse_args(words))
-    return build_scene(name, **{key: value for key, value in options.items() if value is not None})
-
-
-def from_python(name):
-    return build_scene(name, **{key.replace("-", "_"): value for key, value in GIVEN[name].items()})
+    words = [name, *(f"--{flag}={value}" for flag, value in GIVEN[name].items())]
+    found = vars(parser_of("run", words).parse_args(words))
+    return made(
+        name,
+        **{key: found[key.replace("-", "_")] for key in map(str, found) if key.replace("_", "-") in GIVEN[name]},
+    )
 
 
 def from_file(name):
     content = tomllib.loads("".join(f"{key} = '{value}'\n" for key, value in GIVEN[name].items()))
-    return build_scene(name, **{key.replace("-", "_"): value for key, value in content.items()})
+    return made(name, **{key.replace("-", "_"): value for key, value in content.items()})
 
 
 @pytest.mark.parametrize("name", GIVEN)
 def test_the_command_line_a_file_python_and_the_record_say_the_same(name):
-    scene = from_python(name)
-    assert from_command_line(name).options() == from_file(name).options() == scene.options()
-    record = json.loads(json.dumps(scene.options(), allow_nan=False))
-    assert scene_from_options(record).options() == scene.options()
-    assert ex.run.__module__ == "explorer.commands.run"
-    again = {key: value for key, value in record.items() if key != "scene"}
-    assert build_scene(name, **again).options() == scene.options()
+    scene = made(name, **{key.replace("-", "_"): value for key, value in GIVEN[name].items()})
+    assert from_command_line(name).options == from_file(name).options == scene.options
+    record = json.loads(json.dumps(scene.options, allow_nan=False))
+    assert scene_of(record).options == scene.options
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", NAMES)
 def test_the_defaults_of_a_scene_are_read_back_from_its_record(name):
-    scene = build_scene(name)
-    assert scene_from_options(json.loads(json.dumps(scene.options()))).options() == scene.options()
+    scene = made(name)
+    assert scene_of(json.loads(json.dumps(scene.options))).options == scene.options
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_every_field_of_a_scene_is_an_option_and_every_option_a_field(name):
-    fields = {field.name for field in dataclasses.fields(SCENES[name])}
-    assert {option.name for option in SCENES[name].OPTIONS} == fields
+@pytest.mark.parametrize("name", NAMES)
+def test_every_option_is_a_keyword_of_run_described_there_and_a_flag_with_help(name):
+    text = " ".join(parser_of("run", [name]).format_help().split())
+    entries = {line.split(" : ")[0] for line in ex.run.__doc__.splitlines() if " : " in line}
+    for each in options_of(scene_class(name)):
+        assert each.name in inspect.signature(ex.run).parameters
+        assert each.name in entries
+        assert f"{flag_of(each)} " in text or flag_of(each)[0] != "-"
+        assert described(each)
+    assert "--ladder" not in text or name == "measure-zero"
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_every_option_is_a_typed_keyword_of_run_and_described_there(name):
-    described = {line.split(" : ")[0] for line in ex.run.__doc__.splitlines() if " : " in line}
-    (keywords,) = (
-        get_args(hints["options"])[0].__annotations__
-        for hints in map(get_type_hints, get_overloads(command.run))
-        if name in get_args(hints["scene"])
-    )
-    for option in SCENES[name].OPTIONS:
-        assert option.word in keywords
-        assert option.word in inspect.signature(ex.run).parameters
-        assert option.word in described
+@pytest.mark.parametrize(
+    ("scene", "options", "message"),
+    [
+        ("race-angels", {}, "did you mean 'race-angles'"),
+        ("falling-set", {"samples": 0}, "samples = 0"),
+        ("falling-set", {"samples": "1e400"}, "finite"),
+        ("falling-set", {"samples": 1.5}, "whole number"),
+        ("falling-set", {"samples": "many"}, "not a number"),
+        ("falling-set", {"eta_hat": "1e-3:1e-2"}, "takes no such option"),
+        ("falling-set", {"slice": "phi=0,phidot=1"}, "slice"),
+        ("falling-set", {"slice": [1, 2]}, "slice"),
+        ("falling-set", {"energy": ":nan"}, "finite"),
+        ("falling-set", {"energy": ":0"}, "widen it or shrink the box"),
+        ("falling-set", {"disk": ex.Disk(I1=0.3, I3=0.0)}, "I3 = 0"),
+        ("falling-set", {"box": 3}, "box"),
+        ("falling-set", {"box": {"phi": [1, 2, 3]}}, "box"),
+        ("falling-set", {"box": {"tilt": [0, 1]}}, "box"),
+        ("falling-set", {"density": 3}, "cannot be called"),
+        ("one-sided", {"eta_hat": "1:1e10"}, "eta_hat"),
+        ("race-angles", {"eta_hat": "1e-320:1e-310"}, "eta_hat"),
+        ("one-sided", {"box": "sigma4=1:2"}, "box sigma4"),
+        ("one-sided", {"box": "phi=0.2"}, "box phi"),
+        ("race-angles", {"box": "phi=0.2", "eta_hat": "1e-3:1e-2"}, "eta_hat: is for passages"),
+        ("race-angles", {"box": "phidot=-2:2"}, "towards flat"),
+        ("race-angles", {"eta_hat": "0:1"}, "eta_hat"),
+        ("race-angles", {"eta_hat": "1e-2:1e-3"}, "eta_hat"),
+        ("race-angles", {"method": "rk45"}, "method"),
+        ("race-angles", {"accuracy": "1e-40"}, "accuracy"),
+        ("race-angles", {"seed": -1}, "seed"),
+        ("race-angles", {"disk": ["hoop", "uniform"]}, "disk"),
+        ("race-angles", {"disk": {"m": 1, "colour": 2}}, "disk"),
+        ("race-angles", {"disk": ex.Disk(I1=0.3, I3=0.0)}, "I3 = 0"),
+        ("one-sided", {"disk": ["hoop", "hoop"]}, "different names"),
+        ("one-sided", {"disk": [3]}, "disk"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused_by_name(scene, options, message):
+    with pytest.raises(ex.InputError, match=message):
+        made(scene, **options)
 
 
-def test_every_option_has_a_text_and_its_default_in_the_help():
-    assert all(option.help_for(kind) for kind in SCENES.values() for option in kind.OPTIONS)
-    (ladder,) = (option for option in SCENES["measure-zero"].OPTIONS if option.word == "ladder")
-    assert ladder.help_for(SCENES["measure-zero"]).endswith("(default 1e-15:0.1)")
-    (seed,) = (option for option in SCENES["measure-zero"].OPTIONS if option.word == "seed")
-    assert seed.help_for(SCENES["measure-zero"]).endswith("(default 0)")
+@pytest.mark.parametrize("name", ["falling", 5, None, ["falling-set"]])
+def test_what_is_no_scene_is_answered_with_the_known_ones(name):
+    with pytest.raises(ex.InputError, match="known: falling-set, measure-zero, one-sided, portrait, race-angles"):
+        scene_class(name)
 
 
-def test_an_option_is_a_word_for_python_and_a_key_for_the_record():
-    option = Option("--eta-hat", str, "X", "text")
-    assert (option.word, option.name) == ("eta_hat", "eta_hat")
-    assert Option("--slice", str, "X", "text", field="slices").name == "slices"
-
-
-def test_values_become_json_and_infinite_ends_null():
-    assert as_json((-np.inf, 3.0)) == [None, 3.0]
-    assert as_json({"phi": (0.0, 1.0)}) == {"phi": [0.0, 1.0]}
-    assert as_json((ex.Disk.hoop(),))[0]["name"] == "hoop"
-    assert as_json(None) is None
+def test_dashes_and_underscores_are_the_same_in_a_scene_file(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text('scene = "race-angles"\neta-hat = "1e-3:1e-2"\n')
+    assert read_scene_file(path) == {"scene": "race-angles", "eta_hat": "1e-3:1e-2"}
 
 
 def test_ranges_are_text_a_mapping_or_a_box_and_keep_all_digits():
     third = {"phi": (-1.0 / 3.0, 1.0 / 3.0), "sigma3": "0.1"}
-    assert read_ranges("--box", third) == {"phi": (-1.0 / 3.0, 1.0 / 3.0), "sigma3": (0.1, 0.1)}
-    box = Box((0.0, 0.0), (-0.1, 0.2), (0.0, 1.0 / 7.0), (1.0, 1.0))
-    assert read_ranges("--box", box) == {
-        name: getattr(box, name) for name in ("phi", "phidot", "sigma3", "sigma4")
-    }
-    for wrong in (3, ["phi"], {"phi": 3}, {"phi": []}, {"phi": [1, 2, 3]}, {"tilt": [0, 1]}, "phi"):
-        with pytest.raises(InputError, match="box"):
-            read_ranges("--box", wrong)
+    box = made("falling-set", box=third).box
+    assert (box.phi, box.sigma3) == ((-1.0 / 3.0, 1.0 / 3.0), (0.1, 0.1))
+    mine = Box((0.0, 0.0), (-0.1, 0.2), (0.0, 1.0 / 7.0), (1.0, 1.0))
+    assert made("falling-set", box=mine).box == mine
 
 
-def test_disks_are_names_mappings_or_disks():
+def test_disks_and_slices_are_one_or_several_in_any_form():
     hoop = ex.Disk.hoop()
-    assert read_disks("--disk", [hoop.describe(), "hoop", hoop]) == (hoop, hoop, hoop)
-    for wrong in (3, [], [3], {"m": 1, "colour": 2}, None):
-        with pytest.raises(InputError, match="disk"):
-            read_disks("--disk", wrong)
-    with pytest.raises(InputError, match="takes one disk, 2 were given"):
-        read_disk("--disk", ["hoop", "uniform"])
+    assert made("one-sided", disk=[hoop.describe(), "uniform"]).disk == (hoop, ex.Disk.uniform())
+    assert made("one-sided", disk="hoop").disk == (hoop,)
+    one = Slice.of("phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2")
+    for given in (one, [one.describe()], ["phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"]):
+        assert made("falling-set", slice=given).slice == (one,)
 
 
-def test_slices_are_text_mappings_or_slices():
-    text = "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"
-    one = Slice.of(text)
-    assert (
-        read_slices("--slice", text)
-        == read_slices("--slice", [one.describe()])
-        == read_slices("--slice", one)
-        == (one,)
-    )
-    for wrong in ([], [1, 2], 3, "phi=0"):
-        with pytest.raises(InputError, match="slice"):
-            read_slices("--slice", wrong)
+def test_an_open_end_is_null_in_the_record():
+    assert made("falling-set", energy=":3").options["energy"] == [None, 3.0]
+    assert np.isneginf(made("falling-set", energy=[None, 3.0]).energy[0])

@@ -1,0 +1,137 @@
+"""`ex.run`, `ex.plan` and `ex.trade`: their options are those that scenes declare; `calls.pyi` names them all.
+
+`python tests/docs/reference_pages.py` makes that file, from which editors and type checkers complete.
+"""
+
+import inspect
+from collections.abc import Callable, Iterable
+from textwrap import fill, indent
+from typing import Any
+
+from explorer.commands.plan import RunPlan, planned
+from explorer.commands.trade import Trade, Trading, measured
+from explorer.errors import in_words
+from explorer.runs.run import Run, execute
+from explorer.runs.settings import Settings, asked
+from explorer.scenes.options import Options, all_options, described
+from explorer.scenes.registry import NAMES, scene_class
+from explorer.scenes.scene import Scene
+
+
+def run(scene: str | type[Scene], **options: Any) -> Run:
+    """Ask a question about many initial states.
+
+    The options of a scene mean the same here, on the command line, in a TOML file and in run.json. Text is read as
+    the command line reads it. "Units of the disk" are those of its m, r and g; a natural unit of a rate is
+    sqrt(g/r), one of an energy is m g r.
+
+    Parameters
+    ----------
+    scene : str or type
+        "falling-set", "measure-zero", "one-sided", "portrait" or "race-angles"; or a scene of your own, by its
+        class, by "my.py:Scene" or, once it is registered, by its name.
+
+    Returns
+    -------
+    Run
+        With the numbers (`summary`), the samples (`frame`, `arrow`, `tables`) and the pictures (`figure`).
+
+    Raises
+    ------
+    InputError
+        For an option that the scene does not take or cannot use, before anything is written.
+    RunError
+        Where writing fails or no sample can be computed. What is finished is kept.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> races = ex.run("race-angles", disk="hoop", samples=1000)
+    >>> races.summary["wrong_way"], round(races.summary["median_plus"], 3)
+    (0, 5.441)
+    """
+    return execute(asked(scene, options))
+
+
+def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
+    """Say how a run would be computed and what it will cost; nothing is stored.
+
+    Parameters
+    ----------
+    scene : str or type
+        As for `run`.
+
+    Returns
+    -------
+    RunPlan
+        Its estimate is within a factor of two where the cores are free.
+
+    Raises
+    ------
+    InputError
+        As `run` would raise it.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> ex.plan("falling-set", samples=1000).model
+    'quadrature'
+    """
+    return planned(asked(scene, options))
+
+
+def trade(scene: str | type[Scene] | None = None, **options: Any) -> Trade:
+    """Measure error and cost of every method on the samples that a scene draws, and on its motions in time.
+
+    Passages are compared with arcs, without tables, smallest tilts with quadrature, motions in time with far finer
+    steps. Costs are of the calls that the scene and `simulate` make, on one core, without compile time.
+
+    Parameters
+    ----------
+    scene : str or type, optional
+        As for `run`; by default passages as race-angles draws them, with |eta_hat| from 1e-8 to 1 natural units.
+        `samples` is 4096 unless it is given.
+
+    Returns
+    -------
+    Trade
+        For `explorer.plot.work_precision`; `store` lets `accuracy` use it.
+
+    Raises
+    ------
+    InputError
+        For an option that the scene does not take, a scene in which no method is chosen, and too few samples.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.trade("race-angles", disk="hoop", samples=1024, motions=0)  # doctest: +SKIP
+    """
+    return measured(scene, options)
+
+
+def _entries(kinds: Iterable[type[Scene]], more: type[Options]) -> dict[str, str]:
+    """What help says of each option of these scenes and of the call, by name."""
+    several = list(kinds)
+    entries = {}
+    for each, takers in all_options([more, *several]):
+        scenes = [kind.name for kind in takers if issubclass(kind, Scene)]
+        whose = "" if len(scenes) in (0, len(several)) else f"For {', '.join(scenes)}: "
+        text = in_words(f"{whose}{described(each)}.")
+        entries[each.name] = f"{each.name} : {each.metadata['reader'].accepts}\n{indent(fill(text, 110), '    ')}"
+    return entries
+
+
+def _document(function: Callable[..., Any], more: type[Options]) -> None:
+    """Let help() and inspect.signature() name the options of all scenes."""
+    entries = _entries(map(scene_class, NAMES), more)
+    signature = inspect.signature(function)
+    scene, _ = signature.parameters.values()
+    words = [inspect.Parameter(word, inspect.Parameter.KEYWORD_ONLY, default=None) for word in entries]
+    vars(function)["__signature__"] = signature.replace(parameters=[scene, *words])
+    text = inspect.cleandoc(function.__doc__ or "")  # empty where docstrings are left out (python -OO)
+    function.__doc__ = text.replace("\n\nReturns\n", "\n" + "\n".join(entries.values()) + "\n\nReturns\n", 1)
+
+
+for _function, _more in ((run, Settings), (plan, Settings), (trade, Trading)):
+    _document(_function, _more)

@@ -1,0 +1,337 @@
+"""P(theta_min < delta) for states drawn from a density: how it is counted, and what that says of the law C delta.
+
+Plain draws count hits. Batches of weighted draws in tubes beside F add up weights and their squares, of every rung
+of a ladder of delta and at each face. From these come estimates, fits, tests, and how the probability splits.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from explorer import compiled
+from explorer.measure import laws, statistics
+from explorer.measure.box_integrals import NaturalDensity
+from explorer.measure.density import Density
+from explorer.measure.falling_constant import FallingConstant, constant_of, weight_on_f
+from explorer.measure.invariance import flow_stretch, push_forward
+from explorer.measure.laws import SHAPE_BINS, Estimate
+from explorer.measure.sampling import chunk_stream
+from explorer.measure.tubes import Draws, dimensions, draw_tube, widest_eta
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, phi_to_states
+
+# The next term of the law is of order delta: 1e-4 of C here, and rungs above only measure it.
+LAW_LIMIT = 1e-4
+FEWEST_HITS = 50  # worth of equal weight in a rung; with fewer its interval is not to be trusted
+_NEAREST_FLAT = 0.01  # share of the box's distance from flat up to which the law may be tested
+_NARROWEST = 1e-3  # half-width of a tube over the narrowest width of the density, likewise
+_ENERGY_BINS = 6
+# The draws near F that say where the bins of energy end: how many, their stream, and their tilt (rad).
+_EDGE_DRAWS, _EDGE_STREAM, _EDGE_TILT = 4096, 1 << 40, 1e-8
+_MANY = 25  # plain hits, enough for a normal distribution
+_ROUGHLY = 1e-4  # relative error of the predicted shares of energies, below those of the draws
+# For the invariance of the measure: states, their stream, and a time in natural units.
+_FOLLOWED, _INVARIANCE, _LATER = 256, (1 << 40) + 1, 5.0
+
+Tubes = dict[
+    str, Array
+]  # columns of `FallingProbability.batch`: arrays (rungs, 2 faces, batches, ...), face +1 first
+
+
+@dataclass(frozen=True)
+class FallingProbability:
+    """P(theta_min < delta) for states of a disk drawn from a density, rung by rung.
+
+    deltas: the rungs (rad), largest first. accuracy: relative, of theta_min. samples: plain draws. scrambled:
+    whether the draws of a tube are Sobol points, each batch a scramble of its own.
+    """
+
+    disk: Disk
+    source: Density
+    deltas: Array
+    accuracy: float
+    samples: int
+    seed: int
+    scrambled: bool
+
+    @cached_property
+    def law_limit(self) -> float:
+        """The largest delta at which the next term of the law may be neglected."""
+        natural = NaturalDensity(self.disk, self.source)
+        away = 0.5 * np.pi - max(map(abs, self.source.box.phi))
+        near_flat = _NEAREST_FLAT * away if away > 0.0 else LAW_LIMIT
+        # The half-width of a thin tube is proportional to its delta.
+        thin = 1e-9
+        width = float(widest_eta(np.array([natural.most_energy()]), thin, self.disk)[0]) / thin
+        return float(min(LAW_LIMIT, near_flat, _NARROWEST * natural.narrowest() / width))
+
+    @cached_property
+    def tested(self) -> NDArray[np.bool_]:
+        """The rungs at which the law is tested."""
+        return self.deltas <= self.law_limit
+
+    @cached_property
+    def constant(self) -> FallingConstant:
+        """C by quadrature. Raises InputError where the density is zero in all of the box."""
+        return constant_of(self.disk, self.source)
+
+    @cached_property
+    def mass(self) -> float:
+        """Integral of the density, natural units: all that draws need of C. Raises InputError where it is zero."""
+        natural = NaturalDensity(self.disk, self.source)
+        return natural.product() or self.constant.mass
+
+    @cached_property
+    def energy_edges(self) -> Array:
+        """Inner edges of the bins of energy: quantiles of a few states near F; empty where there are none.
+
+        They are the same for all seeds, so that runs can be merged.
+        """
+        random = chunk_stream(0, _EDGE_STREAM)
+        size = _EDGE_DRAWS, dimensions(self.source)
+        both = [self.draw(face, _EDGE_TILT, random.random(size)) for face in (1, -1)]
+        energies = np.concatenate([draws.energy[draws.weight > 0.0] for draws in both])
+        inner = np.arange(1, _ENERGY_BINS) / _ENERGY_BINS
+        return np.quantile(energies, inner) if energies.size > 10 * _ENERGY_BINS else np.zeros(0)
+
+    def draw(self, face: int, delta: float, points: Array) -> Draws:
+        """Draws in the tube of tilt delta beside the line of one face, from points of the unit cube."""
+        return draw_tube(self.disk, self.source, self.mass, face, delta, points, self.accuracy)
+
+    # What is counted
+
+    def below(self, theta_min: Array) -> NDArray[np.int64]:
+        """Plain draws between neighbouring rungs, from the smallest on; last, those that are below none."""
+        return np.bincount(np.searchsorted(self.deltas[::-1], theta_min, "right"), minlength=self.deltas.size + 1)
+
+    def batch(self, rung: int, face: int, draws: Draws) -> dict[str, Any]:
+        """What is kept of a batch of draws in a tube: of its hits the sums of weights, and of their squares.
+
+        By sign of eta_hat, by energy and by tilt: (2, bins).
+        """
+        delta, edges = self.deltas[rung], self.energy_edges
+        hit = draws.weight * (draws.theta_min < delta)
+        rows = np.flatnonzero(hit)
+        tilt = (draws.theta_min[rows] / delta * SHAPE_BINS).astype(np.int64)
+        splits = {
+            "sign": (draws.eta_hat[rows] > 0.0, 2),
+            "energy": (np.searchsorted(edges, draws.energy[rows]), edges.size + 1),
+            "tilt": (np.minimum(tilt, SHAPE_BINS - 1), SHAPE_BINS),
+        }
+        return {
+            "rung": rung,
+            "face": face,
+            "draws": hit.size,
+            "hits": rows.size,
+            "unresolved": float(draws.weight[draws.status != compiled.status.Status.OK].sum()),
+        } | {
+            name: [np.bincount(where, hit[rows] ** power, bins).tolist() for power in (1, 2)]
+            for name, (where, bins) in splits.items()
+        }
+
+    def _tubes(self, batches: Sequence[dict[str, Any]]) -> Tubes:
+        rows = sorted(batches, key=lambda row: (row["rung"], -row["face"]))
+        columns = {name: np.array([row[name] for row in rows], np.float64) for name in rows[0]}
+        rungs = self.deltas.size
+        return {name: values.reshape(rungs, 2, -1, *values.shape[1:]) for name, values in columns.items()}
+
+    def _mean(self, tubes: Tubes, signs: tuple[float, float] = (1.0, 1.0), alone: bool = False) -> Estimate:
+        """P(theta_min < delta) by rung and face, states with eta_hat < 0 and > 0 with these signs.
+
+        Only scrambles of Sobol points are independent. alone: as though their points were.
+        """
+        sums, squares = tubes["sign"][..., 0, :] @ signs, tubes["sign"][..., 1, :].sum(axis=-1)
+        if self.scrambled and not alone:
+            return laws.mean_of_batches(sums, tubes["draws"])
+        return laws.mean_of_draws(sums, squares, tubes["draws"])
+
+    # What the counts say
+
+    def summary(self, below: NDArray[np.int64], falls: int, batches: Sequence[dict[str, Any]]) -> dict[str, Any]:
+        """The numbers of a run; without enough hits slope and constant are None, and there are no tests.
+
+        below, batches: sums and lists of what the methods of these names give.
+        """
+        hits, tubes, constant = np.cumsum(below[:-1])[::-1], self._tubes(batches), self.constant
+        ladder = laws.total(self._mean(tubes))
+        summary: dict[str, Any] = {
+            "samples": self.samples,
+            "falls": falls,
+            "upper_bound_95": statistics.upper_bound(falls, self.samples),
+            "constant_predicted": constant.value,
+            "constant_predicted_error": constant.error,
+            "ladder": self._ladder(tubes, ladder, hits),
+            "invariance": self._invariance(),
+            "slope": None,
+            "constant": None,
+        }
+        enough = all(row["effective_sample_size"] >= FEWEST_HITS for row in summary["ladder"])
+        if not (constant.value > 0.0 and enough):
+            return summary
+        delta, tested = self.deltas[self.tested], ladder[self.tested]
+        summary["slope"] = laws.fit_slope(delta, tested).described()
+        summary["constant"] = laws.fit_constant(delta, tested).described()
+        summary["law_limit"] = self.law_limit
+        summary |= self._tests(delta, tested, hits[self.tested])
+        summary["power"] = self._power(tubes, delta, tested)
+        summary["p_value_counts_against_tubes"] = self._agreement(ladder, hits)
+        summary["splits"] = self._splits(tubes, ladder)
+        summary["convergence"] = self._convergence(tubes)
+        if self.scrambled:
+            alone = laws.total(self._mean(tubes, alone=True))[self.tested]
+            relative = [((each.error / each.value) ** 2).mean() for each in (alone, tested)]
+            summary["sobol_gain"] = float(relative[0] / relative[1])
+        return summary
+
+    def _ladder(self, tubes: Tubes, ladder: Estimate, hits: NDArray[np.int64]) -> list[dict[str, Any]]:
+        """Counts of plain draws with exact intervals, and estimates from the tubes."""
+        # A draw whose tilt is not known may be a hit or not.
+        unknown = (tubes["unresolved"].sum(axis=-1) / tubes["draws"].sum(axis=-1)).sum(axis=-1)
+        sums, squares = tubes["sign"].sum(axis=(1, 2, 4)).T
+        wider = np.stack([np.zeros_like(unknown), unknown], axis=-1)
+        together = laws.simultaneous(self.deltas.size)
+        return _rows(
+            delta=self.deltas,
+            count=hits,
+            plain=[statistics.share(count, self.samples) for count in hits.tolist()],
+            estimate=ladder.value,
+            error=ladder.error,
+            interval_95=np.maximum(ladder.interval(), 0.0) + wider,
+            interval_95_simultaneous=np.maximum(ladder.interval(together), 0.0) + wider,
+            tube_draws=tubes["draws"].sum(axis=(1, 2)).astype(np.int64),
+            tube_hits=tubes["hits"].sum(axis=(1, 2)).astype(np.int64),
+            # Hits of equal weight that would say as much
+            effective_sample_size=np.divide(sums**2, squares, out=np.zeros_like(sums), where=squares > 0.0),
+            unresolved=unknown,
+            predicted=self.constant.value * self.deltas,
+        )
+
+    def _invariance(self) -> dict[str, float]:
+        """Whether the measure is one: the flow's determinant, and states pushed forward."""
+        start = self.source.draw(self.disk, chunk_stream(self.seed, _INVARIANCE), _FOLLOWED)
+        stretch = flow_stretch(phi_to_states(self.disk, **start))
+        return {
+            "determinant_error": float(np.nanmax(abs(stretch.determinant - 1.0))),
+            "determinant_rounding": float(np.nanmax(stretch.rounding)),
+            "push_forward_p_value": push_forward(self.disk, _LATER * self.disk.time_unit, seed=self.seed).p_value,
+        }
+
+    def _tests(self, delta: Array, tested: Estimate, hits: NDArray[np.int64]) -> dict[str, Any]:
+        """p-values of the law and of wrong ones: from tubes, from plain counts, and the one that can tell."""
+        known = laws.known_laws(self.constant.value, float(delta[0]))
+        relative = self.constant.error / self.constant.value
+        tubes = {name: laws.ladder_p(delta, tested, law, relative) for name, law in known.items()}
+        counts = {name: laws.counts_p(delta, hits, self.samples, law) for name, law in known.items()}
+        # Tubes hold what is beside F. Falls anywhere else are for plain draws to find.
+        headline = tubes | {"plateau": counts["plateau"]}
+        return {"p_value": headline, "p_value_tubes": tubes, "p_value_counts": counts}
+
+    def _agreement(self, ladder: Estimate, hits: NDArray[np.int64]) -> float:
+        """p-value that plain counts and tubes estimate the same, whatever the law; all rungs, after Bonferroni."""
+        share = np.clip(ladder.value, 1e-300, 1.0)
+        spread = np.sqrt(share * (1.0 - share) / self.samples + ladder.error**2)
+        many = hits >= _MANY
+        away = (abs(hits / self.samples - ladder.value) / spread)[many]
+        return statistics.either_p(*(2.0 * scipy.stats.norm.sf(away)).tolist()) if many.any() else 1.0
+
+    def _power(self, tubes: Tubes, delta: Array, tested: Estimate) -> dict[str, Any]:
+        """Draws with which the test rejects a wrong law, at 5 %, with probability 95 %."""
+        # Of one draw of a tube with both faces taken in turn, mean over the rungs
+        draws = tubes["draws"][self.tested].sum(axis=(1, 2))
+        variance = float(((tested.error / tested.value) ** 2 * draws).mean())
+        known = laws.known_laws(self.constant.value, float(delta[0]))
+        right, power = known.pop("law"), {}
+        for name, law in known.items():
+            beside = delta.size * laws.draws_to_reject(delta, right, law, variance)
+            power[name] = {
+                "tube_draws": None if name == "plateau" else beside,
+                "plain_draws": _finite(laws.plain_draws_to_reject(delta, right, law)),
+            }
+        return {"relative_variance_of_a_draw": variance, **power}
+
+    def _splits(self, tubes: Tubes, ladder: Estimate) -> dict[str, Any]:
+        """By face, sign of eta, energy, and tilt; all shares of the rungs of the law but for the sign of eta."""
+        unit = self.deltas[self.tested, None]
+        faces = laws.total(self._mean(tubes)[self.tested], 1.0 / (unit * unit.size), axis=0)
+        both = laws.total(faces)
+        error = math.hypot(*(faces.value[::-1] * faces.error)) / both.value**2
+        plus = Estimate(faces.value[0] / both.value, error, both.dof)
+        return {
+            "face_plus": {**plus.described(), "predicted": self.constant.plus / self.constant.value},
+            "eta_positive": self._signs(tubes, ladder),
+            "energy": self._by_energy(tubes) if self.energy_edges.size else [],
+            "tilt": self._by_tilt(tubes),
+        }
+
+    def _signs(self, tubes: Tubes, ladder: Estimate) -> list[dict[str, Any]]:
+        """(P(eta > 0) - P(eta < 0)) / P, rung by rung, and how much P itself is off C delta."""
+        asymmetry = laws.total(self._mean(tubes, signs=(-1.0, 1.0)), 1.0 / ladder.value[:, None])
+        unit = self.constant.value * self.deltas
+        off = Estimate(ladder.value / unit - 1.0, ladder.error / unit)
+        return _rows(
+            delta=self.deltas,
+            asymmetry=asymmetry.value,
+            asymmetry_interval_95=asymmetry.interval(),
+            correction=off.value,
+            correction_interval_95=off.interval(),
+        )
+
+    def _shares(self, tubes: Tubes, split: str) -> tuple[Array, Array]:
+        """Shares of the bins of a split, and their standard errors.
+
+        Rungs count alike, whatever their delta. A share is a ratio: its error is that of (1 in the bin) - share.
+        """
+        unit = self.deltas[self.tested, None, None, None]
+        bins, own = ((tubes[split][self.tested, :, :, i] / unit ** (i + 1)).sum(axis=(0, 1, 2)) for i in (0, 1))
+        share = bins / bins.sum()
+        variance = own * (1.0 - 2.0 * share) + share**2 * own.sum()
+        return share, np.sqrt(np.maximum(variance, 0.0)) / bins.sum()
+
+    def _by_energy(self, tubes: Tubes) -> list[dict[str, Any]]:
+        share, error = self._shares(tubes, "energy")
+        low, high = self.source.energy
+        below = [0.0]
+        for edge in self.energy_edges.tolist():
+            part = weight_on_f(self.disk, replace(self.source, energy=(low, edge)), _ROUGHLY)
+            below.append(part / (self.constant.value * self.constant.mass))
+        ends = [_finite(end) for end in (low, *self.energy_edges.tolist(), high)]
+        predicted = np.diff([*below, 1.0])
+        return _rows(energy_from=ends[:-1], energy_to=ends[1:], share=share, error=error, predicted=predicted)
+
+    def _by_tilt(self, tubes: Tubes) -> dict[str, Any]:
+        """theta_min / delta of the hits: uniform, if the density of theta_min is constant near 0."""
+        share, error = self._shares(tubes, "tilt")
+        expected = 1.0 / SHAPE_BINS
+        away = np.divide(share - expected, error, out=np.zeros_like(share), where=error > 0.0)
+        statistic = float((away**2).sum()) * (1.0 - expected)
+        return {
+            "share": share.tolist(),
+            "error": error.tolist(),
+            "predicted": expected,
+            "p_value": float(scipy.stats.chi2.sf(statistic, SHAPE_BINS - 1)),
+        }
+
+    def _convergence(self, tubes: Tubes) -> list[dict[str, Any]]:
+        """C from the first 1, 2, 4 ... batches of every tube; the spread of fewer than four says nothing."""
+        batches, tested, rows = tubes["draws"].shape[2], self.tested, []
+        for count in [2**j for j in range(2 * self.scrambled, 30) if 2**j < batches] + [batches]:
+            some = {name: values[tested, :, :count] for name, values in tubes.items()}
+            constant = laws.fit_constant(self.deltas[tested], laws.total(self._mean(some)))
+            rows.append({"draws": int(some["draws"].sum()), **constant.described()})
+        return rows
+
+
+def _rows(**columns: Any) -> list[dict[str, Any]]:
+    """One row of a table for each entry of its columns, ready for JSON."""
+    lists = [column.tolist() if isinstance(column, np.ndarray) else column for column in columns.values()]
+    return [dict(zip(columns, row, strict=True)) for row in zip(*lists, strict=True)]
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,225 @@
+"""Where samples come from: a density, states of the user's, or the neighbourhood of F at the vertical."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from explorer.errors import InputError
+from explorer.measure.density import ANY_ENERGY, Density, Function
+from explorer.measure.sampling import Box, LaneStream, Range, Stream, chunk_stream, signs
+from explorer.motion.trials import MotionTrial, through_time
+from explorer.phase.disk import SYNTAX, Disk
+from explorer.phase.states import Array, States, phi_to_states
+from explorer.scenes.given_states import Block, GivenStates
+from explorer.scenes.options import DENSITY, DISK, OPEN_RANGE, RANGES, TRUTH, Reader, option, whole_from
+from explorer.scenes.scene import MOST_SAMPLES, SampledScene, Table
+
+# In natural units: where doubles still have all their digits, and where "near F" loses its meaning.
+_NEAR_F = (1e-305, 10.0)
+
+
+class FromDensity(SampledScene):
+    """Where states are drawn."""
+
+    box: Box = option(
+        RANGES,
+        'where states are drawn, in the units of the disk: "phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2"',
+        words="that, in natural units",
+        follows=lambda self, given: self.box_of(given),
+    )
+    energy: Range | None = option(
+        OPEN_RANGE,
+        "only states with an energy in this range, in the units of the disk; :HIGH and LOW: leave one end open",
+    )
+    gaussian: dict[str, Range] | None = option(
+        RANGES,
+        'coordinates drawn from a Gaussian that the box cuts off: "phidot=MEAN:DEVIATION,..", in the units of the '
+        "disk",
+    )
+    density: Function | None = option(
+        DENSITY,
+        "a density, called as density(phi, phidot, sigma3, sigma4) with arrays in the units of the disk",
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.box is not None:
+            # An energy or a density that the box does not reach is refused before anything is written.
+            self.draw(chunk_stream(self.seed, 0), 1)
+
+    def box_of(self, given: dict[str, Range] | None) -> Box:
+        """The box that ranges describe; what is left out has its natural range."""
+        return replace(Box.default(self.disk), **(given or {}))
+
+    @cached_property
+    def source(self) -> Density:
+        """What states are drawn from."""
+        bells = tuple((self.gaussian or {}).items())
+        return Density(self.box, self.energy or ANY_ENERGY, bells, self.density)
+
+    def as_json(self) -> dict[str, Any]:
+        # A function is identified by its values.
+        called = None if self.density is None else self.source.describe().get("density")
+        return {**super().as_json(), "density": called}
+
+    def draw(self, random: Stream, count: int) -> Table:
+        # Where nothing is rejected no draw is wasted: the box is drawn from directly.
+        source = self.source
+        return source.box.draw(random, count) if source.plain else source.draw(self.disk, random, count)
+
+
+class FromStates(FromDensity):
+    """Which states: drawn from a density, or given in a table.
+
+    `observe` gets a `Block` of them.
+    """
+
+    disk: Disk = option(
+        DISK,
+        f"disk: {SYNTAX}",
+        words="uniform",
+        follows=lambda self, given: given or getattr(self.states and self.states.states, "disk", Disk.uniform()),
+        key="disks",
+    )
+    samples: int = option(
+        whole_from(1, MOST_SAMPLES),
+        "number of samples; 1e6 is a whole number too",
+        words="100000, or all states that are given",
+        follows=lambda self, given: self._samples_of(given),
+    )
+    states: GivenStates | None = option(
+        Reader(GivenStates.of, "FILE", "Path | str | States | Any"),
+        "Parquet or CSV file with states, instead of --box: columns tilt, tilt_rate, precession, spin; or phi, "
+        "phidot, sigma3, sigma4; or phidot, sigma3_bar, eta_hat; all other columns go on into the results",
+    )
+    degrees: bool = option(TRUTH, "angles and rates in --states are in degrees", default=False)
+
+    block: ClassVar[int] = 1 << 14  # states: intermediate arrays stay in a processor's cache
+
+    @property
+    def kernels(self) -> tuple[str, ...]:
+        return () if self.states else LaneStream.KERNELS
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.states is None and self.degrees:
+            raise InputError("--degrees: says how --states is meant; give both or leave it out")
+        made = None if self.states is None else self.states.states
+        if made is not None and self.degrees:
+            raise InputError("--degrees: States are in radians already; leave it out")
+        if made is not None and made.disk != self.disk:
+            raise InputError(f"--states: made for the disk {made.disk.name!r}, used with {self.disk.name!r}")
+
+    def box_of(self, given: dict[str, Range] | None) -> Any:
+        if self.states is None:
+            return super().box_of(given)
+        for name in ("box", "energy", "gaussian", "density"):
+            if getattr(self, name) is not None:
+                raise InputError(f"--{name}: the states come from --states; leave it out")
+        return None
+
+    def _samples_of(self, given: int | None) -> int:
+        if self.states is None:
+            return given or 100_000
+        if given is not None and given > self.states.rows:
+            raise InputError(f"--samples {given}: --states holds {self.states.rows}; leave --samples out")
+        return given or self.states.rows
+
+    def blocks(self, index: int) -> Iterator[Block]:
+        """The states of a chunk, block by block."""
+        count, random = self.length(index), LaneStream(self.seed, index)
+        given = None
+        if self.states is not None:
+            given = self.states.read(self.disk, index * self.chunk_size, count, self.degrees)
+        for first in range(0, count, self.block):
+            size = min(self.block, count - first)
+            if given is not None:
+                yield given.at(np.arange(first, first + size))
+            else:
+                columns = self.draw(random, size)
+                yield Block(phi_to_states(self.disk, **columns), columns, {})
+
+    def first_states(self, count: int) -> States:
+        """A few states like those of the run; the same for all seeds, so that runs can be merged."""
+        if self.states is not None:
+            return self.states.read(self.disk, 0, min(count, self.samples), self.degrees).states
+        return phi_to_states(self.disk, **self.draw(chunk_stream(0, 0), count))
+
+    def states_among(self, status: Mapping[str, int]) -> int:
+        """How many samples are states; the others are bad input, and in no statistic. Raises InputError for 0."""
+        count = sum(status.values()) - status.get("bad_input", 0)
+        if count:
+            return count
+        if self.states is None:
+            remedy = "in --box, give rates below 1e100 natural units"
+            raise InputError(f"{self.name}: none of {self.samples:,} draws is a state; {remedy}")
+        degrees = "" if self.degrees else ", and --degrees where they are in degrees"
+        raise InputError(
+            f"{self.name}: none of the {self.samples} rows of --states is a state; give finite numbers, "
+            f"phi between -pi/2 and pi/2 or tilt between 0 and pi{degrees}"
+        )
+
+    def motions(self, count: int, t_end: float | None) -> MotionTrial | None:
+        first = next(self.blocks(0)).states
+        return through_time(first.at(np.arange(min(count, len(first)))), t_end)
+
+
+# Near F, at the vertical. The flow preserves the measure, so there a draw of (phidot, sigma3, eta_hat) at the
+# vertical stands for draws anywhere along the motion.
+
+BOX_NEAR_F = (
+    "where motions start, at the vertical: speed towards flat and sigma3, in the units of the disk, as in "
+    '"phidot=0.5:2,sigma3=-2:2"'
+)
+ETA_HAT = "distance |eta_hat| beside the falling set, both signs, in the units of the disk"
+
+
+class BoxNearF(Box):
+    """Speed towards flat and sigma3 of motions that start at the vertical, at a distance from F."""
+
+    @classmethod
+    def default(cls, disk: Disk) -> Self:
+        """Speed towards flat 0.5 to 2, sigma3 -2 to 2, in natural units.
+
+        Slower starts linger at the vertical, where the energy at which a motion compares with its
+        limit is no longer close to its own.
+        """
+        unit = disk.rate_unit
+        return cls((0.0, 0.0), (0.5 * unit, 2.0 * unit), (-2.0 * unit, 2.0 * unit), (0.0, 0.0))
+
+    @classmethod
+    def of(cls, disk: Disk, ranges: Mapping[str, Range]) -> Self:
+        """The default box with other ranges. Raises InputError where these do not describe starts near F."""
+        if "sigma4" in ranges:
+            raise InputError("--box sigma4: this scene sets sigma4 by --eta-hat; leave it out")
+        box = replace(cls.default(disk), **ranges)
+        if box.phi != (0.0, 0.0):
+            raise InputError("--box phi: this scene starts at the vertical; leave phi out or give phi=0")
+        if box.phidot[0] < 0.0:
+            raise InputError(
+                f"--box phidot = {box.phidot[0]:g}:{box.phidot[1]:g}: this scene takes the speed towards flat, "
+                "used for both faces; give 0 <= LOW"
+            )
+        return box
+
+    def describe(self) -> dict[str, list[float]]:
+        return {name: list(getattr(self, name)) for name in ("phidot", "sigma3")}
+
+    def starts(self, random: Stream, count: int) -> dict[str, Array]:
+        """`count` starts as `constants_to_states` takes them, but for eta_hat; both faces equally likely."""
+        columns = self.draw(random, count)
+        face = signs(random.random(count))
+        return {"phidot": face * columns["phidot"], "sigma3_bar": columns["sigma3"], "face": face}
+
+
+def check_eta_hat(span: Range, disk: Disk) -> None:
+    """Raise InputError unless low <= high are magnitudes that lie near F, in the units of the disk."""
+    low, high = span
+    nearest, furthest = (limit * disk.rate_unit for limit in _NEAR_F)
+    if not nearest <= low <= high <= furthest:
+        raise InputError(
+            f"--eta-hat {low:g}:{high:g}: give LOW:HIGH with {nearest:g} <= LOW <= HIGH <= {furthest:g}"
+        )

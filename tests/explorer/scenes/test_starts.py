@@ -1,0 +1,161 @@
+"""Where samples come from: a density, states of the user's, or the neighbourhood of F; what cannot be combined."""
+
+import json
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer.measure.sampling import chunk_stream
+from explorer.scenes.falling_set import FallingSet
+from explorer.scenes.race_angles import Bounces, Passages, RaceAngles
+from explorer.scenes.registry import scene_of
+from explorer.scenes.starts import BoxNearF, check_eta_hat
+
+GIVEN = {"phi": np.linspace(-1.0, 1.0, 7), "phidot": 0.3, "sigma3": 0.5, "sigma4": 0.2, "energy": "mine"}
+ROWS = np.array([[0.1, 1.0, 1.0, 0.5], [np.nan, 1.0, 1.0, 2.0], [0.2, 1.0, 1.0, 1.0]])
+BOTH = pytest.mark.parametrize("kind", [FallingSet, RaceAngles])
+
+
+def rows_of(scene):
+    tables = [scene.chunk(index)[0] for index in range(scene.chunks)]
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+
+@BOTH
+def test_both_scenes_take_states_from_one_source(kind):
+    table = rows_of(kind(states=GIVEN, chunk_size=4, keep="all"))
+    np.testing.assert_array_equal(table["row"], np.arange(7))
+    np.testing.assert_array_equal(table["phi"], GIVEN["phi"])
+    assert set(table["given_energy"]) == {"mine"}
+    assert table["energy"].dtype == float
+
+
+@BOTH
+def test_a_gaussian_a_density_and_an_energy_draw_the_same_states_in_both_scenes(kind):
+    def density(phi, phidot, sigma3, sigma4):
+        return np.where(sigma4 > 0.0, 1.0, 0.0)
+
+    options = {"box": "phi=-1:1", "gaussian": "sigma3=0.5:0.01", "density": density, "energy": ":3"}
+    scene = kind(samples=2000, keep="all", **options)
+    table = rows_of(scene)
+    assert abs(table["sigma3"].mean() - 0.5) < 0.001
+    assert table["sigma3"].std() == pytest.approx(0.01, rel=0.1)
+    assert (table["sigma4"] > 0.0).all()
+    assert np.nanmax(table["energy"]) <= 3.0
+    np.testing.assert_array_equal(table["phi"], rows_of(FallingSet(samples=2000, keep="all", **options))["phi"])
+    assert scene.options["density"]["function"].endswith("density")
+    with pytest.raises(ex.InputError, match="given in Python"):
+        scene_of(scene.options)
+
+
+def test_an_energy_cut_changes_which_states_are_drawn_and_nothing_else():
+    """The kept states are the first of the box's own draws that lie below the energy."""
+    scene = FallingSet(samples=3000, box="phi=-1:1", energy=":2", keep="all", seed=3)
+    drawn = scene.box.draw(chunk_stream(3, 0), 8192)
+    energy = ex.constants(ex.phi_to_states(scene.disk, **drawn)).energy
+    np.testing.assert_array_equal(rows_of(scene)["phi"][:100], drawn["phi"][energy <= 2.0][:100])
+    assert (energy > 2.0).any()
+
+
+def test_states_bring_their_disk():
+    states = ex.phi_to_states(ex.Disk.hoop(), 0.2, 0.3, 0.4, [0.5, 0.6])
+    assert RaceAngles(states=states).disk == ex.Disk.hoop()
+    with pytest.raises(ex.InputError, match="made for the disk 'hoop', used with 'uniform'"):
+        RaceAngles(states=states, disk="uniform")
+
+
+def test_a_record_says_that_its_states_were_given_in_python():
+    record = json.loads(json.dumps(FallingSet(states=GIVEN).options, default=dict))
+    again = scene_of(record)
+    assert again.options == record
+    with pytest.raises(ex.InputError, match="given in Python; go on with"):
+        again.chunk(0)
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"states": GIVEN, "box": "phi=0"}, "the states come from"),
+        ({"states": GIVEN, "gaussian": "phi=0:1"}, "the states come from"),
+        ({"states": GIVEN, "samples": 8}, "holds 7"),
+        ({"degrees": True}, "says how"),
+        ({"states": ex.phi_to_states(ex.Disk.uniform(), 0.1, 0.1, 0.1, 0.1), "degrees": True}, "radians already"),
+        ({"gaussian": "phi=0:1", "box": "phi=0"}, "the box fixes it"),
+        ({"energy": ":1e-3"}, "widen it or shrink the box"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(kind, options, message):
+    with pytest.raises(ex.InputError, match=message):
+        kind(**options)
+
+
+@BOTH
+def test_a_row_that_is_no_state_is_in_no_statistic_and_counted_apart(kind):
+    """Numbers are those of the same table without the row."""
+    whole, good = (ex.run(kind.name, states=rows, keep="all") for rows in (ROWS, ROWS[[0, 2]]))
+    assert (whole.summary["samples"], whole.summary["valid_states"]) == (3, 2)
+    assert whole.summary["status"] == {"bad_input": 1, "ok": 2}
+    differing = {key for key in good.summary if whole.summary[key] != good.summary[key]}
+    assert differing <= {"samples", "states", "status", "failures", "digest"}
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"states": ROWS[[1]]}, "none of the 1 rows of states is a state; give finite numbers"),
+        ({"samples": 10, "box": "phi=0:1,sigma3=1e200:1e201"}, "none of 10 draws is a state; in box"),
+    ],
+)
+def test_where_no_row_is_a_state_the_run_says_so(kind, options, message):
+    with pytest.raises(ex.InputError, match=f"{kind.name}: {message}"):
+        ex.run(kind.name, **options)
+
+
+def test_starts_near_f_lie_in_the_box_and_on_both_faces_alike(body):
+    box = BoxNearF.default(body)
+    start = box.starts(chunk_stream(1, 0), 4000)
+    for values, span in ((start["face"] * start["phidot"], box.phidot), (start["sigma3_bar"], box.sigma3)):
+        assert (values >= span[0]).all()
+        assert (values <= span[1]).all()
+    assert set(start["face"]) == {-1.0, 1.0}
+    assert abs(start["face"].mean()) < 0.1
+
+
+def test_only_what_is_given_differs_from_the_default_box_near_f():
+    disk = BODIES["coin"]
+    box = BoxNearF.of(disk, {"sigma3": (0.0, 1.0)})
+    assert (box.sigma3, box.phidot) == ((0.0, 1.0), BoxNearF.default(disk).phidot)
+    assert BoxNearF.of(disk, {name: tuple(span) for name, span in box.describe().items()}) == box
+
+
+@pytest.mark.parametrize(
+    ("ranges", "message"),
+    [
+        ({"sigma4": (0.0, 0.0)}, "sets sigma4 by eta_hat"),
+        ({"phi": (0.0, 1.0)}, "starts at the vertical"),
+        ({"phidot": (-1.0, 1.0)}, "speed towards flat"),
+    ],
+)
+def test_a_box_that_describes_no_start_near_f_is_refused(ranges, message):
+    with pytest.raises(ex.InputError, match=message):
+        BoxNearF.of(BODIES["hoop"], ranges)
+
+
+@pytest.mark.parametrize("span", [(0.0, 1.0), (1e-2, 1e-3), (1e-3, 11.0), (1e-310, 1e-3)])
+def test_distances_that_are_no_longer_near_f_are_refused(span):
+    with pytest.raises(ex.InputError, match="eta_hat"):
+        check_eta_hat(span, BODIES["hoop"])
+
+
+@pytest.mark.parametrize("options", [{"bounces": 1}, {"states": GIVEN}, {"box": {"sigma4": 0.0}}])
+def test_race_angles_are_of_bounces_where_states_may_be_anywhere(options):
+    assert type(RaceAngles(**options)) is type(RaceAngles.of(options)) is Bounces
+    assert type(RaceAngles(box="phidot=1", samples=3)) is Passages
+    with pytest.raises(ex.InputError, match="leave one out"):
+        RaceAngles(**options, eta_hat="1e-3:1e-2")
+    with pytest.raises(ex.InputError, match="bounces of states are by quadrature"):
+        RaceAngles(**options, method="rk4")
