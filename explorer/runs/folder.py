@@ -11,6 +11,7 @@ import json
 import platform
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -35,12 +36,21 @@ def identity(scene: Scene) -> dict[str, Any]:
 
     code: digest of the source of a user's scene. calibration: that of steps which the machine's own one sets.
     """
-    code, steps = None, [plan.own_steps for plan in scene.plans if plan.own_steps]
-    if not type(scene).__module__.startswith("explorer."):
-        with contextlib.suppress(OSError, TypeError):  # there is no source
-            code = _digest(inspect.getsource(type(scene)))
-    made_by = compiled.source_digest(), code, _digest(json.dumps(steps)) if steps else None
+    steps = [plan.own_steps for plan in scene.plans if plan.own_steps]
+    made_by = compiled.source_digest(), _code_of(type(scene)), _digest(json.dumps(steps)) if steps else None
     return {"options": scene.options, **dict(zip(MADE_BY, made_by, strict=True))}
+
+
+@cache
+def _code_of(kind: type[Scene]) -> str | None:
+    """Digest of the source of a user's scene; None of ours, and where there is no source.
+
+    Found once, before threads ask for it: Python does not read source in two threads at once.
+    """
+    if not kind.__module__.startswith("explorer."):
+        with contextlib.suppress(OSError, TypeError):
+            return _digest(inspect.getsource(kind))
+    return None
 
 
 def digest_of_identity(known: dict[str, Any]) -> str:
