@@ -113,7 +113,9 @@ def falls_as_arcs(
     way = rule.ArcRow(*first + by_rules(disk, kinds, arcs_between(X, none, none + 1.0, end, end), accuracy))
     # Beside V_0 all changes by about as large a share as E - V_0 does.
     doubt = departures.doubt[rows] / departures.level[rows]
-    error = np.fmax(way.angle_error + doubt * abs(way.chi), way.time_error + doubt * way.time)
+    # Of a long fall the share of its time counts.
+    late = (way.time_error + doubt * way.time) / np.fmax(way.time, 1.0)
+    error = np.fmax(way.angle_error + doubt * abs(way.chi), late)
     return np.stack([way.time, way.chi, way.psi, error])
 
 

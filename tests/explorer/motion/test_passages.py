@@ -155,3 +155,17 @@ def beside_truth(body):
 def test_the_accuracy_asked_is_the_accuracy_paid_for(beside_truth, method):
     """The 99th percentile of the error is within it, of integrators not below a hundredth; all are answered."""
     assert_paid_for(beside_truth, method)
+
+
+@pytest.mark.parametrize("accuracy", [1e-9, 1e-6, 1e-3])
+@pytest.mark.parametrize("body", ["uniform", "thick"])
+def test_slow_starts_that_are_answered_to_all_digits_are_answered_to_fewer(body, accuracy):
+    """Their falls take long, and it is the share of the time that counts."""
+    random = np.random.default_rng(3)
+    speed = 10.0 ** random.uniform(-9.0, -1.0, 400)
+    start = speed * random.uniform(-1.0, 1.0, 400), speed * random.uniform(-1.0, 1.0, 400), speed
+    fine, found = (ex.passages(BODIES[body], *start, accuracy=each) for each in (1e-11, accuracy))
+    assert fine.ok.sum() > 300
+    assert found.ok[fine.ok].all()
+    off = abs(found.race_angle - fine.race_angle)[fine.ok]
+    assert (off <= 3.0 * (found.error_estimate + fine.error_estimate)[fine.ok]).all()
