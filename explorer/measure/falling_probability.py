@@ -39,9 +39,8 @@ _ROUGHLY = 1e-4  # relative error of the predicted shares of energies, below tho
 # For the invariance of the measure: states, their stream, and a time in natural units.
 _FOLLOWED, _INVARIANCE, _LATER = 256, (1 << 40) + 1, 5.0
 
-Tubes = dict[
-    str, Array
-]  # columns of `FallingProbability.batch`: arrays (rungs, 2 faces, batches, ...), face +1 first
+# Columns of `FallingProbability.batch`: arrays (rungs, 2 faces, batches, ...), face +1 first.
+Tubes = dict[str, Array]
 
 
 @dataclass(frozen=True)

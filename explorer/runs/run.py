@@ -239,11 +239,12 @@ class Run:
             for what in folders.MADE_BY
             if known[what] != now[what]
         ]
-        missing = sorted({*range(self.scene.chunks)} - {chunk.number for chunk in self.chunks})
+        chunks = self.chunks
+        missing = sorted({*range(self.scene.chunks)} - {chunk.number for chunk in chunks})
         named = shorten(", ".join(map(str, missing)), 60)
         if missing:
             faults.append(f"{len(missing):,} of {self.scene.chunks:,} chunks are missing: {named}")
-        looked_at = store.examined(self.chunks, self.scene, folders.digest_of_identity(known), rows=True)
+        looked_at = store.examined(chunks, self.scene, folders.digest_of_identity(known), rows=True)
         faults += [f"{chunk.name}: {fault}" for chunk, fault in looked_at if fault]
         told = self.folder and self.folder / "summary.json"
         if not faults and told and told.exists():
@@ -374,13 +375,14 @@ def _fill(asked: Asked, folder: Path, record: dict[str, Any]) -> Run:
         told = folder / "summary.json"
         if told.exists() and told.read_bytes() != fresh:
             folders.remove_figures(folder, how["figures"])  # which are of fewer samples
-        run.renewed()
+        store.write_json(told, run.summary)
         if how["formats"]:
+            drawn = run._pictures()
             # run.json names files first: whoever replaces a run that was stopped deletes these, and no others.
-            files = [f"{name}.{kind}" for name in run.pictures for kind in how["formats"]]
+            files = [f"{name}.{kind}" for name in drawn for kind in how["formats"]]
             how["figures"] = list(dict.fromkeys([*(how["figures"] or ()), *files]))
             folders.write_record(folder, scene, how)
-            if not pictures.draw_missing(run._pictures(), folder / "figures", how["formats"], stop.is_set):
+            if not pictures.draw_missing(drawn, folder / "figures", how["formats"], stop.is_set):
                 raise Interrupted(f"all samples are stored, pictures are missing; {settings.onward}")
     folders.write_record(folder, scene, {**how, "finished": folders.now()})
     return run

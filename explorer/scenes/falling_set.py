@@ -23,7 +23,7 @@ from explorer.phase.constants import NaturalConstants, best_constants, constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import falls_of
-from explorer.phase.states import COORDINATES, Array, phi_to_states
+from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.portrait.slices import ConstantsPlane, Slice, slice_map
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import Reader, option, several, whole_from, word_of
@@ -110,10 +110,9 @@ class FallingSet(FromStates):
 
     def observe(self, block: Block) -> Table:
         """Everything about a few states; where theta_min is not computed it is NaN."""
-        table, natural = self._exact(block)
+        table, rows, states, natural = self._followed(block)
         if self.theta_min != "none":
-            rows = self._followed(table)
-            found = smallest_tilt(block.states.at(rows), self.plan, natural.at(rows), table["status"][rows])
+            found = smallest_tilt(states, self.plan, natural, table["status"][rows])
             for name, values in zip(("theta_min", "status", "steps"), found, strict=True):
                 table[name][rows] = values
         return block.with_results(table)
@@ -128,20 +127,20 @@ class FallingSet(FromStates):
         table |= {"face": exact.face, "could_fall": exact.could_fall, "theta_min": np.full(n, np.nan)}
         return table | {"status": exact.status.astype(np.int8), "steps": np.zeros(n, np.int32)}, natural
 
-    def _followed(self, table: Table) -> NDArray[np.intp]:
-        """The states whose theta_min is computed."""
-        return np.flatnonzero(self.near(table) if self.theta_min == "near" else np.ones_like(table["face"]))
+    def _followed(self, block: Block) -> tuple[Table, Any, States, NaturalConstants]:
+        """What `_exact` finds, and the states whose theta_min is computed: their rows, they, their constants."""
+        table, natural = self._exact(block)
+        if self.theta_min == "all":
+            return table, np.s_[:], block.states, natural
+        rows = np.flatnonzero(self.near(table))
+        return table, rows, block.states.at(rows), natural.at(rows)
 
     def near(self, table: Table) -> NDArray[np.bool_]:
         return np.asarray((nearer(table) <= self.tube) & table["could_fall"])
 
     def trial(self) -> TiltTrial:
-        parts = []
-        for block in (block for index in range(self.chunks) for block in self.blocks(index)):
-            table, natural = self._exact(block)
-            rows = self._followed(table)
-            parts.append((block.states.at(rows), natural.at(rows)))
-        return TiltTrial(parts)
+        blocks = (block for index in range(self.chunks) for block in self.blocks(index))
+        return TiltTrial([self._followed(block)[2:] for block in blocks])
 
     # Counts
 

@@ -31,7 +31,7 @@ from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.options import Reader, option, whole_from, word_of
-from explorer.scenes.scene import MOST_SAMPLES, Counts, Picture, Table
+from explorer.scenes.scene import SAMPLES, Counts, Picture, Table
 from explorer.scenes.starts import FromDensity
 
 SCRAMBLES = 16  # batches of Sobol points: enough for an error from their spread
@@ -69,9 +69,7 @@ class MeasureZero(FromDensity):
         default=(1e-15, 1e-1),
     )
     # Enough plain draws to see a probability of 1e-6, were there one
-    samples: int = option(
-        whole_from(1, MOST_SAMPLES), "number of samples; 1e6 is a whole number too", default=4_000_000
-    )
+    samples: int = option(*SAMPLES, default=4_000_000)
     tube: int = option(whole_from(2, 10**9), "draws per delta and face in tubes beside F", default=1 << 18)
     sampling: str = option(word_of("random", "sobol"), "draws in the tubes: random or sobol", default="random")
 

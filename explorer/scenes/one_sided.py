@@ -23,8 +23,8 @@ from explorer.motion.trials import MotionTrial, even_times
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 from explorer.portrait.both_sides import QUANTITIES, beside, both_sides, limits_at, sample_times
-from explorer.scenes.options import DISKS, RANGE, RANGES, option, whole_from
-from explorer.scenes.scene import MOST_SAMPLES, Counts, Picture, Scene, Table, joined
+from explorer.scenes.options import DISKS, RANGE, RANGES, option
+from explorer.scenes.scene import SAMPLES, Counts, Picture, Scene, Table, joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, BoxNearF, check_eta_hat
 
 BLOCK = 8  # starts per chunk
@@ -54,7 +54,7 @@ class OneSided(Scene):
         key="disks",
         several=True,
     )
-    samples: int = option(whole_from(1, MOST_SAMPLES), "points of the falling set per disk", default=32)
+    samples: int = option(SAMPLES[0], "points of the falling set per disk", default=32)
     box: BoxNearF | None = option(
         RANGES,
         BOX_NEAR_F,

@@ -68,7 +68,8 @@ def register(scene: K) -> K:
         raise InputError(f"scene = {shown(scene)} is no scene; derive one from explorer.scenes.scene.SampledScene")
     if scene.name in _HOMES and not scene.__module__.startswith("explorer."):
         raise InputError(f"scene = {scene.__name__}: {scene.name!r} is a scene of nearflat; give another name")
-    _own[scene.name] = scene
+    if scene.name not in _HOMES:
+        _own[scene.name] = scene
     return scene
 
 
@@ -97,7 +98,8 @@ def _in_file(where: str) -> type[Scene]:
     file = Path(path).resolve()
     if not file.is_file():
         raise InputError(f"scene {where}: there is no file {path}")
-    sys.path.insert(0, str(file.parent))
+    if str(file.parent) not in sys.path:
+        sys.path.insert(0, str(file.parent))
     module = import_module(file.stem)
     if Path(str(module.__file__)).resolve() != file:
         raise InputError(f"scene {where}: {file.stem} is the name of another module; rename the file")

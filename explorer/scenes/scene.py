@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 # A picture that is drawn when it is called, with ax= and keywords of its function where it takes them.
 Picture: TypeAlias = "Callable[..., Axes | Figure]"
 Table = dict[str, NDArray[Any]]
-MOST_SAMPLES = 10**12
+SAMPLES = whole_from(1, 10**12), "number of samples; 1e6 is a whole number too"
 MOST_CHUNKS = 20_000_000  # files in one folder
 _FREE = ("seed", "samples", "chunk_size", "keep")  # in which runs of one question may differ
 
@@ -166,9 +166,7 @@ class Scene(Options, ABC):
 class SampledScene(Scene):
     """How many samples, and which of them are stored."""
 
-    samples: int = option(
-        whole_from(1, MOST_SAMPLES), "number of samples; 1e6 is a whole number too", default=100_000
-    )
+    samples: int = option(*SAMPLES, default=100_000)
     keep: str = option(
         word_of("none", "near", "all"),
         "samples to store: those near the falling set (near), all or none; counts are always of all",

@@ -14,8 +14,8 @@ from explorer.motion.trials import MotionTrial, through_time
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.states import Array, States, phi_to_states
 from explorer.scenes.given_states import Block, GivenStates
-from explorer.scenes.options import DENSITY, DISK, OPEN_RANGE, RANGES, TRUTH, Reader, option, whole_from
-from explorer.scenes.scene import MOST_SAMPLES, SampledScene, Table
+from explorer.scenes.options import DENSITY, DISK, OPEN_RANGE, RANGES, TRUTH, Reader, option
+from explorer.scenes.scene import SAMPLES, SampledScene, Table
 
 # In natural units: where doubles still have all their digits, and where "near F" loses its meaning.
 _NEAR_F = (1e-305, 10.0)
@@ -85,8 +85,7 @@ class FromStates(FromDensity):
         key="disks",
     )
     samples: int = option(
-        whole_from(1, MOST_SAMPLES),
-        "number of samples; 1e6 is a whole number too",
+        *SAMPLES,
         words="100000, or all states that are given",
         follows=lambda self, given: self._samples_of(given),
     )
