@@ -37,8 +37,8 @@ POINTS = 16
 WIDEST = 0.5  # in x: so narrow a well needs no more points for all digits
 _EPSILON = 2.2e-16
 _FAR = END_ROWS  # rows of the end at the vertical, of the other face
-_X, _Y, _Y_FAR, _L, _UPRIGHT, _TERMS = range(2 * END_ROWS * LANES, (2 * END_ROWS + 6) * LANES, LANES)
-_AT_POINTS = (2 * END_ROWS + 6) * LANES  # q, ratio, z ratio - q sigma4 and V'', POINTS each; then room for sums
+_X, _Y, _Y_FAR, _L, _UPRIGHT = range(2 * END_ROWS * LANES, (2 * END_ROWS + 5) * LANES, LANES)
+_AT_POINTS = (2 * END_ROWS + 5) * LANES  # q, ratio, z ratio - q sigma4 and V'', POINTS each; then room for sums
 _BEND, _SUMS = 3, 4
 _ROWS = _AT_POINTS + 5 * POINTS * LANES
 
@@ -58,8 +58,9 @@ class Points(NamedTuple):
 class Wells(NamedTuple):
     """Wells (n) above their inner turning points: distances of the state and of the vertical from both ends.
 
-    The vertical is at inf, and that far from the outer end, where a well does not reach it. Of the other face: Y
-    and sigma4 at the vertical, as that face has them.
+    The vertical is at inf, and that far from the outer end, where a well does not reach it. slack: of distances
+    from turning points, as a share of them, from rounding. Of the other face: Y and sigma4 at the vertical, as
+    that face has them.
     """
 
     inner: Starts
@@ -67,6 +68,7 @@ class Wells(NamedTuple):
     from_state: Vector
     to_vertical: Vector
     from_vertical: Vector
+    slack: Vector
     Y_far: Vector
     sigma3_vertical: Vector
     sigma4_far: Vector
@@ -113,7 +115,7 @@ def load(A: Vector, wells: Wells, first: int, chart: Chart) -> None:
         j = min(first + i, wells.to_state.size - 1)
         A[_X + i], A[_Y + i], A[_Y_FAR + i] = inner.X[j], inner.Y[j], wells.Y_far[j]
         A[_L + i] = wells.to_state[j] + wells.from_state[j]
-        A[_UPRIGHT + i], A[_TERMS + i] = wells.to_vertical[j], 0.0
+        A[_UPRIGHT + i] = wells.to_vertical[j]
         put_end(A, 0, i, inner.r[j], inner.w[j], inner.sigma3[j], inner.sigma4[j])
         put_end(A, _FAR, i, 1.0, 0.0, wells.sigma3_vertical[j], wells.sigma4_far[j])
     make_ends(A, 0, chart)
@@ -135,8 +137,6 @@ def look(A: Vector, j: int, share: float, b: Body) -> None:
         at = _AT_POINTS + j * LANES + i
         A[at], A[at + POINTS * LANES] = q, ratio
         A[at + 2 * POINTS * LANES], A[at + _BEND * POINTS * LANES] = z * ratio - q * sigma4, bend
-        terms = b.J * abs(ratio * q * sigma4) + b.I1 * ratio * ratio + q
-        A[_TERMS + i] = max(A[_TERMS + i], terms)
 
 
 @contracted_subroutine
@@ -174,7 +174,7 @@ def erred(coefficients: Vector, off: float) -> float:
 
 @contracted_subroutine
 def partly(A: Vector, i: int, to: float, rest: float, slack: float) -> tuple[float, float, float, float, float]:
-    """Integrals from the inner end over `to` of the length, and their errors; slack: relative, of both distances.
+    """Integrals from the inner end over `to` of the length, and their errors; slack: as in `Wells`.
 
     A motion that is steady to rounding is at either end at any time.
     """
@@ -192,21 +192,15 @@ def settle(A: Vector, i: int, j: int, wells: Wells, points: Points, b: Body) -> 
     """Well j, in lane i."""
     values = A[_AT_POINTS + i :]
     multiply(A, i, _BEND, points.twice)
-    least = math.inf
     for m in range(POINTS):
-        share = values[(_BEND * POINTS + m) * LANES]
-        least = min(least, share)
-        scale = math.sqrt(0.5 * b.M / share)
+        scale = math.sqrt(0.5 * b.M / values[(_BEND * POINTS + m) * LANES])
         for row in range(3):
             values[(row * POINTS + m) * LANES] *= scale
     for row in range(3):
         multiply(A, i, row, points.cosines)
-    L = A[_L + i]
-    # Rounding of V' moves the bottom of the well.
-    slack = 4.0 * _EPSILON * A[_TERMS + i] / (least * L)
     whole = partly(A, i, 1.0, 0.0, 0.0)
-    state = partly(A, i, wells.to_state[j], wells.from_state[j], slack)
-    vertical = partly(A, i, wells.to_vertical[j], wells.from_vertical[j], slack)
+    state = partly(A, i, wells.to_state[j], wells.from_state[j], wells.slack[j])
+    vertical = partly(A, i, wells.to_vertical[j], wells.from_vertical[j], wells.slack[j])
     return WellRow(*whole, *state, *vertical)
 
 

@@ -113,7 +113,16 @@ def make_chart(disk: Disk) -> Chart:
     rows, _r0, _dr0 = chaplygin.power_series(disk.body.c)
     start = np.array([0.0, 1.0, 0.0, rows[3][0]])
     small = [np.append(row[0] - first, row[1:]) for row, first in zip(rows[:4], start, strict=True)]
-    return Chart(disk.body, np.ascontiguousarray([economise(row, DEGREE) for row in small]))
+    return Chart(disk.body, np.ascontiguousarray([_of_slope(row) for row in small]))
+
+
+def _of_slope(row: Vector) -> Vector:
+    """Ascending powers of S -> those of 2S - 1, by way of the slope: differences need as many digits as values.
+
+    Of the polynomial nearest to the values the slope errs twenty times as much at flat and at the vertical.
+    """
+    slope = economise(row[1:] * np.arange(1, row.size), DEGREE - 1)
+    return np.append(economise(row, DEGREE)[0], slope / (2.0 * np.arange(1, DEGREE + 1)))
 
 
 @contracted_device
@@ -255,6 +264,8 @@ def point_at(A: Vector, d: float, inward: bool, end: End, motion: Motion, b: Bod
     of_ratio = 0.5 * b.I1 * dratio * (ratio + end.ratio)
     of_spin = 0.5 * b.J * dsigma4 * (sigma4 + end.sigma4)
     of_height = -dcosh * q * end.q
-    # What cancels within the change of sigma4, beside the upright equilibrium, counts as well.
-    size = abs(of_ratio) + abs(of_spin) + abs(of_height) + 4.0 * abs(sigma4 * dS) * (abs(motion.X) + abs(motion.Y))
+    # What cancels within the changes of sigma3 and sigma4, beside the upright equilibrium, counts as well.
+    of_parts = abs(sigma4) + 0.5 * b.I1 * abs(ratio + end.ratio) * (end.inv_q if inward else inv_q)
+    within = 4.0 * abs(dS) * (abs(motion.X) + abs(motion.Y)) * of_parts
+    size = abs(of_ratio) + abs(of_spin) + abs(of_height) + within
     return Point(r, w, q, w * inv, sigma3, sigma4, ratio, of_ratio + of_spin + of_height, size)

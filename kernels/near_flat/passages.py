@@ -38,7 +38,7 @@ _SLOWEST = 1e-3  # share of the energy with which a motion must leave the vertic
 _MIDDLE = 0.8  # r^2 of a slow start that has gained as much as it left with at the middle of the rule
 _OF_START = 0.1  # what is missed of a slow start, in e^(-2 n sqrt(r)): no error of 500,000 was twice its estimate
 _OF_COEFFICIENTS = 10.0  # what a rule misses, in squares of the share of its last coefficients
-_TURNED = 40.0  # what an error of the turning point, about the square of Newton's last step, does to the angles
+_SETTLED = 1e-8  # Newton's last step: the next one, about its square, would be rounding
 _EPSILON = 2.2e-16
 _ROUNDING = 100.0 * _EPSILON  # of angles and time
 # Rows of the work array: entry (row, i) stands at row * LANES + i.
@@ -128,7 +128,10 @@ def leave(W: Vector, i: int, at: Fixed, given: float, b: Body) -> None:
 
 @contracted_subroutine
 def turn(W: Vector, b: Body, low: Low) -> None:
-    """H and LOG_H of the turning point, and the last step towards it; no error where it is not near flat."""
+    """H and LOG_H of the turning point; no error where it is not near flat, or not found to rounding.
+
+    Integrands near a turning point change by a thousand times the share by which it is off.
+    """
     for i in range(LANES):
         level, size = W[_LEVEL + i], abs(W[_Y + i])
         first = size * math.sqrt(0.5 * b.I1 / level)
@@ -143,7 +146,7 @@ def turn(W: Vector, b: Body, low: Low) -> None:
         for i in range(LANES):
             W[_H + i], W[_LOG_H + i], W[_STEP + i] = newton(W[_H + i], W[_LOG_H + i], motion_of(W, i), b, low)
     for i in range(LANES):
-        near = W[_H + i] < _WIDEST
+        near = (W[_H + i] < _WIDEST) & (abs(W[_STEP + i]) < _SETTLED)
         W[_H + i], W[_LOG_H + i] = W[_H + i] if near else _PARKED, W[_LOG_H + i] if near else math.log(_PARKED)
         W[_TIME_ERROR + i] = W[_TIME_ERROR + i] if near else math.nan
 
@@ -164,8 +167,7 @@ def begin_near(W: Vector, b: Body, low: Low) -> None:
         W[_TURN2 + i] = known.turn2
         W[_RACE + i], W[_PULL + i], W[_SPIN + i], W[_SLOW + i] = known.race, known.pull, known.spin, known.slow
         W[_REST0 + i], W[_REST1 + i] = known.rest0, known.rest1
-        turned = _TURNED * W[_STEP + i] * W[_STEP + i]
-        W[_ANGLE_ERROR + i], W[_TIME_ERROR + i] = turned, W[_TIME_ERROR + i] + (turned if good else math.nan)
+        W[_ANGLE_ERROR + i], W[_TIME_ERROR + i] = 0.0, W[_TIME_ERROR + i] if good else math.nan
 
 
 @contracted_device

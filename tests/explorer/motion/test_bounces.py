@@ -129,7 +129,7 @@ def test_a_cloud_about_steady_motion_is_known_to_any_accuracy(accuracy):
     """A coin at 10 +- 1 degrees; among them swings of a thousandth of a degree, and the steady motion itself."""
     coin, random = DISKS["coin"], np.random.default_rng(6)
     spin = ex.steady_motions(coin, np.radians(10.0), 60.0).spin[0]
-    spread = np.append(10.0 ** random.uniform(-6.0, 0.0, 199), 0.0)
+    spread = np.append(10.0 ** random.uniform(-5.0, 0.0, 199), 0.0)
     normal = random.normal(0.0, 1.0, (4, 200)) * spread
     tilt = np.radians(10.0 + normal[0])
     states = ex.rates_to_states(coin, tilt, 0.5 * normal[1], 60.0 + normal[2], spin + 0.5 * normal[3])

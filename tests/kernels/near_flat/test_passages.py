@@ -41,6 +41,24 @@ def test_tables_and_arcs_agree_within_their_stated_errors(name, wild):
         assert (np.sign(fast[7][ok]) == np.sign(slow[7][ok])).all()
 
 
+@pytest.mark.parametrize("accuracy", [1e-11, 1e-9, 1e-6, 1e-3])
+def test_far_from_f_tables_know_where_they_do_not_serve(accuracy):
+    """There and with little I3 the turning point is far from the law of first order."""
+    rng = np.random.default_rng(8)
+    for share in (0.06, 0.12, 0.2755, 0.4):
+        disk = ex.Disk(I1=0.25, I3=0.25 * share)
+        eta_hat = rng.uniform(0.5, 2.0, 5000) * rng.choice([-1.0, 1.0], 5000)
+        samples = rng.uniform(-2, 2, 5000), eta_hat, rng.uniform(0.3, 3, 5000)
+        fast, fast_status = batch(disk, *samples, accuracy, True)
+        exact, exact_status = batch(disk, *samples, 1e-11, False)
+        ok = (fast_status == 0) & (exact_status == 0)
+        errors = fast[:, ok] - exact[:, ok]
+        wrong = np.max([abs(errors[1]), abs(errors[2]), abs(errors[3] / exact[3, ok])], axis=0)
+        estimate = np.fmax(fast[5], fast[6])[ok]
+        assert (wrong <= 3 * estimate + 1e-12).all(), share
+        assert (wrong <= accuracy + 64 * 2.2e-16 * (abs(exact[1]) + abs(exact[2]))[ok]).all(), share
+
+
 @pytest.mark.parametrize(("accuracy", "least"), [(1e-11, 0.999), (1e-6, 0.96)])
 @pytest.mark.parametrize("name", ["uniform", "hoop", "matching"])
 def test_ordinary_passages_are_left_to_the_tables(name, accuracy, least):
