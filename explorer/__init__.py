@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from explorer.runs.merge import merge as merge
     from explorer.runs.run import Run as Run
     from explorer.runs.run import open as open
-    from explorer.scenes.registry import register as register
+    from explorer.scenes.scene import register as register
     from explorer.view.page import view as view
 
     Status = _status.Status

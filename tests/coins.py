@@ -5,7 +5,6 @@ import time
 
 import numpy as np
 
-from explorer.measure.tallies import Sum
 from explorer.phase.columns import Column
 from explorer.scenes.options import NUMBER, option
 from explorer.scenes.scene import Counts, SampledScene
@@ -17,7 +16,7 @@ class CoinCounts(Counts):
     """Heads, and how high coins fly."""
 
     heads: int
-    height: Sum
+    height: float
 
 
 class Coins(SampledScene):
@@ -40,10 +39,10 @@ class Coins(SampledScene):
 
     def count(self, tally, table):
         tally.heads += int(table["heads"].sum())
-        tally.height += Sum(table["height"])
+        tally.height += float(table["height"].sum())
 
     def summarise(self, tally):
-        mean = float(tally.height) / self.samples
+        mean = tally.height / self.samples
         return {**super().summarise(tally), "share": tally.heads / self.samples, "mean": mean}
 
     def figures(self, summary, tally):

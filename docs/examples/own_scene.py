@@ -4,13 +4,13 @@ It runs from Python, as below, and by: nearflat run own_scene.py:Periods --speed
 """
 
 import explorer as ex
-from explorer.scenes import Box, Column, Counts, LogHistogram, SampledScene, Sum, number_from, option
+from explorer.scenes import Box, Column, Counts, LogHistogram, SampledScene, number_from, option
 
 
 class PeriodCounts(Counts):
     """What is counted of all samples: fields that add up, from chunk to chunk and from run to run."""
 
-    total: Sum
+    total: float
     period: LogHistogram
 
 
@@ -30,10 +30,10 @@ class Periods(SampledScene):
 
     def count(self, tally, table):  # what is added to the counts
         good = table["period"][table["status"] == 0]
-        tally.total += Sum(good)
+        tally.total += float(good.sum())
         tally.period.count(good)
 
     def summarise(self, tally):  # the numbers of the run
         known = tally.period.total
-        mean, median = float(tally.total) / known, tally.period.quantile(0.5)
+        mean, median = tally.total / known, tally.period.quantile(0.5)
         return {**super().summarise(tally), "known": known, "mean": mean, "median": median}

@@ -4,7 +4,7 @@
 """
 
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from textwrap import fill, indent
 from typing import Any
 
@@ -13,9 +13,8 @@ from explorer.commands.trade import Trade, Trading, measured
 from explorer.errors import in_words
 from explorer.runs.run import Run, execute
 from explorer.runs.settings import Settings, asked
-from explorer.scenes.options import Options, all_options, described
-from explorer.scenes.registry import NAMES, scene_class
-from explorer.scenes.scene import Scene
+from explorer.scenes.options import Options, described, options_of
+from explorer.scenes.scene import NAMES, Scene, scene_class
 
 
 def run(scene: str | type[Scene], **options: Any) -> Run:
@@ -110,21 +109,25 @@ def trade(scene: str | type[Scene] | None = None, **options: Any) -> Trade:
     return measured(scene, options)
 
 
-def _entries(kinds: Iterable[type[Scene]], more: type[Options]) -> dict[str, str]:
-    """What help says of each option of these scenes and of the call, by name."""
-    several = list(kinds)
-    entries = {}
-    for each, takers in all_options([more, *several]):
-        scenes = [kind.name for kind in takers if issubclass(kind, Scene)]
-        whose = "" if len(scenes) in (0, len(several)) else f"For {', '.join(scenes)}: "
-        text = in_words(f"{whose}{described(each)}.")
-        entries[each.name] = f"{each.name} : {each.metadata['reader'].accepts}\n{indent(fill(text, 110), '    ')}"
+def _entries(kinds: list[type[Options]]) -> dict[str, str]:
+    """What help says of each option of a call, by its name: those of the call first, and then those of scenes."""
+    takers: dict[str, list[str]] = {}
+    texts, entries = dict[str, Any](), dict[str, str]()
+    for kind in kinds:
+        for each in options_of(kind):
+            takers.setdefault(each.name, []).append(getattr(kind, "name", ""))
+            texts.setdefault(each.name, each)
+    for name, each in texts.items():
+        some = "" in takers[name] or len(takers[name]) == len(NAMES)
+        whose = "" if some else f"For {', '.join(takers[name])}: "
+        text = fill(in_words(f"{whose}{described(each)}."), 110)
+        entries[name] = f"{name} : {each.metadata['reader'].accepts}\n{indent(text, '    ')}"
     return entries
 
 
 def _document(function: Callable[..., Any], more: type[Options]) -> None:
     """Let help() and inspect.signature() name the options of all scenes."""
-    entries = _entries(map(scene_class, NAMES), more)
+    entries = _entries([more, *map(scene_class, NAMES)])
     signature = inspect.signature(function)
     scene, _ = signature.parameters.values()
     words = [inspect.Parameter(word, inspect.Parameter.KEYWORD_ONLY, default=None) for word in entries]

@@ -15,41 +15,38 @@ from explorer.portrait.slices import Slice
 from explorer.runs.run import Run
 from explorer.scenes.scene import Scene
 
-class FallingSet(TypedDict, total=False):
+class OfScene(TypedDict, total=False):
     disk: Disk | str
     seed: int | float | str
     accuracy: float | str
     method: Literal['auto', 'rk4', 'rk8', 'dopri5', 'dop853', 'quadrature']
+
+class OfSampledScene(OfScene, total=False):
     samples: int | float | str
     keep: Literal['none', 'near', 'all']
     chunk_size: int | float | str
+
+class OfFromDensity(OfSampledScene, total=False):
     box: str | Box | Mapping[str, tuple[float, float]]
     energy: str | tuple[float | None, float | None]
     gaussian: str | Box | Mapping[str, tuple[float, float]]
     density: Callable[[Array, Array, Array, Array], Array]
+
+class OfFromStates(OfFromDensity, total=False):
     states: Path | str | States | Any
     degrees: bool
+
+class OfFallingSet(OfFromStates, total=False):
     theta_min: Literal['all', 'near', 'none']
     slice: str | Slice | Sequence[str | Slice]
     grid: int | float | str
 
-class MeasureZero(TypedDict, total=False):
-    disk: Disk | str
-    seed: int | float | str
-    accuracy: float | str
-    method: Literal['auto', 'rk4', 'rk8', 'dopri5', 'dop853', 'quadrature']
-    samples: int | float | str
-    keep: Literal['none', 'near', 'all']
-    chunk_size: int | float | str
-    box: str | Box | Mapping[str, tuple[float, float]]
-    energy: str | tuple[float | None, float | None]
-    gaussian: str | Box | Mapping[str, tuple[float, float]]
-    density: Callable[[Array, Array, Array, Array], Array]
+class OfMeasureZero(OfFromDensity, total=False):
     ladder: str | tuple[float, float]
     tube: int | float | str
     sampling: Literal['random', 'sobol']
 
-class OneSided(TypedDict, total=False):
+class OfOneSided(TypedDict, total=False):
     disk: Disk | str | Sequence[Disk | str]
     seed: int | float | str
     accuracy: float | str
@@ -58,35 +55,18 @@ class OneSided(TypedDict, total=False):
     box: str | Box | Mapping[str, tuple[float, float]]
     eta_hat: str | float | tuple[float, float]
 
-class Portrait(TypedDict, total=False):
-    disk: Disk | str
-    seed: int | float | str
-    accuracy: float | str
-    method: Literal['auto', 'rk4', 'rk8', 'dopri5', 'dop853', 'quadrature']
+class OfPortrait(OfScene, total=False):
     sigma3_bar: float | str
     sigma4_bar: float | str
     eta_hat: float | str
     energy: str | float | tuple[float, float]
     well: bool
 
-class RaceAngles(TypedDict, total=False):
-    disk: Disk | str
-    seed: int | float | str
-    accuracy: float | str
-    method: Literal['auto', 'rk4', 'rk8', 'dopri5', 'dop853', 'quadrature']
-    samples: int | float | str
-    keep: Literal['none', 'near', 'all']
-    chunk_size: int | float | str
-    box: str | Box | Mapping[str, tuple[float, float]]
-    energy: str | tuple[float | None, float | None]
-    gaussian: str | Box | Mapping[str, tuple[float, float]]
-    density: Callable[[Array, Array, Array, Array], Array]
-    states: Path | str | States | Any
-    degrees: bool
+class OfRaceAngles(OfFromStates, total=False):
     eta_hat: str | float | tuple[float, float]
     bounces: int | float | str
 
-class OfRun(TypedDict, total=False):
+class OfSettings(TypedDict, total=False):
     out: Path | str
     exist: Literal['resume', 'replace', 'error']
     jobs: int | float | str
@@ -98,26 +78,21 @@ class OfRun(TypedDict, total=False):
     progress: bool
     rng: int | np.random.SeedSequence | np.random.Generator
 
-class OfTrade(TypedDict, total=False):
+class OfTrading(TypedDict, total=False):
     motions: int
     t_end: float | str
     progress: bool | None
 
-class FallingSetRun(FallingSet, OfRun, total=False): ...
-class FallingSetTrade(FallingSet, OfTrade, total=False): ...
-
-class MeasureZeroRun(MeasureZero, OfRun, total=False): ...
-class MeasureZeroTrade(MeasureZero, OfTrade, total=False): ...
-
-class OneSidedRun(OneSided, OfRun, total=False): ...
-class OneSidedTrade(OneSided, OfTrade, total=False): ...
-
-class PortraitRun(Portrait, OfRun, total=False): ...
-class PortraitTrade(Portrait, OfTrade, total=False): ...
-
-class RaceAnglesRun(RaceAngles, OfRun, total=False): ...
-class RaceAnglesTrade(RaceAngles, OfTrade, total=False): ...
-
+class FallingSetRun(OfFallingSet, OfSettings, total=False): ...
+class FallingSetTrade(OfFallingSet, OfTrading, total=False): ...
+class MeasureZeroRun(OfMeasureZero, OfSettings, total=False): ...
+class MeasureZeroTrade(OfMeasureZero, OfTrading, total=False): ...
+class OneSidedRun(OfOneSided, OfSettings, total=False): ...
+class OneSidedTrade(OfOneSided, OfTrading, total=False): ...
+class PortraitRun(OfPortrait, OfSettings, total=False): ...
+class PortraitTrade(OfPortrait, OfTrading, total=False): ...
+class RaceAnglesRun(OfRaceAngles, OfSettings, total=False): ...
+class RaceAnglesTrade(OfRaceAngles, OfTrading, total=False): ...
 @overload
 def run(scene: Literal["falling-set"], **options: Unpack[FallingSetRun]) -> Run: ...
 @overload
@@ -153,6 +128,6 @@ def trade(scene: Literal["one-sided"], **options: Unpack[OneSidedTrade]) -> Trad
 @overload
 def trade(scene: Literal["portrait"], **options: Unpack[PortraitTrade]) -> Trade: ...
 @overload
-def trade(scene: Literal["race-angles"] | None = ..., **options: Unpack[RaceAnglesTrade]) -> Trade: ...
+def trade(scene: Literal["race-angles"], **options: Unpack[RaceAnglesTrade]) -> Trade: ...
 @overload
-def trade(scene: str | type[Scene], **options: Any) -> Trade: ...
+def trade(scene: str | type[Scene] | None = ..., **options: Any) -> Trade: ...

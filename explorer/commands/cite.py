@@ -1,9 +1,9 @@
 """`nearflat cite` and `ex.cite`: what to cite, as BibTeX."""
 
 import argparse
-import json
 from collections.abc import Sequence
 
+from explorer.commands import Answer
 from explorer.version import installed_version
 
 PAPER = {
@@ -49,14 +49,9 @@ def _entry(kind: str, key: str, fields: dict[str, str]) -> str:
 
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """What the command takes."""
-    command.add_argument("--json", action="store_true", help="print one JSON object on stdout and nothing else")
+    """The command has no options of its own."""
 
 
-def call(options: argparse.Namespace) -> int:
-    """Print the entries."""
-    if options.json:
-        print(json.dumps({key: fields for _, key, fields in _entries()}))
-    else:
-        print(cite())
-    return 0
+def call(options: argparse.Namespace) -> Answer:
+    """Say the entries."""
+    return Answer({key: fields for _, key, fields in _entries()}, cite())

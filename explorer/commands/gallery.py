@@ -1,22 +1,26 @@
-"""`nearflat gallery`: the page of a folder of results by question, every picture with its caption and command."""
+"""`nearflat gallery`: the page of a folder of results by question, every picture with its caption and command.
+
+A folder's own page says "Made by `COMMAND`"; a run says it in run.json.
+"""
 
 import argparse
+import contextlib
 import html
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from explorer.commands.made_by import command_of
-from explorer.errors import InputError
-from explorer.phase.paths import path_of
+from explorer.commands import Answer
+from explorer.errors import InputError, RunError
+from explorer.phase.paths import made_folder, path_of
+from explorer.runs.folder import read_record
 
 if TYPE_CHECKING:
     from explorer.plot.captions import Caption
 
-KINDS = ("png", "gif", "webp")
-_FIRST = ("hero", "definition-sketch", "sketch", "film")  # of their question, in this order
-_ACROSS = 2  # thumbnails in a row
-_THUMBNAIL, _LARGE = 420, 840  # pixels
+KINDS = (".png", ".gif", ".webp")
+_FIRST = ("hero", "definitions", "film")  # of their question, in this order
 _OTHER = "Other pictures"
 
 
@@ -25,94 +29,68 @@ def gallery(folder: Path | str) -> str:
 
     Raises InputError where `folder` is none.
     """
+    from explorer.plot.captions import Question, caption_in
+
     root = path_of("DIR", folder)
     if not root.is_dir():
         raise InputError(f"{root}: is no folder; give the one that holds the results")
     parts = [path for path in sorted(root.iterdir()) if path.is_dir()]
+    shown: dict[str, list[tuple[Path, str]]] = {str(question): [] for question in (*Question, _OTHER)}
+    for part in parts:
+        for picture in sorted(path for path in part.rglob("*") if path.suffix in KINDS):
+            caption = caption_in(picture)
+            cell = [f'<a href="{picture.relative_to(root).as_posix()}">{_image(picture, root, caption, 420)}</a>']
+            cell += [_text(picture, caption), f"<code>{html.escape(command_of(part), quote=False)}</code>"]
+            shown[str(caption.question) if caption else _OTHER].append((picture, "<br>\n".join(cell)))
     lines = [
         "# Results",
         "",
         "Small, committed, each made by the command beside it. This page is made by `nearflat gallery`. A click",
         "on a picture shows it in full size.",
     ]
-    for question, shown in _by_question(root, parts).items():
-        lines += ["", f"## {question}", ""]
-        if shown and shown[0][0].stem == _FIRST[0]:
-            lines += [*_one(root, parts, *shown.pop(0)), ""]
-        lines += _table(root, parts, shown)
-    lines += [
-        "",
-        "## All folders",
-        "",
-        "| folder | command |",
-        "|---|---|",
-        *(f"| [`{path.name}/`]({path.name}) | `{command_of(path)}` |" for path in parts),
-    ]
+    for question, cells in shown.items():
+        cells.sort(key=lambda each: _FIRST.index(each[0].stem) if each[0].stem in _FIRST else len(_FIRST))
+        rows = [cells[first : first + 2] for first in range(0, len(cells), 2)]
+        if rows:
+            lines += ["", f"## {question}", "", "<table>"]
+        for row in rows:
+            lines += ["<tr>", *(f'<td width="50%" valign="top">\n{cell}\n</td>' for _, cell in row), "</tr>"]
+        lines += ["</table>"] if rows else []
+    lines += ["", "## All folders", "", "| folder | command |", "|---|---|"]
+    lines += [f"| [`{path.name}/`]({path.name}) | `{command_of(path)}` |" for path in parts]
     return "\n".join(lines) + "\n"
 
 
-def _by_question(root: Path, parts: list[Path]) -> "dict[str, list[tuple[Path, Caption | None]]]":
-    """Pictures below the folders by the question that they answer, in the order of a gallery."""
-    from explorer.plot.captions import Question, caption_in
-
-    pictures = sorted(picture for path in parts for kind in KINDS for picture in path.rglob(f"*.{kind}"))
-    found: dict[str, list[tuple[Path, Caption | None]]] = {str(question): [] for question in Question}
-    for picture in pictures:
-        caption = caption_in(picture)
-        found.setdefault(str(caption.question) if caption else _OTHER, []).append((picture, caption))
-    for shown in found.values():
-        shown.sort(key=lambda each: _rank(each[0], root))
-    return {question: shown for question, shown in found.items() if shown}
-
-
-def _rank(picture: Path, root: Path) -> tuple[int, str]:
-    first = _FIRST.index(picture.stem) if picture.stem in _FIRST else len(_FIRST)
-    return first, picture.relative_to(root).as_posix()
+def command_of(folder: Path) -> str:
+    """The command that made a folder, as its page or its run says it."""
+    page = folder / "README.md"
+    if page.is_file() and (said := re.search(r"^Made by `(.+?)`", page.read_text("utf-8"), re.MULTILINE)):
+        return said[1]
+    with contextlib.suppress(InputError, RunError):
+        record = read_record(folder)
+        return str(
+            record["command"] or f"ex.run({record['options']['scene']!r}, ...), with the options in run.json"
+        )
+    return "not known"
 
 
-def _table(root: Path, parts: list[Path], shown: "list[tuple[Path, Caption | None]]") -> list[str]:
-    """Thumbnails with captions, some to a row."""
-    if not shown:
-        return []
-    lines = ["<table>"]
-    for first in range(0, len(shown), _ACROSS):
-        lines.append("<tr>")
-        for picture, caption in shown[first : first + _ACROSS]:
-            lines.append(f'<td width="{100 // _ACROSS}%" valign="top">')
-            lines += [*_one(root, parts, picture, caption, _THUMBNAIL), "</td>"]
-        lines.append("</tr>")
-    return [*lines, "</table>"]
-
-
-def _one(
-    root: Path, parts: list[Path], picture: Path, caption: "Caption | None", width: int = _LARGE
-) -> list[str]:
-    """A picture that leads to its file, its caption, and the command that makes it; HTML, also inside a table."""
-    where = picture.relative_to(root).as_posix()
-    part = next(path for path in parts if picture.is_relative_to(path))
-    text = html.escape(caption.text if caption else title_of(picture))
-    command = html.escape(command_of(part, picture.name), quote=False)
-    return [
-        f'<a href="{where}"><img src="{where}" width="{width}" alt="{text}"></a><br>',
-        f"{text}<br>",
-        f"<code>{command}</code>",
-    ]
-
-
-def picture_lines(picture: Path, root: Path, width: int = 600) -> list[str]:
-    """A picture with its caption for the page of `root`: what the page of one folder shows."""
+def picture_lines(picture: Path, root: Path) -> list[str]:
+    """A picture with its caption for the page of `root`."""
     from explorer.plot.captions import caption_in
 
     caption = caption_in(picture)
-    text = caption.text if caption else title_of(picture)
-    where = picture.relative_to(root).as_posix()
-    return [f'<img src="{where}" width="{width}" alt="{html.escape(text)}">', "", text]
+    return [_image(picture, root, caption, 600), "", caption.text if caption else _text(picture, None)]
 
 
-def title_of(picture: Path) -> str:
-    """What a picture without a caption is called: its own name, and its folder's where that tells more."""
-    above = picture.parent if picture.parent.name != "figures" else picture.parent.parent
-    return f"{above.name}, {picture.stem.replace('-', ' ')}"
+def _image(picture: Path, root: Path, caption: "Caption | None", width: int) -> str:
+    text = _text(picture, caption)
+    return f'<img src="{picture.relative_to(root).as_posix()}" width="{width}" alt="{text}">'
+
+
+def _text(picture: Path, caption: "Caption | None") -> str:
+    """What is said of a picture: its caption, or its own name with its folder's."""
+    above = picture.parent.parent if picture.parent.name == "figures" else picture.parent
+    return html.escape(caption.text if caption else f"{above.name}, {picture.stem.replace('-', ' ')}")
 
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
@@ -120,12 +98,10 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
     command.add_argument("folder", nargs="?", default="results", metavar="DIR", help="folder (default results)")
 
 
-def call(options: argparse.Namespace) -> int:
+def call(options: argparse.Namespace) -> Answer:
+    """Write the page."""
     page = Path(options.folder) / "README.md"
     text = gallery(options.folder)
-    try:
-        page.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{page}: cannot be written ({error.strerror}); give a folder that can") from None
-    print(f"wrote {page}")
-    return 0
+    made_folder("DIR", page.parent)
+    page.write_text(text, encoding="utf-8")
+    return Answer({"page": str(page)}, f"wrote {page}")

@@ -2,11 +2,12 @@
 
 Exit status: 0 done, 1 the run failed or a check did not hold, 2 bad arguments, 130 interrupted. Results go to
 stdout, progress and errors to stderr. Each command is a module of this folder with `add_arguments(parser, words)`
-and `call(options)`, which returns the exit status; nothing heavy is imported before it is known.
+and `call(options)`, which returns an `Answer`; nothing heavy is imported before it is known.
 """
 
 import argparse
 import gc
+import json
 import os
 import re
 import shlex
@@ -39,16 +40,14 @@ class Command(NamedTuple):
 # Objects after which Python looks for garbage: loading makes many that stay, and to look through them again and
 # again is a tenth of the start of a command.
 _COLLECTED = 50_000
+_RUN = "race-angles --disk hoop --samples 1e5 --eta-hat 1e-6:1e-2 --out results/races"
+_PASSAGE = "--disk uniform --sigma3-bar 1 --eta-hat -1e-6 --phidot 1 --json"
+_PLAN, _TRADE = "race-angles --disk hoop --samples 1e7 --jobs 2", "race-angles --disk hoop --eta-hat 1e-8:1"
+_VIEW = "--disk hoop --eta-hat -1e-12 --out page.html --open"
 _STORED = "results/race-angles-uniform-0"
 COMMANDS = {
-    "demo": Command(
-        "demo", "Do the main job, small: map the falling set, compare the limits, histogram the race.", "--jobs 2"
-    ),
-    "run": Command(
-        "run",
-        "Run a scene on many initial states and store samples, summary and figures.",
-        "race-angles --disk hoop --samples 1e5 --eta-hat 1e-6:1e-2 --out results/races",
-    ),
+    "demo": Command("demo", "Do the main job, small: map F, compare the limits, histogram the race.", "--jobs 2"),
+    "run": Command("run", "Run a scene on many initial states; store samples, summary and figures.", _RUN),
     "status": Command("runs", "Say how far a stored run is.", _STORED),
     "verify": Command("runs", "Check every chunk of a stored run; exit status 1 if one is bad.", _STORED),
     "resume": Command("runs", "Go on with a stored run: compute what is missing or bad, nothing else.", _STORED),
@@ -56,44 +55,16 @@ COMMANDS = {
     "merge": Command(
         "runs", "Add up runs of one question with different seeds.", "results/races-1 results/races-2"
     ),
-    "passage": Command(
-        "passage",
-        "Compute one passage near flat, from vertical to vertical: race angle, times, limits, forces.",
-        "--disk uniform --sigma3-bar 1 --eta-hat -1e-6 --phidot 1 --json",
-    ),
-    "plan": Command(
-        "plan",
-        "Say which model and method a run would use, and why, and what it will cost: time, memory, disk.",
-        "race-angles --disk hoop --samples 1e7 --jobs 2",
-    ),
-    "columns": Command(
-        "columns", "Say what every column of results and stored runs means, and every status.", "race-angles"
-    ),
-    "trade": Command(
-        "trade",
-        "Measure error and cost of every method on a scene's samples; `--accuracy` and `--method auto` use it.",
-        "race-angles --disk hoop --eta-hat 1e-8:1",
-    ),
+    "passage": Command("passage", "Compute one passage near flat: race angle, times, limits, forces.", _PASSAGE),
+    "plan": Command("plan", "Say which method a run would use, and why, and what it will cost.", _PLAN),
+    "columns": Command("columns", "Say what every column of results and every status means.", "race-angles"),
+    "trade": Command("trade", "Measure error and cost of every method on a scene's samples.", _TRADE),
     "paper": Command(
-        "paper",
-        "Check every statement of the paper, draw its figures, list its misprints; exit status 1 if one fails.",
-        "--only LEMMA-5",
+        "paper", "Check the paper's statements, draw its figures; status 1 if one fails.", "--only LEMMA-5"
     ),
-    "portrait": Command(
-        "portrait",
-        "Draw the disk, its limits, F, phase portraits, slices, races, paths and a film.",
-        "--disk hoop --only paths",
-    ),
-    "view": Command(
-        "view",
-        "Write one self-contained page in which the disk rolls in 3-D, live, on both sides of F.",
-        "--disk hoop --eta-hat -1e-12 --out page.html --open",
-    ),
-    "gallery": Command(
-        "gallery",
-        "Write the page of a folder of results: every picture with the command that makes it.",
-        "results",
-    ),
+    "portrait": Command("portrait", "Draw F, phase portraits, slices, races, paths and a film.", "--disk hoop"),
+    "view": Command("view", "Write one page in which the disk rolls in 3-D, live, on both sides of F.", _VIEW),
+    "gallery": Command("gallery", "Write the page of a folder of results, with every command.", "results"),
     "cite": Command("cite", "Print BibTeX of this software and of the paper.", ""),
     "warmup": Command("warmup", "Compile all kernels into the cache.", ""),
 }
@@ -126,6 +97,7 @@ def parser_of(name: str, words: Sequence[str] = ()) -> Parser:
     parser = Parser(f"nearflat {name}", description=text, epilog=f"example: nearflat {name} {example}".rstrip())
     module = import_module(f"explorer.commands.{home}")
     module.add_arguments(parser, words)
+    parser.add_argument("--json", action="store_true", help="print one JSON object on stdout and nothing else")
     parser.add_argument("--quiet", action="store_true", help="no progress and no notes")
     parser.set_defaults(call=module.call, command=name)
     return parser
@@ -175,9 +147,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             warnings.showwarning = lambda message, *_place: print(f"{name}: {message}", file=sys.stderr)
             options = parser_of(asked.command, asked.words).parse_args(asked.words)
             options.command_line = shlex.join(["nearflat", *words])
-            status: int = options.call(options)
-            sys.stdout.flush()
-        return status
+            found = options.call(options)
+            print(json.dumps(found.record) if options.json else found.text, flush=True)
+        return int(found.status)
     except BrokenPipeError:  # whoever read what was printed has gone, and Python must not complain at its end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
@@ -192,7 +164,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _require_known(name: str) -> None:
     """Raise InputError for a word that is no command."""
     if name not in COMMANDS:
-        from explorer.scenes.registry import NAMES
+        from explorer.scenes.scene import NAMES
 
         if name in NAMES:
             raise InputError(f"{name!r} is a scene, not a command; write nearflat run {name}")

@@ -1,16 +1,12 @@
 """`nearflat passage`: one passage near flat, as text or as JSON."""
 
 import argparse
-import json
-import sys
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from explorer import compiled
-from explorer.commands.common import add_json, given_to
+from explorer.commands import Answer
 from explorer.errors import note, number, sign
 from explorer.motion.forces import KERNELS as FORCES
 from explorer.motion.forces import passage_forces
@@ -18,7 +14,7 @@ from explorer.motion.passages import OBSERVABLES, passage_kernels, passages
 from explorer.motion.plan import METHODS, plan
 from explorer.phase.columns import column
 from explorer.phase.disk import Disk
-from explorer.scenes.options import DISK, NUMBER, Options, Reader, option, word_of
+from explorer.scenes.options import DISK, NUMBER, Options, Reader, option, plain, word_of
 
 _ROUNDING = 1e-12  # of a normal force, m g: a hoop may touch zero
 _NUMBERS = (
@@ -53,48 +49,38 @@ def passage_report(start: Start) -> dict[str, Any]:
     made = passages(disk, *at, start.face, **how)
     status = compiled.status.Status(int(made.status[0]))
     report: dict[str, Any] = {"disk": disk.name, "face": start.face, "status": status.name.lower()}
-    for name in _NUMBERS:
-        report[name] = _number(getattr(made, name)[0])
-    report |= {"method": made.method, "model": made.model, "accuracy": start.accuracy}
-    report["warnings"] = []
-    if status == compiled.status.Status.FALLS:
-        report["limits"] = _continuations(disk, report["fall_angle"], start.face)
+    report |= {name: getattr(made, name)[0] for name in _NUMBERS}
+    report |= {"method": made.method, "model": made.model, "accuracy": start.accuracy, "warnings": []}
+    if status == compiled.status.Status.FALLS:  # what the passage tends to from each side
+        report["limits"] = {
+            name: {
+                "race_angle": race,
+                "delta_chi": report["fall_angle"] + race,
+                "psi_jump": start.face * race,
+            }
+            for name, race in (("plus", disk.race_limit), ("minus", -disk.race_limit))
+        }
     elif status == compiled.status.Status.OK:
         forces = passage_forces(disk, *at)
-        report["min_normal_force"] = _number(forces.min_normal_force[0])
-        report["max_friction"] = _number(forces.max_friction[0])
-        report["warnings"] = _physicality(forces.min_normal_force[0], forces.max_friction[0])
+        normal, friction = (float(values[0]) for values in (forces.min_normal_force, forces.max_friction))
+        report |= {
+            "min_normal_force": normal,
+            "max_friction": friction,
+            "warnings": _physicality(normal, friction),
+        }
     else:
         report["warnings"] = [f"{status.sentence} {status.remedy}"]
-    return report
-
-
-def _continuations(disk: Disk, fall_angle: float, face: int) -> dict[str, dict[str, float]]:
-    """What the passage tends to from each side: angles from vertical to vertical."""
-    return {
-        name: {
-            "race_angle": sign * disk.race_limit,
-            "delta_chi": fall_angle + sign * disk.race_limit,
-            "psi_jump": face * sign * disk.race_limit,
-        }
-        for name, sign in (("plus", 1), ("minus", -1))
-    }
+    return dict(plain(report))
 
 
 def _physicality(normal: float, friction: float) -> list[str]:
+    falls = f"the normal force falls to {normal if abs(normal) > _ROUNDING else 0.0:.3g} m g"
     if normal < -_ROUNDING:
-        return [
-            f"the model keeps contact, but the normal force falls to {normal:.3g} m g: a real disk would lift off"
-        ]
+        return [f"the model keeps contact, but {falls}: a real disk would lift off"]
     if normal < _ROUNDING:
-        return ["the model does not slip, but the normal force falls to 0 m g, where no friction holds a disk"]
-    if friction > 1.0:
-        return [f"the model does not slip, but this motion needs a friction coefficient of {friction:.3g}"]
-    return []
-
-
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+        return [f"the model does not slip, but {falls}, where no friction holds a disk"]
+    needs = f"the model does not slip, but this motion needs a friction coefficient of {friction:.3g}"
+    return [needs] if friction > 1.0 else []
 
 
 def passage_text(report: dict[str, Any]) -> str:
@@ -121,16 +107,14 @@ def _unit(name: str) -> str:
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat passage`."""
     Start.add_to(command)
-    add_json(command)
 
 
-def call(options: argparse.Namespace) -> int:
-    """Print what is known of the passage."""
-    start = Start.of(given_to(Start, options))
+def call(options: argparse.Namespace) -> Answer:
+    """Say what is known of the passage."""
+    start = Start.of(Start.said(options))
     called = (*passage_kernels(plan(OBSERVABLES, start.accuracy, start.method)), *FORCES)
     compiled.warmup(called, lambda text: note(text, options.quiet))
     report = passage_report(start)
-    print(json.dumps(report) if options.json else passage_text(report))
-    for warning in () if options.quiet else report["warnings"]:
-        print(f"nearflat passage: {warning}", file=sys.stderr)
-    return 0 if report["status"] in ("ok", "falls") else 1
+    for warning in report["warnings"]:
+        note(f"nearflat passage: {warning}", options.quiet)
+    return Answer(report, passage_text(report), 0 if report["status"] in ("ok", "falls") else 1)

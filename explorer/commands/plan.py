@@ -1,12 +1,11 @@
 """`nearflat plan`: how a run would be computed, why, and what it will cost."""
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
 
-from explorer.commands.common import add_json, add_question, given_by
+from explorer.commands import Answer
+from explorer.commands.run import add_question, given_by
 from explorer.runs.amounts import duration, size
 from explorer.runs.estimate import Estimate, estimate
 from explorer.runs.settings import Asked, asked
@@ -49,54 +48,36 @@ class RunPlan:
     estimate: Estimate
 
     def __str__(self) -> str:
-        lines = [
-            f"{key:12} {', '.join(value) if isinstance(value, list) else value}" for key, value in _told(self)
-        ]
-        return "\n".join(lines)
+        far = self.estimate
+        figures = f", {far.seconds_for_figures:.0f} s of it for pictures" if far.seconds_for_figures else ""
+        more = f", more than the {size(far.free)} free" if far.free is not None and far.disk > far.free else ""
+        lines = {name: value for name, value in vars(self).items() if name != "estimate" and value} | {
+            "observables": ", ".join(self.observables),
+            "samples": f"{far.samples:,} in {far.chunks:,} chunks",
+            "time": f"about {duration(far.seconds)}{figures} (measured on {far.probed} chunks)",
+            "memory": f"about {size(far.memory)}",
+            "disk": f"about {size(far.disk)}{more}" if far.disk else "nothing is stored",
+        }
+        return "\n".join(f"{name:12} {value}" for name, value in lines.items() if value)
 
 
 def planned(made: Asked) -> RunPlan:
     """How the run that was asked for would be computed."""
     scene, chosen = made.scene, made.scene.plan
+    how = chosen.rung, chosen.method, chosen.reason, chosen.cost
     if not scene.observables:  # a user's scene need not say what it computes
         own = "that of the scene, which names no observables"
-        return RunPlan(scene.name, [], scene.accuracy, own, scene.method, own, "as measured", estimate(made))
-    return RunPlan(
-        scene.name,
-        list(scene.observables),
-        chosen.accuracy,
-        chosen.rung,
-        chosen.method,
-        chosen.reason,
-        chosen.cost,
-        estimate(made),
-    )
-
-
-def _told(planned: RunPlan) -> list[tuple[str, Any]]:
-    """What is printed: name and value."""
-    far = planned.estimate
-    figures = f", {far.seconds_for_figures:.0f} s of it for pictures" if far.seconds_for_figures else ""
-    more = f", more than the {size(far.free)} free" if far.free is not None and far.disk > far.free else ""
-    plain = [(key, value) for key, value in vars(planned).items() if key != "estimate" and value]
-    return [
-        *plain,
-        ("samples", f"{far.samples:,} in {far.chunks:,} chunks"),
-        ("time", f"about {duration(far.seconds)}{figures} (measured on {far.probed} chunks)"),
-        ("memory", f"about {size(far.memory)}"),
-        ("disk", f"about {size(far.disk)}{more}" if far.disk else "nothing is stored"),
-    ]
+        how = own, scene.method, own, "as measured"
+    return RunPlan(scene.name, list(scene.observables), scene.accuracy, *how, estimate(made))
 
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat plan`, which are those of `run`."""
     add_question(command, words)
-    add_json(command)
 
 
-def call(options: argparse.Namespace) -> int:
-    """Print the plan."""
+def call(options: argparse.Namespace) -> Answer:
+    """Say the plan."""
     name, given = given_by(options)
     made = planned(asked(name, given, options.command_line))
-    print(json.dumps({**vars(made), "estimate": asdict(made.estimate)}) if options.json else made)
-    return 0
+    return Answer({**vars(made), "estimate": asdict(made.estimate)}, str(made))

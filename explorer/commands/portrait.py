@@ -1,7 +1,7 @@
 """`nearflat portrait`: the pictures that the paper does not have, each made by one command.
 
 A group is a function that yields names and pictures of a disk; its docstring is the title above them. Lengths on
-the way from F are in natural units, `unit` is sqrt(g/r).
+the way from F are in natural units, `unit` is sqrt(g/r): sigma3_bar and phidot of most pictures.
 """
 
 import argparse
@@ -12,16 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from explorer.commands.common import given_to
+from explorer.commands import Answer
 from explorer.commands.gallery import picture_lines
-from explorer.commands.made_by import leave_page
 from explorer.errors import InputError, note, one_of
 from explorer.phase.disk import Disk
-from explorer.phase.paths import path_of
+from explorer.phase.paths import made_folder
 from explorer.phase.states import constants_to_states
 from explorer.portrait.bifurcation_portraits import bifurcation_portraits
 from explorer.portrait.bodies import flat_body, measured_gaps, race_numbers
-from explorer.portrait.conservation import conservation
+from explorer.portrait.conservation import conservation as conserved
 from explorer.portrait.contact_forces import contact_forces
 from explorer.portrait.falling_surface import falling_surface, zoom
 from explorer.portrait.film import film
@@ -31,7 +30,7 @@ from explorer.portrait.rocking import rocking
 from explorer.portrait.rotation import rotation_map
 from explorer.portrait.slices import Slice, slice_map
 from explorer.portrait.wander import resonance, wander, wander_path
-from explorer.scenes.options import DISK, Options, Reader, option, options_of
+from explorer.scenes.options import DISK, FOLDER, Options, Reader, option, options_of
 from explorer.scenes.portrait import Portrait
 from explorer.scenes.scene import Scene
 
@@ -49,7 +48,7 @@ def hero(disk: Disk, unit: float, given: dict[str, Any]) -> Pictures:
     from explorer import plot
 
     # Near enough to F that the disk looks flat, far enough that its race is seen to take time.
-    yield "hero", plot.hero(film(disk, 0.01 * unit, *_start(unit), 300))
+    yield "hero", plot.hero(film(disk, 0.01 * unit, unit, unit, 300))
 
 
 def definitions(disk: Disk, unit: float, given: dict[str, Any]) -> Pictures:
@@ -63,13 +62,12 @@ def limit(disk: Disk, unit: float, given: dict[str, Any]) -> Pictures:
     """the limit from each side of F"""
     from explorer import plot
 
-    start = _start(unit)
-    yield "limit-paths", plot.limit_paths(toward_limits(disk, (0.3, 0.1, 0.01, 1e-4), *start))
+    yield "limit-paths", plot.limit_paths(toward_limits(disk, (0.3, 0.1, 0.01, 1e-4), unit, unit))
     for name, sizes, draw in (
         ("race-collapse", (0.1, 1e-2, 1e-4, 1e-8), partial(plot.figure_of, plot.race_collapse)),
         ("blow-up", (0.1, 0.03, 0.01, 0.003), plot.blow_up),
     ):
-        yield name, draw(near_flat(disk, [sign * size * unit for size in sizes for sign in (1, -1)], *start))
+        yield name, draw(near_flat(disk, [sign * size * unit for size in sizes for sign in (1, -1)], unit, unit))
 
 
 def surface(disk: Disk, unit: float, given: dict[str, Any]) -> Pictures:
@@ -77,8 +75,8 @@ def surface(disk: Disk, unit: float, given: dict[str, Any]) -> Pictures:
     from explorer import plot
 
     yield "falling-surface", plot.falling_surface(falling_surface(disk, unit))
-    halves = (0.3, 3e-5, 3e-9, 3e-13)  # sides of squares round a point of F
-    yield "zoom", plot.zoom_on_f(zoom(disk, _times(unit, halves), *_start(unit)))
+    halves = [half * unit for half in (0.3, 3e-5, 3e-9, 3e-13)]  # sides of squares round a point of F
+    yield "zoom", plot.zoom_on_f(zoom(disk, halves, unit, unit))
 
 
 def rotation(disk: Disk, unit: float, given: dict[str, Any]) -> Pictures:
@@ -93,7 +91,7 @@ def solvers(disk: Disk, unit: float, given: dict[str, Any]) -> Pictures:
     from explorer import plot
 
     sizes = np.logspace(-1.0, -8.0, 50) * np.resize([1.0, -1.0], 50)  # the sides in turn
-    yield "missed-races", plot.missed_races(general_solvers(disk, sizes * unit, *_start(unit)))
+    yield "missed-races", plot.missed_races(general_solvers(disk, sizes * unit, unit, unit))
 
 
 def phase(disk: Disk, unit: float, given: dict[str, Any]) -> Pictures:
@@ -167,33 +165,24 @@ def forces(disk: Disk, unit: float, given: dict[str, Any]) -> Pictures:
     """what the contact has to bear over a period"""
     from explorer import plot
 
-    sizes = _times(unit, (0.3, 0.1, 0.01))
-    yield "forces", plot.contact_forces(contact_forces(disk, sizes, *_start(unit)))
+    sizes = [size * unit for size in (0.3, 0.1, 0.01)]
+    yield "forces", plot.contact_forces(contact_forces(disk, sizes, unit, unit))
 
 
-def kept(disk: Disk, unit: float, given: dict[str, Any]) -> Pictures:
+def conservation(disk: Disk, unit: float, given: dict[str, Any]) -> Pictures:
     """what is left of the constants after thousands of passages"""
     from explorer import plot
 
-    yield "conservation", plot.conservation(conservation(disk))
-
-
-def _start(unit: float) -> tuple[float, float]:
-    """sigma3_bar and phidot of most pictures."""
-    return unit, unit
-
-
-def _times(unit: float, sizes: Sequence[float]) -> list[float]:
-    return [size * unit for size in sizes]
+    yield "conservation", plot.conservation(conserved(disk))
 
 
 GROUPS: dict[str, Callable[[Disk, float, dict[str, Any]], Pictures]] = {
     each.__name__: each
     for each in (
         *(hero, definitions, limit, surface, rotation, solvers, phase, bifurcation),
-        *(slices, race, bounces, paths, forces),
+        *(slices, race, bounces, paths, forces, conservation),
     )
-} | {"conservation": kept}
+}
 
 
 class Drawn(Options):
@@ -205,7 +194,7 @@ class Drawn(Options):
         f"one group of pictures: {', '.join([*GROUPS, FILM])}",
         words="all",
     )
-    out: Path = option(Reader(path_of, "DIR", "Path | str"), "folder", default=Path("results/portrait"))
+    out: Path = option(FOLDER, "folder", default=Path("results/portrait"))
 
 
 _OF_PHASE = {each.name for each in options_of(Portrait)} - {each.name for each in options_of(Scene)}
@@ -215,29 +204,25 @@ def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Pa
     """Draw all groups of pictures, or one, into a folder; returns the files.
 
     given, for the group phase, as for scene portrait: sigma3_bar, sigma4_bar or eta_hat, energy, well. Raises
-    InputError where they cannot be used, and for a folder that cannot be written.
+    InputError where they cannot be used.
     """
-    folder, disk = asked.out, asked.disk
+    folder, disk, files = asked.out, asked.disk, list[Path]()
     if given and asked.only not in (None, "phase"):
         names = ", ".join(f"--{key.replace('_', '-')}" for key in given)
         raise InputError(f"{names}: only the group phase takes this; leave it out, or --only phase")
     # What the options do not allow is said before anything is written.
     Portrait.of({**given, "disk": disk})
     command = "nearflat portrait" + (f" --only {asked.only}" if asked.only else "")
-    lines, commands = [f"# Portraits of the {disk.name} disk", "", f"Made by `{command}`."], {}
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name in [asked.only] if asked.only else [*GROUPS, FILM]:
-            note(f"drawing {name}", quiet)
-            text, files = _drawn(name, folder, disk, given)
-            lines += ["", f"## {text[0].upper()}{text[1:]}", "", f"`nearflat portrait --only {name}`"]
-            for path in files:
-                lines += ["", *picture_lines(path, folder)]
-                commands[path.name] = f"nearflat portrait --only {name}"
-        leave_page(folder, lines, command, commands)
-    except OSError as error:
-        raise InputError(f"--out {folder}: cannot be written ({error.strerror})") from None
-    return [folder / name for name in commands]
+    lines = [f"# Portraits of the {disk.name} disk", "", f"Made by `{command}`."]
+    made_folder("--out", folder)
+    for name in [asked.only] if asked.only else [*GROUPS, FILM]:
+        note(f"drawing {name}", quiet)
+        text, drawn = _drawn(name, folder, disk, given)
+        lines += ["", f"## {text[0].upper()}{text[1:]}", "", f"`nearflat portrait --only {name}`"]
+        lines += [line for path in drawn for line in ("", *picture_lines(path, folder))]
+        files += drawn
+    (folder / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return files
 
 
 def _drawn(name: str, folder: Path, disk: Disk, given: dict[str, Any]) -> tuple[str, list[Path]]:
@@ -263,9 +248,9 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
     Portrait.add_to(command, _OF_PHASE)
 
 
-def call(options: argparse.Namespace) -> int:
+def call(options: argparse.Namespace) -> Answer:
     """Draw, and say how many there are."""
-    asked = Drawn.of(given_to(Drawn, options))
-    given = {name: value for name, value in given_to(Portrait, options).items() if name in _OF_PHASE}
-    print(f"{len(portrait(asked, given, options.quiet))} pictures are in {asked.out}.")
-    return 0
+    asked = Drawn.of(Drawn.said(options))
+    given = {name: value for name, value in Portrait.said(options).items() if name in _OF_PHASE}
+    files = [str(path) for path in portrait(asked, given, options.quiet)]
+    return Answer({"files": files}, f"{len(files)} pictures are in {asked.out}.")

@@ -1,20 +1,84 @@
-"""`nearflat run`: a scene on many initial states, stored in a folder."""
+"""`nearflat run`, and what all commands about a scene share: how it is named, its options, and how a run is shown.
+
+Arrow is loaded when a run is made: `nearflat plan` does without.
+"""
 
 import argparse
 from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from explorer.commands.common import add_json, add_question, given_by, show
-from explorer.runs.run import execute
-from explorer.runs.settings import asked
+from explorer.commands import Answer
+from explorer.errors import InputError
+from explorer.runs.settings import Settings, asked
+from explorer.scenes.options import first_line
+from explorer.scenes.scene import NAMES, Scene, read_scene_file, scene_class
+
+if TYPE_CHECKING:
+    from explorer.runs.run import Run
+
+_APART = ("scene", "command", "command_line", "call", "json", "quiet", "no_store")  # which are no options of a run
+
+
+def add_scene(command: argparse.ArgumentParser, words: Sequence[str], text: str = "", **how: Any) -> type[Scene]:
+    """Add the scene that a command is about, and return its class; that of all scenes where none is named."""
+    names = f"{', '.join(NAMES)}, a TOML file that names a scene and sets options, or FILE.py:CLASS, your own"
+    command.add_argument("scene", metavar="SCENE", help=names + text, **how)
+    for word in words:
+        if word.endswith(".py"):
+            raise InputError(f"scene {word}: name its class too, as in {word}:Scene")
+    named = next((word for word in words if word in NAMES or word.endswith(".toml") or ".py:" in word), None)
+    if named is None:
+        return Scene
+    return scene_class(read_scene_file(Path(named))["scene"] if named.endswith(".toml") else named)
+
+
+def add_question(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
+    """Add the scene with its options, and those of its run."""
+    kind = add_scene(command, words)
+    command.description = f"{command.description} {first_line(kind)}"
+    if kind is not Scene:
+        own = [word for word in words if ".py:" in word]  # a scene of the user's has no other name here
+        command.epilog = f"example: {command.prog} {[*own, kind.name][0]} --disk hoop --out results/mine"
+    kind.add_to(command)
+    Settings.add_to(command)
+    which = command.add_mutually_exclusive_group()
+    for exist, text in (
+        ("resume", "continue the run in --out, or start it where there is none"),
+        ("replace", "compute the run in --out anew; the one that is there is lost"),
+    ):
+        which.add_argument(
+            f"--{exist}", dest="exist", action="store_const", const=exist, default=argparse.SUPPRESS, help=text
+        )
+
+
+def given_by(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
+    """Scene and keywords from a command line, and from a TOML file where one is named; the command line wins."""
+    given: dict[str, Any] = {"scene": options.scene}
+    if str(options.scene).endswith(".toml"):
+        given = read_scene_file(Path(options.scene))
+    given |= {key: value for key, value in vars(options).items() if key not in _APART and value is not None}
+    if options.quiet:
+        given["progress"] = False
+    return given.pop("scene"), given
+
+
+def shown(run: "Run") -> Answer:
+    """A finished run."""
+    lines = run.scene.headline(run.summary)
+    if run.folder is not None:
+        lines += [f"All of it is in {run.folder}."]
+    return Answer(run.summary, "\n".join(lines))
 
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of the scene that is named, and of its run."""
     add_question(command, words)
-    add_json(command)
 
 
-def call(options: argparse.Namespace) -> int:
+def call(options: argparse.Namespace) -> Answer:
     """Run the scene."""
+    from explorer.runs.run import execute
+
     name, given = given_by(options)
-    return show(execute(asked(name, given, options.command_line, exist="error")), options.json)
+    return shown(execute(asked(name, given, options.command_line, exist="error")))

@@ -1,25 +1,23 @@
 """`nearflat trade`: speed against accuracy, measured on the samples of a scene."""
 
 import argparse
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 from explorer import compiled
-from explorer.commands import trade_report
-from explorer.commands.common import add_json, add_scene, given_by
+from explorer.commands import Answer, trade_report
+from explorer.commands.run import add_scene, given_by
 from explorer.errors import InputError, flag, note, positive, said, whole
 from explorer.motion import calibration
 from explorer.motion.trade import Errors, Measured, Row, curves, largest_errors, measure, only_errors
 from explorer.motion.trials import Trial
 from explorer.phase.disk import Disk
-from explorer.phase.paths import path_of
+from explorer.phase.paths import made_folder, path_of
 from explorer.runs.settings import Settings
 from explorer.scenes.options import Options, Reader, option, options_of
-from explorer.scenes.registry import scene_class
-from explorer.scenes.scene import Scene
+from explorer.scenes.scene import Scene, scene_class
 
 # The time of fewer passages or tilts is mostly that of the call.
 FEWEST, FEWEST_MOTIONS, MOTIONS = 256, 64, 1024
@@ -124,9 +122,8 @@ def _measured(scene: Scene, trials: list[Trial], quiet: bool) -> Trade:
 
 def trials_of(scene: str | type[Scene] | None, options: Mapping[str, Any]) -> tuple[Scene, list[Trial], bool]:
     """The scene, what is to be measured of it, and whether quietly; only the true answers are computed yet."""
-    names = [each.name for each in options_of(Trading)]
-    asked = Trading.of({name: value for name, value in options.items() if name in names})
-    made = scene_for(scene, {name: value for name, value in options.items() if name not in names})
+    own = {each.name: options[each.name] for each in options_of(Trading) if each.name in options}
+    asked, made = Trading.of(own), scene_for(scene, {k: v for k, v in options.items() if k not in own})
     if type(made).trial is not Scene.trial and made.options["samples"] > MOST:
         raise InputError(
             f"--samples {made.options['samples']}: all are followed by every method at every setting; give "
@@ -135,9 +132,18 @@ def trials_of(scene: str | type[Scene] | None, options: Mapping[str, Any]) -> tu
     in_time = made.motions(asked.motions, asked.t_end) if asked.motions else None
     trials: list[Trial] = [trial for trial in (made.trial(), in_time) if trial is not None]
     if not trials:
-        raise InputError(f"{made.name}: {_why_none(made, asked.motions)}")
+        why = "no method is chosen in this scene, so there is nothing to trade; measure another one"
+        if not asked.motions and made.motions(1, None) is not None:
+            why = "methods can be compared only on its motions in time; leave --motions 0 out"
+        raise InputError(f"{made.name}: {why}")
     for trial in trials:
-        _check(trial)
+        known, size = int(trial.known.sum()), trial.known.size
+        # Those without an answer take small steps longest.
+        if known < (fewest := 1 if trial.in_time else max(FEWEST, size // 2)):
+            raise InputError(
+                f"{known:,} of {size:,} {trial.kind} have a known answer, and {fewest:,} are needed to tell "
+                "methods apart; give more --samples, another --disk, or a --box whose starts are less slow"
+            )
     return made, trials, asked.progress is False
 
 
@@ -153,23 +159,6 @@ def scene_for(scene: str | type[Scene] | None, options: dict[str, Any]) -> Scene
     if "samples" in made.options and options.get("samples") is None:
         more["samples"] = min(made.options["samples"], made.tried)
     return replace(made, **more)
-
-
-def _why_none(scene: Scene, count: int) -> str:
-    if count == 0 and scene.motions(1, None) is not None:
-        return "methods can be compared only on its motions in time; leave --motions 0 out"
-    return "no method is chosen in this scene, so there is nothing to trade; measure another one"
-
-
-def _check(trial: Trial) -> None:
-    """Raise InputError where there is too little to measure, or no answer to compare with."""
-    known, size = int(trial.known.sum()), trial.known.size
-    fewest = 1 if trial.in_time else max(FEWEST, size // 2)  # those without an answer take small steps longest
-    if known < fewest:
-        raise InputError(
-            f"{known:,} of {size:,} {trial.kind} have a known answer, and {fewest:,} are needed to tell methods "
-            "apart; give more --samples, another --disk, or a --box whose starts are less slow"
-        )
 
 
 def _plain(disk: Disk, samples: int, seed: int) -> Scene:
@@ -220,10 +209,9 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
     (scene_class(PLAIN) if kind is Scene else kind).add_to(command)
     command.add_argument("--out", metavar="DIR", help="folder (default results/trade, or results/trade-SCENE)")
     command.add_argument("--no-store", action="store_true", help="do not keep the result for this machine")
-    add_json(command)
 
 
-def call(options: argparse.Namespace) -> int:
+def call(options: argparse.Namespace) -> Answer:
     """Measure, keep what was found for this machine, and write the page."""
     scene, given = given_by(options)
     out = path_of(
@@ -231,16 +219,10 @@ def call(options: argparse.Namespace) -> int:
     )
     of_runs = {each.name for each in fields(Settings)} - {"progress"}  # a TOML file may have them
     made, trials, quiet = trials_of(scene, {name: value for name, value in given.items() if name not in of_runs})
-    try:  # before anything is measured
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"--out {out}: cannot be written ({error.strerror}); give a folder that can") from None
+    made_folder("--out", out)  # before anything is measured
     found = _measured(made, trials, quiet)
     where = None if options.no_store else found.store()
     trade_report.write(found.scene, found.parts, out, options.command_line, where)
-    if options.json:
-        print(json.dumps({"scene": found.scene.options, "parts": [asdict(part) for part in found.parts]}))
-        return 0
-    print(found)
-    print(f"Tables and picture are in {out}." + (f" Calibration kept in {where}." if where else ""))
-    return 0
+    kept = f" Calibration kept in {where}." if where else ""
+    record = {"scene": found.scene.options, "parts": [asdict(part) for part in found.parts]}
+    return Answer(record, f"{found}\nTables and picture are in {out}.{kept}")

@@ -5,7 +5,6 @@ from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
 
-from explorer.commands.made_by import leave_page
 from explorer.motion.trade import Measured, Row
 from explorer.scenes.scene import Scene
 
@@ -14,6 +13,17 @@ _REFERENCE = {
     "tilts": "quadrature at 1e-13; quadrature itself against rk8 with steps far finer than any accuracy needs",
     "motions": "rk8 with steps far finer than any accuracy needs",
 }
+
+_ABOUT = """Samples are those that the scene draws. Times are of the calls that the scene makes, and for motions of
+`simulate`: processor time of one core, without compile time, the least of several interleaved rounds.
+Compare them within this page only. *Unresolved* and *refused* are shares of the samples at the accuracy
+for which a setting is chosen, five times its error: those whose side of F is not known, and those that
+have no answer for another reason. *Wrong way* counts samples that came out on the other side of F.
+Rows marked * are the front of the integrators: none is faster and errs as little. In the second table
+of each kind the error is divided by the accuracy that was asked.
+
+![error and time of all methods](trade.png)
+"""
 
 
 def tables(parts: Iterable[Measured]) -> list[str]:
@@ -38,63 +48,41 @@ def tables(parts: Iterable[Measured]) -> list[str]:
 
 def by_setting(part: Measured) -> list[str]:
     """Every method from coarse to fine; the front is marked."""
-    return [
-        f"| method | setting | median error | 99th percentile | largest | evaluations | ns per {part.unit} "
-        "| unresolved | refused | wrong way | * |",
-        "|---|---|---|---|---|---|---|---|---|---|---|",
-        *(_line(row) for row in part.rows),
+    heads = "method|setting|median error|99th percentile|largest|evaluations|ns per " + part.unit
+    rows = [
+        f"{row.method}|{row.setting:.2g}|{row.median:.0e}|{row.p99:.0e}|{row.largest:.0e}"
+        f"|{f'{row.evaluations:.0f}' if row.evaluations else '-'}|{row.nanoseconds:.0f}"
+        f"|{row.unresolved:.1%}|{row.refused:.1%}|{row.wrong_way}|{'*' if row.on_front else ''}"
+        for row in part.rows
     ]
-
-
-def _line(row: Row) -> str:
-    evaluations = f"{row.evaluations:.0f}" if row.evaluations else "-"
-    return (
-        f"| {row.method} | {row.setting:.2g} | {row.median:.0e} | {row.p99:.0e} | {row.largest:.0e} "
-        f"| {evaluations} | {row.nanoseconds:.0f} | {row.unresolved:.1%} | {row.refused:.1%} | {row.wrong_way} "
-        f"| {'*' if row.on_front else ''} |"
-    )
+    return _table([f"{heads}|unresolved|refused|wrong way|*", *rows])
 
 
 def by_accuracy(asked: Sequence[Row]) -> list[str]:
     """The 99th percentile of the error over the accuracy asked, and the time (ns), a column for each accuracy."""
-    levels = list(dict.fromkeys(row.setting for row in asked))
-    rows = {(row.method, row.setting): row for row in asked}
-    lines = [
-        "| method | " + " | ".join(f"{level:.0e}" for level in levels) + " |",
-        "|---" * (1 + len(levels)) + "|",
-    ]
-    for method in dict.fromkeys(row.method for row in asked):
-        cells = []
-        for level in levels:
-            row = rows.get((method, level))
-            cells.append("-" if row is None else f"{row.p99 / level:.1e} ({row.nanoseconds:.0f} ns)")
-        lines.append(f"| {method} | " + " | ".join(cells) + " |")
-    return lines
+    cells = {(row.method, row.setting): f"{row.p99 / row.setting:.1e} ({row.nanoseconds:.0f} ns)" for row in asked}
+    methods, levels = dict.fromkeys(row.method for row in asked), dict.fromkeys(row.setting for row in asked)
+    heads = "|".join(["method", *(f"{level:.0e}" for level in levels)])
+    return _table([heads, *("|".join([m, *(cells.get((m, level), "-") for level in levels)]) for m in methods)])
+
+
+def _table(rows: Sequence[str]) -> list[str]:
+    """Markdown of rows whose cells are apart by bars, the head first."""
+    head, *others = (f"| {' | '.join(row.split('|'))} |" for row in rows)
+    return [head, "|---" * (rows[0].count("|") + 1) + "|", *others]
 
 
 def write(scene: Scene, parts: list[Measured], out: Path, command: str, where: Path | None) -> None:
-    """README.md, trade.png and made_by.json in the folder `out`."""
+    """README.md and trade.png in the folder `out`."""
     from explorer.plot import figure_of, save, stacked, work_precision
 
-    lines = [
+    page = [
         f"# Speed against accuracy: {scene.name}, {scene.label}",
-        "",
-        f"Made by `{command}` on {platform.machine()}, {platform.system()}.",
-        "",
-        "Samples are those that the scene draws. Times are of the calls that the scene makes, and for motions of",
-        "`simulate`: processor time of one core, without compile time, the least of several interleaved rounds.",
-        "Compare them within this page only. *Unresolved* and *refused* are shares of the samples at the accuracy",
-        "for which a setting is chosen, five times its error: those whose side of F is not known, and those that",
-        "have no answer for another reason. *Wrong way* counts samples that came out on the other side of F.",
-        "Rows marked * are the front of the integrators: none is faster and errs as little. In the second table",
-        "of each kind the error is divided by the accuracy that was asked.",
-        "",
-        "![error and time of all methods](trade.png)",
-        "",
+        f"\nMade by `{command}` on {platform.machine()}, {platform.system()}.\n",
+        _ABOUT,
         *tables(parts),
+        *(["\nStored for this machine; `--accuracy` and `--method auto` read it."] if where else []),
     ]
-    if where is not None:
-        lines += ["", "Stored for this machine; `--accuracy` and `--method auto` read it."]
+    (out / "README.md").write_text("\n".join(page) + "\n", encoding="utf-8")
     draws = [partial(work_precision, part) for part in parts]
     save(stacked(*draws, height=9.0) if len(draws) > 1 else figure_of(*draws), out / "trade.png")
-    leave_page(out, lines, command)

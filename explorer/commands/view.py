@@ -1,12 +1,11 @@
 """`nearflat view`: the page with the rolling disk, written to a file."""
 
 import argparse
-import json
 import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 
-from explorer.commands.common import add_json, given_to
+from explorer.commands import Answer
 from explorer.errors import sign
 from explorer.phase.disk import Disk
 from explorer.phase.paths import path_of
@@ -33,19 +32,15 @@ class Page(Options):
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """What the command takes."""
     Page.add_to(command)
-    add_json(command)
 
 
-def call(options: argparse.Namespace) -> int:
+def call(options: argparse.Namespace) -> Answer:
     """Write the page."""
-    asked = Page.of(given_to(Page, options))
+    asked = Page.of(Page.said(options))
     page = view(asked.disk, asked.sigma3_bar, asked.eta_hat, asked.phidot, asked.face)
     where = page.save(asked.out)
     size = where.stat().st_size
-    if options.json:
-        print(json.dumps({"page": str(where), "bytes": size, "disk": page.disk.name}))
-    else:
-        print(f"{where} ({size / 1000:.0f} kB): open it in any browser.")
     if asked.open:
         webbrowser.open(where.resolve().as_uri())
-    return 0
+    record = {"page": str(where), "bytes": size, "disk": page.disk.name}
+    return Answer(record, f"{where} ({size / 1000:.0f} kB): open it in any browser.")

@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Sequence
 
+from explorer.commands import Answer
 from explorer.compiled import warmup
 from explorer.errors import note
 
@@ -11,7 +12,9 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
     """The command has no options of its own."""
 
 
-def call(options: argparse.Namespace) -> int:
+def call(options: argparse.Namespace) -> Answer:
+    """Compile all, and say how many there were."""
     fresh = warmup(say=lambda text: note(text, options.quiet))
-    print(f"{fresh} kernels compiled; all are ready." if fresh else "All kernels were ready.")
-    return 0
+    return Answer(
+        {"compiled": fresh}, f"{fresh} kernels compiled; all are ready." if fresh else "All kernels were ready."
+    )

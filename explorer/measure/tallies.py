@@ -5,13 +5,14 @@
         angles: ByName[Histogram]
         impact_speed: LogHistogram
 
-`RaceCounts()` is empty. Everything is added exactly, so the order of chunks does not matter.
+`RaceCounts()` is empty. Chunks are added in order, whichever was computed first, so that sums of
+doubles are the same for any number of workers too.
 """
 
 import base64
 import math
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar, Generic, Self, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -28,7 +29,7 @@ _MARGIN = PER_DECADE // 2  # bins by which rows grow further than they must
 
 
 class Tally:
-    """Counts of samples; a subclass names its fields and their kinds: int, ByName[kind], a class of this file."""
+    """Counts of samples; a subclass names its fields: int, float, list, ByName or a class of this file."""
 
     kinds: ClassVar[dict[str, Any]] = {}
 
@@ -53,93 +54,44 @@ class Tally:
         return cls(**{name: _made(kind, state[name]) for name, kind in cls.kinds.items()})
 
 
-def _made(kind: Any, state: Any = None) -> Any:
+def _made(kind: Any, *state: Any) -> Any:
     """An empty count of a kind, or the one with this state."""
     if get_origin(kind) is ByName:
-        (inner,) = get_args(kind)
-        return ByName(inner, {name: _made(inner, item) for name, item in (state or {}).items()})
-    if state is None:
-        return kind()
-    return kind(state) if kind is int else kind.of_state(state)
+        return ByName(get_args(kind)[0], *state)
+    return kind.of_state(*state) if state and kind is LogHistogram else kind(*state)
 
 
 def _state_of(value: Any) -> Any:
-    return value if isinstance(value, int) else value.state()
+    return value if isinstance(value, int | float | list) else value.state()
 
 
 class ByName(dict[str, Any], Generic[K]):
     """Counts of one kind by name; a name that is new has an empty one."""
 
-    def __init__(self, kind: Any = int, items: dict[str, Any] | None = None) -> None:
-        super().__init__(items or {})
+    def __init__(self, kind: Any = int, state: Mapping[str, Any] | None = None) -> None:
+        super().__init__({name: _made(kind, item) for name, item in (state or {}).items()})
         self.kind = kind
 
     def __missing__(self, name: str) -> Any:
         self[name] = _made(self.kind)
         return self[name]
 
-    def __add__(self, other: dict[str, Any]) -> "ByName[K]":
-        names = sorted({*self, *other})
-        both = {
-            name: self[name] + other[name] if name in self and name in other else {**self, **other}[name]
-            for name in names
-        }
-        return ByName(self.kind, both)
+    def __add__(self, other: Mapping[str, Any]) -> "ByName[K]":
+        both: ByName[K] = ByName(self.kind)
+        for name in sorted({*self, *other}):
+            both[name] = self.get(name, _made(self.kind)) + other.get(name, _made(self.kind))
+        return both
 
     def state(self) -> dict[str, Any]:
         return {name: _state_of(value) for name, value in self.items()}
-
-
-class Sum:
-    """A sum of doubles that is rounded once, in whatever order they come: parts that do not overlap."""
-
-    def __init__(self, values: Any = ()) -> None:
-        self.parts: list[float] = []
-        left = [float(value) for value in values]
-        while left and (rounded := math.fsum(left)):
-            self.parts.append(rounded)
-            left.append(-rounded)
-
-    def __add__(self, other: "Sum") -> "Sum":
-        return Sum([*self.parts, *other.parts])
-
-    def __float__(self) -> float:
-        return math.fsum(self.parts)
-
-    def state(self) -> list[float]:
-        return self.parts
-
-    @classmethod
-    def of_state(cls, state: list[float]) -> "Sum":
-        return cls(state)
-
-
-class Records:
-    """Whatever JSON can hold, one after the other, in the order in which chunks are added."""
-
-    def __init__(self, items: Any = ()) -> None:
-        self.items: list[Any] = list(items)
-
-    def __add__(self, other: "Records") -> "Records":
-        return Records(self.items + other.items)
-
-    def __iadd__(self, other: "Records") -> Self:
-        self.items += other.items
-        return self
-
-    def state(self) -> list[Any]:
-        return self.items
-
-    @classmethod
-    def of_state(cls, state: list[Any]) -> "Records":
-        return cls(state)
 
 
 class Histogram:
     """Counts (bins + 1) between edges that whoever counts knows; the last is of what lies outside."""
 
     def __init__(self, counts: Any = (0,)) -> None:
-        self.counts: NDArray[np.int64] = np.asarray(counts, np.int64)
+        known = unpacked(counts) if isinstance(counts, str) else counts
+        self.counts: NDArray[np.int64] = np.asarray(known, np.int64)
 
     def __add__(self, other: "Histogram") -> "Histogram":
         if min(self.counts.size, other.counts.size) == 1:  # an empty one does not know how many bins there are
@@ -149,28 +101,17 @@ class Histogram:
     def state(self) -> str:
         return packed(self.counts)
 
-    @classmethod
-    def of_state(cls, state: str) -> "Histogram":
-        return cls(unpacked(state))
 
-
-class Least:
+class Least(Histogram):
     """The smallest code, a whole number below NONE, in each cell of a map; NONE where there is none."""
 
     NONE = 65535
 
     def __init__(self, codes: Any = (NONE,)) -> None:
-        self.codes: NDArray[np.uint16] = np.asarray(codes, np.uint16)
+        super().__init__(codes)
 
-    def __add__(self, other: "Least") -> "Least":
-        return Least(np.minimum(self.codes, other.codes))  # an empty map is one cell
-
-    def state(self) -> str:
-        return packed(self.codes)
-
-    @classmethod
-    def of_state(cls, state: str) -> "Least":
-        return cls(unpacked(state))
+    def __add__(self, other: Histogram) -> "Least":
+        return Least(np.minimum(self.counts, other.counts))  # an empty map is one cell
 
 
 class LogRow:

@@ -23,7 +23,7 @@ from explorer.paper.figures import ETA_HAT, FIGURES, INFERRED, INFERRED_TOO, fig
 from explorer.paper.misprints import misprints_page
 from explorer.paper.statement import Finding, Statement, chosen, shown
 from explorer.phase.disk import Disk
-from explorer.phase.paths import path_of
+from explorer.phase.paths import made_folder, path_of
 from explorer.plot.captions import save
 
 # The statements of these are registered as they are imported.
@@ -104,16 +104,13 @@ def paper(out: Path | str, *, only: str | None = None, jobs: int = 2, quiet: boo
     note("checking the statements", quiet)
     rows = check_all(only, jobs, quiet)
     if only is None:
-        try:
-            _write(folder, rows, quiet)
-        except OSError as error:
-            raise InputError(f"--out {folder}: cannot be written ({error.strerror})") from None
+        _write(made_folder("--out", folder), rows, quiet)
     return rows
 
 
 def _write(folder: Path, rows: Sequence[Row], quiet: bool) -> None:
     """All pages and pictures."""
-    (folder / "figures").mkdir(parents=True, exist_ok=True)
+    (folder / "figures").mkdir(exist_ok=True)
     for name, page in pages(rows).items():
         (folder / name).write_text(page, encoding="utf-8")
     for number in sorted(FIGURES):
@@ -128,18 +125,14 @@ def one_figure(folder: Path | str, number: int, disk: Disk | None, eta_hat: floa
 
     Raises InputError.
     """
-    where = path_of("--out", folder) / "figures"
+    where = made_folder("--out", path_of("--out", folder) / "figures")
     drawn = figure(number, disk, eta_hat)
     name = f"figure-{number}"
     if disk is not None or eta_hat != ETA_HAT:
         name += f"-{(disk or FIGURES[number].disk).name}-{eta_hat:g}"
-    try:
-        where.mkdir(parents=True, exist_ok=True)
-        paths = [where / f"{name}.{kind}" for kind in ("png", "svg")]
-        for path in paths:
-            save(drawn, path)
-    except OSError as error:
-        raise InputError(f"--out {folder}: cannot be written ({error.strerror})") from None
+    paths = [where / f"{name}.{kind}" for kind in ("png", "svg")]
+    for path in paths:
+        save(drawn, path)
     return paths
 
 

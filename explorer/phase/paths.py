@@ -1,5 +1,6 @@
 """Files that users name: paths, what may be read, and what is written."""
 
+import errno
 import os
 import tomllib
 from collections.abc import Iterator
@@ -25,6 +26,17 @@ def read_toml(path: Path, option: str) -> dict[str, Any]:
         raise InputError(f"{option} {path}: cannot be read ({error.strerror})") from None
     except ValueError as error:
         raise InputError(f"{option} {path}: not valid TOML ({error})") from None
+
+
+def made_folder(name: str, folder: Path) -> Path:
+    """Make a folder, before anything is computed for it. Raises InputError where it cannot be written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    except OSError as error:
+        raise InputError(f"{name} {folder}: cannot be written ({error.strerror}); give another") from None
+    return folder
 
 
 @contextmanager

@@ -55,13 +55,11 @@ def estimate(asked: Asked) -> Estimate:
     seconds = (time.process_time() - began) * count / len(probed) / min(jobs, cpu_count() or 1)
     stored, pictures = sum(sizes) * count / len(probed), scene.drawn if settings.out and settings.figures else 0
     at_work = scene.bytes_per_sample * scene.length(0) if isinstance(scene, SampledScene) else max(sizes)
-    memory = base + jobs * at_work + (_DRAWING if pictures else 0.0)
-    drawing = pictures * _SECONDS_PER_PICTURE
-    costs = starting + seconds + drawing, drawing
-    if settings.out is None:
-        return Estimate(count, samples_of(scene), *costs, memory + stored, 0.0, None, len(probed))
-    disk, free = stored + pictures * _BYTES_PER_PICTURE, free_bytes(settings.out)
-    return Estimate(count, samples_of(scene), *costs, memory, disk, free, len(probed))
+    memory = base + jobs * at_work + (_DRAWING if pictures else 0.0) + (0.0 if settings.out else stored)
+    disk = stored + pictures * _BYTES_PER_PICTURE if settings.out else 0.0
+    drawing, free = pictures * _SECONDS_PER_PICTURE, free_bytes(settings.out) if settings.out else None
+    seconds += starting + drawing
+    return Estimate(count, samples_of(scene), seconds, drawing, memory, disk, free, len(probed))
 
 
 def _bytes_of(table: Table, tally: Tally) -> int:

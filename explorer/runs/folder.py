@@ -9,6 +9,7 @@ import hashlib
 import inspect
 import json
 import platform
+import shutil
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from functools import cache
@@ -19,15 +20,16 @@ from filelock import FileLock, Timeout
 
 from explorer import compiled
 from explorer.errors import InputError, RunError, shown
-from explorer.phase.paths import path_of
+from explorer.phase.paths import made_folder, path_of
 from explorer.runs import store
 from explorer.runs.machine import arithmetic, machine
-from explorer.scenes.registry import file_of, scene_class, scene_of
-from explorer.scenes.scene import Scene
+from explorer.scenes.options import plain
+from explorer.scenes.scene import Scene, file_of, scene_class, scene_of
 from explorer.version import installed_version
 
 FORMAT = 3
 PACKAGES = ("nearflat", "numba", "numpy", "scipy", "matplotlib", "joblib", "pandas", "pyarrow", "tqdm")
+_FOLDERS = ("chunks", "bad", "figures")  # which a run makes
 MADE_BY = ("kernels", "code", "calibration")  # what decides the numbers beside the options
 
 
@@ -68,17 +70,16 @@ def read_record(folder: Path) -> dict[str, Any]:
     path = path_of("DIR", folder) / "run.json"
     if not path.exists():
         raise InputError(f"{shown(str(folder))}: holds no run (there is no run.json)")
+    anew = "start the run anew in another folder"
     try:
         record = store.read_json(path)
-        if record.get("format") == FORMAT:
-            digest_of_identity(record)  # which looks at what others need
-            return record
+        if record.get("format") != FORMAT:
+            other = f"another version of nearflat wrote it (format {shown(record.get('format'))}, not {FORMAT})"
+            raise InputError(f"{path}: {other}; use that version, or {anew}")
+        digest_of_identity(record)  # which looks at what others need
     except (RunError, KeyError, TypeError, AttributeError) as error:
-        raise InputError(f"{path}: is damaged ({error}); start the run anew in another folder") from None
-    raise InputError(
-        f"{path}: another version of nearflat wrote it (format {shown(record.get('format'))}, not {FORMAT}); use "
-        "that version, or start the run anew in another folder"
-    )
+        raise InputError(f"{path}: is damaged ({error}); {anew}") from None
+    return record
 
 
 def stored_scene(record: dict[str, Any]) -> Scene:
@@ -88,20 +89,21 @@ def stored_scene(record: dict[str, Any]) -> Scene:
     return scene_of(record["options"])
 
 
+def differing(one: dict[str, Any], two: dict[str, Any]) -> Iterator[tuple[str, Any, Any]]:
+    """In what two identities differ: its name, and what the one and the other have."""
+    both = [{name: known[name] for name in MADE_BY} | plain(known["options"]) for known in (one, two)]
+    for key in both[0] | both[1]:
+        here, there = (known.get(key) for known in both)
+        if here != there:
+            yield key, here, there
+
+
 def require_same(folder: Path, record: dict[str, Any], scene: Scene) -> None:
     """Raise InputError where the folder holds another run; one of fewer samples is a part of the same."""
-    now = json.loads(json.dumps(identity(scene)))
-    old, new = ({name: known[name] for name in MADE_BY} | known["options"] for known in (record, now))
-    for key in {**old, **new}:
-        before, after = old.get(key), new.get(key)
-        if before != after and key in MADE_BY:
-            what = {"code": "the code of the scene", "calibration": "the calibration"}.get(key, "the kernels")
+    for key, before, now in differing(record, identity(scene)):
+        if not (key == "samples" and before < now):
             raise InputError(
-                f"--resume: {what} changed since {folder} was begun; give another folder, or --replace"
-            )
-        if before != after and not (key == "samples" and before < after):
-            raise InputError(
-                f"--resume: {folder} was run with {key} = {shown(before)}, now {key} = {shown(after)}; give the "
+                f"--resume: {folder} was run with {key} = {shown(before)}, now {key} = {shown(now)}; give the "
                 "same (or more samples), another folder, or --replace"
             )
 
@@ -112,51 +114,30 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[dict[str, Any]]:
 
     Raises InputError; then nothing is written.
     """
-    lock, record = FileLock(folder / ".lock", timeout=0), folder / "run.json"
+    record = made_folder("--out", folder) / "run.json"
+    own = {".lock", *_FOLDERS}
+    if not record.exists() and any(path.name not in own and not path.match(".*.tmp") for path in folder.iterdir()):
+        raise InputError(f"--out {folder}: is not empty and holds no run; give another folder")
     try:
-        if folder.exists() and not record.exists() and not all(map(_is_begun, folder.iterdir())):
-            raise InputError(f"--out {folder}: is not empty and holds no run; give another folder")
-        (folder / "chunks").mkdir(parents=True, exist_ok=True)
-        lock.acquire()
+        lock = FileLock(folder / ".lock").acquire(timeout=0)
     except Timeout:
-        raise InputError(f"--out {folder}: another run is at work there; wait, or give another folder") from None
-    except OSError as error:
-        raise InputError(f"--out {folder}: cannot be written ({error.strerror}); give a folder that can") from None
-    try:
+        fault = "another run is at work there; wait, or give another folder"
+        raise InputError(f"--out {folder}: {fault}") from None
+    with lock:
         if record.exists() and exist == "error":
             raise InputError(
                 f"--out {folder}: holds a run already; add --resume or --replace, or give another folder"
             )
         if exist == "replace":
-            clear(folder)
+            for place in _FOLDERS:
+                shutil.rmtree(folder / place, ignore_errors=True)
+            for name in ("summary.json", "run.json"):
+                (folder / name).unlink(missing_ok=True)
+        (folder / "chunks").mkdir(exist_ok=True)
         known = read_record(folder) if record.exists() else {}
         if known:
             require_same(folder, known, scene)
         yield known
-    finally:
-        lock.release()
-
-
-def _is_begun(path: Path) -> bool:
-    """Whether a run leaves it that was stopped before it wrote run.json."""
-    if path.name in ("chunks", "figures"):
-        return path.is_dir() and not any(path.iterdir())
-    return path.name == ".lock" or path.match(".*.tmp")
-
-
-def clear(folder: Path) -> None:
-    """Remove the run in a folder, and nothing else: chunks by their names, pictures that run.json names."""
-    with contextlib.suppress(InputError):  # it cannot be read
-        remove_figures(folder, read_record(folder).get("figures"))
-    chunks = [path for place in ("chunks", "bad") for path in (folder / place).glob("chunk-*.parquet")]
-    for path in (*chunks, folder / "summary.json", folder / "run.json"):
-        path.unlink(missing_ok=True)
-
-
-def remove_figures(folder: Path, files: list[str] | None) -> None:
-    """Remove pictures that a run has drawn."""
-    for name in files or ():
-        (folder / "figures" / Path(name).name).unlink(missing_ok=True)
 
 
 def missing_chunks(folder: Path, scene: Scene, say: Callable[[str], None]) -> list[int]:

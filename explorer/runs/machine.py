@@ -3,8 +3,9 @@
 import os
 import platform
 import sys
-from importlib import import_module
 from typing import Any
+
+import numpy as np
 
 from explorer import compiled
 
@@ -27,16 +28,8 @@ def arithmetic() -> str:
     Compiled code may round a product and a sum together where the processor can; numpy and the C library choose
     their exponentials and powers by the instructions that they find.
     """
+    known = np.show_config(mode="dicts")["SIMD Extensions"]  # what numpy has code of its own for, and found
+    numpy = [*known["baseline"], *known["found"]][-1]
     fused = "fused" if compiled.target()[1] else "not fused"
     libc = " ".join(platform.libc_ver()).strip() or platform.system()
-    return f"{platform.machine()}, products {fused}, numpy {_instructions_of_numpy()}, {libc}"
-
-
-def _instructions_of_numpy() -> str:
-    """The newest set of instructions that numpy has code of its own for and found; else its least one."""
-    try:
-        core = import_module("numpy._core._multiarray_umath")
-        found = [name for name in core.__cpu_dispatch__ if core.__cpu_features__.get(name)]
-        return str((found or core.__cpu_baseline__)[-1])
-    except (ImportError, AttributeError, IndexError):
-        return "unknown"
+    return f"{platform.machine()}, products {fused}, numpy {numpy}, {libc}"

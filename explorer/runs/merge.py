@@ -1,7 +1,15 @@
 """Several runs of one question as one."""
 
-from explorer.errors import InputError, RunError, shown
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+from explorer.errors import InputError, shown
+from explorer.runs.folder import differing
 from explorer.runs.run import Run
+
+# In which runs of one question may differ
+_FREE = ("seed", "samples", "chunk_size", "keep", "calibration")
 
 
 def merge(*runs: Run) -> Run:
@@ -39,10 +47,20 @@ def merge(*runs: Run) -> Run:
     parts = sorted((part for run in runs for part in run.parts), key=lambda part: part.scene.seed)
     if len(parts) < 2:
         raise InputError("merge: takes two runs or more; give them one after the other")
-    made = Run(parts[0].scene.together([part.scene for part in parts[1:]]), parts=parts)
+    first = parts[0].scene
+    if "samples" not in first.options or first.options.get("states") is not None:
+        raise InputError(f"merge: {first.name} draws no samples here, so another run of it says the same")
+    for one, two in pairwise(parts):
+        for key, here, there in differing(one.identity, two.identity):
+            if key not in _FREE:
+                differ = f"one run has {key} = {shown(here)}, another {shown(there)}"
+                raise InputError(f"merge: {differ}; only runs of the same question can be added up")
+        if one.scene.seed == two.scene.seed:
+            raise InputError(
+                f"merge: two runs have seed {one.scene.seed}, so one repeats samples of the other; give runs with "
+                "different seeds, or resume one of them with more samples"
+            )
     for part in parts:
         part.complete()
-        for what in ("kernels", "code"):
-            if part.identity[what] != parts[0].identity[what]:
-                raise RunError(f"merge: other {what} computed {part.place} than {parts[0].place}; run one anew")
-    return made
+    more: Any = {"samples": sum(part.options["samples"] for part in parts)}
+    return Run(replace(first, **more), parts=parts)

@@ -2,6 +2,7 @@
 
 import contextlib
 import html
+import shutil
 import sys
 import threading
 import time
@@ -19,7 +20,7 @@ from explorer.errors import InputError, Interrupted, RunError, in_words, note, o
 from explorer.measure import statistics
 from explorer.phase.paths import path_of
 from explorer.runs import folder as folders
-from explorer.runs import pictures, store
+from explorer.runs import store
 from explorer.runs.estimate import require_room
 from explorer.runs.interrupt import stopping
 from explorer.runs.settings import FORMATS, Asked, Settings, samples_of
@@ -197,7 +198,11 @@ class Run:
         name: one of `pictures`. ax: where to draw; by default on a new figure. options: keywords of the function
         of `plot` that draws it, such as bins for "histogram". Raises InputError for an unknown name.
         """
-        return pictures.draw(self._pictures(), name, options if ax is None else {"ax": ax, **options})
+        from explorer.plot import figure_of
+
+        known = self._pictures()
+        picture = known[one_of("figure", name, known)]
+        return figure_of(picture(**options) if ax is None else picture(ax=ax, **options))
 
     def tables(self, columns: Columns = None) -> Iterator[Table]:
         """The kept samples chunk by chunk, in order, as arrays by name. Raises RunError where one is missing."""
@@ -214,12 +219,8 @@ class Run:
         import pyarrow as pa  # loaded only by those who ask for a table
 
         parts = (store.as_arrow(self.scene, table) for table in self.tables(columns))
-        try:
-            # A user's own column of whole numbers may lack one in another chunk, and is of doubles there.
-            return pa.concat_tables(parts, promote_options="permissive").unify_dictionaries()
-        except pa.ArrowException as error:
-            fault = store.in_one_line(error)
-            raise RunError(f"columns of chunks do not go together ({fault}); look at: verify()") from None
+        # A user's own column of whole numbers may lack one in another chunk, and is of doubles there.
+        return pa.concat_tables(parts, promote_options="permissive").unify_dictionaries()
 
     def frame(self, columns: Columns = None) -> "pd.DataFrame":
         """The kept samples as a pandas DataFrame, status by name.
@@ -236,8 +237,7 @@ class Run:
         known, now = self.identity, folders.identity(self.scene)
         faults = [
             f"run.json: other {what} than these computed the run; it cannot be resumed with them"
-            for what in folders.MADE_BY
-            if known[what] != now[what]
+            for what, _, _ in folders.differing(known, now)
         ]
         chunks = self.chunks
         missing = sorted({*range(self.scene.chunks)} - {chunk.number for chunk in chunks})
@@ -284,11 +284,10 @@ class Run:
 
 def _lacking(folder: Path, record: dict[str, Any]) -> set[str]:
     """What a stored run should have beside its chunks and has not."""
-    drawn = record.get("figures")
-    figures = not record.get("formats") or (
-        drawn is not None and all((folder / "figures" / name).is_file() for name in drawn)
+    drawn = record["figures"] is not None and all(
+        (folder / "figures" / name).is_file() for name in record["figures"]
     )
-    there = {"figures": figures, "summary": (folder / "summary.json").is_file()}
+    there = {"figures": drawn or not record["formats"], "summary": (folder / "summary.json").is_file()}
     return {name for name in there if not there[name]}
 
 
@@ -351,41 +350,53 @@ def _fill(asked: Asked, folder: Path, record: dict[str, Any]) -> Run:
 
     missing = folders.missing_chunks(folder, scene, say)
     require_room(scene, missing, settings, folder)
-    formats = settings.format or record.get("formats") or FORMATS
-    before = {"started": folders.now(), "figures": None, "arithmetic": [], **record}
-    how = {
-        "started": before["started"],
-        "command": command or record.get("command"),
+    known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": [], "figures": None} | record
+    how: dict[str, Any] = {
+        "started": known.get("started", folders.now()),
+        "command": command or known["command"],
         "jobs": settings.jobs,
         "backend": settings.backend,
-        "formats": formats if settings.figures else [],
-        "figures": before["figures"],
-        "arithmetic": folders.processors(record, say) if missing else before["arithmetic"],
+        "formats": (settings.format or known["formats"] or FORMATS) if settings.figures else [],
+        "figures": known["figures"],
+        "arithmetic": folders.processors(record, say) if missing else known["arithmetic"],
     }
     folders.write_record(folder, scene, how)
     compiled.warmup(scene.kernels, say)  # takes long; what is stopped now can be resumed
     with stopping(settings.onward) as stop:
         deque(_computed(asked, missing, stop), maxlen=0)
         how |= {"chunks_computed": len(missing), "seconds_for_chunks": round(time.monotonic() - clock, 3)}
-        run = Run(scene, folder=folder)
-        try:
-            fresh = store.as_json(run.summary)
-        except InputError as error:  # only a run can tell that some input leads nowhere
-            raise RunError(f"{error} ({folder} holds what was computed)") from error
-        told = folder / "summary.json"
-        if told.exists() and told.read_bytes() != fresh:
-            folders.remove_figures(folder, how["figures"])  # which are of fewer samples
+        run, told, drawn = Run(scene, folder=folder), folder / "summary.json", folder / "figures"
+        if told.exists() and told.read_bytes() != store.as_json(run.summary):
+            shutil.rmtree(drawn, ignore_errors=True)  # pictures of fewer samples
         store.write_json(told, run.summary)
-        if how["formats"]:
-            drawn = run._pictures()
-            # run.json names files first: whoever replaces a run that was stopped deletes these, and no others.
-            files = [f"{name}.{kind}" for name in drawn for kind in how["formats"]]
-            how["figures"] = list(dict.fromkeys([*(how["figures"] or ()), *files]))
-            folders.write_record(folder, scene, how)
-            if not pictures.draw_missing(drawn, folder / "figures", how["formats"], stop.is_set):
-                raise Interrupted(f"all samples are stored, pictures are missing; {settings.onward}")
+        if how["formats"] and not _draw_missing(run, how["formats"], stop):
+            raise Interrupted(f"all samples are stored, pictures are missing; {settings.onward}")
+    if how["formats"]:
+        how["figures"] = sorted(path.name for path in drawn.iterdir())
     folders.write_record(folder, scene, {**how, "finished": folders.now()})
     return run
+
+
+def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bool:
+    """Draw the pictures whose files are not there; whether all are, since none is begun once stopped."""
+    from explorer.plot.captions import write_figure
+
+    folder = Path(run.folder or ".") / "figures"
+    folder.mkdir(exist_ok=True)
+    for name in run.pictures:
+        missing = [path for kind in formats if not (path := folder / f"{name}.{kind}").is_file()]
+        if not missing:
+            continue
+        if stop.is_set():
+            return False
+        figure = run.figure(name)
+        for path in missing:
+            write_figure(figure, begun := path.with_name(f".{path.name}"))
+            begun.replace(path)
+            # Parts stay where the first file has them: to place them is half the work. With a layout engine of any
+            # kind, also "none", matplotlib would draw twice, once to let it place parts.
+            figure.set_layout_engine(None)
+    return True
 
 
 def _computed(asked: Asked, missing: list[int], stop: threading.Event) -> Iterator[store.Chunk]:

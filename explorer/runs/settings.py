@@ -10,11 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from explorer.errors import MOST_JOBS, InputError, double_of, flag, one_of, shown, whole, words
-from explorer.phase.paths import path_of
 from explorer.runs.amounts import size
-from explorer.scenes.options import TRUTH, Options, Reader, option, options_of, whole_from, word_of
-from explorer.scenes.registry import scene_class
-from explorer.scenes.scene import SampledScene, Scene
+from explorer.scenes.options import FOLDER, TEXT, TRUTH, Options, Reader, option, options_of, whole_from, word_of
+from explorer.scenes.scene import SampledScene, Scene, scene_class
 
 FORMATS, KNOWN_FORMATS = ("png", "svg"), ("png", "svg", "pdf")
 # What a run in memory may draw: some hundred megabytes where all rows are kept.
@@ -52,15 +50,11 @@ def read_rng(name: str, value: Any) -> int:
     return whole(name, value, high=2**128 - 1)
 
 
-def _address(name: str, value: Any) -> str:
-    return str(value)
-
-
 class Settings(Options):
     """How a run is made, which changes no number."""
 
     out: Path | None = option(
-        Reader(path_of, "DIR", "Path | str"),
+        FOLDER,
         "folder of the run",
         words=f"results/SCENE-DISK-SEED; from Python, up to {MOST_IN_MEMORY:,} samples stay in memory",
     )
@@ -72,7 +66,7 @@ class Settings(Options):
     jobs: int = option(whole_from(1, MOST_JOBS), "workers; they change no number", default=2)
     backend: str = option(word_of("threads", "processes", "dask"), "kind of workers", default="threads")
     scheduler: str | None = option(
-        Reader(_address, "ADDRESS", "str"), "address of a dask scheduler", words="one of its own"
+        TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="one of its own"
     )
     memory: float | None = option(
         Reader(read_memory, "SIZE", "str | float"),

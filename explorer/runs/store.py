@@ -31,7 +31,6 @@ from explorer.scenes.scene import Scene, Table
 _NAME = re.compile(r"chunk-([0-9]{6}|[1-9][0-9]{6,8})-([0-9a-f]{16})\.parquet")
 _NOTE, _CHECK = b"nearflat", b"nearflat.sha256"  # of the footer: what it says, and the digest of that
 SHORTER = "it was the last of a run of fewer samples"
-_LOOKED_AT = 256  # rows of a column, which tell whether its numbers repeat
 _FEW = 1 << 14  # rows, which one thread has read before others are asked to
 _DAMAGE = (OSError, ValueError, KeyError, TypeError, pa.ArrowException)  # what reading a damaged file may raise
 
@@ -188,9 +187,7 @@ def _write_parquet(table: pa.Table, stream: Any, metadata: dict[bytes, bytes]) -
     pages Parquet reads most single flipped bits back as data.
     """
     repeated = [field.name for field in table.schema if not pa.types.is_floating(field.type)]
-    packed = {
-        name: "lz4" if name in repeated or _repeats(table.column(name)) else "none" for name in table.column_names
-    }
+    packed = {name: "lz4" if name in repeated else "none" for name in table.column_names}
     with pq.ParquetWriter(
         stream,
         table.schema,
@@ -201,16 +198,6 @@ def _write_parquet(table: pa.Table, stream: Any, metadata: dict[bytes, bytes]) -
     ) as writer:
         writer.write_table(table)
         writer.add_key_value_metadata(metadata)
-
-
-def _repeats(column: pa.ChunkedArray) -> bool:
-    """Whether numbers repeat among the first ones: a coordinate that is fixed, NaN of what was not computed."""
-    first = column.combine_chunks()[:_LOOKED_AT]
-    # Bits, so that NaN repeats too; from Arrow's memory, since arrays are converted with the help of pandas, which
-    # takes a quarter of a second to load.
-    width, memory = first.type.bit_width // 8, first.buffers()[1]
-    ordered = np.sort(np.frombuffer(memory, f"u{width}", len(first), first.offset * width))
-    return bool((ordered[1:] == ordered[:-1]).any())
 
 
 def _noted(file: pq.ParquetFile) -> dict[str, Any]:

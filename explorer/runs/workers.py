@@ -23,8 +23,9 @@ from explorer.runs.settings import Settings
 from explorer.runs.store import Done, in_one_line, make_chunk
 from explorer.scenes.scene import Scene
 
-# Seconds without a worker of a cluster after which none will come: a nanny starts a new one in two or three.
-_WITHOUT_WORKERS = 7.0
+# A cluster without a worker twice in a row, looked at so many seconds apart, has none: a nanny starts a new one in
+# two or three.
+_PATIENCE, _LOOKS = 3.5, 2
 _KEPT = 31 << 20  # bytes; glibc takes no notice of blocks of 32 MB and more
 _OTHERS = (
     "the worker would compute other numbers than this run; give all machines the same nearflat, Python, numba, "
@@ -68,8 +69,9 @@ def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: thre
         how |= {"backend": "loky", "initializer": begin_worker, "initargs": (os.getpid(), sys.path)}
     with contextlib.ExitStack() as until_done:
         if settings.backend == "dask":
-            cluster = until_done.enter_context(_cluster(settings, stop))
-            call, how["n_jobs"] = partial(cluster.compute, task), cluster.places
+            client = until_done.enter_context(_cluster(settings))
+            call = partial(_on_cluster, client, task, settings, stop)
+            how["n_jobs"] = 2 * (sum(client.nthreads().values()) or settings.jobs)  # two for each: none waits
         pool = Parallel(**how, return_as="generator_unordered", pre_dispatch="n_jobs", batch_size=1)
         with withheld() if settings.backend == "processes" else contextlib.nullcontext():
             made = pool(delayed(call)(index) for index in missing if not stop.is_set())
@@ -82,14 +84,13 @@ def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: thre
                 raise RunError(f"--backend processes: {how_so}; {settings.onward}") from error
 
 
-def begin_worker(parent: int | None, path: list[str]) -> None:
+def begin_worker(parent: int, path: list[str]) -> None:
     """Prepare another process: it imports what this one can. Signals are its parent's, and it ends with it."""
     sys.path += [place for place in path if place not in sys.path]
-    if parent is not None:
-        for number in SIGNALS:
-            signal.signal(number, signal.SIG_IGN)
-        if os.name == "posix":
-            threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
+    if os.name == "posix":
+        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
 
 
 def _end_with(parent: int) -> None:
@@ -99,76 +100,49 @@ def _end_with(parent: int) -> None:
 
 
 @contextlib.contextmanager
-def _cluster(settings: Settings, stop: threading.Event) -> "Iterator[_Cluster]":
-    """The cluster at the scheduler's address, or one of its own on the loopback. Raises RunError."""
+def _cluster(settings: Settings) -> Iterator[Any]:
+    """A client of the cluster at the scheduler's address, or of one on the loopback. Raises RunError."""
     import distributed
 
-    of_its_own = {"n_workers": settings.jobs, "threads_per_worker": 1, "host": "127.0.0.1"}
+    # A dashboard None would ask for a port that another run has; no user can mend what dask logs.
+    quiet = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
     with contextlib.ExitStack() as until_done:
         try:
-            address = settings.scheduler
             with withheld():
-                if address is None:
-                    # A dashboard None would ask for a port that another run has; no user can mend what dask logs.
-                    of_its_own |= {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
-                    address = until_done.enter_context(distributed.LocalCluster(**of_its_own))
+                address = settings.scheduler or until_done.enter_context(
+                    distributed.LocalCluster(n_workers=settings.jobs, threads_per_worker=1, **quiet)
+                )
                 client = until_done.enter_context(distributed.Client(address, timeout=5))
         except Exception as error:  # of whatever kind: dask's settings for TLS raise nearly any
             raise RunError(
                 f"--scheduler {settings.scheduler}: cannot be reached ({in_one_line(error)}); look at the "
                 "address, and whether scheduler, workers and this process have the same settings for TLS"
             ) from error
-        yield _Cluster(client, settings, stop)
+        yield client
 
 
-class _Cluster:
-    """Chunks computed on a dask cluster, each awaited by a thread that notices when nobody works any more.
+def _on_cluster(
+    client: Any, task: Callable[[int], Done], settings: Settings, stop: threading.Event, index: int
+) -> Done | None:
+    """Await a chunk of a dask cluster; None where the run was stopped and nobody is there to compute it.
 
     joblib's own backend for dask would wait for ever where the last worker is lost.
     """
+    import distributed
 
-    def __init__(self, client: Any, settings: Settings, stop: threading.Event) -> None:
-        self._client, self._settings, self._stop = client, settings, stop
-        self._wait(lambda: bool(client.nthreads()))
-        parent = os.getpid() if settings.scheduler is None else None
-        for found in client.run(begin_worker, parent, sys.path, on_error="return").values():
-            if isinstance(found, Exception):
-                raise self._error(f"a worker cannot load nearflat ({in_one_line(found)}); install it there")
-        self.places = 2 * sum(client.nthreads().values()) or 1  # two for each, so that none waits
-
-    def compute(self, task: Callable[[int], Done], index: int) -> Done | None:
-        """A chunk; None where the run was stopped and nobody is there to compute it."""
-        import distributed
-
-        future = self._client.submit(task, index, pure=False)
-        try:
-            found: Done | None = future.result() if self._wait(future.done) else None
-        except (distributed.KilledWorker, distributed.client.FutureCancelledError) as error:
-            raise self._error(f"workers or their scheduler were killed ({in_one_line(error)})") from error
-        return found
-
-    def _wait(self, done: Callable[[], bool]) -> bool:
-        """Wait until something is done; False where the run is stopped and there is no worker.
-
-        Raises RunError where no worker is there for a while.
-        """
-        seen = looked = time.monotonic()
-        while not done():
-            time.sleep(0.01)
-            if (now := time.monotonic()) - looked > 0.5:
-                looked = now
-                try:
-                    seen = now if self._client.nthreads() else seen
-                except OSError:
-                    raise self._error("the scheduler is gone; start it anew with its workers") from None
-                if self._stop.is_set() and seen < now:
-                    return False
-                if now - seen > _WITHOUT_WORKERS:
-                    raise self._error(
-                        f"there is no worker; start one with: dask worker {self._settings.scheduler}"
-                    )
-        return True
-
-    def _error(self, text: str) -> RunError:
-        where = f"--scheduler {self._settings.scheduler}" if self._settings.scheduler else "--backend dask"
-        return RunError(f"{where}: {text}; {self._settings.onward}")
+    where = f"--scheduler {settings.scheduler}" if settings.scheduler else "--backend dask"
+    future, idle = client.submit(task, index, pure=False), 0
+    try:
+        while idle < _LOOKS:
+            with contextlib.suppress(TimeoutError):
+                done: Done = future.result(timeout=_PATIENCE)
+                return done
+            idle = 0 if client.nthreads() else idle + 1
+            if idle and stop.is_set():
+                return None
+    except (OSError, distributed.KilledWorker, distributed.client.FutureCancelledError) as error:
+        fault = f"workers or their scheduler were killed ({in_one_line(error)})"
+        raise RunError(f"{where}: {fault}; {settings.onward}") from error
+    raise RunError(
+        f"{where}: there is no worker; start one with: dask worker {settings.scheduler}; {settings.onward}"
+    )

@@ -9,8 +9,6 @@ if TYPE_CHECKING:
     from explorer.measure.tallies import ByName as ByName
     from explorer.measure.tallies import Histogram as Histogram
     from explorer.measure.tallies import LogHistogram as LogHistogram
-    from explorer.measure.tallies import Records as Records
-    from explorer.measure.tallies import Sum as Sum
     from explorer.phase.columns import Column as Column
     from explorer.scenes.options import NUMBER as NUMBER
     from explorer.scenes.options import RANGE as RANGE

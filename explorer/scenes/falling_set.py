@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import compiled
 from explorer.measure import sifting, statistics
 from explorer.measure.tallies import ByName, Least, LogHistogram
 from explorer.motion.trials import TiltTrial
@@ -90,6 +89,13 @@ class FallingSet(FromStates):
     )
     columns_of_given = ("row",)
     bytes_per_sample = 300
+    says = (
+        "{valid_states:,} states of {samples:,} samples, {falls:,} exactly on the falling set",
+        "would fall if eta were exactly 0: {could_fall_fraction:.1%} "
+        "(95 % interval {could_fall_interval_95[0]:.1%} to {could_fall_interval_95[1]:.1%})",
+        "tilt at the flattest moment of {theta_min_of}: median {theta_min_quantiles[0.5]:.3g} rad, "
+        "smallest {smallest:.3g} rad",
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -117,23 +123,19 @@ class FallingSet(FromStates):
                 table[name][rows] = values
         return block.with_results(table)
 
-    def _exact(self, block: Block) -> tuple[Table, NaturalConstants]:
-        """What follows from the constants of motion, and these."""
+    def _followed(self, block: Block) -> tuple[Table, Any, States, NaturalConstants]:
+        """What follows from the constants; the rows whose theta_min is computed, their states and constants."""
         states, n = block.states, len(block.states)
         natural = best_constants(states)
         exact, constants = falls_of(states, natural), constants_of(states, natural)
         names = "sigma3_bar", "eta_hat_plus", "eta_hat_minus", "energy"
         table: Table = {name: getattr(constants, name) for name in names}
         table |= {"face": exact.face, "could_fall": exact.could_fall, "theta_min": np.full(n, np.nan)}
-        return table | {"status": exact.status.astype(np.int8), "steps": np.zeros(n, np.int32)}, natural
-
-    def _followed(self, block: Block) -> tuple[Table, Any, States, NaturalConstants]:
-        """What `_exact` finds, and the states whose theta_min is computed: their rows, they, their constants."""
-        table, natural = self._exact(block)
+        table |= {"status": exact.status.astype(np.int8), "steps": np.zeros(n, np.int32)}
         if self.theta_min == "all":
-            return table, np.s_[:], block.states, natural
+            return table, np.s_[:], states, natural
         rows = np.flatnonzero(self.near(table))
-        return table, rows, block.states.at(rows), natural.at(rows)
+        return table, rows, states.at(rows), natural.at(rows)
 
     def near(self, table: Table) -> NDArray[np.bool_]:
         return np.asarray((nearer(table) <= self.tube) & table["could_fall"])
@@ -242,31 +244,14 @@ class FallingSet(FromStates):
     def plane(self, least: Least) -> ConstantsPlane:
         """The smallest theta_min of all samples in each cell of the (sigma3_bar, sigma4_bar) plane."""
         smallest = np.where(
-            least.codes == Least.NONE, np.nan, 10.0 ** (least.codes / _CODES_PER_DECADE + _DEEPEST)
+            least.counts == Least.NONE, np.nan, 10.0 ** (least.counts / _CODES_PER_DECADE + _DEEPEST)
         )
         sigma3, sigma4 = (np.linspace(-reach, reach, CELLS + 1) for reach in self._reach)
         slope = line_slope(self.disk)
         return ConstantsPlane(self.disk, sigma3, sigma4, smallest.reshape(CELLS, CELLS), slope, self.plan.method)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
-        low, high = summary["could_fall_interval_95"]
-        ok = summary["status"].get(compiled.status.Status.OK.name.lower(), 0)
-        states, quantile = summary["valid_states"], summary["theta_min_quantiles"]
-        rows = summary["samples"] - states
-        left = "1 row is not a state and is" if rows == 1 else f"{rows:,} rows are not states and are"
-        lines = [
-            f"{states:,} states, {ok:,} computed to the accuracy asked, "
-            f"{summary['falls']} exactly on the falling set{f'; {left} left out' if rows else ''}",
-            f"would fall if eta were exactly 0: {100.0 * summary['could_fall_fraction']:.1f} % "
-            f"(95 % interval {100.0 * low:.1f} % to {100.0 * high:.1f} %)",
-        ]
-        if quantile:
-            near = "" if self.theta_min == "all" else f" with |eta_hat| <= {self.tube:g}, the only ones computed"
-            lines.append(
-                f"tilt at the flattest moment of the {summary['theta_min_known']:,} states{near}: "
-                f"median {quantile['0.5']:.3g} rad, smallest {quantile['0']:.3g} rad"
-            )
-        return lines
+        return super().headline({**summary, "smallest": summary["theta_min_quantiles"].get("0")})
 
 
 def nearer(table: Table) -> Array:

@@ -9,14 +9,13 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, double_of, shorten
-from explorer.phase.arguments import plain_array
 from explorer.phase.charts import Chart, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.paths import path_of
@@ -29,12 +28,6 @@ Columns = dict[str, NDArray[Any]]
 
 _PARQUET = b"PAR1"  # how such a file begins
 _RECORD = {"file", "rows", "sha256"}  # what run.json says of given states
-
-
-class DataFrame(Protocol):
-    """A table of any library that hands over its columns as Arrow does."""
-
-    def __arrow_c_stream__(self, requested_schema: object = None, /) -> object: ...
 
 
 class Block(NamedTuple):
@@ -74,9 +67,13 @@ class GivenStates:
     rows: int
     sha256: str
     path: Path | None = None
-    columns: Columns | None = None
     chart: Chart | None = None
+    columns: Columns | None = None
     states: States | None = None
+
+    def __post_init__(self) -> None:
+        if not self.rows:
+            raise InputError(f"{self.what}: holds no states; give a table with one row for each")
 
     @classmethod
     def of(cls, flag: str, value: Any) -> "GivenStates":
@@ -86,41 +83,36 @@ class GivenStates:
         if isinstance(value, States):
             exact = {} if value.exact is None else value.exact._asdict()
             digest = _digest({"natural": value.natural, "status": value.status} | exact)
-            return cls(flag, _some(len(value), flag), digest, states=value)
+            return cls(flag, len(value), digest, states=value)
         if isinstance(value, str | Path):
-            return cls.open(flag, path_of(flag, value))
+            return cls._of_file(flag, path_of(flag, value).resolve())
         if not (isinstance(value, Mapping) and value and set(value) <= _RECORD):
-            return cls._of_table(flag, _table(value, flag))
+            table = _table(value, flag)
+            chart = _chart(table.column_names, flag)
+            columns = _read(table, chart, flag)
+            return cls(flag, table.num_rows, _digest(columns), None, chart, columns)
         if "file" not in value:
             return cls(flag, int(value["rows"]), value["sha256"])
-        opened = cls.open(flag, path_of(flag, value["file"]))
+        opened = cls._of_file(flag, Path(value["file"]))
         if opened.sha256 != value["sha256"]:
             raise InputError(f"{flag} {opened.path}: is not the file of states that the run began with")
         return opened
 
     @classmethod
-    def open(cls, flag: str, path: Path) -> "GivenStates":
+    def _of_file(cls, flag: str, path: Path) -> "GivenStates":
         """From a Parquet or a CSV file. Raises InputError where it cannot be read or says no state."""
         import pyarrow.parquet as pq
 
         what = f"{flag} {path}"
-        with _reading(what, "give Parquet or CSV"):
-            with path.open("rb") as stream:
-                parquet = stream.read(len(_PARQUET)) == _PARQUET
-                stream.seek(0)
-                sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
-            if not parquet:
-                return cls._of_table(what, _csv(path), sha256, path.resolve())
-            schema, rows = pq.read_schema(path), pq.read_metadata(path).num_rows
-        chart = _chart(schema.names, what)
-        _read(schema.empty_table(), chart, what)  # refuses columns of types that are of no use
-        return cls(what, _some(rows, what), sha256, path.resolve(), None, chart)
-
-    @classmethod
-    def _of_table(cls, what: str, table: "pa.Table", sha256: str = "", path: Path | None = None) -> "GivenStates":
-        chart, rows = _chart(table.column_names, what), _some(table.num_rows, what)
-        columns = _read(table, chart, what)
-        return cls(what, rows, sha256 or _digest(columns), path, columns, chart)
+        with _reading(what, "give Parquet or CSV"), path.open("rb") as stream:
+            parquet = stream.read(len(_PARQUET)) == _PARQUET
+            stream.seek(0)
+            sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
+            table = pq.read_schema(path).empty_table() if parquet else _csv(path)
+            rows = pq.read_metadata(path).num_rows if parquet else table.num_rows
+        chart = _chart(table.column_names, what)
+        columns = _read(table, chart, what)  # refuses columns of types that are of no use
+        return cls(what, rows, sha256, path, chart, None if parquet else columns)
 
     def describe(self) -> dict[str, str | int]:
         """The entry of run.json."""
@@ -143,17 +135,15 @@ class GivenStates:
         else:
             table = {name: values[first : first + count] for name, values in self.columns.items()}
         states = self.chart.states(disk, table, degrees)
-        # Coordinates that were given stay as they are, to the last digit and also where they are no state.
-        given = {} if degrees else {name: table[name] for name in self.chart.present(table)}
-        coordinates = {name: given.get(name, values) for name, values in _coordinates(states).items()}
+        known = _coordinates(states)
+        if (
+            not degrees
+        ):  # those that were given stay as they are, to the last digit and also where they are no state
+            known |= {name: table[name] for name in self.chart.present(table) if name in known}
         # A column in degrees must not come back under a name that stands for radians.
-        relabelled = self.chart.in_radians(table) if degrees else ()
-        own = {
-            f"given_{name}" if name in relabelled else name: values
-            for name, values in table.items()
-            if name not in coordinates or degrees
-        }
-        return Block(states, row | coordinates, own)
+        turned = self.chart.in_radians(table) if degrees else ()
+        own = {f"given_{k}" if k in turned else k: v for k, v in table.items() if degrees or k not in known}
+        return Block(states, row | known, own)
 
     def _piece(self, chart: Chart, first: int, count: int) -> Columns:
         """Some rows of a Parquet file: only the row groups that hold them are read."""
@@ -201,67 +191,44 @@ def _table(given: Any, what: str) -> "pa.Table":
 
     if isinstance(getattr(given, "columns", None), Mapping):  # a result of a call
         given = given.columns
-    if hasattr(given, "iloc"):  # pandas, which would hand over its index as well
-        given = {name: given[name] for name in given.columns}
-    elif hasattr(given, "__arrow_c_stream__"):
+    frame = hasattr(given, "iloc")  # of pandas, which would hand over its index as well
+    if hasattr(given, "__arrow_c_stream__") and not frame:
         return pa.table(given)
-    elif getattr(getattr(given, "dtype", None), "names", None):
-        given = {name: np.ravel(given[name]) for name in given.dtype.names}
     try:
-        if isinstance(given, np.ndarray | list | tuple):
-            rows = plain_array(given)
-            if rows.ndim != 2 or rows.shape[1] != len(COORDINATES):
-                raise TypeError(f"shape {rows.shape} is not (n, 4)")
-            given = dict(zip(COORDINATES, rows.T, strict=True))
-        if not isinstance(given, Mapping):
-            raise TypeError(type(given).__name__)
-        columns = {str(name): plain_array(values) for name, values in given.items()}
-        length = max((len(values) for values in columns.values() if values.ndim), default=1)
-        return pa.table({name: _arrow(v if v.ndim else np.full(length, v[()])) for name, v in columns.items()})
-    except (TypeError, ValueError, pa.ArrowException) as error:
+        if isinstance(given, list | np.ndarray) and not getattr(getattr(given, "dtype", None), "names", None):
+            given = dict(zip(COORDINATES, np.asarray(given).T, strict=True))
+        names = list(given) if frame or isinstance(given, Mapping) else given.dtype.names
+        columns = {str(name): _arrow(given[name]) for name in names}
+        rows = max((len(column) for column in columns.values() if not isinstance(column, pa.Scalar)), default=1)
+        return pa.table({k: pa.repeat(v, rows) if isinstance(v, pa.Scalar) else v for k, v in columns.items()})
+    except (AttributeError, TypeError, ValueError, pa.ArrowException) as error:
         raise InputError(
             f"{what}: is no table ({shorten(str(error), 120)}); give a path, a DataFrame, a dict of columns of "
             f"one length, rows of {', '.join(COORDINATES)}, or States"
         ) from None
 
 
-def _arrow(values: NDArray[Any]) -> "pa.Array":
+def _arrow(values: Any) -> Any:
+    """A column, or a number that stands for one; cells of several kinds, or unknown ones, as text."""
     import pyarrow as pa
 
-    values = values.astype(np.str_ if values.dtype.kind == "S" else values.dtype.newbyteorder("="), copy=False)
+    if np.ndim(values) == 0:
+        return pa.scalar(np.asarray(values).item())
     try:
         return pa.array(values, from_pandas=True)
     except pa.ArrowException:
-        if values.dtype != object:
-            raise
-        return pa.array([None if cell is None else str(cell) for cell in values.tolist()])  # of several kinds
+        return pa.array([None if cell is None else str(cell) for cell in np.asarray(values).tolist()])
 
 
 def _csv(path: Path) -> "pa.Table":
-    """A CSV file, with commas, semicolons or tabs; a line with too few or too many cells is a row without any."""
-    import pyarrow as pa
+    """A CSV file, with commas, semicolons or tabs."""
     from pyarrow import csv
 
     with path.open(encoding="utf-8") as stream:
         separator = max(",;\t", key=stream.readline().count)
-    bad: list[int] = []
-
-    def skip(row: Any) -> str:
-        bad.append(row.number)
-        return "skip"
-
-    table = csv.read_csv(
-        path,
-        # In one block, so that all of a column decides on its type.
-        csv.ReadOptions(use_threads=False, block_size=min(path.stat().st_size + 1, 2**31 - 1)),
-        csv.ParseOptions(delimiter=separator, invalid_row_handler=skip),
-    )
-    if bad:
-        # Rows are numbered as the file's lines, the header being the first; what was skipped has its place.
-        places: list[int | None] = list(range(table.num_rows))
-        for number in bad:
-            places.insert(number - 2, None)
-        table = table.take(pa.array(places))
+    # In one block, so that all of a column decides on its type.
+    how = csv.ReadOptions(use_threads=False, block_size=min(path.stat().st_size + 1, 2**31 - 1))
+    table = csv.read_csv(path, how, csv.ParseOptions(delimiter=separator))
     return table.rename_columns([name.strip() for name in table.column_names])
 
 
@@ -271,12 +238,6 @@ def _chart(names: list[str], what: str) -> Chart:
     if twice:
         raise InputError(f"{what}: has several columns {twice[0]!r}; rename or drop all but one")
     return recognise(names, what)
-
-
-def _some(rows: int, what: str) -> int:
-    if rows == 0:
-        raise InputError(f"{what}: holds no states; give a table with one row for each")
-    return rows
 
 
 def _read(table: "pa.Table", chart: Chart, what: str) -> Columns:
@@ -297,7 +258,7 @@ def _numbers(column: Any, what: str) -> Array:
     if any(test(column.type) for test in (types.is_integer, types.is_floating, types.is_decimal)):
         return np.array(column.cast("float64", safe=False).to_numpy())
     numbers = np.array([double_of(cell) for cell in column.to_pylist()], np.float64)  # None becomes NaN
-    if np.isnan(numbers).all():
+    if numbers.size and np.isnan(numbers).all():
         raise InputError(f"{what} holds no numbers, but {column.type}")
     return numbers
 

@@ -20,7 +20,7 @@ from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density
 from explorer.measure.falling_probability import FEWEST_HITS, FallingProbability
 from explorer.measure.sampling import Range, chunk_stream
-from explorer.measure.tallies import ByName, Histogram, Records
+from explorer.measure.tallies import ByName, Histogram
 from explorer.measure.tubes import dimensions, widest_eta
 from explorer.motion.plan import Plan, plan
 from explorer.motion.trials import MotionTrial, TiltTrial, through_time
@@ -54,7 +54,7 @@ class ZeroCounts(Counts):
     falls: int
     below: Histogram
     race: ByName[int]
-    batches: Records
+    batches: list[Any]
 
 
 class MeasureZero(FromDensity):
@@ -77,6 +77,17 @@ class MeasureZero(FromDensity):
     tried = 1 << 15  # of which one in ten is followed
     observables = ("theta_min", "face", "could_fall")
     columns = (*COORDINATES, "sigma3_bar", "eta_hat", "energy", "face", "delta", "weight", "theta_min", "status")
+
+    says = (
+        "{samples:,} states drawn, {falls} fell: the probability of falling is below {upper_bound_95:.2e} (95 %)",
+        "C: predicted {constant_predicted:.6f} +- {constant_predicted_error:.0e}",
+        "C, measured: {constant[value]:.6f} (95 % interval {constant[interval_95][0]:.6f} to "
+        "{constant[interval_95][1]:.6f})",
+        "slope of P(theta_min < delta): {slope[value]:.6f} (95 % interval {slope[interval_95][0]:.6f} to "
+        "{slope[interval_95][1]:.6f})",
+        "p-value of the law {p_value[law]:.2g} (draws in tubes), {p_value_counts[law]:.2g} (plain counts); "
+        "that both agree {p_value_counts_against_tubes:.2g}",
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -165,7 +176,7 @@ class MeasureZero(FromDensity):
         else:
             points = random.random((count, size))
         draws = self.probability.draw(face, float(self.deltas[rung]), points)
-        tally.batches += Records([self.probability.batch(rung, face, draws)])
+        tally.batches += [self.probability.batch(rung, face, draws)]
         table = {
             **vars(draws),
             **dict.fromkeys(("sigma3", "sigma4"), np.full(count, np.nan)),
@@ -239,7 +250,7 @@ class MeasureZero(FromDensity):
         return through_time(states.at(np.arange(min(count, len(states)))), t_end)
 
     def summarise(self, tally: ZeroCounts) -> dict[str, Any]:
-        found = self.probability.summary(tally.below.counts, tally.falls, tally.batches.items)
+        found = self.probability.summary(tally.below.counts, tally.falls, tally.batches)
         return {**found, "status": dict(tally.status), "race": dict(tally.race)}
 
     def figures(self, summary: dict[str, Any], tally: ZeroCounts) -> Iterator[tuple[str, Picture]]:
@@ -254,35 +265,16 @@ class MeasureZero(FromDensity):
         yield "tilt", partial(plot.tilt_density, summary)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
-        lines = [
-            f"{summary['samples']:,} states drawn, {summary['falls']} fell: the probability of falling is below "
-            f"{summary['upper_bound_95']:.2e} (95 %, exact)"
-        ]
+        lines = super().headline(summary)
         if summary["constant_predicted"] == 0.0:
             return [*lines, "The box misses the falling set: C = 0, and there is no law to test."]
         if not summary["constant"]:
             fewest = min(row["effective_sample_size"] for row in summary["ladder"])
             size = f"one rung has an effective sample size of {fewest:.0f}, below {FEWEST_HITS}"
-            remedy = "Raise --tube, or narrow --box to where the density is."
-            predicted = f"C is predicted to be {summary['constant_predicted']:.6g}."
-            return [*lines, predicted, f"C was not estimated: {size}. {remedy}"]
-        slope, constant = summary["slope"], summary["constant"]
-        return [
-            *lines,
-            f"slope of P(theta_min < delta): {slope['value']:.6f} (95 % interval {_interval(slope, 6)})",
-            f"C: {constant['value']:.5f} (95 % interval {_interval(constant, 5)}), predicted "
-            f"{summary['constant_predicted']:.6f} +- {summary['constant_predicted_error']:.0e}",
-            f"p-value of the law {summary['p_value']['law']:.2g} (draws in tubes), "
-            f"{summary['p_value_counts']['law']:.2g} (plain counts); that both agree "
-            f"{summary['p_value_counts_against_tubes']:.2g}",
-        ]
+            return [*lines, f"C was not estimated: {size}. Raise --tube, or narrow --box to where the density is."]
+        return lines
 
 
 def _checking() -> Plan:
     """How the races of some hits are followed, to see which way they go."""
     return plan(("race_angle",), 1e-4, _CHECKED_BY)
-
-
-def _interval(estimate: dict[str, Any], digits: int) -> str:
-    low, high = estimate["interval_95"]
-    return f"{low:.{digits}f} to {high:.{digits}f}"

@@ -16,14 +16,14 @@ import numpy as np
 from explorer.errors import InputError
 from explorer.measure import statistics
 from explorer.measure.sampling import Range, chunk_stream
-from explorer.measure.tallies import ByName, Records
+from explorer.measure.tallies import ByName
 from explorer.motion import limit_motions
 from explorer.motion.trajectories import trajectories
 from explorer.motion.trials import MotionTrial, even_times
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 from explorer.portrait.both_sides import QUANTITIES, beside, both_sides, limits_at, sample_times
-from explorer.scenes.options import DISKS, RANGE, RANGES, option
+from explorer.scenes.options import DISKS, RANGE, RANGES, option, plain
 from explorer.scenes.scene import SAMPLES, Counts, Picture, Scene, Table, joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, BoxNearF, check_eta_hat
 
@@ -40,8 +40,8 @@ class Approach(Counts):
     how much chi between the first two impacts is larger at the smallest eta_hat > 0 than at -eta_hat.
     """
 
-    distances: ByName[Records]
-    apart: ByName[Records]
+    distances: ByName[list[Any]]
+    apart: ByName[list[Any]]
 
 
 class OneSided(Scene):
@@ -144,8 +144,8 @@ class OneSided(Scene):
         tables = [self._approach(disk, first + i, start) for i, start in enumerate(self.starts(index))]
         for table in tables:
             distance, chi = (table[name].reshape(2, -1) for name in ("distance", "chi_between"))
-            tally.distances[disk.name] += Records([_known(distance)])
-            tally.apart[disk.name] += Records(_known(chi[:1, -1] - chi[1:, -1]))
+            tally.distances[disk.name] += [plain(distance)]
+            tally.apart[disk.name] += plain(chi[:1, -1] - chi[1:, -1])
         table = joined(tables)
         tally.status += statistics.count_status([table["status"]])
         return table, tally
@@ -176,7 +176,7 @@ class OneSided(Scene):
 
     def _limits(self, disk: Disk, tally: Approach) -> dict[str, Any]:
         """How the motions of a disk approach its limits, and how far these are apart."""
-        distances, rows = np.array(tally.distances[disk.name].items, float), []
+        distances, rows = np.array(tally.distances[disk.name], float), []
         for place, size in enumerate(self.ladder(disk).tolist()):
             rows.append({"eta_hat": size})
             for side, name in enumerate(SIDES):
@@ -186,18 +186,14 @@ class OneSided(Scene):
                 if known.size:
                     rows[-1] |= {f"median_{name}": float(np.median(known)), f"largest_{name}": float(known.max())}
         # 2 kappa pi mod 2 pi from the motions nearest to F, brought next to the exact value
-        apart = [each for each in tally.apart[disk.name].items if each is not None]
+        apart = [each for each in tally.apart[disk.name] if each is not None]
         error = np.array([math.remainder(each - disk.gap, 2.0 * math.pi) for each in apart])
-        gap = {
-            "exact": disk.gap,
-            # Further from F than the limits are from each other, there is nothing to measure.
-            "measured": float(disk.gap + np.median(error)) if error.size and abs(error).max() < 0.5 else None,
-            "largest_error": float(abs(error).max()) if error.size else None,
-            "at_eta_hat": rows[-1]["eta_hat"],
-        }
-        measured = gap["measured"]
+        largest = float(abs(error).max()) if error.size else None
+        # Further from F than the limits are from each other, there is nothing to measure.
+        measured = None if largest is None or largest >= 0.5 else float(disk.gap + np.median(error))
+        near = rows[-1]["eta_hat"]
         return {
-            "gap": gap,
+            "gap": {"exact": disk.gap, "measured": measured, "largest_error": largest, "at_eta_hat": near},
             "coincide": None if measured is None else abs(math.remainder(measured, 2.0 * math.pi)) < SAME,
             "coincide_exact": min(disk.gap, 2.0 * math.pi - disk.gap) < 1e-12,
             "kappa": disk.kappa,
@@ -217,23 +213,14 @@ class OneSided(Scene):
             yield f"contact-{disk.name}", partial(plot.contact_paths, both)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
+        verdict = {True: "they coincide", False: "they differ", None: "start nearer to the falling set"}
         lines = []
         for name, limits in summary["disks"].items():
-            gap = limits["gap"]
-            measured = "not measured" if gap["measured"] is None else f"{gap['measured']:+.6f}"
-            verdict = {True: "they coincide", False: "they differ", None: "start nearer to the falling set"}
-            lines.append(
-                f"{name}: gap between the two limits {measured} rad (exact {gap['exact']:.6f}); "
-                f"{verdict[limits['coincide']]}"
-            )
+            exact, found = limits["gap"]["exact"], limits["gap"]["measured"]
+            measured = "not measured" if found is None else f"{found:+.6f}"
+            told = f"{measured} rad (exact {exact:.6f}); {verdict[limits['coincide']]}"
+            lines.append(f"{name}: gap between the two limits {told}")
         return lines
-
-
-def _known(values: Array) -> list[Any]:
-    """Ready for JSON."""
-    known = values.astype(object)
-    known[~np.isfinite(values)] = None
-    return list(known.tolist())
 
 
 def fitted_rate(disk: Disk, rows: list[dict[str, Any]], name: str) -> float | None:

@@ -8,7 +8,7 @@ name of the option and the value, and raises InputError with both.
 
 import argparse
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import Field, dataclass, field, fields
 from functools import partial
 from typing import Any, NamedTuple, Self, dataclass_transform
@@ -20,6 +20,7 @@ from explorer.measure.density import Function
 from explorer.measure.sampling import Range, parse_ranges
 from explorer.phase.arguments import read_range
 from explorer.phase.disk import Disk
+from explorer.phase.paths import path_of
 
 
 class Reader(NamedTuple):
@@ -79,20 +80,18 @@ class Options:
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Self:
         """From names and values; None leaves the default. Raises InputError for a name that is no option."""
-        cls.require_options(given)
-        names = {key_of(each): each.name for each in options_of(cls)}
-        return cls(**{names.get(name, name): value for name, value in given.items() if value is not None})
-
-    @classmethod
-    def require_options(cls, names: Any) -> None:
-        """Raise InputError for a name of no option."""
-        flags = [flag_of(each) for each in options_of(cls)]
-        known = {name for each in options_of(cls) for name in (each.name, key_of(each))}
-        for name in names:
+        known = {name: each.name for each in options_of(cls) for name in (each.name, key_of(each))}
+        for name in given:
             if name not in known:
                 said = f"--{name.replace('_', '-')}" if name.isidentifier() else shown(name)
-                what = getattr(cls, "name", cls.__name__.lower())
-                raise InputError(f"{said}: {what} takes no such option; {suggest(said, flags)}")
+                what, flags = getattr(cls, "name", cls.__name__.lower()), map(flag_of, options_of(cls))
+                raise InputError(f"{said}: {what} takes no such option; {suggest(said, list(flags))}")
+        return cls(**{known[name]: value for name, value in given.items() if value is not None})
+
+    @classmethod
+    def said(cls, words: argparse.Namespace) -> dict[str, Any]:
+        """What a command line says of these options."""
+        return {each.name: getattr(words, each.name) for each in options_of(cls) if hasattr(words, each.name)}
 
     def as_json(self) -> dict[str, Any]:
         """What decides the numbers; `of` takes it back."""
@@ -106,12 +105,13 @@ class Options:
     @classmethod
     def add_to(cls, parser: argparse.ArgumentParser, only: Collection[str] | None = None) -> None:
         """Add the flags, or only some, to a parser, in a group for each class that declares some."""
-        shown = [
-            each for each in options_of(cls) if flag_of(each)[0] == "-" and each.name in (only or {each.name})
-        ]
         for kind in cls.__mro__:
-            own = [each for each in shown if _home_of(cls, each) is kind]
-            group = parser.add_argument_group(_first_line(kind).rstrip(".")) if own else parser
+            own = [
+                each
+                for each in options_of(cls)
+                if flag_of(each)[0] == "-" and each.name in (only or {each.name}) and _home_of(cls, each) is kind
+            ]
+            group = parser.add_argument_group(first_line(kind).rstrip(".")) if own else parser
             for each in own:
                 reader = each.metadata["reader"]
                 how: dict[str, Any] = {"metavar": reader.metavar}
@@ -151,7 +151,7 @@ def _home_of(cls: type, each: "Field[Any]") -> type:
     return next(kind for kind in cls.__mro__ if each.name in vars(kind).get("__annotations__", ()))
 
 
-def _first_line(kind: type) -> str:
+def first_line(kind: type) -> str:
     return (kind.__doc__ or kind.__name__).partition("\n")[0]
 
 
@@ -159,7 +159,7 @@ def written(value: Any) -> str:
     """A default as a user would write it."""
     if isinstance(value, tuple):
         return (":" if isinstance(value[0], float) else ", ").join(map(written, value))
-    return f"{value:g}" if isinstance(value, float) else str(getattr(value, "name", value))
+    return f"{value:g}" if isinstance(value, float) else str(value.name if isinstance(value, Disk) else value)
 
 
 def plain(value: Any) -> Any:
@@ -235,6 +235,8 @@ def read_density(name: str, value: Any) -> Function:
     return density
 
 
+TEXT = Reader(lambda name, value: str(value), "TEXT", "str")
+FOLDER = Reader(path_of, "DIR", "Path | str")
 TRUTH = Reader(flag, "", "bool")
 NUMBER = Reader(number, "X", "float | str")
 RANGE = Reader(read_range, "LOW:HIGH", "str | float | tuple[float, float]")
@@ -243,12 +245,3 @@ RANGES = Reader(read_ranges, "NAME=LOW:HIGH,..", "str | Box | Mapping[str, tuple
 DISK = Reader(read_disk, "DISK", "Disk | str")
 DISKS = Reader(several(read_disk), "DISK", "Disk | str | Sequence[Disk | str]")
 DENSITY = Reader(read_density, None, "Callable[[Array, Array, Array, Array], Array]")
-
-
-def all_options(kinds: Any) -> Iterator[tuple["Field[Any]", list[type]]]:
-    """Each option of some classes by its name, once, with the classes that have it."""
-    takers: dict[str, tuple[Field[Any], list[type]]] = {}
-    for kind in kinds:
-        for each in options_of(kind):
-            takers.setdefault(each.name, (each, []))[1].append(kind)
-    yield from takers.values()

@@ -12,7 +12,7 @@ import numpy as np
 
 from explorer.errors import InputError
 from explorer.measure.sampling import Range
-from explorer.measure.tallies import ByName, Records
+from explorer.measure.tallies import ByName
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.membership import require_well, well
 from explorer.portrait.potential import Component, Potential
@@ -31,7 +31,7 @@ _CURVES = (0.001, 0.01, 0.1)
 class PortraitCounts(Counts):
     """Rows of the summary, ready for JSON: places, levels, equilibria and separatrices."""
 
-    rows: ByName[Records]
+    rows: ByName[list[Any]]
 
 
 class Portrait(Scene):
@@ -121,16 +121,16 @@ class Portrait(Scene):
         }
         tally = PortraitCounts()
         tally.status["ok"] += len(levels)
-        tally.rows["places"] += Records([_place(name, potential, table)])
+        tally.rows["places"] += [_place(name, potential, table)]
         for kind, each in rows.items():
-            tally.rows[kind] += Records({"place": name, **row} for row in each)
+            tally.rows[kind] += [{"place": name, **row} for row in each]
         return table, tally
 
     def summarise(self, tally: PortraitCounts) -> dict[str, Any]:
         return {
             "samples": tally.status["ok"],
             "sigma3_bar": self.bar,
-            **{kind: rows.items for kind, rows in tally.rows.items()},
+            **tally.rows,
             "thresholds": thresholds(self.disk),
             "well_on_the_line": self._well(),
             "status": dict(tally.status),

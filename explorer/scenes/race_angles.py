@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from explorer.errors import InputError, RunError
 from explorer.measure import statistics
 from explorer.measure.sampling import BLOCK, LaneStream, Range, Stream, gather, log_uniform, signs
-from explorer.measure.tallies import ByName, Histogram, LogHistogram, Sum
+from explorer.measure.tallies import ByName, Histogram, LogHistogram
 from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_constants
 from explorer.motion.passages import passage_kernels, passages_by
 from explorer.motion.trials import MotionTrial, PassageTrial, through_time
@@ -63,7 +63,7 @@ class RaceCounts(Counts):
     wrong_way: int
     without_race: int
     angles: ByName[Histogram]
-    deviations: ByName[Sum]
+    deviations: ByName[float]
     decades: LogHistogram
     law: LogHistogram
     energy: LogHistogram
@@ -94,7 +94,13 @@ class RaceAngles(FromStates):
     observables: ClassVar[tuple[str, ...]] = ("race_angle", "theta_min", "duration")
     columns = ("phidot", "sigma3_bar", "eta_hat", "face", *_OF_PASSAGE)
     columns_of_given = ("row", "bounce", "phi", "sigma3", "sigma4", "side", "time")
-    what: ClassVar[str] = "races"
+    remedy: ClassVar[str] = ""
+    says = (
+        "{samples:,} passages of the {disks[0][name]} disk; the limit +-kappa pi is {limit:.6f} rad",
+        "race angle (rad) of the {races_plus:,} with eta > 0: mean {mean_plus:+.4f}, median {median_plus:+.6f}",
+        "race angle (rad) of the {races_minus:,} with eta < 0: mean {mean_minus:+.4f}, median {median_minus:+.6f}",
+        "wrong way: {wrong_way}",
+    )
 
     def __new__(cls, **given: Any) -> "RaceAngles":
         """Bounces where states may be anywhere, else passages near F."""
@@ -117,7 +123,7 @@ class RaceAngles(FromStates):
             lowest, highest = int(group[known].min()), int(group[known].max())
             place = np.where(known, group - lowest, -1.0).astype(np.int64)
             for n, parts in enumerate(statistics.sums(deviation, place, highest - lowest + 1), lowest):
-                tally.deviations[str(n)] += Sum(parts)
+                tally.deviations[str(n)] += float(parts.sum())
         tally.decades.count(deviation, group)
         count_law(tally.law, self.disk, eta_hat, race, table["impact_speed"], table["error_estimate"])
         tally.energy.count(table["energy"])
@@ -126,6 +132,11 @@ class RaceAngles(FromStates):
         tally.without_race += int(np.count_nonzero(np.isnan(race) & np.isfinite(table["delta_chi"])))
 
     def summarise(self, tally: RaceCounts) -> dict[str, Any]:
+        if not tally.decades.total:
+            told = ", ".join(f"{count:,} {name}" for name, count in tally.status.items())
+            raise RunError(
+                f"race-angles: none of {self.samples:,} samples has a race angle ({told}); {self.remedy}"
+            )
         limit, groups = self.disk.race_limit, tally.decades.groups
         summary = {
             **super().summarise(tally),
@@ -176,22 +187,15 @@ class RaceAngles(FromStates):
         yield "histogram", partial(plot.race_histogram, summary)
         yield "deviation", partial(plot.race_deviation, summary)
 
-    def headline(self, summary: dict[str, Any]) -> list[str]:
-        means = [
-            f"race angle (rad) of the {summary[f'races_{name}']:,} {self.what} with {label}: "
-            f"mean {summary[f'mean_{name}']:+.4f}, median {summary[f'median_{name}']:+.6f}"
-            for name, label in (("plus", "eta > 0"), ("minus", "eta < 0"))
-            if f"mean_{name}" in summary
-        ]
-        failed = ", ".join(f"{count:,} {name}" for name, count in summary["failures"].items()) or "none"
-        return [*means, f"wrong way: {summary['wrong_way']}; failures: {failed}"]
-
 
 class Passages(RaceAngles):
     """Angles of passages that start at the vertical near F."""
 
     name: ClassVar[str] = RaceAngles.name
-    what = "passages"
+    remedy = (
+        "raise --eta-hat or change --accuracy; in --box give phidot of 0 or more, which leads to flat, and rates "
+        "below 1e100 natural units"
+    )
     block: ClassVar[int] = SampledScene.block
     blocks = SampledScene.blocks
 
@@ -249,27 +253,17 @@ class Passages(RaceAngles):
         parts = [self.draw(LaneStream(self.seed, k), self.length(k)) for k in chunks]
         return {name: values[:count] for name, values in joined(parts).items()}
 
-    def summarise(self, tally: RaceCounts) -> dict[str, Any]:
-        if not tally.decades.total:
-            told = ", ".join(f"{count:,} {name}" for name, count in tally.status.items())
-            remedy = "raise --eta-hat or change --accuracy"
-            if set(tally.status) == {"bad_input"}:
-                remedy = (
-                    "in --box, give phidot of 0 or more, which leads to flat, and rates below 1e100 natural units"
-                )
-            raise RunError(f"race-angles: none of {self.samples:,} passages was resolved ({told}); {remedy}")
-        return super().summarise(tally)
-
-    def headline(self, summary: dict[str, Any]) -> list[str]:
-        first = f"{summary['samples']:,} passages of the {self.disk.name} disk; {_limit(summary)}"
-        return [first, *super().headline(summary)]
-
 
 class Bounces(RaceAngles):
     """Angles of the next approaches to flat of states anywhere in the phase space."""
 
     name: ClassVar[str] = RaceAngles.name
-    what = "bounces"
+    says = (
+        "{approaches:,} bounces of {valid_states:,} states, {without_race:,} of them with too little energy to "
+        "come flat; the limit +-kappa pi is {limit:.6f} rad",
+        *RaceAngles.says[1:],
+    )
+    remedy = "give states with more energy: the others do not come flat"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -302,31 +296,8 @@ class Bounces(RaceAngles):
 
     def summarise(self, tally: RaceCounts) -> dict[str, Any]:
         states = self.states_among(tally.status)
-        if not tally.decades.total:
-            raise RunError(
-                f"race-angles: none of {self.samples} states has a race angle ({dict(tally.status)}; of "
-                f"{tally.without_race} bounces the energy is too small to come flat); give other states"
-            )
         of_states = {"valid_states": states, "approaches": states * self.rows, "without_race": tally.without_race}
         return super().summarise(tally) | of_states
-
-    def headline(self, summary: dict[str, Any]) -> list[str]:
-        states = f"{summary['valid_states']:,} states of the {self.disk.name} disk"
-        lines = [f"{states}, {summary['approaches']:,} bounces; {_limit(summary)}"]
-        if summary["without_race"]:
-            few = f"{summary['without_race']:,} bounces"
-            lines.append(f"{few} have no race angle: their energy is too small to come flat")
-        nearest = summary["by_decade"][0]
-        span = f"{nearest['eta_hat_from']:.0e} to {10.0 * nearest['eta_hat_from']:.0e}"
-        lines.append(
-            f"nearest to the falling set, |eta_hat| {span}: {nearest['passages']:,} bounces, median distance from "
-            f"the limit {nearest['median_deviation']:.2g} rad"
-        )
-        return [*lines, *super().headline(summary)]
-
-
-def _limit(summary: dict[str, Any]) -> str:
-    return f"the limit +-kappa pi is {summary['limit']:.6f} rad"
 
 
 def _anywhere(given: dict[str, Any]) -> bool:
@@ -338,8 +309,8 @@ def _anywhere(given: dict[str, Any]) -> bool:
 
 def _mean(tally: RaceCounts, groups: list[int]) -> float:
     """Of the deviations from the limit in some groups."""
-    total = sum((tally.deviations[str(group)] for group in groups), Sum())
-    return float(total) / tally.decades.part(groups).total
+    total: float = sum(tally.deviations[str(group)] for group in groups)
+    return total / tally.decades.part(groups).total
 
 
 def _start(drawn: Table) -> tuple[Array, Array, Array, Array]:

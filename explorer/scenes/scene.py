@@ -6,16 +6,18 @@ chunks and blocks, which rows are kept, files and workers are not its concern.
 """
 
 import re
+import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, RunError, shown
+from explorer.errors import InputError, RunError, one_of, shown
 from explorer.measure import statistics
 from explorer.measure.sampling import LaneStream, Stream
 from explorer.measure.tallies import ByName, Tally
@@ -23,6 +25,7 @@ from explorer.motion.plan import METHODS, Plan, plan
 from explorer.motion.trials import MotionTrial, Trial
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
+from explorer.phase.paths import read_toml
 from explorer.scenes.options import DISK, NUMBER, Options, option, whole_from, word_of
 
 if TYPE_CHECKING:
@@ -32,9 +35,8 @@ if TYPE_CHECKING:
 # A picture that is drawn when it is called, with ax= and keywords of its function where it takes them.
 Picture: TypeAlias = "Callable[..., Axes | Figure]"
 Table = dict[str, NDArray[Any]]
+K = TypeVar("K", bound="type[Scene]")
 SAMPLES = whole_from(1, 10**12), "number of samples; 1e6 is a whole number too"
-MOST_CHUNKS = 20_000_000  # files in one folder
-_FREE = ("seed", "samples", "chunk_size", "keep")  # in which runs of one question may differ
 
 
 class Counts(Tally):
@@ -61,6 +63,8 @@ class Scene(Options, ABC):
     # What it stores of a sample, by the names of `phase.columns`, or with what they mean; chunks may have others.
     columns: ClassVar[Sequence[str] | dict[str, Column]] = ("status",)
     columns_of_given: ClassVar[tuple[str, ...]] = ()  # what else it stores where the states are given
+    # Lines that are said of a run: `str.format` with the summary; one whose numbers are not there is not.
+    says: ClassVar[Sequence[str]] = ()
     drawn: ClassVar[int] = 0  # about how many pictures `figures` has, for what a run costs
     tried: ClassVar[int] = 4096  # samples that `trade` draws, unless it is said
 
@@ -103,9 +107,11 @@ class Scene(Options, ABC):
         return ()
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
-        """The summary in a few lines of text."""
+        """The summary in a few lines of text: `says`, or all plain numbers, and how samples ended."""
+        lines = [text for line in self.says if (text := _filled(line, summary))]
         plain = [f"{name}: {value}" for name, value in summary.items() if isinstance(value, int | float | str)]
-        return [*plain, *(f"{count:,} {name}" for name, count in summary.get("status", {}).items())]
+        ended = ", ".join(f"{count:,} {name}" for name, count in summary.get("status", {}).items())
+        return [*(lines or plain), f"status: {ended}"]
 
     def trial(self) -> Trial | None:
         """Its samples as `trade` tries methods on them; None where it computes nothing by a method of choice."""
@@ -114,33 +120,6 @@ class Scene(Options, ABC):
     def motions(self, count: int, t_end: float | None) -> MotionTrial | None:
         """Motions in time from its first `count` starts, likewise. t_end: units of the disk; None: its own."""
         return None
-
-    def together(self, others: "Sequence[Scene]") -> Self:
-        """The scene of which runs of this one and of others with other seeds are parts. Raises InputError."""
-        mine = self.options
-        if "samples" not in mine:
-            raise InputError(f"merge: {self.name} draws no samples, so another run of it says the same")
-        for other in others:
-            theirs = other.options
-            for key in {**mine, **theirs}:
-                if key not in _FREE and mine.get(key) != theirs.get(key):
-                    one, two = shown(mine.get(key)), shown(theirs.get(key))
-                    raise InputError(
-                        f"merge: one run has {key} = {one}, another {two}; only runs of the same question can be "
-                        "added up"
-                    )
-        runs: list[Scene] = [self, *others]
-        seeds = [scene.seed for scene in runs]
-        for seed in seeds:
-            if seeds.count(seed) > 1:
-                raise InputError(
-                    f"merge: two runs have seed {seed}, so one repeats samples of the other; give runs with "
-                    "different seeds, or resume one of them with more samples"
-                )
-        if mine.get("states") is not None:
-            raise InputError("merge: these runs have given states; give one run with the states of all of them")
-        more: Any = {"samples": sum(scene.options["samples"] for scene in runs)}
-        return replace(self, **more)
 
     @property
     def label(self) -> str:
@@ -177,14 +156,6 @@ class SampledScene(Scene):
 
     block: ClassVar[int] = 1 << 15  # samples at once: columns of them stay in a processor's cache
     bytes_per_sample: ClassVar[int] = 1000  # while its chunk is computed, for a budget of memory
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.chunks > MOST_CHUNKS:
-            raise InputError(
-                f"--samples {self.samples} in chunks of {self.chunk_size}: makes {self.chunks:,} files; give a "
-                f"larger chunk_size, so that there are {MOST_CHUNKS:,} at most"
-            )
 
     # What a scene offers
 
@@ -246,6 +217,132 @@ class SampledScene(Scene):
         return table if rows.all() else {name: values[rows] for name, values in table.items()}
 
 
+def _filled(line: str, known: dict[str, Any]) -> str:
+    """A line with its numbers; empty where one is missing."""
+    try:
+        return line.format(**known)
+    except (KeyError, IndexError, TypeError):
+        return ""
+
+
 def joined(tables: Sequence[Table]) -> Table:
     """Tables with the same columns, one below the other."""
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+
+# The scenes by name, those of users among them
+
+# Each is a file and a class of this name: race-angles is RaceAngles in race_angles.py.
+NAMES = ("falling-set", "measure-zero", "one-sided", "portrait", "race-angles")
+_own: dict[str, type[Scene]] = {}
+
+
+def register(scene: K) -> K:
+    """Make a scene of your own known by its name, for `run` and for runs that are opened. Usable as a decorator.
+
+    It then has what the scenes of nearflat have: chunks, resuming, workers of every kind, counts, a summary, help.
+    `nearflat run my.py:Coins` does without it.
+
+    Parameters
+    ----------
+    scene : type
+        A class derived from `explorer.scenes.scene.SampledScene`, whose docstring says the question; it offers
+        `draw` and `observe`, and mostly `count` and `summarise`. Another class of the same name takes its place.
+
+    Returns
+    -------
+    type
+        The same class.
+
+    Raises
+    ------
+    InputError
+        Where it is no such class, or has the name of a scene of nearflat.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> from explorer.scenes.scene import Counts, SampledScene
+    >>> class CoinCounts(Counts):
+    ...     heads: int
+    >>> @ex.register
+    ... class Coins(SampledScene):
+    ...     "How often does a coin show heads?"
+    ...     tally = CoinCounts
+    ...     def draw(self, random, count):
+    ...         return {"heads": random.random(count) < 0.5}
+    ...     def observe(self, drawn):
+    ...         return {**drawn, "status": 0 * drawn["heads"].astype("i1")}
+    ...     def count(self, tally, table):
+    ...         tally.heads += int(table["heads"].sum())
+    ...     def summarise(self, tally):
+    ...         return {"share": tally.heads / self.samples}
+    >>> round(ex.run("coins", samples=100_000).summary["share"], 2)
+    0.5
+    """
+    if not (isinstance(scene, type) and issubclass(scene, Scene)):
+        raise InputError(f"scene = {shown(scene)} is no scene; derive one from explorer.scenes.scene.SampledScene")
+    if scene.name in NAMES and not scene.__module__.startswith("explorer."):
+        raise InputError(f"scene = {scene.__name__}: {scene.name!r} is a scene of nearflat; give another name")
+    if scene.name not in NAMES:
+        _own[scene.name] = scene
+    return scene
+
+
+def scene_class(name: Any) -> type[Scene]:
+    """The class of a scene, by its name, by "FILE.py:CLASS", or itself. Raises InputError with what is known."""
+    if isinstance(name, type):
+        return register(name)
+    if isinstance(name, str) and ".py:" in name:
+        return register(_in_file(name))
+    try:
+        known = one_of("scene", name, [*NAMES, *_own])
+    except InputError as error:
+        raise InputError(
+            f"{error}. A scene of your own: nearflat run my.py:Scene, or ex.register(Scene)"
+        ) from None
+    if known in _own:
+        return _own[known]
+    home = import_module(f"explorer.scenes.{known.replace('-', '_')}")
+    found: type[Scene] = getattr(home, known.title().replace("-", ""))
+    return found
+
+
+def _in_file(where: str) -> type[Scene]:
+    """The class that "my.py:Scene" names; its folder becomes one that workers import from, too."""
+    path, _, name = where.rpartition(":")
+    file = Path(path).resolve()
+    if not file.is_file():
+        raise InputError(f"scene {where}: there is no file {path}")
+    if str(file.parent) not in sys.path:
+        sys.path.insert(0, str(file.parent))
+    module = import_module(file.stem)
+    if Path(str(module.__file__)).resolve() != file:
+        raise InputError(f"scene {where}: {file.stem} is the name of another module; rename the file")
+    own = {each: kind for each, kind in vars(module).items() if isinstance(kind, type) and issubclass(kind, Scene)}
+    if name not in own:
+        known = ", ".join(each for each, kind in own.items() if kind.__module__ == module.__name__)
+        raise InputError(f"scene {where}: {name} is no scene there; known: {known}")
+    return own[name]
+
+
+def file_of(kind: type[Scene]) -> str | None:
+    """ "FILE.py:CLASS" of a user's scene that another process can load in that way; None where there is none."""
+    module = sys.modules.get(kind.__module__)
+    file = getattr(module, "__file__", None)
+    if kind.__module__.startswith("explorer.") or kind.__module__ == "__main__" or file is None:
+        return None
+    return f"{Path(file).resolve()}:{kind.__qualname__}"
+
+
+def scene_of(options: dict[str, Any]) -> Scene:
+    """The scene whose `options` these are. Raises InputError."""
+    return scene_class(options["scene"]).of({key: value for key, value in options.items() if key != "scene"})
+
+
+def read_scene_file(path: Path) -> dict[str, Any]:
+    """Options from a TOML file that names a `scene`. Raises InputError."""
+    content = read_toml(path, "SCENE")
+    if not isinstance(content.get("scene"), str):
+        raise InputError(f'{path}: names no scene; write scene = "race-angles" or another at its top')
+    return {key.replace("-", "_"): value for key, value in content.items()}

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from explorer.errors import InputError
+from explorer.errors import InputError, RunError
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, LaneStream, Range, Stream, chunk_stream, signs
 from explorer.motion.trials import MotionTrial, through_time
@@ -104,11 +104,9 @@ class FromStates(FromDensity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.states is None and self.degrees:
-            raise InputError("--degrees: says how --states is meant; give both or leave it out")
         made = None if self.states is None else self.states.states
-        if made is not None and self.degrees:
-            raise InputError("--degrees: States are in radians already; leave it out")
+        if self.degrees and (self.states is None or made is not None):
+            raise InputError("--degrees: says how a table of --states is meant; leave it out")
         if made is not None and made.disk != self.disk:
             raise InputError(f"--states: made for the disk {made.disk.name!r}, used with {self.disk.name!r}")
 
@@ -148,18 +146,15 @@ class FromStates(FromDensity):
         return phi_to_states(self.disk, **self.draw(chunk_stream(0, 0), count))
 
     def states_among(self, status: Mapping[str, int]) -> int:
-        """How many samples are states; the others are bad input, and in no statistic. Raises InputError for 0."""
+        """How many samples are states; the others are bad input, and in no statistic. Raises RunError for 0."""
         count = sum(status.values()) - status.get("bad_input", 0)
-        if count:
-            return count
-        if self.states is None:
+        if not count:
             remedy = "in --box, give rates below 1e100 natural units"
-            raise InputError(f"{self.name}: none of {self.samples:,} draws is a state; {remedy}")
-        degrees = "" if self.degrees else ", and --degrees where they are in degrees"
-        raise InputError(
-            f"{self.name}: none of the {self.samples} rows of --states is a state; give finite numbers, "
-            f"phi between -pi/2 and pi/2 or tilt between 0 and pi{degrees}"
-        )
+            if self.states is not None:
+                remedy = "in --states, give finite numbers, phi between -pi/2 and pi/2 or tilt between 0 and pi"
+                remedy += "" if self.degrees else ", and --degrees where they are in degrees"
+            raise RunError(f"{self.name}: none of {self.samples:,} samples is a state; {remedy}")
+        return count
 
     def motions(self, count: int, t_end: float | None) -> MotionTrial | None:
         first = next(self.blocks(0)).states

@@ -16,8 +16,8 @@ from explorer.commands.main import COMMANDS, parser_of
 from explorer.commands.trade import Trading
 from explorer.phase.columns import COLUMNS
 from explorer.runs.settings import Settings
-from explorer.scenes.options import options_of
-from explorer.scenes.registry import NAMES, scene_class
+from explorer.scenes.options import Options, options_of
+from explorer.scenes.scene import NAMES, scene_class
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -178,25 +178,31 @@ from explorer.scenes.scene import Scene
 
 
 def stub():
-    """The keywords of each scene, of runs and of trade, and overloads of the three calls by scene."""
+    """The keywords of each scene and of runs, and overloads of the calls by scene."""
     kinds = {scene_class(name).__name__: scene_class(name) for name in NAMES}
-    text = HEAD
-    for name, kind in {**kinds, "OfRun": Settings, "OfTrade": Trading}.items():
-        lines = [f"    {each.name}: {each.metadata['reader'].accepts}" for each in options_of(kind)]
-        text += "\n".join([f"\nclass {name}(TypedDict, total=False):", *lines, ""])
+    text, known = HEAD, {Options: {}}
+    named = (*kinds.values(), Settings, Trading)
+    for kind in dict.fromkeys(base for last in named for base in last.__mro__[::-1]):
+        if not issubclass(kind, Options) or kind is Options:
+            continue
+        above = next(base for base in kind.__bases__ if issubclass(base, Options))
+        fields = known[kind] = {each.name: each.metadata["reader"].accepts for each in options_of(kind)}
+        # A TypedDict cannot give a key another type.
+        inherits = bool(known[above]) and all(fields[name] == known[above][name] for name in known[above])
+        own = {name: each for name, each in fields.items() if not (inherits and name in known[above])}
+        parent = f"Of{above.__name__}" if inherits else "TypedDict"
+        lines = [f"\nclass Of{kind.__name__}({parent}, total=False):"]
+        text += "\n".join([*lines, *(f"    {name}: {each}" for name, each in own.items()), ""])
     for name in kinds:
-        text += f"\nclass {name}Run({name}, OfRun, total=False): ..."
-        text += f"\nclass {name}Trade({name}, OfTrade, total=False): ...\n"
-    for call, more, returned in (("run", "Run", "Run"), ("plan", "Run", "RunPlan"), ("trade", "Trade", "Trade")):
+        text += f"\nclass {name}Run(Of{name}, OfSettings, total=False): ..."
+        text += f"\nclass {name}Trade(Of{name}, OfTrading, total=False): ..."
+    for call, returned, of in (("run", "Run", "Run"), ("plan", "RunPlan", "Run"), ("trade", "Trade", "Trade")):
         text += "\n"
         for name, kind in kinds.items():
-            literal = f'Literal["{kind.name}"]' + (
-                " | None = ..." if (call, name) == ("trade", "RaceAngles") else ""
-            )
-            text += (
-                f"@overload\ndef {call}(scene: {literal}, **options: Unpack[{name}{more}]) -> {returned}: ...\n"
-            )
-        text += f"@overload\ndef {call}(scene: str | type[Scene], **options: Any) -> {returned}: ...\n"
+            literal = f'Literal["{kind.name}"]'
+            text += f"@overload\ndef {call}(scene: {literal}, **options: Unpack[{name}{of}]) -> {returned}: ...\n"
+        any_scene = "str | type[Scene] | None = ..." if call == "trade" else "str | type[Scene]"
+        text += f"@overload\ndef {call}(scene: {any_scene}, **options: Any) -> {returned}: ...\n"
     return text
 
 

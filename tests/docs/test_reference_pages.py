@@ -8,7 +8,7 @@ from docs.reference_pages import DOCS, STUB, pages_with_parts, parsers, renewed,
 
 from explorer import compiled
 from explorer.phase.columns import COLUMNS
-from explorer.scenes.registry import NAMES
+from explorer.scenes.scene import NAMES
 
 GLOSSARY = (DOCS / "reference" / "glossary.md").read_text("utf-8")
 TEXT = {page: page.read_text("utf-8") for page in PAGES}

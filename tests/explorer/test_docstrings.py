@@ -10,7 +10,7 @@ from unittest.mock import patch
 import pytest
 
 import explorer as ex
-from explorer.scenes import registry
+from explorer.scenes import scene as scenes
 
 SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}$", flags=re.MULTILINE)
 
@@ -88,6 +88,6 @@ def test_examples_run_and_print_what_they_say(name):
     example = doctest.DocTestParser().get_doctest(inspect.getdoc(OBJECTS[name]), {}, name, None, 0)
     assert example.examples
     report = []
-    with patch.dict(registry._own):  # an example may register a scene, which other tests must not see
+    with patch.dict(scenes._own):  # an example may register a scene, which other tests must not see
         doctest.DocTestRunner(verbose=False).run(example, out=report.append)
     assert not report, "".join(report)

@@ -30,9 +30,9 @@ import pyarrow.parquet  # noqa: F401
 import scipy.stats  # noqa: F401
 
 from explorer import compiled
-from explorer.commands import run, runs  # noqa: F401 - before the fork
+from explorer.commands import runs  # noqa: F401 - before the fork
 from explorer.commands.main import main
-from explorer.scenes.registry import scene_class
+from explorer.scenes.scene import scene_class
 
 # How a run is stopped, and the exit statuses that are promised; all may also be done before, with status 0.
 PROMISED = {

@@ -25,7 +25,6 @@ from peers.peak import peak
 from peers.problem import COUNT, work
 from processor import processor
 
-from explorer.commands.made_by import leave_made_by
 from explorer.plot.captions import save
 
 ROOT = Path(__file__).parents[2]
@@ -145,7 +144,6 @@ def main():
     elif asked.out != OUT:
         lines = [line for line in lines if not line.startswith("![")]
     (asked.out / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    leave_made_by(asked.out, command())
     if asked.out != OUT or asked.peers:
         return
     save(draw(rows), OUT / "peers.png")

@@ -19,8 +19,6 @@ from pathlib import Path
 
 import numpy as np
 
-from explorer.commands.made_by import leave_page
-
 OUT = Path(__file__).parents[2] / "results" / "processors"
 SCENES = {
     "race-angles": {"samples": 100_000, "chunk_size": 20_000, "eta_hat": "1e-9:1e-2", "keep": "all"},
@@ -69,7 +67,7 @@ def compute(target):
     """All chunks of every scene, into one file of arrays for each, with counts and digest; only used kernels."""
     from explorer.runs import store
     from explorer.runs.machine import machine
-    from explorer.scenes.registry import scene_class
+    from explorer.scenes.scene import scene_class
 
     said = {"machine": machine()}
     for name, options in SCENES.items():
@@ -185,7 +183,7 @@ def main():
         "|---|---|" + "---|" * len(SCENES),
         *rows,
     ]
-    leave_page(OUT, lines, "python tests/reference/report_processors.py")
+    (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -23,7 +23,6 @@ import second_job
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from explorer.commands.made_by import leave_page
 from explorer.plot.captions import Question, captioned, save
 from explorer.plot.style import DARK, MARKERS, SERIES, dress, legend_below
 
@@ -239,14 +238,14 @@ def only(which, samples=BOTH_JOBS):
         of_cost = [*cost(), ""]
     else:
         of_jobs = gains(samples)
-    leave_page(OUT, [*above, *of_cost, *of_jobs], "python tests/reference/report_scaling.py")
+    (OUT / "README.md").write_text("\n".join([*above, *of_cost, *of_jobs]) + "\n", encoding="utf-8")
 
 
 def main():
     """The whole page."""
     OUT.mkdir(parents=True, exist_ok=True)
     lines = [*sizes(), *cost(), "", *gains(BOTH_JOBS)]
-    leave_page(OUT, lines, "python tests/reference/report_scaling.py")
+    (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import explorer as ex
 from explorer import compiled
 from explorer.commands.main import main
 from explorer.phase.columns import COLUMNS
-from explorer.scenes.registry import NAMES, scene_class
+from explorer.scenes.scene import NAMES, scene_class
 
 
 def said(capsys, *words):

@@ -9,8 +9,7 @@ import pytest
 from PIL import Image
 
 import explorer as ex
-from explorer.commands.gallery import gallery, picture_lines
-from explorer.commands.made_by import leave_made_by
+from explorer.commands.gallery import command_of, gallery, picture_lines
 from explorer.commands.main import main
 from explorer.plot.captions import Caption, Question, packed
 
@@ -46,15 +45,26 @@ def test_pages_name_only_files_that_exist(page):
             assert (page.parent / where).exists(), link
 
 
-def test_the_page_has_the_command_of_every_folder_and_picture(tmp_path):
+def test_the_page_has_the_command_of_every_folder_and_its_pictures(tmp_path):
     mine = tmp_path / "mine"
     mine.mkdir()
     (mine / "one.png").touch()
     assert "mine, one<br>\n<code>not known</code>" in gallery(tmp_path)
-    leave_made_by(mine, "nearflat demo", {"one.png": "nearflat demo --a"})
+    (mine / "README.md").write_text("# Mine\n\nMade by `nearflat demo --a`, and more.\n")
     page = gallery(tmp_path)
-    assert "| [`mine/`](mine) | `nearflat demo` |" in page
+    assert "| [`mine/`](mine) | `nearflat demo --a` |" in page
     assert "mine, one<br>\n<code>nearflat demo --a</code>" in page
+
+
+def test_a_run_remembers_the_command_line_that_made_it(tmp_path):
+    folder = tmp_path / "run"
+    words = ["run", "race-angles", "--samples", "500", "--box", "phidot=1:1.5,sigma3=-1:1", "--out", str(folder)]
+    made_by = f"nearflat run race-angles --samples 500 --box phidot=1:1.5,sigma3=-1:1 --out {folder}"
+    for command in (words, ["resume", str(folder)]):
+        assert main(command) == 0
+        assert command_of(folder) == made_by
+    ex.run("race-angles", samples=500, out=tmp_path / "other")
+    assert command_of(tmp_path / "other") == "ex.run('race-angles', ...), with the options in run.json"
 
 
 def test_pictures_stand_by_their_question_and_the_hero_comes_first(tmp_path):
@@ -80,7 +90,6 @@ def test_what_is_no_folder_is_named(tmp_path):
 def test_a_gallery_is_written_where_it_is_asked_for(tmp_path, capsys):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "one.png").write_bytes(b"")
-    leave_made_by(tmp_path / "mine", "nearflat demo")
     assert main(["gallery", str(tmp_path)]) == 0
     assert "mine/one.png" in (tmp_path / "README.md").read_text(encoding="utf-8")
     assert str(tmp_path / "README.md") in capsys.readouterr().out

@@ -6,12 +6,15 @@ import re
 import subprocess
 import sys
 import warnings
+import webbrowser
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 from matplotlib.figure import Figure
 from told import said
 
+import explorer as ex
 from explorer.commands import demo as demo_module
 from explorer.commands.main import main
 
@@ -164,7 +167,7 @@ def test_a_closed_pipe_ends_the_command_silently(words):
 LOADED = """
 import sys
 from explorer.commands.main import main
-from explorer.scenes.registry import NAMES
+from explorer.scenes.scene import NAMES
 passage = ["passage", "--sigma3-bar", "1", "--eta-hat", "-1e-6", "--phidot", "1", "--quiet"]
 many = ["plan", "falling-set", "--samples", "1e9"]
 for words in (passage, *(["plan", scene] for scene in NAMES), many):
@@ -230,3 +233,54 @@ def test_commands_draw_whatever_windows_the_environment_asks_for():
         check=True,
     )
     assert done.stdout.splitlines()[-1] == "agg"
+
+
+CFF = (Path(__file__).parents[3] / "CITATION.cff").read_text("utf-8")
+
+
+def test_bibtex_and_the_citation_file_name_the_same_paper():
+    (number,) = re.findall(r"^\s+volume: (\d+)", CFF, flags=re.MULTILINE)
+    (title,) = re.findall(r"^\s+title: (.+)", CFF, flags=re.MULTILINE)
+    (year,) = re.findall(r"^\s+year: (\d+)", CFF, flags=re.MULTILINE)
+    assert all(f"{{{value}}}" in ex.cite() for value in (number, title, year))
+    assert f"version = {{{metadata.version('nearflat')}}}" in ex.cite()
+
+
+def test_the_command_prints_what_the_function_returns(capsys):
+    assert main(["cite"]) == 0
+    assert capsys.readouterr().out == ex.cite() + "\n"
+
+
+def test_as_json_both_entries_have_their_keys(capsys):
+    assert main(["cite", "--json"]) == 0
+    assert set(json.loads(capsys.readouterr().out)) == {"nearflat", "CushmanDuistermaat2006"}
+
+
+def test_the_page_is_written_and_opened(tmp_path, capsys, monkeypatch):
+    opened = []
+    monkeypatch.setattr(webbrowser, "open", opened.append)
+    where = tmp_path / "page.html"
+    arguments = ["view", "--disk", "hoop", "--eta-hat", "-1e-12", "--face", "-1", "--out", str(where), "--open"]
+    assert main(arguments) == 0
+    assert '"eta_hat": -1e-12' in where.read_text("utf-8")
+    assert opened == [where.as_uri()]
+    assert str(where) in capsys.readouterr().out
+
+
+def test_json_is_all_that_is_printed(tmp_path, capsys):
+    where = tmp_path / "page.html"
+    assert main(["view", "--out", str(where), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said == {"page": str(where), "bytes": where.stat().st_size, "disk": "uniform"}
+
+
+def test_arguments_that_cannot_be_used_are_named(capsys):
+    assert main(["view", "--eta-hat", "0"]) == 2
+    assert "eta_hat = 0" in capsys.readouterr().err
+
+
+def test_warmup_says_when_all_is_ready(capsys):
+    assert main(["warmup", "--quiet"]) == 0
+    capsys.readouterr()
+    assert main(["warmup"]) == 0
+    assert capsys.readouterr().out == "All kernels were ready.\n"

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from explorer.commands.main import main
-from explorer.scenes.registry import NAMES, scene_class
+from explorer.scenes.scene import NAMES, scene_class
 
 
 def test_the_cost_of_a_run_is_said_for_its_own_options(capsys, tmp_path):

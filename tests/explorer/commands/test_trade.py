@@ -8,11 +8,11 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer.commands import main as cli
-from explorer.commands import trade
+from explorer.commands import trade, trade_report
 from explorer.motion import calibration
 from explorer.motion.plan import plan
 from explorer.motion.trade import ASKED
-from explorer.scenes.registry import scene_class
+from explorer.scenes.scene import scene_class
 
 
 @pytest.fixture
@@ -181,3 +181,14 @@ def test_the_command_prints_writes_and_stores(private, tmp_path, capsys):
     assert len(printed["parts"][0]["asked"]) == 5 * len(ASKED)
     assert (out / "trade.png").stat().st_size > 10_000
     assert "Stored for this machine" in (out / "README.md").read_text("utf-8")
+
+
+def test_the_page_says_what_was_measured_and_by_which_command(traded, tmp_path):
+    trade_report.write(traded.scene, traded.parts, tmp_path, "nearflat trade race-angles", None)
+    page = (tmp_path / "README.md").read_text("utf-8")
+    assert "Made by `nearflat trade race-angles`" in page
+    assert page.count("\n## ") == 2
+    assert "Stored for this machine" not in page
+    assert (tmp_path / "trade.png").exists()
+    assert str(traded) in page
+    assert repr(traded) == "Trade of race-angles, hoop: 300 passages, 64 motions; print it for its tables"

@@ -6,27 +6,27 @@ import math
 import numpy as np
 import pytest
 
-from explorer.measure.tallies import ByName, Histogram, Least, LogHistogram, Records, Sum, Tally
+from explorer.measure.tallies import ByName, Histogram, Least, LogHistogram, Tally
 
 
 class Everything(Tally):
     many: int
-    sums: ByName[Sum]
+    sums: ByName[float]
     angles: ByName[Histogram]
     sizes: LogHistogram
     plane: Least
-    rows: Records
+    rows: list
 
 
 def counted(values):
     tally = Everything(many=values.size)
     for name, side in (("plus", 1), ("minus", -1)):
         chosen = values[side * values > 0.0]
-        tally.sums[name] += Sum(chosen)
+        tally.sums[name] += float(chosen.sum())
         tally.angles[name] += Histogram([*np.histogram(chosen, 7, (-1.0, 1.0))[0], 0])
     tally.sizes.count(values, np.floor(3.0 * abs(values)))
     tally.plane = Least(np.where(np.arange(9) < values.size, 7, Least.NONE))
-    tally.rows += Records([float(values[0])])
+    tally.rows += [float(values[0])]
     return tally
 
 
@@ -43,14 +43,15 @@ def test_parts_in_any_order_say_what_all_say_also_after_json(values, parts):
     total, whole = sum(reversed(stored[:-1]), stored[-1]), counted(values)
     assert total.many == whole.many
     for name in ("plus", "minus"):
-        assert float(total.sums[name]) == math.fsum(values[(values > 0.0) == (name == "plus")])
+        exact = math.fsum(values[(values > 0.0) == (name == "plus")])
+        assert total.sums[name] == pytest.approx(exact, rel=1e-13)
         assert (total.angles[name].counts == whole.angles[name].counts).all()
     assert total.sizes.groups == whole.sizes.groups
     for group in total.sizes.groups:
         for q in (0.0, 0.1, 0.5, 1.0):
             assert total.sizes.part([group]).quantile(q) == whole.sizes.part([group]).quantile(q)
-    assert (total.plane.codes == whole.plane.codes).all()
-    assert sorted(total.rows.items) == sorted(float(part[0]) for part in np.array_split(values, parts))
+    assert (total.plane.counts == whole.plane.counts).all()
+    assert sorted(total.rows) == sorted(float(part[0]) for part in np.array_split(values, parts))
 
 
 def test_an_empty_tally_changes_none(values):
@@ -88,9 +89,3 @@ def test_the_half_width_of_normal_numbers_is_their_deviation(exponent):
     sizes = LogHistogram()
     sizes.count(values * 10.0**exponent)
     assert sizes.half_width() == pytest.approx(10.0**exponent, rel=0.03)
-
-
-def test_sums_are_rounded_once():
-    parts = [Sum([1e300, 1.0]), Sum([-1e300]), Sum([1e-20])]
-    for order in (parts, parts[::-1], [parts[1], parts[0], parts[2]]):
-        assert float(sum(order[1:], order[0])) == 1.0

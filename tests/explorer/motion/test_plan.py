@@ -7,7 +7,7 @@ import pytest
 
 import explorer as ex
 from explorer.motion.plan import OBSERVABLES, RUNGS, plan
-from explorer.scenes.registry import NAMES, scene_class
+from explorer.scenes.scene import NAMES, scene_class
 
 
 def test_the_lowest_rung_that_gives_everything_is_chosen():

@@ -7,6 +7,7 @@ from coins import SMALL, Coins
 
 import explorer as ex
 from explorer.runs import estimate as estimates
+from explorer.runs.amounts import duration, size
 from explorer.runs.estimate import estimate
 from explorer.runs.settings import asked
 
@@ -57,3 +58,18 @@ def test_a_run_for_which_there_is_no_room_is_refused_before_it_is_computed(tmp_p
         ex.run(Coins, samples=2_000_000, keep="all", out=tmp_path / "run", progress=False)
     assert not [*(tmp_path / "run" / "chunks").iterdir()]
     ex.run(Coins, samples=200_000, keep="all", out=tmp_path / "small", figures=False, progress=False)
+
+
+@pytest.mark.parametrize(
+    ("count", "text"), [(0, "0 B"), (950, "950 B"), (999_600, "1 MB"), (83.6e12, "83.6 TB"), (5e18, "5e+03 PB")]
+)
+def test_sizes_have_three_digits_and_a_unit(count, text):
+    assert size(count) == text
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(1.25, "1.2 s"), (600, "10 min"), (30_000, "8 h"), (953_236, "11 days"), (1e9, "11,574 days")],
+)
+def test_times_are_in_seconds_to_days(seconds, text):
+    assert duration(seconds) == text

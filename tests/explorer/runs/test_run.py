@@ -6,7 +6,7 @@ import pytest
 from coins import SMALL, Coins
 
 import explorer as ex
-from explorer.errors import InputError
+from explorer.errors import RunError
 
 
 def test_a_stored_run_is_opened_mended_and_asked_again(finished):
@@ -93,16 +93,13 @@ class Nothing(Coins):
     """Finds, when all is counted, that nothing can be said."""
 
     def summarise(self, tally):
-        raise InputError("none of the samples is a state; look at --bias")
+        raise RunError("none of the samples is a state; look at --bias")
 
 
 def test_input_that_only_the_whole_run_shows_to_be_useless_is_told_and_chunks_are_kept(tmp_path):
-    with pytest.raises(
-        ex.RunError, match=r"none of the samples is a state; look at bias .*holds what was computed"
-    ):
-        ex.run(Nothing, out=tmp_path / "run", samples=10, progress=False)
-    with pytest.raises(ex.InputError, match="none of the samples is a state"):
-        ex.run(Nothing, samples=10)
+    for where in ({}, {"out": tmp_path / "run"}):
+        with pytest.raises(ex.RunError, match="none of the samples is a state; look at bias"):
+            ex.run(Nothing, samples=10, progress=False, **where)
     assert len([*(tmp_path / "run" / "chunks").iterdir()]) == 1
 
 
@@ -117,13 +114,9 @@ def test_pictures_are_drawn_by_name_with_keywords_and_on_axes_of_a_user(finished
     assert finished.figure("bars", ax=ax, width=0.2) is ax.figure
     assert ax.patches[0].get_width() == 0.2
     assert len(finished.figure("bars").axes) == 1
-    for name, options, message in (
-        ("bras", {}, "figure 'bras' is not known; did you mean 'bars'"),
-        (None, {}, "figure None is not known"),
-        ("bars", {"widht": 1}, "figure = 'bars' cannot be drawn with widht"),
-    ):
-        with pytest.raises(ex.InputError, match=message):
-            finished.figure(name, **options)
+    for name, message in (("bras", "'bras' is not known; did you mean 'bars'"), (None, "None is not known")):
+        with pytest.raises(ex.InputError, match=f"figure {message}"):
+            finished.figure(name)
 
 
 def test_a_run_draws_the_formats_that_were_asked_for_and_resume_those_that_are_missing(tmp_path):

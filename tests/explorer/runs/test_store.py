@@ -13,7 +13,6 @@ import pytest
 from coins import SMALL, Coins
 
 import explorer as ex
-from explorer.measure.tallies import Records
 from explorer.runs import store
 from explorer.scenes.scene import Counts
 
@@ -138,7 +137,7 @@ class Odd(Coins):
 
 
 class RecordCounts(Counts):
-    items: Records
+    items: list
 
 
 class Unjson(Coins):
@@ -148,7 +147,7 @@ class Unjson(Coins):
     columns = ("status",)
 
     def count(self, tally, table):
-        tally.items += Records([float("nan")])
+        tally.items += [float("nan")]
 
 
 class Nameless(Coins):

@@ -90,7 +90,7 @@ def test_killed_at_random_moments_a_run_ends_with_the_same_digest(digest, tmp_pa
     assert not (tmp_path / "run" / "bad").exists()
 
 
-@pytest.mark.parametrize("backend", ["threads", "processes"])
+@pytest.mark.parametrize("backend", ["threads", "processes", "dask"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_the_first_signal_keeps_running_chunks_and_tells_how_to_go_on(number, backend, digest, tmp_path):
     if signal.getsignal(number) is signal.SIG_IGN:
@@ -101,10 +101,10 @@ def test_the_first_signal_keeps_running_chunks_and_tells_how_to_go_on(number, ba
     began, before = time.monotonic(), there(folder)
     os.killpg(done.pid, number)  # as a terminal does: to the processes too
     _, err = done.communicate(timeout=60)
-    assert time.monotonic() - began < 3.0
+    assert time.monotonic() - began < (10.0 if backend == "dask" else 3.0)  # a cluster of its own is closed too
     assert done.returncode == 130, err
     assert "stopping when the running chunks are done; once more stops now" in err
-    assert err.splitlines()[-1].endswith(f"of 24 chunks done; continue with: nearflat resume {folder}")
+    assert f"of 24 chunks done; continue with: nearflat resume {folder}" in err.splitlines()[-1]
     assert before <= there(folder) < 24
     assert not (folder / "summary.json").exists()
     assert not [*folder.rglob("*.tmp")]

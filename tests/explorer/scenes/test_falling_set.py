@@ -99,14 +99,14 @@ def test_the_nearer_face_decides_and_what_is_no_state_has_none():
 
 def test_the_headline_is_in_sentences_a_user_can_read(tmp_path):
     scene, found = summary_of(samples=2000)
-    share = f"would fall if eta were exactly 0: {100 * found['could_fall_fraction']:.1f} % (95 % interval "
+    share = f"would fall if eta were exactly 0: {found['could_fall_fraction']:.1%} (95 % interval "
     assert scene.headline(found)[1].startswith(share)
-    assert "of the 2,000 states: median" in scene.headline(found)[2]
+    assert "of all samples: median" in scene.headline(found)[2]
     scene, found = summary_of(samples=2000, theta_min="near")
-    assert "states with |eta_hat| <= 0.001, the only" in scene.headline(found)[2]
+    assert "of samples with |eta_hat| <= 0.001: median" in scene.headline(found)[2]
     (tmp_path / "states.csv").write_text("phi,phidot,sigma3,sigma4\n0.1,1,1,0.5\n,1,1,2\n0.2,1,1,1\n")
     run = ex.run("falling-set", states=tmp_path / "states.csv")
-    for text in ("eta were exactly 0: 100.0 %", "2 states, 2 computed", "1 row is not a state and is left out"):
+    for text in ("eta were exactly 0: 100.0%", "2 states of 3 samples", "2 ok", "1 bad_input"):
         assert text in repr(run)
     assert run.figure("theta-min").axes[0].lines[0].get_ydata()[-1] == 1.0
 

@@ -14,7 +14,7 @@ from explorer.measure import falling_probability
 from explorer.phase.constants import constants_of
 from explorer.phase.states import COORDINATES, phi_to_states
 from explorer.scenes.measure_zero import MeasureZero
-from explorer.scenes.registry import scene_of
+from explorer.scenes.scene import scene_of
 
 pytestmark = pytest.mark.long
 FEW = {"samples": 5000, "tube": 512, "ladder": "1e-6:1e-1", "keep": "all"}
@@ -156,7 +156,7 @@ def test_a_plain_draw_that_is_not_followed_could_not_come_flatter_than_the_first
 
 def test_runs_with_other_seeds_add_up(few):
     other = replace(few, seed=1, keep="none")
-    found = few.together([other]).summarise(computed(few) + computed(other))
+    found = ex.merge(*(ex.run(**each.options, progress=False) for each in (few, other))).summary
     assert found["samples"] == 10_000
     alone = [scene.summarise(computed(scene))["ladder"] for scene in (few, other)]
     for both, one, two in zip(found["ladder"], *alone, strict=True):

@@ -3,16 +3,14 @@
 import itertools
 import json
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from conftest import computed
 
 import explorer as ex
-from explorer.measure.tallies import Records
 from explorer.scenes.one_sided import Approach, OneSided
-from explorer.scenes.registry import scene_of
+from explorer.scenes.scene import scene_of
 
 
 @pytest.fixture(scope="module")
@@ -43,14 +41,14 @@ def test_the_two_sides_differ_by_the_published_gap_and_agree_for_the_matching_bo
 
 def test_the_tally_holds_the_distances_of_the_rows(scene, tally):
     table, _ = scene.chunk(0)
-    np.testing.assert_array_equal(np.ravel(tally.distances["uniform"].items), table["distance"])
+    np.testing.assert_array_equal(np.ravel(tally.distances["uniform"]), table["distance"])
     assert table["status"].size == scene.length(0) == 6 * 2 * 6
 
 
 def test_a_motion_that_failed_is_left_out_of_the_distances():
     scene, tally = OneSided(samples=1, disk="hoop", eta_hat="1e-3:1e-2"), Approach()
-    tally.distances["hoop"] += Records([[[0.2, None], [0.3, 0.1]]])
-    tally.apart["hoop"] += Records([None])
+    tally.distances["hoop"] += [[[0.2, None], [0.3, 0.1]]]
+    tally.apart["hoop"] += [None]
     found = scene.summarise(tally)
     rows, gap = (found["disks"]["hoop"][name] for name in ("distances", "gap"))
     assert [(row["motions_plus"], row["motions_minus"]) for row in rows] == [(1, 1), (0, 1)]
@@ -60,13 +58,11 @@ def test_a_motion_that_failed_is_left_out_of_the_distances():
     assert "not measured" in scene.headline(found)[0]
 
 
-def test_runs_with_other_seeds_add_up(scene, tally):
-    other = replace(scene, seed=1, disk="hoop")
-    with pytest.raises(ex.InputError, match="disk"):
-        scene.together([other])
-    one, more = replace(scene, disk="hoop"), other
-    together = one.together([more])
-    found = together.summarise(computed(one) + computed(more))
+def test_runs_with_other_seeds_add_up(scene):
+    runs = [ex.run(**{**scene.options, "disks": ["hoop"], "seed": seed}, progress=False) for seed in (0, 1)]
+    with pytest.raises(ex.InputError, match="one run has disks = "):
+        ex.merge(runs[0], ex.run(**{**scene.options, "samples": 1, "seed": 2}, progress=False))
+    found = ex.merge(*runs).summary
     assert found["samples"] == 12 == found["disks"]["hoop"]["distances"][0]["motions_plus"]
 
 

@@ -12,7 +12,7 @@ from explorer.commands.main import parser_of
 from explorer.measure.sampling import Box
 from explorer.portrait.slices import Slice
 from explorer.scenes.options import described, flag_of, options_of
-from explorer.scenes.registry import NAMES, read_scene_file, scene_class, scene_of
+from explorer.scenes.scene import NAMES, read_scene_file, scene_class, scene_of
 
 GIVEN = {
     "falling-set": {

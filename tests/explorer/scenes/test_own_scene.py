@@ -9,7 +9,8 @@ import pytest
 from told import said
 
 import explorer as ex
-from explorer.scenes import Counts, SampledScene, registry
+from explorer.scenes import Counts, SampledScene
+from explorer.scenes import scene as scenes
 
 EXAMPLE = f"{Path(__file__).parents[3] / 'docs' / 'examples' / 'own_scene.py'}:Periods"
 
@@ -17,7 +18,7 @@ EXAMPLE = f"{Path(__file__).parents[3] / 'docs' / 'examples' / 'own_scene.py'}:P
 @pytest.fixture(autouse=True)
 def forgotten(monkeypatch):
     """What a test loads is not known to the next."""
-    monkeypatch.setattr(registry, "_own", {})
+    monkeypatch.setattr(scenes, "_own", {})
     monkeypatch.setattr(sys, "path", [*sys.path])
     yield
     sys.modules.pop("own_scene", None)
@@ -55,7 +56,7 @@ def test_its_folder_remembers_where_it_came_from(capsys, tmp_path, monkeypatch):
     assert said(capsys, "run", EXAMPLE, "--samples", "1e3", "--speed", "2", "--seed", "4", "--out", folder)[0] == 0
     summary = json.loads((folder / "summary.json").read_text())
     assert (summary["speed"], summary["known"]) == (2.0, 1000)
-    monkeypatch.setattr(registry, "_own", {})
+    monkeypatch.setattr(scenes, "_own", {})
     sys.modules.pop("own_scene")
     assert said(capsys, "status", folder)[0] == 0
     (chunk,) = (folder / "chunks").glob("*.parquet")

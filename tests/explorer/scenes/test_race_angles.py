@@ -41,7 +41,7 @@ def test_a_hundred_thousand_races_over_eight_decades_go_no_wrong_way():
     deviations = [row["median_deviation"] for row in found["by_decade"]]
     assert all(a < b for a, b in itertools.pairwise(deviations[3:]))
     assert found["energy_range"][1] > 3 * found["energy_range"][0]
-    assert scene.headline(found)[-1].startswith("wrong way: 0")
+    assert "wrong way: 0" in scene.headline(found)
 
 
 @pytest.mark.parametrize("method", ["rk4", "dopri5"])
@@ -145,7 +145,7 @@ def test_the_races_of_a_wobbling_coin_tend_to_kappa_pi_by_decade(wobbling, tmp_p
     ]
     assert all(a < 0.6 * b for a, b in itertools.pairwise(away))
     assert away[0] < 0.05
-    assert f"of the {run.summary['races_plus']:,} bounces with eta > 0" in repr(run)
+    assert f"of the {run.summary['races_plus']:,} with eta > 0" in repr(run)
     frame = run.frame(columns=["row", "coin"])
     np.testing.assert_array_equal(frame["coin"], wobbling["coin"][frame["row"]])
 
@@ -172,10 +172,10 @@ def test_an_energy_cuts_the_starts_near_f():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"box": "phidot=1,sigma3=1e120"}, r"none of 10 passages was resolved \(10 bad_input\); in box"),
+        ({"box": "phidot=1,sigma3=1e120"}, r"none of 10 samples has a race angle \(10 bad_input\); .*in box"),
         (
             {"states": {"phi": [-1.2543], "phidot": -0.0647, "sigma3": 1.056, "sigma4": -2.2335}},
-            "too small to come",
+            "give states with more energy",
         ),
     ],
 )

@@ -3,7 +3,7 @@
 import pytest
 
 import explorer as ex
-from explorer.scenes.registry import NAMES, scene_class
+from explorer.scenes.scene import NAMES, scene_class
 from kernels._jit import Kernel
 
 

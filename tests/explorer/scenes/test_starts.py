@@ -10,7 +10,7 @@ import explorer as ex
 from explorer.measure.sampling import chunk_stream
 from explorer.scenes.falling_set import FallingSet
 from explorer.scenes.race_angles import Bounces, Passages, RaceAngles
-from explorer.scenes.registry import scene_of
+from explorer.scenes.scene import scene_of
 from explorer.scenes.starts import BoxNearF, check_eta_hat
 
 GIVEN = {"phi": np.linspace(-1.0, 1.0, 7), "phidot": 0.3, "sigma3": 0.5, "sigma4": 0.2, "energy": "mine"}
@@ -82,7 +82,7 @@ def test_a_record_says_that_its_states_were_given_in_python():
         ({"states": GIVEN, "gaussian": "phi=0:1"}, "the states come from"),
         ({"states": GIVEN, "samples": 8}, "holds 7"),
         ({"degrees": True}, "says how"),
-        ({"states": ex.phi_to_states(ex.Disk.uniform(), 0.1, 0.1, 0.1, 0.1), "degrees": True}, "radians already"),
+        ({"states": ex.phi_to_states(ex.Disk.uniform(), 0.1, 0.1, 0.1, 0.1), "degrees": True}, "says how a table"),
         ({"gaussian": "phi=0:1", "box": "phi=0"}, "the box fixes it"),
         ({"energy": ":1e-3"}, "widen it or shrink the box"),
     ],
@@ -106,12 +106,12 @@ def test_a_row_that_is_no_state_is_in_no_statistic_and_counted_apart(kind):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"states": ROWS[[1]]}, "none of the 1 rows of states is a state; give finite numbers"),
-        ({"samples": 10, "box": "phi=0:1,sigma3=1e200:1e201"}, "none of 10 draws is a state; in box"),
+        ({"states": ROWS[[1]]}, "none of 1 samples is a state; in states, give finite numbers"),
+        ({"samples": 10, "box": "phi=0:1,sigma3=1e200:1e201"}, "none of 10 samples is a state; in box"),
     ],
 )
 def test_where_no_row_is_a_state_the_run_says_so(kind, options, message):
-    with pytest.raises(ex.InputError, match=f"{kind.name}: {message}"):
+    with pytest.raises(ex.RunError, match=f"{kind.name}: {message}"):
         ex.run(kind.name, **options)
 
 
