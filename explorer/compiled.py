@@ -5,30 +5,19 @@ one found first on the path wins. So everything in `explorer` reaches kernels th
 `kernels` is imported on first use, because numba takes a second to load.
 """
 
-import contextlib
 import importlib
 import importlib.util
 import os
 import platform
-import signal
-import stat
 import sys
 import threading
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from functools import cache
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 _OURS = Path(__file__).resolve().parent.parent / "kernels"
 _LOCK = threading.RLock()
-# Two processes compile from the two ends of this list of modules: what shares most of its code stands together,
-# and what takes longest stands outside. Others stand where "falling" does.
-_TWO_ENDED = (
-    *("batch", "motions", "recording", "variation"),
-    *("counting", "falling", "algebra", "nutation", "turning_points", "rules", "passages"),
-)
 _NAMED = 4  # kernels that are named when they are compiled
 
 if TYPE_CHECKING:
@@ -50,18 +39,14 @@ if TYPE_CHECKING:
     from kernels.disk import field as field
     from kernels.disk import philox as philox
     from kernels.disk import polynomials as polynomials
-    from kernels.disk import race_law as race_law
     from kernels.disk import sifting as sifting
     from kernels.near_flat import passages as passages
     from kernels.near_flat import races as races
     from kernels.near_flat import tables as tables
     from kernels.steps import attempt as attempt
-    from kernels.steps import batch as batch
+    from kernels.steps import curves as curves
+    from kernels.steps import engine as engine
     from kernels.steps import events as events
-    from kernels.steps import motion_lanes as motion_lanes
-    from kernels.steps import motions as motions
-    from kernels.steps import recording as recording
-    from kernels.steps import trail as trail
     from kernels.steps import variation as variation
 else:
 
@@ -91,62 +76,7 @@ def _load(module: str) -> ModuleType:
             f"nearflat found another package called 'kernels' first ({where}) instead of its own ({_OURS}); "
             "install nearflat in a fresh virtual environment, or take the other one off PYTHONPATH"
         )
-    with _uninterrupted():
-        loaded = importlib.import_module(module)
-    if module != "kernels._jit" and "kernels._jit" in sys.modules:  # some modules have no kernels
-        _check_cache()
-    return loaded
-
-
-@contextlib.contextmanager
-def _uninterrupted() -> Iterator[None]:
-    """Let Ctrl-C wait until numba is loaded: broken off half-way, it cannot be loaded again in that process."""
-    main = threading.current_thread() is threading.main_thread()
-    before = signal.getsignal(signal.SIGINT)
-    if "numba" in sys.modules or not main or before is None:  # None: another language handles it
-        yield
-        return
-    heard = threading.Event()
-    signal.signal(signal.SIGINT, lambda *_: heard.set())
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-    if heard.is_set():
-        signal.raise_signal(signal.SIGINT)
-
-
-@cache
-def _check_cache() -> None:
-    """Raise ImportError where another user may own or change compiled code: it runs as whoever loads it.
-
-    `kernels` itself looks at the top folder only. This is done once, before any kernel can be called.
-    """
-    folder: Path | None = _load("kernels._jit").cache_folder()
-    fault = _foreign(folder) if folder is not None and os.name == "posix" else None
-    if fault:
-        remedy = f"remove {folder}, or set NUMBA_CACHE_DIR to a folder of your own"
-        raise ImportError(f"compiled code is not loaded: {fault}; {remedy}")
-
-
-def _foreign(folder: Path) -> str | None:
-    """What inside a folder another user owns or can change, in words; None where nothing is.
-
-    A link is one more way to change it, and no folder is looked at behind one; numba makes none.
-    """
-    user, others = os.geteuid(), stat.S_IWGRP | stat.S_IWOTH
-    if not folder.stat().st_mode & (stat.S_IXGRP | stat.S_IXOTH):
-        others = 0  # nobody else gets as far; an umask of 002 leaves such modes in everybody's own cache
-    for path in folder.rglob("*"):
-        with contextlib.suppress(FileNotFoundError):  # another process has just given it its name
-            found = path.lstat()
-            if stat.S_ISLNK(found.st_mode):
-                return f"{path} is a link"
-            if found.st_uid != user:
-                return f"{path} belongs to another user"
-            if found.st_mode & others:
-                return f"{path} can be written by other users"
-    return None
+    return importlib.import_module(module)
 
 
 def source_digest() -> str:
@@ -160,30 +90,12 @@ def target() -> tuple[str, bool]:
     from llvmlite import binding
     from numba.core import config  # here: numba takes a second to load
 
-    name = config.CPU_NAME or binding.get_host_cpu_name()
+    name, chosen = config.CPU_NAME or binding.get_host_cpu_name(), config.CPU_FEATURES
     if platform.machine().lower() not in ("x86_64", "amd64"):
         return name, True  # all others that numba compiles for do
-    chosen = config.CPU_FEATURES
     if chosen is None:  # numba adds all that the machine has to whatever kind is named
         return name, bool(binding.get_host_cpu_features().get("fma"))
-    if chosen and "fma" in chosen:
-        return name, "+fma" in chosen.split(",")
-    return name, _has_fma(name)
-
-
-def _has_fma(name: str) -> bool:
-    """Whether LLVM's kind of processor of that name has the instruction: asked of what it makes of a product."""
-    from llvmlite import binding
-
-    binding.initialize_all_targets()
-    binding.initialize_all_asmprinters()
-    module = binding.parse_assembly(
-        "declare double @llvm.fma.f64(double, double, double)\n"
-        "define double @f(double %a, double %b, double %c) {\n"
-        "  %d = call double @llvm.fma.f64(double %a, double %b, double %c)\n  ret double %d\n}"
-    )
-    target = binding.Target.from_triple(binding.get_process_triple())
-    return "vfmadd" in target.create_target_machine(cpu=name).emit_assembly(module)
+    return name, "+fma" in chosen.split(",")
 
 
 def warmup(names: Iterable[str] | None = None, say: Callable[[str], None] = lambda text: None) -> int:
@@ -192,101 +104,56 @@ def warmup(names: Iterable[str] | None = None, say: Callable[[str], None] = lamb
     names: such as "passages.fall_batch", by default every kernel. `say` receives a line before anything is
     compiled, which takes from seconds to a minute.
     """
-    idle, fresh = _missing(names, say)
-    for kernel in idle:
-        kernel.compile()
-    return fresh
-
-
-def compile_missing(names: Iterable[str] | None = None, say: Callable[[str], None] = lambda text: None) -> int:
-    """As `warmup`, but what the cache has is not loaded: of some kernels that are named few may be called."""
-    cached = _load("kernels._jit").cached_names()
-    # By their names: what has them takes a while to import.
-    return _missing(None if names is None else [name for name in names if name not in cached], say)[1]
-
-
-def _missing(names: Iterable[str] | None, say: Callable[[str], None]) -> "tuple[list[Kernel[Any]], int]":
-    """Compile what the cache lacks; returns the kernels that were not loaded before, and how many it lacked."""
-    modules = _modules()
-    for module in modules if names is None else dict.fromkeys(name.partition(".")[0] for name in names):
-        _load(modules[module])
-    registry = _load("kernels._jit").KERNELS
-    asked = registry if names is None else dict.fromkeys(names)
-    idle = [registry[name] for name in sorted(asked, key=_place) if not registry[name].is_loaded]
-    cached = _load("kernels._jit").cached_names() if idle else ()
-    fresh = [kernel for kernel in idle if kernel.name not in cached]
+    kernels, cached = _kernels(names), _load("kernels._jit").cached_names()
+    fresh = [kernel for kernel in kernels if not kernel.is_loaded and kernel.name not in cached]
     if fresh:
         called = ", ".join(kernel.function.__name__ for kernel in fresh[:_NAMED])
         others = f" and {len(fresh) - _NAMED} more" if len(fresh) > _NAMED else ""
         say(f"compiling {called}{others}; once for this version, then kept")
-        _compile_by_two(fresh)
-    return idle, len(fresh)
-
-
-def _place(name: str) -> tuple[int, str]:
-    """Where a kernel stands in the order in which two processes compile, each from its own end."""
-    module = name.partition(".")[0]
-    return _TWO_ENDED.index(module) if module in _TWO_ENDED else _TWO_ENDED.index("falling"), name
-
-
-def _compile_by_two(kernels: "list[Kernel[Any]]") -> None:
-    """Compile into the cache, with a second process where that helps; what it could not do is left."""
-    left = deque(kernels)
-    helper = _second_process() if len(kernels) > 1 else None
+    helper = _second_process(fresh) if len(fresh) > 1 else None
     try:
-        if helper is not None:
-            others = threading.Thread(target=_give_out, args=(left, helper), daemon=True)
-            others.start()
-        while left:
-            with contextlib.suppress(IndexError):  # the other was faster
-                left.popleft().compile()
-        if helper is not None:
-            others.join()
+        for kernel in kernels:
+            kernel.compile()
     finally:
         if helper is not None:
             helper.kill()
-            helper.communicate()
+            helper.wait()
+    return len(fresh)
 
 
-def _second_process() -> "subprocess.Popen[str] | None":
-    """A process that compiles kernels by their names, or None where there is no use or no way of having one."""
+def compile_missing(names: Iterable[str], say: Callable[[str], None] = lambda text: None) -> int:
+    """As `warmup`, but what the cache has is not loaded: of some kernels that are named few may be called."""
+    cached = _load("kernels._jit").cached_names()
+    return warmup([name for name in names if name not in cached], say)
+
+
+def _kernels(names: Iterable[str] | None) -> "list[Kernel[Any]]":
+    """Kernels by their names, or all."""
+    modules = _modules()
+    for module in modules if names is None else dict.fromkeys(name.partition(".")[0] for name in names):
+        _load(modules[module])
+    registry: dict[str, Kernel[Any]] = _load("kernels._jit").KERNELS
+    # What stands together shares code, which each of two processes compiles for itself.
+    return [registry[name] for name in sorted(set(registry if names is None else names))]
+
+
+def _second_process(kernels: "list[Kernel[Any]]") -> "subprocess.Popen[bytes] | None":
+    """A process that compiles these into the cache from the end of the list, while this one begins at the front.
+
+    Each takes from the cache what the other has made. None where there is no use or no way of having one.
+    """
     import subprocess
 
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     python = Path(sys.executable or "").stem.lower().startswith("python")  # else another program has Python in it
-    if cores == 1 or not python or _load("kernels._jit").cache_folder() is None:
+    if os.cpu_count() == 1 or not python or _load("kernels._jit").cache_folder() is None:
         return None
+    names = [kernel.name for kernel in kernels]
+    code = f"from explorer import compiled\nfor kernel in reversed(compiled._kernels({names})): kernel.compile()"
     path = os.pathsep.join([str(_OURS.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment, none = {**os.environ, "PYTHONPATH": path}, subprocess.DEVNULL
     try:
         return subprocess.Popen(
-            [sys.executable, "-c", "from explorer.compiled import compile_as_told; compile_as_told()"],
-            env={**os.environ, "PYTHONPATH": path},
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            text=True,
+            [sys.executable, "-c", code], env=environment, stdin=none, stdout=none, stderr=none
         )
     except OSError:  # no memory, no processes left: it takes longer
         return None
-
-
-def _give_out(left: "deque[Kernel[Any]]", helper: "subprocess.Popen[str]") -> None:
-    """Have the helper compile from the end of the list, for as long as it answers."""
-    assert helper.stdin is not None
-    assert helper.stdout is not None
-    with contextlib.suppress(IndexError, OSError, ValueError):
-        while left:
-            helper.stdin.write(left.pop().name + "\n")
-            helper.stdin.flush()
-            if not helper.stdout.readline():
-                return
-
-
-def compile_as_told() -> None:
-    """Compile the kernels whose names come on stdin, a line each, and answer each with a line."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever started this process ends it
-    for line in sys.stdin:
-        name = line.strip()
-        _load(_modules()[name.partition(".")[0]])
-        _load("kernels._jit").KERNELS[name].compile()
-        print(name, flush=True)

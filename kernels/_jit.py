@@ -11,7 +11,6 @@ file of this package and of the compiler's version: new code, new folder.
 
 import hashlib
 import os
-import stat
 import sys
 import tempfile
 import threading
@@ -38,19 +37,14 @@ from numba.extending import typeof_impl
 # 2e-4 at the 99th percentile and no direction of races below |eta_hat| = 1e-5, where quadrature is both
 # faster and exact.) 'numpy' makes 1/0 an infinity, not an exception.
 ARITHMETIC = os.environ.get("NEARFLAT_ARITHMETIC", "strict")
-_FLAGS: dict[str, set[str]] = {"strict": set(), "relaxed": {"contract", "reassoc", "arcp", "nsz"}}
-if ARITHMETIC not in _FLAGS:
+_KNOWN: dict[str, set[str]] = {"strict": set(), "relaxed": {"contract", "reassoc", "arcp", "nsz"}}
+if ARITHMETIC not in _KNOWN:
     raise ImportError(f"NEARFLAT_ARITHMETIC = {ARITHMETIC!r}: give 'strict' or 'relaxed'")
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": _FLAGS[ARITHMETIC]}
-_CONTRACTED: dict[str, Any] = {"error_model": "numpy", "fastmath": _FLAGS[ARITHMETIC] | {"contract"}}
+_FLAGS = _KNOWN[ARITHMETIC]
 # numba counts who holds an array: two atomic additions wherever a function is given one or reads it from a tuple,
 # which took half of the time of passages by integration. A kernel holds its arrays as long as it runs, so what it
 # calls need not count; what makes arrays does (`maker`).
-_HELD: dict[str, Any] = {"_nrt": False}
-# LLVM keeps to vectors of 256 bits on processors of Intel's that have 512, for the sake of old ones whose clock
-# long vectors slow. Whole registers take 20 to 35 % off the time of quadrature there, 5 to 20 off integration.
-# numba reads this once in a process, when it first compiles. Who names a processor is not overruled.
-_WIDE, _NARROW = "+avx512f", "-prefer-256-bit"
+_HELD, _COUNTED = {"_nrt": False}, {"_nrt": True}
 _LOCK = threading.RLock()
 
 _NUMBERS = {float: numba.float64, int: numba.int64, bool: numba.boolean}
@@ -60,16 +54,11 @@ KERNELS: dict[str, "Kernel"] = {}
 P = ParamSpec("P")
 F = TypeVar("F", bound=Callable)
 
-
-def _use_whole_registers() -> None:
-    """Have numba compile for vectors as wide as the processor's, unless the user says what to compile for."""
-    if config.CPU_NAME is None and config.CPU_FEATURES is None:
-        features = get_host_cpu_features()
-        if _WIDE in features.split(","):
-            config.CPU_FEATURES = f"{features},{_NARROW}"
-
-
-_use_whole_registers()
+# LLVM keeps to vectors of 256 bits on processors of Intel's that have 512, for the sake of old ones whose clock
+# long vectors slow. Whole registers take 20 to 35 % off the time of quadrature there, 5 to 20 off integration.
+# numba reads this once in a process, when it first compiles. Who names a processor is not overruled.
+if config.CPU_NAME is None and config.CPU_FEATURES is None and "+avx512f" in get_host_cpu_features().split(","):
+    config.CPU_FEATURES = f"{get_host_cpu_features()},-prefer-256-bit"
 
 
 def numba_type(hint: Any) -> Any:
@@ -84,55 +73,20 @@ def numba_type(hint: Any) -> Any:
     return nb.NamedTuple(fields, hint)
 
 
-def device(function: F) -> F:
-    """A function inlined into compiled callers; it compiles together with them. It makes no arrays."""
-    return _callee(function, forceinline=True, **_OPTIONS, **_HELD)
-
-
-def strict_device(function: F) -> F:
-    """As `device`; strict also where arithmetic is relaxed, for what rounds on purpose."""
-    return _callee(function, forceinline=True, error_model="numpy", **_HELD)
-
-
-def subroutine(function: F) -> F:
-    """A function called from compiled code but not inlined, where inlining only costs compile time.
-
-    It makes no arrays. One that gives back some of those that it was given is not called by a kernel, which would
-    let go of them.
-    """
-    return _callee(function, **_OPTIONS, **_HELD)
-
-
-def maker(function: F) -> F:
-    """As `subroutine`, but it may make arrays; only kernels and other makers call one that gives them back."""
-    return _callee(function, **_OPTIONS)
-
-
-def contracted_device(function: F) -> F:
-    """As `device`; the compiler may round a product and a sum together, once instead of twice."""
-    return _callee(function, forceinline=True, **_CONTRACTED, **_HELD)
-
-
-def contracted_subroutine(function: F) -> F:
-    """As `subroutine`, with products and sums rounded together."""
-    return _callee(function, **_CONTRACTED, **_HELD)
-
-
-def _callee(function: F, **options: Any) -> F:
-    made: Any = function if config.DISABLE_JIT else Callee(function, options)
-    return made
-
-
 class Callee:
     """A function for compiled callers, without the two wrappers that numba makes for callers in Python and in C.
 
-    They would take a third of the time in which a kernel compiles. Called from Python, the function is compiled
+    They would take a fifth of the time in which a kernel compiles. Called from Python, the function is compiled
     once more, with them.
     """
 
     def __init__(self, function: Callable, options: dict[str, Any]) -> None:
         self.py_func, self.targetoptions = function, options
         self.__doc__ = function.__doc__
+
+    def __reduce__(self) -> Any:
+        """By its name: what numba writes into the key of a kernel that has it in a closure."""
+        return str, (f"{self.py_func.__module__}.{self.py_func.__qualname__}",)
 
     @cached_property
     def for_kernels(self) -> Any:
@@ -141,8 +95,7 @@ class Callee:
 
     @cached_property
     def _for_python(self) -> Any:
-        counted = {name: value for name, value in self.targetoptions.items() if name not in _HELD}
-        return numba.njit(**counted)(self.py_func)
+        return numba.njit(**{**self.targetoptions, **_COUNTED})(self.py_func)
 
     def __call__(self, *arguments: Any, **keywords: Any) -> Any:
         return self._for_python(*arguments, **keywords)
@@ -153,9 +106,28 @@ def _type_of_callee(callee: Callee, context: Any) -> Any:
     return typeof_impl(callee.for_kernels, context)
 
 
-def both_devices(function: F) -> tuple[F, F]:
-    """One formula as `device` and as `contracted_device`."""
-    return device(function), contracted_device(function)
+def _callee(flags: set[str], **options: Any) -> Callable[[F], F]:
+    """A decorator of functions that kernels call; it keeps their types."""
+
+    def decorate(function: F) -> F:
+        given = {"error_model": "numpy", "fastmath": flags, **options}
+        made: Any = function if config.DISABLE_JIT else Callee(function, given)
+        return made
+
+    return decorate
+
+
+# A device is inlined into its callers and compiles together with them; a subroutine is not, where inlining only
+# costs compile time. Neither makes arrays, and a subroutine that gives back some of those that it was given is not
+# called by a kernel, which would let go of them. A maker is a subroutine that may make arrays; only kernels and
+# other makers call one that gives them back. Contracted: the compiler may round a product and a sum together, once
+# instead of twice. Strict: also where arithmetic is relaxed, for what rounds on purpose.
+device = _callee(_FLAGS, forceinline=True, **_HELD)
+subroutine = _callee(_FLAGS, **_HELD)
+maker = _callee(_FLAGS, **_COUNTED)
+contracted_device = _callee(_FLAGS | {"contract"}, forceinline=True, **_HELD)
+contracted_subroutine = _callee(_FLAGS | {"contract"}, **_HELD)
+strict_device = _callee(set(), forceinline=True, **_HELD)
 
 
 class _Whole(JITCodeLibrary):  # type: ignore[misc]
@@ -184,7 +156,21 @@ class _KernelCompiler(Compiler):  # type: ignore[misc]
         return super().compile_extra(function)
 
 
-_WHOLE: dict[str, Any] = {"nogil": True, "pipeline_class": _KernelCompiler, **_OPTIONS}
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": _FLAGS, "nogil": True}
+
+
+class _Cache(FunctionCache):  # type: ignore[misc]
+    """numba's cache of one function, which takes from it without learning to compile first.
+
+    By itself numba loads all that it can compile, and SciPy's linear algebra with it, before it looks whether
+    there is anything to compile: 0.3 of the 0.9 s in which a command starts. Where it does compile, it does so
+    then.
+    """
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        rtsys.initialize(context)  # what kernels call of numba's own
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(signature, context)
 
 
 def kernel(function: Callable[P, None]) -> "Kernel[P]":
@@ -206,20 +192,10 @@ class Kernel(Generic[P]):
     def __call__(self, *arguments: P.args, **keywords: P.kwargs) -> None:
         (self._compiled or self.compile())(*arguments, **keywords)
 
-    @cached_property
-    def signature(self) -> Any:
-        """The types of the arguments; most kernels of a room are not called, so it is made when it is needed."""
-        hints = get_type_hints(self.function, include_extras=True)
-        return numba.void(*(numba_type(hints[name]) for name in hints if name != "return"))
-
     @property
     def is_loaded(self) -> bool:
         """True where it is ready in this process."""
         return self._compiled is not None
-
-    def is_cached(self) -> bool:
-        """True where an earlier process left compiled code for this source and compiler."""
-        return self.name in cached_names()
 
     def compile(self) -> Callable:
         """Load the kernel from the cache or compile it. Thread-safe."""
@@ -230,78 +206,32 @@ class Kernel(Generic[P]):
 
     def _build(self) -> Callable:
         folder = None if config.DISABLE_JIT else cache_folder()
-        if folder is None:
-            _spare_blas()
-            return numba.njit(self.signature, **_WHOLE)(self.function)
         try:
-            return self._build_cached(folder)
+            return self._build_in(folder)
         except Exception as error:  # whatever is wrong with the cache; a real error comes again below
-            warnings.warn(
-                f"compiled code of {self.name} in {folder} is damaged ({type(error).__name__}); compiling anew",
-                RuntimeWarning,
-                stacklevel=3,
-            )
-        for path in folder.rglob(f"*.{self.function.__name__}-*.nb*"):
-            path.unlink(missing_ok=True)
-        return self._build_cached(folder)
+            if folder is None:
+                raise
+            said = f"compiled code of {self.name} in {folder} is damaged ({type(error).__name__}); compiling anew"
+            warnings.warn(said, RuntimeWarning, stacklevel=3)
+            for path in folder.rglob(f"*.{self.function.__name__}-*.nb*"):
+                path.unlink(missing_ok=True)
+            return self._build_in(folder)
 
-    def _build_cached(self, folder: Path) -> Callable:
-        # numba reads its folder from a process-wide setting; others keep theirs.
-        before = config.CACHE_DIR
-        config.CACHE_DIR = str(folder)
-        try:
-            made = numba.njit(**_WHOLE)(self.function)
-            made._cache = _Cache(self.function)
-            made.compile(self.signature)
+    def _build_in(self, folder: Path | None) -> Callable:
+        made: Any = numba.njit(pipeline_class=_KernelCompiler, **_OPTIONS)(self.function)
+        if folder is not None:
+            # numba reads its folder from a process-wide setting; others keep theirs.
+            before, config.CACHE_DIR = config.CACHE_DIR, str(folder)
+            try:
+                made._cache = _Cache(self.function)
+            finally:
+                config.CACHE_DIR = before
+        if not config.DISABLE_JIT:
+            hints = get_type_hints(self.function, include_extras=True)
+            made.compile(numba.void(*(numba_type(hints[name]) for name in hints if name != "return")))
             made.disable_compile()
-        finally:
-            config.CACHE_DIR = before
         found: Callable = made
         return found
-
-
-class _Cache(FunctionCache):  # type: ignore[misc]
-    """numba's cache of one function, which takes from it without learning to compile first.
-
-    By itself numba loads all that it can compile, a fifth of the start of a command, before it looks whether there
-    is anything to compile. Whenever it does compile, it does so once more.
-    """
-
-    def load_overload(self, signature: Any, context: Any) -> Any:
-        if not _AS_KNOWN:
-            _spare_blas()
-            return super().load_overload(signature, context)
-        rtsys.initialize(context)  # what kernels call of numba's own
-        with self._guard_against_spurious_io_errors():
-            found = self._load_overload(signature, context)
-        if found is None:
-            _spare_blas()
-        return found
-
-
-# Of another numba, which may keep its cache in another way, what it offers to all is used.
-_AS_KNOWN = all(hasattr(_Cache, name) for name in ("_guard_against_spurious_io_errors", "_load_overload"))
-
-
-def _spare_blas() -> None:
-    """Keep numba from loading SciPy's linear algebra, a third of the start of a command, for products of matrices.
-
-    numba looks for it once, when it first compiles or loads anything, and again where a product is compiled:
-    that second look still takes place, for whoever uses numba in this process.
-    """
-    if "numba.np.arraymath" in sys.modules:
-        return
-    from numba.np import linalg
-
-    look = getattr(linalg, "ensure_blas", None)
-    if look is None:  # another numba, which goes about it in another way
-        return
-    linalg.ensure_blas = lambda: None
-    try:
-        from numba.np import arraymath
-    finally:
-        linalg.ensure_blas = look
-    arraymath.ensure_blas = look
 
 
 @cache
@@ -318,25 +248,23 @@ def source_digest() -> str:
 
 @cache
 def cache_folder() -> Path | None:
-    """Where compiled code is kept, or None (with one warning) where no folder can be written.
+    """Where compiled code is kept, or None (with one warning) where no folder of the user's own can be written.
 
-    ``NUMBA_CACHE_DIR`` wins if set, so that an administrator's choice is respected.
+    ``NUMBA_CACHE_DIR`` wins if set, so that an administrator's choice is respected. Compiled code is a pickle,
+    which runs as whoever loads it: nobody else may enter the folder.
     """
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    base = Path(chosen) if chosen else _user_cache()
-    folder = base / f"nearflat-{source_digest()[:16]}"
+    folder = Path(os.environ.get("NUMBA_CACHE_DIR") or _user_cache()) / f"nearflat-{source_digest()[:16]}"
     try:
-        base.mkdir(mode=0o700, parents=True, exist_ok=True)
+        folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         folder.mkdir(mode=0o700, exist_ok=True)
-        fault = _unsafe(folder)
-        if fault is None:
-            with tempfile.TemporaryFile(dir=folder):
-                return folder
-        remedy = f"remove {folder}, or set NUMBA_CACHE_DIR to a folder of your own"
+        found = folder.lstat()  # on Windows folders are private by the rights of the profile, which no mode shows
+        if os.name == "posix" and (found.st_uid != os.geteuid() or found.st_mode & 0o077):
+            raise PermissionError("it is not private to you")
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
     except (OSError, ValueError) as error:
-        fault = f"{folder} cannot be written ({getattr(error, 'strerror', None) or error})"
-        remedy = "set NUMBA_CACHE_DIR to a folder that can"
-    warnings.warn(f"no cache for compiled code: {fault}; {remedy}", RuntimeWarning, stacklevel=2)
+        fault = f"no cache for compiled code in {folder} ({getattr(error, 'strerror', None) or error})"
+        warnings.warn(f"{fault}; set NUMBA_CACHE_DIR to a folder of your own", RuntimeWarning, stacklevel=2)
     return None
 
 
@@ -344,22 +272,6 @@ def cached_names() -> set[str]:
     """Kernels, by name, of which an earlier process left compiled code for this source and compiler."""
     folder = cache_folder()
     return set() if folder is None else {path.name.partition("-")[0] for path in folder.rglob("*.nbi")}
-
-
-def _unsafe(folder: Path) -> str | None:
-    """Why nothing is loaded from this folder, or None: compiled code is a pickle, and runs as whoever loads it."""
-    if os.name != "posix":
-        return None  # its folders are private by the rights of the profile, which a mode does not show
-    user, others = os.geteuid(), stat.S_IWGRP | stat.S_IWOTH
-    for found in (folder.lstat(), folder.stat()):
-        if found.st_uid != user:
-            return f"{folder} belongs to another user"
-    if folder.stat().st_mode & others:
-        return f"{folder} can be written by other users"
-    above = folder.parent.stat()
-    if above.st_mode & others and not above.st_mode & stat.S_ISVTX:
-        return f"{folder.parent} can be written by other users, who may replace what is in it"
-    return None
 
 
 def _user_cache() -> Path:

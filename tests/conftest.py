@@ -54,7 +54,7 @@ def pytest_sessionstart(session):
     """Compile the kernels before workers start, who would all compile the same ones."""
     workers = getattr(session.config.option, "numprocesses", None)
     if workers and not hasattr(session.config, "workerinput") and not session.config.option.collectonly:
-        compiled.compile_missing(say=print)
+        compiled.warmup(say=print)
 
 
 @pytest.fixture(scope="session")

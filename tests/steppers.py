@@ -4,13 +4,14 @@ import numba
 import numpy as np
 from conftest import BODIES
 
+from kernels.disk.algebra import constants_batch
 from kernels.disk.field import State
 from kernels.status import Status
-from kernels.steps import attempt, batch
+from kernels.steps import attempt, engine
 from kernels.steps.adaptive import dopri5_step
-from kernels.steps.attempt import Integration, Outcome
+from kernels.steps.curves import COLUMNS, Trail
 from kernels.steps.eighth import eighth_order_step
-from kernels.steps.events import TURNING_POINT, Stop
+from kernels.steps.events import TURNING_POINT
 from kernels.steps.fixed import rk4_step
 
 UNIFORM = BODIES["uniform"]
@@ -38,7 +39,7 @@ def start(sigma4=0.65, chi=0.3):
 def random_states(n, seed=1):
     rng = np.random.default_rng(seed)
     phi = rng.uniform(-1.2, 1.2, n)
-    states = np.zeros((8, n))
+    states = np.zeros((10, n))
     states[0], states[1] = np.cos(phi), np.sin(phi)
     states[2:5] = rng.uniform(-2, 2, (3, n))
     return states
@@ -49,7 +50,7 @@ def summed_errors(method, counts, length, starts, b):
     coefficient may happen to be small."""
     errors = np.zeros((2, 10))
     for column in random_states(starts, seed=8).T:
-        x = State(*column, 0.0, 0.0)
+        x = State(*column)
         exact = np.array(march(DOPRI5, x, length / 4096, 4096, b))
         errors += [abs(np.array(march(method, x, length / n, n, b)) - exact) for n in counts]
     # every start brings a few 1e-15 of rounding
@@ -57,16 +58,30 @@ def summed_errors(method, counts, length, starts, b):
     return errors
 
 
-def run_batch(
-    method, depth, states, control, max_steps=100_000, constants_bound=1e-2, before=Status.OK, pinned=None
-):
+def follow(method, depth, states, control, event=TURNING_POINT, values=(0.0,), pinned=None, **given):
+    """What the engine makes of states (10, n)."""
     n = states.shape[1]
-    out, constants_error = np.empty((8, n)), np.empty((3, n))
-    # The steps are counted from 0, whatever is in the array.
-    status, steps = np.full(n, before, np.int8), np.ones(n, np.int32)
-    how = Integration(method, depth, np.full(n, control), max_steps, constants_bound)
-    stop, outcome = Stop(TURNING_POINT, 0.0), Outcome(status, steps, constants_error)
-    held = np.full((3, n), np.nan) if pinned is None else pinned
-    work = batch.Work(how, stop, states, held, out, outcome)
-    batch.FIRST_EVENT[method](work, UNIFORM.natural, UNIFORM.whole)
-    return out, status, steps, constants_error
+    work = engine.Work(
+        method,
+        depth,
+        given.get("max_steps", 100_000),
+        event,
+        np.array(values, float),
+        np.full(n, control),
+        states,
+        np.full((3, n), np.nan) if pinned is None else pinned,
+        np.array(np.broadcast_to(given.get("status", Status.OK), n), np.int8),
+        np.full((n, len(values), 10), np.nan),
+        np.zeros(n, np.int32),
+        np.full((3, n), np.nan),
+    )
+    no_trail = Trail(0.0, 0.0, np.empty((0, COLUMNS)), np.zeros(1, np.int64), 0)
+    engine.FOLLOW[method, depth](work, no_trail, UNIFORM.natural, UNIFORM.whole)
+    return work
+
+
+def pinned(states):
+    """The constants of each state, rows as Pinned."""
+    found = np.empty((6, states.shape[1]))
+    constants_batch(states[:5].copy(), UNIFORM.whole, UNIFORM.natural, found)
+    return found[:3].copy()

@@ -172,16 +172,15 @@ def calibrate(measured: Trade) -> dict[str, Any]:
     bodies = [_plain(disk, passages, number) for number, disk in enumerate(BODIES)]
     plain = by_kind.get("passages") or _measure(_plain(measured.scene.disk, measured.scene.tried, 0).trial())
     in_time = by_kind.get("motions") or _measure(bodies[0].motions(2 * motions, None))
-    own = [part.rows for part in measured.parts if part.kind != "motions"]
-    errors = largest_errors([*own, plain.rows], _errors(body.trial() for body in bodies))
-    errors_in_time = largest_errors([in_time.rows], _errors(body.motions(motions, None) for body in bodies))
+    own = [part.rows for part in measured.parts]
+    others = [trial for body in bodies for trial in (body.trial(), body.motions(motions, None))]
+    errors = largest_errors([*own, plain.rows, in_time.rows], _errors(others))
     quadrature = [row.nanoseconds for row in plain.rows if row.method == "quadrature"]
     table = {
         "kernels": compiled.source_digest(),
         "measured_on": measured.scene.options,
         "quadrature": quadrature[-1],
         "methods": curves(plain, errors),
-        "motions": curves(in_time, errors_in_time),
     }
     try:
         calibration.parse(table, "")

@@ -17,7 +17,7 @@ _REFERENCE = {
 _ABOUT = """Samples are those that the scene draws. Times are of the calls that the scene makes, and for motions of
 `simulate`: processor time of one core, without compile time, the least of several interleaved rounds.
 Compare them within this page only. *Unresolved* and *refused* are shares of the samples at the accuracy
-for which a setting is chosen, five times its error: those whose side of F is not known, and those that
+for which a setting is chosen, twice its error: those whose side of F is not known, and those that
 have no answer for another reason. *Wrong way* counts samples that came out on the other side of F.
 Rows marked * are the front of the integrators: none is faster and errs as little. In the second table
 of each kind the error is divided by the accuracy that was asked.

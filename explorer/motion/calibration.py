@@ -8,7 +8,7 @@ import json
 import os
 import platform
 import sys
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -21,13 +21,9 @@ from explorer.errors import InputError, RunError, shorten
 from explorer.phase.arguments import column
 from explorer.phase.states import Array
 
-# The measured 99th percentile may take a fifth of the accuracy asked: other bodies, boxes and energies err more
-# than those measured.
-SAFETY = 5.0
-# Of motions in time, that share: bodies differ less in them, and more would be paid for than is asked.
-SAFETY_IN_TIME = 3.5
-# Where only passages were measured: as twice the way to the turning point, while a motion is followed throughout.
-_STRICTER = 10.0
+# The measured 99th percentile may take half of the accuracy asked: other bodies, boxes and energies err more than
+# those measured, and a motion that may err by more than was asked is followed again.
+SAFETY = 2.0
 # Errors below the first are those of rounding, which a finer setting does not lower, and so are those within the
 # second of the least that any method reaches on the same samples: slow starts among them round more.
 _ROUNDING, _NEAR_LEAST = 1e-12, 3.0
@@ -46,24 +42,21 @@ class Curve:
     nanoseconds: Array
     rounding: float
 
-    def at(self, target: Any, safety: float = SAFETY, beyond: Any = False) -> Array:
-        """The setting whose error is `target` over `safety`.
+    def at(self, target: Any) -> Array:
+        """The setting whose error is `target` over SAFETY.
 
         Beyond the finest setting whose error is above rounding the method's order is continued, as far as
-        settings have been measured, or where `beyond` says so to a target of rounding; beyond the coarsest it is
-        that one.
+        settings have been measured; beyond the coarsest it is that one.
         """
         resolved = self.error > self.rounding
         log_setting, log_error = np.log(self.setting[resolved]), np.log(self.error[resolved])
         # A coarser setting that happened to err less must not be preferred to a finer one.
         log_error = np.minimum.accumulate(log_error)
         slope = (log_setting[-1] - log_setting[-3]) / (log_error[-1] - log_error[-3])
-        wanted = np.log(np.maximum(target, 1e-300) / safety)
+        wanted = np.log(np.maximum(target, 1e-300) / SAFETY)
         measured = np.interp(wanted, log_error[::-1], log_setting[::-1])
         continued = measured + slope * np.minimum(wanted - log_error[-1], 0.0)
-        finest = np.log(self.setting[-1])
-        of_rounding = log_setting[-1] + slope * min(np.log(_ROUNDING / safety) - log_error[-1], 0.0)
-        settings: Array = np.exp(np.maximum(continued, np.where(beyond, min(finest, of_rounding), finest)))
+        settings: Array = np.exp(np.maximum(continued, np.log(self.setting[-1])))
         return settings
 
     def cost(self, target: float) -> float:
@@ -74,36 +67,23 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """Curves by method, for passages and for motions in time, and where they come from, in words."""
+    """Curves by method, and where they come from, in words."""
 
     origin: str
     curves: dict[str, Curve]
     quadrature: float  # nanoseconds per passage
-    motions: dict[str, Curve] = field(default_factory=dict)  # empty where only passages were measured
     own: bool = False  # whether it was measured on this machine
 
     def cheapest(self, methods: tuple[str, ...], target: float) -> str:
         """The method that follows motions in least time to an error of `target`, among those that can."""
         return _cheapest(self, methods, target)
 
-    def in_time(self, method: str, target: Any, beyond: Any = False) -> Array:
-        """The setting of a method with which motions in time err by `target`; beyond: see `Curve.at`."""
-        if method in self.motions:
-            return self.motions[method].at(target, SAFETY_IN_TIME, beyond)
-        return self.curves[method].at(target / _STRICTER, beyond=beyond)
-
 
 @lru_cache(maxsize=256)
 def _cheapest(known: Calibration, methods: tuple[str, ...], target: float) -> str:
-    curves = known.motions or known.curves
+    curves = known.curves
     able = [m for m in methods if curves[m].error.min() * SAFETY <= target] or list(methods)
     return min(able, key=lambda method: curves[method].cost(target))
-
-
-@lru_cache(maxsize=256)
-def setting_in_time(known: Calibration, method: str, target: float) -> float:
-    """One such setting, kept: it takes as long to find as a short motion to follow."""
-    return float(known.in_time(method, target))
 
 
 @cache
@@ -132,8 +112,7 @@ def parse(table: dict[str, Any], origin: str) -> Calibration:
     curves, quadrature = _curves("methods", table.get("methods")), table.get("quadrature")
     if not isinstance(quadrature, int | float) or not 0.0 < quadrature < np.inf:
         raise ValueError("its quadrature is no time")
-    motions = _curves("motions", table["motions"]) if "motions" in table else {}
-    return Calibration(origin, curves, quadrature, motions)
+    return Calibration(origin, curves, quadrature)
 
 
 def _curves(name: str, rows_of: Any) -> dict[str, Curve]:

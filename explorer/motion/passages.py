@@ -14,9 +14,10 @@ from explorer.errors import InputError, jobs_of, number, shown
 from explorer.motion.arcs import OF_ANGLES
 from explorer.motion.falls import departures_beside, falls_of, rows_apart
 from explorer.motion.parts import BLOCK, blocks, in_parts
-from explorer.motion.passages_by_integration import LENIENCE, by_integration
+from explorer.motion.passages_by_integration import by_integration
 from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
+from explorer.motion.precision import asked
 from explorer.motion.vertical import Starts, starts_at_vertical
 from explorer.phase.arguments import explained, keywords_of, read_columns
 from explorer.phase.disk import Disk
@@ -194,7 +195,7 @@ def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-11) -> P
 def passage_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `passages` by a plan, for `compiled.warmup`; a few starts need another one."""
     quadrature = how.method == "quadrature"
-    by = ("passages.passage_batch",) if quadrature else ("algebra.constants_batch", how.first_event)
+    by = ("passages.passage_batch",) if quadrature else ("algebra.constants_batch", how.kernel)
     return *by, "passages.fall_batch", "races.race_batch"
 
 
@@ -239,7 +240,7 @@ def _assemble(
     """Results in the units of the disk, with the fall taken out of chi. parts: ways of the starts, in order."""
     races, n, first = compiled.races, starts.status.size, 0
     by_integrals = how.method == "quadrature"
-    bounds = (how.accuracy, 0.0, OF_ANGLES) if by_integrals else (LENIENCE * how.accuracy, _FLOOR, 0.0)
+    bounds = (how.accuracy, 0.0, OF_ANGLES) if by_integrals else (asked(how, 0.0), _FLOOR, 0.0)
     terms = races.Terms(*bounds)
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
     out, status = rows_apart(12, n), np.empty(n, np.int8)

@@ -1,34 +1,17 @@
-"""Passages by integration to the turning point, doubled; what holding their constants moves tells the error.
-
-A motion is put back onto its sigma3_bar and eta after every step, and its energy is watched. How far the steps
-were off is an error that is measured, not estimated, in three directions out of the five of a state; what the
-others add is in proportion. The factors below are such that the estimate covers the true error, known by
-quadrature, of every one of some 10^5 passages from any start at the vertical, for every method (tests of this
-file and of `passages`).
-"""
+"""Passages by integration to the turning point, doubled: the second half is the first run backwards."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.plan import FIXED, Plan
+from explorer.motion import precision
+from explorer.motion.plan import Plan
 from explorer.motion.turning_points import turning_points
 from explorer.motion.vertical import Starts
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States, constants_to_states
 
-# An estimate above the accuracy asked by less than this is let pass.
-LENIENCE = 10.0
-# Angles, times and tilts of the whole passage err by some units of the constants error, up to _UNITS. By luck a
-# passage may have none although it errs: a share of the accuracy, which was calibrated, is always added, and more
-# where the turning point is so far from flat that the way to it takes a few steps only.
-_UNITS, _SHARE, _SHORT = 15.0, 0.5, 8.0
-# The rounding of some hundred steps, each of some ten operations.
-_ROUNDING = 3e-12
-# Near the vertical at rest the motion leaves an unstable equilibrium, which amplifies errors like 1/speed: below
-# this speed (natural units) it is felt. Rounding also ends a rest: it acts like this least speed.
-_SLOW, _LEAST_SPEED = 0.15, 5e-5
 # What rounding moves p by while a slow start leaves the vertical, for each unit of the rates there: some units of
 # the last digit. It covers the errors of starts with any eta_hat up to 1e4, down to speeds of 1e-11, within 2.
 _UNIT = 1e-15
@@ -42,17 +25,12 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.rac
     code, face = compiled.status.Status, starts.face
     states = constants_to_states(disk, starts.sigma3_bar, starts.eta_hat, face * starts.speed, face)
     natural = natural_constants(states)
-    slow = slowness(disk, starts)
-    # Where little happens in the first steps, an adaptive method would take them too long. Fixed ones are as much
-    # shorter as takes back what is amplified.
-    turn = turning_points(states, how, natural, slow ** (-2.0 if how.adaptive else -1.0 / FIXED[how.method]))
-    share = _SHARE * (1.0 + _SHORT * turn.theta)
-    error = slow * (_UNITS * turn.constants_error + _ROUNDING) + share * how.accuracy
-    error = error + rounding_at_rest(disk, starts, states, turn.time)
+    turn = turning_points(states, how, natural, precision.amplification(starts.speed / disk.rate_unit))
+    error = turn.error + rounding_at_rest(disk, starts, states, turn.time)
     status = np.where(starts.eta_hat == 0.0, code.FALLS, turn.status)
     status = np.where(starts.status == code.OK, status, starts.status).astype(np.int8)
     ok = status == code.OK
-    status[ok & ~(error <= LENIENCE * how.accuracy)] = code.STEP_LIMIT
+    status[ok & ~(error <= precision.asked(how, 0.0))] = code.STEP_LIMIT
     # A passage ends at the flat state it was sent to; one that turns elsewhere was never near it.
     status[ok & (turn.face != face)] = code.BAD_INPUT
     bar, eta, speed = starts.natural(disk)
@@ -74,9 +52,3 @@ def rounding_at_rest(disk: Disk, starts: Starts, states: States, time: Array) ->
     with np.errstate(over="ignore"):  # such an estimate is refused, however large it is
         found: Array = _UNIT * rate * np.fmax(rate * time, short) / (leaves + np.finfo(float).tiny)
     return found
-
-
-def slowness(disk: Disk, starts: Starts) -> Array:
-    """How many times as much a start amplifies errors as a quick one does."""
-    amplified: Array = 1.0 + _SLOW * disk.rate_unit / (starts.speed + _LEAST_SPEED * disk.rate_unit)
-    return amplified

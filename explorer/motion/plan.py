@@ -11,16 +11,14 @@ them, the method, and the integrator's setting. No scene names a kernel.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, number, one_of, words
 from explorer.motion import calibration
-from explorer.phase.states import Array
 
 ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH = "algebra", "quadrature", "reduced", "angles", "path"
 RUNGS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
@@ -67,31 +65,25 @@ class Plan:
         return {"rk4": steps.RK4, "rk8": steps.RK8, "dopri5": steps.DOPRI5, "dop853": steps.DOP853}[self.method]
 
     @property
-    def first_event(self) -> str:
-        """The name of the kernel that integrates to a first event, for `compiled.warmup`."""
-        return f"batch.first_event_{self.method}"
+    def kernel(self) -> str:
+        """The name of the kernel that follows motions, for `compiled.warmup`."""
+        return f"engine.{self.method}_{self.rung}"
 
     @property
     def motions(self) -> tuple[str, ...]:
-        """The names of the kernels that follow motions to given times, for `compiled.warmup`."""
-        depth = PATH if self.rung == PATH else ANGLES
-        return "algebra.constants_batch", f"motions.motions_{self.method}_{depth}", "motions.judge_batch"
+        """The names of the kernels that follow motions to given times."""
+        return "algebra.constants_batch", self.in_time.kernel
+
+    @property
+    def in_time(self) -> "Plan":
+        """The same for motions in time, which is carried from the angles on."""
+        return replace(self, rung=ANGLES) if self.rung == REDUCED else self
 
     @property
     def kernel_depth(self) -> int:
         """The number of components of a state that the kernels carry along for this rung."""
         field = compiled.field
         return {REDUCED: field.REDUCED, ANGLES: field.ANGLES, PATH: field.PATH}[self.rung]
-
-    def integration(self, control: Array, max_steps: int, least_depth: int = 0) -> "compiled.attempt.Integration":
-        """The plan as the kernels take it; control (n): step or tolerance of every sample."""
-        depth = max(self.kernel_depth, least_depth)
-        return compiled.attempt.Integration(self.kernel_method, depth, control, max_steps, self.constants_bound)
-
-    @property
-    def constants_bound(self) -> float:
-        """Relative change of a constant of motion above which a sample is refused."""
-        return self.accuracy
 
     @property
     def adaptive(self) -> bool:
@@ -109,35 +101,21 @@ class Plan:
     def control_for(self, share: Any) -> Any:
         """That times a share, which may be an array, but no tolerance that rounding would refuse."""
         if self.setting is not None:
-            return self._at_least(share * self.setting)
-        return self._at_least(share * calibration.current().curves[self.method].at(self.accuracy))
+            return self.at_least(share * self.setting)
+        return self.at_least(share * calibration.current().curves[self.method].at(self.accuracy))
 
-    def _at_least(self, setting: Any) -> Any:
+    def at_least(self, setting: Any) -> Any:
+        """A step, or a tolerance that rounding does not refuse."""
         return np.fmax(setting, 0.0 if self.method in FIXED else _TOLERANCE_FLOOR)
 
     @property
-    def held_control(self) -> float:
-        """Tolerance or step for trajectories that are held to their constants: eta cannot drift."""
-        if self.setting is not None:
-            return self.setting
-        setting = calibration.setting_in_time(calibration.current(), self.method, self.accuracy)
-        return float(self._at_least(setting))
-
-    def held_controls(self, share: Array, beyond: NDArray[np.bool_]) -> Array:
-        """The same of several trajectories, each to a share of the accuracy; beyond: see `Curve.at`."""
-        if (share == 1.0).all():
-            return np.full(share.size, self.held_control)
-        found: Array = self._at_least(calibration.current().in_time(self.method, self.accuracy * share, beyond))
-        return found
-
-    @property
-    def own_steps(self) -> tuple[str, float, float] | None:
-        """What this machine's own calibration sets: the method, its steps in passages and in motions in time.
+    def own_steps(self) -> tuple[str, float] | None:
+        """What this machine's own calibration sets: the method and its steps.
 
         None where no steps are taken, or the shipped calibration sets them.
         """
         integrates = self.method in FIXED or self.adaptive
-        return (self.method, self.control, self.held_control) if integrates and calibration.current().own else None
+        return (self.method, self.control) if integrates and calibration.current().own else None
 
     @property
     def cost(self) -> str:

@@ -10,6 +10,7 @@ from functools import cache
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.polynomial import Chebyshev
 from numpy.polynomial.chebyshev import chebint, chebpts1, chebvander
 from numpy.typing import NDArray
 
@@ -18,15 +19,11 @@ from explorer.errors import InputError
 from explorer.motion.arcs import from_place, places
 from explorer.motion.orbits import beyond, ends_of
 from explorer.motion.starts import Motions
-from explorer.phase import series
 from explorer.phase.disk import Disk
-from explorer.phase.series import Series
 from explorer.phase.states import Array
 
-KERNELS = (
-    *("turning_points.inward_batch", "turning_points.orbit_batch", "turning_points.point_batch"),
-    *series.KERNELS,
-)  # for `compiled.warmup`
+# For `compiled.warmup`
+KERNELS = "turning_points.inward_batch", "turning_points.orbit_batch", "turning_points.point_batch"
 Place: TypeAlias = "compiled.turning_points.Place[Array]"
 Coefficients = NDArray[np.complex128]
 _NODES = 32  # of a piece
@@ -95,10 +92,10 @@ class Piece(NamedTuple):
 
     stretch: Stretch
     start: float
-    time: Series
-    chi: Series
-    psi: Series
-    centre: Series
+    time: Chebyshev
+    chi: Chebyshev
+    psi: Chebyshev
+    centre: Chebyshev
 
     def solve(self, since: Array) -> Array:
         """u at times since its low end: Newton's method from a table."""
@@ -204,7 +201,7 @@ class Rise:
             coefficients[3] *= np.exp(1j * self.chi_half)
             total = coefficients.sum(axis=1)
             coefficients[1:, 0] += self.chi_half, self.psi_half, self.centre_half
-            rows = (Series(row, [first, last]) for row in (*coefficients[:3].real, coefficients[3]))
+            rows = (Chebyshev(row, [first, last]) for row in (*coefficients[:3].real, coefficients[3]))
             self._pieces.append(Piece(stretch, self.half, *rows))
             self.half += float(total[0].real)
             self.chi_half += float(total[1].real)

@@ -12,6 +12,10 @@ from explorer.phase.lines import LinearConstants, nearer_plus
 from explorer.phase.membership import falls_of
 from explorer.phase.states import Array, Rows, States
 
+# An error in eta above this share of |eta| makes the direction of the race doubtful. Ten times stricter than the
+# sign needs: the error is only seen where the motion is checked.
+_RESOLVED = 0.1
+
 
 def status_at_start(states: States, natural: NaturalConstants) -> NDArray[np.int8]:
     """Status before any integration: bad input, or on the falling set."""
@@ -35,7 +39,7 @@ def held_constants(states: States, natural: NaturalConstants) -> tuple[NDArray[n
     eta = abs(np.where(near_plus, linear.eta_plus, linear.eta_minus))
     doubtful = eta == 0.0
     if states.exact is None:
-        doubtful |= natural.rounding(near_plus) > compiled.attempt.RESOLVED_SHARE * eta
+        doubtful |= natural.rounding(near_plus) > _RESOLVED * eta
     status = states.status
     # Whether a motion could fall is asked only where its side is in doubt.
     if doubtful.any():

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import CoarseTimesWarning, InputError, jobs_of, number, positive, said, whole
 from explorer.motion import recording
+from explorer.motion.integration import MAX_STEPS
 from explorer.motion.plan import ALGEBRA, QUADRATURE, Plan, plan
-from explorer.motion.turning_points import MAX_STEPS
 from explorer.phase.arguments import keywords_of
 from explorer.phase.disk import Disk
 from explorer.phase.results import status_names
@@ -59,9 +59,8 @@ class Trajectories:
         Of the angles (rad) and of the path (r) at the end, whichever is larger. It follows from what was moved to
         hold the constants, from how fast chi turns at the end, which inside a race makes much of a small error of
         the time, and from what rounding does to a long path; of a path that this keeps from the accuracy asked it
-        says what can be had. Of a curve it is also how far points between its steps stray from the energy. Where
-        I3 = 0, and by adaptive methods in a fast spin, a second run by other steps tells it; with I3 = 0 a motion
-        that comes out elsewhere by that is STEP_LIMIT.
+        says what can be had. Motions that may err by more than was asked are followed again by finer steps. Where
+        the constants show nothing, as with I3 = 0, in fast spins and after many periods, two runs are compared.
     lengths : (n,) array of int
         How many times of its row each motion has; 0 where the status is not OK.
     t_end : float

@@ -1,22 +1,18 @@
 """Turning points, where motions stop tilting: the next by integration, and the smallest tilt by either method."""
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
+from explorer.motion import integration, precision
 from explorer.motion.orbits import ends_of, smallest
-from explorer.motion.parts import BLOCK, attended
-from explorer.motion.plan import Plan
+from explorer.motion.plan import FIXED, Plan
 from explorer.motion.starts import Motions, held_constants, orbit_starts, status_at_start
 from explorer.phase.constants import NaturalConstants, best_constants, natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
-
-# Some thousand passages at the finest settings; only a start beside an equilibrium needs more.
-MAX_STEPS = 2_000_000
 
 
 @dataclass(frozen=True)
@@ -25,8 +21,7 @@ class TurningPoints:
 
     theta: tilt from the nearer flat state (rad). face: which flat state that is. way: sigma3/q there,
     whose sign is the direction in which the contact point moves. time, chi, psi: increase since the start; zero
-    on the reduced rung. constants_error: how far the constants of motion tried to move on the way, relative to
-    their bounds, which is in proportion to the error. Entries are NaN where status is not OK.
+    on the reduced rung. error: how far they may be off. Entries are NaN where status is not OK.
     """
 
     theta: Array
@@ -37,23 +32,33 @@ class TurningPoints:
     psi: Array
     status: NDArray[np.int8]
     steps: NDArray[np.int32]
-    constants_error: Array
+    error: Array
 
 
 def turning_points(
-    states: States, how: Plan, natural: NaturalConstants | None = None, share: Array | float = 1.0
+    states: States, how: Plan, natural: NaturalConstants | None = None, slow: Array | float = 1.0
 ) -> TurningPoints:
     """Follow every state forward to its next turning point, held to its sigma3_bar and eta.
 
-    share: of the tolerance or step that the plan gives, for each state.
+    slow: how many times as much each amplifies errors as a quick motion does.
     """
     if natural is None:
         natural = natural_constants(states)
     status, held = held_constants(states, natural)
-    integration = how.integration(np.full(len(states), how.control_for(share)), MAX_STEPS)
-    out, outcome = followed(states, integration, status, np.stack(held))
-    out[:, outcome.status != compiled.status.Status.OK] = np.nan
-    row = compiled.field.ROW
+    # Where little happens in the first steps, an adaptive method would take them too long. Fixed ones are as much
+    # shorter as takes back what is amplified.
+    share = np.full(len(states), slow) ** (-2.0 if how.adaptive else -1.0 / FIXED[how.method])
+    initial, amplified = np.zeros((10, len(states))), np.full(len(states), slow)
+    initial[:5] = states.natural
+    given = integration.Motions(states.disk, how, initial, np.stack(held), status, how.control_for(share))
+
+    def estimate(found: integration.Followed, rows: NDArray[np.intp]) -> Array:
+        error = precision.estimate(states.disk, how, found.moved, amplified[rows], precision.PASSAGE)
+        return np.where(how.adaptive & (found.steps <= precision.FEW), np.inf, error)
+
+    event, depth = compiled.events.TURNING_POINT, how.kernel_depth
+    found, error, _ = integration.settle(given, event, np.zeros(1), depth, estimate, precision.asked(how, 0.0))
+    row, out = compiled.field.ROW, np.ascontiguousarray(found.out[:, 0].T)
     return TurningPoints(
         theta=np.arctan2(out[row.q], abs(out[row.z])),
         face=np.where(out[row.z] >= 0.0, 1, -1).astype(np.int8),
@@ -61,38 +66,16 @@ def turning_points(
         time=out[row.t],
         chi=out[row.chi],
         psi=out[row.psi],
-        status=outcome.status,
-        steps=outcome.steps,
-        constants_error=abs(outcome.errors[0]) + abs(outcome.errors[1]),
+        status=found.status,
+        steps=found.steps,
+        error=np.where(found.status == compiled.status.Status.OK, error, np.nan),
     )
-
-
-def followed(
-    states: States, how: "compiled.attempt.Integration", status: NDArray[np.int8], pinned: Array
-) -> tuple[Array, "compiled.attempt.Outcome"]:
-    """States (8, n) at the next turning points, rows as `compiled.field.ROW`, and what became of each.
-
-    status: samples that come in as not OK are skipped; it becomes the outcome's. pinned (3, n): sigma3_bar,
-    eta_plus and eta_minus that each is held to; NaN: it runs free.
-    """
-    n, disk = len(states), states.disk
-    initial, out = np.zeros((8, n)), np.empty((8, n))
-    initial[:5] = states.natural
-    outcome = compiled.attempt.Outcome(status, np.empty(n, np.int32), np.empty((3, n)))
-    stop = compiled.events.Stop(compiled.events.TURNING_POINT, 0.0)
-    work = compiled.batch.Work(how, stop, initial, pinned, out, outcome)
-    follow = partial(compiled.batch.FIRST_EVENT[how.method], work, disk.natural, disk.whole)
-    if n <= BLOCK:
-        follow()
-    else:  # a kernel skips samples that are not OK when their turn comes
-        attended(follow, partial(status.fill, compiled.status.Status.STEP_LIMIT))
-    return out, outcome
 
 
 def tilt_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `smallest_tilt`, for `compiled.warmup`."""
     by_roots = ("turning_points.orbit_batch", "turning_points.inward_batch")
-    return "algebra.constants_batch", *(by_roots if how.method == "quadrature" else (how.first_event,))
+    return "algebra.constants_batch", *(by_roots if how.method == "quadrature" else (how.kernel,))
 
 
 def smallest_tilt(
@@ -147,13 +130,11 @@ def _both_ways(
 
     A start at rest is a turning point itself, which both of these pass over.
     """
-    n, row = len(states), compiled.field.ROW
-    status, held = held_constants(states, natural)
+    n = len(states)
     both = States(states.disk, np.hstack([states.natural, states.reversed().natural]), np.tile(states.status, 2))
-    integration = how.integration(np.full(2 * n, how.control_for(1.0)), MAX_STEPS)
-    out, outcome = followed(both, integration, np.tile(status, 2), np.tile(np.stack(held), 2))
-    q, z = np.hstack([out[[row.q, row.z]], states.natural[[row.q, row.z]]])
-    tilts = np.arctan2(q, abs(z)).reshape(3, n)
-    forward, backward = outcome.status.reshape(2, n)
+    turn = turning_points(both, how, NaturalConstants(*(np.tile(column, 2) for column in natural)))
+    q, z = states.natural[[compiled.field.ROW.q, compiled.field.ROW.z]]
+    tilts = np.vstack([turn.theta.reshape(2, n), np.arctan2(q, abs(z))])
+    forward, backward = turn.status.reshape(2, n)
     found = np.where(forward == compiled.status.Status.OK, backward, forward)
-    return tilts.min(axis=0), found, outcome.steps.reshape(2, n).sum(axis=0, dtype=np.int32)
+    return tilts.min(axis=0), found, turn.steps.reshape(2, n).sum(axis=0, dtype=np.int32)

@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, number
-from explorer.phase import series
 from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
 from explorer.phase.roots import root
-from explorer.phase.series import Series
 from explorer.phase.states import Array, States, require_states
 
 # Depths at which the barrier's series are compared with bisections, and how many times the largest difference is
@@ -121,7 +119,7 @@ def require_well(disk: Disk, sigma3_bar: float) -> None:
 
 
 @lru_cache(maxsize=64)
-def barrier(disk: Disk) -> tuple[Series, Series]:
+def barrier(disk: Disk) -> tuple[Chebyshev, Chebyshev]:
     """phi and V of the barrier between that well and the vertical, series in sqrt(1 - |sigma3_bar|/sigma3_bar*).
 
     Well and barrier merge at sigma3_bar*, where both have a root; in this variable they are analytic.
@@ -132,7 +130,7 @@ def barrier(disk: Disk) -> tuple[Series, Series]:
         return top
 
     degree = compiled.falling.BARRIER_DEGREE
-    phi, V = (Series.interpolate(top, degree, domain=[0.0, 1.0], args=(name,)) for name in ("phi", "V"))
+    phi, V = (Chebyshev.interpolate(top, degree, domain=[0.0, 1.0], args=(name,)) for name in ("phi", "V"))
     return phi, V
 
 
@@ -169,10 +167,7 @@ def could_fall(states: States, natural: NaturalConstants) -> tuple[NDArray[np.bo
 
 
 # What this file and the constants of states call, for `compiled.warmup`.
-KERNELS = (
-    *("algebra.constants_batch", "falling.barrier_batch", "falling.critical_X2_batch", "falling.falls_batch"),
-    *series.KERNELS,
-)
+KERNELS = "algebra.constants_batch", "falling.barrier_batch", "falling.critical_X2_batch", "falling.falls_batch"
 
 
 def _membership(states: States, natural: NaturalConstants) -> compiled.falling.Membership[Array]:

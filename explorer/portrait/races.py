@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer import compiled
 from explorer.errors import whole
 from explorer.measure.statistics import upper_quantile
 from explorer.measure.tallies import PER_DECADE, LogHistogram, LogRow
@@ -147,6 +146,9 @@ def by_decade(deviations: LogHistogram) -> dict[int, dict[int, LogHistogram]]:
     return {n: sides for n, sides in found.items() if any(counts.total for counts in sides.values())}
 
 
+_ROUNDING = 1e-12  # rad; a deviation is known to some 1e-15, and its law to a percent from here on
+
+
 def count_law(
     tally: LogHistogram, disk: Disk, eta_hat: Array, race: Array, speed: Array, error: Array | None = None
 ) -> None:
@@ -156,16 +158,16 @@ def count_law(
     than 1, in all but a hundredth of the passages: a choice by motions would choose c. speed: of impact, units of
     the disk. error: of the race angles (rad), as estimated; None of none.
     """
-    law, unit = compiled.race_law, disk.rate_unit
+    unit, side = disk.rate_unit, np.sign(eta_hat)
     eta = abs(disk.eta_hat_to_eta(eta_hat / unit))
-    constant, doubt, known = np.empty(eta.size), np.empty(eta.size), np.zeros(1, np.int64)
-    side, angle, own = map(np.ascontiguousarray, (eta_hat, race, eta if error is None else error))
     with np.errstate(all="ignore"):  # a speed of a user's own may be anything
-        races = law.Races(side, angle, own, eta, (speed / unit) ** 3, np.log(1.0 / eta))
+        scale = 2.0 * eta / (disk.body.I1 * disk.body.M * (speed / unit) ** 3)
+        constant = np.log(1.0 / eta) - side * (race - side * disk.race_limit) / scale
+        constant[~(np.isfinite(constant) & (scale > _ROUNDING))] = np.nan
         step = np.floor(np.log10(eta) * PER_STEP + 1e-9)
-    law.constant_batch(races, disk.race_limit, disk.body, constant, doubt, known)
-    if error is not None and known[0]:
-        step[~(eta > upper_quantile(doubt[: known[0]], 0.99))] = np.nan
+        doubt = None if error is None else (error * eta / scale)[np.isfinite(constant)]
+    if doubt is not None and doubt.size:
+        step[~(eta > upper_quantile(doubt, 0.99))] = np.nan
     tally.count(constant, step)
 
 

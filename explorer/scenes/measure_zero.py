@@ -234,7 +234,7 @@ class MeasureZero(FromDensity):
 
     @property
     def kernels(self) -> tuple[str, ...]:
-        checked = ("falling.line_chart_batch", _checking().first_event)
+        checked = ("falling.line_chart_batch", _checking().kernel)
         return *membership.KERNELS, *checked, *tilt_kernels(self.plan), *invariance.kernels()
 
     @property

@@ -49,7 +49,7 @@ _OF_BOUNCE = (
     *("bounce", "face", "side", "time", "race_angle", "delta_chi", "fall_angle"),
     *("theta_min", "duration", "error_estimate"),
 )
-KERNELS = (*statistics.KERNELS, *LogHistogram.KERNELS, "race_law.constant_batch")  # of what is counted
+KERNELS = (*statistics.KERNELS, *LogHistogram.KERNELS)  # of what is counted
 # Options that mean states anywhere in the phase space, and so do ranges of phi and sigma4 in the box.
 _ANYWHERE = ("states", "gaussian", "density", "bounces")
 

@@ -29,18 +29,18 @@ SMALLEST = 2.3e-308  # below, the exponent's bits are zero
 
 
 @device
-def split(bits: Longs, row: int, exponent: int, mantissa: int) -> None:
-    """Exponent and mantissa of one row into two others; `bits` is the work array seen as integers."""
-    for i in range(LANES):
-        word = bits[row * LANES + i]
-        bits[exponent * LANES + i] = (word >> 52) + SHIFTER
-        bits[mantissa * LANES + i] = (word & FRACTION) + ONE
+def split(bits: Longs, row: int, exponent: int, mantissa: int, number: int) -> None:
+    """Exponents and mantissas of so many numbers from place `row` on to two others; bits: an array as integers."""
+    for i in range(number):
+        word = bits[row + i]
+        bits[exponent + i] = (word >> 52) + SHIFTER
+        bits[mantissa + i] = (word & FRACTION) + ONE
 
 
 @subroutine
 def split_q(bits: Longs) -> None:
     """Exponent and mantissa of row _Q."""
-    split(bits, _Q, _EXPONENT, _MANTISSA)
+    split(bits, _Q * LANES, _EXPONENT * LANES, _MANTISSA * LANES, LANES)
 
 
 @contracted_device

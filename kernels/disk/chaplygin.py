@@ -18,7 +18,7 @@ import numpy as np
 from numba import float64
 from numba import types as nb
 
-from kernels._jit import both_devices, contracted_device, device
+from kernels._jit import contracted_device, device
 from kernels.disk.polynomials import economise, long_horner
 from kernels.types import Matrix, Vector
 
@@ -100,7 +100,7 @@ def _combined(S: float, log_S: float, c: float, smooth: tuple[float, float, floa
     return Solutions(rho, drho, g, half_c * rho * log_S + v, half_c * (drho * log_S + g) + dv)
 
 
-combined, contracted_combined = both_devices(_combined)
+combined, contracted_combined = device(_combined), contracted_device(_combined)
 
 
 @device

@@ -3,11 +3,11 @@
 import math
 from typing import Generic, NamedTuple
 
-from kernels._jit import both_devices, contracted_device, device, subroutine
+from kernels._jit import contracted_device, device, subroutine
 from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Solutions
-from kernels.disk.field import State, energy, reduced, with_reduced
+from kernels.disk.field import State, energy
 from kernels.disk.rows import Entry
 
 
@@ -75,7 +75,7 @@ def _from_solutions(x: State, f: Solutions, E: float, b: Body) -> Constants[floa
     )
 
 
-from_solutions, contracted_from_solutions = both_devices(_from_solutions)
+from_solutions, contracted_from_solutions = device(_from_solutions), contracted_device(_from_solutions)
 
 
 @subroutine
@@ -84,29 +84,3 @@ def constants_of(x: State, disk: Disk) -> Constants[float]:
     b = disk.body
     S, log_S = depth_below_vertical(x.q, x.z)
     return from_solutions(x, chaplygin.solutions(S, log_S, b.c, disk.series), energy(x, b), b)
-
-
-# Shares of the energy: kinetic energy below which p is left alone, and the most that p is corrected by.
-_MOVING, _SMALL = 0.01, 0.01
-
-
-@contracted_device
-def fastest_within(x: State, y: State, b: Body) -> bool:
-    """True where a swing from x to y goes through the bottom of its potential, where p is extreme."""
-    return reduced(x, b)[2] * reduced(y, b)[2] < 0.0
-
-
-@contracted_device
-def onto_energy(x: State, total: float, b: Body) -> tuple[State, float]:
-    """(x with p set so that the energy is `total`, what was in excess); for x on its other constants.
-
-    An energy that drifts makes the error of time and angles grow like the square of the time; held, like
-    the time. (So does a symmetric method: Gauss's with two stages kept the energy to 1e-13, for 6 to 9
-    times the evaluations of rk4 at the same step.) Where it hardly moves p cannot take the correction up.
-    """
-    excess = energy(x, b) - total
-    kinetic = 0.5 * b.M * x.p * x.p
-    # Without `and` and without leaving: lanes need straight-line code.
-    able = (kinetic > _MOVING * total) & (abs(excess) < _SMALL * kinetic)
-    p = x.p * math.sqrt(1.0 - excess / kinetic)
-    return with_reduced(x, x.q, x.z, p if able else x.p, x.rho, x.sigma4), excess if able else 0.0

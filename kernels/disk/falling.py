@@ -11,7 +11,7 @@ from typing import Annotated, Generic, NamedTuple
 from numba import float64
 from numba import types as nb
 
-from kernels._jit import both_devices, device, kernel, subroutine
+from kernels._jit import contracted_device, device, kernel, subroutine
 from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Solutions
@@ -106,7 +106,10 @@ def _potential_above_flat(
     return gyration + spin + q, spin
 
 
-potential_above_flat, contracted_potential_above_flat = both_devices(_potential_above_flat)
+potential_above_flat, contracted_potential_above_flat = (
+    device(_potential_above_flat),
+    contracted_device(_potential_above_flat),
+)
 
 
 @device
@@ -124,7 +127,7 @@ def _rates_on_f(X: float, q: float, z: float, f: Solutions, b: Body) -> tuple[fl
     return X * f.rho_over_S / (1.0 + z) if north else sigma3 / (q * q), X * f.drho / b.k if north else sigma4
 
 
-rates_on_f, contracted_rates_on_f = both_devices(_rates_on_f)
+rates_on_f, contracted_rates_on_f = device(_rates_on_f), contracted_device(_rates_on_f)
 
 
 @subroutine

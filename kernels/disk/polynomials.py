@@ -1,4 +1,4 @@
-"""Polynomials: how coefficients of ascending powers are made, and how these and Chebyshev series are evaluated."""
+"""Polynomials: how coefficients of ascending powers are made, and how they are evaluated."""
 
 import math
 from collections.abc import Callable
@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from kernels._jit import contracted_device, kernel, strict_device
+from kernels._jit import contracted_device, strict_device
 from kernels.types import Matrix, Vector
 
 _TERMS = 60  # of a Taylor series on an interval where it gains a digit per term or more
@@ -76,25 +76,3 @@ def long_horner(coefficients: tuple[float, ...], x: float) -> float:
     for k in range(n - 4, 0, -2):
         odd = odd * square + coefficients[k]
     return even + x * odd
-
-
-@kernel
-def clenshaw_batch(coefficients: Vector, x: Vector, out: Matrix) -> None:
-    """A Chebyshev series at x (n) -> out[0]; the rest of out (4, n) is room for work.
-
-    In the order of numpy's chebval, so in every digit what that gives. All x advance together, in lanes.
-    """
-    n = coefficients.size
-    low, high, twice = out[1], out[2], out[3]
-    for i in range(x.size):
-        low[i] = coefficients[max(n - 2, 0)]
-        high[i] = coefficients[n - 1] if n > 1 else 0.0
-        twice[i] = 2.0 * x[i]
-    for k in range(n - 3, -1, -1):
-        added = coefficients[k]
-        for i in range(x.size):
-            before = low[i]
-            low[i] = added - high[i]
-            high[i] = before + high[i] * twice[i]
-    for i in range(x.size):
-        out[0, i] = low[i] + high[i] * x[i]

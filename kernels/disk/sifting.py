@@ -136,7 +136,7 @@ def part_of_spin(q: float, z: float, f: Solutions, b: Body) -> float:
 @contracted_subroutine
 def at_tilts(W: Vector, bits: Longs, whole: Whole, b: Body) -> None:
     """What depends on the tilt alone: the solutions, and U on either hemisphere."""
-    split(bits, _Q, _EXPONENT, _MANTISSA)
+    split(bits, _Q * LANES, _EXPONENT * LANES, _MANTISSA * LANES, LANES)
     for i in range(LANES):
         q, z = W[_Q * LANES + i], W[_Z * LANES + i]
         x = reduced_state(q, z, 0.0, 0.0, 0.0)
@@ -200,7 +200,7 @@ def places(sieve: Sieve, unit: float, W: Vector, bits: Longs) -> None:
     """Distances, and where their logarithms lie among the bins."""
     for i in range(LANES):
         W[_DISTANCE * LANES + i] = abs(W[_ETA * LANES + i]) / sieve.eta_unit * unit
-    split(bits, _DISTANCE, _EXPONENT, _MANTISSA)
+    split(bits, _DISTANCE * LANES, _EXPONENT * LANES, _MANTISSA * LANES, LANES)
     scale = sieve.per_decade / math.log(10.0)
     for i in range(LANES):
         log = logarithm(W[_MANTISSA * LANES + i], W[_EXPONENT * LANES + i] - OFFSET)

@@ -7,7 +7,6 @@ import numpy as np
 
 from kernels._jit import kernel, subroutine
 from kernels.disk.body import Disk
-from kernels.disk.race_law import LANES, load
 from kernels.disk.rows import Entry
 from kernels.status import Status
 from kernels.types import Codes, Matrix, Vector
@@ -16,6 +15,7 @@ _OK = int(Status.OK)
 _FALLS = int(Status.FALLS)
 _BAD = int(Status.BAD_INPUT)
 _LIMIT = int(Status.STEP_LIMIT)
+LANES = 64  # as in `algebra`
 # Rows of the work array: what is given, and then the rows of RaceRow.
 _ETA, _FACE, _THETA_MIN, _CHI, _PSI, _TIME, _WAY, _ENERGY, _ERROR, _STATUS = range(10)
 _FALL_TIME, _FALL_CHI, _LEVEL, _FALL_ERROR = range(10, 14)
@@ -93,6 +93,14 @@ class RaceRow(NamedTuple, Generic[Entry]):
 # Their places in the work array, as in `RaceRow`.
 _ROW = RaceRow(*(_FOUND + row for row in range(12)))
 _ROWS = _FOUND + len(_ROW)
+
+
+@subroutine
+def load(values: Vector, row: int, W: Vector) -> None:
+    """One row of the work array. Of a slice all indices count from its start, so it is copied in lanes."""
+    room = W[row * LANES : (row + 1) * LANES]
+    for i in range(values.size):
+        room[i] = values[i]
 
 
 @subroutine

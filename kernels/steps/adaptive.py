@@ -14,7 +14,7 @@ from kernels.disk.field import ORIGIN, State, field, shift
 from kernels.steps.tableaux import DORMAND_PRINCE_54
 
 _A = DORMAND_PRINCE_54.a_floats
-_E = DORMAND_PRINCE_54.error_floats
+(_E,) = DORMAND_PRINCE_54.error_floats
 
 # Usual values: a tenth of a step is given away for fewer refusals, and one estimate, which may be wrong
 # by luck, changes the step by a factor of five at most.
@@ -53,7 +53,7 @@ def dopri5_step(x: State, h: float, b: Body) -> tuple[State, State]:
 
 @device
 def error_norm(x: State, e: State, unit: float, b: Body) -> float:
-    """Largest local error of the reduced motion and of chi, each on the scale that matters.
+    """Largest local error of the reduced motion and of the angles, each on the scale that matters.
 
     q is relative, since its logarithm is what near-flat motion resolves; angles are absolute (rad);
     p, rho, sigma4 are relative to their bounds by the energy: unit is the motion's speed. An error
@@ -64,7 +64,7 @@ def error_norm(x: State, e: State, unit: float, b: Body) -> float:
     worst = _larger(worst, abs(e.p) / unit)
     worst = _larger(worst, abs(e.rho) / (b.kappa * unit))
     worst = _larger(worst, abs(e.sigma4) * math.sqrt(b.J_over_M) / unit)
-    return _larger(worst, abs(e.chi))
+    return _larger(_larger(worst, abs(e.chi)), abs(e.psi))
 
 
 @device

@@ -17,8 +17,7 @@ Weights = tuple[float, ...]
 
 _A = DORMAND_PRINCE_853.a
 _B = DORMAND_PRINCE_853.b
-_E5 = DORMAND_PRINCE_853.fifth
-_E3 = DORMAND_PRINCE_853.third
+_E5, _E3 = DORMAND_PRINCE_853.error_floats
 # Narrower than for order five: the eighth power of such a change is 1e4 and more.
 _SHRINK, _GROW = 0.3, 4.0
 # Where the longest step begins to grow with the tolerance, and how far: beyond, the energy is lost.

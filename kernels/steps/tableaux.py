@@ -1,11 +1,10 @@
 """Runge-Kutta coefficients that check themselves, as exact fractions.
 
-A tableau verifies on construction that its nodes are its row sums and that every order
-condition (one for each rooted tree) holds exactly up to the order it claims, for the solution
-and for the embedded solution. A misprint cannot be imported.
+A tableau verifies on construction that every order condition (one for each rooted tree) holds exactly up to
+the order it claims, for the solution and for the embedded ones. A misprint cannot be imported.
 
 Sources: Kutta (1901), the classical method; Dormand & Prince, J. Comput. Appl. Math. 6 (1980)
-19-26, RK5(4)7M.
+19-26, RK5(4)7M, the embedded solution less the other; Hairer, Norsett & Wanner (1993), DOP853.
 """
 
 import math
@@ -81,32 +80,28 @@ def defects(a: Rows, weights: Iterable, order: int, add: Sum) -> Iterator[tuple[
 
 @dataclass(frozen=True)
 class Tableau:
-    """An explicit Runge-Kutta method: a (strictly lower rows), b, and optionally embedded b.
+    """An explicit Runge-Kutta method: strictly lower rows a, weights b, and weights of local errors.
 
-    Raises ValueError on construction if the coefficients do not have the orders claimed.
+    errors: an order, and b less the weights of the embedded solution of that order. rounding: by how much an order
+    condition may fail where coefficients are no fractions. Raises ValueError on construction if the coefficients
+    do not have the orders claimed.
     """
 
     name: str
     order: int
-    a: tuple[tuple[F, ...], ...]
-    b: tuple[F, ...]
-    c: tuple[F, ...]
-    embedded: tuple[F, ...] | None = None
-    embedded_order: int = 0
+    a: Rows
+    b: tuple
+    errors: tuple[tuple[int, tuple], ...] = ()
+    rounding: float = 0.0
 
     def __post_init__(self) -> None:
         if len(self.a) != len(self.b) or any(len(row) != i for i, row in enumerate(self.a)):
             raise ValueError(f"tableau {self.name}: row i of a must have i entries, one row per stage")
-        if any(sum(row, F(0)) != node for row, node in zip(self.a, self.c, strict=True)):
-            raise ValueError(f"tableau {self.name}: a node differs from its row sum")
-        self._verify(self.b, self.order)
-        if self.embedded is not None:
-            self._verify(self.embedded, self.embedded_order)
-
-    def _verify(self, weights: tuple[F, ...], order: int) -> None:
-        for condition, defect in defects(self.a, weights, order, sum):
-            if defect != 0:
-                raise ValueError(f"tableau {self.name}: {condition}")
+        embedded = [(order, tuple(x - y for x, y in zip(self.b, e, strict=True))) for order, e in self.errors]
+        for order, weights in ((self.order, self.b), *embedded):
+            for condition, defect in defects(self.a, weights, order, math.fsum if self.rounding else sum):
+                if abs(defect) > self.rounding:
+                    raise ValueError(f"tableau {self.name}: {condition}")
 
     @property
     def a_floats(self) -> tuple[tuple[float, ...], ...]:
@@ -119,10 +114,9 @@ class Tableau:
         return tuple(map(float, self.b))
 
     @property
-    def error_floats(self) -> tuple[float, ...]:
-        """b minus embedded b: the weights of the local error estimate."""
-        assert self.embedded is not None
-        return tuple(float(x - y) for x, y in zip(self.b, self.embedded, strict=True))
+    def error_floats(self) -> tuple[tuple[float, ...], ...]:
+        """Weights of the local errors."""
+        return tuple(tuple(map(float, weights)) for _order, weights in self.errors)
 
 
 CLASSICAL_RK4 = Tableau(
@@ -130,7 +124,6 @@ CLASSICAL_RK4 = Tableau(
     order=4,
     a=((), (F(1, 2),), (F(0), F(1, 2)), (F(0), F(0), F(1))),
     b=(F(1, 6), F(1, 3), F(1, 3), F(1, 6)),
-    c=(F(0), F(1, 2), F(1, 2), F(1)),
 )
 
 DORMAND_PRINCE_54 = Tableau(
@@ -146,36 +139,15 @@ DORMAND_PRINCE_54 = Tableau(
         (F(35, 384), F(0), F(500, 1113), F(125, 192), F(-2187, 6784), F(11, 84)),
     ),
     b=(F(35, 384), F(0), F(500, 1113), F(125, 192), F(-2187, 6784), F(11, 84), F(0)),
-    c=(F(0), F(1, 5), F(3, 10), F(4, 5), F(8, 9), F(1), F(1)),
-    embedded=(F(5179, 57600), F(0), F(7571, 16695), F(393, 640), F(-92097, 339200), F(187, 2100), F(1, 40)),
-    embedded_order=4,
+    errors=((4, (F(71, 57600), F(0), F(-71, 16695), F(71, 1920), F(-17253, 339200), F(22, 525), F(-1, 40))),),
 )
 
-
-@dataclass(frozen=True)
-class Tableau853:
-    """Dormand and Prince's explicit method of order 8 with twelve stages, in floating point.
-
-    fifth, third: weights of the local errors of orders 5 and 3. Raises ValueError on construction if
-    an order condition fails by more than rounding.
-    """
-
-    a: tuple[tuple[float, ...], ...]
-    b: tuple[float, ...]
-    fifth: tuple[float, ...]
-    third: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        solutions = ((self.b, 8), (_minus(self.b, self.fifth), 5), (_minus(self.b, self.third), 3))
-        for weights, order in solutions:
-            for condition, defect in defects(self.a, weights, order, math.fsum):
-                # Digits of a double: every row rounds by some 1e-16.
-                if abs(defect) > 1e-13:
-                    raise ValueError(f"tableau 8(5,3): {condition}")
-
-
-def _minus(x: tuple[float, ...], y: tuple[float, ...]) -> tuple[float, ...]:
-    return tuple(a - b for a, b in zip(x, y, strict=True))
-
-
-DORMAND_PRINCE_853 = Tableau853(dop853.A, dop853.B, dop853.FIFTH, dop853.THIRD)
+# Digits of a double: every row rounds by some 1e-16.
+DORMAND_PRINCE_853 = Tableau(
+    name="Dormand-Prince 8(5, 3)",
+    order=8,
+    a=dop853.A,
+    b=dop853.B,
+    errors=((5, dop853.FIFTH), (3, dop853.THIRD)),
+    rounding=1e-13,
+)

@@ -231,9 +231,9 @@ def loaded(layer):
     if layer == "explorer":
         for path in sorted(Path("kernels").rglob("[a-z]*.py")):
             importlib.import_module(".".join(path.with_suffix("").parts))
-        for kernel in importlib.import_module("kernels._jit").KERNELS.values():
-            if kernel.is_cached():
-                kernel.compile()
+        jit = importlib.import_module("kernels._jit")
+        for name in jit.cached_names():
+            jit.KERNELS[name].compile()
 
 
 def rows_of(store, layer, seed):

@@ -21,13 +21,14 @@ def recorded(method, control):
     """(states (8, n) before each step, states after it, steps (n)) of our kernel, one motion that runs free."""
     x = np.zeros((10, 1))
     x[:5, 0] = 1.0, 0.0, -1.0, 1.0, 0.65
-    motions, trails = compiled.motions, compiled.trail
-    how = compiled.attempt.Integration(method, 8, np.full(1, control), 10_000, 1e-2)
-    outcome = compiled.attempt.Outcome(np.zeros(1, np.int8), np.zeros(1, np.int32), np.zeros((3, 1)))
-    free, out, last = np.full((3, 1), np.nan), np.empty((1, 1, 10)), np.empty((10, 1))
-    work = motions.Motions(how, np.array([12.0]), x, free, out, last, np.empty((3, 1)), outcome)
-    trail = trails.Trail(trails.Curve(LONG, LONG), np.empty((4096, 12)), np.zeros(1, np.int64), 4096)
-    motions.MOTIONS[method, 8](work, trail, DISK.natural, DISK.whole)
+    curves, engine = compiled.curves, compiled.engine
+    free, out, status = np.full((3, 1), np.nan), np.empty((1, 1, 10)), np.zeros(1, np.int8)
+    work = engine.Work(
+        *(method, 8, 10_000, compiled.events.TIME, np.array([12.0]), np.full(1, control), x, free),
+        *(status, out, np.zeros(1, np.int32), np.empty((3, 1))),
+    )
+    trail = curves.Trail(LONG, LONG, np.empty((4096, 12)), np.zeros(1, np.int64), 4096)
+    engine.FOLLOW[method, 8](work, trail, DISK.natural, DISK.whole)
     rows = trail.rows[: trail.used[0]]
     return rows[:-1, :8].T, rows[1:, :8].T, rows[:-1, 10]
 

@@ -35,14 +35,14 @@ _NO_FMA = {
 }
 
 
-def _kernels_for(name):
+def _kernels_for(name, features=""):
     """What numba is told to compile for a kind of processor; else it adds all that this one has."""
-    return {"NUMBA_CPU_NAME": name, "NUMBA_CPU_FEATURES": ""}
+    return {"NUMBA_CPU_NAME": name, "NUMBA_CPU_FEATURES": features}
 
 
 KINDS = {
     "this one": {},
-    "x86-64-v3 (haswell: AVX2, fused), numpy and libm too": {**_kernels_for("haswell"), **_NO_512},
+    "x86-64-v3 (haswell: AVX2, fused), numpy and libm too": {**_kernels_for("haswell", "+avx2,+fma"), **_NO_512},
     "this one, numpy without AVX-512": {"NPY_DISABLE_CPU_FEATURES": _NO_512["NPY_DISABLE_CPU_FEATURES"]},
     "this one, libm without fused products": {"GLIBC_TUNABLES": _NO_FMA["GLIBC_TUNABLES"]},
     "this one, numpy without AVX2 and fused products": {

@@ -109,7 +109,7 @@ def test_a_stored_trade_decides_what_an_accuracy_means(private, traded):
 
 def test_a_stored_trade_decides_which_method_is_chosen(private, traded):
     table = trade.calibrate(traded)
-    rows = [*table["methods"]["dop853"], *table["motions"]["dop853"]]
+    rows = table["methods"]["dop853"]
     for entry in rows:
         entry[2] *= 1e6  # a machine on which order eight is absurdly dear
     calibration.store(table)
@@ -120,9 +120,8 @@ def test_a_stored_trade_decides_which_method_is_chosen(private, traded):
     assert plan(("chi",), 1e-3).method == "dop853"
 
 
-def test_a_calibration_has_curves_of_motions_and_says_what_it_was_measured_on(private, traded):
+def test_a_calibration_says_what_it_was_measured_on(private, traded):
     traded.store()
-    assert set(calibration.current().motions) == set(calibration.current().curves)
     stored = json.loads(private.read_text())
     assert stored["measured_on"]["scene"] == "race-angles"
 

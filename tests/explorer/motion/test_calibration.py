@@ -69,14 +69,6 @@ def test_a_table_may_be_a_link_to_another_file(private, tmp_path):
     assert "measured on this machine" in calibration.current().origin
 
 
-def test_motions_in_time_have_curves_of_their_own_where_they_were_measured(private):
-    passages = {name: rows for name, rows in shipped().items() if name != "motions"}
-    assert calibration.parse(passages, "").motions == {}
-    coarser = {name: [[2.0 * s, *rest] for s, *rest in rows] for name, rows in passages["methods"].items()}
-    both = calibration.parse({**passages, "motions": coarser}, "")
-    assert both.motions["rk8"].at(1e-6) == pytest.approx(2.0 * both.curves["rk8"].at(1e-6))
-
-
 @pytest.mark.parametrize(
     ("system", "place"),
     [

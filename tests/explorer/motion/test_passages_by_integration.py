@@ -112,7 +112,7 @@ def test_estimates_cover_slow_starts_with_much_spin_or_refuse_them(name, method)
     eta_hat[:3], phidot[:3] = [5.812374532780219, 6.45, 6902.9], [1.3910035448692726e-09, 1.2e-9, 1.5e-9]
     disk = BODIES.get(name, ex.Disk(I1=1e-3, I3=2e-3))
     exact = ex.passages(disk, 0.0, eta_hat, phidot, accuracy=1e-6)
-    for accuracy, least in ((1e-4, 0.9), (1e-6, 0.7), (1e-8, 0.3)):
+    for accuracy, least in ((1e-4, 0.85), (1e-6, 0.65), (1e-8, 0.3)):
         other = ex.passages(disk, 0.0, eta_hat, phidot, accuracy=accuracy, method=method)
         ok = exact.ok & other.ok
         error = np.fmax(abs(exact.delta_chi - other.delta_chi), abs(exact.delta_psi - other.delta_psi))

@@ -105,9 +105,9 @@ def test_settings_that_gain_nothing_calibrate_nothing(part):
 
 def test_errors_of_several_measurements_make_one_table(part):
     doubled = [replace(row, p99=2.0 * row.p99) for row in part.rows]
-    errors = trade.largest_errors([part.rows, doubled], [{("rk4", 0.5): 10.0}])
-    assert errors["rk4", 0.5] == 10.0
+    errors = trade.largest_errors([part.rows, doubled], [{("rk4", 0.25): 10.0}])
+    assert errors["rk4", 0.25] == 10.0
     assert errors["rk8", 0.8] == 2.0 * next(r.p99 for r in part.rows if (r.method, r.setting) == ("rk8", 0.8))
     table = trade.curves(part, errors)
-    read = calibration.parse({"methods": table, "motions": table, "quadrature": 1.0}, "")
+    read = calibration.parse({"methods": table, "quadrature": 1.0}, "")
     assert read.curves["rk4"].error[0] == 10.0

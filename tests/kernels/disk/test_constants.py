@@ -13,7 +13,6 @@ from explorer.phase.constants import natural_constants
 from explorer.phase.states import theta_to_states
 from kernels.disk import constants
 from kernels.disk.chaplygin import sigma_from_constants, solutions
-from kernels.disk.field import State, energy
 
 mpmath.mp.dps = 40
 
@@ -61,18 +60,3 @@ def test_constants_of_a_state_agree_with_forty_digits(face):
 )
 def test_kernels_and_explorer_agree_which_face_is_nearer_also_in_ties(plus, minus):
     assert constants.nearer_plus.py_func(plus, minus) == lines.nearer_plus(np.array(plus), np.array(minus))
-
-
-def test_the_energy_is_put_back_into_the_speed_of_tilting_where_there_is_enough_of_it(body):
-    b = body.body
-    x = State(0.6, 0.8, 0.7, 0.3, -0.2, 1.0, 2.0, 3.0, 4.0, 5.0)
-    total, kinetic, onto_energy = energy(x, b), 0.5 * b.M * 0.7**2, constants.onto_energy.py_func
-    for share in (5e-3, -5e-3):
-        there, excess = onto_energy(x, total - share * kinetic, b)
-        assert excess == pytest.approx(share * kinetic, rel=1e-12)
-        assert energy(there, b) == pytest.approx(total - share * kinetic, rel=1e-15)
-        assert there._replace(p=x.p) == x
-        assert there.p > 0.0
-    assert onto_energy(x, total - 0.02 * kinetic, b) == (x, 0.0)
-    slow = x._replace(p=1e-3)
-    assert onto_energy(slow, energy(slow, b) * (1.0 + 1e-12), b) == (slow, 0.0)

@@ -1,0 +1,144 @@
+"""Motions as the kernels follow them to given values of an event, and again by finer steps where that is needed.
+
+All in natural units. A state has the ten components of kernels.disk.field.State.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer import compiled
+from explorer.motion import precision
+from explorer.motion.parts import attended
+from explorer.motion.plan import FIXED, Plan
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array
+
+# Some thousand passages at the finest settings; only a start beside an equilibrium needs more.
+MAX_STEPS = 2_000_000
+# Finer steps are to err by a third of what is asked, and by a third of what the ones before did or less. Those to
+# be compared err by a tenth; errors of adaptive methods may hardly change between two tolerances that are ten
+# times apart, so these are thirty.
+_THIRD, _LEAST, _FIXED, _ADAPTIVE = 0.3, 1e-4, 0.1, 0.03
+_RUNS = 8  # finer ones at most, each slower than the one before
+
+
+class Motions(NamedTuple):
+    """Motions before they are followed: initial (10, n); pinned (3, n), what they are held to, rows as Pinned;
+    control (n): their steps or tolerances."""
+
+    disk: Disk
+    plan: Plan
+    initial: Array
+    pinned: Array
+    status: NDArray[np.int8]
+    control: Array
+    max_steps: int = MAX_STEPS
+
+    def at(self, rows: NDArray[np.intp]) -> Motions:
+        """Some of them."""
+        initial, pinned = (np.ascontiguousarray(part[:, rows]) for part in (self.initial, self.pinned))
+        return self._replace(initial=initial, pinned=pinned, status=self.status[rows], control=self.control[rows])
+
+    def finer(self, less: Array) -> Motions:
+        """The same by steps that err by so much less (n)."""
+        power = 1.0 if self.plan.adaptive else 1.0 / FIXED[self.plan.method]
+        return self._replace(control=self.plan.at_least(self.control * less**power))
+
+
+class Followed(NamedTuple):
+    """What became of motions: out (n, values, 10), NaN where one did not get there; status (n); attempted steps
+    (n); moved (3, n), rows as `engine.Moved`."""
+
+    out: Array
+    status: NDArray[np.int8]
+    steps: NDArray[np.int32]
+    moved: Array
+
+    def put(self, rows: NDArray[np.intp], better: Followed) -> None:
+        """What became of some of them in the end; their steps are those of all runs."""
+        self.out[rows], self.status[rows], self.moved[:, rows] = better.out, better.status, better.moved
+        self.steps[rows] += better.steps
+
+
+def follow(
+    given: Motions,
+    event: compiled.events.Event,
+    values: Array,
+    depth: int,
+    trail: compiled.curves.Trail | None = None,
+) -> Followed:
+    """Follow motions until the event has taken all of the values, in their order."""
+    n, disk, how = given.status.size, given.disk, given.plan
+    moved, steps = np.full((3, n), np.nan), np.zeros(n, np.int32)
+    found = Followed(np.full((n, values.size, 10), np.nan), given.status.copy(), steps, moved)
+    work = compiled.engine.Work(
+        *(how.kernel_method, depth, given.max_steps, event, values, given.control, given.initial, given.pinned),
+        *(found.status, found.out, steps, moved),
+    )
+    trail = trail or compiled.curves.Trail(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
+    run = partial(compiled.engine.FOLLOW[how.kernel_method, depth], work, trail, disk.natural, disk.whole)
+    # A kernel ends motions whose status somebody else changes: by that it ends where nobody waits for it.
+    attended(run, partial(found.status.fill, compiled.status.Status.STEP_LIMIT))
+    return found
+
+
+Estimate = Callable[[Followed, NDArray[np.intp]], Array]
+
+
+def settle(
+    given: Motions,
+    event: compiled.events.Event,
+    values: Array,
+    depth: int,
+    estimate: Estimate,
+    asked: float,
+) -> tuple[Followed, Array, Motions]:
+    """Follow motions, and those that may err by more than is asked once more by finer steps, until none does.
+
+    estimate(found, rows): of the errors of those rows, from what holding moved; infinite where that does not tell
+    it, so that two runs are compared. Returns what was found, how far it may be off, and the motions with the
+    steps by which it was. Where no steps do, the status is STEP_LIMIT.
+    """
+    ok, lost = compiled.status.Status.OK, compiled.status.Status.NOT_FINITE
+    found, control = follow(given, event, values, depth), given.control.copy()
+    error = estimate(found, np.arange(given.status.size))
+    error[found.status == lost] = np.inf  # steps so long that a motion runs away
+    rows = np.flatnonzero(np.isin(found.status, (ok, lost)) & ~(error <= asked))
+    for _ in range(_RUNS if given.plan.setting is None else 0):
+        if not rows.size:
+            break
+        by_accuracy = np.clip(_THIRD * asked / error[rows], _LEAST, _THIRD)
+        less = np.where(np.isfinite(error[rows]), by_accuracy, _ADAPTIVE if given.plan.adaptive else _FIXED)
+        finer = given._replace(control=control).at(rows).finer(less)
+        better = follow(finer, event, values, depth)
+        # The difference is the error of the coarser run; that of the finer one is less, with a reserve of three.
+        apart = difference(better.out, found.out[rows], in_time=event.t != 0.0)
+        known = apart + precision.SHARE * given.plan.accuracy
+        error[rows] = np.clip(estimate(better, rows), 3.0 * less * apart, known)
+        found.put(rows, better)
+        control[rows] = finer.control
+        error[rows[better.status == lost]] = np.inf
+        rows = rows[np.isin(better.status, (ok, lost)) & ~(error[rows] <= asked)]
+    if given.plan.setting is None:
+        found.status[rows] = compiled.status.Status.STEP_LIMIT
+    found.out[found.status != ok] = np.nan
+    return found, error, given._replace(control=control)
+
+
+def difference(one: Array, other: Array, in_time: bool) -> Array:
+    """How far states (n, values, 10) are apart: in the tilt and the angles (rad), the time or the path (r).
+
+    in_time: at given times, within a race of which chi shows an error of the time many times over.
+    """
+    row, apart = compiled.field.ROW, np.moveaxis(abs(one - other), -1, 0)
+    tilt, path = np.hypot(apart[row.q], apart[row.z]), np.hypot(apart[row.a1], apart[row.a2])
+    turned = precision.turned(np.moveaxis(one, -1, 0)) if in_time else 1.0
+    angles = np.maximum(apart[row.chi], apart[row.psi]) / turned
+    farthest: Array = np.max([tilt, angles, apart[row.t], path], axis=(0, 2))
+    return farthest

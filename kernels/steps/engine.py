@@ -1,0 +1,253 @@
+"""Many motions at once to where an event takes given values: one engine for all methods and depths.
+
+LANES samples advance side by side, each with its own step, and a lane whose sample has ended takes the next one at
+once. What lies within a step is found for many samples together. No result depends on a sample's neighbours.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from kernels._jit import Kernel, device, kernel, maker, subroutine
+from kernels.disk.body import Body, Disk
+from kernels.disk.chaplygin import Whole
+from kernels.disk.field import ANGLES, PATH, REDUCED, State, column, energy, pace
+from kernels.status import Status
+from kernels.steps import lanes
+from kernels.steps.attempt import ATTEMPTS, NAMES, first_step, to_depth
+from kernels.steps.curves import Trail, keep, shorten
+from kernels.steps.events import Event, Stop, crossed, first_guess, land, level, settle
+from kernels.steps.lanes import BEFORE, BROKEN, HIT, LANES, NOTHING, NOW, STUCK, idle, onto_circle, read, write
+from kernels.types import Codes, Counts, Matrix, Table, Vector
+
+_OK = int(Status.OK)
+_STEP_LIMIT = int(Status.STEP_LIMIT)
+_TOO_SMALL = int(Status.STEP_TOO_SMALL)
+_NOT_FINITE = int(Status.NOT_FINITE)
+_LOOK = 100_000  # sweeps between two looks at whether anybody still waits: a tenth of a second
+_ANY = 1e300  # a tolerance that any step meets
+
+
+class Work(NamedTuple):
+    """Motions to follow, and what becomes of them.
+
+    method, depth: RK4 ..., REDUCED ...; max_steps: attempts, refused ones included. event, values: where to stop,
+    in this order. control (n): step in units of 1/speed (RK4, RK8) or tolerance (DOPRI5, DOP853). states (10, n),
+    pinned (3, n): starts and what they are held to, rows as State and Pinned. status (n): samples that come in as
+    not OK are skipped; one that somebody changes ends its motion soon. out (n, values, 10): the states, NaN where
+    one was not reached. steps (n): attempted ones. moved (3, n): rows as Moved.
+    """
+
+    method: int
+    depth: int
+    max_steps: int
+    event: Event
+    values: Vector
+    control: Vector
+    states: Matrix
+    pinned: Matrix
+    status: Codes
+    out: Table
+    steps: Counts
+    moved: Matrix
+
+
+class Moved(NamedTuple):
+    """What holding a motion to its constants showed of the error of its steps, and NaN where it ran free.
+
+    energy: its largest relative error; removed: the sum of those that were taken out. rates: the sum of what
+    sigma3/q and sigma4 were moved by, over their bounds.
+    """
+
+    energy: Any
+    removed: Any
+    rates: Any
+
+
+class Room(NamedTuple):
+    """Work arrays: of the samples under way, and of those that land."""
+
+    W: Vector
+    landing: Vector
+
+
+class Place(NamedTuple):
+    """How far the work is: the next sample, how many lanes are busy, and when one of them runs out of steps."""
+
+    upcoming: int
+    busy: int
+    due: int
+
+
+@subroutine
+def begin(work: Work, j: int, W: Vector, i: int, sweeps: int, b: Body) -> None:
+    """Start sample j in lane i."""
+    W[lanes.X_HELD * LANES + i] = work.pinned[0, j] / b.r0
+    W[lanes.Y_PLUS * LANES + i] = work.pinned[1, j] / b.I1
+    W[lanes.Y_MINUS * LANES + i] = work.pinned[2, j] / b.I1
+    x, control = onto_circle(column(work.states, j), not math.isnan(work.pinned[0, j])), work.control[j]
+    unit = pace(x, b)
+    write(W, NOW, i, x)
+    write(W, BEFORE, i, x)
+    W[lanes.ENERGY * LANES + i], W[lanes.UNIT * LANES + i] = energy(x, b), unit
+    W[lanes.CONTROL * LANES + i], W[lanes.STEP * LANES + i] = control, first_step(work.method, control, unit)
+    W[lanes.NEXT * LANES + i], W[lanes.SAMPLE * LANES + i] = work.values[0], j
+    W[lanes.SINCE * LANES + i] = sweeps
+
+
+@subroutine
+def fill(work: Work, W: Vector, upcoming: int, sweeps: int, b: Body) -> Place:
+    """Samples from `upcoming` on into the lanes that are empty."""
+    status, busy, oldest = work.status, 0, sweeps
+    for i in range(LANES):
+        if W[lanes.SAMPLE * LANES + i] < 0.0:
+            while upcoming < status.size and status[upcoming] != _OK:
+                upcoming += 1
+            if upcoming == status.size:
+                continue
+            begin(work, upcoming, W, i, sweeps, b)
+            upcoming += 1
+        busy, oldest = busy + 1, min(oldest, int(W[lanes.SINCE * LANES + i]))
+    return Place(upcoming, busy, min(oldest + work.max_steps, sweeps + _LOOK))
+
+
+@subroutine
+def leave(work: Work, W: Vector, sweeps: int) -> None:
+    """Take the samples that have ended out of their lanes."""
+    for i in range(LANES):
+        j, note, spent = (
+            int(W[lanes.SAMPLE * LANES + i]),
+            W[lanes.NOTE * LANES + i],
+            sweeps - int(W[lanes.SINCE * LANES + i]),
+        )
+        if j < 0:
+            continue
+        through = W[lanes.MET * LANES + i] == work.values.size
+        if not through and note != BROKEN and note != STUCK and spent < work.max_steps and work.status[j] == _OK:
+            continue
+        work.steps[j] = spent
+        if not through:
+            work.status[j] = _NOT_FINITE if note == BROKEN else _TOO_SMALL if note == STUCK else _STEP_LIMIT
+        elif not math.isnan(W[lanes.X_HELD * LANES + i]):
+            total = W[lanes.ENERGY * LANES + i]
+            work.moved[0, j] = W[lanes.LARGEST * LANES + i] / total
+            work.moved[1, j] = W[lanes.REMOVED * LANES + i] / total
+            work.moved[2, j] = W[lanes.MOVED * LANES + i] / W[lanes.UNIT * LANES + i]
+        idle(W, i)
+
+
+@subroutine
+def collect(work: Work, W: Vector, landing: Vector, waiting: int) -> int:
+    """Send steps to the landing, once for each value they met, until it is full; returns how many wait there."""
+    values = work.values
+    for i in range(LANES):
+        while W[lanes.NOTE * LANES + i] == HIT:
+            if waiting == LANES:
+                return waiting
+            for row in range(lanes.ROWS):
+                landing[row * LANES + waiting] = W[row * LANES + i]
+            waiting += 1
+            met = int(W[lanes.MET * LANES + i]) + 1
+            W[lanes.MET * LANES + i] = met
+            following = values[met] if met < values.size else math.inf
+            W[lanes.NEXT * LANES + i] = following
+            before, after = level(read(W, BEFORE, i), work.event), level(read(W, NOW, i), work.event)
+            if not crossed(before, after, following):
+                W[lanes.NOTE * LANES + i] = NOTHING
+    return waiting
+
+
+@subroutine
+def put_down(attempt_by: Any, work: Work, W: Vector, waiting: int, whole: Whole, b: Body) -> None:
+    """States at the values met within the last steps of a landing: first by a step about as far, then located.
+
+    SINCE is then the length of the whole step.
+    """
+    for i in range(LANES):
+        x, end, h = read(W, BEFORE, i), read(W, NOW, i), W[lanes.TAKEN * LANES + i]
+        W[lanes.STEP * LANES + i] = first_guess(x, end, h, Stop(work.event, W[lanes.NEXT * LANES + i]), b)
+        W[lanes.SINCE * LANES + i], W[lanes.CONTROL * LANES + i] = h, _ANY
+        write(W, NOW, i, x)
+    lanes.sweep(attempt_by, W, work.event, b)
+    lanes.hold(W, W.view(np.int64), whole, b)
+    for i in range(LANES):
+        h = W[lanes.SINCE * LANES + i]
+        y, found = land(read(W, NOW, i), h, Stop(work.event, W[lanes.NEXT * LANES + i]), b)
+        W[lanes.NOTE * LANES + i] = NOTHING if found else STUCK
+        write(W, NOW, i, y)
+    for i in range(waiting):
+        y = read(W, NOW, i)
+        if W[lanes.NOTE * LANES + i] != NOTHING:
+            stop, h = Stop(work.event, W[lanes.NEXT * LANES + i]), W[lanes.SINCE * LANES + i]
+            y = settle(work.method, read(W, BEFORE, i), h, W[lanes.TAKEN * LANES + i], stop, b)
+        y = to_depth(y, work.depth)
+        j, k = int(W[lanes.SAMPLE * LANES + i]), int(W[lanes.MET * LANES + i])
+        for component in range(10):
+            work.out[j, k, component] = y[component]
+
+
+@maker
+def make_room() -> Room:
+    """Room in which there are no samples."""
+    W = np.zeros(lanes.ROWS * LANES)
+    for i in range(LANES):
+        idle(W, i)
+    return Room(W, W.copy())
+
+
+@device
+def follow(attempt_by: Any, work: Work, trail: Trail, room: Room, disk: Disk, whole: Whole) -> None:
+    """Follow every motion to all of the values, by steps of `attempt_by`, which the trail keeps.
+
+    Where there is one and it is cut off, the outcome means nothing.
+    """
+    W, landing, b = room.W, room.landing, disk.body
+    bits = W.view(np.int64)
+    sweeps = waiting = 0
+    place = fill(work, W, 0, 0, b)
+    while place.busy > 0:
+        if trail.most > 0:
+            shorten(trail, W, b)
+        attention = lanes.sweep(attempt_by, W, work.event, b)
+        sweeps += 1
+        lanes.hold(W, bits, whole, b)
+        if trail.most > 0 and keep(trail, W) >= trail.most:
+            return
+        if attention > 0 or sweeps >= place.due:
+            waiting = collect(work, W, landing, waiting)
+            while waiting == LANES:
+                put_down(attempt_by, work, landing, waiting, whole, b)
+                waiting = collect(work, W, landing, 0)
+            leave(work, W, sweeps)
+            place = fill(work, W, place.upcoming, sweeps, b)
+    put_down(attempt_by, work, landing, waiting, whole, b)
+
+
+def at_depth(method: int, depth: int) -> Any:
+    """One attempted step by a method that carries what a depth needs, both known to the compiler."""
+    by = ATTEMPTS[method]
+
+    def attempt_by(x: State, h: float, control: float, unit: float, b: Body) -> Any:
+        return by(depth, x, h, control, unit, b)
+
+    attempt_by.__qualname__ = f"attempt_{NAMES[method]}_{depth}"
+    return device(attempt_by)
+
+
+def _kernel(method: int, depth: int, name: str) -> Kernel:
+    attempt_by = at_depth(method, depth)
+
+    def run(work: Work, trail: Trail, disk: Disk, whole: Whole) -> None:
+        """Follow every motion by one method at one depth."""
+        follow(attempt_by, work, trail, make_room(), disk, whole)
+
+    run.__name__ = run.__qualname__ = name
+    return kernel(run)
+
+
+FOLLOW = {
+    (method, depth): _kernel(method, depth, f"{NAMES[method]}_{word}")
+    for method in ATTEMPTS
+    for depth, word in ((REDUCED, "reduced"), (ANGLES, "angles"), (PATH, "path"))
+}
