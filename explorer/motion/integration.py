@@ -76,7 +76,7 @@ def follow(
     """Follow motions until the event has taken all of the values, in their order."""
     n, disk, how = given.status.size, given.disk, given.plan
     moved, steps = np.full((3, n), np.nan), np.zeros(n, np.int32)
-    found = Followed(np.full((n, values.size, 10), np.nan), given.status.copy(), steps, moved)
+    found = Followed(np.empty((n, values.size, 10)), given.status.copy(), steps, moved)
     work = compiled.engine.Work(
         *(how.kernel_method, depth, given.max_steps, event, values, given.control, given.initial, given.pinned),
         *(found.status, found.out, steps, moved),
@@ -85,6 +85,7 @@ def follow(
     run = partial(compiled.engine.FOLLOW[how.kernel_method, depth], work, trail, disk.natural, disk.whole)
     # A kernel ends motions whose status somebody else changes: by that it ends where nobody waits for it.
     attended(run, partial(found.status.fill, compiled.status.Status.STEP_LIMIT))
+    found.out[found.status != compiled.status.Status.OK] = np.nan
     return found
 
 

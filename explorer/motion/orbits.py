@@ -158,7 +158,8 @@ def _wobbles(disk: Disk, motions: Motions, ends: Ends, rows: NDArray[np.intp]) -
     # About the vertical both sides err alike, and what is left is rounding of V' there.
     body, to, turn = disk.body, inner.d + outer.d, vertical.sigma3
     terms = body.J * abs(turn * vertical.sigma4) + body.I1 * turn * turn + 1.0
-    moved = 16.0 * np.finfo(np.float64).eps * terms * to * far / (vertical.K * (to + far))
+    with np.errstate(divide="ignore", invalid="ignore"):  # hardly a speed there, or none: not known
+        moved = 16.0 * np.finfo(np.float64).eps * terms * to * far / (vertical.K * (to + far))
     wells = compiled.nutation.Wells(
         from_place(motions.starts.X, motions.starts.Y, inner),
         inner.d,

@@ -58,14 +58,15 @@ def turning_points(
 
     event, depth = compiled.events.TURNING_POINT, how.kernel_depth
     found, error, _ = integration.settle(given, event, np.zeros(1), depth, estimate, precision.asked(how, 0.0))
-    row, out = compiled.field.ROW, np.ascontiguousarray(found.out[:, 0].T)
+    row, out = compiled.field.ROW, found.out[:, 0].T
+    way, time, chi, psi = (np.ascontiguousarray(out[k]) for k in (row.rho, row.t, row.chi, row.psi))
     return TurningPoints(
         theta=np.arctan2(out[row.q], abs(out[row.z])),
         face=np.where(out[row.z] >= 0.0, 1, -1).astype(np.int8),
-        way=out[row.rho],
-        time=out[row.t],
-        chi=out[row.chi],
-        psi=out[row.psi],
+        way=way,
+        time=time,
+        chi=chi,
+        psi=psi,
         status=found.status,
         steps=found.steps,
         error=np.where(found.status == compiled.status.Status.OK, error, np.nan),
