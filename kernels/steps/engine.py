@@ -89,7 +89,6 @@ def begin(work: Work, j: int, W: Vector, i: int, sweeps: int, b: Body) -> None:
     x, control = onto_circle(column(work.states, j), not math.isnan(work.pinned[0, j])), work.control[j]
     unit = pace(x, b)
     write(W, NOW, i, x)
-    write(W, BEFORE, i, x)
     W[lanes.ENERGY * LANES + i], W[lanes.UNIT * LANES + i] = energy(x, b), unit
     W[lanes.CONTROL * LANES + i], W[lanes.STEP * LANES + i] = control, first_step(work.method, control, unit)
     W[lanes.NEXT * LANES + i], W[lanes.SAMPLE * LANES + i] = work.values[0], j
@@ -116,13 +115,10 @@ def fill(work: Work, W: Vector, upcoming: int, sweeps: int, b: Body) -> Place:
 def leave(work: Work, W: Vector, sweeps: int) -> None:
     """Take the samples that have ended out of their lanes."""
     for i in range(LANES):
-        j, note, spent = (
-            int(W[lanes.SAMPLE * LANES + i]),
-            W[lanes.NOTE * LANES + i],
-            sweeps - int(W[lanes.SINCE * LANES + i]),
-        )
+        j, note = int(W[lanes.SAMPLE * LANES + i]), W[lanes.NOTE * LANES + i]
         if j < 0:
             continue
+        spent = sweeps - int(W[lanes.SINCE * LANES + i])
         through = W[lanes.MET * LANES + i] == work.values.size
         if not through and note != BROKEN and note != STUCK and spent < work.max_steps and work.status[j] == _OK:
             continue
