@@ -107,7 +107,9 @@ def orbits_of(
 
     def ways(of: NDArray[np.intp], constant: Array, length: Array, low: Any, high: Any, crest: Array) -> Array:
         out, left = np.empty((len(rule._fields), of.size)), np.ones(of.size, np.bool_)
-        upright = np.flatnonzero((high.w[of] == 0.0) & (high.K[of] > 0.0))
+        # Tables serve ways from the vertical that come near flat.
+        near = low.r[of] < compiled.passages.WIDEST
+        upright = np.flatnonzero(near & (high.w[of] == 0.0) & (high.K[of] > 0.0))
         if tables and disk.tables and upright.size:
             rows = of[upright]
             out[:, upright] = _by_tables(disk, X[rows], constant[rows], high.K[rows])

@@ -27,7 +27,7 @@ from kernels.disk.elementary import exponential, log_ratio, logarithm
 from kernels.disk.polynomials import economise
 from kernels.types import Matrix, Vector
 
-LANES = 32
+LANES = 16
 DEGREE = chaplygin.DEGREE
 DIVIDED = 4 * DEGREE  # coefficients of the divided differences of four polynomials
 _LN2 = math.log(2.0)
@@ -136,7 +136,7 @@ def put_end(A: Vector, at: int, i: int, r: float, w: float, sigma3: float, sigma
 @contracted_subroutine
 def make_ends(A: Vector, at: int, chart: Chart) -> None:
     """The ends in rows `at` and following of a work array, from their r, w, sigma3 and sigma4."""
-    E, c, series = A[at * LANES :], chart.body.c, chart.series
+    E, series = A[at * LANES :], chart.series
     for i in range(LANES):
         r, w = E[R * LANES + i], E[W * LANES + i]
         larger = 1.0 + r * r
@@ -150,20 +150,24 @@ def make_ends(A: Vector, at: int, chart: Chart) -> None:
         beside = log_ratio(-z / (2.0 - z))
         E[LOG_S * LANES + i] = beside if z < 0.5 else far
     C = E[_COEFFICIENTS * LANES :]
+    b, c, d = DEGREE * LANES, 2 * DEGREE * LANES, 3 * DEGREE * LANES
     for row in range(4):
-        for i in range(LANES):
-            C[(row * DEGREE + DEGREE - 1) * LANES + i] = series[row, DEGREE]
-        for j in range(DEGREE - 1, 0, -1):
-            for i in range(LANES):
-                t = 2.0 * E[S * LANES + i] - 1.0
-                C[(row * DEGREE + j - 1) * LANES + i] = C[(row * DEGREE + j) * LANES + i] * t + series[row, j]
+        C[(row * DEGREE + DEGREE - 1) * LANES : (row + 1) * DEGREE * LANES] = series[row, DEGREE]
+    for j in range(DEGREE - 1, 0, -1):
+        k, s0, s1, s2, s3 = j * LANES, series[0, j], series[1, j], series[2, j], series[3, j]
+        for i in range(k, k + LANES):
+            t = 2.0 * E[S * LANES + i - k] - 1.0
+            C[i - LANES] = C[i] * t + s0
+            C[i + b - LANES] = C[i + b] * t + s1
+            C[i + c - LANES] = C[i + c] * t + s2
+            C[i + d - LANES] = C[i + d] * t + s3
     for i in range(LANES):
         t = 2.0 * E[S * LANES + i] - 1.0
         g = C[i] * t + series[0, 0]
         drho = 1.0 + (C[DEGREE * LANES + i] * t + series[1, 0])
         v = C[2 * DEGREE * LANES + i] * t + series[2, 0]
         E[RHO_OVER_S * LANES + i], E[INV_G * LANES + i], E[DRHO * LANES + i] = g, 1.0 / g, drho
-        E[D * LANES + i] = 0.5 * c * E[S * LANES + i] * g * E[LOG_S * LANES + i] + v
+        E[D * LANES + i] = 0.5 * chart.body.c * E[S * LANES + i] * g * E[LOG_S * LANES + i] + v
 
 
 @contracted_device

@@ -19,23 +19,32 @@ from typing import Generic, NamedTuple
 import numpy as np
 
 from kernels._jit import contracted_device, contracted_subroutine, kernel
-from kernels.arcs.potential import END_ROWS, LANES, Chart, Motion, end_of, make_ends, point_at, put_end
+from kernels.arcs.potential import (
+    END_ROWS,
+    LANES,
+    Chart,
+    Motion,
+    end_of,
+    make_ends,
+    point_at,
+    put_end,
+    slope_and_bend,
+)
 from kernels.disk.body import Body
-from kernels.disk.elementary import exponential
+from kernels.disk.elementary import exponential, logarithm
 from kernels.disk.rows import Entry, put
 from kernels.types import Longs, Matrix, Vector
 
-# How many times half the first number of intervals the rules have.
-_MULTIPLES = 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256
-SIZES = len(_MULTIPLES)
+# Nodes of the rules, less one; half and a quarter of them are rules as well.
+_NODES = 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024
+SIZES = len(_NODES)
 # Kinds of arcs: from a turning point outwards, or inwards; one that goes on at both ends; between turning points;
 # a fall from somewhere, and from rest; slow at the inner end, at the outer one, and the same if these turn.
 TURN_INSIDE, TURN_OUTSIDE, NO_TURN, TWO_TURNS, FALL, FALL_FROM_REST = range(6)
 SLOW_INSIDE, SLOW_OUTSIDE, SLOW_TURN_INSIDE, SLOW_TURN_OUTSIDE = range(6, 10)
 KINDS = 10
 NOTHING = -1  # an arc of no length
-_FIRST = 16, 16, 8, 8, 8, 16, 8, 8, 16, 16  # intervals of the first rule, over pi in g
-# Even in s: half of the rule serves.
+# Even in s: half of a rule with twice as many intervals over pi in g serves.
 _HALVED = TURN_INSIDE, TURN_OUTSIDE, FALL_FROM_REST, SLOW_TURN_INSIDE, SLOW_TURN_OUTSIDE
 # All nodes from the inner end, or from the outer one.
 _FROM_INSIDE, _FROM_OUTSIDE = (SLOW_INSIDE, SLOW_TURN_INSIDE), (SLOW_OUTSIDE, SLOW_TURN_OUTSIDE)
@@ -48,8 +57,11 @@ _DEEPEST = 300.0  # of falls, in x: what is left is below any rounding
 # rules agree by chance, D is at least the square of the difference before. (Of 230,000 arcs of twelve bodies, at
 # accuracies of 1e-3 to 1e-9, 5 in 100,000 err by over three times that.)
 _SAFETY, _POWER = 6.0, 1.5
-# With which rule to begin, which no answer depends on: a node brings some 0.5 digits, fewer on a long arc.
-_DIGITS, _LONG = 0.5, 20.0
+# With which rule to begin, which no answer depends on. The foci of an ellipse through the nearest singularity are
+# both ends of the arc, whose half length is 1: each node divides D by the sum of the half axes. How strong the
+# singularity is takes so many digits more.
+_HEADROOM = 1.5
+_LN10 = math.log(10.0)
 _EPSILON = 2.2e-16
 _ROUNDING = 8.0 * _EPSILON  # of K, for each unit of what it was summed from; the root takes half of it
 # Rows of the work array: the inner end, the outer one, and then these.
@@ -95,6 +107,16 @@ class Rule(NamedTuple):
     first: Matrix
 
 
+class Node(NamedTuple):
+    """A node of a rule, as in `Rule`."""
+
+    share: float
+    rate: float
+    weight: float
+    coarse: float
+    coarser: float
+
+
 class Arcs(NamedTuple):
     """Arcs (n): constants of the motion, length in x; both ends as in `turning_points.Starts`, with K there.
 
@@ -121,6 +143,16 @@ class Arcs(NamedTuple):
     error_out: Vector
 
 
+class ArcEnd(NamedTuple):
+    """An end of an arc: K there, and the state as in `turning_points.Starts`."""
+
+    K: float
+    r: float
+    w: float
+    sigma3: float
+    sigma4: float
+
+
 class ArcRow(NamedTuple, Generic[Entry]):
     """Integrals over an arc, and the errors of the time and of both angles."""
 
@@ -133,10 +165,9 @@ class ArcRow(NamedTuple, Generic[Entry]):
 
 def clenshaw_curtis(n: int) -> Vector:
     """Weights of cos(j pi / n), j = 0 ... n, for integrals over -1 ... 1."""
-    j, k = np.arange(n + 1), np.arange(n // 2 + 1)
-    moments = np.where((k == 0) | (2 * k == n), 1.0, 2.0) / (1.0 - 4.0 * k * k)
-    ends = np.where((j == 0) | (j == n), 0.5, 1.0)
-    weights: Vector = 2.0 * ends * (np.cos(2.0 * np.pi / n * np.outer(j, k)) @ moments) / n
+    moments = 1.0 / (1.0 - 4.0 * np.arange(n // 2 + 1) ** 2)
+    weights: Vector = 2.0 * np.append(np.fft.irfft(moments, n), 0.0)
+    weights[[0, n]] = 0.5 * weights[0]
     return weights
 
 
@@ -176,7 +207,7 @@ def make_rule() -> Rule:
     first, start = np.zeros((2, KINDS * SIZES * 2)), 0
     for kind in range(KINDS):
         for size in range(SIZES):
-            n = _FIRST[kind] // 2 * _MULTIPLES[size]
+            n = 2 * _NODES[size] if kind in _HALVED else _NODES[size]
             weight = weights_of(kind, n)
             coarse, coarser = np.zeros((2, weight.size))
             coarse[::2], coarser[::4] = weights_of(kind, n // 2), weights_of(kind, n // 4)
@@ -204,8 +235,7 @@ def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -
         A[_SIZE_IN + i] = arcs.error_in[j] / _ROUNDING if arcs.K_in[j] > 0.0 else 0.0
         A[_SIZE_OUT + i] = arcs.error_out[j] / _ROUNDING if arcs.K_out[j] > 0.0 else 0.0
         slow = min(arcs.slow_in[j], arcs.slow_out[j])
-        length = arcs.L[j] / slow  # 0 without a slow end; below, its asinh
-        A[_SLOW + i], A[_LENGTH + i] = slow, math.asinh(length)
+        A[_SLOW + i], A[_LENGTH + i] = slow, math.asinh(arcs.L[j] / slow) if slow < math.inf else 0.0
         put_end(A, 0, i, arcs.r_in[j], arcs.w_in[j], arcs.sigma3_in[j], arcs.sigma4_in[j])
         put_end(A, _OUTER, i, arcs.r_out[j], arcs.w_out[j], arcs.sigma3_out[j], arcs.sigma4_out[j])
     make_ends(A, 0, chart)
@@ -229,9 +259,9 @@ def placed(A: Vector, i: int, share: float, rate: float, slow: bool) -> tuple[fl
 
 
 @contracted_device
-def add_node(A: Vector, i: int, j: int, rule: Rule, inside: bool, slow: bool, b: Body) -> None:
-    """Add node j to the sums of lane i; inside, slow: constants."""
-    d, rate = placed(A, i, rule.share[j], rule.rate[j], slow)
+def add_node(A: Vector, i: int, node: Node, inside: bool, slow: bool, b: Body) -> None:
+    """Add a node to the sums of lane i; inside, slow: constants."""
+    d, rate = placed(A, i, node.share, node.rate, slow)
     end = end_of(A, 0 if inside else _OUTER, i)
     P = point_at(A, d, not inside, end, Motion(A[_X + i], A[_Y + i]), b)
     K = (A[_K_IN + i] if inside else A[_K_OUT + i]) - P.rise
@@ -239,7 +269,7 @@ def add_node(A: Vector, i: int, j: int, rule: Rule, inside: bool, slow: bool, b:
     ds = rate * math.sqrt(0.5 * b.M * inv_K)
     turn = P.z * P.ratio - P.q * P.sigma4
     time, chi, psi = ds * P.q, ds * P.ratio, ds * turn
-    weight, coarse, coarser = rule.weight[j], rule.coarse[j], rule.coarser[j]
+    weight, coarse, coarser = node.weight, node.coarse, node.coarser
     size = P.size + abs(P.rise + K) + (A[_SIZE_IN + i] if inside else A[_SIZE_OUT + i])
     noise = weight * ds * size * inv_K
     A[_TIME + i] += weight * time
@@ -264,18 +294,19 @@ def integrate(A: Vector, kind: int, size: int, rule: Rule, b: Body) -> None:
         row = (kind * SIZES + size) * 2 + end
         first = int(rule.first[0, row])
         for j in range(first, first + int(rule.first[1, row])):
+            node = Node(rule.share[j], rule.rate[j], rule.weight[j], rule.coarse[j], rule.coarser[j])
             if slow and end == 0:
                 for i in range(LANES):
-                    add_node(A, i, j, rule, True, True, b)
+                    add_node(A, i, node, True, True, b)
             elif slow:
                 for i in range(LANES):
-                    add_node(A, i, j, rule, False, True, b)
+                    add_node(A, i, node, False, True, b)
             elif end == 0:
                 for i in range(LANES):
-                    add_node(A, i, j, rule, True, False, b)
+                    add_node(A, i, node, True, False, b)
             else:
                 for i in range(LANES):
-                    add_node(A, i, j, rule, False, False, b)
+                    add_node(A, i, node, False, False, b)
 
 
 @contracted_device
@@ -299,24 +330,56 @@ def found_in(A: Vector, i: int) -> tuple[ArcRow[float], float]:
     return ArcRow(time, chi, psi, time_error, angle + _ROUNDING * A[_NOISE + i]), max(angle, off)
 
 
+@contracted_device
+def half_axis(beyond: float, aside: float, length: float) -> float:
+    """The larger half axis of the ellipse about an arc through a point beyond one of its ends, and aside."""
+    far = length + beyond
+    return (math.sqrt(beyond * beyond + aside * aside) + math.sqrt(far * far + aside * aside)) / length
+
+
 @contracted_subroutine
-def first_size(kind: int, length: float, digits: float) -> int:
+def next_zero(end: ArcEnd, inward: bool, length: float, b: Body) -> float:
+    """The half axis for the next zero of K beyond an end of an arc, by its parabola there."""
+    inv = 1.0 / (1.0 + end.r * end.r)
+    q = 2.0 * end.r * inv
+    rise, bend = slope_and_bend(q, end.w * inv, end.sigma3 / q, end.sigma4, b)
+    fall = -rise if inward else rise  # of K, beyond the end
+    square = fall * fall + 2.0 * bend * end.K
+    root = math.sqrt(abs(square))
+    if square < 0.0:
+        return half_axis(-fall / bend, root / bend, length)
+    beyond = 2.0 * end.K / (fall + root) if end.K > 0.0 else -2.0 * fall / bend
+    return half_axis(beyond, 0.0, length) if beyond > 0.0 else math.inf
+
+
+@contracted_subroutine
+def first_size(kind: int, arcs: Arcs, j: int, digits: float, b: Body) -> int:
     """The rule to begin with: half of its nodes bring the digits of the difference that the estimate needs."""
-    nodes = digits / _DIGITS * (1.0 + length / _LONG)
-    unit = (0.125 if kind in _HALVED else 0.25) * _FIRST[kind]
+    r, length = arcs.r_out[j], arcs.L[j]
+    inner = ArcEnd(arcs.K_in[j], arcs.r_in[j], arcs.w_in[j], arcs.sigma3_in[j], arcs.sigma4_in[j])
+    outer = ArcEnd(arcs.K_out[j], r, arcs.w_out[j], arcs.sigma3_out[j], arcs.sigma4_out[j])
+    # The poles of q are at i pi/2 beside the vertical; in tan(theta/2), of falls, at i.
+    if kind >= SLOW_INSIDE:
+        axis = half_axis(0.0, 0.5 * math.pi, math.asinh(length / min(arcs.slow_in[j], arcs.slow_out[j])))
+    elif kind >= FALL:
+        axis = min(half_axis(0.0, 1.0 / r, 1.0), next_zero(outer, False, 1.0, b))
+    else:
+        poles = half_axis(-logarithm(r), 0.5 * math.pi, length)
+        axis = min(poles, min(next_zero(inner, True, length, b), next_zero(outer, False, length, b)))
+    nodes = (digits + _HEADROOM) * _LN10 / logarithm(axis + math.sqrt(axis * axis - 1.0))
     size = 0
-    while unit * _MULTIPLES[size] < nodes and size < SIZES - 4:
+    while _NODES[size] < nodes and size < SIZES - 4:
         size += 1
     return size
 
 
 @contracted_subroutine
-def pick(kind: int, kinds: Longs, arcs: Arcs, digits: float, rows: Longs, sizes: Longs) -> int:
+def pick(kind: int, kinds: Longs, arcs: Arcs, digits: float, rows: Longs, sizes: Longs, b: Body) -> int:
     """The arcs of a kind -> rows, and the rules that they begin with -> sizes; how many there are."""
     n = 0
     for j in range(kinds.size):
         if kinds[j] == kind:
-            rows[n], sizes[n] = j, first_size(kind, arcs.L[j], digits)
+            rows[n], sizes[n] = j, first_size(kind, arcs, j, digits, b)
             n += 1
     return n
 
@@ -332,7 +395,7 @@ def arc_batch(kinds: Longs, arcs: Arcs, accuracy: float, rule: Rule, chart: Char
     A, rows, sizes, now = np.zeros(_ROWS), np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64)
     digits = math.log10(_SAFETY / accuracy) / _POWER
     for kind in range(KINDS):
-        left = pick(kind, kinds, arcs, digits, rows, sizes)
+        left = pick(kind, kinds, arcs, digits, rows, sizes, chart.body)
         for size in range(SIZES):
             # Those that begin later stay in `rows`; those that do now, or go on, move to `now`.
             m, later = 0, 0

@@ -253,11 +253,12 @@ def approach(A: Vector, i: int) -> None:
     z = (1.0 - r * r) / (1.0 + r * r)
     share = -2.0 * z * moving / slope if slope < 0.0 else -1.0
     able = share > -0.99
-    new = d + 0.5 * logarithm(1.0 + (share if able else 0.0))
+    grown = 1.0 + (share if able else 0.0)
+    new, shrunk = d + 0.5 * logarithm(grown), r / math.sqrt(grown)
     newton = able & (new >= low) & (new <= high)
     ends = is_open & newton & (abs(new - d) <= _ALMOST * d)
     # In r the last step leaves more digits than a distance of hundreds has.
-    A[_R + i] = r / math.sqrt(1.0 + share) if ends else r
+    A[_R + i] = shrunk if ends else r
     A[_LOW + i], A[_HIGH + i] = low, high
     A[_D + i] = (new if newton else 0.5 * (low + high)) if is_open else d
     A[_STATE + i] = _FOUND_DEEP if ends else A[_STATE + i]

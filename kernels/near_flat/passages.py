@@ -30,7 +30,7 @@ from kernels.near_flat.tables import LAST, LAST_BUT_ONE, SHARE, WEIGHT, Fixed, L
 from kernels.types import Matrix, Vector
 
 LANES = 64  # _ROWS rows of them lie within the first cache
-_WIDEST = 0.1  # of h_m: well inside HANDOVER
+WIDEST = 0.1  # of h_m: well inside HANDOVER
 _NARROWEST = 1e-303  # of |Y|: h_m must not be denormal
 _PARKED = 0.1  # h_m of lanes that are left to arcs: any number within the bounds
 _ROUNDS = 5  # of Newton's method, from the law of first order to rounding
@@ -137,7 +137,7 @@ def turn(W: Vector, b: Body, low: Low) -> None:
         first = size * math.sqrt(0.5 * b.I1 / level)
         # Gravity shares the energy at the turning point: one step of q = h.
         left = level - first
-        near = (size > _NARROWEST) & (first < 2.0 * _WIDEST) & (left > 0.5 * level)
+        near = (size > _NARROWEST) & (first < 2.0 * WIDEST) & (left > 0.5 * level)
         W[_H + i] = size * math.sqrt(0.5 * b.I1 / left) if near else _PARKED
         W[_TIME_ERROR + i] = W[_TIME_ERROR + i] if near else math.nan
     for i in range(LANES):
@@ -146,7 +146,7 @@ def turn(W: Vector, b: Body, low: Low) -> None:
         for i in range(LANES):
             W[_H + i], W[_LOG_H + i], W[_STEP + i] = newton(W[_H + i], W[_LOG_H + i], motion_of(W, i), b, low)
     for i in range(LANES):
-        near = (W[_H + i] < _WIDEST) & (abs(W[_STEP + i]) < _SETTLED)
+        near = (W[_H + i] < WIDEST) & (abs(W[_STEP + i]) < _SETTLED)
         W[_H + i], W[_LOG_H + i] = W[_H + i] if near else _PARKED, W[_LOG_H + i] if near else math.log(_PARKED)
         W[_TIME_ERROR + i] = W[_TIME_ERROR + i] if near else math.nan
 
