@@ -54,7 +54,7 @@ def test_tilts_of_measure_zero_are_those_of_its_plain_draws():
 def test_motions_of_a_trade_are_those_of_the_scene():
     scene = scene_class("one-sided").of({"disk": ["uniform", "hoop"], "samples": 2, "eta_hat": "1e-4:1e-2"})
     trial = scene.trials(24, None)[-1]
-    found = trial.call(trial.plan("dop853", 1e-6))
+    found = trial.call(trial.plan("dop853", scene.accuracy))
     tables = [scene.chunk(index)[0] for index in range(scene.chunks)]
     for table, both in zip(tables, (found[:2], found[2:]), strict=True):
         assert np.array_equal(table["status"], np.concatenate([motion.status for motion in both]))
