@@ -1,7 +1,7 @@
 """`nearflat trade`: speed against accuracy, measured on the samples of a scene."""
 
 import argparse
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -11,13 +11,13 @@ from explorer.commands import Answer, trade_report
 from explorer.commands.run import add_scene, given_by
 from explorer.errors import InputError, flag, note, positive, said, whole
 from explorer.motion import calibration
-from explorer.motion.trade import Errors, Measured, Row, curves, largest_errors, measure, only_errors
+from explorer.motion.trade import Measured, Row, curves, largest_errors, measure, only_errors
 from explorer.motion.trials import Trial
 from explorer.phase.disk import Disk
 from explorer.phase.paths import made_folder, path_of
 from explorer.runs.settings import Settings
 from explorer.scenes.options import Options, Reader, option, options_of
-from explorer.scenes.scene import Scene, scene_class
+from explorer.scenes.scene import SampledScene, Scene, scene_class
 
 # The time of fewer passages or tilts is mostly that of the call.
 FEWEST, FEWEST_MOTIONS, MOTIONS = 256, 64, 1024
@@ -124,16 +124,15 @@ def trials_of(scene: str | type[Scene] | None, options: Mapping[str, Any]) -> tu
     """The scene, what is to be measured of it, and whether quietly; only the true answers are computed yet."""
     own = {each.name: options[each.name] for each in options_of(Trading) if each.name in options}
     asked, made = Trading.of(own), scene_for(scene, {k: v for k, v in options.items() if k not in own})
-    if type(made).trial is not Scene.trial and made.options["samples"] > MOST:
+    if isinstance(made, SampledScene) and made.samples > MOST:
         raise InputError(
-            f"--samples {made.options['samples']}: all are followed by every method at every setting; give "
-            f"{MOST:,} at most"
+            f"--samples {made.samples}: all are followed by every method at every setting; give {MOST:,} at most"
         )
-    in_time = made.motions(asked.motions, asked.t_end) if asked.motions else None
-    trials: list[Trial] = [trial for trial in (made.trial(), in_time) if trial is not None]
+    known_trials = made.trials(asked.motions or 1, asked.t_end)
+    trials = [trial for trial in known_trials if asked.motions or not trial.in_time]
     if not trials:
         why = "no method is chosen in this scene, so there is nothing to trade; measure another one"
-        if not asked.motions and made.motions(1, None) is not None:
+        if known_trials:
             why = "methods can be compared only on its motions in time; leave --motions 0 out"
         raise InputError(f"{made.name}: {why}")
     for trial in trials:
@@ -170,11 +169,13 @@ def calibrate(measured: Trade) -> dict[str, Any]:
     by_kind = {part.kind: part for part in measured.parts}
     passages, motions = _OF_EACH_BODY
     bodies = [_plain(disk, passages, number) for number, disk in enumerate(BODIES)]
-    plain = by_kind.get("passages") or _measure(_plain(measured.scene.disk, measured.scene.tried, 0).trial())
-    in_time = by_kind.get("motions") or _measure(bodies[0].motions(2 * motions, None))
+    plain = by_kind.get("passages") or measure(
+        _plain(measured.scene.disk, measured.scene.tried, 0).trials(1, None)[0]
+    )
+    in_time = by_kind.get("motions") or measure(bodies[0].trials(2 * motions, None)[1])
     own = [part.rows for part in measured.parts]
-    others = [trial for body in bodies for trial in (body.trial(), body.motions(motions, None))]
-    errors = largest_errors([*own, plain.rows, in_time.rows], _errors(others))
+    others = [only_errors(trial) for body in bodies for trial in body.trials(motions, None)]
+    errors = largest_errors([*own, plain.rows, in_time.rows], others)
     quadrature = [row.nanoseconds for row in plain.rows if row.method == "quadrature"]
     table = {
         "kernels": compiled.source_digest(),
@@ -190,15 +191,6 @@ def calibrate(measured: Trade) -> dict[str, Any]:
             "there"
         ) from None
     return table
-
-
-def _measure(trial: Trial | None) -> Measured:
-    assert trial is not None  # race-angles beside F has both
-    return measure(trial)
-
-
-def _errors(trials: Iterable[Trial | None]) -> list[Errors]:
-    return [only_errors(trial) for trial in trials if trial is not None]
 
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:

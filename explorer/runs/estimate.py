@@ -4,19 +4,18 @@ import json
 import shutil
 import sys
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from os import cpu_count
 from pathlib import Path
 
 from explorer import compiled
-from explorer.errors import InputError, note
+from explorer.errors import note
 from explorer.measure.tallies import Tally
-from explorer.runs.amounts import size
-from explorer.runs.settings import BASE_MEMORY, MOST_IN_MEMORY, Asked, Settings, samples_of
+from explorer.runs.settings import Asked, samples_of
 from explorer.scenes.scene import SampledScene, Scene, Table
 
-_DRAWING = 90e6  # memory that drawing takes, measured
+# Bytes, measured: of compiled code and libraries, where the system does not say it, and what drawing takes.
+_BASE_MEMORY, _DRAWING = 450e6, 90e6
 # Of one picture in PNG and SVG, measured over all scenes; maps take 0.75, and histograms 0.5.
 _SECONDS_PER_PICTURE, _BYTES_PER_PICTURE = 0.6, 250_000
 
@@ -57,7 +56,7 @@ def estimate(asked: Asked) -> Estimate:
     at_work = scene.bytes_per_sample * scene.length(0) if isinstance(scene, SampledScene) else max(sizes)
     memory = base + jobs * at_work + (_DRAWING if pictures else 0.0) + (0.0 if settings.out else stored)
     disk = stored + pictures * _BYTES_PER_PICTURE if settings.out else 0.0
-    drawing, free = pictures * _SECONDS_PER_PICTURE, free_bytes(settings.out) if settings.out else None
+    drawing, free = pictures * _SECONDS_PER_PICTURE, _free_bytes(settings.out) if settings.out else None
     seconds += starting + drawing
     return Estimate(count, samples_of(scene), seconds, drawing, memory, disk, free, len(probed))
 
@@ -76,27 +75,13 @@ def _to_probe(scene: Scene) -> list[int]:
 def _memory_now() -> float:
     """What this process takes at its largest, with all libraries loaded; bytes."""
     if sys.platform == "win32":
-        return BASE_MEMORY
+        return _BASE_MEMORY
     import resource
 
     largest = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return float(largest if sys.platform == "darwin" else 1024 * largest)
 
 
-def free_bytes(folder: Path) -> int:
+def _free_bytes(folder: Path) -> int:
     """How much may be written where a folder is, or will be made."""
     return shutil.disk_usage(next(place for place in (folder, *folder.absolute().parents) if place.is_dir())).free
-
-
-def require_room(scene: Scene, chunks: Sequence[int], settings: Settings, folder: Path) -> None:
-    """Raise InputError where chunks that are to be computed need more room than there is on the disk.
-
-    Small runs are not looked at: they take some hundred megabytes at most, and less time than to look.
-    """
-    if sum(map(scene.length, chunks)) > MOST_IN_MEMORY:
-        needed = len(chunks) * _bytes_of(*scene.chunk(chunks[len(chunks) // 2]))
-        if needed > (free := free_bytes(folder)):
-            remedy = f"give --keep none, fewer --samples, or another --out; or make room and {settings.onward}"
-            raise InputError(
-                f"--out {folder}: needs about {size(needed)}, and {size(free)} are free there; {remedy}"
-            )

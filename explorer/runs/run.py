@@ -21,7 +21,6 @@ from explorer.measure import statistics
 from explorer.phase.paths import path_of
 from explorer.runs import folder as folders
 from explorer.runs import store
-from explorer.runs.estimate import require_room
 from explorer.runs.interrupt import stopping
 from explorer.runs.settings import FORMATS, Asked, Settings, samples_of
 from explorer.runs.workers import compute_all
@@ -349,7 +348,6 @@ def _fill(asked: Asked, folder: Path, record: dict[str, Any]) -> Run:
         note(text, settings.quiet)
 
     missing = folders.missing_chunks(folder, scene, say)
-    require_room(scene, missing, settings, folder)
     known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": [], "figures": None} | record
     how: dict[str, Any] = {
         "started": known.get("started", folders.now()),

@@ -1,6 +1,5 @@
 """What users may say about a run beside its question: where it goes, who computes it, what it leaves."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.util import find_spec
@@ -9,28 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from explorer.errors import MOST_JOBS, InputError, double_of, flag, one_of, shown, whole, words
-from explorer.runs.amounts import size
+from explorer.errors import MOST_JOBS, InputError, flag, one_of, whole, words
 from explorer.scenes.options import FOLDER, TEXT, TRUTH, Options, Reader, option, options_of, whole_from, word_of
-from explorer.scenes.scene import SampledScene, Scene, scene_class
+from explorer.scenes.scene import Scene, scene_class
 
 FORMATS, KNOWN_FORMATS = ("png", "svg"), ("png", "svg", "pdf")
 # What a run in memory may draw: some hundred megabytes where all rows are kept.
 MOST_IN_MEMORY = 1_000_000
-BASE_MEMORY = 450e6  # bytes of compiled code and libraries, measured
-# A budget is shared by at least so many jobs, so that the numbers do not depend on how many there are.
-SHARERS = 4
-SMALLEST_CHUNK, LARGEST_CHUNK = 1 << 12, 1 << 20
-
-
-def read_memory(name: str, value: Any) -> float:
-    """Bytes from "1GB", "500MB" or a number. Raises InputError."""
-    match = re.fullmatch(r"([\d.e+]+) ?([kmgt]?)i?b?", value.strip().lower()) if isinstance(value, str) else None
-    amount = double_of(match[1] if match else value)
-    read = (amount or 0.0) * 1000.0 ** " kmgt".index(match[2] or " " if match else " ")
-    if not 0.0 < read < 1e18:
-        raise InputError(f"{name} {shown(value)} is no amount; write 1GB or 500MB")
-    return read
 
 
 def read_formats(name: str, value: Any) -> tuple[str, ...]:
@@ -67,10 +51,6 @@ class Settings(Options):
     backend: str = option(word_of("threads", "processes", "dask"), "kind of workers", default="threads")
     scheduler: str | None = option(
         TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="one of its own"
-    )
-    memory: float | None = option(
-        Reader(read_memory, "SIZE", "str | float"),
-        "budget such as 1GB; sets the chunk size, which is stored with the run",
     )
     figures: bool = option(TRUTH, "draw pictures into the folder", default=True)
     format: tuple[str, ...] | None = option(
@@ -125,7 +105,11 @@ def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist
     own = {each.name: given[each.name] for each in options_of(Settings) if given.get(each.name) is not None}
     settings = Settings.of({"exist": exist, **own})
     rest = {key: value for key, value in given.items() if key not in own and value is not None}
-    scene = name if isinstance(name, Scene) else _scene(scene_class(name), rest, settings)
+    if settings.rng is not None:
+        if "seed" in rest:
+            raise InputError("rng and seed say the same; leave one out")
+        rest["seed"] = settings.rng
+    scene = name if isinstance(name, Scene) else scene_class(name).of(rest)
     if settings.out is None and (command is not None or samples_of(scene) > MOST_IN_MEMORY):
         settings = replace(settings, out=Path(f"results/{scene.name}-{scene.label}-{scene.seed}"))
     return Asked(scene, settings, command)
@@ -134,29 +118,3 @@ def asked(name: Any, given: Mapping[str, Any], command: str | None = None, exist
 def samples_of(scene: Scene) -> int:
     """How many samples all chunks of a scene stand for."""
     return sum(map(scene.length, range(scene.chunks)))
-
-
-def _scene(kind: type[Scene], given: dict[str, Any], settings: Settings) -> Scene:
-    """The scene of a run; its seed may be given as `rng`, and its chunk size by a budget of memory."""
-    more = {}
-    if settings.rng is not None:
-        more["seed"] = settings.rng
-    if settings.memory is not None:
-        more["chunk_size"] = chunk_size_for(kind, settings.memory, settings.jobs)
-    for name in more:
-        if name in given:
-            raise InputError(f"{'rng' if name == 'seed' else '--memory'} and {name} say the same; leave one out")
-    return kind.of({**given, **more})
-
-
-def chunk_size_for(kind: type[Scene], budget: float, jobs: int) -> int:
-    """The largest power of two of samples per chunk with which a few chunks at once fit into a budget, bytes.
-
-    The same for all `jobs` up to SHARERS. Raises InputError where not even small chunks fit.
-    """
-    if not issubclass(kind, SampledScene):
-        raise InputError(f"--memory {size(budget)}: {kind.name} has no chunk size; leave it out")
-    each = max(jobs, SHARERS) * kind.bytes_per_sample
-    if budget < (least := BASE_MEMORY + SMALLEST_CHUNK * each):
-        raise InputError(f"--memory {size(budget)}: {kind.name} needs at least {least / 1e6:.0f}MB; give more")
-    return min(1 << (int((budget - BASE_MEMORY) / each).bit_length() - 1), LARGEST_CHUNK)

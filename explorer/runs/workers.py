@@ -52,7 +52,7 @@ def compute(scene: Scene, identity: str, folder: Path | None, index: int) -> Don
         return make_chunk(scene, index, identity, folder)
     except MemoryError:
         raise RunError(
-            f"chunk {index}: {scene.length(index):,} samples do not fit into memory; give a smaller --memory"
+            f"chunk {index}: {scene.length(index):,} samples do not fit into memory; give a smaller --chunk-size"
         ) from None
 
 
@@ -80,7 +80,7 @@ def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: thre
             yield from filter(None, made)
         except BrokenExecutor as error:
             if not stop.is_set():
-                how_so = "a worker was killed (out of memory? give fewer --jobs or a smaller --memory)"
+                how_so = "a worker was killed (out of memory? give fewer --jobs or a smaller --chunk-size)"
                 raise RunError(f"--backend processes: {how_so}; {settings.onward}") from error
 
 

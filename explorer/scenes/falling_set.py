@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from explorer.measure import sifting, statistics
 from explorer.measure.tallies import ByName, Least, LogHistogram
-from explorer.motion.trials import TiltTrial
+from explorer.motion.trials import TiltTrial, Trial
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import membership
 from explorer.phase.constants import NaturalConstants, best_constants, constants_of
@@ -140,9 +140,9 @@ class FallingSet(FromStates):
     def near(self, table: Table) -> NDArray[np.bool_]:
         return np.asarray((nearer(table) <= self.tube) & table["could_fall"])
 
-    def trial(self) -> TiltTrial:
+    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
         blocks = (block for index in range(self.chunks) for block in self.blocks(index))
-        return TiltTrial([self._followed(block)[2:] for block in blocks])
+        return [TiltTrial([self._followed(block)[2:] for block in blocks]), *super().trials(motions, t_end)]
 
     # Counts
 

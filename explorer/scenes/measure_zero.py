@@ -23,7 +23,7 @@ from explorer.measure.sampling import Range, chunk_stream
 from explorer.measure.tallies import ByName, Histogram
 from explorer.measure.tubes import dimensions, widest_eta
 from explorer.motion.plan import Plan, plan
-from explorer.motion.trials import MotionTrial, TiltTrial, through_time
+from explorer.motion.trials import TiltTrial, Trial, through_time
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels, turning_points
 from explorer.phase import membership
 from explorer.phase.arguments import read_range
@@ -241,13 +241,11 @@ class MeasureZero(FromDensity):
     def plans(self) -> tuple[Plan, ...]:
         return *super().plans, _checking(), invariance.following()
 
-    def trial(self) -> TiltTrial:
-        """The plain draws that are followed; those in tubes have their tilt from a formula."""
-        return TiltTrial([self._followed(index)[1:] for index in range(self._in_tubes, self.chunks)])
-
-    def motions(self, count: int, t_end: float | None) -> MotionTrial:
-        states = self._followed(self._in_tubes)[1]
-        return through_time(states.at(np.arange(min(count, len(states)))), t_end)
+    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
+        """Plain draws that are followed; those in tubes have their tilt from a formula."""
+        plain = [self._followed(index)[1:] for index in range(self._in_tubes, self.chunks)]
+        first = plain[0][0]
+        return [TiltTrial(plain), through_time(first.at(np.arange(min(motions, len(first)))), t_end)]
 
     def summarise(self, tally: ZeroCounts) -> dict[str, Any]:
         found = self.probability.summary(tally.below.counts, tally.falls, tally.batches)

@@ -18,16 +18,20 @@ from explorer.measure import statistics
 from explorer.measure.sampling import Range, chunk_stream
 from explorer.measure.tallies import ByName
 from explorer.motion import limit_motions
+from explorer.motion.plan import TIGHTEST
 from explorer.motion.trajectories import trajectories
-from explorer.motion.trials import MotionTrial, even_times
+from explorer.motion.trials import MotionTrial, Trial, even_times
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 from explorer.portrait.both_sides import QUANTITIES, beside, both_sides, limits_at, sample_times
-from explorer.scenes.options import DISKS, RANGE, RANGES, option, plain
+from explorer.scenes.options import DISKS, NUMBER, RANGE, RANGES, option, plain
 from explorer.scenes.scene import SAMPLES, Counts, Picture, Scene, Table, joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, BoxNearF, check_eta_hat
 
 BLOCK = 8  # starts per chunk
+# A distance from the limit is some eta ln(1/eta), and a motion errs by up to fifty times its accuracy where its
+# path is long. So the accuracy is this share of the smallest eta_hat.
+_SHARE = 1e-3
 SIDES = {"plus": 1, "minus": -1}
 # The limits coincide where the measured gap is below this (rad); it is 1.48 and more elsewhere.
 SAME = 1e-3
@@ -61,6 +65,12 @@ class OneSided(Scene):
         follows=lambda self, given: None if given is None else BoxNearF.of(self.disk[0], given),
     )
     eta_hat: Range | None = option(RANGE, ETA_HAT, words="1e-6:1e-1, by decades, natural units")
+    accuracy: float = option(
+        NUMBER._replace(metavar="TOL"),
+        "largest error of the motions: of angles (rad), and of paths in radii",
+        words=f"{_SHARE:g} of the smallest |eta_hat| in natural units",
+        follows=lambda self, given: self.fine_enough if given is None else given,
+    )
 
     tally, drawn = Approach, 7
     tried = 4
@@ -86,6 +96,12 @@ class OneSided(Scene):
     def span(self, disk: Disk) -> Range:
         """|eta_hat| in the units of the disk; 1e-6 to 1e-1 natural units unless given."""
         return self.eta_hat or (1e-6 * disk.rate_unit, 1e-1 * disk.rate_unit)
+
+    @property
+    def fine_enough(self) -> float:
+        """The accuracy that tells the smallest distance, as far as the method can."""
+        smallest = min(self.span(disk)[0] / disk.rate_unit for disk in self.disk)
+        return max(_SHARE * smallest, TIGHTEST.get(self.method, TIGHTEST["dop853"]))
 
     def ladder(self, disk: Disk) -> Array:
         """Magnitudes of eta_hat, one per decade, from the largest down."""
@@ -120,20 +136,21 @@ class OneSided(Scene):
     def kernels(self) -> tuple[str, ...]:
         return *limit_motions.KERNELS, *self.plan.motions
 
-    def motions(self, count: int, t_end: float | None) -> MotionTrial:
-        """`count` motions beside its first starts, at the times of the scene unless `t_end` is given.
+    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
+        """Motions beside its first starts, at the times of the scene unless `t_end` is given.
 
-        Every start has motions at all distances, and every disk as many starts: one, or as many as `count` allows.
+        Every start has motions at all distances, and every disk as many starts: one, or as many as `motions`
+        allows.
         """
         groups = []
         for number, disk in enumerate(self.disk):
             distances = self._distances(disk)
             chunks = range(number * self.blocks, (number + 1) * self.blocks)
             starts = chain.from_iterable(map(self.starts, chunks))
-            for start in islice(starts, max(1, count // (len(self.disk) * distances.size))):
+            for start in islice(starts, max(1, motions // (len(self.disk) * distances.size))):
                 times = sample_times(limits_at(disk, start)[1])[0] if t_end is None else even_times(t_end)
                 groups.append((beside(disk, start, distances), times))
-        return MotionTrial(groups)
+        return [MotionTrial(groups)]
 
     def _distances(self, disk: Disk) -> Array:
         """eta_hat of the motions beside a start: on both sides the rungs of the ladder."""

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from explorer.errors import InputError, RunError
 from explorer.measure import statistics
-from explorer.measure.sampling import BLOCK, LaneStream, Range, Stream, gather, log_uniform, signs
+from explorer.measure.sampling import BLOCK, Range, Stream, gather, log_uniform, signs
 from explorer.measure.tallies import ByName, Histogram, LogHistogram
 from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_constants
 from explorer.motion.passages import passage_kernels, passages_by
-from explorer.motion.trials import MotionTrial, PassageTrial, through_time
+from explorer.motion.trials import PassageTrial, Trial, through_time
 from explorer.motion.vertical import starts_at_vertical
 from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
@@ -241,17 +241,13 @@ class Passages(RaceAngles):
         face = drawn["face"].astype(np.int8)
         return {**drawn, "face": face, **{name: getattr(found, name) for name in _OF_PASSAGE}}
 
-    def trial(self) -> PassageTrial:
-        return PassageTrial(self.disk, starts_at_vertical(self.disk, *_start(self._first(self.samples))))
-
-    def motions(self, count: int, t_end: float | None) -> MotionTrial:
-        return through_time(constants_to_states(self.disk, **self._first(min(count, self.samples))), t_end)
-
-    def _first(self, count: int) -> Table:
-        """The first starts at the vertical, as its chunks draw them."""
-        chunks = range(-(-count // self.chunk_size))
-        parts = [self.draw(LaneStream(self.seed, k), self.length(k)) for k in chunks]
-        return {name: values[:count] for name, values in joined(parts).items()}
+    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
+        drawn = joined([block for index in range(self.chunks) for block in self.blocks(index)])
+        first = {name: values[:motions] for name, values in drawn.items()}
+        return [
+            PassageTrial(self.disk, starts_at_vertical(self.disk, *_start(drawn))),
+            through_time(constants_to_states(self.disk, **first), t_end),
+        ]
 
 
 class Bounces(RaceAngles):

@@ -22,7 +22,7 @@ from explorer.measure import statistics
 from explorer.measure.sampling import LaneStream, Stream
 from explorer.measure.tallies import ByName, Tally
 from explorer.motion.plan import METHODS, Plan, plan
-from explorer.motion.trials import MotionTrial, Trial
+from explorer.motion.trials import Trial
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.paths import read_toml
@@ -113,13 +113,12 @@ class Scene(Options, ABC):
         ended = ", ".join(f"{count:,} {name}" for name, count in summary.get("status", {}).items())
         return [*(lines or plain), f"status: {ended}"]
 
-    def trial(self) -> Trial | None:
-        """Its samples as `trade` tries methods on them; None where it computes nothing by a method of choice."""
-        return None
+    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
+        """What `trade` tries methods on: its samples where they are by a method of choice, and motions in time.
 
-    def motions(self, count: int, t_end: float | None) -> MotionTrial | None:
-        """Motions in time from its first `count` starts, likewise. t_end: units of the disk; None: its own."""
-        return None
+        motions: how many of these, from its first starts, to t_end (units of the disk; None: the scene's own).
+        """
+        return []
 
     @property
     def label(self) -> str:

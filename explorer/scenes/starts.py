@@ -10,7 +10,7 @@ import numpy as np
 from explorer.errors import InputError, RunError
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, LaneStream, Range, Stream, chunk_stream, signs
-from explorer.motion.trials import MotionTrial, through_time
+from explorer.motion.trials import Trial, through_time
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.states import Array, States, phi_to_states
 from explorer.scenes.given_states import Block, GivenStates
@@ -156,9 +156,9 @@ class FromStates(FromDensity):
             raise RunError(f"{self.name}: none of {self.samples:,} samples is a state; {remedy}")
         return count
 
-    def motions(self, count: int, t_end: float | None) -> MotionTrial | None:
+    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
         first = next(self.blocks(0)).states
-        return through_time(first.at(np.arange(min(count, len(first)))), t_end)
+        return [through_time(first.at(np.arange(min(motions, len(first)))), t_end)]
 
 
 # Near F, at the vertical. The flow preserves the measure, so there a draw of (phidot, sigma3, eta_hat) at the

@@ -181,7 +181,7 @@ def stub():
     """The keywords of each scene and of runs, and overloads of the calls by scene."""
     kinds = {scene_class(name).__name__: scene_class(name) for name in NAMES}
     text, known = HEAD, {Options: {}}
-    named = (*kinds.values(), Settings, Trading)
+    named = (*kinds.values(), Settings)
     for kind in dict.fromkeys(base for last in named for base in last.__mro__[::-1]):
         if not issubclass(kind, Options) or kind is Options:
             continue
@@ -195,15 +195,14 @@ def stub():
         text += "\n".join([*lines, *(f"    {name}: {each}" for name, each in own.items()), ""])
     for name in kinds:
         text += f"\nclass {name}Run(Of{name}, OfSettings, total=False): ..."
-        text += f"\nclass {name}Trade(Of{name}, OfTrading, total=False): ..."
-    for call, returned, of in (("run", "Run", "Run"), ("plan", "RunPlan", "Run"), ("trade", "Trade", "Trade")):
+    for call, returned in (("run", "Run"), ("plan", "RunPlan")):
         text += "\n"
         for name, kind in kinds.items():
             literal = f'Literal["{kind.name}"]'
-            text += f"@overload\ndef {call}(scene: {literal}, **options: Unpack[{name}{of}]) -> {returned}: ...\n"
-        any_scene = "str | type[Scene] | None = ..." if call == "trade" else "str | type[Scene]"
-        text += f"@overload\ndef {call}(scene: {any_scene}, **options: Any) -> {returned}: ...\n"
-    return text
+            text += f"@overload\ndef {call}(scene: {literal}, **options: Unpack[{name}Run]) -> {returned}: ...\n"
+        text += f"@overload\ndef {call}(scene: str | type[Scene], **options: Any) -> {returned}: ...\n"
+    own = ", ".join(f"{each.name}: {each.metadata['reader'].accepts} = ..." for each in options_of(Trading))
+    return f"{text}\ndef trade(scene: str | type[Scene] | None = ..., *, {own}, **options: Any) -> Trade: ...\n"
 
 
 if __name__ == "__main__":

@@ -236,11 +236,6 @@ def full_disk(place, digest):
     return "; ".join(lines)
 
 
-def small_memory(place):
-    done = nearflat("run", "race-angles", "--memory", "100MB", "--out", place / "memory")
-    return f"exit status {done.returncode}: {done.stderr.strip()}"
-
-
 PASSAGE = ("passage", "--sigma3-bar", "1", "--eta-hat", "1e-6", "--phidot", "1", "--json")
 
 
@@ -327,7 +322,6 @@ def main():
             ("kill -9 of a worker, dask", lambda: worker_kills(place, digest, "dask")),
             ("flipped bits, truncations, swapped and foreign chunks", lambda: spoil(place, digest)),
             ("full disk, quota, write errors", lambda: full_disk(place, digest)),
-            ("budget too small", lambda: small_memory(place)),
             ("1 % of the given states are none", lambda: bad_states(place)),
             ("two runs in one folder", lambda: two_runs(place)),
             ("caches", lambda: caches(place)),

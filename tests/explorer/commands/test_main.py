@@ -25,7 +25,7 @@ BAD = [  # one for each reader
     (["run", "faling-set"], "did you mean 'falling-set'"),
     (["run", "race-angles", "--method", "euler"], "--method 'euler'"),
     (["run", "race-angles", "--scheduler", "tcp://127.0.0.1:1"], "--scheduler tcp"),
-    (["run", "race-angles", "--memory", "1MB"], "--memory 1 MB"),
+    (["run", "race-angles", "--chunk-size", "0"], "--chunk-size 0"),
     (["verify", "nowhere"], "holds no run"),
     (["run", "missing.toml"], "cannot be read"),
     (["run"], "SCENE"),

@@ -12,7 +12,7 @@ from explorer.commands.main import main
 def test_help_for_a_scene_shows_its_options_and_those_of_no_other(capsys):
     status, out, _ = said(capsys, "run", "measure-zero", "--help")
     assert status == 0
-    for flag in ("--ladder LOW:HIGH", "--tube N", "--energy LOW:HIGH", "--jobs N", "--memory SIZE", "--resume"):
+    for flag in ("--ladder LOW:HIGH", "--tube N", "--energy LOW:HIGH", "--jobs N", "--chunk-size N", "--resume"):
         assert flag in out
     assert "--eta-hat" not in out
     assert "How rarely does it nearly fall?" in out
@@ -63,14 +63,14 @@ def test_settings_of_a_run_may_stand_in_a_scene_file(capsys, tmp_path):
 samples = 50
 backend = "processes"
 jobs = 1
-memory = "1GB"
+format = "pdf"
 out = '{tmp_path / "run"}'
 """
     )
     status, _, _err = said(capsys, "run", tmp_path / "scene.toml")
     assert status == 0
     record = json.loads((tmp_path / "run" / "run.json").read_text())
-    assert (record["jobs"], record["backend"]) == (1, "processes")
+    assert (record["jobs"], record["backend"], record["formats"]) == (1, "processes", ["pdf"])
     assert said(capsys, "run", tmp_path / "scene.toml", "--resume")[0] == 0
 
 

@@ -25,7 +25,7 @@ def private(private, monkeypatch):
 
 def test_passages_of_a_trade_are_those_of_the_run():
     given = {"disk": "hoop", "samples": 500, "seed": 3, "eta_hat": "1e-7:1e-1", "box": "phidot=0.3:1"}
-    trial = trade.scene_for("race-angles", given).trial()
+    trial = trade.scene_for("race-angles", given).trials(1, None)[0]
     run = ex.run("race-angles", keep="all", **given).frame()
     found, _ = trial.call(trial.plan("quadrature", 1e-6))
     assert np.array_equal(found.eta_hat, run["eta_hat"])
@@ -36,7 +36,7 @@ def test_passages_of_a_trade_are_those_of_the_run():
 @pytest.mark.parametrize("more", [{}, {"theta_min": "near", "keep": "near"}])
 def test_tilts_of_a_trade_are_those_of_the_run(more):
     given = {"disk": "hoop", "samples": 2000, "seed": 3, "gaussian": "phidot=1:0.3"} | more
-    trial = trade.scene_for("falling-set", given).trial()
+    trial = trade.scene_for("falling-set", given).trials(1, None)[0]
     run = ex.run("falling-set", **{"keep": "all"} | given).frame()
     theta, _, _ = trial.call(trial.plan("quadrature", 1e-6))
     assert theta.size > 0
@@ -45,7 +45,7 @@ def test_tilts_of_a_trade_are_those_of_the_run(more):
 
 def test_tilts_of_measure_zero_are_those_of_its_plain_draws():
     scene = scene_class("measure-zero").of({"samples": 3000, "seed": 5, "keep": "all"})
-    trial = scene.trial()
+    trial = scene.trials(1, None)[0]
     theta, _, _ = trial.call(trial.plan("quadrature", 1e-6))
     table, _ = scene.chunk(scene.chunks - 1)
     assert np.array_equal(theta, table["theta_min"])
@@ -53,8 +53,8 @@ def test_tilts_of_measure_zero_are_those_of_its_plain_draws():
 
 def test_motions_of_a_trade_are_those_of_the_scene():
     scene = scene_class("one-sided").of({"disk": ["uniform", "hoop"], "samples": 2, "eta_hat": "1e-4:1e-2"})
-    trial = scene.motions(24, None)
-    found = trial.call(trial.plan("dop853", 1e-6))
+    trial = scene.trials(24, None)[-1]
+    found = trial.call(trial.plan("dop853", scene.accuracy))
     tables = [scene.chunk(index)[0] for index in range(scene.chunks)]
     for table, both in zip(tables, (found[:2], found[2:]), strict=True):
         assert np.array_equal(table["status"], np.concatenate([motion.status for motion in both]))
@@ -68,7 +68,7 @@ def test_motions_of_a_trade_are_those_of_the_scene():
 def test_so_many_motions_of_a_trade_go_to_all_bodies(count, starts):
     """Six motions beside each start, and two bodies: as many starts of both as the number allows."""
     scene = scene_class("one-sided").of({"disk": ["uniform", "hoop"], "samples": 20, "eta_hat": "1e-4:1e-2"})
-    groups = scene.motions(count, None).groups
+    groups = scene.trials(count, None)[0].groups
     names = [states.disk.name for states, _ in groups]
     assert names == ["uniform"] * starts + ["hoop"] * starts
     assert {len(states) for states, _ in groups} == {6}
@@ -79,8 +79,8 @@ def test_states_of_the_user_are_measured(tmp_path):
     states = ex.phi_to_states(BODIES["hoop"], *rng.uniform(-1, 1, (4, 700)))
     scene = trade.scene_for("falling-set", {"states": states})
     assert scene.samples == 700
-    assert np.array_equal(scene.trial().blocks[0][0].natural, states.natural)
-    assert np.array_equal(scene.motions(5, None).groups[0][0].natural, states.natural[:, :5])
+    assert np.array_equal(scene.trials(1, None)[0].blocks[0][0].natural, states.natural)
+    assert np.array_equal(scene.trials(5, None)[1].groups[0][0].natural, states.natural[:, :5])
 
 
 def test_without_a_scene_passages_at_all_distances_are_measured():

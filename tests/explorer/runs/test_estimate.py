@@ -5,8 +5,6 @@ import time
 import pytest
 from coins import SMALL, Coins
 
-import explorer as ex
-from explorer.runs import estimate as estimates
 from explorer.runs.amounts import duration, size
 from explorer.runs.estimate import estimate
 from explorer.runs.settings import asked
@@ -50,14 +48,6 @@ def test_chunks_that_differ_are_tried_at_both_ends_and_in_the_middle(tmp_path):
 def test_an_estimate_counts_every_sample_of_very_many_chunks(tmp_path):
     found = estimate(asked(Coins, {"samples": 10**10, "out": tmp_path / "run"}))
     assert (found.samples, found.chunks) == (10**10, -(-(10**10) // 65_536))
-
-
-def test_a_run_for_which_there_is_no_room_is_refused_before_it_is_computed(tmp_path, monkeypatch):
-    monkeypatch.setattr(estimates, "free_bytes", lambda folder: 10_000_000)
-    with pytest.raises(ex.InputError, match=r"needs about .* MB, and 10 MB are free there"):
-        ex.run(Coins, samples=2_000_000, keep="all", out=tmp_path / "run", progress=False)
-    assert not [*(tmp_path / "run" / "chunks").iterdir()]
-    ex.run(Coins, samples=200_000, keep="all", out=tmp_path / "small", figures=False, progress=False)
 
 
 @pytest.mark.parametrize(

@@ -33,10 +33,6 @@ def test_large_runs_and_those_of_the_command_line_have_a_folder_of_their_own(cap
         ({"backend": "gpu"}, "'gpu' is not known; known: threads, processes, dask"),
         ({"scheduler": "tcp://1.2.3.4:5"}, "is for backend dask; give both"),
         ({"format": "png,jpg"}, "'jpg' is not known"),
-        ({"memory": "plenty"}, "memory 'plenty' is no amount"),
-        ({"memory": -(10**400)}, "is no amount"),
-        ({"memory": "100MB"}, "coins needs at least 466MB"),
-        ({"memory": "1GB", "chunk_size": 10}, "chunk_size say the same"),
         ({"rng": 1, "seed": 2}, "rng and seed say the same"),
         ({"rng": "dice"}, "rng = dice"),
         ({"out": ""}, "out"),
@@ -48,12 +44,6 @@ def test_what_cannot_be_is_refused_before_anything_is_written(given, message, tm
     with pytest.raises(ex.InputError, match=message):
         ex.run(Coins, **{"out": tmp_path / "run", **given})
     assert not (tmp_path / "run").exists()
-
-
-def test_a_budget_of_memory_sets_chunks_that_do_not_depend_on_the_jobs():
-    sizes = [asked(Coins, {"memory": "1GB", "jobs": jobs}).scene.chunk_size for jobs in (1, 2, 4)]
-    assert sizes == [1 << 17] * 3
-    assert asked(Coins, {"memory": 1e9, "jobs": 16}).scene.chunk_size == 1 << 15
 
 
 def test_rng_is_a_seed_from_what_numpy_has():

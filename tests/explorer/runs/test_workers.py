@@ -189,7 +189,7 @@ class Faulty(Coins):
 @pytest.mark.parametrize("backend", ["threads", "processes"])
 def test_what_goes_wrong_in_a_chunk_comes_back_as_it_is(backend):
     how = {"backend": backend, "progress": False, **SMALL}
-    with pytest.raises(ex.RunError, match="700 samples do not fit into memory; give a smaller memory"):
+    with pytest.raises(ex.RunError, match="700 samples do not fit into memory; give a smaller chunk_size"):
         ex.run(Huge, **how)
     with pytest.raises(ZeroDivisionError):
         ex.run(Faulty, **how)

@@ -45,6 +45,22 @@ def test_the_tally_holds_the_distances_of_the_rows(scene, tally):
     assert table["status"].size == scene.length(0) == 6 * 2 * 6
 
 
+@pytest.mark.parametrize("method", ["auto", "rk4", "dopri5"])
+def test_distances_are_those_of_far_more_accurate_motions(method):
+    asked = {"samples": 16, "seed": 4, "disk": "matching", "eta_hat": "1e-6:1e-5"}
+    found, exact = (OneSided(**asked, **how).chunk(1)[0] for how in ({"method": method}, {"accuracy": 1e-11}))
+    np.testing.assert_allclose(found["distance"], exact["distance"], rtol=1e-3)
+
+
+def test_the_accuracy_follows_the_smallest_distance_as_far_as_the_method_can():
+    assert OneSided().accuracy == pytest.approx(1e-9)
+    assert OneSided(eta_hat="1e-4:1e-2").accuracy == pytest.approx(1e-7)
+    assert OneSided(eta_hat="1e-12:1e-2").accuracy == 1e-11
+    assert OneSided(accuracy="1e-6").accuracy == 1e-6
+    disk = ex.Disk.uniform(m=1.0, r=0.01, g=9.81)
+    assert OneSided(disk=disk).accuracy == pytest.approx(1e-9)
+
+
 def test_a_motion_that_failed_is_left_out_of_the_distances():
     scene, tally = OneSided(samples=1, disk="hoop", eta_hat="1e-3:1e-2"), Approach()
     tally.distances["hoop"] += [[[0.2, None], [0.3, 0.1]]]
