@@ -173,9 +173,8 @@ def _wobbles(disk: Disk, motions: Motions, ends: Ends, rows: NDArray[np.intp]) -
         vertical.sigma3,
         -vertical.sigma4,
     )
-    out = np.empty((len(compiled.nutation.WellRow._fields), rows.size))
-    compiled.nutation.well_batch(wells, _points(), disk.chart, out)
-    whole, lead, upright = out.reshape(3, -1, rows.size)
+    whole, lead, upright = out = np.empty((3, len(compiled.rules.ArcRow._fields), rows.size))
+    compiled.nutation.well_batch(wells, _points(), disk.chart, out.reshape(-1, rows.size))
     rest = np.vstack([whole[:3] - upright[:3], whole[3:]])
     rest[2] *= -1.0  # psi, as that face has it
     return whole, np.where(crosses, upright, whole), np.where(crosses, rest, np.nan), lead

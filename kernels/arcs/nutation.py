@@ -11,7 +11,7 @@ same points.
 """
 
 import math
-from typing import Generic, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -28,9 +28,10 @@ from kernels.arcs.potential import (
     put_end,
     slope_and_bend,
 )
+from kernels.arcs.rules import ArcRow
 from kernels.arcs.turning_points import Starts
 from kernels.disk.body import Body
-from kernels.disk.rows import Entry, put
+from kernels.disk.rows import put
 from kernels.types import Matrix, Vector
 
 POINTS = 16
@@ -72,29 +73,6 @@ class Wells(NamedTuple):
     Y_far: Vector
     sigma3_vertical: Vector
     sigma4_far: Vector
-
-
-class WellRow(NamedTuple, Generic[Entry]):
-    """Integrals over a well from its inner end: over all of it, up to the state, and up to the vertical.
-
-    errors: of times, and of both angles; of the whole and of its parts.
-    """
-
-    time: Entry
-    chi: Entry
-    psi: Entry
-    time_error: Entry
-    angle_error: Entry
-    state_time: Entry
-    state_chi: Entry
-    state_psi: Entry
-    state_time_error: Entry
-    state_angle_error: Entry
-    vertical_time: Entry
-    vertical_chi: Entry
-    vertical_psi: Entry
-    vertical_time_error: Entry
-    vertical_angle_error: Entry
 
 
 def make_points() -> Points:
@@ -173,8 +151,8 @@ def erred(coefficients: Vector, off: float) -> float:
 
 
 @contracted_subroutine
-def partly(A: Vector, i: int, to: float, rest: float, slack: float) -> tuple[float, float, float, float, float]:
-    """Integrals from the inner end over `to` of the length, and their errors; slack: as in `Wells`.
+def partly(A: Vector, i: int, to: float, rest: float, slack: float) -> ArcRow[float]:
+    """Integrals from the inner end over `to` of the length; slack: as in `Wells`.
 
     A motion that is steady to rounding is at either end at any time.
     """
@@ -184,12 +162,12 @@ def partly(A: Vector, i: int, to: float, rest: float, slack: float) -> tuple[flo
     at = _AT_POINTS + i
     time, chi, psi = A[at:], A[at + POINTS * LANES :], A[at + 2 * POINTS * LANES :]
     angle_error = erred(chi, off) + erred(psi, off)
-    return part_of(time, upto), part_of(chi, upto), part_of(psi, upto), erred(time, off), angle_error
+    return ArcRow(part_of(time, upto), part_of(chi, upto), part_of(psi, upto), erred(time, off), angle_error)
 
 
 @contracted_subroutine
-def settle(A: Vector, i: int, j: int, wells: Wells, points: Points, b: Body) -> WellRow[float]:
-    """Well j, in lane i."""
+def weigh(A: Vector, i: int, points: Points, b: Body) -> None:
+    """Coefficients of the integrals in lane i, from values at the points."""
     values = A[_AT_POINTS + i :]
     multiply(A, i, _BEND, points.twice)
     for m in range(POINTS):
@@ -198,19 +176,20 @@ def settle(A: Vector, i: int, j: int, wells: Wells, points: Points, b: Body) -> 
             values[(row * POINTS + m) * LANES] *= scale
     for row in range(3):
         multiply(A, i, row, points.cosines)
-    whole = partly(A, i, 1.0, 0.0, 0.0)
-    state = partly(A, i, wells.to_state[j], wells.from_state[j], wells.slack[j])
-    vertical = partly(A, i, wells.to_vertical[j], wells.from_vertical[j], wells.slack[j])
-    return WellRow(*whole, *state, *vertical)
 
 
 @kernel
 def well_batch(wells: Wells, points: Points, chart: Chart, out: Matrix) -> None:
-    """Every well -> out (15, n), rows as WellRow."""
-    A = np.zeros(_ROWS)
-    for first in range(0, wells.to_state.size, LANES):
+    """Every well -> three times (5, n) as ArcRow: all of it, its way to the state, that to the vertical."""
+    A, n = np.zeros(_ROWS), wells.to_state.size
+    whole, state, vertical = out[:5], out[5:10], out[10:]
+    for first in range(0, n, LANES):
         load(A, wells, first, chart)
         for j in range(POINTS):
             look(A, j, points.share[j], chart.body)
-        for i in range(min(LANES, wells.to_state.size - first)):
-            put(settle(A, i, first + i, wells, points, chart.body), out, first + i)
+        for i in range(min(LANES, n - first)):
+            j = first + i
+            weigh(A, i, points, chart.body)
+            put(partly(A, i, 1.0, 0.0, 0.0), whole, j)
+            put(partly(A, i, wells.to_state[j], wells.from_state[j], wells.slack[j]), state, j)
+            put(partly(A, i, wells.to_vertical[j], wells.from_vertical[j], wells.slack[j]), vertical, j)

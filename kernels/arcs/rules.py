@@ -30,6 +30,7 @@ from kernels.arcs.potential import (
     put_end,
     slope_and_bend,
 )
+from kernels.arcs.turning_points import next_zero
 from kernels.disk.body import Body
 from kernels.disk.elementary import exponential, logarithm
 from kernels.disk.rows import Entry, put
@@ -67,27 +68,12 @@ _ROUNDING = 8.0 * _EPSILON  # of K, for each unit of what it was summed from; th
 # Rows of the work array: the inner end, the outer one, and then these.
 _OUTER = END_ROWS
 (
-    _X,
-    _Y,
-    _L,
-    _K_IN,
-    _K_OUT,
-    _SIZE_IN,
-    _SIZE_OUT,
-    _SLOW,
-    _LENGTH,
-    _TIME,
-    _CHI,
-    _PSI,
-    _NOISE,
-    _TIME_NOISE,
-    _OLD_TIME,
-    _OLD_CHI,
-    _OLD_PSI,
-    _OLDER_TIME,
-    _OLDER_CHI,
-    _OLDER_PSI,
-) = range(2 * END_ROWS * LANES, (2 * END_ROWS + 20) * LANES, LANES)
+    # the motion, and of both ends K and the size of what it was found from; SLOW, LENGTH: of arcs with a slow end
+    _X, _Y, _L, _K_IN, _K_OUT, _SIZE_IN, _SIZE_OUT, _SLOW, _LENGTH,
+    # sums by the rule, of their rounding, and by the rules of a half and a quarter of the nodes
+    _TIME, _CHI, _PSI, _NOISE, _TIME_NOISE,
+    _OLD_TIME, _OLD_CHI, _OLD_PSI, _OLDER_TIME, _OLDER_CHI, _OLDER_PSI,
+) = range(2 * END_ROWS * LANES, (2 * END_ROWS + 20) * LANES, LANES)  # fmt: skip
 _ROWS = (2 * END_ROWS + 20) * LANES
 
 
@@ -337,19 +323,14 @@ def half_axis(beyond: float, aside: float, length: float) -> float:
     return (math.sqrt(beyond * beyond + aside * aside) + math.sqrt(far * far + aside * aside)) / length
 
 
-@contracted_subroutine
-def next_zero(end: ArcEnd, inward: bool, length: float, b: Body) -> float:
-    """The half axis for the next zero of K beyond an end of an arc, by its parabola there."""
+@contracted_device
+def zero_axis(end: ArcEnd, inward: bool, length: float, b: Body) -> float:
+    """The same for the next zero of K beyond an end."""
     inv = 1.0 / (1.0 + end.r * end.r)
     q = 2.0 * end.r * inv
-    rise, bend = slope_and_bend(q, end.w * inv, end.sigma3 / q, end.sigma4, b)
-    fall = -rise if inward else rise  # of K, beyond the end
-    square = fall * fall + 2.0 * bend * end.K
-    root = math.sqrt(abs(square))
-    if square < 0.0:
-        return half_axis(-fall / bend, root / bend, length)
-    beyond = 2.0 * end.K / (fall + root) if end.K > 0.0 else -2.0 * fall / bend
-    return half_axis(beyond, 0.0, length) if beyond > 0.0 else math.inf
+    slope, bend = slope_and_bend(q, end.w * inv, end.sigma3 / q, end.sigma4, b)
+    beyond, aside = next_zero(end.K, -slope if inward else slope, bend)
+    return half_axis(beyond, aside, length)
 
 
 @contracted_subroutine
@@ -362,10 +343,10 @@ def first_size(kind: int, arcs: Arcs, j: int, digits: float, b: Body) -> int:
     if kind >= SLOW_INSIDE:
         axis = half_axis(0.0, 0.5 * math.pi, math.asinh(length / min(arcs.slow_in[j], arcs.slow_out[j])))
     elif kind >= FALL:
-        axis = min(half_axis(0.0, 1.0 / r, 1.0), next_zero(outer, False, 1.0, b))
+        axis = min(half_axis(0.0, 1.0 / r, 1.0), zero_axis(outer, False, 1.0, b))
     else:
         poles = half_axis(-logarithm(r), 0.5 * math.pi, length)
-        axis = min(poles, min(next_zero(inner, True, length, b), next_zero(outer, False, length, b)))
+        axis = min(poles, min(zero_axis(inner, True, length, b), zero_axis(outer, False, length, b)))
     nodes = (digits + _HEADROOM) * _LN10 / logarithm(axis + math.sqrt(axis * axis - 1.0))
     size = 0
     while _NODES[size] < nodes and size < SIZES - 4:

@@ -32,7 +32,6 @@ from kernels.types import Matrix, Vector
 
 # In x: where the next zero of K lies no farther beyond an end, or K is as little at a crest, the motion is slow.
 SLOW = 0.05
-_CLOSEST = 1e-300  # such a distance is never 0
 REACH = 0.35  # in x: within it rho and sigma4 are bounded by their values and rates
 _GROWN = math.exp(REACH)
 _DEEP = math.exp(-3.0)  # tan(theta/2) below which V falls, and then rises as the wall
@@ -44,7 +43,7 @@ _AT_END = 2.0 * _EPSILON  # of a distance: no step is shorter
 _ALMOST = 1e-12  # of a distance: the next step is at rounding
 _DEEPEST = 745.0  # in x, below the vertical: tan(theta/2) is the smallest number there
 _FLAT = 60.0  # from the vertical: V on F is that at flat
-_LEAST = 1e-300
+_LEAST = 1e-300  # what is never 0
 _ROUNDING = 4.0 * _EPSILON  # of K, for each unit of what it was summed from
 # How far a search is: by steps that cannot pass a root, by Halley's, by Newton's in the depth, done.
 _OPEN, _NEAR, _IN_DEPTH, _FOUND, _FOUND_DEEP = 0.0, 1.0, 2.0, 3.0, 4.0
@@ -336,18 +335,30 @@ def search_rest(A: Vector, b: Body) -> None:
 
 
 @contracted_device
-def slow_beyond(K: float, slope: float, bend: float) -> float:
-    """The distance to the next zero of K, which may be complex, from K and derivatives of V; inf beyond SLOW."""
-    steep, inside = abs(slope), slope * slope + 2.0 * bend * K
-    moving = 2.0 * K / (steep + math.sqrt(abs(inside))) if inside >= 0.0 else math.sqrt(abs(2.0 * K / bend))
-    turning = -2.0 * steep / bend if bend < 0.0 else math.inf
-    slow = moving if K > 0.0 else turning
-    return max(slow, _CLOSEST) if slow < SLOW else math.inf
+def next_zero(K: float, fall: float, bend: float) -> tuple[float, float]:
+    """How far beyond a point the parabola of K has its next zero, inf for none, and, if complex, how far aside.
+
+    fall: the rate at which K falls there; bend: V''.
+    """
+    square = fall * fall + 2.0 * bend * K
+    root = math.sqrt(abs(square))
+    real = 2.0 * K / (fall + root) if K > 0.0 else -2.0 * fall / bend
+    real = real if real > 0.0 else math.inf
+    return (real, 0.0) if square >= 0.0 else (-fall / bend, root / bend)
 
 
 @contracted_device
-def place(A: Vector, i: int, d: float, inward: bool, b: Body) -> None:
-    """The point at a distance in lane i."""
+def slow_beyond(K: float, slope: float, bend: float) -> float:
+    """The distance to the next zero of K, from K and derivatives of V; inf beyond SLOW."""
+    beyond, aside = next_zero(K, abs(slope), bend)
+    slow = math.sqrt(beyond * beyond + aside * aside)
+    return max(slow, _LEAST) if slow < SLOW else math.inf
+
+
+@contracted_device
+def place(A: Vector, i: int, inward: bool, b: Body) -> None:
+    """The point at the distance of lane i."""
+    d = A[_D + i]
     P = point_of(A, i, d, inward, b)
     slope, bend = slope_and_bend(P.q, P.z, P.ratio, P.sigma4, b)
     K = A[_MOVING + i] - P.rise
@@ -356,12 +367,6 @@ def place(A: Vector, i: int, d: float, inward: bool, b: Body) -> None:
     A[_SLOW_AT + i], A[_CREST_AT + i] = slow_beyond(K, slope, bend), math.nan
     A[_ERROR_AT + i] = _ROUNDING * (P.size + abs(A[_MOVING + i]))
     A[_SLOPE + i], A[_BEND + i] = slope, bend
-
-
-@contracted_device
-def at_vertical(A: Vector, i: int) -> None:
-    """The point in lane i, which is the vertical, as such."""
-    A[_R_AT + i], A[_W_AT + i] = 1.0, 0.0
 
 
 @contracted_device
@@ -377,6 +382,17 @@ def as_found(A: Vector, i: int) -> None:
 
 
 @contracted_subroutine
+def place_all(A: Vector, inward: bool, b: Body) -> None:
+    """The points at the distances of all lanes."""
+    if inward:
+        for i in range(LANES):
+            place(A, i, True, b)
+    else:
+        for i in range(LANES):
+            place(A, i, False, b)
+
+
+@contracted_subroutine
 def write(A: Vector, first: int, out: Matrix) -> None:
     """The points in the lanes into columns from `first` on; all NaN without a distance."""
     n = min(LANES, out.shape[1] - first)
@@ -388,12 +404,7 @@ def write(A: Vector, first: int, out: Matrix) -> None:
 @contracted_subroutine
 def store(A: Vector, first: int, inward: bool, b: Body, out: Matrix) -> None:
     """What searches have found into columns from `first` on."""
-    if inward:
-        for i in range(LANES):
-            place(A, i, A[_D + i], True, b)
-    else:
-        for i in range(LANES):
-            place(A, i, A[_D + i], False, b)
+    place_all(A, inward, b)
     for i in range(LANES):
         as_found(A, i)
     for i in range(LANES):
@@ -420,13 +431,13 @@ def find_crest(A: Vector, i: int, inward: bool, b: Body) -> float:
 @contracted_subroutine
 def store_ends(A: Vector, first: int, b: Body, state: Matrix, vertical: Matrix) -> None:
     """The starts, and the vertical as the constants of their motions have it, into columns from `first` on."""
-    for i in range(LANES):
-        place(A, i, 0.0, False, b)
+    A[_D : _D + LANES] = 0.0
+    place_all(A, False, b)
     write(A, first, state)
     for i in range(LANES):
-        place(A, i, A[_UPRIGHT + i], False, b)
-    for i in range(LANES):
-        at_vertical(A, i)
+        A[_D + i] = A[_UPRIGHT + i]
+    place_all(A, False, b)
+    A[_R_AT : _R_AT + LANES], A[_W_AT : _W_AT + LANES] = 1.0, 0.0
     write(A, first, vertical)
 
 
@@ -478,10 +489,5 @@ def point_batch(starts: Starts, d: Vector, inward: bool, chart: Chart, out: Matr
         load(A, starts, first, chart)
         for i in range(LANES):
             A[_D + i] = d[min(first + i, d.size - 1)]
-        if inward:
-            for i in range(LANES):
-                place(A, i, A[_D + i], True, chart.body)
-        else:
-            for i in range(LANES):
-                place(A, i, A[_D + i], False, chart.body)
+        place_all(A, inward, chart.body)
         write(A, first, out)
