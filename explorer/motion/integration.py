@@ -78,7 +78,7 @@ def follow(
     moved, steps = np.full((3, n), np.nan), np.zeros(n, np.int32)
     found = Followed(np.empty((n, values.size, 10)), given.status.copy(), steps, moved)
     work = compiled.engine.Work(
-        *(how.kernel_method, depth, given.max_steps, event, values, given.control, given.initial, given.pinned),
+        *(how.kernel_method, given.max_steps, event, values, given.control, given.initial, given.pinned),
         *(found.status, found.out, steps, moved),
     )
     trail = trail or compiled.curves.Trail(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
