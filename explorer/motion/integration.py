@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,7 +89,7 @@ def follow(
     return found
 
 
-Estimate = Callable[[Followed, NDArray[np.intp]], Array]
+Estimate = Callable[[Followed, Any], Array]
 
 
 def settle(
@@ -108,9 +108,10 @@ def settle(
     """
     ok, lost = compiled.status.Status.OK, compiled.status.Status.NOT_FINITE
     found, control = follow(given, event, values, depth), given.control.copy()
-    error = estimate(found, np.arange(given.status.size))
+    error = estimate(found, np.s_[:])
     error[found.status == lost] = np.inf  # steps so long that a motion runs away
-    rows = np.flatnonzero(np.isin(found.status, (ok, lost)) & ~(error <= asked))
+    rows = np.flatnonzero(~(error <= asked))
+    rows = rows[np.isin(found.status[rows], (ok, lost))]
     for _ in range(_RUNS if given.plan.setting is None else 0):
         if not rows.size:
             break
