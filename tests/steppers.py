@@ -63,7 +63,6 @@ def follow(method, depth, states, control, event=TURNING_POINT, values=(0.0,), p
     n = states.shape[1]
     work = engine.Work(
         method,
-        depth,
         given.get("max_steps", 100_000),
         event,
         np.array(values, float),
@@ -81,7 +80,7 @@ def follow(method, depth, states, control, event=TURNING_POINT, values=(0.0,), p
 
 
 def pinned(states):
-    """The constants of each state, rows as Pinned."""
+    """The constants of each state, sigma3_bar, eta_plus and eta_minus."""
     found = np.empty((6, states.shape[1]))
     constants_batch(states[:5].copy(), UNIFORM.whole, UNIFORM.natural, found)
     return found[:3].copy()

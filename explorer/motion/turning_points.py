@@ -137,4 +137,5 @@ def _both_ways(
     turn = turning_points(both, how, NaturalConstants(*(np.tile(column, 2) for column in natural)))
     forward, backward = turn.status.reshape(2, n)
     found = np.where(forward == compiled.status.Status.OK, backward, forward)
-    return np.minimum(turn.theta.reshape(2, n).min(axis=0), tilt_of(states.natural)), found, turn.steps.reshape(2, n).sum(axis=0, dtype=np.int32)
+    theta = np.minimum(turn.theta.reshape(2, n).min(axis=0), tilt_of(states.natural))
+    return theta, found, turn.steps.reshape(2, n).sum(axis=0, dtype=np.int32)

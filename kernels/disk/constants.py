@@ -26,14 +26,6 @@ class Constants(NamedTuple, Generic[Entry]):
     rounding_minus: Entry
 
 
-class Pinned(NamedTuple, Generic[Entry]):
-    """Constants of motion that a trajectory is held to; NaN in sigma3_bar: it runs free."""
-
-    sigma3_bar: Entry
-    eta_plus: Entry
-    eta_minus: Entry
-
-
 # A dozen operations per term and the series, each half a unit in the last place.
 _ULPS = 6 * 2.2e-16
 

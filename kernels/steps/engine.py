@@ -32,10 +32,12 @@ _ANY = 1e300  # a tolerance that any step meets
 class Work(NamedTuple):
     """Motions to follow, and what becomes of them.
 
-    method: RK4 ...; max_steps: attempts, refused ones included. event, values: where to stop, in this order. control (n): step in units of 1/speed (RK4, RK8) or tolerance (DOPRI5, DOP853). states (10, n),
-    pinned (3, n): starts and what they are held to, rows as State and Pinned. status (n): samples that come in as
-    not OK are skipped; one that somebody changes ends its motion soon. out (n, values, 10): the states, NaN where
-    one was not reached. steps (n): attempted ones. moved (3, n): rows as Moved.
+    method: RK4 ...; max_steps: attempts, refused ones included. event, values: where to stop, in this order.
+    control (n): step in units of 1/speed (RK4, RK8) or tolerance (DOPRI5, DOP853). states (10, n): starts, rows as
+    State; pinned (3, n): sigma3_bar, eta_plus and eta_minus that they are held to, NaN where one runs free.
+    status (n): samples that come in as not OK are skipped; one that somebody changes ends its motion soon. out
+    (n, values, 10): the states, NaN where one was not reached. steps (n): attempted ones. moved (3, n): rows as
+    Moved.
     """
 
     method: int
@@ -61,13 +63,6 @@ class Moved(NamedTuple):
     energy: Any
     removed: Any
     rates: Any
-
-
-class Room(NamedTuple):
-    """Work arrays: of the samples under way, and of those that land."""
-
-    W: Vector
-    landing: Vector
 
 
 class Place(NamedTuple):
@@ -166,7 +161,7 @@ def put_down(attempt_by: Any, depth: int, work: Work, W: Vector, waiting: int, w
         W[lanes.SINCE * LANES + i], W[lanes.CONTROL * LANES + i] = h, _ANY
         write(W, NOW, i, x)
     lanes.sweep(attempt_by, W, work.event, b)
-    lanes.hold(W, W.view(np.int64), whole, b)
+    lanes.hold(W, whole, b)
     for i in range(LANES):
         h = W[lanes.SINCE * LANES + i]
         y, found = land(read(W, NOW, i), h, Stop(work.event, W[lanes.NEXT * LANES + i]), b)
@@ -183,22 +178,24 @@ def put_down(attempt_by: Any, depth: int, work: Work, W: Vector, waiting: int, w
 
 
 @maker
-def make_room() -> Room:
-    """Room in which there are no samples."""
+def make_lanes() -> Vector:
+    """A work array without samples."""
     W = np.zeros(lanes.ROWS * LANES)
     for i in range(LANES):
         idle(W, i)
-    return Room(W, W.copy())
+    return W
 
 
 @device
-def follow(attempt_by: Any, depth: int, work: Work, trail: Trail, room: Room, disk: Disk, whole: Whole) -> None:
+def follow(
+    attempt_by: Any, depth: int, work: Work, trail: Trail, room: tuple[Vector, Vector], disk: Disk, whole: Whole
+) -> None:
     """Follow every motion to all of the values, by steps of `attempt_by`, which the trail keeps.
 
-    Where there is one and it is cut off, the outcome means nothing.
+    Where there is one and it is cut off, the outcome means nothing. room: lanes for those under way, and for
+    those that land.
     """
-    W, landing, b = room.W, room.landing, disk.body
-    bits = W.view(np.int64)
+    (W, landing), b = room, disk.body
     sweeps = waiting = 0
     place = fill(work, W, 0, 0, b)
     while place.busy > 0:
@@ -206,7 +203,7 @@ def follow(attempt_by: Any, depth: int, work: Work, trail: Trail, room: Room, di
             shorten(trail, W, b)
         attention = lanes.sweep(attempt_by, W, work.event, b)
         sweeps += 1
-        lanes.hold(W, bits, whole, b)
+        lanes.hold(W, whole, b)
         if trail.most > 0 and keep(trail, W) >= trail.most:
             return
         if attention > 0 or sweeps >= place.due:
@@ -235,7 +232,7 @@ def _kernel(method: int, depth: int, name: str) -> Kernel:
 
     def run(work: Work, trail: Trail, disk: Disk, whole: Whole) -> None:
         """Follow every motion by one method at one depth."""
-        follow(attempt_by, depth, work, trail, make_room(), disk, whole)
+        follow(attempt_by, depth, work, trail, (make_lanes(), make_lanes()), disk, whole)
 
     run.__name__ = run.__qualname__ = name
     return kernel(run)
