@@ -1,16 +1,15 @@
-"""Constants of motion of many states: what `constants_of` does for one, in lanes without a branch."""
+"""Constants of motion of many states, in lanes without a branch."""
 
 import math
 
 import numpy as np
 
-from kernels._jit import contracted_device, contracted_subroutine, kernel, subroutine
+from kernels._jit import contracted_device, contracted_subroutine, kernel
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Whole, whole_solutions
-from kernels.disk.constants import Constants, constants_of, contracted_from_solutions
+from kernels.disk.constants import Constants, from_solutions
 from kernels.disk.elementary import SMALLEST, log_ratio, logarithm
-from kernels.disk.field import State, column, contracted_energy, reduced_state
-from kernels.disk.rows import put
+from kernels.disk.field import State, contracted_energy, reduced_state
 from kernels.types import Matrix, Vector
 
 LANES = 64  # eight AVX-512 registers; columns of a block stay in the first cache
@@ -21,23 +20,26 @@ _ROWS = 11
 
 _LN2 = math.log(2.0)
 _ROOT_HALF = math.sqrt(0.5)
+_SCALE, _LOG_SCALE = 2.0**54, 54.0 * _LN2  # it takes the smallest numbers to where their exponents have bits
 
 
 @contracted_device
-def depth(x: State) -> tuple[float, float]:
+def depth(q: float, z: float, log_q: float) -> tuple[float, float]:
     """(S, ln S) as `depth_below_vertical`, by short series."""
-    larger = 1.0 + abs(x.z)
+    larger = 1.0 + abs(z)
     # larger is 1 ... 2: ln(larger) = ln(larger / sqrt 2) + ln 2 / 2
     s = (larger * _ROOT_HALF - 1.0) / (larger * _ROOT_HALF + 1.0)
-    log_S = 2.0 * logarithm(x.q) - log_ratio(s) - 0.5 * _LN2
-    return x.q * (x.q / larger), log_S
+    log_S = 2.0 * log_q - log_ratio(s) - 0.5 * _LN2
+    return q * (q / larger), log_S
 
 
 @contracted_device
 def constants_by_series(x: State, whole: Whole, b: Body) -> Constants[float]:
-    """Constants of the state x."""
-    S, log_S = depth(x)
-    return contracted_from_solutions(x, whole_solutions(S, log_S, b.c, whole), contracted_energy(x, b), b)
+    """Constants of the state x, NaN where not q > 0."""
+    small = x.q < SMALLEST
+    log_q = logarithm(x.q * _SCALE if small else x.q) - (_LOG_SCALE if small else 0.0)
+    S, log_S = depth(x.q if x.q > 0.0 else math.nan, x.z, log_q)
+    return from_solutions(x, whole_solutions(S, log_S, b.c, whole), contracted_energy(x, b), b)
 
 
 @contracted_subroutine
@@ -56,15 +58,6 @@ def lanes(W: Vector, whole: Whole, b: Body) -> None:
         W[(_OUT + 5) * LANES + i] = constants.rounding_minus
 
 
-@subroutine
-def one(states: Matrix, j: int, disk: Disk, out: Matrix) -> None:
-    """Sample j by itself: a q that is not positive, or so small that its exponent has no bits."""
-    if states[0, j] > 0.0:
-        put(constants_of(column(states, j), disk), out, j)
-    else:
-        out[:, j] = math.nan
-
-
 @kernel
 def constants_batch(states: Matrix, whole: Whole, disk: Disk, out: Matrix) -> None:
     """states (5, n): q, z, p, rho, sigma4 -> out (6, n), rows as Constants. NaN where not q > 0."""
@@ -79,6 +72,3 @@ def constants_batch(states: Matrix, whole: Whole, disk: Disk, out: Matrix) -> No
         for row in range(6):
             for i in range(count):
                 out[row, first + i] = W[(_OUT + row) * LANES + i]
-        for i in range(count):
-            if not W[_Q * LANES + i] > SMALLEST:
-                one(states, first + i, disk, out)

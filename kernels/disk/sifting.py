@@ -14,7 +14,7 @@ from kernels.disk import philox
 from kernels.disk.algebra import LANES, depth
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Solutions, Whole, whole_solutions
-from kernels.disk.constants import contracted_from_solutions, nearer_plus
+from kernels.disk.constants import from_solutions, nearer_plus
 from kernels.disk.elementary import SMALLEST, cosine, logarithm, sine
 from kernels.disk.falling import (
     FALLS_BACK,
@@ -137,7 +137,7 @@ def at_tilts(W: Vector, whole: Whole, b: Body) -> None:
     """What depends on the tilt alone: the solutions, and U on either hemisphere."""
     for i in range(LANES):
         q, z = W[_Q * LANES + i], W[_Z * LANES + i]
-        S, log_S = depth(reduced_state(q, z, 0.0, 0.0, 0.0))
+        S, log_S = depth(q, z, logarithm(q))
         f = whole_solutions(S, log_S, b.c, whole)
         W[_SOLUTIONS * LANES + i] = f.rho
         W[(_SOLUTIONS + 1) * LANES + i] = f.drho
@@ -163,7 +163,7 @@ def judge(sieve: Sieve, W: Vector, b: Body) -> None:
             W[(_SOLUTIONS + 3) * LANES + i],
             W[(_SOLUTIONS + 4) * LANES + i],
         )
-        constants = contracted_from_solutions(x, f, contracted_energy(x, b), b)
+        constants = from_solutions(x, f, contracted_energy(x, b), b)
         plus = nearer_plus(constants.eta_plus, constants.eta_minus)
         X = constants.sigma3_bar / b.r0
         eta = constants.eta_plus if plus else constants.eta_minus

@@ -11,6 +11,7 @@ from kernels._jit import contracted_device, contracted_subroutine, device, subro
 from kernels.disk.algebra import depth
 from kernels.disk.body import Body
 from kernels.disk.chaplygin import Whole, whole_solutions
+from kernels.disk.elementary import logarithm
 from kernels.disk.field import State, contracted_energy, reduced, with_reduced
 from kernels.steps.adaptive import SHORTEST_STEP
 from kernels.steps.events import Event, crossed, level
@@ -171,7 +172,7 @@ def rates(x: State, X: float, Y: float, inv_k: float, whole: Whole, b: Body) -> 
     The saddle beside flat amplifies an error in rho by 1/theta_min. Set anew after every step, rho never carries
     one: eta stays what it was given as, down to 1e-300.
     """
-    S, log_S = depth(x)
+    S, log_S = depth(x.q, x.z, logarithm(x.q))
     f = whole_solutions(S, log_S, b.c, whole)
     # sigma3/q written so that S may underflow
     rho = X * f.rho_over_S * (x.q / (1.0 + abs(x.z))) + Y * (f.D / x.q)
