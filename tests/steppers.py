@@ -5,7 +5,9 @@ import numpy as np
 from conftest import BODIES
 
 from kernels.disk.algebra import constants_batch
-from kernels.disk.field import State
+from kernels.disk.chaplygin import solutions
+from kernels.disk.constants import depth_below_vertical, from_solutions
+from kernels.disk.field import State, energy
 from kernels.status import Status
 from kernels.steps import attempt, engine
 from kernels.steps.adaptive import dopri5_step
@@ -63,7 +65,6 @@ def follow(method, depth, states, control, event=TURNING_POINT, values=(0.0,), p
     n = states.shape[1]
     work = engine.Work(
         method,
-        depth,
         given.get("max_steps", 100_000),
         event,
         np.array(values, float),
@@ -80,8 +81,14 @@ def follow(method, depth, states, control, event=TURNING_POINT, values=(0.0,), p
     return work
 
 
+def constants_of(x, disk):
+    """The constants of one state, by the library's logarithm and the series as they stand."""
+    S, log_S = depth_below_vertical(x.q, x.z)
+    return from_solutions(x, solutions(S, log_S, disk.body.c, disk.series), energy(x, disk.body), disk.body)
+
+
 def pinned(states):
-    """The constants of each state, rows as Pinned."""
+    """The constants of each state, sigma3_bar, eta_plus and eta_minus."""
     found = np.empty((6, states.shape[1]))
     constants_batch(states[:5].copy(), UNIFORM.whole, UNIFORM.natural, found)
     return found[:3].copy()

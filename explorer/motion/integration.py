@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +29,8 @@ _RUNS = 8  # finer ones at most, each slower than the one before
 
 
 class Motions(NamedTuple):
-    """Motions before they are followed: initial (10, n); pinned (3, n), what they are held to, rows as Pinned;
-    control (n): their steps or tolerances."""
+    """Motions before they are followed: initial (10, n); pinned (3, n): sigma3_bar, eta_plus and
+    eta_minus that they are held to, NaN: they run free; control (n): their steps or tolerances."""
 
     disk: Disk
     plan: Plan
@@ -78,7 +78,7 @@ def follow(
     moved, steps = np.full((3, n), np.nan), np.zeros(n, np.int32)
     found = Followed(np.empty((n, values.size, 10)), given.status.copy(), steps, moved)
     work = compiled.engine.Work(
-        *(how.kernel_method, depth, given.max_steps, event, values, given.control, given.initial, given.pinned),
+        *(how.kernel_method, given.max_steps, event, values, given.control, given.initial, given.pinned),
         *(found.status, found.out, steps, moved),
     )
     trail = trail or compiled.curves.Trail(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
@@ -89,7 +89,7 @@ def follow(
     return found
 
 
-Estimate = Callable[[Followed, NDArray[np.intp]], Array]
+Estimate = Callable[[Followed, Any], Array]
 
 
 def settle(
@@ -108,9 +108,10 @@ def settle(
     """
     ok, lost = compiled.status.Status.OK, compiled.status.Status.NOT_FINITE
     found, control = follow(given, event, values, depth), given.control.copy()
-    error = estimate(found, np.arange(given.status.size))
+    error = estimate(found, np.s_[:])
     error[found.status == lost] = np.inf  # steps so long that a motion runs away
-    rows = np.flatnonzero(np.isin(found.status, (ok, lost)) & ~(error <= asked))
+    rows = np.flatnonzero(~(error <= asked))
+    rows = rows[np.isin(found.status[rows], (ok, lost))]
     for _ in range(_RUNS if given.plan.setting is None else 0):
         if not rows.size:
             break

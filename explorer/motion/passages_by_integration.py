@@ -34,7 +34,7 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.rac
     # A passage ends at the flat state it was sent to; one that turns elsewhere was never near it.
     status[ok & (turn.face != face)] = code.BAD_INPUT
     bar, eta, speed = starts.natural(disk)
-    followed = turn.theta, 2.0 * turn.chi, 2.0 * turn.psi * face, 2.0 * turn.time, turn.way
+    followed = turn.theta, 2.0 * turn.chi, 2.0 * turn.psi * face, 2.0 * turn.time, np.ascontiguousarray(turn.way)
     return compiled.races.Ways(bar, eta, speed, face, *followed, natural.energy, error, status), turn.steps
 
 

@@ -59,9 +59,9 @@ def estimate(disk: Disk, how: Plan, moved: Array, amplified: Array, time: float)
     passages = max(1.0, time / PASSAGE)
     if not disk.body.I3 > 0.0:  # it runs free
         return np.full(shown.energy.size, math.inf)
-    measured = (
-        _ANGLES * disk.kappa / math.sqrt(min(disk.body.k, 1.0)) * (shown.energy + shown.removed + shown.rates)
-    )
+    # Errors of the energy that were taken out are seen before; what is left at the end is one of them at most.
+    drifted = np.fmax(shown.energy, shown.removed) + shown.rates
+    measured = _ANGLES * disk.kappa / math.sqrt(min(disk.body.k, 1.0)) * drifted
     return np.asarray(amplified * (measured + _ROUNDING * passages) + SHARE * how.accuracy * passages)
 
 

@@ -5,7 +5,7 @@ All in natural units. A state has the ten components of kernels.disk.field.State
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,7 +104,7 @@ def _sample(motions: Motions, times: Array) -> tuple[Array, Outcome, Given]:
 
         hidden = precision.hidden(disk, how, start, last)
 
-        def estimate(found: Followed, rows: NDArray[np.intp]) -> Array:
+        def estimate(found: Followed, rows: Any) -> Array:
             error = precision.estimate(disk, how, found.moved, amplified[rows], last)
             return np.where(hidden[rows], np.inf, error)
 

@@ -1,6 +1,7 @@
 """Turning points, where motions stop tilting: the next by integration, and the smallest tilt by either method."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,12 @@ class TurningPoints:
     error: Array
 
 
+def tilt_of(states: Array) -> Array:
+    """The tilt of states from the nearer flat state (rad); rows as `compiled.field.ROW`."""
+    q, z = states[compiled.field.ROW.q], states[compiled.field.ROW.z]
+    return np.asarray(np.arctan2(q, abs(z)))
+
+
 def turning_points(
     states: States, how: Plan, natural: NaturalConstants | None = None, slow: Array | float = 1.0
 ) -> TurningPoints:
@@ -47,30 +54,24 @@ def turning_points(
     status, held = held_constants(states, natural)
     # Where little happens in the first steps, an adaptive method would take them too long. Fixed ones are as much
     # shorter as takes back what is amplified.
-    share = np.full(len(states), slow) ** (-2.0 if how.adaptive else -1.0 / FIXED[how.method])
-    initial, amplified = np.zeros((10, len(states))), np.full(len(states), slow)
+    share = np.asarray(slow) ** (-2.0 if how.adaptive else -1.0 / FIXED[how.method])
+    initial = np.zeros((10, len(states)))
     initial[:5] = states.natural
-    given = integration.Motions(states.disk, how, initial, np.stack(held), status, how.control_for(share))
+    control = np.full(len(states), how.control_for(share))
+    given = integration.Motions(states.disk, how, initial, np.array(held), status, control)
+    amplified = np.broadcast_to(slow, len(states))
 
-    def estimate(found: integration.Followed, rows: NDArray[np.intp]) -> Array:
+    def estimate(found: integration.Followed, rows: Any) -> Array:
         error = precision.estimate(states.disk, how, found.moved, amplified[rows], precision.PASSAGE)
-        return np.where(how.adaptive & (found.steps <= precision.FEW), np.inf, error)
+        return np.where(found.steps <= precision.FEW, np.inf, error) if how.adaptive else error
 
     event, depth = compiled.events.TURNING_POINT, how.kernel_depth
     found, error, _ = integration.settle(given, event, np.zeros(1), depth, estimate, precision.asked(how, 0.0))
+    error[found.status != compiled.status.Status.OK] = np.nan
     row, out = compiled.field.ROW, found.out[:, 0].T
-    way, time, chi, psi = (np.ascontiguousarray(out[k]) for k in (row.rho, row.t, row.chi, row.psi))
-    return TurningPoints(
-        theta=np.arctan2(out[row.q], abs(out[row.z])),
-        face=np.where(out[row.z] >= 0.0, 1, -1).astype(np.int8),
-        way=way,
-        time=time,
-        chi=chi,
-        psi=psi,
-        status=found.status,
-        steps=found.steps,
-        error=np.where(found.status == compiled.status.Status.OK, error, np.nan),
-    )
+    face = np.where(out[row.z] >= 0.0, 1, -1).astype(np.int8)
+    turned = out[row.rho], out[row.t], out[row.chi], out[row.psi]
+    return TurningPoints(tilt_of(out), face, *turned, found.status, found.steps, error)
 
 
 def tilt_kernels(how: Plan) -> tuple[str, ...]:
@@ -134,8 +135,7 @@ def _both_ways(
     n = len(states)
     both = States(states.disk, np.hstack([states.natural, states.reversed().natural]), np.tile(states.status, 2))
     turn = turning_points(both, how, NaturalConstants(*(np.tile(column, 2) for column in natural)))
-    q, z = states.natural[[compiled.field.ROW.q, compiled.field.ROW.z]]
-    tilts = np.vstack([turn.theta.reshape(2, n), np.arctan2(q, abs(z))])
     forward, backward = turn.status.reshape(2, n)
     found = np.where(forward == compiled.status.Status.OK, backward, forward)
-    return tilts.min(axis=0), found, turn.steps.reshape(2, n).sum(axis=0, dtype=np.int32)
+    theta = np.minimum(turn.theta.reshape(2, n).min(axis=0), tilt_of(states.natural))
+    return theta, found, turn.steps.reshape(2, n).sum(axis=0, dtype=np.int32)

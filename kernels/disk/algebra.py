@@ -1,83 +1,55 @@
-"""Constants of motion of many states: what `constants_of` does for one, in lanes without a branch."""
+"""Constants of motion of many states, in lanes without a branch."""
 
 import math
 
 import numpy as np
 
-from kernels._jit import contracted_device, contracted_subroutine, device, kernel, subroutine
+from kernels._jit import contracted_device, contracted_subroutine, kernel
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Whole, whole_solutions
-from kernels.disk.constants import Constants, constants_of, contracted_from_solutions
-from kernels.disk.elementary import log_ratio
-from kernels.disk.field import State, column, contracted_energy, reduced_state
-from kernels.disk.rows import put
-from kernels.types import Longs, Matrix, Vector
+from kernels.disk.constants import Constants, from_solutions
+from kernels.disk.elementary import SMALLEST, log_ratio, logarithm
+from kernels.disk.field import State, contracted_energy, reduced_state
+from kernels.types import Matrix, Vector
 
 LANES = 64  # eight AVX-512 registers; columns of a block stay in the first cache
 # Rows of the work array: entry (row, i) stands at row * LANES + i, as in `batch`.
 _Q, _Z, _P, _RHO, _SIGMA4 = range(5)
 _OUT = 5  # six rows, as Constants
-_EXPONENT, _MANTISSA = 11, 12
-_ROWS = 13
+_ROWS = 11
 
 _LN2 = math.log(2.0)
 _ROOT_HALF = math.sqrt(0.5)
-# Bits of a double: the fraction, the exponent of 1, and that of 2^52, which makes an integer a double.
-FRACTION, ONE, SHIFTER = 0x000FFFFFFFFFFFFF, 0x3FF0000000000000, 0x4330000000000000
-OFFSET = 2.0**52 + 1023.0
-SMALLEST = 2.3e-308  # below, the exponent's bits are zero
-
-
-@device
-def split(bits: Longs, row: int, exponent: int, mantissa: int, number: int) -> None:
-    """Exponents and mantissas of so many numbers from place `row` on to two others; bits: an array as integers."""
-    for i in range(number):
-        word = bits[row + i]
-        bits[exponent + i] = (word >> 52) + SHIFTER
-        bits[mantissa + i] = (word & FRACTION) + ONE
-
-
-@subroutine
-def split_q(bits: Longs) -> None:
-    """Exponent and mantissa of row _Q."""
-    split(bits, _Q * LANES, _EXPONENT * LANES, _MANTISSA * LANES, LANES)
+_SCALE, _LOG_SCALE = 2.0**54, 54.0 * _LN2  # it takes the smallest numbers to where their exponents have bits
 
 
 @contracted_device
-def logarithm(m: float, e: float) -> float:
-    """ln of m 2^e with 1 <= m < 2, by a short series."""
-    # m between sqrt(1/2) and sqrt 2, so that ln m is short.
-    large = m > 2.0 * _ROOT_HALF
-    m, e = (0.5 * m if large else m), (e + 1.0 if large else e)
-    return e * _LN2 + log_ratio((m - 1.0) / (m + 1.0))
-
-
-@contracted_device
-def depth(x: State, m: float, e: float) -> tuple[float, float]:
-    """(S, ln S) as `depth_below_vertical`, where q = m 2^e, by short series."""
-    larger = 1.0 + abs(x.z)
+def depth(q: float, z: float, log_q: float) -> tuple[float, float]:
+    """(S, ln S) as `depth_below_vertical`, by short series."""
+    larger = 1.0 + abs(z)
     # larger is 1 ... 2: ln(larger) = ln(larger / sqrt 2) + ln 2 / 2
     s = (larger * _ROOT_HALF - 1.0) / (larger * _ROOT_HALF + 1.0)
-    log_S = 2.0 * logarithm(m, e) - log_ratio(s) - 0.5 * _LN2
-    return x.q * (x.q / larger), log_S
+    log_S = 2.0 * log_q - log_ratio(s) - 0.5 * _LN2
+    return q * (q / larger), log_S
 
 
 @contracted_device
-def constants_by_series(x: State, m: float, e: float, whole: Whole, b: Body) -> Constants[float]:
-    """Constants of the state x, whose q is m 2^e."""
-    S, log_S = depth(x, m, e)
-    return contracted_from_solutions(x, whole_solutions(S, log_S, b.c, whole), contracted_energy(x, b), b)
+def constants_by_series(x: State, whole: Whole, b: Body) -> Constants[float]:
+    """Constants of the state x, NaN where not q > 0."""
+    small = x.q < SMALLEST
+    log_q = logarithm(x.q * _SCALE if small else x.q) - (_LOG_SCALE if small else 0.0)
+    S, log_S = depth(x.q if x.q > 0.0 else math.nan, x.z, log_q)
+    return from_solutions(x, whole_solutions(S, log_S, b.c, whole), contracted_energy(x, b), b)
 
 
 @contracted_subroutine
 def lanes(W: Vector, whole: Whole, b: Body) -> None:
-    """Rows _OUT ... from rows _Q ... _MANTISSA."""
+    """Rows _OUT ... from rows _Q ... _SIGMA4."""
     for i in range(LANES):
         x = reduced_state(
             W[_Q * LANES + i], W[_Z * LANES + i], W[_P * LANES + i], W[_RHO * LANES + i], W[_SIGMA4 * LANES + i]
         )
-        m, e = W[_MANTISSA * LANES + i], W[_EXPONENT * LANES + i] - OFFSET
-        constants = constants_by_series(x, m, e, whole, b)
+        constants = constants_by_series(x, whole, b)
         W[_OUT * LANES + i] = constants.sigma3_bar
         W[(_OUT + 1) * LANES + i] = constants.eta_plus
         W[(_OUT + 2) * LANES + i] = constants.eta_minus
@@ -86,31 +58,17 @@ def lanes(W: Vector, whole: Whole, b: Body) -> None:
         W[(_OUT + 5) * LANES + i] = constants.rounding_minus
 
 
-@subroutine
-def one(states: Matrix, j: int, disk: Disk, out: Matrix) -> None:
-    """Sample j by itself: a q that is not positive, or so small that its exponent has no bits."""
-    if states[0, j] > 0.0:
-        put(constants_of(column(states, j), disk), out, j)
-    else:
-        out[:, j] = math.nan
-
-
 @kernel
 def constants_batch(states: Matrix, whole: Whole, disk: Disk, out: Matrix) -> None:
     """states (5, n): q, z, p, rho, sigma4 -> out (6, n), rows as Constants. NaN where not q > 0."""
     n = states.shape[1]
     W = np.zeros(_ROWS * LANES)
-    bits = W.view(np.int64)
     for first in range(0, n, LANES):
         count = min(LANES, n - first)
         for row in range(5):
             for i in range(count):
                 W[row * LANES + i] = states[row, first + i]
-        split_q(bits)
         lanes(W, whole, disk.body)
         for row in range(6):
             for i in range(count):
                 out[row, first + i] = W[(_OUT + row) * LANES + i]
-        for i in range(count):
-            if not W[_Q * LANES + i] > SMALLEST:
-                one(states, first + i, disk, out)

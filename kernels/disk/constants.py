@@ -3,11 +3,10 @@
 import math
 from typing import Generic, NamedTuple
 
-from kernels._jit import contracted_device, device, subroutine
-from kernels.disk import chaplygin
-from kernels.disk.body import Body, Disk
+from kernels._jit import contracted_device, device
+from kernels.disk.body import Body
 from kernels.disk.chaplygin import Solutions
-from kernels.disk.field import State, energy
+from kernels.disk.field import State
 from kernels.disk.rows import Entry
 
 
@@ -24,14 +23,6 @@ class Constants(NamedTuple, Generic[Entry]):
     energy: Entry
     rounding_plus: Entry
     rounding_minus: Entry
-
-
-class Pinned(NamedTuple, Generic[Entry]):
-    """Constants of motion that a trajectory is held to; NaN in sigma3_bar: it runs free."""
-
-    sigma3_bar: Entry
-    eta_plus: Entry
-    eta_minus: Entry
 
 
 # A dozen operations per term and the series, each half a unit in the last place.
@@ -51,7 +42,8 @@ def depth_below_vertical(q: float, z: float) -> tuple[float, float]:
     return q * (q / larger), 2.0 * math.log(q) - math.log(larger)
 
 
-def _from_solutions(x: State, f: Solutions, E: float, b: Body) -> Constants[float]:
+@contracted_device
+def from_solutions(x: State, f: Solutions, E: float, b: Body) -> Constants[float]:
     """Constants of the state x with energy E, f the solutions at its tilt.
 
     On the hemisphere of the state eta is found directly; the other one follows from
@@ -73,14 +65,3 @@ def _from_solutions(x: State, f: Solutions, E: float, b: Body) -> Constants[floa
         near_rounding if north else far_rounding,
         far_rounding if north else near_rounding,
     )
-
-
-from_solutions, contracted_from_solutions = device(_from_solutions), contracted_device(_from_solutions)
-
-
-@subroutine
-def constants_of(x: State, disk: Disk) -> Constants[float]:
-    """Constants of the state x, to full relative accuracy near both flat states."""
-    b = disk.body
-    S, log_S = depth_below_vertical(x.q, x.z)
-    return from_solutions(x, chaplygin.solutions(S, log_S, b.c, disk.series), energy(x, b), b)

@@ -9,8 +9,12 @@ from kernels.disk.polynomials import horner, strict_horner, taylor
 
 _LN2, _LN2_REST = 6.93147180369123816490e-01, 1.90821492927058770002e-10  # the first has 32 bits
 _INV_LN2 = 1.0 / math.log(2.0)
-_BIAS, _FRACTION = 1023, 52  # of the exponent of a double, and bits behind it
-_ROOT_HALF = int(np.float64(math.sqrt(0.5)).view(np.int64))
+_BIAS, _PLACES = 1023, 52  # of the exponent of a double, and bits behind it
+# Bits of a double: the fraction, the exponent of 1, and that of 2^52, which makes an integer a double.
+_FRACTION, _ONE = np.uint64(0x000FFFFFFFFFFFFF), np.uint64(0x3FF0000000000000)
+_SHIFTER, _BEHIND = np.uint64(0x4330000000000000), np.uint64(_PLACES)
+_OFFSET, _ROOT_TWO = 2.0**52 + _BIAS, math.sqrt(2.0)
+SMALLEST = 2.3e-308  # below, the bits of the exponent are zero
 # (e^f - 1)/f for |f| <= ln(2)/2: what is left out is below rounding.
 _POWERS = tuple(1.0 / math.factorial(n + 1) for n in range(13))
 # sin(x)/x in x^2; atanh(s)/s in s^2 up to 1/9; atan(x)/x in x^2.
@@ -42,19 +46,20 @@ def exponential(d: float) -> tuple[float, float]:
     shifted = d * _INV_LN2 + _WHOLE
     n = shifted - _WHOLE
     f = (d - n * _LN2) - n * _LN2_REST
-    power = np.int64((np.float64(shifted).view(np.int64) + _BIAS) << _FRACTION).view(np.float64)
+    power = np.int64((np.float64(shifted).view(np.int64) + _BIAS) << _PLACES).view(np.float64)
     grown = power * (f * horner(_POWERS, f))
     return power + grown, grown + (power - 1.0)
 
 
 @contracted_device
 def logarithm(x: float) -> float:
-    """ln x for a normal x > 0, to rounding."""
-    word = np.float64(x).view(np.int64)
-    # A mantissa from sqrt(1/2) to sqrt 2, so that its logarithm is short.
-    exponent = (word - _ROOT_HALF) >> _FRACTION
-    mantissa = np.int64(word - (exponent << _FRACTION)).view(np.float64)
-    n = np.float64(exponent)
+    """ln x for x > SMALLEST, to rounding."""
+    word = np.float64(x).view(np.uint64)
+    n = np.uint64((word >> _BEHIND) | _SHIFTER).view(np.float64) - _OFFSET
+    mantissa = np.uint64((word & _FRACTION) | _ONE).view(np.float64)
+    # From sqrt(1/2) to sqrt 2, so that its logarithm is short.
+    large = mantissa > _ROOT_TWO
+    mantissa, n = (0.5 * mantissa if large else mantissa), (n + 1.0 if large else n)
     return n * _LN2 + (log_ratio((mantissa - 1.0) / (mantissa + 1.0)) + n * _LN2_REST)
 
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from kernels._jit import contracted_device, contracted_subroutine, kernel, subroutine
 from kernels.disk import philox
-from kernels.disk.algebra import LANES, OFFSET, SMALLEST, depth, logarithm, split
+from kernels.disk.algebra import LANES, depth
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Solutions, Whole, whole_solutions
-from kernels.disk.constants import contracted_from_solutions, nearer_plus
-from kernels.disk.elementary import cosine, sine
+from kernels.disk.constants import from_solutions, nearer_plus
+from kernels.disk.elementary import SMALLEST, cosine, logarithm, sine
 from kernels.disk.falling import (
     FALLS_BACK,
     PASSES,
@@ -35,10 +35,9 @@ _COORDINATES = 4
 _PHI, _PHIDOT, _SIGMA3, _SPIN = range(_COORDINATES)
 _Q, _Z, _P, _RHO, _SIGMA4 = range(4, 9)
 _SOLUTIONS, _U_NEAR, _U_FAR = 9, 14, 15
-_EXPONENT, _MANTISSA = 16, 17
-_X, _ENERGY, _FACE, _ETA, _DISTANCE, _PLACE, _VERDICT = range(18, 25)
-_SMALLEST_ONE, _LARGEST_ONE = 25, 26
-_ROWS = 27
+_X, _ENERGY, _FACE, _ETA, _DISTANCE, _PLACE, _VERDICT = range(16, 23)
+_SMALLEST_ONE, _LARGEST_ONE = 23, 24
+_ROWS = 25
 # Relative to their sum: an energy and a potential nearer than this are compared one state at a time.
 _TIE = 1e-12
 # Of a bin: a distance this near to its edge is placed by the library's logarithm.
@@ -134,13 +133,11 @@ def part_of_spin(q: float, z: float, f: Solutions, b: Body) -> float:
 
 
 @contracted_subroutine
-def at_tilts(W: Vector, bits: Longs, whole: Whole, b: Body) -> None:
+def at_tilts(W: Vector, whole: Whole, b: Body) -> None:
     """What depends on the tilt alone: the solutions, and U on either hemisphere."""
-    split(bits, _Q * LANES, _EXPONENT * LANES, _MANTISSA * LANES, LANES)
     for i in range(LANES):
         q, z = W[_Q * LANES + i], W[_Z * LANES + i]
-        x = reduced_state(q, z, 0.0, 0.0, 0.0)
-        S, log_S = depth(x, W[_MANTISSA * LANES + i], W[_EXPONENT * LANES + i] - OFFSET)
+        S, log_S = depth(q, z, logarithm(q))
         f = whole_solutions(S, log_S, b.c, whole)
         W[_SOLUTIONS * LANES + i] = f.rho
         W[(_SOLUTIONS + 1) * LANES + i] = f.drho
@@ -166,7 +163,7 @@ def judge(sieve: Sieve, W: Vector, b: Body) -> None:
             W[(_SOLUTIONS + 3) * LANES + i],
             W[(_SOLUTIONS + 4) * LANES + i],
         )
-        constants = contracted_from_solutions(x, f, contracted_energy(x, b), b)
+        constants = from_solutions(x, f, contracted_energy(x, b), b)
         plus = nearer_plus(constants.eta_plus, constants.eta_minus)
         X = constants.sigma3_bar / b.r0
         eta = constants.eta_plus if plus else constants.eta_minus
@@ -196,15 +193,12 @@ def barriers(o: Obstacle, W: Vector) -> None:
 
 
 @contracted_subroutine
-def places(sieve: Sieve, unit: float, W: Vector, bits: Longs) -> None:
+def places(sieve: Sieve, unit: float, W: Vector) -> None:
     """Distances, and where their logarithms lie among the bins."""
-    for i in range(LANES):
-        W[_DISTANCE * LANES + i] = abs(W[_ETA * LANES + i]) / sieve.eta_unit * unit
-    split(bits, _DISTANCE * LANES, _EXPONENT * LANES, _MANTISSA * LANES, LANES)
     scale = sieve.per_decade / math.log(10.0)
     for i in range(LANES):
-        log = logarithm(W[_MANTISSA * LANES + i], W[_EXPONENT * LANES + i] - OFFSET)
-        W[_PLACE * LANES + i] = scale * log + sieve.lowest
+        distance = abs(W[_ETA * LANES + i]) / sieve.eta_unit * unit
+        W[_DISTANCE * LANES + i], W[_PLACE * LANES + i] = distance, scale * logarithm(distance) + sieve.lowest
 
 
 @contracted_subroutine
@@ -296,7 +290,7 @@ def draw_block(place: int, size: int, draw: Draw, words: Words, numbers: Vector)
 def sift_batch(draw: Draw, count: int, sieve: Sieve, disk: Disk, whole: Whole, found: Found) -> None:
     """Draw `count` states, and count and sift them -> found."""
     W, words, numbers = np.zeros(_ROWS * LANES), np.empty(philox.WORDS, np.uint64), np.empty(4 * philox.WORDS)
-    bits, free, b = W.view(np.int64), 0, disk.body
+    free, b = 0, disk.body
     for c in range(_COORDINATES):
         free += 1 if draw.width[c] > 0.0 else 0
     W[_SMALLEST_ONE * LANES : (_SMALLEST_ONE + 1) * LANES] = math.inf
@@ -305,7 +299,7 @@ def sift_batch(draw: Draw, count: int, sieve: Sieve, disk: Disk, whole: Whole, f
     if fixed:
         W[_Q * LANES : (_Q + 1) * LANES] = math.cos(draw.low[_PHI])
         W[_Z * LANES : (_Z + 1) * LANES] = math.sin(draw.low[_PHI])
-        at_tilts(W, bits, whole, b)
+        at_tilts(W, whole, b)
     for block in range(0, count, draw.block):
         size = min(draw.block, count - block)
         for first in range(0, size, LANES):
@@ -315,12 +309,12 @@ def sift_batch(draw: Draw, count: int, sieve: Sieve, disk: Disk, whole: Whole, f
             coordinates(numbers, lane, draw, W)
             if not fixed:
                 tilts(W)
-                at_tilts(W, bits, whole, b)
+                at_tilts(W, whole, b)
             states(draw.unit, W)
             judge(sieve, W, b)
             if not (fixed and draw.low[_PHI] == 0.0):
                 barriers(sieve.obstacle, W)
-            places(sieve, draw.unit, W, bits)
+            places(sieve, draw.unit, W)
             for i in range(size - first, LANES):
                 W[_ETA * LANES + i], W[_VERDICT * LANES + i] = math.nan, FALLS_BACK
             if odd_ones(sieve, W):

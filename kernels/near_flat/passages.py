@@ -353,8 +353,6 @@ def fall_batch(departures: Departures, tables: Tables, disk: Disk, out: Matrix) 
         for i in range(min(LANES, n - first)):
             out[0, first + i], out[1, first + i] = W[_TIME + i], W[_CHI + i]
             out[2, first + i] = W[_CHI + i] - W[_REST + i]
-            angle, time = (
-                W[_ANGLE_ERROR + i],
-                W[_TIME_ERROR + i] * min(W[_TIME + i], 1.0),
-            )  # a share, if it is long
+            angle = W[_ANGLE_ERROR + i]
+            time = W[_TIME_ERROR + i] * min(W[_TIME + i], 1.0)  # a share, if it is long
             out[3, first + i] = angle if angle > time else time  # NaN where that of the time is

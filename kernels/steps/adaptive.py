@@ -10,11 +10,11 @@ import math
 
 from kernels._jit import device
 from kernels.disk.body import Body
-from kernels.disk.field import ORIGIN, State, field, shift
-from kernels.steps.tableaux import DORMAND_PRINCE_54
+from kernels.disk.field import ANGLES, ORIGIN, State, field, shift
+from kernels.steps.tableaux import DORMAND_PRINCE_54, floats
 
-_A = DORMAND_PRINCE_54.a_floats
-(_E,) = DORMAND_PRINCE_54.error_floats
+_A = tuple(map(floats, DORMAND_PRINCE_54.a[1:]))
+_E = floats(DORMAND_PRINCE_54.errors[0][1])
 
 # Usual values: a tenth of a step is given away for fewer refusals, and one estimate, which may be wrong
 # by luck, changes the step by a factor of five at most.
@@ -52,26 +52,21 @@ def dopri5_step(x: State, h: float, b: Body) -> tuple[State, State]:
 
 
 @device
-def error_norm(x: State, e: State, unit: float, b: Body) -> float:
+def error_norm(x: State, e: State, unit: float, b: Body, depth: int) -> float:
     """Largest local error of the reduced motion and of the angles, each on the scale that matters.
 
     q is relative, since its logarithm is what near-flat motion resolves; angles are absolute (rad);
     p, rho, sigma4 are relative to their bounds by the energy: unit is the motion's speed. An error
-    in rho is an error in eta of I1 q times it, so this also bounds the error in eta. NaN propagates.
+    in rho is an error in eta of I1 q times it, so this also bounds the error in eta. The path is in units of r:
+    large kappa turns it many times per step. NaN propagates.
     """
     worst = abs(e.q) / x.q
     worst = _larger(worst, abs(e.z))
     worst = _larger(worst, abs(e.p) / unit)
     worst = _larger(worst, abs(e.rho) / (b.kappa * unit))
     worst = _larger(worst, abs(e.sigma4) * math.sqrt(b.J_over_M) / unit)
-    return _larger(_larger(worst, abs(e.chi)), abs(e.psi))
-
-
-@device
-def path_error_norm(x: State, e: State, unit: float, b: Body) -> float:
-    """As error_norm, and the path in units of r: large kappa turns it many times per step."""
-    worst = error_norm(x, e, unit, b)
-    return _larger(_larger(worst, abs(e.a1)), abs(e.a2))
+    worst = _larger(_larger(worst, abs(e.chi)), abs(e.psi))
+    return _larger(_larger(worst, abs(e.a1)), abs(e.a2)) if depth > ANGLES else worst
 
 
 @device

@@ -7,10 +7,11 @@ from typing import Any
 from kernels._jit import device, subroutine
 from kernels.disk.body import Body
 from kernels.disk.field import ANGLES, REDUCED, State
-from kernels.steps.adaptive import LONGEST_STEP, dopri5_step, error_norm, path_error_norm, step_factor
+from kernels.steps.adaptive import LONGEST_STEP, dopri5_step, error_norm, step_factor
 from kernels.steps.eighth import combined_error, eighth_order_step, eighth_step_factor, longest_step
 from kernels.steps.fixed import rk4_step
 
+Attempt = tuple[State, bool, float]
 RK4, DOPRI5, RK8, DOP853 = range(4)  # RK8: the steps of DOP853 at a fixed length
 # rad of chi in a step of a motion with its path, which chi turns: much beyond two turns errors need not fall with
 # shorter steps.
@@ -43,7 +44,7 @@ def to_depth(x: State, depth: int) -> State:
 
 
 @device
-def rk4_attempt(depth: int, x: State, h: float, control: float, unit: float, b: Body) -> tuple[State, bool, float]:
+def rk4_attempt(depth: int, x: State, h: float, control: float, unit: float, b: Body) -> Attempt:
     """One step; alike below. control: the step in units of 1/unit, or the tolerance.
 
     Call with constant depth: the compiler then drops what the depth does not need.
@@ -52,30 +53,23 @@ def rk4_attempt(depth: int, x: State, h: float, control: float, unit: float, b: 
 
 
 @device
-def rk8_attempt(depth: int, x: State, h: float, control: float, unit: float, b: Body) -> tuple[State, bool, float]:
+def rk8_attempt(depth: int, x: State, h: float, control: float, unit: float, b: Body) -> Attempt:
     y, _fifth, _third = eighth_order_step(x, h, b)
     return to_depth(y, depth), True, control / unit
 
 
 @device
-def dop853_attempt(
-    depth: int, x: State, h: float, control: float, unit: float, b: Body
-) -> tuple[State, bool, float]:
+def dop853_attempt(depth: int, x: State, h: float, control: float, unit: float, b: Body) -> Attempt:
     y, fifth, third = eighth_order_step(x, h, b)
-    error = combined_error(norm(x, fifth, unit, b, depth), norm(x, third, unit, b, depth)) / control
-    return (
-        to_depth(y, depth),
-        error <= 1.0,
-        limited(h * eighth_step_factor(error), longest_step(control), depth, unit, b),
-    )
+    error = combined_error(error_norm(x, fifth, unit, b, depth), error_norm(x, third, unit, b, depth)) / control
+    following = limited(h * eighth_step_factor(error), longest_step(control), depth, unit, b)
+    return to_depth(y, depth), error <= 1.0, following
 
 
 @device
-def dopri5_attempt(
-    depth: int, x: State, h: float, control: float, unit: float, b: Body
-) -> tuple[State, bool, float]:
+def dopri5_attempt(depth: int, x: State, h: float, control: float, unit: float, b: Body) -> Attempt:
     y, e = dopri5_step(x, h, b)
-    error = norm(x, e, unit, b, depth) / control
+    error = error_norm(x, e, unit, b, depth) / control
     return to_depth(y, depth), error <= 1.0, limited(h * step_factor(error), LONGEST_STEP, depth, unit, b)
 
 
@@ -85,14 +79,6 @@ def limited(step: float, longest: float, depth: int, unit: float, b: Body) -> fl
     if depth > ANGLES:
         longest = min(longest, MOST_TURNED / b.kappa)
     return step if step < longest / unit else longest / unit
-
-
-@device
-def norm(x: State, e: State, unit: float, b: Body, depth: int) -> float:
-    """Size of a local error at the depth carried."""
-    if depth > ANGLES:
-        return path_error_norm(x, e, unit, b)
-    return error_norm(x, e, unit, b)
 
 
 ATTEMPTS: dict[int, Callable[..., Any]] = {

@@ -17,7 +17,7 @@ Weights = tuple[float, ...]
 
 _A = DORMAND_PRINCE_853.a
 _B = DORMAND_PRINCE_853.b
-_E5, _E3 = DORMAND_PRINCE_853.error_floats
+_E5, _E3 = (weights for _order, weights in DORMAND_PRINCE_853.errors)
 # Narrower than for order five: the eighth power of such a change is 1e4 and more.
 _SHRINK, _GROW = 0.3, 4.0
 # Where the longest step begins to grow with the tolerance, and how far: beyond, the energy is lost.

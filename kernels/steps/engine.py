@@ -32,15 +32,15 @@ _ANY = 1e300  # a tolerance that any step meets
 class Work(NamedTuple):
     """Motions to follow, and what becomes of them.
 
-    method, depth: RK4 ..., REDUCED ...; max_steps: attempts, refused ones included. event, values: where to stop,
-    in this order. control (n): step in units of 1/speed (RK4, RK8) or tolerance (DOPRI5, DOP853). states (10, n),
-    pinned (3, n): starts and what they are held to, rows as State and Pinned. status (n): samples that come in as
-    not OK are skipped; one that somebody changes ends its motion soon. out (n, values, 10): the states, NaN where
-    one was not reached. steps (n): attempted ones. moved (3, n): rows as Moved.
+    method: RK4 ...; max_steps: attempts, refused ones included. event, values: where to stop, in this order.
+    control (n): step in units of 1/speed (RK4, RK8) or tolerance (DOPRI5, DOP853). states (10, n): starts, rows as
+    State; pinned (3, n): sigma3_bar, eta_plus and eta_minus that they are held to, NaN where one runs free.
+    status (n): samples that come in as not OK are skipped; one that somebody changes ends its motion soon. out
+    (n, values, 10): the states, NaN where one was not reached. steps (n): attempted ones. moved (3, n): rows as
+    Moved.
     """
 
     method: int
-    depth: int
     max_steps: int
     event: Event
     values: Vector
@@ -65,13 +65,6 @@ class Moved(NamedTuple):
     rates: Any
 
 
-class Room(NamedTuple):
-    """Work arrays: of the samples under way, and of those that land."""
-
-    W: Vector
-    landing: Vector
-
-
 class Place(NamedTuple):
     """How far the work is: the next sample, how many lanes are busy, and when one of them runs out of steps."""
 
@@ -92,7 +85,8 @@ def begin(work: Work, j: int, W: Vector, i: int, sweeps: int, b: Body) -> None:
     W[lanes.ENERGY * LANES + i], W[lanes.UNIT * LANES + i] = energy(x, b), unit
     W[lanes.CONTROL * LANES + i], W[lanes.STEP * LANES + i] = control, first_step(work.method, control, unit)
     W[lanes.NEXT * LANES + i], W[lanes.SAMPLE * LANES + i] = work.values[0], j
-    W[lanes.SINCE * LANES + i] = sweeps
+    W[lanes.MET * LANES + i], W[lanes.SINCE * LANES + i] = 0.0, sweeps
+    W[lanes.LARGEST * LANES + i] = W[lanes.REMOVED * LANES + i] = W[lanes.MOVED * LANES + i] = 0.0
 
 
 @subroutine
@@ -104,6 +98,7 @@ def fill(work: Work, W: Vector, upcoming: int, sweeps: int, b: Body) -> Place:
             while upcoming < status.size and status[upcoming] != _OK:
                 upcoming += 1
             if upcoming == status.size:
+                idle(W, i)
                 continue
             begin(work, upcoming, W, i, sweeps, b)
             upcoming += 1
@@ -130,7 +125,7 @@ def leave(work: Work, W: Vector, sweeps: int) -> None:
             work.moved[0, j] = W[lanes.LARGEST * LANES + i] / total
             work.moved[1, j] = W[lanes.REMOVED * LANES + i] / total
             work.moved[2, j] = W[lanes.MOVED * LANES + i] / W[lanes.UNIT * LANES + i]
-        idle(W, i)
+        W[lanes.SAMPLE * LANES + i] = -1.0
 
 
 @subroutine
@@ -155,7 +150,7 @@ def collect(work: Work, W: Vector, landing: Vector, waiting: int) -> int:
 
 
 @subroutine
-def put_down(attempt_by: Any, work: Work, W: Vector, waiting: int, whole: Whole, b: Body) -> None:
+def put_down(attempt_by: Any, depth: int, work: Work, W: Vector, waiting: int, whole: Whole, b: Body) -> None:
     """States at the values met within the last steps of a landing: first by a step about as far, then located.
 
     SINCE is then the length of the whole step.
@@ -166,40 +161,41 @@ def put_down(attempt_by: Any, work: Work, W: Vector, waiting: int, whole: Whole,
         W[lanes.SINCE * LANES + i], W[lanes.CONTROL * LANES + i] = h, _ANY
         write(W, NOW, i, x)
     lanes.sweep(attempt_by, W, work.event, b)
-    lanes.hold(W, W.view(np.int64), whole, b)
+    lanes.hold(W, whole, b)
     for i in range(LANES):
         h = W[lanes.SINCE * LANES + i]
         y, found = land(read(W, NOW, i), h, Stop(work.event, W[lanes.NEXT * LANES + i]), b)
         W[lanes.NOTE * LANES + i] = NOTHING if found else STUCK
-        write(W, NOW, i, y)
+        write(W, NOW, i, to_depth(y, depth))
     for i in range(waiting):
         y = read(W, NOW, i)
         if W[lanes.NOTE * LANES + i] != NOTHING:
             stop, h = Stop(work.event, W[lanes.NEXT * LANES + i]), W[lanes.SINCE * LANES + i]
-            y = settle(work.method, read(W, BEFORE, i), h, W[lanes.TAKEN * LANES + i], stop, b)
-        y = to_depth(y, work.depth)
+            y = to_depth(settle(work.method, read(W, BEFORE, i), h, W[lanes.TAKEN * LANES + i], stop, b), depth)
         j, k = int(W[lanes.SAMPLE * LANES + i]), int(W[lanes.MET * LANES + i])
         for component in range(10):
             work.out[j, k, component] = y[component]
 
 
 @maker
-def make_room() -> Room:
-    """Room in which there are no samples."""
+def make_lanes() -> Vector:
+    """A work array without samples."""
     W = np.zeros(lanes.ROWS * LANES)
     for i in range(LANES):
         idle(W, i)
-    return Room(W, W.copy())
+    return W
 
 
 @device
-def follow(attempt_by: Any, work: Work, trail: Trail, room: Room, disk: Disk, whole: Whole) -> None:
+def follow(
+    attempt_by: Any, depth: int, work: Work, trail: Trail, room: tuple[Vector, Vector], disk: Disk, whole: Whole
+) -> None:
     """Follow every motion to all of the values, by steps of `attempt_by`, which the trail keeps.
 
-    Where there is one and it is cut off, the outcome means nothing.
+    Where there is one and it is cut off, the outcome means nothing. room: lanes for those under way, and for
+    those that land.
     """
-    W, landing, b = room.W, room.landing, disk.body
-    bits = W.view(np.int64)
+    (W, landing), b = room, disk.body
     sweeps = waiting = 0
     place = fill(work, W, 0, 0, b)
     while place.busy > 0:
@@ -207,17 +203,17 @@ def follow(attempt_by: Any, work: Work, trail: Trail, room: Room, disk: Disk, wh
             shorten(trail, W, b)
         attention = lanes.sweep(attempt_by, W, work.event, b)
         sweeps += 1
-        lanes.hold(W, bits, whole, b)
+        lanes.hold(W, whole, b)
         if trail.most > 0 and keep(trail, W) >= trail.most:
             return
         if attention > 0 or sweeps >= place.due:
             waiting = collect(work, W, landing, waiting)
             while waiting == LANES:
-                put_down(attempt_by, work, landing, waiting, whole, b)
+                put_down(attempt_by, depth, work, landing, waiting, whole, b)
                 waiting = collect(work, W, landing, 0)
             leave(work, W, sweeps)
             place = fill(work, W, place.upcoming, sweeps, b)
-    put_down(attempt_by, work, landing, waiting, whole, b)
+    put_down(attempt_by, depth, work, landing, waiting, whole, b)
 
 
 def at_depth(method: int, depth: int) -> Any:
@@ -236,7 +232,7 @@ def _kernel(method: int, depth: int, name: str) -> Kernel:
 
     def run(work: Work, trail: Trail, disk: Disk, whole: Whole) -> None:
         """Follow every motion by one method at one depth."""
-        follow(attempt_by, work, trail, make_room(), disk, whole)
+        follow(attempt_by, depth, work, trail, (make_lanes(), make_lanes()), disk, whole)
 
     run.__name__ = run.__qualname__ = name
     return kernel(run)

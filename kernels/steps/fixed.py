@@ -3,10 +3,10 @@
 from kernels._jit import device
 from kernels.disk.body import Body
 from kernels.disk.field import State, field, shift
-from kernels.steps.tableaux import CLASSICAL_RK4
+from kernels.steps.tableaux import CLASSICAL_RK4, floats
 
-_A = CLASSICAL_RK4.a_floats
-_B = CLASSICAL_RK4.b_floats
+_A = tuple(map(floats, CLASSICAL_RK4.a[1:]))
+_B = floats(CLASSICAL_RK4.b)
 
 
 @device

@@ -5,16 +5,17 @@ sums and products that the compiler may round together; what that moves is added
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 from kernels._jit import contracted_device, contracted_subroutine, device, subroutine
-from kernels.disk.algebra import OFFSET, depth, split
+from kernels.disk.algebra import depth
 from kernels.disk.body import Body
 from kernels.disk.chaplygin import Whole, whole_solutions
+from kernels.disk.elementary import logarithm
 from kernels.disk.field import State, contracted_energy, reduced, with_reduced
 from kernels.steps.adaptive import SHORTEST_STEP
 from kernels.steps.events import Event, crossed, level
-from kernels.types import Longs, Vector
+from kernels.types import Vector
 
 LANES = 16  # two AVX-512 registers: enough independent work to hide latency, few enough to stay in them
 
@@ -35,9 +36,8 @@ NOW, BEFORE = 0, 10  # states: after and before the latest attempted step
     LARGEST, REMOVED, MOVED,
     # which sample it is (-1: none), how many values it has met, and the sweep in which it began
     SAMPLE, MET, SINCE,
-    EXPONENT, MANTISSA,
-) = range(20, 38)  # fmt: skip
-ROWS = 38
+) = range(20, 36)  # fmt: skip
+ROWS = 36
 # notes of a sweep on a lane
 NOTHING, HIT, BROKEN, STUCK = 0.0, 1.0, 2.0, 3.0
 # Shares of the energy: kinetic energy below which p is left alone, and the most that p is corrected by.
@@ -131,33 +131,20 @@ def onto_circle(y: State, held: bool) -> State:
     return with_reduced(y, q if held else y.q, z if held else y.z, y.p, y.rho, y.sigma4)
 
 
-class Held(NamedTuple):
-    """What a lane is held to, as Motion has it, X NaN where it runs free; and q of its state in two parts."""
-
-    X: float
-    plus: float
-    minus: float
-    mantissa: float
-    exponent: float
-
-
 @contracted_subroutine
-def hold(W: Vector, bits: Longs, whole: Whole, b: Body) -> None:
+def hold(W: Vector, whole: Whole, b: Body) -> None:
     """Put every lane that is held back onto its constants, and where it is fastest onto its energy.
 
     That is once in each swing: what steps do to the energy on the way down is mostly undone on the way up, and p
     would take up an error of the tilt. An energy that drifts makes the error of time and angles grow like the
-    square of the time; held, like the time. bits: W seen as integers. Needs I3 > 0 of lanes that are held.
+    square of the time; held, like the time. Needs I3 > 0 of lanes that are held.
     """
-    split(bits, NOW * LANES, EXPONENT * LANES, MANTISSA * LANES, LANES)
     inv_kappa, weight, inv_k = 1.0 / b.kappa, math.sqrt(b.J_over_M), 1.0 / b.k
     for i in range(LANES):
         x, bar, total = read(W, NOW, i), W[X_HELD * LANES + i], W[ENERGY * LANES + i]
         # All are loaded, so that nothing branches.
         plus, minus = W[Y_PLUS * LANES + i], W[Y_MINUS * LANES + i]
-        rho, sigma4 = rates(
-            Held(bar, plus, minus, W[MANTISSA * LANES + i], W[EXPONENT * LANES + i]), x, inv_k, whole, b
-        )
+        rho, sigma4 = rates(x, bar, plus if x.z >= 0.0 else minus, inv_k, whole, b)
         y = with_reduced(x, x.q, x.z, x.p, rho, sigma4)
         excess = contracted_energy(y, b) - total
         kinetic = 0.5 * b.M * x.p * x.p
@@ -179,16 +166,15 @@ def max_of(one: float, other: float) -> float:
 
 
 @contracted_device
-def rates(held: Held, x: State, inv_k: float, whole: Whole, b: Body) -> tuple[float, float]:
-    """(rho, sigma4) at the tilt of x, from the constants of its lane.
+def rates(x: State, X: float, Y: float, inv_k: float, whole: Whole, b: Body) -> tuple[float, float]:
+    """(rho, sigma4) at the tilt of x, from the constants of its motion as seen from the nearer face.
 
     The saddle beside flat amplifies an error in rho by 1/theta_min. Set anew after every step, rho never carries
     one: eta stays what it was given as, down to 1e-300.
     """
-    S, log_S = depth(x, held.mantissa, held.exponent - OFFSET)
+    S, log_S = depth(x.q, x.z, logarithm(x.q))
     f = whole_solutions(S, log_S, b.c, whole)
-    Y = held.plus if x.z >= 0.0 else held.minus
     # sigma3/q written so that S may underflow
-    rho = held.X * f.rho_over_S * (x.q / (1.0 + abs(x.z))) + Y * (f.D / x.q)
-    sigma4 = (held.X * f.drho + Y * f.dD) * inv_k
+    rho = X * f.rho_over_S * (x.q / (1.0 + abs(x.z))) + Y * (f.D / x.q)
+    sigma4 = (X * f.drho + Y * f.dD) * inv_k
     return rho, sigma4 if x.z >= 0.0 else -sigma4

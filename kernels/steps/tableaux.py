@@ -103,20 +103,10 @@ class Tableau:
                 if abs(defect) > self.rounding:
                     raise ValueError(f"tableau {self.name}: {condition}")
 
-    @property
-    def a_floats(self) -> tuple[tuple[float, ...], ...]:
-        """Rows of a from the second stage on."""
-        return tuple(tuple(map(float, row)) for row in self.a[1:])
 
-    @property
-    def b_floats(self) -> tuple[float, ...]:
-        """Weights of the solution."""
-        return tuple(map(float, self.b))
-
-    @property
-    def error_floats(self) -> tuple[tuple[float, ...], ...]:
-        """Weights of the local errors."""
-        return tuple(tuple(map(float, weights)) for _order, weights in self.errors)
+def floats(weights: tuple) -> tuple[float, ...]:
+    """Coefficients as doubles."""
+    return tuple(map(float, weights))
 
 
 CLASSICAL_RK4 = Tableau(

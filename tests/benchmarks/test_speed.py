@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from conftest import BODIES
 from passing import batch
+from steppers import constants_of
 
 import explorer as ex
 from explorer import compiled
@@ -19,7 +20,6 @@ from explorer.motion.plan import plan
 from explorer.motion.trade import STAGES
 from explorer.motion.trajectories import trajectories
 from explorer.phase.states import constants_to_states
-from kernels.disk.constants import constants_of
 from kernels.disk.field import column
 
 SAMPLES = 4096

@@ -139,7 +139,7 @@ for moved, last in [(units * 2.3e-16, last) for units in MOVED for last in (-0.2
         status, free = np.zeros(3, np.int8), np.full((3, 3), np.nan)
         out, count, moves = np.full((3, 1, 10), np.nan), np.zeros(3, np.int32), np.empty((3, 3))
         work = engine.Work(
-            *(method, field.ANGLES, 5000, events.TURNING_POINT, np.zeros(1), np.full(3, control), states, free),
+            *(method, 5000, events.TURNING_POINT, np.zeros(1), np.full(3, control), states, free),
             *(status, out, count, moves),
         )
         trail = curves.Trail(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)

@@ -44,25 +44,24 @@ def integrator(name, whole, held=True):
     held: put back onto sigma3_bar and eta after every step, as `passages` does.
     """
     n = COUNT * COPIES
-    initial = np.zeros((8, n))
+    initial = np.zeros((10, n))
     initial[:5] = np.tile(work().regular[:5], COPIES)
-    event, value = (compiled.events.TIME, T_END) if whole else (compiled.events.TURNING_POINT, 0.0)
+    events, engine, depth = compiled.events, compiled.engine, compiled.field.ANGLES
+    event, value = (events.TIME, T_END) if whole else (events.TURNING_POINT, 0.0)
     eta = np.tile(work().eta_hat, COPIES) * DISK.body.I3 * DISK.body.r0
     pinned = np.stack([np.full(n, 1.0 if held else np.nan), eta, 2.0 * DISK.body.I1 * DISK.body.dr0 - eta])
-    out, constants_error, steps = np.empty((8, n)), np.empty((3, n)), np.empty(n, np.int32)
+    out, moved, steps = np.empty((n, 1, 10)), np.empty((3, n)), np.empty(n, np.int32)
+    trail = compiled.curves.Trail(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
 
     def make(control):
         settings = np.full(n, control)
 
         def solve(_n):
-            status = np.zeros(n, np.int8)
-            how = compiled.attempt.Integration(METHODS[name], compiled.field.ANGLES, settings, 200_000, 1e-2)
-            outcome = compiled.attempt.Outcome(status, steps, constants_error)
-            stop = compiled.events.Stop(event, value)
-            motions = compiled.batch.Work(how, stop, initial, pinned, out, outcome)
-            compiled.batch.FIRST_EVENT[how.method](motions, DISK.natural, DISK.whole)
-            resolved = status == 0
-            return np.where(resolved, out[6] if whole else 2.0 * out[6], np.nan)[:COUNT]
+            status, follow = np.zeros(n, np.int8), engine.FOLLOW[METHODS[name], depth]
+            motions = (METHODS[name], 200_000, event, np.array([value]), settings, initial, pinned)
+            follow(engine.Work(*motions, status, out, steps, moved), trail, DISK.natural, DISK.whole)
+            chi = np.where(status == 0, out[:, 0, compiled.field.ROW.chi], np.nan)
+            return (chi if whole else 2.0 * chi)[:COUNT]
 
         solve.steps = lambda: steps.mean()
         return solve

@@ -24,7 +24,7 @@ def recorded(method, control):
     curves, engine = compiled.curves, compiled.engine
     free, out, status = np.full((3, 1), np.nan), np.empty((1, 1, 10)), np.zeros(1, np.int8)
     work = engine.Work(
-        *(method, 8, 10_000, compiled.events.TIME, np.array([12.0]), np.full(1, control), x, free),
+        *(method, 10_000, compiled.events.TIME, np.array([12.0]), np.full(1, control), x, free),
         *(status, out, np.zeros(1, np.int32), np.empty((3, 1))),
     )
     trail = curves.Trail(LONG, LONG, np.empty((4096, 12)), np.zeros(1, np.int64), 4096)

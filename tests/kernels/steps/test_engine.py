@@ -10,9 +10,8 @@ from steppers import CASES, DOPRI5, NAMES, RK4, UNIFORM, follow, pinned, random_
 
 from kernels._jit import numba_type
 from kernels.disk.body import Body
-from kernels.disk.constants import constants_of
 from kernels.disk.falling import potential_at_flat
-from kernels.disk.field import ANGLES, PATH, REDUCED, ROW, column
+from kernels.disk.field import ANGLES, PATH, REDUCED, ROW, column, energy
 from kernels.status import Status
 from kernels.steps import engine, lanes
 from kernels.steps.attempt import DOP853
@@ -132,7 +131,7 @@ def test_a_held_sample_keeps_an_eta_far_below_what_its_state_shows(method, contr
     eta = np.array([1e-8, -1e-30, 1e-200])
     states = np.zeros((10, 3))
     states[0], states[2], states[3], states[4] = 1.0, -1.0, 1.0, b.I1 * b.dr0 / (b.I3 * b.r0)
-    excess = constants_of(column(states, 0), UNIFORM.natural).energy - potential_at_flat(1.0 / b.r0, b)
+    excess = energy(column(states, 0), b) - potential_at_flat(1.0 / b.r0, b)
     held = np.stack([np.ones(3), eta, 2.0 * b.I1 * b.dr0 - eta])
     work = follow(method, ANGLES, states, control, pinned=held)
     out = work.out[:, 0].T
