@@ -1,8 +1,8 @@
 """Small oscillations about steady motion: K from V'' alone, so that no width of the well is too little.
 
-Between turning points at x and x + L, K = (L/2)^2 (1 - u^2) share(u) with u from -1 to 1. V'' is a polynomial
-in the
-point. With V'' = sum v_m P'_(m+1)(u) of Legendre's polynomials, whose ((1 - u^2) P_n')'' = -n (n + 1) P_n',
+Between turning points at x and x + L, K = (L/2)^2 (1 - u^2) share(u) with u from -1 to 1. At no point
+does V'' cancel. With V'' = sum v_m P'_(m+1)(u) of Legendre's polynomials, whose ((1 - u^2) P_n')'' =
+-n (n + 1) P_n',
 
     share(u) = sum v_m P'_(m+1)(u) / ((m + 1)(m + 2))
 

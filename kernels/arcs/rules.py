@@ -58,10 +58,11 @@ _DEEPEST = 300.0  # of falls, in x: what is left is below any rounding
 # rules agree by chance, D is at least the square of the difference before. (Of 230,000 arcs of twelve bodies, at
 # accuracies of 1e-3 to 1e-9, 5 in 100,000 err by over three times that.)
 _SAFETY, _POWER = 6.0, 1.5
-# With which rule to begin, which no answer depends on. The foci of an ellipse through the nearest singularity are
-# both ends of the arc, whose half length is 1: each node divides D by the sum of the half axes. How strong the
-# singularity is takes so many digits more.
+# With which rule to begin, which no answer depends on. An ellipse with both ends of the arc as its foci goes
+# through the nearest singularity; with half the arc as the unit, each node divides D by the sum of its half axes
+# (Bernstein). So many digits more are for how strong the singularity is.
 _HEADROOM = 1.5
+_LAST_FIRST = SIZES - 4  # with no finer rule than this one
 _LN10 = math.log(10.0)
 _EPSILON = 2.2e-16
 _ROUNDING = 8.0 * _EPSILON  # of K, for each unit of what it was summed from; the root takes half of it
@@ -164,8 +165,7 @@ def weights_of(kind: int, n: int) -> Vector:
     weights = clenshaw_curtis(n)
     if kind not in _HALVED:
         return weights
-    half = weights[: n // 2 + 1]
-    return np.append(half[:-1], 0.5 * half[-1]) if n % 2 == 0 else half
+    return np.append(weights[: n // 2], 0.5 * weights[n // 2])
 
 
 def places(kind: int, g: Vector) -> tuple[Vector, Vector, Vector]:
@@ -217,9 +217,9 @@ def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -
         j = rows[min(first + i, n - 1)]
         A[_X + i], A[_Y + i], A[_L + i] = arcs.X[j], arcs.Y[j], arcs.L[j]
         A[_K_IN + i], A[_K_OUT + i] = arcs.K_in[j], arcs.K_out[j]
-        # The size of what K was found from; a turning point is where K is 0, and no farther off.
-        A[_SIZE_IN + i] = arcs.error_in[j] / _ROUNDING if arcs.K_in[j] > 0.0 else 0.0
-        A[_SIZE_OUT + i] = arcs.error_out[j] / _ROUNDING if arcs.K_out[j] > 0.0 else 0.0
+        # What K is a sum of, and was found from; a turning point is where K is 0, and no farther off.
+        A[_SIZE_IN + i] = arcs.K_in[j] + arcs.error_in[j] / _ROUNDING if arcs.K_in[j] > 0.0 else 0.0
+        A[_SIZE_OUT + i] = arcs.K_out[j] + arcs.error_out[j] / _ROUNDING if arcs.K_out[j] > 0.0 else 0.0
         slow = min(arcs.slow_in[j], arcs.slow_out[j])
         A[_SLOW + i], A[_LENGTH + i] = slow, math.asinh(arcs.L[j] / slow) if slow < math.inf else 0.0
         put_end(A, 0, i, arcs.r_in[j], arcs.w_in[j], arcs.sigma3_in[j], arcs.sigma4_in[j])
@@ -256,7 +256,7 @@ def add_node(A: Vector, i: int, node: Node, inside: bool, slow: bool, b: Body) -
     turn = P.z * P.ratio - P.q * P.sigma4
     time, chi, psi = ds * P.q, ds * P.ratio, ds * turn
     weight, coarse, coarser = node.weight, node.coarse, node.coarser
-    size = P.size + abs(P.rise + K) + (A[_SIZE_IN + i] if inside else A[_SIZE_OUT + i])
+    size = P.size + (A[_SIZE_IN + i] if inside else A[_SIZE_OUT + i])
     noise = weight * ds * size * inv_K
     A[_TIME + i] += weight * time
     A[_CHI + i] += weight * chi
@@ -304,7 +304,7 @@ def difference(new: float, old: float, older: float, size: float) -> float:
 
 @contracted_subroutine
 def found_in(A: Vector, i: int) -> tuple[ArcRow[float], float]:
-    """The arc in lane i, and what of its errors more nodes would lessen, relative to what is allowed."""
+    """The arc in lane i, and the part of its error that more nodes would lessen: rad, or relative of the time."""
     time, chi, psi = A[_TIME + i], A[_CHI + i], A[_PSI + i]
     turn = 1.0 + abs(chi) + abs(psi)
     of_chi = difference(chi, A[_OLD_CHI + i], A[_OLDER_CHI + i], turn)
@@ -349,7 +349,7 @@ def first_size(kind: int, arcs: Arcs, j: int, digits: float, b: Body) -> int:
         axis = min(poles, min(zero_axis(inner, True, length, b), zero_axis(outer, False, length, b)))
     nodes = (digits + _HEADROOM) * _LN10 / logarithm(axis + math.sqrt(axis * axis - 1.0))
     size = 0
-    while _NODES[size] < nodes and size < SIZES - 4:
+    while _NODES[size] < nodes and size < _LAST_FIRST:
         size += 1
     return size
 

@@ -22,6 +22,7 @@ from kernels.arcs.potential import (
     end_of,
     make_ends,
     point_at,
+    potential,
     put_end,
     slope_and_bend,
 )
@@ -170,8 +171,7 @@ def begin(A: Vector, inward: bool, b: Body) -> None:
         A[_K + i], A[_SLOPE + i], A[_BEND + i] = A[_MOVING + i], slope if inward else -slope, -bend
         A[_R + i], A[_Q + i], A[_RATIO + i], A[_SIGMA4 + i] = end.r, end.q, end.ratio, end.sigma4
         A[_CREST + i], A[_STATE + i] = math.nan, _OPEN
-        potential = 0.5 * b.I1 * end.ratio * end.ratio + 0.5 * b.J * end.sigma4 * end.sigma4 + end.q
-        A[_ENERGY + i] = A[_MOVING + i] + potential
+        A[_ENERGY + i] = A[_MOVING + i] + potential(end.q, end.ratio, end.sigma4, b)
         # -ln r, with all its digits beside the vertical
         A[_UPRIGHT + i] = -logarithm(end.r) if end.w > 0.5 else -0.5 * log_ratio(-end.w / (2.0 - end.w))
 
@@ -235,7 +235,7 @@ def any_left(A: Vector, until: float) -> bool:
 @contracted_device
 def enter_depth(A: Vector, i: int, b: Body) -> None:
     """A distance to begin with, from the law of first order."""
-    wall = A[_K + i] + 0.5 * b.I1 * A[_RATIO + i] * A[_RATIO + i] + A[_Q + i]
+    wall = A[_K + i] + potential(A[_Q + i], A[_RATIO + i], 0.0, b)
     guess = 0.5 * abs(A[_Y + i]) * math.sqrt(0.5 * b.I1 / wall)
     first = logarithm(A[R * LANES + i]) - logarithm(guess if guess > _LEAST else _LEAST)
     A[_LOW + i], A[_HIGH + i] = A[_D + i], _DEEPEST
