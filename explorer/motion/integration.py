@@ -29,7 +29,7 @@ _RUNS = 8  # finer ones at most, each slower than the one before
 
 
 class Motions(NamedTuple):
-    """Motions before they are followed: initial (10, n); pinned (3, n): sigma3_bar, eta_plus and
+    """Motions before they are followed: initial (5 or 10, n); pinned (3, n): sigma3_bar, eta_plus and
     eta_minus that they are held to, NaN: they run free; control (n): their steps or tolerances."""
 
     disk: Disk

@@ -55,10 +55,8 @@ def turning_points(
     # Where little happens in the first steps, an adaptive method would take them too long. Fixed ones are as much
     # shorter as takes back what is amplified.
     share = np.asarray(slow) ** (-2.0 if how.adaptive else -1.0 / FIXED[how.method])
-    initial = np.zeros((10, len(states)))
-    initial[:5] = states.natural
     control = np.full(len(states), how.control_for(share))
-    given = integration.Motions(states.disk, how, initial, np.array(held), status, control)
+    given = integration.Motions(states.disk, how, states.natural, np.array(held), status, control)
     amplified = np.broadcast_to(slow, len(states))
 
     def estimate(found: integration.Followed, rows: Any) -> Array:

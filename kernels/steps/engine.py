@@ -33,11 +33,11 @@ class Work(NamedTuple):
     """Motions to follow, and what becomes of them.
 
     method: RK4 ...; max_steps: attempts, refused ones included. event, values: where to stop, in this order.
-    control (n): step in units of 1/speed (RK4, RK8) or tolerance (DOPRI5, DOP853). states (10, n): starts, rows as
-    State; pinned (3, n): sigma3_bar, eta_plus and eta_minus that they are held to, NaN where one runs free.
-    status (n): samples that come in as not OK are skipped; one that somebody changes ends its motion soon. out
-    (n, values, 10): the states, NaN where one was not reached. steps (n): attempted ones. moved (3, n): rows as
-    Moved.
+    control (n): step in units of 1/speed (RK4, RK8) or tolerance (DOPRI5, DOP853). states (5 or 10, n): starts,
+    rows as State; what is lacking is 0. pinned (3, n): sigma3_bar, eta_plus and eta_minus that they are held to,
+    NaN where one runs free. status (n): samples that come in as not OK are skipped; one that somebody changes ends
+    its motion soon. out (n, values, 10): the states, NaN where one was not reached. steps (n): attempted ones.
+    moved (3, n): rows as Moved.
     """
 
     method: int
