@@ -31,12 +31,12 @@ from kernels.arcs.potential import (
 from kernels.arcs.rules import ArcRow
 from kernels.arcs.turning_points import Starts
 from kernels.disk.body import Body
+from kernels.disk.elementary import EPSILON
 from kernels.disk.rows import put
 from kernels.types import Matrix, Vector
 
 POINTS = 16
 WIDEST = 0.5  # in x: so narrow a well needs no more points for all digits
-_EPSILON = 2.2e-16
 _FAR = END_ROWS  # rows of the end at the vertical, of the other face
 _X, _Y, _Y_FAR, _L, _UPRIGHT = range(2 * END_ROWS * LANES, (2 * END_ROWS + 5) * LANES, LANES)
 _AT_POINTS = (2 * END_ROWS + 5) * LANES  # q, ratio, z ratio - q sigma4 and V'', POINTS each; then room for sums
@@ -158,7 +158,7 @@ def partly(A: Vector, i: int, to: float, rest: float, slack: float) -> ArcRow[fl
     """
     upto = 2.0 * math.atan2(math.sqrt(to), math.sqrt(rest))
     near, far = min(to, rest), max(to, rest)
-    off = (slack * math.sqrt(near / far) if near > 0.0 and slack < 1.0 else 0.0) + 16.0 * _EPSILON
+    off = (slack * math.sqrt(near / far) if near > 0.0 and slack < 1.0 else 0.0) + 16.0 * EPSILON
     at = _AT_POINTS + i
     time, chi, psi = A[at:], A[at + POINTS * LANES :], A[at + 2 * POINTS * LANES :]
     angle_error = erred(chi, off) + erred(psi, off)

@@ -32,7 +32,7 @@ from kernels.arcs.potential import (
 )
 from kernels.arcs.turning_points import next_zero
 from kernels.disk.body import Body
-from kernels.disk.elementary import exponential, logarithm
+from kernels.disk.elementary import EPSILON, exponential, logarithm
 from kernels.disk.rows import Entry, put
 from kernels.types import Longs, Matrix, Vector
 
@@ -64,8 +64,7 @@ _SAFETY, _POWER = 6.0, 1.5
 _HEADROOM = 1.5
 _LAST_FIRST = SIZES - 4  # with no finer rule than this one
 _LN10 = math.log(10.0)
-_EPSILON = 2.2e-16
-_ROUNDING = 8.0 * _EPSILON  # of K, for each unit of what it was summed from; the root takes half of it
+_ROUNDING = 8.0 * EPSILON  # of K, for each unit of what it was summed from; the root takes half of it
 # Rows of the work array: the inner end, the outer one, and then these.
 _OUTER = END_ROWS
 (

@@ -27,7 +27,7 @@ from kernels.arcs.potential import (
     slope_and_bend,
 )
 from kernels.disk.body import Body
-from kernels.disk.elementary import log_ratio, logarithm
+from kernels.disk.elementary import EPSILON, log_ratio, logarithm
 from kernels.disk.rows import Entry
 from kernels.types import Matrix, Vector
 
@@ -39,13 +39,12 @@ _DEEP = math.exp(-3.0)  # tan(theta/2) below which V falls, and then rises as th
 _FAR = 0.1  # such a step at least is no end in sight
 _STEPS = 400  # sixteen for each decade of closeness to a crest
 _NEWTON = 60
-_EPSILON = 2.2e-16
-_AT_END = 2.0 * _EPSILON  # of a distance: no step is shorter
+_AT_END = 2.0 * EPSILON  # of a distance: no step is shorter
 _ALMOST = 1e-12  # of a distance: the next step is at rounding
 _DEEPEST = 745.0  # in x, below the vertical: tan(theta/2) is the smallest number there
 _FLAT = 60.0  # from the vertical: V on F is that at flat
 _LEAST = 1e-300  # what is never 0
-_ROUNDING = 4.0 * _EPSILON  # of K, for each unit of what it was summed from
+_ROUNDING = 4.0 * EPSILON  # of K, for each unit of what it was summed from
 # How far a search is: by steps that cannot pass a root, by Halley's, by Newton's in the depth, done.
 _OPEN, _NEAR, _IN_DEPTH, _FOUND, _FOUND_DEEP = 0.0, 1.0, 2.0, 3.0, 4.0
 (

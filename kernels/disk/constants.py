@@ -6,6 +6,7 @@ from typing import Generic, NamedTuple
 from kernels._jit import contracted_device, device
 from kernels.disk.body import Body
 from kernels.disk.chaplygin import Solutions
+from kernels.disk.elementary import EPSILON
 from kernels.disk.field import State
 from kernels.disk.rows import Entry
 
@@ -26,7 +27,7 @@ class Constants(NamedTuple, Generic[Entry]):
 
 
 # A dozen operations per term and the series, each half a unit in the last place.
-_ULPS = 6 * 2.2e-16
+_ULPS = 6 * EPSILON
 
 
 @device

@@ -14,6 +14,7 @@ _BIAS, _PLACES = 1023, 52  # of the exponent of a double, and bits behind it
 _FRACTION, _ONE = np.uint64(0x000FFFFFFFFFFFFF), np.uint64(0x3FF0000000000000)
 _SHIFTER, _BEHIND = np.uint64(0x4330000000000000), np.uint64(_PLACES)
 _OFFSET, _ROOT_TWO = 2.0**52 + _BIAS, math.sqrt(2.0)
+EPSILON = 2.2e-16  # of a double's rounding
 SMALLEST = 2.3e-308  # below, the bits of the exponent are zero
 # (e^f - 1)/f for |f| <= ln(2)/2: what is left out is below rounding.
 _POWERS = tuple(1.0 / math.factorial(n + 1) for n in range(13))

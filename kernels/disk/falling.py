@@ -16,13 +16,14 @@ from kernels.disk import chaplygin
 from kernels.disk.body import Body, Disk
 from kernels.disk.chaplygin import Solutions
 from kernels.disk.constants import depth_below_vertical
+from kernels.disk.elementary import EPSILON
 from kernels.disk.polynomials import horner
 from kernels.disk.rows import Entry, put
 from kernels.types import Matrix, Vector
 
 # Bisection to rounding on an interval of length pi/2.
 BISECTIONS = 60
-_ROUNDING = 8 * 2.2e-16
+_ROUNDING = 8 * EPSILON
 # Of the barrier's series, at which its coefficients are at rounding.
 BARRIER_DEGREE = 24
 # |sigma3_bar| / sigma3_bar* this close to 1 is bisected: the series there is the square root of what is left.

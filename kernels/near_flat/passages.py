@@ -13,7 +13,7 @@ import numpy as np
 
 from kernels._jit import contracted_device, contracted_subroutine, kernel
 from kernels.disk.body import Body, Disk
-from kernels.disk.elementary import exponential, inverse_root
+from kernels.disk.elementary import EPSILON, exponential, inverse_root
 from kernels.disk.falling import contracted_potential_above_flat, potential_at_flat
 from kernels.disk.rows import Entry
 from kernels.near_flat.closed_forms import (
@@ -39,8 +39,7 @@ _MIDDLE = 0.8  # r^2 of a slow start that has gained as much as it left with at 
 _OF_START = 0.1  # what is missed of a slow start, in e^(-2 n sqrt(r)): no error of 500,000 was twice its estimate
 _OF_COEFFICIENTS = 10.0  # what a rule misses, in squares of the share of its last coefficients
 _SETTLED = 1e-8  # Newton's last step: the next one, about its square, would be rounding
-_EPSILON = 2.2e-16
-_ROUNDING = 100.0 * _EPSILON  # of angles and time
+_ROUNDING = 100.0 * EPSILON  # of angles and time
 # Rows of the work array: entry (row, i) stands at row * LANES + i.
 _ROWS = 33
 (
@@ -121,7 +120,7 @@ def leave(W: Vector, i: int, at: Fixed, given: float, b: Body) -> None:
     level = given if given > 0.0 else moving + gyration + spin + 1.0
     terms = abs(level) + gyration + abs(spin) + 1.0
     duration = min(1.0, math.sqrt(0.5 * b.M / moving))
-    of_start = (4.0 * _EPSILON * terms + doubt) / moving * duration * (1.0 + abs(ratio) + abs(x * inv_k + rise))
+    of_start = (4.0 * EPSILON * terms + doubt) / moving * duration * (1.0 + abs(ratio) + abs(x * inv_k + rise))
     W[_LEVEL + i], W[_NOISE + i] = level, _ROUNDING * (1.0 + terms / abs(level)) + of_start
     W[_TIME_ERROR + i] = 0.0 if moving > _SLOWEST * level else math.nan
 
