@@ -35,10 +35,10 @@ def depth(q: float, z: float, log_q: float) -> tuple[float, float]:
 
 @contracted_device
 def constants_by_series(x: State, whole: Whole, b: Body) -> Constants[float]:
-    """Constants of the state x, NaN where not q > 0."""
+    """Constants of the state x."""
     small = x.q < SMALLEST
     log_q = logarithm(x.q * _SCALE if small else x.q) - (_LOG_SCALE if small else 0.0)
-    S, log_S = depth(x.q if x.q > 0.0 else math.nan, x.z, log_q)
+    S, log_S = depth(x.q, x.z, log_q)
     return from_solutions(x, whole_solutions(S, log_S, b.c, whole), contracted_energy(x, b), b)
 
 
@@ -46,9 +46,8 @@ def constants_by_series(x: State, whole: Whole, b: Body) -> Constants[float]:
 def lanes(W: Vector, whole: Whole, b: Body) -> None:
     """Rows _OUT ... from rows _Q ... _SIGMA4."""
     for i in range(LANES):
-        x = reduced_state(
-            W[_Q * LANES + i], W[_Z * LANES + i], W[_P * LANES + i], W[_RHO * LANES + i], W[_SIGMA4 * LANES + i]
-        )
+        q, z, p = W[_Q * LANES + i], W[_Z * LANES + i], W[_P * LANES + i]
+        x = reduced_state(q if q > 0.0 else math.nan, z, p, W[_RHO * LANES + i], W[_SIGMA4 * LANES + i])
         constants = constants_by_series(x, whole, b)
         W[_OUT * LANES + i] = constants.sigma3_bar
         W[(_OUT + 1) * LANES + i] = constants.eta_plus
