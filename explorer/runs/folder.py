@@ -8,6 +8,7 @@ import contextlib
 import hashlib
 import inspect
 import json
+import linecache
 import platform
 import shutil
 from collections.abc import Callable, Iterator
@@ -37,7 +38,7 @@ MADE_BY = ("kernels", "code", "calibration")  # what decides the numbers beside 
 def identity(scene: Scene) -> dict[str, Any]:
     """What decides the numbers: two runs with equal identities have equal numbers.
 
-    code: digest of the source of a user's scene. calibration: that of steps which the machine's own one sets.
+    code: digest of the file of a user's scene. calibration: that of steps which the machine's own one sets.
     """
     steps = [plan.own_steps for plan in scene.plans if plan.own_steps]
     made_by = compiled.source_digest(), _code_of(type(scene)), _digest(json.dumps(steps)) if steps else None
@@ -46,13 +47,15 @@ def identity(scene: Scene) -> dict[str, Any]:
 
 @cache
 def _code_of(kind: type[Scene]) -> str | None:
-    """Digest of the source of a user's scene; None of ours, and where there is no source.
+    """Digest of the file of a user's scene; None of ours, and where there is no file.
 
-    Found once, before threads ask for it: Python does not read source in two threads at once.
+    Of all of it, since a scene calls what stands beside it. For the class alone Python would parse the file, and
+    it fails where another thread parses as well.
     """
     if not kind.__module__.startswith("explorer."):
         with contextlib.suppress(OSError, TypeError):
-            return _digest(inspect.getsource(kind))
+            lines = linecache.getlines(inspect.getfile(kind))
+            return _digest("".join(lines)) if lines else None
     return None
 
 
