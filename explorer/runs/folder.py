@@ -54,7 +54,9 @@ def _code_of(kind: type[Scene]) -> str | None:
     """
     if not kind.__module__.startswith("explorer."):
         with contextlib.suppress(OSError, TypeError):
-            lines = linecache.getlines(inspect.getfile(kind))
+            file = inspect.getfile(kind)
+            linecache.checkcache(file)  # it may have been edited since it was read
+            lines = linecache.getlines(file)
             return _digest("".join(lines)) if lines else None
     return None
 
