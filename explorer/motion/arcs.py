@@ -32,7 +32,7 @@ def some(
     place: "compiled.turning_points.Place[Array]", rows: NDArray[np.intp]
 ) -> "compiled.turning_points.Place[Array]":
     """Some of the places."""
-    return compiled.turning_points.Place(*(column[rows] for column in place))
+    return compiled.turning_points.Place(*(column.take(rows) for column in place))
 
 
 def from_place(

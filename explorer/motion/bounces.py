@@ -146,7 +146,7 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
         of_rows = LinearConstants(*(c[rows] for c in linear))
         return _pairs(states.at(rows), of_rows, status[rows], how.accuracy, count == 1)
 
-    return _in_turn(states, _joined(in_parts(jobs, len(states), some, 4 * BLOCK)), count)
+    return _in_turn(states, _joined(in_parts(jobs, len(states), some, BLOCK)), count)
 
 
 def motion_constants(found: Bounces) -> dict[str, NDArray[Any]]:

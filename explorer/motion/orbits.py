@@ -59,10 +59,10 @@ def _points() -> "compiled.nutation.Points":
 def ends_of(disk: Disk, motions: Motions) -> Ends:
     """The turning points of motions."""
     turning, n = compiled.turning_points, motions.starts.X.size
-    tables = np.full((5, len(turning.Place._fields), n), np.nan)
-    turning.orbit_batch(motions.starts, disk.chart, *tables[:4])
-    state, inner, outer, vertical = (turning.Place(*table) for table in tables[:4])
-    crosses, far = outer.K > 0.0, tables[4]
+    tables = np.empty((4, len(turning.Place._fields), n))
+    turning.orbit_batch(motions.starts, disk.chart, *tables)
+    state, inner, outer, vertical = (turning.Place(*table) for table in tables)
+    crosses, far = outer.K > 0.0, np.full(tables[0].shape, np.nan)
     rows = np.flatnonzero(crosses)
     far[:, rows] = next_inward(
         disk, from_place(motions.starts.X[rows], motions.Y_far[rows], beyond(some(vertical, rows)))
