@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion import integration, precision
+from explorer.motion import calibration, integration, precision
 from explorer.motion.orbits import ends_of, smallest
 from explorer.motion.plan import FIXED, Plan
 from explorer.motion.starts import Motions, held_constants, orbit_starts, status_at_start
@@ -53,8 +53,8 @@ def turning_points(
         natural = natural_constants(states)
     status, held = held_constants(states, natural)
     # Where little happens in the first steps, an adaptive method would take them too long. Fixed ones are as much
-    # shorter as takes back what is amplified.
-    share = np.asarray(slow) ** (-2.0 if how.adaptive else -1.0 / FIXED[how.method])
+    # shorter as takes back what is amplified beyond the reserve of the calibration.
+    share = np.fmax(slow / calibration.SAFETY, 1.0) ** (-2.0 if how.adaptive else -1.0 / FIXED[how.method])
     control = np.full(len(states), how.control_for(share))
     given = integration.Motions(states.disk, how, states.natural, np.array(held), status, control)
     amplified = np.broadcast_to(slow, len(states))
