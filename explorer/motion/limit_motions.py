@@ -21,7 +21,6 @@ from explorer.motion.rise import Moving, Rise
 from explorer.motion.starts import Motions, motions_through
 from explorer.phase import membership
 from explorer.phase.arguments import column
-from explorer.phase.constants import NaturalConstants, best_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, linear_constants
 from explorer.phase.membership import falls_of
@@ -336,13 +335,12 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     side = sign("side", side)
     if len(states) != 1:
         raise InputError(f"limit motion: needs one state, {len(states)} were given")
-    natural = best_constants(states)
-    where = falls_of(states, natural)
+    where = falls_of(states)
     if not bool(where.could_fall[0]):
         raise InputError("limit motion: the disk could not fall from this state; see explorer.falls")
     face = int(where.face[0])
-    limit = _made(states, natural, face, side, bool(where.on_f[0]))
-    limit.missed = disk.eta_to_eta_hat(float(natural.eta(np.array([face > 0]))[0])) * disk.rate_unit
+    limit = _made(states, face, side, bool(where.on_f[0]))
+    limit.missed = disk.eta_to_eta_hat(float(states.motion.eta(np.array([face > 0]))[0])) * disk.rate_unit
     if misses_f(limit):
         warn_of_move(limit, 3)
     return limit
@@ -353,15 +351,15 @@ def misses_f(limit: AnyLimit) -> bool:
     return abs(limit.missed) > _MEANT * max(limit.disk.rate_unit, abs(limit.sigma3_bar))
 
 
-def _made(states: States, natural: NaturalConstants, face: int, side: int, on_f: bool) -> AnyLimit:
+def _made(states: States, face: int, side: int, on_f: bool) -> AnyLimit:
     """The motion of one of both kinds."""
-    z, p, bar = (float(row[0]) for row in (states.rows.z, states.rows.p, natural.sigma3_bar))
+    z, p, bar = (float(row[0]) for row in (states.rows.z, states.rows.p, states.motion.sigma3_bar))
     if bar == 0.0:  # both lines l_+ and l_- meet here
         face = 1 if z >= 0.0 else -1
-    tiny = _TINY * max(float(natural.energy[0]), 1.0)
+    tiny = _TINY * max(float(states.motion.energy[0]), 1.0)
     if 0.0 < abs(bar) < tiny:
         bar = math.copysign(tiny, bar)
-    eta = np.zeros(1) if on_f else natural.eta(np.array([face > 0]))
+    eta = np.zeros(1) if on_f else states.motion.eta(np.array([face > 0]))
     crossed, rises = face * z < 0.0, face * p >= 0.0
     rise = Rise(states.disk, _onto_f(states, bar, eta, face), crossed)
     if rise.upright:

@@ -17,9 +17,9 @@ from explorer.motion.integration import Followed, follow, settle
 from explorer.motion.integration import Motions as Given
 from explorer.motion.parts import blocks, in_parts
 from explorer.motion.plan import PATH, Plan
-from explorer.motion.starts import held_constants
-from explorer.phase.constants import NaturalConstants, natural_constants
+from explorer.motion.starts import held_constants, status_at_start
 from explorer.phase.disk import Disk
+from explorer.phase.lines import Motion
 from explorer.phase.states import Array, States
 
 # Chords of such arcs of the rim stay within half a per cent of the radius.
@@ -33,7 +33,7 @@ _POINTS, _PER_TIME, _MORE = 256, 512, 8
 
 
 class Motions(NamedTuple):
-    """Motions before they are followed; constants (6, n): rows as NaturalConstants."""
+    """Motions before they are followed; constants (6, n): rows as Motion."""
 
     given: Given
     constants: Array
@@ -68,13 +68,12 @@ def motions(states: States, how: Plan, chi0: float, max_steps: int) -> Motions:
     initial = np.zeros((10, len(states)))
     initial[:5] = states.natural
     initial[compiled.field.ROW.chi] = chi0
-    natural = natural_constants(states)
-    status, held = held_constants(states, natural)
     control = np.full(len(states), how.control)
     if how.rung == PATH and not how.adaptive:
         control = np.fmin(control, compiled.attempt.MOST_TURNED / states.disk.kappa)
-    given = Given(states.disk, how.in_time, initial, np.stack(held), status, control, max_steps)
-    return Motions(given, np.array(natural))
+    held, status = held_constants(states), status_at_start(states)
+    given = Given(states.disk, how.in_time, initial, held, status, control, max_steps)
+    return Motions(given, np.array(states.motion))
 
 
 def sample(motions: Motions, times: Array, jobs: int = 1) -> tuple[Array, Outcome]:
@@ -89,7 +88,7 @@ def _joined(parts: list[Outcome]) -> Outcome:
 
 def _sample(motions: Motions, times: Array) -> tuple[Array, Outcome, Given]:
     """The same, and the motions with the steps by which they are as accurate as was asked."""
-    given, disk, start = motions.given, motions.disk, NaturalConstants(*motions.constants)
+    given, disk, start = motions.given, motions.disk, Motion(*motions.constants)
     how, code, depth = given.plan, compiled.status.Status, given.plan.kernel_depth
     later = times[times > 0.0]  # the kernel takes values above 0; the state at 0 is known
     n, last = motions.number, float(times[-1])
@@ -105,7 +104,8 @@ def _sample(motions: Motions, times: Array) -> tuple[Array, Outcome, Given]:
         hidden = precision.hidden(disk, how, start, last)
 
         def estimate(found: Followed, rows: Any) -> Array:
-            error = precision.estimate(disk, how, found.moved, amplified[rows], last)
+            ended = found.out[:, -1].T
+            error = precision.estimate(disk, how, found.moved, ended, amplified[rows], last)
             return np.where(hidden[rows], np.inf, error)
 
         asked = precision.asked(how, last)
@@ -125,11 +125,11 @@ def _sample(motions: Motions, times: Array) -> tuple[Array, Outcome, Given]:
     return out, outcome, given
 
 
-def _constants_error(disk: Disk, start: NaturalConstants, ended: Array) -> Array:
+def _constants_error(disk: Disk, start: Motion, ended: Array) -> Array:
     """How far the constants moved (3, n): the energy, relative; sigma3_bar; eta of the nearer face."""
     last = np.empty((6, ended.shape[1]))
     compiled.algebra.constants_batch(np.ascontiguousarray(ended[:5]), disk.whole, disk.natural, last)
-    then, plus = NaturalConstants(*last), start.nearer_plus
+    then, plus = Motion(*last), start.nearer_plus
     energy = then.energy / start.energy - 1.0
     return np.stack([energy, then.sigma3_bar - start.sigma3_bar, then.eta(plus) - start.eta(plus)])
 
