@@ -15,8 +15,8 @@ from explorer.errors import InputError, note, one_of
 from explorer.phase.disk import Disk
 from explorer.phase.paths import made_folder
 from explorer.pictures import film
-from explorer.pictures.calls import pictures
-from explorer.pictures.register import Question, portraits_of, save
+from explorer.pictures.calls import pictures, portraits_of
+from explorer.pictures.register import Question, save
 from explorer.scenes.options import DISK, FOLDER, Options, Reader, option, options_of
 from explorer.scenes.portrait import Portrait
 from explorer.scenes.scene import Scene

@@ -21,8 +21,8 @@ _NEAR = 1e-12
 
 @picture(
     Question.HOW_FAR,
-    "Above, the race number κ against mr²/I₁: beside F the contact point races round the rim by κ half turns. "
-    "Circles are measured on passages beside F and lie on the curve. At the diamonds κ is a whole number. Below, "
+    "Above, the race number κ against mr²/I₁: near F the contact point races round the rim by κ half turns. "
+    "Circles are measured on passages near F and lie on the curve. At the diamonds κ is a whole number. Below, "
     "how far apart the two limit motions leave a fall, as a distance on the circle: at the diamonds it is zero, "
     "and both sides of F have the same limit.",
     (SIZE[0], 7.2),
@@ -61,7 +61,7 @@ def gap_of(kappa: Array) -> Array:
 
 
 def race_number_of(disks: Sequence[Disk]) -> Array:
-    """Race numbers as passages on both sides, beside F, have them."""
+    """Race numbers as passages on both sides, near F, have them."""
     found = []
     for disk in disks:
         require_axial_inertia(disk)
@@ -75,7 +75,7 @@ def _marks(ax: Axes, x: Array, measured: Array, matching: Array, height: Callabl
     """Bodies whose limits agree, those measured, and those with a name."""
     told = r"$m r^2/I_1 = l^2 - 1$: both limits agree"
     ax.plot(matching, height(np.sqrt(1.0 + matching)), "D", color=SERIES[1], ms=7, label=told)
-    ax.plot(x, height(measured), "o", mfc="none", mec=DARK, ms=12, label="measured beside $F$")
+    ax.plot(x, height(measured), "o", mfc="none", mec=DARK, ms=12, label="measured near $F$")
     for ratio, name in _NAMED.items():
         at = ratio, float(height(np.array(math.sqrt(1.0 + ratio))))
         ax.plot([at[0]], [at[1]], "s", color=SERIES[2], ms=6)

@@ -1,5 +1,7 @@
 """All pictures by name: `ex.picture` and `ex.pictures`."""
 
+from collections.abc import Callable, Iterator
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -35,7 +37,7 @@ class Pictures(dict[str, Picture]):
         return "\n".join(lines)
 
 
-pictures = Pictures(sorted(PICTURES.items()))
+pictures = Pictures(PICTURES)
 
 
 def picture(name: str, *what: Any, ax: Axes | Figure | SubFigure | None = None, **numbers: Any) -> Figure:
@@ -70,3 +72,10 @@ def picture(name: str, *what: Any, ax: Axes | Figure | SubFigure | None = None, 
     'Turns jump where the disk comes flat ($E$ = 3 $mgr$)'
     """
     return pictures[one_of("picture", name, pictures)](*what, ax=ax, **numbers)
+
+
+def portraits_of(group: str, asked: Any) -> Iterator[tuple[str, Callable[..., Figure]]]:
+    """The pictures of a group by the names of their files; asked: a `Portrait`, which has disk and potentials."""
+    for each in [each for each in pictures.values() if each.group == group]:
+        for name, what in each.portraits(asked):
+            yield name, partial(each, *what)

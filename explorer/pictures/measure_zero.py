@@ -13,7 +13,7 @@ from explorer.pictures.style import DARK, SERIES, SIZE, SMALL, dress, legend_bel
 
 _TUBES, _PLAIN = SERIES[1], SERIES[2]
 _POINTS: dict[str, Any] = {"ms": 5, "mfc": "none", "mew": 1.3, "capsize": 2, "lw": 1.2}
-_NEAR = "draws beside $F$, weighted, 95 %"
+_NEAR = "draws near $F$, weighted, 95 %"
 
 
 @picture(
@@ -23,7 +23,7 @@ _NEAR = "draws beside $F$, weighted, 95 %"
     "divided by the law: all intervals hold 1 as soon as δ is small.",
     (SIZE[0], 8.4),
 )
-def ladder(figure: Figure, summary: dict[str, Any]) -> None:
+def probability(figure: Figure, summary: dict[str, Any]) -> None:
     """Draw estimates of P(theta_min < delta) with intervals, the line C delta, and laws that it is not."""
     if summary["constant"]:
         above, below = figure.subplots(2, 1, sharex=True)
@@ -119,9 +119,7 @@ def constant_convergence(ax: Axes, summary: dict[str, Any]) -> None:
     ax.xaxis.set_minor_locator(NullLocator())
     legend_below(ax)
     title = "The constant $C$ settles on its prediction"
-    dress(
-        ax, "draws beside $F$, from the first on (thousands)", "$C$ from draws / predicted − 1", title, grid=True
-    )
+    dress(ax, "draws near $F$, from the first on (thousands)", "$C$ from draws / predicted − 1", title, grid=True)
 
 
 @picture(

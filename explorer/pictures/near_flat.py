@@ -152,13 +152,13 @@ def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1
     Question.HOW_FAR,
     "The flat state blown up: the rate of the tilt, the rate ρ of the contact point, and how flat the disk lies, "
     "downwards. At the bottom the flat state is an ellipse, and an orbit on it leads from the impact at −A to the "
-    "rise at +A, on one half for each side of F. Motions beside F, nearer and nearer from above, follow it: the "
+    "rise at +A, on one half for each side of F. Motions near F, nearer and nearer from above, follow it: the "
     "race is this heteroclinic orbit, and the angle along it is ±κπ.",
     (7.4, 6.0),
     "limit",
 )
 def blow_up(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.03, 0.01, 0.003)) -> None:
-    """Draw passages beside F in (dtheta/dt, rho/kappa, log cos phi), above the blown-up flat state, eq. (7.1)."""
+    """Draw passages near F in (dtheta/dt, rho/kappa, log cos phi), above the blown-up flat state, eq. (7.1)."""
     ax = figure.add_subplot(projection="3d")
     assert isinstance(ax, Axes3D)
     several = list(followed(disk, _on_both_sides(eta_hat)))

@@ -1,4 +1,4 @@
-"""The two one-sided limit motions, and the motions beside F that tend to them."""
+"""The two one-sided limit motions, and the motions near F that tend to them."""
 
 import math
 from collections.abc import Iterator
@@ -33,7 +33,7 @@ _BODY_NAMES = {"matching": r"flat body with $mr^2/I_1 = 3$"}
 
 @picture(
     Question.EACH_SIDE,
-    "How far a motion beside F is from the limit motion of its own side, as η tends to 0. Lines are medians over "
+    "How far a motion near F is from the limit motion of its own side, as η tends to 0. Lines are medians over "
     "the starts, bands reach up to the largest distance. Both fall like η ln(1/η): each side has its own limit.",
 )
 def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
@@ -70,7 +70,7 @@ def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
 
 @picture(
     Question.EACH_SIDE,
-    "A motion just beside F on both sides, with the limits. Above, the tilt φ: nothing in it tells the sides of F "
+    "A motion just near F on both sides, with the limits. Above, the tilt φ: nothing in it tells the sides of F "
     "apart. Below, the angle of the contact point: at each near-fall, on the thin vertical lines, χ jumps by the "
     "race, κπ forwards on one side of F, κπ backwards on the other.",
     (SIZE[0], 6.4),

@@ -9,10 +9,10 @@ portrait`, the scenes and the captions in files all take it from here.
 """
 
 import inspect
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 from weakref import WeakKeyDictionary
@@ -138,13 +138,6 @@ def picture(
         return made
 
     return mark
-
-
-def portraits_of(group: str, asked: Any) -> Iterator[tuple[str, Callable[..., Figure]]]:
-    """The pictures of a group by the names of their files; asked: a `Portrait`, which has disk and potentials."""
-    for each in [each for each in PICTURES.values() if each.group == group]:
-        for name, what in each.portraits(asked):
-            yield name, partial(each, *what)
 
 
 # Captions of figures, and in files

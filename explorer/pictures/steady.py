@@ -47,7 +47,7 @@ RADII = (0.5, 1.0, 2.0, 5.0)  # of the circles that are marked, in radii of the 
     group="phase",
 )
 def steady_plane(ax: Axes, disk: Disk) -> None:
-    """Draw the plane of constants: l_+-, steady motions at several tilts, and where wells beside F exist.
+    """Draw the plane of constants: l_+-, steady motions at several tilts, and where wells near F exist.
 
     Each grey curve holds the constants with a steady motion at one tilt |phi|, broken where it is unstable, in
     one of four equal quadrants; tinted where a saddle exists.

@@ -127,8 +127,8 @@ def wander_distance(ax: Axes, disk: Disk, count: int = 12) -> None:
         ax.plot(np.arange(path.count + 1), abs(found.after(path.count)[0]) / r, ".", color=colour, ms=6)
         if 2.0 * found.radius[0] / r < _BOUNDED:
             ax.axhline(2.0 * found.radius[0] / r, color=colour, lw=1, ls=":")
-    ax.plot([], [], ".", color=DARK, label="at whole periods, foretold from one")
-    ax.plot([], [], color=DARK, lw=1, ls=":", label="these dots stay below")
+    ax.plot([], [], ".", color=DARK, label="at whole periods, from the first")
+    ax.plot([], [], color=DARK, lw=1, ls=":", label="bound of these dots")
     ax.set_ylim(0.0, 1.05 * largest)
     legend_below(ax, ncols=2)
     dress(ax, "t (periods)", "distance from the start (r)", "Only a resonance walks away")

@@ -254,7 +254,7 @@ class MeasureZero(FromDensity):
     def figures(self, summary: dict[str, Any], tally: ZeroCounts) -> Iterator[tuple[str, Picture]]:
         from explorer.pictures import measure_zero
 
-        yield "ladder", partial(measure_zero.ladder, summary)
+        yield "ladder", partial(measure_zero.probability, summary)
         if summary["constant"]:
             yield "convergence", partial(measure_zero.constant_convergence, summary)
             yield "tilt", partial(measure_zero.tilt_density, summary)

@@ -148,8 +148,7 @@ class Portrait(Scene):
 
     def figures(self, summary: dict[str, Any], tally: PortraitCounts) -> Iterator[tuple[str, Picture]]:
         """All pictures of the group, which need no run."""
-        import explorer.pictures.calls  # noqa: F401  # loads them all
-        from explorer.pictures.register import portraits_of
+        from explorer.pictures.calls import portraits_of
 
         return portraits_of("phase", self)
 

@@ -131,8 +131,9 @@ def described(home, names):
 
 def python():
     """All public names."""
-    rows = [(f"`{name}`", f"`{each.signature}`", each.caption.text) for name, each in ex.pictures.items()]
-    shown = table(["picture", "takes", "what is seen"], rows)
+    told = {name: " ".join(inspect.getdoc(each.draw).split()) for name, each in sorted(ex.pictures.items())}
+    rows = [(f"`{name}{ex.pictures[name].signature}`", text) for name, text in told.items()]
+    shown = table(["picture", "what it draws"], rows)
     return f"## Functions and classes\n\n{described(ex, ex.__all__)}\n## Pictures\n\n{shown}\n"
 
 

@@ -52,7 +52,7 @@ def drawn(tmp_path_factory, traded):
         "bifurcation-of-energies": (UNIFORM, "line"),
         "rosette": (ex.wander_path(ex.constants_to_states(UNIFORM, 0.7, 0.01, 1.0), 2),),
         "work-precision": (traded.parts[0],),
-        **dict.fromkeys(("ladder", "constant-convergence", "tilt-density"), (run.summary,)),
+        **dict.fromkeys(("probability", "constant-convergence", "tilt-density"), (run.summary,)),
     }
     numbers = {"rotation": {"points": 10}, "falling-surface": {"points": 9}}
     made = {}

@@ -7,7 +7,8 @@ from matplotlib.figure import Figure
 
 import explorer as ex
 from explorer.commands.gallery import caption_in
-from explorer.pictures.register import Caption, Question, add_caption, caption_of, portraits_of, save
+from explorer.pictures.calls import portraits_of
+from explorer.pictures.register import Caption, Question, add_caption, caption_of, save
 from explorer.scenes.portrait import Portrait
 
 DISK = ex.Disk.uniform()

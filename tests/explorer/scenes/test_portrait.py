@@ -8,7 +8,7 @@ from conftest import BODIES, computed
 
 import explorer as ex
 from explorer.phase.potential import CENTRE, SADDLE
-from explorer.pictures.register import portraits_of
+from explorer.pictures.calls import portraits_of
 from explorer.scenes.portrait import Portrait
 
 
