@@ -20,7 +20,7 @@ from weakref import WeakKeyDictionary
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from explorer.errors import InputError
+from explorer.errors import InputError, shown
 from explorer.phase.disk import require_axial_inertia
 from explorer.pictures.style import SIZE
 
@@ -104,6 +104,10 @@ class Picture:
             raise InputError(
                 f"picture {self.name}: {error}; it takes {', '.join(self.signature.parameters)}"
             ) from None
+        for name, value in given.items():
+            kind = inspect.signature(self.draw).parameters[name].annotation
+            if inspect.isclass(kind) and kind.__module__.startswith("explorer.") and not isinstance(value, kind):
+                raise InputError(f"picture {self.name}: {name} = {shown(value)} is no {kind.__name__}; give one")
         if "disk" in given:
             require_axial_inertia(given["disk"])
         if ax is None:

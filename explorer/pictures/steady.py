@@ -1,6 +1,5 @@
 """Steady motions: where they lie and which are stable."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -29,6 +28,7 @@ from explorer.pictures.style import (
     HALF_PI,
     SERIES,
     SMALL,
+    TEXT,
     UNSTABLE,
     dress,
     label,
@@ -36,30 +36,21 @@ from explorer.pictures.style import (
     rates_of,
 )
 
-TILTS = (0.2, 0.5, 0.8, 1.1, 1.4)
 RADII = (0.5, 1.0, 2.0, 5.0)  # of the circles that are marked, in radii of the disk
 
 
 @picture(
     Question.WHICH_MOTIONS,
-    "The plane of the constants of motion: the lines of the falling motions, the curves of steady motions, "
-    "and the curve with four cusps inside which there is a saddle. The numbers count the equilibria.",
+    "The plane of the constants of motion: the lines of the falling motions, and the curve with four cusps inside "
+    "which there is an unstable steady motion between two stable ones. On its cusps spinning upright and straight "
+    "rolling become stable.",
     group="phase",
 )
 def steady_plane(ax: Axes, disk: Disk) -> None:
-    """Draw the plane of constants: l_+-, steady motions at several tilts, and where wells near F exist.
-
-    Each grey curve holds the constants with a steady motion at one tilt |phi|, broken where it is unstable, in
-    one of four equal quadrants; tinted where a saddle exists.
-    """
+    """Draw the plane of constants: l_+-, the fold of steady motions, and where there are wells near F."""
     x, y = fold_curve(disk)
     ax.fill(x, y, color=UNSTABLE, lw=0)
-    width = 1.7 * max(float(abs(x).max()), float(abs(y).max()))
-    for place, tilt in enumerate(TILTS):
-        for stable, bars, spins in _of_tilt(disk, tilt):
-            ax.plot(bars, spins, color=str(0.78 - 0.17 * place), ls="-" if stable else (0, (2, 1)), lw=1.3)
-            if stable:
-                _name_tilt(ax, disk, tilt, bars, spins, width)
+    width, height = 1.7 * abs(x).max(), 1.7 * abs(y).max()
     slope, most = line_slope(disk), well(disk).sigma3_bar * disk.rate_unit
     ends, inner = np.array([-3.0, 3.0]) * width, np.array([-most, most])
     for face, names in ((1, (r"$l_+$, $l_-$: falling", "with a well on it")), (-1, (None, None))):
@@ -69,37 +60,15 @@ def steady_plane(ax: Axes, disk: Disk) -> None:
     spin, roll = spinning_threshold(disk), rolling_threshold(disk)
     marks = [spin, -spin, 0.0, 0.0], [0.0, 0.0, roll, -roll]
     ax.plot(*marks, "D", color=DARK, mfc="white", ms=7, label="upright becomes stable")
-    for share in (-0.5, -1.4):
+    for share, words in ((-0.5, ""), (-1.35, " steady\nmotion")):
         at = share * spin, 1e-3 * disk.rate_unit
-        ax.text(*at, f"{len(at_constants(disk, *at).equilibria)}", ha="center", va="center", fontsize=16)
+        count = len(at_constants(disk, *at).equilibria)
+        ax.text(*at, f"{count}{words}", ha="center", va="center", fontsize=TEXT)
     ax.set_xlim(-width, width)
-    ax.set_ylim(-width, width)
+    ax.set_ylim(-height, height)
     legend_below(ax, ncols=2)
     title = f"Falling lines, and how many steady motions there are: {disk.name}"
     label(ax, disk, "sigma3_bar", "sigma4_bar", title)
-
-
-def _of_tilt(disk: Disk, tilt: float) -> Iterator[tuple[bool, Any, Any]]:
-    """(stable, sigma3_bar, sigma4_bar) of steady motions of one tilt, in one of four equal quadrants."""
-    precession = np.geomspace(1e-3, 1e3, 1200) * disk.rate_unit
-    for phi in (tilt, -tilt):
-        for sign in (1.0, -1.0):
-            motions = steady_rates(disk, phi, sign * precession)
-            for stable in (True, False):
-                here = (motions.sigma3_bar >= 0.0) & (motions.sigma4_bar >= 0.0) & (motions.stable == stable)
-                if here.any():
-                    bars, spins = (np.where(here, v, np.nan) for v in (motions.sigma3_bar, motions.sigma4_bar))
-                    yield stable, bars, spins
-
-
-def _name_tilt(ax: Axes, disk: Disk, tilt: float, x: Any, y: Any, width: float) -> None:
-    """Write the tilt of a curve where it leaves the picture at the right, below l_+."""
-    (out,) = np.nonzero((x[:-1] < width) != (x[1:] < width))
-    for row in out[np.isfinite(x[out] + x[out + 1])]:
-        if y[row] < line_slope(disk) * width:
-            text = rf"$|\varphi|$ = {tilt:g}" if tilt == TILTS[0] else f"{tilt:g}"
-            place: dict[str, Any] = {"xytext": (4, 0), "textcoords": "offset points", "annotation_clip": False}
-            ax.annotate(text, (width, y[row]), va="center", fontsize=SMALL, **place)
 
 
 @picture(
