@@ -17,7 +17,7 @@ from explorer.motion.trajectories import finer, trajectories
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, constants_to_states
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, SIDES, SIGN_COLOURS, SMALL, TEXT, dress, legend, power
+from explorer.pictures.style import DARK, SIDES, SIGN_COLOURS, SMALL, TEXT, dress, legend_below, power
 
 _GREY = "#999999"
 _STYLES = (":", "-.", "--", "-", (0, (1, 1)))
@@ -145,7 +145,7 @@ def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1
     ax.set_xticks([-30, -10, -3, -1, 0, 1, 3, 10, 30], ["−30", "−10", "−3", "−1", "0", "1", "3", "10", "30"])
     ax.set_yticks([-math.pi / 2, 0.0, math.pi / 2], ["−π/2", "0", "π/2"])
     dress(ax, r"$A\,t/\theta_{\min}$", r"race from its middle / $\kappa$ (rad)", "Near flat, all races are one")
-    legend(ax, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3)
+    legend_below(ax, ncols=3)
 
 
 @picture(

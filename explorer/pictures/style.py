@@ -62,9 +62,9 @@ def dress(ax: Axes, x: str, y: str, title: str = "", grid: bool = False) -> Axes
     return ax
 
 
-def label(ax: Axes, disk: Disk, x: str, y: str, title: str, grid: bool = False) -> None:
+def label(ax: Axes, disk: Disk, x: str, y: str, title: str) -> None:
     """As `dress`, of axes that are coordinates of the phase space."""
-    dress(ax, coordinate_label(x, disk), coordinate_label(y, disk), title, grid)
+    dress(ax, coordinate_label(x, disk), coordinate_label(y, disk), title)
 
 
 def colour_bar(
@@ -119,12 +119,6 @@ def power(value: float) -> str:
     return f"10^{{{exponent:.0f}}}" if abs(exponent - round(exponent)) < 1e-9 and exponent < 0 else f"{value:g}"
 
 
-def legend(ax: Axes, **options: Any) -> None:
-    """A legend inside the axes, where the picture leaves room for it; none where nothing has a name."""
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend(fontsize=SMALL, framealpha=0.9, **options)
-
-
 def legend_below(ax: Axes, ncols: int = 2, **options: Any) -> None:
     """A legend under the name of the horizontal axis, where it covers nothing."""
     place: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.17), "columnspacing": 1.2}
@@ -140,14 +134,8 @@ def arrow(ax: Axes, path: Array, row: int, colour: str, size: float = 17.0) -> N
     far = np.flatnonzero(away > 0.02 * np.nanmax(away))
     if far.size == 0:
         return
-    look: dict[str, Any] = {
-        "arrowstyle": "-|>",
-        "color": colour,
-        "lw": 0.0,
-        "mutation_scale": size,
-        "shrinkA": 0,
-        "shrinkB": 0,
-    }
+    look: dict[str, Any] = {"arrowstyle": "-|>", "color": colour, "lw": 0.0, "mutation_scale": size}
+    look |= {"shrinkA": 0, "shrinkB": 0}
     ax.annotate("", tuple(path[-1]), xytext=tuple(path[far[-1]]), arrowprops=look, zorder=6)
 
 

@@ -74,7 +74,7 @@ def walk_of(disk: Disk) -> Walk:
     unit, bars = disk.rate_unit, np.linspace(0.1, 1.4, 53) * disk.rate_unit
     for eta_hat, phidot in ((sign * 0.01 * unit, v * unit) for v in (1.0, 0.5, 2.0, 0.25) for sign in (1.0, -1.0)):
         turns = periods(constants_to_states(disk, bars, eta_hat, phidot)).chi / (2.0 * np.pi)
-        met = np.flatnonzero(np.floor(turns[1:]) != np.floor(turns[:-1]))
+        met = np.flatnonzero(abs(np.floor(turns[1:]) - np.floor(turns[:-1])) > 0.0)
         if met.size:
             i = int(met[0])
             whole = int(max(np.floor(turns[i]), np.floor(turns[i + 1])))

@@ -8,7 +8,7 @@ from conftest import BODIES
 from matplotlib.colors import to_hex
 
 import explorer as ex
-from explorer.phase.stability import PATHS, bifurcation, path_values
+from explorer.phase.stability import PATHS, bifurcation, path_values, stability_edges
 from explorer.pictures.bifurcations import least_energies, one_in_each_region
 from explorer.pictures.bodies import gap_of, race_number_of
 from explorer.pictures.near_flat import followed
@@ -182,3 +182,63 @@ def test_states_in_a_row_are_a_line_and_others_a_cloud():
     np.testing.assert_array_equal(ex.picture("observable", row).axes[0].lines[0].get_ydata(), row["theta_min"])
     cloud = ex.scan(ex.phi_to_states(UNIFORM, 0.1, [[0.5], [0.6]], np.linspace(0.1, 1.0, 9), 0.3), "theta_min")
     assert len(ex.picture("observable", cloud).axes[0].collections[0].get_offsets()) == 18
+
+
+def named(ax, label):
+    (line,) = [line for line in ax.lines if line.get_label() == label]
+    return line
+
+
+def test_the_separatrix_has_the_energy_of_its_saddle_and_a_flat_state_is_a_wall_off_the_line():
+    potential = ex.potential(UNIFORM, 0.25, 0.01)
+    (ax,) = ex.picture("phase-portrait", potential).axes
+    phi, phidot = named(ax, "separatrix").get_data()
+    energy = 0.5 * UNIFORM.body.M * phidot**2 + potential.V(phi)
+    assert energy == pytest.approx(potential.separatrices()[0].saddle.energy, rel=1e-12)
+    assert named(ax, "wall at flat").get_xdata() == [-0.5 * math.pi, -0.5 * math.pi]
+    (on,) = ex.picture("phase-portrait", ex.potential(UNIFORM, 0.25)).axes
+    assert named(on, "flat, reached").get_xdata() == [0.5 * math.pi, 0.5 * math.pi]
+    told = [{text.get_text() for text in each.get_legend().get_texts()} for each in (ax, on)]
+    assert ["falls" in words for words in told] == [False, True]
+
+
+@pytest.mark.parametrize("near_flat", [False, True])
+def test_the_curves_of_the_potential_are_its_values(near_flat):
+    potentials = [ex.potential(UNIFORM, 0.25, eta) for eta in (0.0, 0.01, -0.01)]
+    (ax,) = ex.picture("potentials", potentials, near_flat).axes
+    for potential, name in zip(potentials, ("0", "0.01", "−0.01"), strict=True):
+        on = "on the line, " if potential.eta == 0.0 else ""
+        x, V = named(ax, rf"{on}$\hat\eta$ = {name}").get_data()
+        phi = 0.5 * math.pi - x if near_flat else x
+        shown = np.isfinite(V) & (abs(phi) < 1.57)
+        assert V[shown] == pytest.approx(potential.V(phi[shown]), rel=1e-6)
+
+
+def test_the_map_of_circular_rolling_is_stable_outside_the_edges():
+    (ax,) = ex.picture("steady-map", UNIFORM).axes
+    mesh = next(each for each in ax.collections if np.size(each.get_array()) > 1000)
+    stable = np.asarray(mesh.get_array()).reshape(321, 241)
+    lean, precession = np.linspace(1e-3, 0.5 * np.pi - 1e-3, 241), np.linspace(0.02, 3.2, 321)
+    fast, slow = stability_edges(UNIFORM, lean[16])[:, 0]
+    assert (stable[:, 16] == ((precession < slow) | (precession > fast))).all()
+
+
+def test_dots_of_a_rosette_lie_on_its_circle_and_a_resonance_walks(wanders):
+    (ax,) = ex.picture("rosette", wanders["generic"]).axes
+    wander = wanders["generic"].wander
+    middle = wander.step[0] / (1.0 - np.exp(1j * wander.chi[0]))
+    dots, circle = (line.get_xydata() @ [1.0, 1j] for line in ax.lines[2:])
+    for points in (dots, circle):
+        np.testing.assert_allclose(abs(points - middle), wander.radius[0])
+    (walk,) = ex.picture("rosette", wanders["resonance"]).axes
+    assert len(walk.lines) == 3
+    assert "it walks" in walk.get_title()
+
+
+def test_the_sketch_has_the_line_on_which_eta_vanishes_and_a_motion_in_the_colour_of_its_side():
+    plane = ex.picture("definitions", HOOP).axes[1]
+    states = ex.phi_to_states(HOOP, 0.0, 1.0, *plane.lines[0].get_data())
+    assert abs(ex.constants(states).eta_hat_plus).max() < 1e-12
+    (dot,) = [line for line in plane.lines if line.get_marker() == "o"]
+    eta_hat = ex.constants(ex.phi_to_states(HOOP, 0.0, 1.0, *np.ravel(dot.get_data()))).eta_hat_plus
+    assert dot.get_color() == SIGN_COLOURS[int(np.sign(eta_hat.item()))]
