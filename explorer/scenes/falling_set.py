@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.measure import sifting, statistics
+from explorer.measure.slices import ConstantsPlane, Slice, slice_map
 from explorer.measure.tallies import ByName, Least, LogHistogram
 from explorer.motion.trials import TiltTrial, Trial
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
@@ -23,14 +24,13 @@ from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import falls_of
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
-from explorer.portrait.slices import ConstantsPlane, Slice, slice_map
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import Reader, option, several, whole_from, word_of
 from explorer.scenes.scene import Counts, Picture, Table
 from explorer.scenes.starts import FromStates
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 # Near F, natural units of eta_hat: where all samples have a theta_min, and where only those near F do. Rows beyond
 # are counted, not stored, unless all are asked for.
@@ -223,22 +223,22 @@ class FallingSet(FromStates):
         }
 
     def figures(self, summary: dict[str, Any], tally: FallingCounts) -> Iterator[tuple[str, Picture]]:
-        from explorer import plot
+        from explorer.pictures import falling
 
         known = tally.theta_min.total > 0
         if known:
-            yield "constants-plane", partial(plot.constants_plane, self.plane(tally.plane))
+            yield "constants-plane", partial(falling.constants_plane, self.plane(tally.plane))
         for number, where in enumerate(self.slice, 1):
             yield f"slice-{number}", partial(self._draw_slice, where)
         if known:
-            yield "theta-min", partial(plot.theta_min_distribution, tally.theta_min, summary["valid_states"])
+            yield "theta-min", partial(falling.theta_min, tally.theta_min, summary["valid_states"])
 
-    def _draw_slice(self, where: Slice, **options: Any) -> "Axes":
-        from explorer import plot
+    def _draw_slice(self, where: Slice, **options: Any) -> "Figure":
+        from explorer.pictures.slices import slice_of_tilts
 
         # Pictures show the motions, not the formula that says where they turn; by what integrates here anyway.
         method = "dopri5" if self.plan.method == "quadrature" else self.plan.method
-        return plot.slice_map(slice_map(self.disk, where, points=self.grid, method=method), **options)
+        return slice_of_tilts(slice_map(self.disk, where, points=self.grid, method=method), **options)
 
     def plane(self, least: Least) -> ConstantsPlane:
         """The smallest theta_min of all samples in each cell of the (sigma3_bar, sigma4_bar) plane."""

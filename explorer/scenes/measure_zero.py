@@ -250,15 +250,12 @@ class MeasureZero(FromDensity):
         return {**found, "status": dict(tally.status), "race": dict(tally.race)}
 
     def figures(self, summary: dict[str, Any], tally: ZeroCounts) -> Iterator[tuple[str, Picture]]:
-        from explorer import plot
+        from explorer.pictures import measure_zero
 
-        ladder, ratio = partial(plot.falling_ladder, summary), partial(plot.ladder_ratio, summary)
-        if not summary["constant"]:
-            yield "ladder", ladder
-            return
-        yield "ladder", partial(plot.stacked, ladder, ratio, height=8.4)
-        yield "convergence", partial(plot.constant_convergence, summary)
-        yield "tilt", partial(plot.tilt_density, summary)
+        yield "ladder", partial(measure_zero.probability, summary)
+        if summary["constant"]:
+            yield "convergence", partial(measure_zero.constant_convergence, summary)
+            yield "tilt", partial(measure_zero.tilt_density, summary)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         lines = super().headline(summary)

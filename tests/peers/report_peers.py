@@ -25,7 +25,7 @@ from peers.peak import peak
 from peers.problem import COUNT, work
 from processor import processor
 
-from explorer.plot.captions import save
+from explorer.pictures.register import save
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "results" / "peers"
