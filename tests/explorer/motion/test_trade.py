@@ -98,9 +98,10 @@ def test_a_line_is_drawn_through_settings_that_gain():
 def test_settings_that_gain_nothing_calibrate_nothing(part):
     rows = [replace(row, p99=max(row.p99, 1e-9)) for row in part.rows]
     table = trade.curves(replace(part, rows=rows), trade.largest_errors([rows], []))
-    for entries in table.values():
-        errors = [entry[1] for entry in entries]
-        assert errors[-1] <= 1.5e-9 < errors[-2]
+    for method, entries in table.items():
+        rounded = [row.setting for row in rows if row.method == method and row.p99 <= 1.5e-9]
+        assert entries[-1][0] >= rounded[0]
+        assert (np.diff(entries, axis=0)[:, :2] < 0.0).all()
 
 
 def test_errors_of_several_measurements_make_one_table(part):
