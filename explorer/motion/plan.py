@@ -39,7 +39,7 @@ _INTEGRATED = {"theta_min": REDUCED}
 
 LOOSEST = 1e-1
 # A passage's rounding is about 1e-13; an integrator's errors of rounding add up over its steps.
-TIGHTEST = {"quadrature": 1e-13, "rk4": 1e-11, "rk8": 1e-11, "dopri5": 1e-11, "dop853": 1e-11}
+TIGHTEST = {"quadrature": 1e-13, **dict.fromkeys((*FIXED, *ADAPTIVE), 1e-11)}
 
 # Tolerances below some units in the last place of a number of order 1 only shorten the steps.
 _TOLERANCE_FLOOR = 1e-15
@@ -61,8 +61,7 @@ class Plan:
     @property
     def kernel_method(self) -> int:
         """The number of the method in the kernels."""
-        steps = compiled.attempt
-        return {"rk4": steps.RK4, "rk8": steps.RK8, "dopri5": steps.DOPRI5, "dop853": steps.DOP853}[self.method]
+        return int(getattr(compiled.attempt, self.method.upper()))
 
     @property
     def kernel(self) -> str:
@@ -82,8 +81,7 @@ class Plan:
     @property
     def kernel_depth(self) -> int:
         """The number of components of a state that the kernels carry along for this rung."""
-        field = compiled.field
-        return {REDUCED: field.REDUCED, ANGLES: field.ANGLES, PATH: field.PATH}[self.rung]
+        return int(getattr(compiled.field, self.rung.upper()))
 
     @property
     def adaptive(self) -> bool:

@@ -29,7 +29,7 @@ _ROUNDING = 3e-12  # of a passage: some hundred steps, each of some ten operatio
 # Near the vertical at rest a motion passes an unstable equilibrium, which amplifies errors like 1/speed: below
 # this speed (natural units) it is felt. Rounding also ends a rest: it acts like the least speed.
 _SLOW, _LEAST_SPEED = 0.15, 5e-5
-CALIBRATED_WAY = 3.0  # of the centre in a unit of time (r), of motions that steps are calibrated on
+_CALIBRATED_WAY = 3.0  # of the centre in a unit of time (r), of motions that steps are calibrated on
 # Every step rounds chi, which turns the way, and the time: the error of a path is the way times so many units of
 # rounding and the square root of the number of steps.
 _ROUNDED = 16.0 * 2.0**-53
@@ -48,6 +48,12 @@ _AMPLIFIED = 1.75  # from here on slow passages are felt that follow each other
 def amplification(speed: Array) -> Array:
     """How many times as much a motion amplifies errors that passes the vertical at that speed (natural units)."""
     return np.asarray(np.fmax(1.0 + _SLOW / (speed + _LEAST_SPEED), 1.0))
+
+
+def amplified_at(disk: Disk, how: Plan, start: NaturalConstants) -> Array:
+    """How many times as much motions in time amplify errors: an error of chi moves a path by it times its way."""
+    longer = np.fmax(1.0, way(disk, start.energy) / _CALIBRATED_WAY) if how.rung == PATH else 1.0
+    return np.asarray(amplification(speed_at_vertical(disk, start)) * longer)
 
 
 def estimate(disk: Disk, how: Plan, moved: Array, amplified: Array, time: float) -> Array:
