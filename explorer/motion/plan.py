@@ -162,25 +162,23 @@ def _choose(asked: tuple[str, ...], method: str, accuracy: float) -> tuple[str, 
     deepest = ", ".join(name for name in asked if OBSERVABLES[name] == rung) or "nothing else"
     if rung == ALGEBRA:
         return rung, ALGEBRA, f"{rung} because of {deepest}; no motion is followed"
-    integrals_only = rung == QUADRATURE
-    if method == "quadrature" and not integrals_only:
+    if rung == QUADRATURE and method in ("auto", "quadrature"):
+        why = "as asked" if method == "quadrature" else "because it needs no steps and knows eta exactly"
+        return rung, "quadrature", f"{rung} because of {deepest}; quadrature {why}"
+    if method == "quadrature":
         raise InputError(
             f"--method quadrature gives passages and periods, not {deepest}; use auto or an integrator"
         )
-    if method == "auto" and integrals_only:
-        why = "quadrature because it needs no steps and knows eta exactly"
-        return rung, "quadrature", f"{rung} because of {deepest}; {why}"
+    why = f"{method} as asked"
     if method == "auto":
         # The adaptive pairs bend their steps to each sample's distance from F, which spans decades in any
         # sampling; a fixed step must be small enough throughout the motion.
         measured = calibration.current()
         possible = TIGHTEST["dop853"] <= accuracy <= LOOSEST  # else `plan` refuses what is chosen
-        chosen = measured.cheapest(ADAPTIVE, accuracy if possible else LOOSEST)
-        why = f"{chosen} because each sample sets its own step near flat; the cheaper such method at {accuracy:g}"
-        return rung, chosen, f"{rung} because of {deepest}; {why} ({measured.origin})"
-    if method == "quadrature":
-        return rung, method, f"{rung} because of {deepest}; quadrature as asked"
+        method = measured.cheapest(ADAPTIVE, accuracy if possible else LOOSEST)
+        each = "because each sample sets its own step near flat; the cheaper such method at"
+        why = f"{method} {each} {accuracy:g} ({measured.origin})"
     if rung == QUADRATURE:
         carried = (_INTEGRATED.get(name, ANGLES) for name in asked if OBSERVABLES[name] == QUADRATURE)
         rung = max(carried, key=RUNGS.index)
-    return rung, method, f"{rung} because of {deepest}; {method} as asked"
+    return rung, method, f"{rung} because of {deepest}; {why}"

@@ -118,26 +118,12 @@ class Records(NamedTuple):
         """How many points each motion has; 0 where it is not OK."""
         return self.first[1:] - self.first[:-1]
 
-    @property
-    def places(self) -> NDArray[np.int64]:
-        """(n, longest): the points of each motion, whose last one is repeated up to the longest."""
-        lengths = self.lengths
-        longest = max(int(lengths.max(initial=0)), 1)
-        places: NDArray[np.int64] = np.minimum(
-            self.first[:-1, None] + np.arange(longest), self.first[1:, None] - 1
-        )
-        return places
-
-    def padded(self, values: Array, places: NDArray[np.int64]) -> Array:
-        """(n, longest, ...): values of all points, (all, ...), at these places; NaN where a motion is not OK."""
-        if places.size == len(values):
-            return values.reshape(*places.shape, *values.shape[1:])
-        failed = self.lengths == 0
-        if failed.all():
-            return np.full((*places.shape, *values.shape[1:]), np.nan)
-        out = values.take(places, axis=0, mode="clip")
-        out[failed] = np.nan
-        return out
+    def padded(self, values: Array) -> Array:
+        """(n, longest, ...): values of all points, the last of each motion repeated; NaN where it is not OK."""
+        lengths = self.lengths[:, None]
+        places = self.first[:-1, None] + np.minimum(np.arange(max(lengths.max(initial=0), 1)), lengths - 1)
+        missing = np.full((1, *values.shape[1:]), np.nan)
+        return np.concatenate([values, missing])[np.where(lengths > 0, places, len(values))]
 
 
 def record(motions: Motions, t_end: float, jobs: int = 1) -> Records:

@@ -98,11 +98,6 @@ class Piece(NamedTuple):
     psi: Chebyshev
     centre: Chebyshev
 
-    def holds(self, stretch: Stretch, u: float) -> bool:
-        """Whether such a point of a stretch is on this piece."""
-        low, high = self.time.domain
-        return stretch is self.stretch and low <= u <= high
-
 
 @cache
 def _nodes() -> tuple[Array, Array, Array]:
@@ -147,17 +142,19 @@ class Rise:
         self._disk, self._pieces, self._reached = disk, list[Piece](), np.zeros(4, np.complex128)
         self.impact_speed = float(ways[0].points(disk, np.array([-1.0]))[2][0])
         for way in ways:
-            self._lay(way)
+            low = -1.0 if way.before else 0.0
+            state = way.u_at(distance) if way is given else low
+            self._lay(way, low, state)
+            if way is given:
+                self.offset = float(self._reached[0].real)
+            self._lay(way, state, low + 1.0)
         self._starts = np.array([piece.time(piece.time.domain[0]) for piece in self._pieces])
         self.half, self.chi_half, self.psi_half = self._reached[:3].real.tolist()
         self.centre_half = complex(self._reached[3])
-        u = given.u_at(distance)
-        self.offset = next(float(piece.time(u)) for piece in self._pieces if piece.holds(given, u))
 
-    def _lay(self, stretch: Stretch) -> None:
-        """Add the pieces of a stretch, halved until their series have all digits."""
-        low = -1.0 if stretch.before else 0.0
-        left = [(low, low + 1.0)]
+    def _lay(self, stretch: Stretch, low: float, high: float) -> None:
+        """Add the pieces of a part of a stretch, halved until their series have all digits."""
+        left = [(low, high)] if low < high else []
         while left:
             low, high = left.pop()
             made, rounding = self._series(stretch, low, high)

@@ -273,12 +273,10 @@ def _followed(
     disk, (end, times), rows, records = states.disk, until, compiled.field.ROW, None
     if times is None:
         records = recording.record(start, end * disk.rate_unit, jobs)
-        found, lengths, outcome, places = records.points[:10], records.lengths, records.outcome, records.places
+        found, lengths, outcome = records.points[:10], records.lengths, records.outcome
         values = _observables(disk, found, names)
-        values = {
-            name: value if value is None else records.padded(value, places) for name, value in values.items()
-        }
-        times, turned = records.padded(found[rows.t] * disk.time_unit, places), np.zeros(len(states))
+        values = {name: None if value is None else records.padded(value) for name, value in values.items()}
+        times, turned = records.padded(found[rows.t] * disk.time_unit), np.zeros(len(states))
     else:
         sampled, outcome = recording.sample(start, times * disk.rate_unit, jobs)
         found = np.moveaxis(sampled, -1, 0)
