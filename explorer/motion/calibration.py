@@ -23,7 +23,13 @@ from explorer.phase.states import Array
 # The measured 99th percentile may take half of the accuracy asked: other bodies, boxes and energies err more than
 # those measured, and a motion that may err by more than was asked is followed again.
 SAFETY = 2.0
-METHODS = ("rk4", "rk8", "dopri5", "dop853")
+# Steps in units of 1/speed and tolerances at which methods are measured, from coarse to fine.
+SETTINGS: dict[str, tuple[float, ...]] = {
+    "rk4": (0.25, 0.12, 0.05, 0.02, 0.007, 0.002),
+    "rk8": (1.6, 1.2, 0.8, 0.5, 0.3, 0.16, 0.08),
+    "dopri5": tuple(10.0 ** -np.arange(3.5, 11.6)),
+    "dop853": tuple(10.0 ** -np.arange(2.0, 13.1)),
+}
 
 
 @dataclass(frozen=True)
@@ -83,20 +89,28 @@ def current() -> Calibration:
 
 
 def parse(table: dict[str, Any], origin: str, own: bool = False) -> Calibration:
-    """A calibration from its JSON form. Raises ValueError for what can be none."""
+    """A calibration from its JSON form: its settings, else SETTINGS, and what was measured at each of them.
+
+    That is error and nanoseconds, or null where a setting gains nothing. Raises ValueError for what can be none.
+    """
+    curves = {}
     try:
-        rows = {method: np.array(table["methods"][method], np.float64) for method in METHODS}
+        for method, settings in table.get("settings", SETTINGS).items():
+            rows = zip(settings, table["methods"][method], strict=True)
+            curves[method] = Curve(*np.array([(setting, *row) for setting, row in rows if row], np.float64).T)
         quadrature = float(table["quadrature"])
-    except (KeyError, TypeError, ValueError):
-        raise ValueError(f"it lacks numbers of {', '.join(METHODS)} or quadrature") from None
-    for method, of_method in rows.items():
-        if of_method.ndim != 2 or of_method.shape[1] != 3 or not ((of_method > 0.0) & (of_method < np.inf)).all():
-            raise ValueError(f"rows of {method} must be three positive numbers each")
-        if len(of_method) < 2 or not (np.diff(of_method[:, :2], axis=0) < 0.0).all():
-            raise ValueError(f"settings and errors of {method} do not fall from row to row")
+    except (AttributeError, KeyError, TypeError, ValueError):
+        raise ValueError("it lacks settings, methods or quadrature, or has others than numbers there") from None
+    for method, curve in curves.items():
+        numbers = np.stack([curve.setting, curve.error, curve.nanoseconds])
+        falls = numbers.shape[1] > 1 and (np.diff(numbers[:2]) < 0.0).all()
+        if not (falls and ((numbers > 0.0) & (numbers < np.inf)).all()):
+            raise ValueError(f"settings and errors of {method} do not fall, or numbers are not finite and above 0")
+    if set(curves) != set(SETTINGS):
+        raise ValueError(f"its methods are not {', '.join(SETTINGS)}")
     if not 0.0 < quadrature < np.inf:
         raise ValueError("its quadrature is no time")
-    return Calibration(origin, {method: Curve(*each.T) for method, each in rows.items()}, quadrature, own)
+    return Calibration(origin, curves, quadrature, own)
 
 
 def store(table: dict[str, Any]) -> Path:

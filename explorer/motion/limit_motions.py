@@ -128,7 +128,6 @@ class LimitMotion:
         self._chi_back, self._psi_back = 2.0 * rise.chi_half - upright_jump, 2.0 * rise.psi_half + upright_jump
         passed = rise.offset if rises else -rise.offset
         self._offset = (passed + (rise.half if face != self.face else 0.0)) % (2.0 * rise.half)  # from an impact
-        self._origin = Moving(*(row[0] for row in self._unfold(np.array([self._offset]))))
         self.period = (1.0 if rise.upright else 2.0) * rise.half * disk.time_unit
         self.impact_speed = rise.impact_speed * disk.rate_unit
         self.chi_per_period = self._jump + (0.0 if rise.upright else self._chi_back)
@@ -149,15 +148,16 @@ class LimitMotion:
 
     def __call__(self, t: ArrayLike) -> LimitState:
         """The motion at times from 0 to that of 1e8 impacts, where the place between two has lost 8 digits."""
-        times, disk, face, start = column("t", t), self.disk, self.face, self._origin
+        times, disk, face = column("t", t), self.disk, self.face
         last = _MOST_IMPACTS * self.period
         if not ((times >= 0.0) & (times <= last)).all():
             raise InputError(f"t = {shown(t)}: give times from 0 to {last:g}, that of {_MOST_IMPACTS:g} impacts")
+        start = self._unfold(np.array([self._offset]))
         unfolded = self._unfold(np.ravel(times) * disk.rate_unit + self._offset)
         at = Moving(*(row.reshape(times.shape) for row in unfolded))
         z, sigma4, phidot, turn, q = face * at.z, face * at.sigma4, -face * at.thetadot, at.turn, at.q
-        chi, psi = at.chi - start.chi, face * (at.psi - start.psi)
-        centre, away = face * (at.centre - start.centre) * np.exp(-1j * start.chi), np.exp(1j * chi)
+        chi, psi = at.chi - start.chi[0], face * (at.psi - start.psi[0])
+        centre, away = face * (at.centre - start.centre[0]) * np.exp(-1j * start.chi[0]), np.exp(1j * chi)
         velocity = (-phidot * q - 1j * sigma4) * away  # eq. (2.33)
         nu = (q * (sigma4 - z * turn) - 1j * phidot) * away  # eq. (2.29)
         r, unit = disk.r, disk.rate_unit
@@ -254,9 +254,8 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     eta = natural.eta(np.array([nearer > 0]))
     # With sigma3_bar = 0 both lines l_+ and l_- meet.
     face = nearer if bar != 0.0 else 1 if z >= 0.0 else -1
-    tiny = _TINY * max(float(natural.energy[0]), 1.0)
-    if 0.0 < abs(bar) < tiny:
-        bar = math.copysign(tiny, bar)
+    if bar != 0.0:
+        bar = math.copysign(max(abs(bar), _TINY * max(float(natural.energy[0]), 1.0)), bar)
     on_f = _onto_f(states, bar, np.where(where.on_f, 0.0, eta), face)
     rise = Rise(disk, on_f, face * z < 0.0)
     limit = LimitMotion(disk, rise, bar, face, side, face * p >= 0.0, disk.eta_to_eta_hat(float(eta[0])))

@@ -50,12 +50,6 @@ def amplification(speed: Array) -> Array:
     return np.asarray(np.fmax(1.0 + _SLOW / (speed + _LEAST_SPEED), 1.0))
 
 
-def amplified_at(disk: Disk, how: Plan, start: NaturalConstants) -> Array:
-    """How many times as much motions in time amplify errors: an error of chi moves a path by it times its way."""
-    longer = np.fmax(1.0, way(disk, start.energy) / _CALIBRATED_WAY) if how.rung == PATH else 1.0
-    return np.asarray(amplification(speed_at_vertical(disk, start)) * longer)
-
-
 def estimate(disk: Disk, how: Plan, moved: Array, amplified: Array, time: float) -> Array:
     """Of angles and times (n) after a time, outside of races; moved (3, n): rows as `engine.Moved`.
 
@@ -76,15 +70,18 @@ def asked(how: Plan, time: float) -> float:
     return math.inf if how.setting is not None else how.accuracy * max(1.0, time / PASSAGE)
 
 
-def hidden(disk: Disk, how: Plan, start: NaturalConstants, time: float) -> NDArray[np.bool_]:
-    """Motions (n) whose errors up to a time are not in proportion to what holding them moved.
+def amplified_at(disk: Disk, how: Plan, start: NaturalConstants, time: float) -> Array:
+    """How many times as much motions (n) amplify errors up to a time; infinite where holding them does not tell.
 
     Of those that spin fast, or long, errors of the phase add up over many periods; each slow passage of the
     vertical amplifies what the ones before have left; and a path errs in fixed steps in which chi turns far.
     """
-    slow = amplification(speed_at_vertical(disk, start)) > _AMPLIFIED
-    found = (way(disk, start.energy) * max(1.0, time / PASSAGE) > _PERIODS) | (slow & (time > 2.0 * PASSAGE))
-    return np.asarray(found | (how.rung == PATH and not how.adaptive and how.control * disk.kappa > _RESOLVED))
+    amplified, moved = amplification(speed_at_vertical(disk, start)), way(disk, start.energy)
+    hidden = (moved * max(1.0, time / PASSAGE) > _PERIODS) | ((amplified > _AMPLIFIED) & (time > 2.0 * PASSAGE))
+    if how.rung == PATH:  # an error of chi moves the path by as much times its way
+        amplified = amplified * np.fmax(1.0, moved / _CALIBRATED_WAY)
+        hidden |= not how.adaptive and how.control * disk.kappa > _RESOLVED
+    return np.where(hidden, math.inf, amplified)
 
 
 def in_race(disk: Disk, ended: Array, error: Array) -> Array:

@@ -67,18 +67,13 @@ def _sample(given: Motions, times: Array) -> tuple[Array, Outcome, Motions]:
     start, last = _constants(disk, given.initial), float(times[-1])
     later = times[times > 0.0]  # the kernel takes values above 0; the state at 0 is known
     if later.size == 0:
-        none = np.where(given.status == code.OK, 0.0, np.nan)
-        out, outcome = (
-            np.empty((n, 0, 10)),
-            Outcome(given.status, np.zeros(n, np.int32), np.tile(none, (3, 1)), none),
-        )
+        out, none = np.empty((n, 0, 10)), np.where(given.status == code.OK, 0.0, np.nan)
+        outcome = Outcome(given.status.copy(), np.zeros(n, np.int32), np.tile(none, (3, 1)), none)
     else:
-        amplified, asked = precision.amplified_at(disk, how, start), precision.asked(how, last)
-        hidden = precision.hidden(disk, how, start, last)
+        amplified, asked = precision.amplified_at(disk, how, start, last), precision.asked(how, last)
 
         def estimate(found: Followed, rows: Any) -> Array:
-            error = precision.estimate(disk, how, found.moved, amplified[rows], last)
-            return np.where(hidden[rows], np.inf, error)
+            return precision.estimate(disk, how, found.moved, amplified[rows], last)
 
         found, error, given = settle(given, compiled.events.TIME, later, how.kernel_depth, estimate, asked)
         out, ended = found.out, np.ascontiguousarray(found.out[:, -1].T)
@@ -158,17 +153,12 @@ def _record(given: Motions, t_end: float, number: int) -> Records:
 
 def _in_order(rows: Array, ends: Array, drawn: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
     """The points of curves one after another, the end of each behind its steps; of motions that are `drawn`."""
-    owner = rows[:, compiled.curves.OWNER].astype(np.int64)
-    lengths = np.where(drawn, np.bincount(owner, minlength=drawn.size) + 1, 0)
-    first = np.concatenate([[0], np.cumsum(lengths)])
+    owner = np.append(rows[:, compiled.curves.OWNER].astype(np.int64), np.arange(drawn.size))
     order = np.argsort(owner, kind="stable")
     order = order[drawn[owner[order]]]
-    # Before a step there stand as many ends as curves that begin before its own.
-    place = np.arange(order.size) + (np.cumsum(drawn) - drawn)[owner[order]]
-    points = np.zeros((11, int(first[-1])))
-    points[:, place] = rows[order, :11].T
-    points[:10, first[1:][drawn] - 1] = ends[drawn].T
-    return points, first
+    last = np.pad(ends, ((0, 0), (0, 1)))  # from which there is no step
+    points = np.stack([np.append(rows[:, k], last[:, k])[order] for k in range(last.shape[1])])
+    return points, np.append(0, np.cumsum(np.bincount(owner[order], minlength=drawn.size)))
 
 
 def between(motions: Motions, records: Records, times: Array) -> Array:

@@ -89,16 +89,6 @@ class Stretch(NamedTuple):
         return q, face * at.w / larger, speed, at.sigma3 / q, face * at.sigma4, at.error / at.K
 
 
-class Piece(NamedTuple):
-    """A piece of a stretch with its series in u."""
-
-    stretch: Stretch
-    time: Chebyshev
-    chi: Chebyshev
-    psi: Chebyshev
-    centre: Chebyshev
-
-
 @cache
 def _nodes() -> tuple[Array, Array, Array]:
     """Nodes on (-1, 1); matrices from values there to coefficients of their integral, and from these to values."""
@@ -139,7 +129,8 @@ class Rise:
             ways += stretch(there, True, False, half), stretch(end, True, True, half)
             if crossed:
                 given, distance = (ways[1], outer.d[0]) if outer.d[0] < half else (ways[2], ends.inner.d[0])
-        self._disk, self._pieces, self._reached = disk, list[Piece](), np.zeros(4, np.complex128)
+        self._disk, self._reached = disk, np.zeros(4, np.complex128)  # time, chi, psi and the centre
+        self._pieces = list[tuple[Stretch, list[Chebyshev]]]()  # with series of these in u
         self.impact_speed = float(ways[0].points(disk, np.array([-1.0]))[2][0])
         for way in ways:
             low = -1.0 if way.before else 0.0
@@ -148,7 +139,7 @@ class Rise:
             if way is given:
                 self.offset = float(self._reached[0].real)
             self._lay(way, state, low + 1.0)
-        self._starts = np.array([piece.time(piece.time.domain[0]) for piece in self._pieces])
+        self._starts = np.array([when(when.domain[0]) for _stretch, (when, *_) in self._pieces])
         self.half, self.chi_half, self.psi_half = self._reached[:3].real.tolist()
         self.centre_half = complex(self._reached[3])
 
@@ -162,8 +153,8 @@ class Rise:
             size = abs(self._reached) + abs(total) + [0.0, 1.0, 1.0, 1.0]
             if (abs(made[:, -_LAST:]).sum(axis=1) <= _TAIL * size + rounding).all():
                 made[:, 0] += self._reached
-                rows = (Chebyshev(row, [low, high]) for row in (*made[:3].real, made[3]))
-                self._pieces.append(Piece(stretch, *rows))
+                series = [Chebyshev(row, [low, high]) for row in (*made[:3].real, made[3])]
+                self._pieces.append((stretch, series))
                 self._reached += total
             else:
                 middle = 0.5 * (low + high)
@@ -195,13 +186,13 @@ class Rise:
         out = Moving(*np.empty((7, time.size)), np.empty(time.size, np.complex128))
         number = np.searchsorted(self._starts, time, side="right") - 1
         for each in np.unique(number):
-            (stretch, when, chi, psi, centre), here = self._pieces[each], number == each
+            (stretch, (when, *others)), here = self._pieces[each], number == each
             (low, high), slope, table = when.domain, when.deriv(), np.linspace(*when.domain, _NODES)
             u = np.interp(time[here], when(table), table)
             for _ in range(_NEWTON_STEPS):
                 u = np.clip(u - (when(u) - time[here]) / slope(u), low, high)
             q, z, speed, ratio, sigma4, _ = stretch.points(self._disk, u)
-            made = q, z, speed, ratio / q, sigma4, chi(u), psi(u), centre(u)
+            made = q, z, speed, ratio / q, sigma4, *(series(u) for series in others)
             for column, part in zip(out, made, strict=True):
                 column[here] = part
         return out

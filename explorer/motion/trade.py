@@ -10,17 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.calibration import SAFETY
+from explorer.motion.calibration import SAFETY, SETTINGS
 from explorer.motion.plan import LOOSEST, TIGHTEST
 from explorer.motion.trials import ANY_ERROR, Trial, Tried
 
-# Steps in units of 1/speed and tolerances, from coarse to fine.
-SETTINGS = {
-    "rk4": (0.25, 0.12, 0.05, 0.02, 0.007, 0.002),
-    "rk8": (1.6, 1.2, 0.8, 0.5, 0.3, 0.16, 0.08),
-    "dopri5": tuple(10.0 ** -np.arange(3.5, 11.6)),
-    "dop853": tuple(10.0 ** -np.arange(2.0, 13.1)),
-}
 STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
 # What all methods are asked for, and quadrature at its best besides.
 ASKED = tuple(10.0 ** -np.arange(2.0, 10.1, 2.0))
@@ -222,25 +215,26 @@ def largest_errors(measured: Iterable[list[Row]], others: Iterable[Errors]) -> E
     return largest
 
 
-def curves(costs: Measured, errors: Errors) -> dict[str, list[list[float]]]:
-    """The table of one kind for `calibration`: setting, error and nanoseconds, by method.
+def curves(costs: Measured, errors: Errors) -> dict[str, list[tuple[float, float] | None]]:
+    """The table of one kind for `calibration`: error and nanoseconds at SETTINGS, None where they gain nothing.
 
     No setting lowers errors of rounding: those below _LEAST, or within _NEAR_LEAST of the least of any method, as
     slow starts round more. There a method's order is continued instead, to its last setting that gains.
     """
     rounding = max(_LEAST, _NEAR_LEAST * min((error for error in errors.values() if error > 0.0), default=_LEAST))
     table = {}
-    for method in SETTINGS:
+    for method, settings in SETTINGS.items():
         rows = [
             replace(row, p99=errors.get((method, row.setting), np.nan))
             for row in costs.rows
             if row.method == method
         ]
-        best = np.array([[row.setting, row.p99, row.nanoseconds] for row in best_of(rows)])
-        above = int((best[:, 1] > rounding).sum()) if best.size else 0
-        if above >= _OF_ORDER:
-            (first, coarse, _), (last, fine, _) = best[above - _OF_ORDER], best[above - 1]
-            order = np.log(fine / coarse) / np.log(last / first)
-            best[above:, 1] = fine * (best[above:, 0] / last) ** order
-        table[method] = best.tolist()
+        best = {row.setting: (row.p99, row.nanoseconds) for row in best_of(rows)}
+        above = [setting for setting, (error, _) in best.items() if error > rounding]
+        if len(above) >= _OF_ORDER:
+            first, last = above[-_OF_ORDER], above[-1]
+            order = np.log(best[last][0] / best[first][0]) / np.log(last / first)
+            for setting in best.keys() - above:
+                best[setting] = best[last][0] * float(setting / last) ** float(order), best[setting][1]
+        table[method] = [best.get(float(setting)) for setting in settings]
     return table

@@ -6,7 +6,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -65,6 +65,8 @@ class Trajectories:
         How many times of its row each motion has; 0 where the status is not OK.
     t_end : float
         The last time at which it can be called.
+    states : States
+        The states in which the motions start.
 
     Examples
     --------
@@ -92,12 +94,11 @@ class Trajectories:
     error_estimate: Array
     lengths: NDArray[np.int64]
     t_end: float
-    _followed: _Followed
-
-    @property
-    def states(self) -> States:
-        """The states in which the motions start."""
-        return self._followed.states
+    states: States
+    _start: Motions
+    _records: recording.Records | None
+    _turned: Array
+    _jobs: int
 
     @property
     def ok(self) -> NDArray[np.bool_]:
@@ -108,6 +109,11 @@ class Trajectories:
     def status_names(self) -> NDArray[np.str_]:
         """The status of each motion as a word, such as 'ok' or 'falls'."""
         return status_names(self.status)
+
+    @property
+    def observables(self) -> tuple[str, ...]:
+        """The names of those that were asked for."""
+        return tuple(name for name in (*_RATES, *ALL) if getattr(self, name) is not None)
 
     def __len__(self) -> int:
         """Number of motions."""
@@ -143,16 +149,23 @@ class Trajectories:
             raise InputError(
                 f"{said('t', t)}: times must lie between 0 and {self.t_end:g}, to which the motion was followed"
             )
-        return self._followed.trajectories(times.reshape(np.shape(t)), self)
+        disk, shape = self.states.disk, np.shape(t)
+        order, places = np.unique(times, return_inverse=True)  # the kernels take increasing times
+        if self._records is None:
+            found = recording.sample(self._start, order * disk.rate_unit, self._jobs)[0]
+        else:
+            found = recording.between(self._start, self._records, order)
+        at = np.moveaxis(found[:, places].reshape(len(self), *shape, 10), -1, 0)
+        lengths = np.where(self.lengths > 0, times.size, 0)
+        return replace(self, t=times.reshape(shape), **_observables(disk, at, self.observables), lengths=lengths)
 
     def __repr__(self) -> str:
         counts = Counter(self.status_names.tolist())
-        known = [name for name in (*_RATES, *ALL) if getattr(self, name) is not None]
         times = np.atleast_1d(self.t).shape[-1]
         return (
             f"Trajectories of {len(self):,} motion(s) to t = {self.t_end:g}, {times:,} time(s)\n"
             f"  status: {', '.join(f'{name} {count:,}' for name, count in counts.items()) or 'no motions'}\n"
-            f"  observables: {', '.join(known)}"
+            f"  observables: {', '.join(self.observables)}"
         )
 
 
@@ -283,8 +296,8 @@ def _followed(
         values = _observables(disk, found, names)
         lengths = np.where(outcome.status == compiled.status.Status.OK, times.size, 0)
         turned = abs(np.diff(found[rows.chi])).max(axis=1, initial=0.0)
-    followed = _Followed(states, start, records, names, jobs, turned)
-    return Trajectories(times, **values, **outcome._asdict(), lengths=lengths, t_end=end, _followed=followed)
+    known = {**values, **outcome._asdict(), "lengths": lengths, "t_end": end, "states": states}
+    return Trajectories(times, **known, _start=start, _records=records, _turned=turned, _jobs=jobs)
 
 
 def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array | None]:
@@ -303,33 +316,6 @@ def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array 
     if last > end:
         raise InputError(f"t_eval goes to {last:g}, past t_end = {end:g}; leave out one of them")
     return end, times
-
-
-class _Followed(NamedTuple):
-    """What it takes to find motions at other times; records: None where they were sampled at times given.
-
-    turned: the most by which chi turns between two of those (n).
-    """
-
-    states: States
-    start: Motions
-    records: recording.Records | None
-    names: tuple[str, ...]
-    jobs: int
-    turned: Array
-
-    def trajectories(self, t: Array, like: Trajectories) -> Trajectories:
-        """The motions at times of any shape."""
-        disk, n = self.start.disk, len(self.states)
-        # The kernels take increasing times.
-        order, places = np.unique(t, return_inverse=True)
-        if self.records is None:
-            found = recording.sample(self.start, order * disk.rate_unit, self.jobs)[0]
-        else:
-            found = recording.between(self.start, self.records, order)
-        at = found[:, places.ravel()].reshape(n, *t.shape, 10)
-        lengths = np.where(like.lengths > 0, t.size, 0)
-        return replace(like, t=t, **_observables(disk, np.moveaxis(at, -1, 0), self.names), lengths=lengths)
 
 
 def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, Any]:
@@ -357,7 +343,7 @@ def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, A
 
 def _warn_of_races(motion: Trajectories) -> None:
     """Warn where a curve of the observables would miss turns of the contact point."""
-    turned = motion._followed.turned
+    turned = motion._turned  # the most between two times of each
     missed = int(np.sum(turned > _COARSE))
     if missed and any(getattr(motion, name) is not None for name in _TURNING):
         warnings.warn(
