@@ -21,7 +21,6 @@ from explorer.motion.rise import Moving, Rise
 from explorer.motion.starts import Motions, motions_through
 from explorer.phase import membership
 from explorer.phase.arguments import column
-from explorer.phase.constants import best_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, linear_constants
 from explorer.phase.membership import falls_of
@@ -245,17 +244,16 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     side = sign("side", side)
     if len(states) != 1:
         raise InputError(f"limit motion: needs one state, {len(states)} were given")
-    natural = best_constants(states)
-    where = falls_of(states, natural)
+    where, motion = falls_of(states), states.motion
     if not bool(where.could_fall[0]):
         raise InputError("limit motion: the disk could not fall from this state; see explorer.falls")
-    z, p, bar = (float(row[0]) for row in (states.rows.z, states.rows.p, natural.sigma3_bar))
+    z, p, bar = (float(row[0]) for row in (states.rows.z, states.rows.p, motion.sigma3_bar))
     nearer = int(where.face[0])
-    eta = natural.eta(np.array([nearer > 0]))
+    eta = motion.eta(np.array([nearer > 0]))
     # With sigma3_bar = 0 both lines l_+ and l_- meet.
     face = nearer if bar != 0.0 else 1 if z >= 0.0 else -1
     if bar != 0.0:
-        bar = math.copysign(max(abs(bar), _TINY * max(float(natural.energy[0]), 1.0)), bar)
+        bar = math.copysign(max(abs(bar), _TINY * max(float(motion.energy[0]), 1.0)), bar)
     on_f = _onto_f(states, bar, np.where(where.on_f, 0.0, eta), face)
     rise = Rise(disk, on_f, face * z < 0.0)
     limit = LimitMotion(disk, rise, bar, face, side, face * p >= 0.0, disk.eta_to_eta_hat(float(eta[0])))

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.plan import PATH, Plan
-from explorer.phase.constants import NaturalConstants
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
+from explorer.phase.lines import Motion
 from explorer.phase.states import Array
 
 PASSAGE = 2.0  # units of time that a passage takes: errors add up over them
@@ -50,8 +50,8 @@ def amplification(speed: Array) -> Array:
     return np.asarray(np.fmax(1.0 + _SLOW / (speed + _LEAST_SPEED), 1.0))
 
 
-def estimate(disk: Disk, how: Plan, moved: Array, amplified: Array, time: float) -> Array:
-    """Of angles and times (n) after a time, outside of races; moved (3, n): rows as `engine.Moved`.
+def estimate(disk: Disk, how: Plan, moved: Array, ended: Array, amplified: Array, time: float) -> Array:
+    """Of angles and times (n) after a time, outside of races, at states (10, n); moved (3, n): as `engine.Moved`.
 
     Infinite of motions that run free: nothing tells it.
     """
@@ -61,7 +61,9 @@ def estimate(disk: Disk, how: Plan, moved: Array, amplified: Array, time: float)
         return np.full(shown.energy.size, math.inf)
     # Errors of the energy that were taken out are seen before; what is left at the end is one of them at most.
     drifted = np.fmax(shown.energy, shown.removed) + shown.rates
-    measured = _ANGLES * disk.kappa / math.sqrt(min(disk.body.k, 1.0)) * drifted
+    # psi errs by what the time does, times the spin, which is thousands of needles; twice that covers them.
+    fastest = np.fmax(disk.kappa / math.sqrt(min(disk.body.k, 1.0)), 2.0 * abs(ended[compiled.field.ROW.sigma4]))
+    measured = _ANGLES * fastest * drifted
     return np.asarray(amplified * (measured + _ROUNDING * passages) + SHARE * how.accuracy * passages)
 
 
@@ -70,7 +72,7 @@ def asked(how: Plan, time: float) -> float:
     return math.inf if how.setting is not None else how.accuracy * max(1.0, time / PASSAGE)
 
 
-def amplified_at(disk: Disk, how: Plan, start: NaturalConstants, time: float) -> Array:
+def amplified_at(disk: Disk, how: Plan, start: Motion, time: float) -> Array:
     """How many times as much motions (n) amplify errors up to a time; infinite where holding them does not tell.
 
     Of those that spin fast, or long, errors of the phase add up over many periods; each slow passage of the
@@ -115,7 +117,7 @@ def way(disk: Disk, energy: Array) -> Array:
     return np.asarray(np.sqrt(2.0 * energy / disk.body.J))
 
 
-def speed_at_vertical(disk: Disk, start: NaturalConstants) -> Array:
+def speed_at_vertical(disk: Disk, start: Motion) -> Array:
     """How fast motions pass the vertical or, where they turn before, would at as much more energy as they lack."""
     sigma4_bar = 0.5 * disk.eta_to_eta_hat(start.eta_minus - start.eta_plus)
     there = energy_at(disk.body, 0.0, start.sigma3_bar, sigma4_bar, 1.0)

@@ -16,9 +16,9 @@ from explorer.motion import precision
 from explorer.motion.integration import Followed, Motions, follow, settle
 from explorer.motion.parts import blocks, in_parts
 from explorer.motion.plan import PATH, Plan
-from explorer.motion.starts import held_constants
-from explorer.phase.constants import NaturalConstants, natural_constants
+from explorer.motion.starts import held_constants, status_at_start
 from explorer.phase.disk import Disk
+from explorer.phase.lines import LinearConstants, Motion
 from explorer.phase.states import Array, States
 
 # Chords of such arcs of the rim stay within half a per cent of the radius.
@@ -44,11 +44,11 @@ def motions(states: States, how: Plan, chi0: float, max_steps: int) -> Motions:
     initial = np.zeros((10, len(states)))
     initial[:5] = states.natural
     initial[compiled.field.ROW.chi] = chi0
-    status, held = held_constants(states, natural_constants(states))
     control = np.full(len(states), how.control)
     if how.rung == PATH and not how.adaptive:
         control = np.fmin(control, compiled.attempt.MOST_TURNED / states.disk.kappa)
-    return Motions(states.disk, how.in_time, initial, np.stack(held), status, control, max_steps)
+    held, status = held_constants(states), status_at_start(states)
+    return Motions(states.disk, how.in_time, initial, held, status, control, max_steps)
 
 
 def sample(motions: Motions, times: Array, jobs: int = 1) -> tuple[Array, Outcome]:
@@ -65,6 +65,8 @@ def _sample(given: Motions, times: Array) -> tuple[Array, Outcome, Motions]:
     """The same, and the motions with the steps by which they are as accurate as was asked."""
     disk, how, code, n = given.disk, given.plan, compiled.status.Status, given.status.size
     start, last = _constants(disk, given.initial), float(times[-1])
+    if disk.body.I3 > 0.0:  # they may have been given
+        start = start._replace(**LinearConstants(*given.pinned)._asdict())
     later = times[times > 0.0]  # the kernel takes values above 0; the state at 0 is known
     if later.size == 0:
         out, none = np.empty((n, 0, 10)), np.where(given.status == code.OK, 0.0, np.nan)
@@ -73,7 +75,7 @@ def _sample(given: Motions, times: Array) -> tuple[Array, Outcome, Motions]:
         amplified, asked = precision.amplified_at(disk, how, start, last), precision.asked(how, last)
 
         def estimate(found: Followed, rows: Any) -> Array:
-            return precision.estimate(disk, how, found.moved, amplified[rows], last)
+            return precision.estimate(disk, how, found.moved, found.out[:, -1].T, amplified[rows], last)
 
         found, error, given = settle(given, compiled.events.TIME, later, how.kernel_depth, estimate, asked)
         out, ended = found.out, np.ascontiguousarray(found.out[:, -1].T)
@@ -93,11 +95,11 @@ def _sample(given: Motions, times: Array) -> tuple[Array, Outcome, Motions]:
     return out, outcome, given
 
 
-def _constants(disk: Disk, states: Array) -> NaturalConstants:
+def _constants(disk: Disk, states: Array) -> Motion:
     """The constants of states (10, n)."""
     found = np.empty((6, states.shape[1]))
     compiled.algebra.constants_batch(np.ascontiguousarray(states[:5]), disk.whole, disk.natural, found)
-    return NaturalConstants(*found)
+    return Motion(*found)
 
 
 class Records(NamedTuple):

@@ -16,7 +16,6 @@ from explorer.motion.plan import TIGHTEST, Plan, plan
 from explorer.motion.trajectories import Trajectories, trajectories_by
 from explorer.motion.turning_points import smallest_tilt
 from explorer.motion.vertical import Starts
-from explorer.phase.constants import NaturalConstants
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 
@@ -123,7 +122,7 @@ class TiltTrial(Trial):
     error = "of theta_min (relative)"
     observables = ("theta_min",)
 
-    def __init__(self, blocks: Sequence[tuple[States, NaturalConstants]]) -> None:
+    def __init__(self, blocks: Sequence[States]) -> None:
         self.blocks = blocks
 
     @cached_property
@@ -142,7 +141,7 @@ class TiltTrial(Trial):
         return self.finest()[0]
 
     def call(self, how: Plan) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
-        parts = [smallest_tilt(states, how, natural) for states, natural in self.blocks]
+        parts = [smallest_tilt(states, how) for states in self.blocks]
         theta, status, steps = (np.concatenate(columns) for columns in zip(*parts, strict=True))
         return theta, status, steps
 

@@ -14,7 +14,7 @@ from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, scan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.constants import best_constants, constants_of
+from explorer.phase.constants import constants_of
 from explorer.phase.coordinates import Coordinates, complete_set, coordinates_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_slope
@@ -213,15 +213,14 @@ def slice_map(
     x, y, columns = where.grid(points)
     plain = set(COORDINATES) <= set(columns)
     states = (phi_to_states if plain else coordinates_to_states)(disk, **columns)
-    constants = best_constants(states)
     if isinstance(observable, str) and observable == "theta_min":
         # A root of V = E at a picture's accuracy: ten times as fast as a whole period.
-        values = {"theta_min": np.reshape(smallest_tilt(states, how, constants)[0], (points, points))}
+        values = {"theta_min": np.reshape(smallest_tilt(states, how)[0], (points, points))}
     else:
         found = scan(replace(states, shape=(points, points)), observable, jobs).values
         # One column, as `bounces` returns it, is one entry for each state.
         values = {name: each[..., 0] if each.shape[2:] == (1,) else each for name, each in found.items()}
-    exact = falls_of(states, constants).reshaped((points, points))
+    exact = falls_of(states).reshaped((points, points))
     return SliceMap(disk, where, x, y, values, exact, how.method)
 
 
@@ -291,9 +290,8 @@ def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") ->
     require_axial_inertia(require_states(states).disk)
     cells = whole("cells", cells, 2, _MOST_POINTS)
     how = plan(("theta_min",), SLICE_ACCURACY, method)
-    constants = best_constants(states)
-    theta, _status, _steps = smallest_tilt(states, how, constants)
-    table = constants_of(states, constants)
+    theta, _status, _steps = smallest_tilt(states, how)
+    table = constants_of(states)
     bars = np.ravel(table.sigma3_bar), np.ravel(table.sigma4_bar)
     known = np.isfinite(theta) & np.isfinite(bars[0]) & np.isfinite(bars[1])
     edges, places = [], []

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, number, shown, whole
-from explorer.motion.periods import Periods, periods
+from explorer.motion.periods import periods
 from explorer.motion.trajectories import Trajectories, trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, columns_of, constants_to_states, require_states
@@ -98,7 +98,7 @@ def wander(states: States) -> Wander:
     """
     require_axial_inertia(require_states(states).disk)
     states = replace(states, shape=(len(states),))
-    each = _periods(states)
+    each = periods(states, _ACCURACY)
     step, status = np.full(len(states), np.nan, np.complex128), each.status.copy()
     for row in np.flatnonzero(status == compiled.status.Status.OK):
         start, end = states.at(np.array([row])), float(each.period[row])
@@ -110,15 +110,6 @@ def wander(states: States) -> Wander:
     with np.errstate(divide="ignore"):
         radius = abs(step) / (2.0 * abs(np.sin(0.5 * chi)))
     return Wander(period, chi, step, radius, status)
-
-
-def _periods(states: States) -> Periods:
-    """Periods, with eta as it was given where it was."""
-    if states.exact is None:
-        return periods(states)
-    disk = states.disk
-    eta = np.where(states.rows.z >= 0.0, states.exact.eta_plus, states.exact.eta_minus)
-    return periods(states, _ACCURACY, eta_hat=disk.eta_to_eta_hat(eta) * disk.rate_unit)
 
 
 def resonance(
@@ -160,7 +151,7 @@ def resonance(
     from scipy.optimize import brentq
 
     def excess(sigma3_bar: float) -> float:
-        period = _periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot))
+        period = periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot), _ACCURACY)
         if period.status[0] != compiled.status.Status.OK:
             sentence = compiled.status.Status(int(period.status[0])).sentence
             raise InputError(f"resonance: no period at sigma3_bar = {sigma3_bar:g}: {sentence} Move `between`")

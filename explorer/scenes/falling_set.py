@@ -18,7 +18,7 @@ from explorer.measure.tallies import ByName, Least, LogHistogram
 from explorer.motion.trials import TiltTrial, Trial
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import membership
-from explorer.phase.constants import NaturalConstants, best_constants, constants_of
+from explorer.phase.constants import constants_of
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import falls_of
@@ -116,33 +116,32 @@ class FallingSet(FromStates):
 
     def observe(self, block: Block) -> Table:
         """Everything about a few states; where theta_min is not computed it is NaN."""
-        table, rows, states, natural = self._followed(block)
+        table, rows, states = self._followed(block)
         if self.theta_min != "none":
-            found = smallest_tilt(states, self.plan, natural, table["status"][rows])
+            found = smallest_tilt(states, self.plan, table["status"][rows])
             for name, values in zip(("theta_min", "status", "steps"), found, strict=True):
                 table[name][rows] = values
         return block.with_results(table)
 
-    def _followed(self, block: Block) -> tuple[Table, Any, States, NaturalConstants]:
-        """What follows from the constants; the rows whose theta_min is computed, their states and constants."""
+    def _followed(self, block: Block) -> tuple[Table, Any, States]:
+        """What follows from the constants; the rows whose theta_min is computed, and their states."""
         states, n = block.states, len(block.states)
-        natural = best_constants(states)
-        exact, constants = falls_of(states, natural), constants_of(states, natural)
+        exact, constants = falls_of(states), constants_of(states)
         names = "sigma3_bar", "eta_hat_plus", "eta_hat_minus", "energy"
         table: Table = {name: getattr(constants, name) for name in names}
         table |= {"face": exact.face, "could_fall": exact.could_fall, "theta_min": np.full(n, np.nan)}
         table |= {"status": exact.status.astype(np.int8), "steps": np.zeros(n, np.int32)}
         if self.theta_min == "all":
-            return table, np.s_[:], states, natural
+            return table, np.s_[:], states
         rows = np.flatnonzero(self.near(table))
-        return table, rows, states.at(rows), natural.at(rows)
+        return table, rows, states.at(rows)
 
     def near(self, table: Table) -> NDArray[np.bool_]:
         return np.asarray((nearer(table) <= self.tube) & table["could_fall"])
 
     def trials(self, motions: int, t_end: float | None) -> list[Trial]:
         blocks = (block for index in range(self.chunks) for block in self.blocks(index))
-        return [TiltTrial([self._followed(block)[2:] for block in blocks]), *super().trials(motions, t_end)]
+        return [TiltTrial([self._followed(block)[2] for block in blocks]), *super().trials(motions, t_end)]
 
     # Counts
 

@@ -23,7 +23,6 @@ from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_consta
 from explorer.motion.passages import passage_kernels, passages_by
 from explorer.motion.trials import PassageTrial, Trial, through_time
 from explorer.motion.vertical import starts_at_vertical
-from explorer.phase.constants import natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import Array, constants_to_states
 from explorer.portrait.races import (
@@ -223,7 +222,7 @@ class Passages(RaceAngles):
         def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
             drawn = self._starts(random, BLOCK)
             states = constants_to_states(self.disk, **drawn)
-            energy = natural_constants(states).energy * self.disk.energy_unit
+            energy = states.motion.energy * self.disk.energy_unit
             return drawn, (energy >= low) & (energy <= high)
 
         return gather(block, count, "--energy: only {} draws beside the falling set were kept; widen it")

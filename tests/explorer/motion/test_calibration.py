@@ -11,7 +11,6 @@ from explorer import compiled
 from explorer.motion import calibration
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import turning_points
-from explorer.phase.constants import natural_constants
 from explorer.phase.states import constants_to_states
 
 
@@ -125,8 +124,8 @@ def test_the_accuracy_asked_is_met_by_work_nobody_calibrated_on(private, method,
             status, known = got.status, True
         else:
             states = constants_to_states(disk, *start)
-            constants = natural_constants(states)
-            found = turning_points(states, plan(("chi", "psi", "theta_min"), accuracy, method), constants)
+            constants = states.motion
+            found = turning_points(states, plan(("chi", "psi", "theta_min"), accuracy, method))
             # A state in doubles knows eta, and with it theta_min, only so well.
             known = constants.rounding_plus / abs(constants.eta_plus) < 0.02 * accuracy
             errors = (2 * found.chi - exact.delta_chi, 2 * found.psi - exact.delta_psi)

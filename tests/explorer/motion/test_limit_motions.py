@@ -9,7 +9,6 @@ import explorer as ex
 from explorer.motion.falls import fall_from_vertical
 from explorer.motion.limit_motions import limit_motion
 from explorer.motion.trajectories import trajectories
-from explorer.phase.constants import natural_constants
 from explorer.phase.states import constants_to_states
 
 ALL = ("phi", "phidot", "chi", "psi", "path", "contact")
@@ -141,7 +140,7 @@ def test_the_fall_is_integrated_well_however_slowly_it_starts(speed):
         return y[0] - 1.5
 
     flat.terminal = True
-    natural = natural_constants(start_on_f(disk, 1, 1.0, speed))
+    natural = start_on_f(disk, 1, 1.0, speed).motion
     slow = solve_ivp(rate, (0, 50), [0.0, speed, 0.0], "DOP853", events=flat, rtol=1e-12, atol=1e-13)
     limit = limit_motion(start_on_f(disk, 1, 1.0, speed), 1)
     got = limit(slow.t_events[0][0])
