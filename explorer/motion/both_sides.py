@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from explorer import compiled
 from explorer.errors import InputError, positive, sign
-from explorer.motion.limit_motions import AnyLimit, LimitState, limit_motion, misses_f, warn_of_move
+from explorer.motion.limit_motions import LimitMotion, LimitState, limit_motion, misses_f, warn_of_move
 from explorer.motion.trajectories import trajectories
 from explorer.phase.arguments import explained
 from explorer.phase.constants import constants
@@ -30,12 +30,12 @@ def beside(disk: Disk, start: Mapping[str, float], eta_hat: ArrayLike) -> States
     return constants_to_states(disk, eta_hat=eta_hat, **start)
 
 
-def limits_at(disk: Disk, start: Mapping[str, float]) -> dict[int, AnyLimit]:
+def limits_at(disk: Disk, start: Mapping[str, float]) -> dict[int, LimitMotion]:
     """Both limit motions from the point of F."""
     return {sign: limit_motion(beside(disk, start, 0.0), sign) for sign in (1, -1)}
 
 
-def sample_times(limit: AnyLimit) -> tuple[Array, int]:
+def sample_times(limit: LimitMotion) -> tuple[Array, int]:
     """Times through FALLS impacts, none within MARGIN of a period of an impact.
 
     Also the place of the time half-way between the first two impacts.

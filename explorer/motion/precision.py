@@ -29,7 +29,7 @@ _ROUNDING = 3e-12  # of a passage: some hundred steps, each of some ten operatio
 # Near the vertical at rest a motion passes an unstable equilibrium, which amplifies errors like 1/speed: below
 # this speed (natural units) it is felt. Rounding also ends a rest: it acts like the least speed.
 _SLOW, _LEAST_SPEED = 0.15, 5e-5
-CALIBRATED_WAY = 3.0  # of the centre in a unit of time (r), of motions that steps are calibrated on
+_CALIBRATED_WAY = 3.0  # of the centre in a unit of time (r), of motions that steps are calibrated on
 # Every step rounds chi, which turns the way, and the time: the error of a path is the way times so many units of
 # rounding and the square root of the number of steps.
 _ROUNDED = 16.0 * 2.0**-53
@@ -72,15 +72,18 @@ def asked(how: Plan, time: float) -> float:
     return math.inf if how.setting is not None else how.accuracy * max(1.0, time / PASSAGE)
 
 
-def hidden(disk: Disk, how: Plan, start: Motion, time: float) -> NDArray[np.bool_]:
-    """Motions (n) whose errors up to a time are not in proportion to what holding them moved.
+def amplified_at(disk: Disk, how: Plan, start: Motion, time: float) -> Array:
+    """How many times as much motions (n) amplify errors up to a time; infinite where holding them does not tell.
 
     Of those that spin fast, or long, errors of the phase add up over many periods; each slow passage of the
     vertical amplifies what the ones before have left; and a path errs in fixed steps in which chi turns far.
     """
-    slow = amplification(speed_at_vertical(disk, start)) > _AMPLIFIED
-    found = (way(disk, start.energy) * max(1.0, time / PASSAGE) > _PERIODS) | (slow & (time > 2.0 * PASSAGE))
-    return np.asarray(found | (how.rung == PATH and not how.adaptive and how.control * disk.kappa > _RESOLVED))
+    amplified, moved = amplification(speed_at_vertical(disk, start)), way(disk, start.energy)
+    hidden = (moved * max(1.0, time / PASSAGE) > _PERIODS) | ((amplified > _AMPLIFIED) & (time > 2.0 * PASSAGE))
+    if how.rung == PATH:  # an error of chi moves the path by as much times its way
+        amplified = amplified * np.fmax(1.0, moved / _CALIBRATED_WAY)
+        hidden |= not how.adaptive and how.control * disk.kappa > _RESOLVED
+    return np.where(hidden, math.inf, amplified)
 
 
 def in_race(disk: Disk, ended: Array, error: Array) -> Array:

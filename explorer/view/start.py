@@ -9,7 +9,7 @@ import numpy as np
 from explorer import compiled
 from explorer.errors import InputError, number, shown, whole
 from explorer.motion.bounces import Bounces
-from explorer.motion.limit_motions import Continuation
+from explorer.motion.limit_motions import LimitMotion
 from explorer.motion.starts import status_at_start
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import States, constants_to_states
@@ -90,7 +90,7 @@ def start_in(motion: Any, row: Any) -> tuple[Disk, Start]:
 
     Raises InputError for what is no motion.
     """
-    if isinstance(motion, Continuation):
+    if isinstance(motion, LimitMotion):
         _one_of(1, row, "limit motion")
         return motion.disk, _start_of_limit(motion)
     if isinstance(motion, Bounces):
@@ -155,7 +155,7 @@ def _start_of_bounce(bounces: Bounces, place: int) -> Start:
     return Start(through.sigma3_bar, eta_hat, math.sqrt(2.0 * left / disk.body.M), face)
 
 
-def _start_of_limit(limit: Continuation) -> Start:
+def _start_of_limit(limit: LimitMotion) -> Start:
     """The motion that follows a limit motion so closely, on its side of F, that nobody sees the difference."""
     unit, at = limit.disk.rate_unit, limit(0.0)
     theta, speed = _UPRIGHT - limit.face * float(at.phi), limit.face * float(at.phidot) / unit

@@ -35,10 +35,11 @@ def test_the_shipped_table_is_used_and_named_where_nothing_was_measured(private)
         lambda table: {name: value for name, value in table.items() if name != "kernels"},
         lambda table: {**table, "methods": dict.fromkeys(table["methods"], "rows")},
         lambda table: {**table, "quadrature": float("nan")},
-        lambda table: {**table, "methods": {k: [[1, 2, 3, 4]] for k in table["methods"]}},
+        lambda table: {**table, "methods": {k: [[1, 2, 3]] * len(rows) for k, rows in table["methods"].items()}},
+        lambda table: {**table, "settings": {"rk4": calibration.SETTINGS["rk4"]}},
         lambda table: {**table, "methods": {k: rows[:1] for k, rows in table["methods"].items()}},
         lambda table: {**table, "methods": {k: rows[::-1] for k, rows in table["methods"].items()}},
-        lambda table: {**table, "methods": {k: [rows[0]] * 5 for k, rows in table["methods"].items()}},
+        lambda table: {**table, "methods": {k: [rows[0]] * len(rows) for k, rows in table["methods"].items()}},
     ],
 )
 def test_a_damaged_table_is_named_not_used(private, spoil):
