@@ -153,7 +153,7 @@ class LimitMotion:
             raise InputError(f"t = {shown(t)}: give times from 0 to {last:g}, that of {_MOST_IMPACTS:g} impacts")
         start = self._unfold(np.array([self._offset]))
         unfolded = self._unfold(np.ravel(times) * disk.rate_unit + self._offset)
-        at = Moving(*(row.reshape(times.shape) for row in unfolded))
+        at = Moving(**{name: row.reshape(times.shape) for name, row in unfolded._asdict().items()})
         z, sigma4, phidot, turn, q = face * at.z, face * at.sigma4, -face * at.thetadot, at.turn, at.q
         chi, psi = at.chi - start.chi[0], face * (at.psi - start.psi[0])
         centre, away = face * (at.centre - start.centre[0]) * np.exp(-1j * start.chi[0]), np.exp(1j * chi)

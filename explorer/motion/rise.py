@@ -94,7 +94,7 @@ def _nodes() -> tuple[Array, Array, Array]:
     """Nodes on (-1, 1); matrices from values there to coefficients of their integral, and from these to values."""
     nodes = chebpts1(_NODES)
     integral: Array = chebint(np.linalg.inv(chebvander(nodes, _NODES - 1)), lbnd=-1)
-    return nodes, integral.T, chebvander(nodes, _NODES).T
+    return nodes, integral.T, np.asarray(chebvander(nodes, _NODES).T, np.float64)
 
 
 class Rise:
@@ -183,11 +183,12 @@ class Rise:
 
     def at(self, time: Array) -> Moving:
         """The rise at times since flat, 0 <= time <= half."""
-        out = Moving(*np.empty((7, time.size)), np.empty(time.size, np.complex128))
+        out = Moving(*(np.empty(time.size, kind) for kind in (7 * "d" + "D")))
         number = np.searchsorted(self._starts, time, side="right") - 1
         for each in np.unique(number):
             (stretch, (when, *others)), here = self._pieces[each], number == each
-            (low, high), slope, table = when.domain, when.deriv(), np.linspace(*when.domain, _NODES)
+            (low, high), slope = when.domain, when.deriv()
+            table = np.linspace(low, high, _NODES)
             u = np.interp(time[here], when(table), table)
             for _ in range(_NEWTON_STEPS):
                 u = np.clip(u - (when(u) - time[here]) / slope(u), low, high)

@@ -138,7 +138,8 @@ class TiltTrial(Trial):
     @cached_property
     def integrated(self) -> Array:
         """theta_min for quadrature to be compared with."""
-        return self.finest()[0]
+        theta: Array = self.finest()[0]
+        return theta
 
     def call(self, how: Plan) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
         parts = [smallest_tilt(states, how) for states in self.blocks]
@@ -168,7 +169,8 @@ class MotionTrial(Trial):
     @cached_property
     def exact(self) -> list[Trajectories]:
         """The motions by far finer steps."""
-        return self.finest()
+        found: list[Trajectories] = self.finest()
+        return found
 
     @property
     def known(self) -> NDArray[np.bool_]:
