@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Any
 from explorer.lazy import make_lazy
 
 if TYPE_CHECKING:
-    from explorer import plot as plot
-    from explorer import portrait as portrait
     from explorer.commands.calls import plan as plan
     from explorer.commands.calls import run as run
     from explorer.commands.calls import trade as trade
@@ -28,27 +26,36 @@ if TYPE_CHECKING:
     from explorer.measure.falling_constant import falling_constant as falling_constant
     from explorer.measure.invariance import flow_stretch as flow_stretch
     from explorer.measure.invariance import push_forward as push_forward
+    from explorer.measure.races import race_law as race_law
+    from explorer.measure.slices import slice_map as slice_map
+    from explorer.motion.both_sides import both_sides as both_sides
     from explorer.motion.bounces import bounces as bounces
     from explorer.motion.forces import passage_forces as passage_forces
     from explorer.motion.limit_motions import limit_motion as limit_motion
     from explorer.motion.passages import passages as passages
     from explorer.motion.periods import periods as periods
+    from explorer.motion.rocking import rocking as rocking
     from explorer.motion.scan import scan as scan
     from explorer.motion.trajectories import simulate as simulate
+    from explorer.motion.wander import resonance as resonance
+    from explorer.motion.wander import wander as wander
+    from explorer.motion.wander import wander_path as wander_path
     from explorer.phase.constants import constants as constants
     from explorer.phase.coordinates import coordinates_to_states as coordinates_to_states
     from explorer.phase.coordinates import rates_to_states as rates_to_states
     from explorer.phase.disk import Disk as Disk
     from explorer.phase.membership import falls as falls
+    from explorer.phase.potential import potential as potential
+    from explorer.phase.stability import bifurcation as bifurcation
     from explorer.phase.states import States as States
     from explorer.phase.states import StateWarning as StateWarning
     from explorer.phase.states import constants_to_states as constants_to_states
     from explorer.phase.states import phi_to_states as phi_to_states
     from explorer.phase.states import theta_to_states as theta_to_states
-    from explorer.portrait.both_sides import both_sides as both_sides
-    from explorer.portrait.rolling import circular_rolling as circular_rolling
-    from explorer.portrait.rolling import steady_motions as steady_motions
-    from explorer.portrait.slices import slice_map as slice_map
+    from explorer.phase.steady import circular_rolling as circular_rolling
+    from explorer.phase.steady import steady_motions as steady_motions
+    from explorer.pictures.calls import picture as picture
+    from explorer.pictures.calls import pictures as pictures
     from explorer.runs.merge import merge as merge
     from explorer.runs.run import Run as Run
     from explorer.runs.run import open as open

@@ -47,7 +47,7 @@ class Coins(SampledScene):
 
     def figures(self, summary, tally):
         def bars(ax=None, width=0.5):
-            from explorer.plot.style import axes_or_new
+            from explorer.pictures.style import axes_or_new
 
             ax = axes_or_new(ax)
             ax.bar(["heads", "tails"], [summary["share"], 1.0 - summary["share"]], width)

@@ -3,7 +3,7 @@
 import numpy as np
 
 import explorer as ex
-from explorer.portrait.wander import resonance, wander_path
+from explorer.motion.wander import resonance, wander_path
 
 
 def start(disk, sigma3_bar, eta_hat, phidot=1.0):

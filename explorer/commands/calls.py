@@ -94,7 +94,7 @@ def trade(scene: str | type[Scene] | None = None, **options: Any) -> Trade:
     Returns
     -------
     Trade
-        For `explorer.plot.work_precision`; `store` lets `accuracy` use it.
+        For picture work-precision; `store` lets `accuracy` use it.
 
     Raises
     ------

@@ -11,7 +11,7 @@ from explorer.commands.trade import Trade
 from explorer.measure.sampling import Box
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
-from explorer.portrait.slices import Slice
+from explorer.measure.slices import Slice
 from explorer.runs.run import Run
 from explorer.scenes.scene import Scene
 

@@ -17,7 +17,7 @@ from explorer.phase.paths import made_folder, path_of
 from explorer.runs.folder import read_record
 
 if TYPE_CHECKING:
-    from explorer.plot.captions import Caption
+    from explorer.pictures.register import Caption
 
 KINDS = (".png", ".gif", ".webp")
 _FIRST = ("hero", "definitions", "film")  # of their question, in this order
@@ -25,11 +25,11 @@ _OTHER = "Other pictures"
 
 
 def gallery(folder: Path | str) -> str:
-    """Markdown for the README.md of `folder`; captions are in the pictures, commands in the folders below it.
+    """Markdown for the README.md of `folder`; captions are in the files, commands in the folders below it.
 
     Raises InputError where `folder` is none.
     """
-    from explorer.plot.captions import Question, caption_in
+    from explorer.pictures.register import Question
 
     root = path_of("DIR", folder)
     if not root.is_dir():
@@ -74,10 +74,23 @@ def command_of(folder: Path) -> str:
     return "not known"
 
 
+def caption_in(path: Path) -> "Caption | None":
+    """The caption inside a picture or a film, a question and a text; None where there is none."""
+    from PIL import Image, UnidentifiedImageError
+
+    from explorer.pictures.register import Caption, Question
+
+    try:
+        with Image.open(path) as picture:
+            found = picture.info.get("Description") or picture.info.get("comment") or ""
+    except (OSError, UnidentifiedImageError):
+        return None
+    question, _, text = (found.decode("utf-8") if isinstance(found, bytes) else str(found)).partition("\n")
+    return Caption(Question(question), text) if question in set(Question) else None
+
+
 def picture_lines(picture: Path, root: Path) -> list[str]:
     """A picture with its caption for the page of `root`."""
-    from explorer.plot.captions import caption_in
-
     caption = caption_in(picture)
     return [_image(picture, root, caption, 600), "", caption.text if caption else _text(picture, None)]
 

@@ -180,6 +180,7 @@ def calibrate(measured: Trade) -> dict[str, Any]:
     table = {
         "kernels": compiled.source_digest(),
         "measured_on": measured.scene.options,
+        "settings": calibration.SETTINGS,
         "quadrature": quadrature[-1],
         "methods": curves(plain, errors),
     }

@@ -2,7 +2,6 @@
 
 import platform
 from collections.abc import Iterable, Sequence
-from functools import partial
 from pathlib import Path
 
 from explorer.motion.trade import Measured, Row
@@ -74,7 +73,10 @@ def _table(rows: Sequence[str]) -> list[str]:
 
 def write(scene: Scene, parts: list[Measured], out: Path, command: str, where: Path | None) -> None:
     """README.md and trade.png in the folder `out`."""
-    from explorer.plot import figure_of, save, stacked, work_precision
+    from matplotlib.figure import Figure
+
+    from explorer.pictures.register import save
+    from explorer.pictures.work_precision import work_precision
 
     page = [
         f"# Speed against accuracy: {scene.name}, {scene.label}",
@@ -84,5 +86,9 @@ def write(scene: Scene, parts: list[Measured], out: Path, command: str, where: P
         *(["\nStored for this machine; `--accuracy` and `--method auto` read it."] if where else []),
     ]
     (out / "README.md").write_text("\n".join(page) + "\n", encoding="utf-8")
-    draws = [partial(work_precision, part) for part in parts]
-    save(stacked(*draws, height=9.0) if len(draws) > 1 else figure_of(*draws), out / "trade.png")
+    figure = Figure(figsize=(6.4, 9.0 if len(parts) > 1 else 4.8), layout="constrained")
+    for part, ax in zip(parts, figure.subplots(len(parts), 1, sharex=True, squeeze=False)[:, 0], strict=True):
+        work_precision(part, ax=ax)
+    for ax in figure.axes[:-1]:
+        ax.set_xlabel("")
+    save(figure, out / "trade.png")

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from explorer.errors import InputError, shown
 from explorer.measure.sampling import BLOCK, Box, Range, Stream, gather, parse_ranges
 from explorer.phase.arguments import read_range, returned_numbers
-from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, phi_to_states
 
@@ -187,7 +186,7 @@ class Density:
                 drawn[name] = self.quantile(name, (drawn[name] - low) / (high - low))
             good = np.ones(BLOCK, bool)
             if self.energy != ANY_ENERGY:
-                energy = natural_constants(phi_to_states(disk, **drawn)).energy * disk.energy_unit
+                energy = phi_to_states(disk, **drawn).motion.energy * disk.energy_unit
                 good = (energy >= self.energy[0]) & (energy <= self.energy[1])
             if self.function is not None:
                 values = self._called(drawn)

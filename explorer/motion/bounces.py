@@ -15,10 +15,9 @@ from explorer.motion.falls import KERNELS, departures_of_moving, falls_of
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import plan
-from explorer.motion.starts import Motions, fallen, held_constants, motions_through, seen_from
-from explorer.phase.constants import best_constants, natural_constants
+from explorer.motion.starts import Motions, motions_of, seen_from, status_of_period
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import LinearConstants, line_chart
+from explorer.phase.lines import line_chart
 from explorer.phase.membership import impact_speed
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
@@ -140,11 +139,9 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
     if count * len(states) > _MOST_ROWS:
         raise InputError(f"count = {count} for {len(states):,} states; give up to {_MOST_ROWS:,} bounces at once")
     how = plan(("race_angle",), accuracy, "quadrature")
-    status, linear = held_constants(states, natural_constants(states))
 
     def some(rows: NDArray[np.intp]) -> _Pairs:
-        of_rows = LinearConstants(*(c[rows] for c in linear))
-        return _pairs(states.at(rows), of_rows, status[rows], how.accuracy, count == 1)
+        return _pairs(states.at(rows), how.accuracy, count == 1)
 
     return _in_turn(states, _joined(in_parts(jobs, len(states), some, BLOCK)), count)
 
@@ -155,23 +152,23 @@ def motion_constants(found: Bounces) -> dict[str, NDArray[Any]]:
     wrong_way is of its flattest moment, where sigma3 has the sign of chi's rate.
     """
     states, disk = found.states, found.states.disk
-    natural = best_constants(states)
+    motion = states.motion
     ok = (found.status == compiled.status.Status.OK) & (found.face != 0)
 
     def each(values: Array) -> Array:
         return np.broadcast_to(values.reshape(*states.shape, 1), found.shape)
 
-    eta = np.where(found.face > 0, each(natural.eta_plus), each(natural.eta_minus))
-    speed = impact_speed(disk, natural.sigma3_bar, natural.energy)
+    eta = np.where(found.face > 0, each(motion.eta_plus), each(motion.eta_minus))
+    speed = impact_speed(disk, motion.sigma3_bar, motion.energy)
     columns = {
-        "sigma3_bar": each(natural.sigma3_bar) * disk.rate_unit,
+        "sigma3_bar": each(motion.sigma3_bar) * disk.rate_unit,
         "eta_hat": disk.eta_to_eta_hat(eta) * disk.rate_unit,
-        "energy": each(natural.energy) * disk.energy_unit,
+        "energy": each(motion.energy) * disk.energy_unit,
         "impact_speed": each(speed) * disk.rate_unit,
     }
     tilt = np.where(np.isfinite(found.theta_min), found.theta_min, 1.0).ravel()
     chart = line_chart(disk, np.sin(tilt), np.cos(tilt))
-    sigma3 = chart.rates(each(natural.sigma3_bar).ravel(), disk.eta_to_eta_hat(eta).ravel())[0]
+    sigma3 = chart.rates(each(motion.sigma3_bar).ravel(), disk.eta_to_eta_hat(eta).ravel())[0]
     against = np.sign(sigma3).reshape(found.shape) != found.side
     return {name: np.where(ok, values, np.nan) for name, values in columns.items()} | {"wrong_way": ok & against}
 
@@ -208,13 +205,11 @@ def _joined(parts: list[_Pairs]) -> _Pairs:
     return _Pairs(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
 
 
-def _pairs(
-    states: States, linear: LinearConstants, status: NDArray[np.int8], accuracy: float, first_only: bool
-) -> _Pairs:
+def _pairs(states: States, accuracy: float, first_only: bool) -> _Pairs:
     """first_only: nothing is asked but the first one; the other passage of a motion may stay unknown then."""
     disk, code = states.disk, compiled.status.Status
-    own, status = seen_from(states, linear), fallen(linear, status)
-    motions = motions_through(disk, states.rows, linear, own > 0.0)
+    own, status = seen_from(states), status_of_period(states)
+    motions = motions_of(states, own)
     rows, n = np.flatnonzero(status == code.OK), status.size
     some = motions.at(rows)
     ends = ends_of(disk, some)

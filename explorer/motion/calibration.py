@@ -8,8 +8,8 @@ import json
 import os
 import platform
 import sys
-from dataclasses import dataclass, replace
-from functools import cache, lru_cache
+from dataclasses import dataclass
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -17,55 +17,44 @@ from typing import Any
 import numpy as np
 
 from explorer import compiled
-from explorer.errors import InputError, RunError, shorten
-from explorer.phase.arguments import column
+from explorer.errors import InputError, RunError
 from explorer.phase.states import Array
 
 # The measured 99th percentile may take half of the accuracy asked: other bodies, boxes and energies err more than
 # those measured, and a motion that may err by more than was asked is followed again.
 SAFETY = 2.0
-# Errors below the first are those of rounding, which a finer setting does not lower, and so are those within the
-# second of the least that any method reaches on the same samples: slow starts among them round more.
-_ROUNDING, _NEAR_LEAST = 1e-12, 3.0
-_SHOWN = 120  # characters of the path and of the fault in a message
-_METHODS = frozenset({"rk4", "rk8", "dopri5", "dop853"})
-_FEWEST = 4  # rows above rounding; the method's order is taken from the last three
+# Steps in units of 1/speed and tolerances at which methods are measured, from coarse to fine.
+SETTINGS: dict[str, tuple[float, ...]] = {
+    "rk4": (0.25, 0.12, 0.05, 0.02, 0.007, 0.002),
+    "rk8": (1.6, 1.2, 0.8, 0.5, 0.3, 0.16, 0.08),
+    "dopri5": tuple(10.0 ** -np.arange(3.5, 11.6)),
+    "dop853": tuple(10.0 ** -np.arange(2.0, 13.1)),
+}
 
 
 @dataclass(frozen=True)
 class Curve:
     """One method, from coarse to fine: setting (step or tolerance), 99th percentile of the error and
-    nanoseconds per passage; and the error below which it is one of rounding."""
+    nanoseconds per passage."""
 
     setting: Array
     error: Array
     nanoseconds: Array
-    rounding: float
 
     def at(self, target: Any) -> Array:
-        """The setting whose error is `target` over SAFETY.
-
-        Beyond the finest setting whose error is above rounding the method's order is continued, as far as
-        settings have been measured; beyond the coarsest it is that one.
-        """
-        resolved = self.error > self.rounding
-        log_setting, log_error = np.log(self.setting[resolved]), np.log(self.error[resolved])
-        # A coarser setting that happened to err less must not be preferred to a finer one.
-        log_error = np.minimum.accumulate(log_error)
-        slope = (log_setting[-1] - log_setting[-3]) / (log_error[-1] - log_error[-3])
-        wanted = np.log(np.maximum(target, 1e-300) / SAFETY)
-        measured = np.interp(wanted, log_error[::-1], log_setting[::-1])
-        continued = measured + slope * np.minimum(wanted - log_error[-1], 0.0)
-        settings: Array = np.exp(np.maximum(continued, np.log(self.setting[-1])))
-        return settings
+        """The setting whose error is `target` over SAFETY; beyond both ends of the curve that at the end."""
+        return self._at(target, self.setting)
 
     def cost(self, target: float) -> float:
         """Nanoseconds per passage at that setting."""
-        here, order = np.log(self.at(target)), np.log(self.setting)[::-1]
-        return float(np.exp(np.interp(here, order, np.log(self.nanoseconds)[::-1])))
+        return float(self._at(target, self.nanoseconds))
+
+    def _at(self, target: Any, column: Array) -> Array:
+        wanted = np.log(np.asarray(target) / SAFETY)
+        return np.asarray(np.exp(np.interp(wanted, np.log(self.error[::-1]), np.log(column[::-1]))))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Calibration:
     """Curves by method, and where they come from, in words."""
 
@@ -76,14 +65,8 @@ class Calibration:
 
     def cheapest(self, methods: tuple[str, ...], target: float) -> str:
         """The method that follows motions in least time to an error of `target`, among those that can."""
-        return _cheapest(self, methods, target)
-
-
-@lru_cache(maxsize=256)
-def _cheapest(known: Calibration, methods: tuple[str, ...], target: float) -> str:
-    curves = known.curves
-    able = [m for m in methods if curves[m].error.min() * SAFETY <= target] or list(methods)
-    return min(able, key=lambda method: curves[method].cost(target))
+        able = [method for method in methods if SAFETY * self.curves[method].error[-1] <= target]
+        return min(able or methods, key=lambda method: self.curves[method].cost(target))
 
 
 @cache
@@ -96,54 +79,38 @@ def current() -> Calibration:
             if not isinstance(table, dict) or "kernels" not in table:
                 raise ValueError("it does not say by which kernels it was measured")
             if table["kernels"] == compiled.source_digest():
-                return replace(parse(table, "measured on this machine"), own=True)
+                return parse(table, "measured on this machine", own=True)
             advice = "this machine's was measured with other kernels; run nearflat trade"
     except (OSError, ValueError) as error:
-        reason = shorten(getattr(error, "strerror", None) or str(error), _SHOWN)
-        raise InputError(
-            f"calibration {shorten(str(path), _SHOWN)} cannot be used ({reason}); delete it, then nearflat trade"
-        ) from None
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"calibration {path} cannot be used ({reason}); delete it, then nearflat trade") from None
     text = files("explorer.motion").joinpath("calibration.json").read_text(encoding="utf-8")
     return parse(json.loads(text), f"shipped with nearflat; {advice}")
 
 
-def parse(table: dict[str, Any], origin: str) -> Calibration:
-    """A calibration from its JSON form. Raises ValueError for what can be none."""
-    curves, quadrature = _curves("methods", table.get("methods")), table.get("quadrature")
-    if not isinstance(quadrature, int | float) or not 0.0 < quadrature < np.inf:
+def parse(table: dict[str, Any], origin: str, own: bool = False) -> Calibration:
+    """A calibration from its JSON form: its settings, else SETTINGS, and what was measured at each of them.
+
+    That is error and nanoseconds, or null where a setting gains nothing. Raises ValueError for what can be none.
+    """
+    curves = {}
+    try:
+        for method, settings in table.get("settings", SETTINGS).items():
+            rows = zip(settings, table["methods"][method], strict=True)
+            curves[method] = Curve(*np.array([(setting, *row) for setting, row in rows if row], np.float64).T)
+        quadrature = float(table["quadrature"])
+    except (AttributeError, KeyError, TypeError, ValueError):
+        raise ValueError("it lacks settings, methods or quadrature, or has others than numbers there") from None
+    for method, curve in curves.items():
+        numbers = np.stack([curve.setting, curve.error, curve.nanoseconds])
+        falls = numbers.shape[1] > 1 and (np.diff(numbers[:2]) < 0.0).all()
+        if not (falls and ((numbers > 0.0) & (numbers < np.inf)).all()):
+            raise ValueError(f"settings and errors of {method} do not fall, or numbers are not finite and above 0")
+    if set(curves) != set(SETTINGS):
+        raise ValueError(f"its methods are not {', '.join(SETTINGS)}")
+    if not 0.0 < quadrature < np.inf:
         raise ValueError("its quadrature is no time")
-    return Calibration(origin, curves, quadrature)
-
-
-def _curves(name: str, rows_of: Any) -> dict[str, Curve]:
-    """The curves of all methods. Raises ValueError for rows that cannot be such."""
-    if not isinstance(rows_of, dict):
-        raise ValueError(f"its {name} are no rows by method")
-    missing = _METHODS - set(rows_of)
-    if missing:
-        raise ValueError(f"{', '.join(sorted(missing))} missing")
-    columns_of = {method: _columns(method, rows_of[method]) for method in sorted(_METHODS)}
-    least = min(columns[1].min() for columns in columns_of.values())
-    rounding = max(_ROUNDING, _NEAR_LEAST * float(least))
-    return {method: _curve(method, columns, rounding) for method, columns in columns_of.items()}
-
-
-def _columns(method: str, rows: Any) -> Array:
-    """The rows of a method as columns. Raises ValueError where they are no such numbers."""
-    columns = column(method, rows).T
-    if columns.ndim != 2 or columns.shape[0] != 3 or not (np.isfinite(columns) & (columns > 0.0)).all():
-        raise ValueError(f"rows of {method} must be three positive numbers each")
-    return columns
-
-
-def _curve(name: str, columns: Array, rounding: float) -> Curve:
-    resolved = columns[1][columns[1] > rounding]
-    if not ((np.diff(columns[0]) < 0.0).all() and resolved.size >= _FEWEST):
-        raise ValueError(f"rows of {name} must go from coarse to fine, {_FEWEST} or more above rounding")
-    if not (columns[1][-1] < columns[1][0] and resolved[-1] < resolved[:-2].min()):
-        raise ValueError(f"errors of {name} do not fall")
-    setting, error, nanoseconds = columns
-    return Curve(setting, error, nanoseconds, rounding)
+    return Calibration(origin, curves, quadrature, own)
 
 
 def store(table: dict[str, Any]) -> Path:

@@ -109,26 +109,27 @@ def settle(
     ok, lost = compiled.status.Status.OK, compiled.status.Status.NOT_FINITE
     found, control = follow(given, event, values, depth), given.control.copy()
     error = estimate(found, np.s_[:])
-    error[found.status == lost] = np.inf  # steps so long that a motion runs away
-    rows = np.flatnonzero(~(error <= asked))
-    rows = rows[np.isin(found.status[rows], (ok, lost))]
-    for _ in range(_RUNS if given.plan.setting is None else 0):
-        if not rows.size:
-            break
-        by_accuracy = np.clip(_THIRD * asked / error[rows], _LEAST, _THIRD)
-        less = np.where(np.isfinite(error[rows]), by_accuracy, _ADAPTIVE if given.plan.adaptive else _FIXED)
-        finer = given._replace(control=control).at(rows).finer(less)
-        better = follow(finer, event, values, depth)
-        # The difference is the error of the coarser run; that of the finer one is less, with a reserve of three.
-        apart = difference(better.out, found.out[rows], in_time=event.t != 0.0)
-        known = apart + precision.SHARE * given.plan.accuracy
-        error[rows] = np.clip(estimate(better, rows), 3.0 * less * apart, known)
-        found.put(rows, better)
-        control[rows] = finer.control
-        error[rows[better.status == lost]] = np.inf
-        rows = rows[np.isin(better.status, (ok, lost)) & ~(error[rows] <= asked)]
+
+    def unsettled() -> NDArray[np.intp]:
+        error[found.status == lost] = np.inf  # steps so long that a motion runs away
+        return np.flatnonzero(np.isin(found.status, (ok, lost)) & ~(error <= asked))
+
     if given.plan.setting is None:
-        found.status[rows] = compiled.status.Status.STEP_LIMIT
+        for _ in range(_RUNS):
+            rows = unsettled()
+            if not rows.size:
+                break
+            by_accuracy = np.clip(_THIRD * asked / error[rows], _LEAST, _THIRD)
+            less = np.where(np.isfinite(error[rows]), by_accuracy, _ADAPTIVE if given.plan.adaptive else _FIXED)
+            finer = given._replace(control=control).at(rows).finer(less)
+            better = follow(finer, event, values, depth)
+            # The difference is the error of the coarser run; of the finer one it is less, with a reserve of three.
+            apart = difference(better.out, found.out[rows], in_time=event.t != 0.0)
+            known = apart + precision.SHARE * given.plan.accuracy
+            error[rows] = np.clip(estimate(better, rows), 3.0 * less * apart, known)
+            found.put(rows, better)
+            control[rows] = finer.control
+        found.status[unsettled()] = compiled.status.Status.STEP_LIMIT
     found.out[found.status != ok] = np.nan
     return found, error, given._replace(control=control)
 

@@ -3,7 +3,7 @@
 Between impacts the disk moves on F. At an impact phidot changes sign and chi jumps by sgn(eta) kappa pi
 (eq. 7.16), psi by face times that (7.11); the motion is then the same fall run backwards. So one rise, from flat
 to its turning point, holds the whole motion (`rise`). Where sigma3_bar = sigma4_bar = 0 the disk may swing over
-the vertical, as an inverted pendulum, and fall to both flat states in turn.
+the vertical, as a pendulum: the rise ends on the other flat state, where chi and psi jump as well.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ from explorer.motion.rise import Moving, Rise
 from explorer.motion.starts import Motions, motions_through
 from explorer.phase import membership
 from explorer.phase.arguments import column
-from explorer.phase.constants import NaturalConstants, best_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, linear_constants
 from explorer.phase.membership import falls_of
@@ -78,33 +77,65 @@ class LimitState(Table):
     nu: Array
 
 
-class Continuation:
-    """The part that both kinds of limit motion share: times of impact, and a start that is the origin.
+class LimitMotion:
+    """The one-sided continuation of a motion on F through all its impacts; call it with times.
 
-    Attributes in the units of the disk: `period` between impacts, `impact_speed` A of eq. (7.1),
-    `chi_per_period` (rad, jump included), `missed` (eta_hat of the state that was given).
+    Where sigma3_bar = sigma4_bar = 0 and the energy is above m g r, the disk swings over the vertical, as a
+    pendulum, and falls to both flat states in turn. With sigma3_bar = 0 held, eta has the other sign on face -1,
+    so that chi jumps to and fro while psi always jumps the same way.
+
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    face, side : int
+        Flat state that it falls to, and sign of eta from which F is approached, +1 or -1; +1 is the face of a
+        pendulum, for which `side` is meant.
+    sigma3_bar : float
+        sigma3 at the vertical (units of the disk).
+    period : float
+        Time between impacts.
+    impact_speed : float
+        |phidot| at an impact, A of eq. (7.1), units of the disk.
+    chi_per_period : float
+        Increase of chi from impact to impact (rad), one jump of side times kappa pi included; of a pendulum this
+        jump alone, from which the next one on the same face is two periods.
+    missed : float
+        eta_hat of the given state (units of the disk), by which it missed F; 0 to rounding on F.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> limit = ex.limit_motion(ex.constants_to_states(ex.Disk.uniform(), 1.0, 0.0, 1.0))
+    >>> limit.impacts(6.0).round(4)
+    array([1.123 , 4.6417])
+    >>> swing = ex.limit_motion(ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, 0.0, 0.0))
+    >>> swing(swing.impacts(9.0) + 0.1).phi.round(2)
+    array([ 1.41, -1.41,  1.41])
     """
 
-    disk: Disk
-    face: int
-    side: int
-    sigma3_bar: float
-    period: float
-    impact_speed: float
-    chi_per_period: float
-    missed: float = 0.0
-    _offset: float  # natural time from an impact to the start
-    _origin: Moving
+    def __init__(
+        self, disk: Disk, rise: Rise, sigma3_bar: float, face: int, side: int, rises: bool, missed: float
+    ) -> None:
+        """rise: from the flat state of `face`, through the state that was given, which `rises` or falls again."""
+        self.disk, self.side, self.missed = disk, side, missed * disk.rate_unit
+        self.sigma3_bar = sigma3_bar * disk.rate_unit
+        self.face = 1 if rise.upright else face
+        self._rise, self._jump = rise, side * disk.race_limit
+        # What chi and psi have come to when it is flat again, or, after the jump there, on the other face.
+        upright_jump = self._jump if rise.upright else 0.0
+        self._chi_back, self._psi_back = 2.0 * rise.chi_half - upright_jump, 2.0 * rise.psi_half + upright_jump
+        passed = rise.offset if rises else -rise.offset
+        self._offset = (passed + (rise.half if face != self.face else 0.0)) % (2.0 * rise.half)  # from an impact
+        self.period = (1.0 if rise.upright else 2.0) * rise.half * disk.time_unit
+        self.impact_speed = rise.impact_speed * disk.rate_unit
+        self.chi_per_period = self._jump + (0.0 if rise.upright else self._chi_back)
 
     def __repr__(self) -> str:
         return (
-            f"{type(self).__name__} of the disk {self.disk.name}, face {self.face:+d}, side {self.side:+d}: "
+            f"LimitMotion of the disk {self.disk.name}, face {self.face:+d}, side {self.side:+d}: "
             f"period {self.period:.6g}, impact_speed {self.impact_speed:.6g}"
         )
-
-    def _unfold(self, since_impact: Array) -> Moving:
-        """The motion at natural times counted from an impact, as on face +1."""
-        raise NotImplementedError
 
     def impacts(self, t_end: float) -> Array:
         """Times of impact in (0, t_end]."""
@@ -116,181 +147,59 @@ class Continuation:
 
     def __call__(self, t: ArrayLike) -> LimitState:
         """The motion at times from 0 to that of 1e8 impacts, where the place between two has lost 8 digits."""
-        times = column("t", t)
+        times, disk, face = column("t", t), self.disk, self.face
         last = _MOST_IMPACTS * self.period
         if not ((times >= 0.0) & (times <= last)).all():
             raise InputError(f"t = {shown(t)}: give times from 0 to {last:g}, that of {_MOST_IMPACTS:g} impacts")
-        at, start = self._unfold(np.ravel(times) * self.disk.rate_unit + self._offset), self._origin
-        moving = at._replace(
-            chi=at.chi - start.chi,
-            psi=self.face * (at.psi - start.psi),
-            centre=self.face * (at.centre - start.centre) * np.exp(-1j * start.chi),
-            sigma4=self.face * at.sigma4,
+        start = self._unfold(np.array([self._offset]))
+        unfolded = self._unfold(np.ravel(times) * disk.rate_unit + self._offset)
+        at = Moving(**{name: row.reshape(times.shape) for name, row in unfolded._asdict().items()})
+        z, sigma4, phidot, turn, q = face * at.z, face * at.sigma4, -face * at.thetadot, at.turn, at.q
+        chi, psi = at.chi - start.chi[0], face * (at.psi - start.psi[0])
+        centre, away = face * (at.centre - start.centre[0]) * np.exp(-1j * start.chi[0]), np.exp(1j * chi)
+        velocity = (-phidot * q - 1j * sigma4) * away  # eq. (2.33)
+        nu = (q * (sigma4 - z * turn) - 1j * phidot) * away  # eq. (2.29)
+        r, unit = disk.r, disk.rate_unit
+
+        def vector(plane: NDArray[np.complex128], height: Array, scale: float) -> Array:
+            return scale * np.stack([plane.real, plane.imag, height], axis=-1)
+
+        return LimitState(
+            t=times.copy(),
+            phi=face * (_HALF_PI - np.arctan2(q, at.z)),
+            phidot=phidot * unit,
+            chi=chi,
+            psi=psi,
+            path=vector(centre, q, r),
+            contact=vector(centre + z * away, np.zeros_like(q), r),
+            velocity=vector(velocity, -phidot * z, r * unit),
+            nu=vector(nu, q * q * turn + z * sigma4, unit),  # eq. (2.27)
         )
-        return in_space(self.disk, self.face, moving, times)
-
-
-class LimitMotion(Continuation):
-    """The one-sided continuation of a motion on F through all its impacts; call it with times.
-
-    Attributes
-    ----------
-    disk : Disk
-        The body.
-    face, side : int
-        Flat state that it falls to, and sign of eta from which F is approached, +1 or -1.
-    sigma3_bar : float
-        sigma3 at the vertical (units of the disk).
-    period : float
-        Time between impacts.
-    impact_speed : float
-        |phidot| at an impact, A of eq. (7.1), units of the disk.
-    chi_per_period : float
-        Increase of chi from impact to impact (rad), one jump of side times kappa pi included.
-    missed : float
-        eta_hat of the given state (units of the disk), by which it missed F; 0 to rounding on F.
-
-    Examples
-    --------
-    >>> import explorer as ex
-    >>> limit = ex.limit_motion(ex.constants_to_states(ex.Disk.uniform(), 1.0, 0.0, 1.0))
-    >>> limit.impacts(6.0).round(4)
-    array([1.123 , 4.6417])
-    """
-
-    def __init__(self, disk: Disk, rise: Rise, sigma3_bar: float, face: int, side: int, rises: bool) -> None:
-        self.disk, self.face, self.side = disk, face, side
-        self.sigma3_bar = sigma3_bar * disk.rate_unit
-        self._rise, self._jump = rise, side * disk.race_limit
-        self._offset = rise.offset if rises else 2.0 * rise.half - rise.offset
-        self._origin = self._unfold(np.array([self._offset]))
-        self.period = 2.0 * rise.half * disk.time_unit
-        self.impact_speed = rise.impact_speed * disk.rate_unit
-        self.chi_per_period = 2.0 * rise.chi_half + self._jump
 
     def _unfold(self, since_impact: Array) -> Moving:
-        """The motion at times counted from an impact, as on face +1."""
-        rise = self._rise
+        """The motion at natural times counted from an impact, as on face +1."""
+        rise, chi_back = self._rise, self._chi_back
         bounces = np.floor(since_impact / (2.0 * rise.half))
         phase = since_impact - 2.0 * rise.half * bounces
-        falling = phase > rise.half
-        here = rise.at(np.where(falling, 2.0 * rise.half - phase, phase))
-        # The fall is the rise run backwards, mirrored at the turning point (eq. 3.12 ff.).
-        top = rise.centre_half
-        mirrored = top + np.exp(2j * rise.chi_half) * np.conj(here.centre - top)
-        centre = np.where(falling, mirrored, here.centre)
-        # Each bounce turns the whole picture by the same angle and moves it along.
-        turn = 2.0 * rise.chi_half + self._jump
-        whole = top + np.exp(2j * rise.chi_half) * np.conj(-top)
-        spin = np.exp(1j * turn)
-        straight = abs(spin - 1.0) < _WHOLE_TURN
-        moved = bounces * whole if straight else whole * (spin**bounces - 1.0) / (spin - 1.0)
-        psi_turn = 2.0 * rise.psi_half + self._jump
+        falling = phase >= rise.half
+        here = rise.at(np.where(falling, np.maximum(2.0 * rise.half - phase, 0.0), phase))
+        # The fall is the rise run backwards, mirrored where that ends (eq. 3.12 ff.).
+        top, mirror = rise.centre_half, np.exp(1j * chi_back)
+        mirrored = top + mirror * np.conj(here.centre - top)
+        # Each bounce turns the whole picture by the same angle and moves it along: a geometric series.
+        turn = chi_back + self._jump
+        half_turn = 0.5 * np.angle(np.exp(1j * turn))
+        times = bounces * np.sinc(bounces * half_turn / np.pi) / np.sinc(half_turn / np.pi)
+        moved = times * np.exp(1j * (bounces - 1.0) * half_turn) * (top - mirror * np.conj(top))
         return here._replace(
             thetadot=np.where(falling, -here.thetadot, here.thetadot),
-            chi=np.where(falling, 2.0 * rise.chi_half - here.chi, here.chi) + turn * bounces,
-            psi=np.where(falling, 2.0 * rise.psi_half - here.psi, here.psi) + psi_turn * bounces,
-            centre=moved + np.exp(1j * turn * bounces) * centre,
+            chi=np.where(falling, chi_back - here.chi, here.chi) + turn * bounces,
+            psi=np.where(falling, self._psi_back - here.psi, here.psi) + (self._psi_back + self._jump) * bounces,
+            centre=moved + np.exp(1j * turn * bounces) * np.where(falling, mirrored, here.centre),
         )
 
 
-def in_space(disk: Disk, face: int, at: Moving, times: Array) -> LimitState:
-    """A motion that falls to `face`, in the units of the disk, with contact point and velocities."""
-    shape = times.shape
-    phi, phidot = face * (_HALF_PI - at.theta), -face * at.thetadot
-    q, z, away = at.q, face * np.cos(at.theta), np.exp(1j * at.chi)
-    shadow = at.centre + z * away
-    sliding = (-phidot * q - 1j * at.sigma4) * away  # eq. (2.33)
-    turning = (q * (at.sigma4 - z * at.turn) - 1j * phidot) * away  # eq. (2.29)
-    upwards = q * q * at.turn + z * at.sigma4  # eq. (2.27)
-    r, unit = disk.r, disk.rate_unit
-
-    def vector(plane: NDArray[np.complex128], height: Array, scale: float) -> Array:
-        return (scale * np.stack([plane.real, plane.imag, height], axis=-1)).reshape(*shape, 3)
-
-    return LimitState(
-        t=times.copy(),
-        phi=phi.reshape(shape),
-        phidot=(phidot * unit).reshape(shape),
-        chi=at.chi.reshape(shape),
-        psi=at.psi.reshape(shape),
-        path=vector(at.centre, q, r),
-        contact=vector(shadow, np.zeros_like(q), r),
-        velocity=vector(sliding, -phidot * z, r * unit),
-        nu=vector(turning, upwards, unit),
-    )
-
-
-class PendulumMotion(Continuation):
-    """The limit motion with sigma3_bar = sigma4_bar = 0 and energy above m g r; call it with times.
-
-    The disk swings over the vertical and falls to both flat states in turn. With sigma3_bar = 0 held, eta has
-    the other sign on face -1, so chi jumps to and fro while psi always jumps the same way.
-
-    Attributes
-    ----------
-    disk : Disk
-        The body.
-    face : int
-        +1: the flat state for which `side` is meant.
-    side : int
-        Sign of eta on face +1, from which F is approached, +1 or -1.
-    sigma3_bar : float
-        0, as for every motion of this kind.
-    period : float
-        Time between impacts, which are on both flat states in turn.
-    impact_speed : float
-        |phidot| at an impact, A of eq. (7.1), units of the disk.
-    chi_per_period : float
-        The jump of chi (rad) at an impact on face +1, side times kappa pi.
-    missed : float
-        eta_hat of the given state (units of the disk), by which it missed F; 0 to rounding on F.
-
-    Examples
-    --------
-    >>> import explorer as ex
-    >>> limit = ex.limit_motion(ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, 0.0, 0.0))
-    >>> limit(limit.impacts(9.0) + 0.1).phi.round(2)
-    array([ 1.41, -1.41,  1.41])
-    """
-
-    def __init__(self, disk: Disk, rise: Rise, face: int, side: int, rises: bool) -> None:
-        """rise: the first half of a swing from the flat state of `face`, through the state that was given."""
-        self.disk, self.face, self.side, self.sigma3_bar = disk, 1, side, 0.0
-        self._rise, self._whole = rise, 2.0 * rise.half
-        # Times are counted from an impact on face +1, from which theta rises.
-        passed = rise.offset if rises else -rise.offset
-        self._offset = (passed if face > 0 else self._whole + passed) % (2.0 * self._whole)
-        self._origin = self._unfold(np.array([self._offset]))
-        self.period = self._whole * disk.time_unit
-        self.impact_speed = rise.impact_speed * disk.rate_unit
-        self.chi_per_period = side * disk.race_limit
-
-    def _unfold(self, since_impact: Array) -> Moving:
-        """The motion at times counted from an impact on face +1."""
-        whole, jump = self._whole, self.side * self.disk.race_limit
-        swings = np.floor(since_impact / whole)
-        phase = since_impact - whole * swings
-        back = swings % 2.0 == 1.0
-        here = self._rise.at(np.minimum(phase, whole - phase))
-        theta = np.where((phase > self._rise.half) != back, np.pi - here.theta, here.theta)
-        # In a swing the centre moves along e^(i chi) by 1 - cos theta, a whole one takes it 2 there; the next,
-        # back from theta = pi, -2 along its own direction. chi is -jump in odd swings.
-        turned = np.exp(-1j * jump)
-        moved = (1.0 - np.cos(theta)) * np.where(back, turned, 1.0) + np.where(back, 2.0 - 2.0 * turned, 0.0)
-        return here._replace(
-            theta=theta,
-            thetadot=np.where(back, -here.thetadot, here.thetadot),
-            chi=np.where(back, -jump, 0.0),
-            psi=swings * jump,
-            centre=np.floor(swings / 2.0) * (2.0 - 2.0 * turned) + moved,
-        )
-
-
-AnyLimit = LimitMotion | PendulumMotion
-
-
-def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
+def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     """The limit of the motions that approach a state on F from one side of F.
 
     Parameters
@@ -303,9 +212,8 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
 
     Returns
     -------
-    LimitMotion or PendulumMotion
-        The motion through all its impacts, to be called with times; a PendulumMotion where
-        sigma3_bar = sigma4_bar = 0 and the energy is above m g r.
+    LimitMotion
+        The motion through all its impacts, to be called with times.
 
     Raises
     ------
@@ -336,37 +244,27 @@ def limit_motion(state_on_f: States, side: int = 1) -> AnyLimit:
     side = sign("side", side)
     if len(states) != 1:
         raise InputError(f"limit motion: needs one state, {len(states)} were given")
-    natural = best_constants(states)
-    where = falls_of(states, natural)
+    where, motion = falls_of(states), states.motion
     if not bool(where.could_fall[0]):
         raise InputError("limit motion: the disk could not fall from this state; see explorer.falls")
-    face = int(where.face[0])
-    limit = _made(states, natural, face, side, bool(where.on_f[0]))
-    limit.missed = disk.eta_to_eta_hat(float(natural.eta(np.array([face > 0]))[0])) * disk.rate_unit
+    z, p, bar = (float(row[0]) for row in (states.rows.z, states.rows.p, motion.sigma3_bar))
+    nearer = int(where.face[0])
+    eta = motion.eta(np.array([nearer > 0]))
+    # With sigma3_bar = 0 both lines l_+ and l_- meet.
+    face = nearer if bar != 0.0 else 1 if z >= 0.0 else -1
+    if bar != 0.0:
+        bar = math.copysign(max(abs(bar), _TINY * max(float(motion.energy[0]), 1.0)), bar)
+    on_f = _onto_f(states, bar, np.where(where.on_f, 0.0, eta), face)
+    rise = Rise(disk, on_f, face * z < 0.0)
+    limit = LimitMotion(disk, rise, bar, face, side, face * p >= 0.0, disk.eta_to_eta_hat(float(eta[0])))
     if misses_f(limit):
         warn_of_move(limit, 3)
     return limit
 
 
-def misses_f(limit: AnyLimit) -> bool:
+def misses_f(limit: LimitMotion) -> bool:
     """Whether its state was meant to lie beside F: on it, rounding of the rates leaves some eta_hat."""
     return abs(limit.missed) > _MEANT * max(limit.disk.rate_unit, abs(limit.sigma3_bar))
-
-
-def _made(states: States, natural: NaturalConstants, face: int, side: int, on_f: bool) -> AnyLimit:
-    """The motion of one of both kinds."""
-    z, p, bar = (float(row[0]) for row in (states.rows.z, states.rows.p, natural.sigma3_bar))
-    if bar == 0.0:  # both lines l_+ and l_- meet here
-        face = 1 if z >= 0.0 else -1
-    tiny = _TINY * max(float(natural.energy[0]), 1.0)
-    if 0.0 < abs(bar) < tiny:
-        bar = math.copysign(tiny, bar)
-    eta = np.zeros(1) if on_f else natural.eta(np.array([face > 0]))
-    crossed, rises = face * z < 0.0, face * p >= 0.0
-    rise = Rise(states.disk, _onto_f(states, bar, eta, face), crossed)
-    if rise.upright:
-        return PendulumMotion(states.disk, rise, face, side, rises)
-    return LimitMotion(states.disk, rise, bar, face, side, rises)
 
 
 def _onto_f(states: States, sigma3_bar: float, eta: Array, face: int) -> Motions:
@@ -382,7 +280,7 @@ def _onto_f(states: States, sigma3_bar: float, eta: Array, face: int) -> Motions
     return motions_through(disk, rows, linear_constants(disk, bar, np.zeros(1), plus), plus == own)
 
 
-def warn_of_move(limit: AnyLimit, level: int) -> None:
+def warn_of_move(limit: LimitMotion, level: int) -> None:
     """Say at the caller's line, `level` calls up, that a state was moved onto F."""
     moved = f"the state lies beside F, with eta_hat = {limit.missed:.3g}, and was moved onto it; "
     remedy = "constants_to_states(..., eta_hat=0) gives states on F"

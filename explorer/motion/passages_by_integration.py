@@ -8,7 +8,6 @@ from explorer.motion import precision
 from explorer.motion.plan import Plan
 from explorer.motion.turning_points import turning_points
 from explorer.motion.vertical import Starts
-from explorer.phase.constants import natural_constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States, constants_to_states
 
@@ -24,8 +23,7 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.rac
     """
     code, face = compiled.status.Status, starts.face
     states = constants_to_states(disk, starts.sigma3_bar, starts.eta_hat, face * starts.speed, face)
-    natural = natural_constants(states)
-    turn = turning_points(states, how, natural, precision.amplification(starts.speed / disk.rate_unit))
+    turn = turning_points(states, how, precision.amplification(starts.speed / disk.rate_unit))
     error = turn.error + rounding_at_rest(disk, starts, states, turn.time)
     status = np.where(starts.eta_hat == 0.0, code.FALLS, turn.status)
     status = np.where(starts.status == code.OK, status, starts.status).astype(np.int8)
@@ -35,7 +33,7 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.rac
     status[ok & (turn.face != face)] = code.BAD_INPUT
     bar, eta, speed = starts.natural(disk)
     followed = turn.theta, 2.0 * turn.chi, 2.0 * turn.psi * face, 2.0 * turn.time, np.ascontiguousarray(turn.way)
-    return compiled.races.Ways(bar, eta, speed, face, *followed, natural.energy, error, status), turn.steps
+    return compiled.races.Ways(bar, eta, speed, face, *followed, states.motion.energy, error, status), turn.steps
 
 
 def rounding_at_rest(disk: Disk, starts: Starts, states: States, time: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -15,11 +15,10 @@ from explorer.motion.arcs import allowed
 from explorer.motion.orbits import ends_of, orbits_of, smallest
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import plan
-from explorer.motion.starts import Motions, fallen, held_constants, motions_through, seen_from
+from explorer.motion.starts import Motions, motions_of, seen_from, status_of_period
 from explorer.motion.vertical import LARGEST
-from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import LinearConstants, linear_constants
+from explorer.phase.lines import linear_constants
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, columns_of, require_states
 
@@ -109,10 +108,9 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     disk = require_states(states).disk
     require_axial_inertia(disk)
     how = plan(("period",), accuracy, "quadrature")
-    natural = natural_constants(states)
-    status, linear = _known(states, natural, eta_hat)
-    own, status = seen_from(states, linear), fallen(linear, status)
-    motions = motions_through(disk, states.rows, linear, own > 0.0)
+    known = states if eta_hat is None else _with_eta_hat(states, eta_hat)
+    own, status = seen_from(known), status_of_period(known)
+    motions = motions_of(known, own)
     parts = in_parts(
         jobs_of("jobs", jobs), len(states), partial(_orbits, disk, motions, status, how.accuracy), BLOCK
     )
@@ -124,7 +122,7 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
         psi=found.psi * own,
         theta_min=found.theta_min,
         crosses=ok & (found.crosses == 1.0),
-        energy=np.where(ok, natural.energy, np.nan) * disk.energy_unit,
+        energy=np.where(ok, known.motion.energy, np.nan) * disk.energy_unit,
         error_estimate=found.error,
         status=status,
         states=states,
@@ -171,16 +169,12 @@ def _orbits(
     return answer, told
 
 
-def _known(
-    states: States, natural: NaturalConstants, eta_hat: ArrayLike | None
-) -> tuple[NDArray[np.int8], LinearConstants]:
-    """Status and linear constants of the motions, with the eta_hat that was given."""
-    if eta_hat is None:
-        return held_constants(states, natural)
-    given = columns_of(eta_hat=eta_hat, states=natural.sigma3_bar.reshape(states.shape))[0] / states.disk.rate_unit
+def _with_eta_hat(states: States, eta_hat: ArrayLike) -> States:
+    """The states with the eta_hat that was given instead of their own."""
+    sigma3_bar, unit, code = states.motion.sigma3_bar, states.disk.rate_unit, compiled.status.Status
+    given = columns_of(eta_hat=eta_hat, states=sigma3_bar.reshape(states.shape))[0] / unit
     if given.size != len(states):
         raise InputError(f"eta_hat broadcasts to {given.size} entries for {len(states)} states; give one for each")
-    good = (states.status == compiled.status.Status.OK) & (abs(given) < LARGEST)
-    linear = linear_constants(states.disk, natural.sigma3_bar, np.where(good, given, np.nan), states.rows.z >= 0.0)
-    status = np.where(good, compiled.status.Status.OK, compiled.status.Status.BAD_INPUT).astype(np.int8)
-    return status, linear
+    good = (states.status == code.OK) & (abs(given) < LARGEST)
+    exact = linear_constants(states.disk, sigma3_bar, np.where(good, given, 1.0), states.rows.z >= 0.0)
+    return replace(states, exact=exact, status=np.where(good, states.status, code.BAD_INPUT).astype(np.int8))

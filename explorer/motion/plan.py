@@ -39,7 +39,7 @@ _INTEGRATED = {"theta_min": REDUCED}
 
 LOOSEST = 1e-1
 # A passage's rounding is about 1e-13; an integrator's errors of rounding add up over its steps.
-TIGHTEST = {"quadrature": 1e-13, "rk4": 1e-11, "rk8": 1e-11, "dopri5": 1e-11, "dop853": 1e-11}
+TIGHTEST = {"quadrature": 1e-13, **dict.fromkeys((*FIXED, *ADAPTIVE), 1e-11)}
 
 # Tolerances below some units in the last place of a number of order 1 only shorten the steps.
 _TOLERANCE_FLOOR = 1e-15
@@ -61,8 +61,7 @@ class Plan:
     @property
     def kernel_method(self) -> int:
         """The number of the method in the kernels."""
-        steps = compiled.attempt
-        return {"rk4": steps.RK4, "rk8": steps.RK8, "dopri5": steps.DOPRI5, "dop853": steps.DOP853}[self.method]
+        return int(getattr(compiled.attempt, self.method.upper()))
 
     @property
     def kernel(self) -> str:
@@ -82,8 +81,7 @@ class Plan:
     @property
     def kernel_depth(self) -> int:
         """The number of components of a state that the kernels carry along for this rung."""
-        field = compiled.field
-        return {REDUCED: field.REDUCED, ANGLES: field.ANGLES, PATH: field.PATH}[self.rung]
+        return int(getattr(compiled.field, self.rung.upper()))
 
     @property
     def adaptive(self) -> bool:
@@ -164,25 +162,23 @@ def _choose(asked: tuple[str, ...], method: str, accuracy: float) -> tuple[str, 
     deepest = ", ".join(name for name in asked if OBSERVABLES[name] == rung) or "nothing else"
     if rung == ALGEBRA:
         return rung, ALGEBRA, f"{rung} because of {deepest}; no motion is followed"
-    integrals_only = rung == QUADRATURE
-    if method == "quadrature" and not integrals_only:
+    if rung == QUADRATURE and method in ("auto", "quadrature"):
+        why = "as asked" if method == "quadrature" else "because it needs no steps and knows eta exactly"
+        return rung, "quadrature", f"{rung} because of {deepest}; quadrature {why}"
+    if method == "quadrature":
         raise InputError(
             f"--method quadrature gives passages and periods, not {deepest}; use auto or an integrator"
         )
-    if method == "auto" and integrals_only:
-        why = "quadrature because it needs no steps and knows eta exactly"
-        return rung, "quadrature", f"{rung} because of {deepest}; {why}"
+    why = f"{method} as asked"
     if method == "auto":
         # The adaptive pairs bend their steps to each sample's distance from F, which spans decades in any
         # sampling; a fixed step must be small enough throughout the motion.
         measured = calibration.current()
         possible = TIGHTEST["dop853"] <= accuracy <= LOOSEST  # else `plan` refuses what is chosen
-        chosen = measured.cheapest(ADAPTIVE, accuracy if possible else LOOSEST)
-        why = f"{chosen} because each sample sets its own step near flat; the cheaper such method at {accuracy:g}"
-        return rung, chosen, f"{rung} because of {deepest}; {why} ({measured.origin})"
-    if method == "quadrature":
-        return rung, method, f"{rung} because of {deepest}; quadrature as asked"
+        method = measured.cheapest(ADAPTIVE, accuracy if possible else LOOSEST)
+        each = "because each sample sets its own step near flat; the cheaper such method at"
+        why = f"{method} {each} {accuracy:g} ({measured.origin})"
     if rung == QUADRATURE:
         carried = (_INTEGRATED.get(name, ANGLES) for name in asked if OBSERVABLES[name] == QUADRATURE)
         rung = max(carried, key=RUNGS.index)
-    return rung, method, f"{rung} because of {deepest}; {method} as asked"
+    return rung, method, f"{rung} because of {deepest}; {why}"

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion.plan import PATH, Plan
-from explorer.phase.constants import NaturalConstants
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
+from explorer.phase.lines import Motion
 from explorer.phase.states import Array
 
 PASSAGE = 2.0  # units of time that a passage takes: errors add up over them
@@ -29,7 +29,7 @@ _ROUNDING = 3e-12  # of a passage: some hundred steps, each of some ten operatio
 # Near the vertical at rest a motion passes an unstable equilibrium, which amplifies errors like 1/speed: below
 # this speed (natural units) it is felt. Rounding also ends a rest: it acts like the least speed.
 _SLOW, _LEAST_SPEED = 0.15, 5e-5
-CALIBRATED_WAY = 3.0  # of the centre in a unit of time (r), of motions that steps are calibrated on
+_CALIBRATED_WAY = 3.0  # of the centre in a unit of time (r), of motions that steps are calibrated on
 # Every step rounds chi, which turns the way, and the time: the error of a path is the way times so many units of
 # rounding and the square root of the number of steps.
 _ROUNDED = 16.0 * 2.0**-53
@@ -50,8 +50,8 @@ def amplification(speed: Array) -> Array:
     return np.asarray(np.fmax(1.0 + _SLOW / (speed + _LEAST_SPEED), 1.0))
 
 
-def estimate(disk: Disk, how: Plan, moved: Array, amplified: Array, time: float) -> Array:
-    """Of angles and times (n) after a time, outside of races; moved (3, n): rows as `engine.Moved`.
+def estimate(disk: Disk, how: Plan, moved: Array, ended: Array, amplified: Array, time: float) -> Array:
+    """Of angles and times (n) after a time, outside of races, at states (10, n); moved (3, n): as `engine.Moved`.
 
     Infinite of motions that run free: nothing tells it.
     """
@@ -61,7 +61,9 @@ def estimate(disk: Disk, how: Plan, moved: Array, amplified: Array, time: float)
         return np.full(shown.energy.size, math.inf)
     # Errors of the energy that were taken out are seen before; what is left at the end is one of them at most.
     drifted = np.fmax(shown.energy, shown.removed) + shown.rates
-    measured = _ANGLES * disk.kappa / math.sqrt(min(disk.body.k, 1.0)) * drifted
+    # psi errs by what the time does, times the spin, which is thousands of needles; twice that covers them.
+    fastest = np.fmax(disk.kappa / math.sqrt(min(disk.body.k, 1.0)), 2.0 * abs(ended[compiled.field.ROW.sigma4]))
+    measured = _ANGLES * fastest * drifted
     return np.asarray(amplified * (measured + _ROUNDING * passages) + SHARE * how.accuracy * passages)
 
 
@@ -70,15 +72,18 @@ def asked(how: Plan, time: float) -> float:
     return math.inf if how.setting is not None else how.accuracy * max(1.0, time / PASSAGE)
 
 
-def hidden(disk: Disk, how: Plan, start: NaturalConstants, time: float) -> NDArray[np.bool_]:
-    """Motions (n) whose errors up to a time are not in proportion to what holding them moved.
+def amplified_at(disk: Disk, how: Plan, start: Motion, time: float) -> Array:
+    """How many times as much motions (n) amplify errors up to a time; infinite where holding them does not tell.
 
     Of those that spin fast, or long, errors of the phase add up over many periods; each slow passage of the
     vertical amplifies what the ones before have left; and a path errs in fixed steps in which chi turns far.
     """
-    slow = amplification(speed_at_vertical(disk, start)) > _AMPLIFIED
-    found = (way(disk, start.energy) * max(1.0, time / PASSAGE) > _PERIODS) | (slow & (time > 2.0 * PASSAGE))
-    return np.asarray(found | (how.rung == PATH and not how.adaptive and how.control * disk.kappa > _RESOLVED))
+    amplified, moved = amplification(speed_at_vertical(disk, start)), way(disk, start.energy)
+    hidden = (moved * max(1.0, time / PASSAGE) > _PERIODS) | ((amplified > _AMPLIFIED) & (time > 2.0 * PASSAGE))
+    if how.rung == PATH:  # an error of chi moves the path by as much times its way
+        amplified = amplified * np.fmax(1.0, moved / _CALIBRATED_WAY)
+        hidden |= not how.adaptive and how.control * disk.kappa > _RESOLVED
+    return np.where(hidden, math.inf, amplified)
 
 
 def in_race(disk: Disk, ended: Array, error: Array) -> Array:
@@ -112,7 +117,7 @@ def way(disk: Disk, energy: Array) -> Array:
     return np.asarray(np.sqrt(2.0 * energy / disk.body.J))
 
 
-def speed_at_vertical(disk: Disk, start: NaturalConstants) -> Array:
+def speed_at_vertical(disk: Disk, start: Motion) -> Array:
     """How fast motions pass the vertical or, where they turn before, would at as much more energy as they lack."""
     sigma4_bar = 0.5 * disk.eta_to_eta_hat(start.eta_minus - start.eta_plus)
     there = energy_at(disk.body, 0.0, start.sigma3_bar, sigma4_bar, 1.0)

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion import precision
-from explorer.motion.integration import Followed, follow, settle
-from explorer.motion.integration import Motions as Given
+from explorer.motion.integration import Followed, Motions, follow, settle
 from explorer.motion.parts import blocks, in_parts
 from explorer.motion.plan import PATH, Plan
-from explorer.motion.starts import held_constants
-from explorer.phase.constants import NaturalConstants, natural_constants
+from explorer.motion.starts import held_constants, status_at_start
 from explorer.phase.disk import Disk
+from explorer.phase.lines import LinearConstants, Motion
 from explorer.phase.states import Array, States
 
 # Chords of such arcs of the rim stay within half a per cent of the radius.
@@ -28,29 +27,6 @@ LONGEST_ANGLE = 0.2  # rad of chi
 LONGEST_TIME = 0.1
 MOST_POINTS = 4_000_000  # of all curves of a call, padding included: about a gigabyte with all observables
 _AT_ONCE = 200_000  # states between points in one call of a kernel: a tenth of a second of most
-# For which there is room at first: of each motion, and in each unit of its time; and how many times that then.
-_POINTS, _PER_TIME, _MORE = 256, 512, 8
-
-
-class Motions(NamedTuple):
-    """Motions before they are followed; constants (6, n): rows as NaturalConstants."""
-
-    given: Given
-    constants: Array
-
-    def at(self, rows: NDArray[np.intp]) -> Motions:
-        """Some of them."""
-        return Motions(self.given.at(rows), self.constants[:, rows])
-
-    @property
-    def disk(self) -> Disk:
-        """The disk that moves."""
-        return self.given.disk
-
-    @property
-    def number(self) -> int:
-        """How many they are."""
-        return int(self.given.status.size)
 
 
 class Outcome(NamedTuple):
@@ -68,18 +44,16 @@ def motions(states: States, how: Plan, chi0: float, max_steps: int) -> Motions:
     initial = np.zeros((10, len(states)))
     initial[:5] = states.natural
     initial[compiled.field.ROW.chi] = chi0
-    natural = natural_constants(states)
-    status, held = held_constants(states, natural)
     control = np.full(len(states), how.control)
     if how.rung == PATH and not how.adaptive:
         control = np.fmin(control, compiled.attempt.MOST_TURNED / states.disk.kappa)
-    given = Given(states.disk, how.in_time, initial, np.stack(held), status, control, max_steps)
-    return Motions(given, np.array(natural))
+    held, status = held_constants(states), status_at_start(states)
+    return Motions(states.disk, how.in_time, initial, held, status, control, max_steps)
 
 
 def sample(motions: Motions, times: Array, jobs: int = 1) -> tuple[Array, Outcome]:
     """States (n, nt, 10) at increasing times >= 0, NaN where a motion is not OK."""
-    parts = in_parts(jobs, motions.number, lambda rows: _sample(motions.at(rows), times)[:2])
+    parts = in_parts(jobs, motions.status.size, lambda rows: _sample(motions.at(rows), times)[:2])
     return np.concatenate([part for part, _ in parts]), _joined([outcome for _, outcome in parts])
 
 
@@ -87,51 +61,45 @@ def _joined(parts: list[Outcome]) -> Outcome:
     return Outcome(*(np.concatenate(column, axis=-1) for column in zip(*parts, strict=True)))
 
 
-def _sample(motions: Motions, times: Array) -> tuple[Array, Outcome, Given]:
+def _sample(given: Motions, times: Array) -> tuple[Array, Outcome, Motions]:
     """The same, and the motions with the steps by which they are as accurate as was asked."""
-    given, disk, start = motions.given, motions.disk, NaturalConstants(*motions.constants)
-    how, code, depth = given.plan, compiled.status.Status, given.plan.kernel_depth
+    disk, how, code, n = given.disk, given.plan, compiled.status.Status, given.status.size
+    start, last = _constants(disk, given.initial), float(times[-1])
+    if disk.body.I3 > 0.0:  # they may have been given
+        start = start._replace(**LinearConstants(*given.pinned)._asdict())
     later = times[times > 0.0]  # the kernel takes values above 0; the state at 0 is known
-    n, last = motions.number, float(times[-1])
     if later.size == 0:
-        none = np.where(given.status == code.OK, 0.0, np.nan)
-        found = Followed(np.empty((n, 0, 10)), given.status.copy(), np.zeros(n, np.int32), np.tile(none, (3, 1)))
-        outcome = Outcome(found.status, found.steps, found.moved, none)
+        out, none = np.empty((n, 0, 10)), np.where(given.status == code.OK, 0.0, np.nan)
+        outcome = Outcome(given.status.copy(), np.zeros(n, np.int32), np.tile(none, (3, 1)), none)
     else:
-        amplified = precision.amplification(precision.speed_at_vertical(disk, start))
-        if how.rung == PATH:  # an error of chi moves the path by as much times its way
-            amplified = amplified * np.fmax(1.0, precision.way(disk, start.energy) / precision.CALIBRATED_WAY)
-
-        hidden = precision.hidden(disk, how, start, last)
+        amplified, asked = precision.amplified_at(disk, how, start, last), precision.asked(how, last)
 
         def estimate(found: Followed, rows: Any) -> Array:
-            error = precision.estimate(disk, how, found.moved, amplified[rows], last)
-            return np.where(hidden[rows], np.inf, error)
+            return precision.estimate(disk, how, found.moved, found.out[:, -1].T, amplified[rows], last)
 
-        asked = precision.asked(how, last)
-        found, error, given = settle(given, compiled.events.TIME, later, depth, estimate, asked)
-        ended = np.ascontiguousarray(found.out[:, -1].T)
+        found, error, given = settle(given, compiled.events.TIME, later, how.kernel_depth, estimate, asked)
+        out, ended = found.out, np.ascontiguousarray(found.out[:, -1].T)
         if how.rung == PATH:
             rounded = precision.rounding_of_path(disk, start.energy, found.steps, last)
             followed = np.isin(found.status, [code.OK, code.STEP_LIMIT])
             found.status[followed & (rounded > asked)] = code.STEP_TOO_SMALL
             error = error + rounded
         error[~np.isin(found.status, (code.OK, code.STEP_TOO_SMALL))] = np.nan
-        outcome = Outcome(
-            found.status, found.steps, _constants_error(disk, start, ended), precision.in_race(disk, ended, error)
-        )
-    out = np.concatenate([given.initial.T[:, None], found.out], axis=1) if later.size < times.size else found.out
+        then, plus = _constants(disk, ended), start.nearer_plus
+        energy = then.energy / start.energy - 1.0
+        moved = np.stack([energy, then.sigma3_bar - start.sigma3_bar, then.eta(plus) - start.eta(plus)])
+        outcome = Outcome(found.status, found.steps, moved, precision.in_race(disk, ended, error))
+    if later.size < times.size:
+        out = np.concatenate([given.initial.T[:, None], out], axis=1)
     out[outcome.status != code.OK] = np.nan
     return out, outcome, given
 
 
-def _constants_error(disk: Disk, start: NaturalConstants, ended: Array) -> Array:
-    """How far the constants moved (3, n): the energy, relative; sigma3_bar; eta of the nearer face."""
-    last = np.empty((6, ended.shape[1]))
-    compiled.algebra.constants_batch(np.ascontiguousarray(ended[:5]), disk.whole, disk.natural, last)
-    then, plus = NaturalConstants(*last), start.nearer_plus
-    energy = then.energy / start.energy - 1.0
-    return np.stack([energy, then.sigma3_bar - start.sigma3_bar, then.eta(plus) - start.eta(plus)])
+def _constants(disk: Disk, states: Array) -> Motion:
+    """The constants of states (10, n)."""
+    found = np.empty((6, states.shape[1]))
+    compiled.algebra.constants_batch(np.ascontiguousarray(states[:5]), disk.whole, disk.natural, found)
+    return Motion(*found)
 
 
 class Records(NamedTuple):
@@ -147,84 +115,59 @@ class Records(NamedTuple):
         """How many points each motion has; 0 where it is not OK."""
         return self.first[1:] - self.first[:-1]
 
-    @property
-    def places(self) -> NDArray[np.int64]:
-        """(n, longest): the points of each motion, whose last one is repeated up to the longest."""
-        lengths = self.lengths
-        longest = max(int(lengths.max(initial=0)), 1)
-        places: NDArray[np.int64] = np.minimum(
-            self.first[:-1, None] + np.arange(longest), self.first[1:, None] - 1
-        )
-        return places
-
-    def padded(self, values: Array, places: NDArray[np.int64]) -> Array:
-        """(n, longest, ...): values of all points, (all, ...), at these places; NaN where a motion is not OK."""
-        if places.size == len(values):
-            return values.reshape(*places.shape, *values.shape[1:])
-        failed = self.lengths == 0
-        if failed.all():
-            return np.full((*places.shape, *values.shape[1:]), np.nan)
-        out = values.take(places, axis=0, mode="clip")
-        out[failed] = np.nan
-        return out
+    def padded(self, values: Array) -> Array:
+        """(n, longest, ...): values of all points, the last of each motion repeated; NaN where it is not OK."""
+        lengths = self.lengths[:, None]
+        places = self.first[:-1, None] + np.minimum(np.arange(max(lengths.max(initial=0), 1)), lengths - 1)
+        missing = np.full((1, *values.shape[1:]), np.nan)
+        return np.concatenate([values, missing])[np.where(lengths > 0, places, len(values))]
 
 
 def record(motions: Motions, t_end: float, jobs: int = 1) -> Records:
     """Curves of all motions up to t_end. Raises InputError where that takes too much memory."""
-    found = in_parts(jobs, motions.number, lambda rows: _record(motions.at(rows), t_end, motions.number))
+    number = motions.status.size
+    found = in_parts(jobs, number, lambda rows: _record(motions.at(rows), t_end, number))
     sizes = np.concatenate([part.lengths for part in found])
     points = np.concatenate([part.points for part in found], axis=1)
     first = np.concatenate([[0], np.cumsum(sizes)])
     return Records(points, first, _joined([part.outcome for part in found]))
 
 
-def _record(motions: Motions, t_end: float, number: int) -> Records:
+def _record(given: Motions, t_end: float, number: int) -> Records:
     """Curves of a part of `number` motions: first how finely they are to be followed, then each of their steps."""
-    ends, outcome, given = _sample(motions, np.full(1, t_end))
-    most = motions.number * (MOST_POINTS // max(number, 1))
-    room = int(min(motions.number * (_POINTS + _PER_TIME * t_end), most))
-    depth, code = given.plan.kernel_depth, compiled.status.Status
-    given = given._replace(status=outcome.status)
-    while True:
-        trail = compiled.curves.Trail(
-            LONGEST_ANGLE, LONGEST_TIME, np.empty((room, compiled.curves.COLUMNS)), np.zeros(1, np.int64), room + 1
+    _ends, outcome, given = _sample(given, np.full(1, t_end))
+    given, code = given._replace(status=outcome.status), compiled.status.Status
+    # Memory that nothing is written to is not taken.
+    room = given.status.size * (MOST_POINTS // max(number, 1))
+    rows, used = np.empty((room, compiled.curves.COLUMNS)), np.zeros(1, np.int64)
+    trail = compiled.curves.Trail(LONGEST_ANGLE, LONGEST_TIME, rows, used, room + 1)
+    found = follow(given, compiled.events.TIME, np.full(1, t_end), given.plan.kernel_depth, trail)
+    if used[0] > room:
+        raise InputError(
+            f"t_end: so dense, curves of {number} motion(s) take more than {MOST_POINTS:,} times; "
+            "give t_eval, fewer states or a smaller t_end"
         )
-        # What there is no room for ends the kernel: followed to their end twice, motions would take twice as long.
-        found = follow(given, compiled.events.TIME, np.full(1, t_end), depth, trail)
-        used = int(trail.used[0])
-        if used <= room:
-            break
-        if room == most:
-            raise InputError(
-                f"t_end: so dense, curves of {number} motion(s) take more than {MOST_POINTS:,} times; "
-                "give t_eval, fewer states or a smaller t_end"
-            )
-        room = min(_MORE * room, most)
     ends = found.out[:, 0]
     ends[:, compiled.field.ROW.t] = t_end  # where it was located, but for rounding
-    points, first = _in_order(trail.rows[:used], ends, found.status == code.OK)
+    points, first = _in_order(rows[: used[0]], ends, found.status == code.OK)
     return Records(points, first, outcome._replace(status=found.status, steps=found.steps))
 
 
 def _in_order(rows: Array, ends: Array, drawn: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
     """The points of curves one after another, the end of each behind its steps; of motions that are `drawn`."""
-    owner = rows[:, compiled.curves.OWNER].astype(np.int64)
-    lengths = np.where(drawn, np.bincount(owner, minlength=drawn.size) + 1, 0)
-    first = np.concatenate([[0], np.cumsum(lengths)])
+    owner = np.append(rows[:, compiled.curves.OWNER].astype(np.int64), np.arange(drawn.size))
     order = np.argsort(owner, kind="stable")
     order = order[drawn[owner[order]]]
-    # Before a step there stand as many ends as curves that begin before its own.
-    place = np.arange(order.size) + (np.cumsum(drawn) - drawn)[owner[order]]
-    points = np.zeros((11, int(first[-1])))
-    points[:, place] = rows[order, :11].T
-    points[:10, first[1:][drawn] - 1] = ends[drawn].T
-    return points, first
+    last = np.pad(ends, ((0, 0), (0, 1)))  # from which there is no step
+    points = np.stack([np.append(rows[:, k], last[:, k])[order] for k in range(last.shape[1])])
+    return points, np.append(0, np.cumsum(np.bincount(owner[order], minlength=drawn.size)))
 
 
 def between(motions: Motions, records: Records, times: Array) -> Array:
     """States (n, nt, 10) of recorded motions at any times in the units of the disk; NaN where not OK."""
-    out, disk, how = np.empty((motions.number, times.size, 10)), motions.disk, motions.given.plan
-    for rows in blocks(motions.number, max(1, _AT_ONCE // max(times.size, 1))):
+    number, disk, how = motions.status.size, motions.disk, motions.plan
+    out = np.empty((number, times.size, 10))
+    for rows in blocks(number, max(1, _AT_ONCE // max(times.size, 1))):
         curves = compiled.curves.Curves(records.points, records.first[rows.start : rows.stop + 1])
         for some in blocks(times.size, _AT_ONCE):
             moments = compiled.curves.Moments(times[some], disk.time_unit, disk.rate_unit)

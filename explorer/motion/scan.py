@@ -39,7 +39,7 @@ class Scan(Table):
     """Observables of states, arrays with their shape: what `scan` returns.
 
     It is indexed by the name of an observable; where there is one alone, it is also an array itself for numpy.
-    `save` stores it, and `explorer.plot.observable_map` draws it.
+    `save` stores it, and picture observable draws it.
 
     Attributes
     ----------

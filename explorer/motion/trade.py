@@ -2,24 +2,18 @@
 
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.calibration import SAFETY
+from explorer.motion.calibration import SAFETY, SETTINGS
 from explorer.motion.plan import LOOSEST, TIGHTEST
 from explorer.motion.trials import ANY_ERROR, Trial, Tried
 
-# Steps in units of 1/speed and tolerances, from coarse to fine.
-SETTINGS = {
-    "rk4": (0.25, 0.12, 0.05, 0.02, 0.007, 0.002),
-    "rk8": (1.6, 1.2, 0.8, 0.5, 0.3, 0.16, 0.08),
-    "dopri5": tuple(10.0 ** -np.arange(3.5, 11.6)),
-    "dop853": tuple(10.0 ** -np.arange(2.0, 13.1)),
-}
 STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
 # What all methods are asked for, and quadrature at its best besides.
 ASKED = tuple(10.0 ** -np.arange(2.0, 10.1, 2.0))
@@ -30,8 +24,9 @@ _SAME = 1.5
 # In which all settings take turns, until one took so many seconds in all; of its times the least counts, so one
 # undisturbed round is enough.
 _ROUNDS, _ENOUGH = 4, 0.3
-_LEAST = 1e-16  # an error of 0 is one of rounding,
-ROUNDING = 1e-14  # and below this all are
+ROUNDING = 1e-14  # errors below are one
+# Errors of rounding where methods are calibrated, and the settings above them from which the order is taken.
+_LEAST, _NEAR_LEAST, _OF_ORDER = 1e-12, 3.0, 3
 Errors = dict[tuple[str, float], float]  # by method and setting
 
 
@@ -101,93 +96,73 @@ class Measured:
     asked: list[Row]
 
 
-@dataclass
-class _Timed:
-    """A row in the making."""
-
-    row: Row
-    call: Callable[[], Any]
-    times: list[float] = field(default_factory=list)
-
-    def again(self) -> None:
-        """Repeat it; the least time counts, as others may be at work on this machine."""
-        self.times.append(_seconds(self.call)[1])
-
-
-def _seconds(call: Callable[[], Any]) -> tuple[Any, float]:
-    """What a call returns, and how long it took."""
-    begin = time.process_time()
-    found = call()
-    return found, time.process_time() - begin
+Call = Callable[[], Any]
 
 
 def measure(trial: Trial, say: Callable[[str], None] = lambda text: None) -> Measured:
     """Every method at every setting and accuracy on the samples of a trial."""
     count, known = trial.known.size, int(trial.known.sum())
-    rows, asked = [], []
+    rows, asked = list[tuple[Row, Call]](), list[tuple[Row, Call]]()
+    if not trial.in_time:
+        rows += [_at_accuracy(trial, "quadrature", accuracy) for accuracy in OF_QUADRATURE]
+        asked += rows[: len(ASKED)]
     for method, settings in SETTINGS.items():
         say(f"measuring {count:,} {trial.kind} by {method}")
         rows += [_at_setting(trial, method, float(setting)) for setting in settings]
         asked += [_at_accuracy(trial, method, accuracy) for accuracy in ASKED if accuracy >= TIGHTEST[method]]
-    if not trial.in_time:
-        rows = [_at_accuracy(trial, "quadrature", accuracy) for accuracy in OF_QUADRATURE] + rows
-        asked = [_at_accuracy(trial, "quadrature", accuracy) for accuracy in ASKED] + asked
     say(f"timing {trial.kind}")
-    _time([*rows, *asked])
-    done = [
-        [replace(timed.row, nanoseconds=min(timed.times) / count * 1e9) for timed in each]
-        for each in (rows, asked)
+    seconds = _least_times([call for _, call in rows + asked])
+    timed = [
+        replace(row, nanoseconds=least / count * 1e9)
+        for (row, _), least in zip(rows + asked, seconds, strict=True)
     ]
-    return Measured(trial.kind, trial.unit, trial.error, count, known, mark_front(done[0]), done[1])
+    return Measured(
+        trial.kind, trial.unit, trial.error, count, known, mark_front(timed[: len(rows)]), timed[len(rows) :]
+    )
 
 
-def _time(timed: list[_Timed]) -> None:
-    """Time all, one after the other, in rounds: what disturbs a machine for a while disturbs all alike."""
+def _least_times(calls: list[Call]) -> list[float]:
+    """The least time of each, one after the other, in rounds: what disturbs a machine for a while disturbs all."""
+    times: list[list[float]] = [[] for _ in calls]
     for _ in range(_ROUNDS):
-        for each in timed:
-            if sum(each.times) < _ENOUGH:
-                each.again()
+        for call, taken in zip(calls, times, strict=True):
+            if sum(taken) < _ENOUGH:
+                begin = time.process_time()
+                call()
+                taken.append(time.process_time() - begin)
+    return list(map(min, times))
 
 
-def _at_setting(trial: Trial, method: str, setting: float) -> _Timed:
+def _without_refusals(trial: Trial, method: str, setting: float) -> Tried:
+    """What an integrator at one setting makes of the samples where none is refused for its error."""
+    return trial.compare(trial.call(trial.plan(method, ANY_ERROR, setting)), ANY_ERROR)
+
+
+def _at_setting(trial: Trial, method: str, setting: float) -> tuple[Row, Call]:
     """An integrator at one setting: its errors where none is refused, and what users then meet."""
-    loose = trial.plan(method, ANY_ERROR, setting)
-    tried = trial.compare(trial.call(loose), ANY_ERROR)
-    errors = _quantiles(tried, trial.known)
-    accuracy = float(np.clip(SAFETY * errors[1], TIGHTEST[method], LOOSEST))
-    how = trial.plan(method, accuracy, setting)
-    # The call before has compiled what this one needs: a long one need not be made again to be timed.
-    found, seconds = _seconds(lambda: trial.call(how))
-    tried_and_met = tried, trial.compare(found, accuracy)
-    return _Timed(_row(trial, how.method, (setting, accuracy), tried_and_met), lambda: trial.call(how), [seconds])
+    tried = _without_refusals(trial, method, setting)
+    accuracy = float(np.clip(SAFETY * _quantiles(tried, trial.known)[1], TIGHTEST[method], LOOSEST))
+    call = partial(trial.call, trial.plan(method, accuracy, setting))
+    return _row(trial, method, setting, accuracy, tried, trial.compare(call(), accuracy)), call
 
 
-def _at_accuracy(trial: Trial, method: str, accuracy: float) -> _Timed:
-    """A method as `--accuracy` sets it; an integrator after its settings, by which it is compiled."""
-    how = trial.plan(method, float(accuracy))
-    found, seconds = _seconds(lambda: trial.call(how))
-    met = trial.compare(found, accuracy)
-    row = _row(trial, method, (float(accuracy), float(accuracy)), (met, met))
-    return _Timed(row, lambda: trial.call(how), [seconds] if method in SETTINGS else [])
+def _at_accuracy(trial: Trial, method: str, accuracy: float) -> tuple[Row, Call]:
+    """A method as `--accuracy` sets it."""
+    call = partial(trial.call, trial.plan(method, float(accuracy)))
+    met = trial.compare(call(), accuracy)
+    return _row(trial, method, float(accuracy), float(accuracy), met, met), call
 
 
-def _row(trial: Trial, method: str, setting_and_accuracy: tuple[float, float], tried: tuple[Tried, Tried]) -> Row:
-    """The row of what was tried: errors from the first, what became of the samples from the second."""
-    errors, met, code = tried[0], tried[1], compiled.status.Status
-    known = trial.known
+def _row(trial: Trial, method: str, setting: float, accuracy: float, errors: Tried, met: Tried) -> Row:
+    """The row of what was tried: its errors, and what became of the samples at that accuracy."""
+    known, code = trial.known, compiled.status.Status
     steps = 0.0 if errors.steps is None else STAGES.get(method, 0) * float(errors.steps[known].mean())
     unresolved = met.status[known] == code.UNRESOLVED_SIDE
     refused = (met.status[known] != code.OK) & ~unresolved
+    wrong = int((met.wrong_way & known & (met.status == code.OK)).sum())
+    shares = float(unresolved.mean()), float(refused.mean())
     return Row(
-        trial.kind,
-        method,
-        *setting_and_accuracy,
-        *_quantiles(errors, known),
-        steps,
-        np.inf,
-        float(unresolved.mean()),
-        float(refused.mean()),
-        int((met.wrong_way & known & (met.status == code.OK)).sum()),
+        trial.kind, method, setting, accuracy, *_quantiles(errors, known), steps, np.inf, *shares, wrong_way=wrong
     )
 
 
@@ -203,21 +178,13 @@ def _quantiles(tried: Tried, known: NDArray[np.bool_]) -> tuple[float, float, fl
 
 def mark_front(rows: list[Row]) -> list[Row]:
     """The rows with those integrators marked that no other integrator beats in both error and time."""
-    integrators = [row for row in rows if row.method != "quadrature"]
-    return [
-        replace(
-            row,
-            on_front=row in integrators
-            and np.isfinite(row.p99)
-            and not any(_beats(other, row) for other in integrators),
-        )
-        for row in rows
-    ]
 
+    def beaten(row: Row) -> bool:
+        as_little = _SAME * max(row.p99, ROUNDING)  # within what errors are known to
+        return any(each.p99 <= as_little and each.nanoseconds < row.nanoseconds for each in integrators)
 
-def _beats(other: Row, row: Row) -> bool:
-    """Whether another is faster and errs as little, within what the errors are known to."""
-    return other.p99 <= _SAME * max(row.p99, ROUNDING) and other.nanoseconds < row.nanoseconds
+    integrators = [row for row in rows if row.method != "quadrature" and np.isfinite(row.p99)]
+    return [replace(row, on_front=row in integrators and not beaten(row)) for row in rows]
 
 
 def best_of(rows: list[Row]) -> list[Row]:
@@ -231,38 +198,43 @@ def best_of(rows: list[Row]) -> list[Row]:
 
 def only_errors(trial: Trial) -> Errors:
     """The 99th percentile of every integrator at every setting, without times."""
-    found = {}
-    for method, settings in SETTINGS.items():
-        for setting in map(float, settings):
-            tried = trial.compare(trial.call(trial.plan(method, ANY_ERROR, setting)), ANY_ERROR)
-            found[method, setting] = _quantiles(tried, trial.known)[1]
-    return found
+    return {
+        (method, float(setting)): _quantiles(_without_refusals(trial, method, float(setting)), trial.known)[1]
+        for method, settings in SETTINGS.items()
+        for setting in settings
+    }
 
 
 def largest_errors(measured: Iterable[list[Row]], others: Iterable[Errors]) -> Errors:
     """The largest 99th percentile of each method at each setting, of several measurements."""
-    rows = [row for each in measured for row in each if row.method in SETTINGS]
-    several = [{(row.method, row.setting): row.p99} for row in rows]
+    several = [{(row.method, row.setting): row.p99 for row in rows if row.method in SETTINGS} for rows in measured]
     largest: Errors = {}
     for errors in (*several, *others):
         for key, error in errors.items():
-            if np.isfinite(error):
-                largest[key] = max(largest.get(key, _LEAST), error)
+            largest[key] = float(np.fmax(largest.get(key, np.nan), error))
     return largest
 
 
-def curves(costs: Measured, errors: Errors) -> dict[str, list[list[float]]]:
-    """The table of one kind for `calibration`: setting, error and nanoseconds, by method.
+def curves(costs: Measured, errors: Errors) -> dict[str, list[tuple[float, float] | None]]:
+    """The table of one kind for `calibration`: error and nanoseconds at SETTINGS, None where they gain nothing.
 
-    Settings finer than the last that gains are left out: there the error is one of rounding.
+    No setting lowers errors of rounding: those below _LEAST, or within _NEAR_LEAST of the least of any method, as
+    slow starts round more. There a method's order is continued instead, to its last setting that gains.
     """
+    rounding = max(_LEAST, _NEAR_LEAST * min((error for error in errors.values() if error > 0.0), default=_LEAST))
     table = {}
-    for method in SETTINGS:
+    for method, settings in SETTINGS.items():
         rows = [
-            replace(row, p99=errors[method, row.setting])
+            replace(row, p99=errors.get((method, row.setting), np.nan))
             for row in costs.rows
-            if row.method == method and (method, row.setting) in errors
+            if row.method == method
         ]
-        last = rows.index(best_of(rows)[-1]) if best_of(rows) else -1
-        table[method] = [[row.setting, row.p99, row.nanoseconds] for row in rows[: last + 1]]
+        best = {row.setting: (row.p99, row.nanoseconds) for row in best_of(rows)}
+        above = [setting for setting, (error, _) in best.items() if error > rounding]
+        if len(above) >= _OF_ORDER:
+            first, last = above[-_OF_ORDER], above[-1]
+            order = np.log(best[last][0] / best[first][0]) / np.log(last / first)
+            for setting in best.keys() - above:
+                best[setting] = best[last][0] * float(setting / last) ** float(order), best[setting][1]
+        table[method] = [best.get(float(setting)) for setting in settings]
     return table

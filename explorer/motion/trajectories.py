@@ -6,7 +6,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, TypedDict, Unpack
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import CoarseTimesWarning, InputError, jobs_of, number, positive, said, whole
 from explorer.motion import recording
-from explorer.motion.integration import MAX_STEPS
+from explorer.motion.integration import MAX_STEPS, Motions
 from explorer.motion.plan import ALGEBRA, QUADRATURE, Plan, plan
-from explorer.phase.arguments import keywords_of
+from explorer.phase.arguments import explained
 from explorer.phase.disk import Disk
 from explorer.phase.results import status_names
 from explorer.phase.states import Array, States, columns_of, require_states
@@ -65,6 +65,8 @@ class Trajectories:
         How many times of its row each motion has; 0 where the status is not OK.
     t_end : float
         The last time at which it can be called.
+    states : States
+        The states in which the motions start.
 
     Examples
     --------
@@ -92,12 +94,11 @@ class Trajectories:
     error_estimate: Array
     lengths: NDArray[np.int64]
     t_end: float
-    _followed: _Followed
-
-    @property
-    def states(self) -> States:
-        """The states in which the motions start."""
-        return self._followed.states
+    states: States
+    _start: Motions
+    _records: recording.Records | None
+    _turned: Array
+    _jobs: int
 
     @property
     def ok(self) -> NDArray[np.bool_]:
@@ -108,6 +109,11 @@ class Trajectories:
     def status_names(self) -> NDArray[np.str_]:
         """The status of each motion as a word, such as 'ok' or 'falls'."""
         return status_names(self.status)
+
+    @property
+    def observables(self) -> tuple[str, ...]:
+        """The names of those that were asked for."""
+        return tuple(name for name in (*_RATES, *ALL) if getattr(self, name) is not None)
 
     def __len__(self) -> int:
         """Number of motions."""
@@ -143,47 +149,41 @@ class Trajectories:
             raise InputError(
                 f"{said('t', t)}: times must lie between 0 and {self.t_end:g}, to which the motion was followed"
             )
-        return self._followed.trajectories(times.reshape(np.shape(t)), self)
+        disk, shape = self.states.disk, np.shape(t)
+        order, places = np.unique(times, return_inverse=True)  # the kernels take increasing times
+        if self._records is None:
+            found = recording.sample(self._start, order * disk.rate_unit, self._jobs)[0]
+        else:
+            found = recording.between(self._start, self._records, order)
+        at = np.moveaxis(found[:, places].reshape(len(self), *shape, 10), -1, 0)
+        lengths = np.where(self.lengths > 0, times.size, 0)
+        return replace(self, t=times.reshape(shape), **_observables(disk, at, self.observables), lengths=lengths)
 
     def __repr__(self) -> str:
         counts = Counter(self.status_names.tolist())
-        known = [name for name in (*_RATES, *ALL) if getattr(self, name) is not None]
         times = np.atleast_1d(self.t).shape[-1]
         return (
             f"Trajectories of {len(self):,} motion(s) to t = {self.t_end:g}, {times:,} time(s)\n"
             f"  status: {', '.join(f'{name} {count:,}' for name, count in counts.items()) or 'no motions'}\n"
-            f"  observables: {', '.join(known)}"
+            f"  observables: {', '.join(self.observables)}"
         )
 
 
 _RATES = ("phidot", "sigma3", "sigma4")
 
 
-class Integration(TypedDict, total=False):
-    """Keywords of `simulate` that say how a motion is integrated; see there."""
-
-    method: str
-    accuracy: float
-    chi0: float
-    max_steps: int
-    jobs: int
-
-
-class _Integration(NamedTuple):
-    method: str = "auto"
-    accuracy: float = 1e-6
-    chi0: float = 0.0
-    max_steps: int = MAX_STEPS
-    jobs: int = 1
-
-
+@explained
 def simulate(
     states: States,
     t_end: float | None = None,
     *,
     t_eval: ArrayLike | None = None,
     observables: Sequence[str] = ALL,
-    **integration: Unpack[Integration],
+    method: str = "auto",
+    accuracy: float = 1e-6,
+    chi0: float = 0.0,
+    max_steps: int = MAX_STEPS,
+    jobs: int = 1,
 ) -> Trajectories:
     """Follow motions in time from their initial states, at times as dense as each motion needs.
 
@@ -200,11 +200,17 @@ def simulate(
         Increasing times >= 0 at which to sample instead, the same for all motions.
     observables : sequence of str
         Any of phi, phidot, sigma3, sigma4, chi, psi, path, contact. What is not asked for is not integrated.
-    **integration
-        method : 'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'. accuracy : error of
-        angles (rad) and path (r) per passage, in 2 sqrt(r/g) of time, 1e-11 to 0.1, by default 1e-6; over k
-        passages it grows like k; inside a race it is that of its time. chi0 : contact angle at the start (rad),
-        -1e4 to 1e4, by default 0. max_steps : most steps of a run, by default 2 million, to 10^9. jobs : threads.
+    method : str
+        'auto' (the cheaper adaptive pair), 'rk4', 'rk8', 'dopri5' or 'dop853'.
+    accuracy : float
+        Error of angles (rad) and path (r) per passage, in 2 sqrt(r/g) of time, 1e-11 to 0.1; over k passages it
+        grows like k; inside a race it is that of its time.
+    chi0 : float
+        Contact angle at the start (rad), -1e4 to 1e4.
+    max_steps : int
+        Most steps of a run, to 10^9.
+    jobs : int
+        Threads.
 
     Returns
     -------
@@ -233,15 +239,10 @@ def simulate(
     >>> bool(abs(np.diff(motion.chi)).max() < 0.2), motion([2.0, 4.0]).phi.round(4)
     (True, array([[0.2749, 0.5152]]))
     """
-    motion, chi = _follow(states, (t_end, t_eval), observables, _read(integration))
+    motion = trajectories(states, t_end, t_eval, observables, method, accuracy, chi0, max_steps, jobs)
     if t_eval is not None:
-        _warn_of_races(motion, chi)
+        _warn_of_races(motion)
     return motion
-
-
-def _read(integration: Integration) -> _Integration:
-    known = ("states", "t_end", "t_eval", "observables", *_Integration._fields)
-    return keywords_of("simulate", integration, _Integration, known)
 
 
 def trajectories(
@@ -249,10 +250,27 @@ def trajectories(
     t_end: float | None = None,
     t_eval: ArrayLike | None = None,
     observables: Sequence[str] = ALL,
-    **integration: Unpack[Integration],
+    method: str = "auto",
+    accuracy: float = 1e-6,
+    chi0: float = 0.0,
+    max_steps: int = MAX_STEPS,
+    jobs: int = 1,
 ) -> Trajectories:
     """As `simulate`, for those who know what lies between their times: without a warning."""
-    return _follow(states, (t_end, t_eval), observables, _Integration(**integration))[0]
+    require_states(states)
+    end, times = _times(t_end, t_eval)
+    how = plan(observables, accuracy, method)
+    if how.rung in (ALGEBRA, QUADRATURE):
+        raise InputError("observables: simulate needs one of the motion, such as 'phi' or 'chi'")
+    chi0 = number("chi0", chi0, -_MOST_TURNED, _MOST_TURNED)
+    start = recording.motions(states, how, chi0, whole("max_steps", max_steps, 1, _MOST_STEPS))
+    return _followed(states, start, (end, times), tuple(observables), jobs_of("jobs", jobs))
+
+
+def trajectories_by(states: States, how: Plan, times: Array, observables: Sequence[str] = ALL) -> Trajectories:
+    """As `simulate` at given times, by a plan that was made, which may name its setting."""
+    start = recording.motions(states, how, 0.0, MAX_STEPS)
+    return _followed(states, start, (float(times[-1]), times), tuple(observables), 1)
 
 
 def finer(t: Array, parts: int) -> Array:
@@ -261,58 +279,25 @@ def finer(t: Array, parts: int) -> Array:
     return np.interp(places, np.arange(t.size), t)
 
 
-def _follow(
-    states: States,
-    until: tuple[float | None, ArrayLike | None],
-    observables: Sequence[str],
-    given: _Integration,
-) -> tuple[Trajectories, Array]:
-    """The motions, and their chi. until: the end and the times, as they were given."""
-    require_states(states)
-    end, times = _times(*until)
-    how = plan(observables, given.accuracy, given.method)
-    if how.rung in (ALGEBRA, QUADRATURE):
-        raise InputError("observables: simulate needs one of the motion, such as 'phi' or 'chi'")
-    given = given._replace(
-        chi0=number("chi0", given.chi0, -_MOST_TURNED, _MOST_TURNED),
-        max_steps=whole("max_steps", given.max_steps, 1, _MOST_STEPS),
-        jobs=jobs_of("jobs", given.jobs),
-    )
-    return _by_plan(states, how, (end, times), tuple(observables), given)
-
-
-def trajectories_by(states: States, how: Plan, times: Array, observables: Sequence[str] = ALL) -> Trajectories:
-    """As `simulate` at given times, by a plan that was made, which may name its setting."""
-    return _by_plan(states, how, (float(times[-1]), times), tuple(observables), _Integration())[0]
-
-
-def _by_plan(
-    states: States,
-    how: Plan,
-    until: tuple[float, Array | None],
-    names: tuple[str, ...],
-    given: _Integration,
-) -> tuple[Trajectories, Array]:
-    """The motions, and their chi, by a plan. until: the end, and the times where these are given."""
-    disk, (end, times) = states.disk, until
-    start = recording.motions(states, how, given.chi0, given.max_steps)
-    rows, records = compiled.field.ROW, None
+def _followed(
+    states: States, start: Motions, until: tuple[float, Array | None], names: tuple[str, ...], jobs: int
+) -> Trajectories:
+    """The motions from their starts. until: the end, and the times where these are given."""
+    disk, (end, times), rows, records = states.disk, until, compiled.field.ROW, None
     if times is None:
-        records = recording.record(start, end * disk.rate_unit, given.jobs)
-        found, lengths, outcome, places = records.points[:10], records.lengths, records.outcome, records.places
+        records = recording.record(start, end * disk.rate_unit, jobs)
+        found, lengths, outcome = records.points[:10], records.lengths, records.outcome
         values = _observables(disk, found, names)
-        values = {
-            name: value if value is None else records.padded(value, places) for name, value in values.items()
-        }
-        times = records.padded(found[rows.t] * disk.time_unit, places)
+        values = {name: None if value is None else records.padded(value) for name, value in values.items()}
+        times, turned = records.padded(found[rows.t] * disk.time_unit), np.zeros(len(states))
     else:
-        sampled, outcome = recording.sample(start, times * disk.rate_unit, given.jobs)
+        sampled, outcome = recording.sample(start, times * disk.rate_unit, jobs)
         found = np.moveaxis(sampled, -1, 0)
         values = _observables(disk, found, names)
         lengths = np.where(outcome.status == compiled.status.Status.OK, times.size, 0)
-    followed = _Followed(states, start, records, names, given.jobs)
-    known = {**values, **outcome._asdict(), "lengths": lengths}
-    return Trajectories(times, **known, t_end=end, _followed=followed), found[rows.chi]
+        turned = abs(np.diff(found[rows.chi])).max(axis=1, initial=0.0)
+    known = {**values, **outcome._asdict(), "lengths": lengths, "t_end": end, "states": states}
+    return Trajectories(times, **known, _start=start, _records=records, _turned=turned, _jobs=jobs)
 
 
 def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array | None]:
@@ -331,29 +316,6 @@ def _times(t_end: float | None, t_eval: ArrayLike | None) -> tuple[float, Array 
     if last > end:
         raise InputError(f"t_eval goes to {last:g}, past t_end = {end:g}; leave out one of them")
     return end, times
-
-
-class _Followed(NamedTuple):
-    """What it takes to find motions at other times; records: None where they were sampled at times given."""
-
-    states: States
-    start: recording.Motions
-    records: recording.Records | None
-    names: tuple[str, ...]
-    jobs: int
-
-    def trajectories(self, t: Array, like: Trajectories) -> Trajectories:
-        """The motions at times of any shape."""
-        disk, n = self.start.disk, self.start.number
-        # The kernels take increasing times.
-        order, places = np.unique(t, return_inverse=True)
-        if self.records is None:
-            found = recording.sample(self.start, order * disk.rate_unit, self.jobs)[0]
-        else:
-            found = recording.between(self.start, self.records, order)
-        at = found[:, places.ravel()].reshape(n, *t.shape, 10)
-        lengths = np.where(like.lengths > 0, t.size, 0)
-        return replace(like, t=t, **_observables(disk, np.moveaxis(at, -1, 0), self.names), lengths=lengths)
 
 
 def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, Any]:
@@ -379,17 +341,15 @@ def _observables(disk: Disk, states: Array, names: Sequence[str]) -> dict[str, A
     return {name: make() if name in names else None for name, make in values.items()}
 
 
-def _warn_of_races(motion: Trajectories, chi: Array) -> None:
-    """Warn where a curve of the observables would miss turns of the contact point; chi (n, nt)."""
-    if all(getattr(motion, name) is None for name in _TURNING):
-        return
-    turned = abs(np.diff(chi)).max(axis=1, initial=0.0)
+def _warn_of_races(motion: Trajectories) -> None:
+    """Warn where a curve of the observables would miss turns of the contact point."""
+    turned = motion._turned  # the most between two times of each
     missed = int(np.sum(turned > _COARSE))
-    if missed:
+    if missed and any(getattr(motion, name) is not None for name in _TURNING):
         warnings.warn(
-            f"t_eval: in {missed:,} of {len(chi):,} motion(s) chi turns by more than pi/2 between two times, by "
-            f"up to {np.nanmax(turned):.3g} rad, and a curve through them would miss races; leave t_eval out for "
-            "times as dense as the motion needs, and call the result with your own",
+            f"t_eval: in {missed:,} of {len(motion):,} motion(s) chi turns by more than pi/2 between two times, "
+            f"by up to {np.nanmax(turned):.3g} rad, and a curve through them would miss races; leave t_eval out "
+            "for times as dense as the motion needs, and call the result with your own",
             CoarseTimesWarning,
-            stacklevel=3,
+            stacklevel=4,  # beyond `explained`
         )

@@ -1,7 +1,7 @@
 """Samples whose answers are known, on which any method can be tried at any setting: passages, tilts, motions."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
@@ -16,14 +16,11 @@ from explorer.motion.plan import TIGHTEST, Plan, plan
 from explorer.motion.trajectories import Trajectories, trajectories_by
 from explorer.motion.turning_points import smallest_tilt
 from explorer.motion.vertical import Starts
-from explorer.phase.constants import NaturalConstants
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 
 IN_TIME = ("phi", "chi", "psi", "path")
-# What motions in time, and tilts by quadrature, are compared with: by far finer than any accuracy there is, and no
-# setting that is tried.
-_FINEST = ("rk8", 0.04)
+_FINEST = 0.04  # step of rk8: no setting that is tried
 # Tilt (rad) below which chi races, and errors of the time count many times in it; no error is taken there.
 RACING = 0.1
 # Median duration of a passage as race-angles draws them (natural units), and times at which motions are compared.
@@ -76,6 +73,10 @@ class Trial(ABC):
         asked = plan(self.observables, TIGHTEST["rk4"] if accuracy == ANY_ERROR else accuracy, method)
         return replace(asked, accuracy=accuracy, setting=setting)
 
+    def finest(self) -> Any:
+        """What an integrator gives by far finer steps than any accuracy needs."""
+        return self.call(self.plan("rk8", ANY_ERROR, _FINEST))
+
 
 class PassageTrial(Trial):
     """Passages from starts at the vertical, as `passages` computes them."""
@@ -121,7 +122,7 @@ class TiltTrial(Trial):
     error = "of theta_min (relative)"
     observables = ("theta_min",)
 
-    def __init__(self, blocks: Sequence[tuple[States, NaturalConstants]]) -> None:
+    def __init__(self, blocks: Sequence[States]) -> None:
         self.blocks = blocks
 
     @cached_property
@@ -136,12 +137,12 @@ class TiltTrial(Trial):
 
     @cached_property
     def integrated(self) -> Array:
-        """theta_min by far finer steps than any accuracy needs, for quadrature to be compared with."""
-        method, setting = _FINEST
-        return self.call(self.plan(method, ANY_ERROR, setting))[0]
+        """theta_min for quadrature to be compared with."""
+        theta: Array = self.finest()[0]
+        return theta
 
     def call(self, how: Plan) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
-        parts = [smallest_tilt(states, how, natural) for states, natural in self.blocks]
+        parts = [smallest_tilt(states, how) for states in self.blocks]
         theta, status, steps = (np.concatenate(columns) for columns in zip(*parts, strict=True))
         return theta, status, steps
 
@@ -168,8 +169,8 @@ class MotionTrial(Trial):
     @cached_property
     def exact(self) -> list[Trajectories]:
         """The motions by far finer steps."""
-        method, setting = _FINEST
-        return self.call(self.plan(method, ANY_ERROR, setting))
+        found: list[Trajectories] = self.finest()
+        return found
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -179,33 +180,17 @@ class MotionTrial(Trial):
         return [trajectories_by(states, how, times, IN_TIME) for states, times in self.groups]
 
     def compare(self, found: list[Trajectories], accuracy: float) -> Tried:
-        pairs = list(zip(self.groups, found, self.exact, strict=True))
-        errors = [_difference(states.disk, made, exact) for (states, _), made, exact in pairs]
-        limits = [np.full(len(states), states.disk.race_limit) for states, _ in self.groups]
-
-        def together(of: Callable[[Trajectories], NDArray[Any]]) -> NDArray[Any]:
-            return np.concatenate([of(made) for made in found])
-
-        largest = np.concatenate([np.nanmax(error, axis=(0, 2), initial=0.0) for error in errors])
-        turned = np.concatenate([np.nanmax(error[1], axis=1, initial=0.0) for error in errors])
-        ok = together(lambda made: made.ok)
-        wrong = ok & (turned > np.concatenate(limits))
-        return Tried(np.where(ok, largest, np.nan), together(lambda made: made.status), wrong, together(_steps))
-
-
-def _steps(motion: Trajectories) -> NDArray[np.int32]:
-    return motion.steps
-
-
-def _difference(disk: Disk, made: Trajectories, exact: Trajectories) -> Array:
-    """How far motions are apart (4, n, nt) in phi, chi, psi and path; NaN while they race."""
-    assert made.path is not None
-    assert exact.path is not None
-    assert exact.phi is not None
-    angles = [abs(getattr(made, name) - getattr(exact, name)) for name in ("phi", "chi", "psi")]
-    path = np.linalg.norm(made.path - exact.path, axis=-1) / disk.r
-    racing = 0.5 * np.pi - abs(exact.phi) < RACING
-    return np.where(racing, np.nan, np.stack([*angles, path]))
+        errors, turned = list[Array](), list[NDArray[np.bool_]]()
+        for (states, _), made, exact in zip(self.groups, found, self.exact, strict=True):
+            away = {name: abs(getattr(made, name) - getattr(exact, name)) for name in IN_TIME}
+            away["path"] = np.linalg.norm(away["path"], axis=-1) / states.disk.r
+            assert exact.phi is not None
+            racing = 0.5 * np.pi - abs(exact.phi) < RACING
+            apart = np.where(racing, np.nan, np.stack(list(away.values())))
+            errors.append(np.where(made.ok, np.nanmax(apart, axis=(0, 2), initial=0.0), np.nan))
+            turned.append(made.ok & (np.nanmax(apart[1], axis=1, initial=0.0) > states.disk.race_limit))
+        status, steps = ([getattr(made, name) for made in found] for name in ("status", "steps"))
+        return Tried(*map(np.concatenate, (errors, status, turned, steps)))
 
 
 def through_time(states: States, t_end: float | None) -> MotionTrial:

@@ -7,11 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion import integration, precision
+from explorer.motion import calibration, integration, precision
 from explorer.motion.orbits import ends_of, smallest
 from explorer.motion.plan import FIXED, Plan
-from explorer.motion.starts import Motions, held_constants, orbit_starts, status_at_start
-from explorer.phase.constants import NaturalConstants, best_constants, natural_constants
+from explorer.motion.starts import Motions, held_constants, motions_of, seen_from, status_at_start
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 
@@ -42,25 +41,24 @@ def tilt_of(states: Array) -> Array:
     return np.asarray(np.arctan2(q, abs(z)))
 
 
-def turning_points(
-    states: States, how: Plan, natural: NaturalConstants | None = None, slow: Array | float = 1.0
-) -> TurningPoints:
+def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> TurningPoints:
     """Follow every state forward to its next turning point, held to its sigma3_bar and eta.
 
     slow: how many times as much each amplifies errors as a quick motion does.
     """
-    if natural is None:
-        natural = natural_constants(states)
-    status, held = held_constants(states, natural)
     # Where little happens in the first steps, an adaptive method would take them too long. Fixed ones are as much
-    # shorter as takes back what is amplified.
-    share = np.asarray(slow) ** (-2.0 if how.adaptive else -1.0 / FIXED[how.method])
+    # shorter as takes back what is amplified beyond the reserve of the calibration.
+    beyond = np.fmax(np.divide(slow, calibration.SAFETY), 1.0)
+    share = np.asarray(slow) ** -2.0 if how.adaptive else beyond ** (-1.0 / FIXED[how.method])
     control = np.full(len(states), how.control_for(share))
-    given = integration.Motions(states.disk, how, states.natural, np.array(held), status, control)
+    given = integration.Motions(
+        states.disk, how, states.natural, held_constants(states), status_at_start(states), control
+    )
     amplified = np.broadcast_to(slow, len(states))
 
     def estimate(found: integration.Followed, rows: Any) -> Array:
-        error = precision.estimate(states.disk, how, found.moved, amplified[rows], precision.PASSAGE)
+        ended = found.out[:, 0].T
+        error = precision.estimate(states.disk, how, found.moved, ended, amplified[rows], precision.PASSAGE)
         return np.where(found.steps <= precision.FEW, np.inf, error) if how.adaptive else error
 
     event, depth = compiled.events.TURNING_POINT, how.kernel_depth
@@ -79,10 +77,7 @@ def tilt_kernels(how: Plan) -> tuple[str, ...]:
 
 
 def smallest_tilt(
-    states: States,
-    how: Plan,
-    natural: NaturalConstants | None = None,
-    of_states: NDArray[np.int8] | None = None,
+    states: States, how: Plan, of_states: NDArray[np.int8] | None = None
 ) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
     """theta_min of every motion (rad), with status and number of steps.
 
@@ -90,18 +85,15 @@ def smallest_tilt(
     potential; by integration, following it forward to one and backward to the other costs half a
     period in all, and if either fails the sample fails.
 
-    natural: without them the constants that were given with the states win over those computed from them.
     of_states: the status that `falls_of` gives them, where it is known already.
     """
     code = compiled.status.Status
-    if natural is None:
-        natural = best_constants(states)
     if how.method == "quadrature":
-        status = status_at_start(states, natural) if of_states is None else of_states.copy()
+        status = status_at_start(states, False) if of_states is None else of_states.copy()
         steps = np.zeros(len(states), np.int32)
-        theta = lowest_tilts(states.disk, orbit_starts(states, natural.linear), how.accuracy, status)
+        theta = lowest_tilts(states.disk, motions_of(states, seen_from(states)), how.accuracy, status)
     else:
-        theta, status, steps = _both_ways(states, how, natural)
+        theta, status, steps = _both_ways(states, how)
     return np.where(status == code.OK, theta, np.nan), status, steps
 
 
@@ -123,16 +115,15 @@ def lowest_tilts(disk: Disk, motions: Motions, accuracy: float, status: NDArray[
     return theta
 
 
-def _both_ways(
-    states: States, how: Plan, natural: NaturalConstants
-) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
+def _both_ways(states: States, how: Plan) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
     """The smaller tilt at the next turning point and at the one before, integrated in one call.
 
     A start at rest is a turning point itself, which both of these pass over.
     """
     n = len(states)
-    both = States(states.disk, np.hstack([states.natural, states.reversed().natural]), np.tile(states.status, 2))
-    turn = turning_points(both, how, NaturalConstants(*(np.tile(column, 2) for column in natural)))
+    both = states.at(np.tile(np.arange(n), 2))
+    both.rows.p[n:] *= -1.0
+    turn = turning_points(both, how)
     forward, backward = turn.status.reshape(2, n)
     found = np.where(forward == compiled.status.Status.OK, backward, forward)
     theta = np.minimum(turn.theta.reshape(2, n).min(axis=0), tilt_of(states.natural))

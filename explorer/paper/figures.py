@@ -23,8 +23,8 @@ from explorer.motion.periods import periods
 from explorer.motion.trajectories import finer, trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, constants_to_states
-from explorer.plot.captions import Caption, Question, replace_caption
-from explorer.plot.style import (
+from explorer.pictures.register import Caption, Question, add_caption
+from explorer.pictures.style import (
     DARK,
     SIGN_COLOURS,
     SMALL,
@@ -342,5 +342,5 @@ def figure(number: int, disk: Disk | None = None, eta_hat: float = ETA_HAT) -> F
     made.legend(
         [*entries.values()], [*entries], loc="outside lower center", ncols=4, fontsize=SMALL, frameon=False
     )
-    replace_caption(made, Caption(Question.PAPER, plan.caption(body, size)))
+    add_caption(made, Caption(Question.PAPER, plan.caption(body, size)))
     return made

@@ -24,7 +24,7 @@ from explorer.paper.misprints import misprints_page
 from explorer.paper.statement import Finding, Statement, chosen, shown
 from explorer.phase.disk import Disk
 from explorer.phase.paths import made_folder, path_of
-from explorer.plot.captions import save
+from explorer.pictures.register import save
 
 # The statements of these are registered as they are imported.
 SECTIONS = (

@@ -3,51 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import compiled
-from explorer.phase.lines import LinearConstants, nearer_plus
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
-
-
-class NaturalConstants(NamedTuple):
-    """Constants of motion in natural units, arrays of one length.
-
-    An eta below its rounding in size cannot be told from zero.
-    """
-
-    sigma3_bar: Array
-    eta_plus: Array
-    eta_minus: Array
-    energy: Array
-    rounding_plus: Array
-    rounding_minus: Array
-
-    @property
-    def linear(self) -> LinearConstants:
-        """Those that are linear in the rates."""
-        return LinearConstants(self.sigma3_bar, self.eta_plus, self.eta_minus)
-
-    @property
-    def nearer_plus(self) -> NDArray[np.bool_]:
-        """True where face +1 is the nearer one."""
-        return nearer_plus(self.eta_plus, self.eta_minus)
-
-    def eta(self, plus: NDArray[np.bool_]) -> Array:
-        """eta on face +1 where `plus`, on face -1 elsewhere."""
-        return np.where(plus, self.eta_plus, self.eta_minus)
-
-    def rounding(self, plus: NDArray[np.bool_]) -> Array:
-        """A bound of the rounding error of that eta."""
-        return np.where(plus, self.rounding_plus, self.rounding_minus)
-
-    def at(self, chosen: NDArray[np.intp]) -> NaturalConstants:
-        """Those of some of the states."""
-        return NaturalConstants(*(column[chosen] for column in self))
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -91,40 +52,19 @@ class Constants(Result):
     states: States
 
 
-def natural_constants(states: States) -> NaturalConstants:
-    """Constants of motion in natural units; NaN for bad input."""
-    disk, rows = states.disk, np.empty((6, len(states)))
-    compiled.algebra.constants_batch(states.natural, disk.whole, disk.natural, rows)
-    rows[:, states.status == compiled.status.Status.BAD_INPUT] = np.nan
-    return NaturalConstants(**compiled.constants.Constants(*rows)._asdict())
-
-
-def best_constants(states: States) -> NaturalConstants:
-    """As `natural_constants`, with the linear ones as they were given, without rounding, where they were."""
-    natural = natural_constants(states)
-    if states.exact is None:
-        return natural
-    bad = states.status == compiled.status.Status.BAD_INPUT
-    given = LinearConstants(*(np.where(bad, np.nan, column) for column in states.exact))
-    none = np.zeros(len(states))
-    return natural._replace(**given._asdict(), rounding_plus=none, rounding_minus=none)
-
-
 @np.errstate(under="ignore")  # also where the user has set numpy to raise
-def constants_of(states: States, natural: NaturalConstants | None = None) -> Constants:
-    """Constants of motion of states, in a row; algebra, no integration. `natural`: they, where known already."""
-    disk, unit = states.disk, states.disk.rate_unit
-    if natural is None:
-        natural = natural_constants(states)
-    plus, minus = disk.eta_to_eta_hat(natural.eta_plus), disk.eta_to_eta_hat(natural.eta_minus)
+def constants_of(states: States) -> Constants:
+    """Constants of motion of states, in a row; algebra, no integration."""
+    disk, unit, motion = states.disk, states.disk.rate_unit, states.motion
+    plus, minus = disk.eta_to_eta_hat(motion.eta_plus), disk.eta_to_eta_hat(motion.eta_minus)
     return Constants(
-        sigma3_bar=natural.sigma3_bar * unit,
+        sigma3_bar=motion.sigma3_bar * unit,
         sigma4_bar=0.5 * (minus - plus) * unit,
         eta_hat_plus=plus * unit,
         eta_hat_minus=minus * unit,
-        eta_plus=natural.eta_plus * disk.eta_unit,
-        eta_minus=natural.eta_minus * disk.eta_unit,
-        energy=natural.energy * disk.energy_unit,
+        eta_plus=motion.eta_plus * disk.eta_unit,
+        eta_minus=motion.eta_minus * disk.eta_unit,
+        energy=motion.energy * disk.energy_unit,
         status=states.status,
         states=states,
     )

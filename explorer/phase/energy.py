@@ -1,7 +1,7 @@
 """The energy of a motion, and with no speed its amended potential V: written once, in natural units.
 
 Where quadratic forms are wanted for their coefficients, as in the integrals of `explorer.measure`, or V together
-with its derivatives, as in `explorer.portrait.potential`, they have another form, which rounds differently.
+with its derivatives, as in `explorer.phase.potential`, they have another form, which rounds differently.
 """
 
 from typing import Any

@@ -22,6 +22,43 @@ class LinearConstants(NamedTuple):
     eta_minus: Array
 
 
+class Motion(NamedTuple):
+    """Constants of motions, natural units, arrays of one length: given, or computed from states.
+
+    rounding_plus, rounding_minus: an eta below its rounding in size cannot be told from zero; 0 where it was
+    given.
+    """
+
+    sigma3_bar: Array
+    eta_plus: Array
+    eta_minus: Array
+    energy: Array
+    rounding_plus: Array
+    rounding_minus: Array
+
+    @property
+    def linear(self) -> LinearConstants:
+        """Those that are linear in the rates."""
+        return LinearConstants(self.sigma3_bar, self.eta_plus, self.eta_minus)
+
+    @property
+    def nearer_plus(self) -> NDArray[np.bool_]:
+        """True where face +1 is the nearer one."""
+        return nearer_plus(self.eta_plus, self.eta_minus)
+
+    def eta(self, plus: NDArray[np.bool_]) -> Array:
+        """eta on face +1 where `plus`, on face -1 elsewhere."""
+        return np.where(plus, self.eta_plus, self.eta_minus)
+
+    def rounding(self, plus: NDArray[np.bool_]) -> Array:
+        """A bound of the rounding error of that eta."""
+        return np.where(plus, self.rounding_plus, self.rounding_minus)
+
+    def at(self, rows: NDArray[np.intp]) -> "Motion":
+        """Some of them."""
+        return Motion(*(column[rows] for column in self))
+
+
 class LineChart(NamedTuple):
     """At given tilts, the linear map from (sigma3_bar, eta_hat of face +1) to (sigma3, sigma4).
 

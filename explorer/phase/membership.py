@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, number
-from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
 from explorer.phase.roots import root
@@ -160,47 +159,35 @@ def obstacle(disk: Disk) -> compiled.falling.Obstacle:
     return compiled.falling.Obstacle(angle, largest / disk.body.r0, slack, tuple(sine), tuple(height))
 
 
-def could_fall(states: States, natural: NaturalConstants) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """True where states could fall on face +1, and on face -1, were eta there zero. natural: their constants."""
-    members = _membership(states, natural)
-    return members.plus > 0.0, members.minus > 0.0
-
-
 # What this file and the constants of states call, for `compiled.warmup`.
 KERNELS = "algebra.constants_batch", "falling.barrier_batch", "falling.critical_X2_batch", "falling.falls_batch"
 
 
-def _membership(states: States, natural: NaturalConstants) -> compiled.falling.Membership[Array]:
-    disk, out = states.disk, np.empty((3, len(states)))
-    constants = natural.sigma3_bar, natural.energy
-    compiled.falling.falls_batch(states.natural, *constants, obstacle(disk), disk.natural, out)
-    return compiled.falling.Membership(*out)
-
-
 @np.errstate(under="ignore")  # also where the user has set numpy to raise
-def falls_of(states: States, natural: NaturalConstants | None = None) -> Falls:
-    """The position of states relative to F, in a row. `natural`: their constants, where known already."""
+def falls_of(states: States) -> Falls:
+    """The position of states relative to F, in a row."""
     disk, code = states.disk, compiled.status.Status
     require_axial_inertia(disk)
-    b = disk.body
-    if natural is None:
-        natural = natural_constants(states)
-    members = _membership(states, natural)
+    b, motion, out = disk.body, states.motion, np.empty((3, len(states)))
+    compiled.falling.falls_batch(
+        states.natural, motion.sigma3_bar, motion.energy, obstacle(disk), disk.natural, out
+    )
+    members = compiled.falling.Membership(*out)
     norm = disk.rate_unit / np.hypot(b.I1 * b.dr0, b.I3 * b.r0)
-    near_plus = natural.nearer_plus
-    eta, rounding = natural.eta(near_plus), natural.rounding(near_plus)
+    near_plus = motion.nearer_plus
+    eta, rounding = motion.eta(near_plus), motion.rounding(near_plus)
     could_plus, could_minus = members.plus > 0.0, members.minus > 0.0
-    could_fall = np.where(near_plus, could_plus, could_minus)
+    could = np.where(near_plus, could_plus, could_minus)
     with np.errstate(invalid="ignore"):
-        estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could_fall, members.excess, np.nan))
+        estimate = abs(eta) / np.sqrt(2.0 * b.I1 * np.where(could, members.excess, np.nan))
         on_f = abs(eta) <= rounding
-    falling = on_f & could_fall & (states.status == code.OK)
+    falling = on_f & could & (states.status == code.OK)
     return Falls(
         face=np.where(near_plus, 1, -1).astype(np.int8),
         distance=eta * norm,
-        distance_plus=natural.eta_plus * norm,
-        distance_minus=natural.eta_minus * norm,
-        could_fall=could_fall,
+        distance_plus=motion.eta_plus * norm,
+        distance_minus=motion.eta_minus * norm,
+        could_fall=could,
         could_fall_plus=could_plus,
         could_fall_minus=could_minus,
         on_f=on_f,

@@ -7,6 +7,7 @@ Users give (phi, phidot, sigma3, sigma4) in the units of the disk; kernels take
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from explorer.phase.arguments import columns_of as columns_of
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
-from explorer.phase.lines import LinearConstants, line_slope, linear_constants
+from explorer.phase.lines import LinearConstants, Motion, line_slope, linear_constants
 
 # Also where the user has set numpy to raise.
 _UNDERFLOW_IS_ZERO = np.errstate(under="ignore")
@@ -126,6 +127,18 @@ class States:
         """The rows of `natural` by name."""
         return Rows(*self.natural)
 
+    @cached_property
+    def motion(self) -> Motion:
+        """Constants of the motions through the states (natural units), in a row; NaN for bad input."""
+        rows = np.empty((len(Motion._fields), len(self)))
+        compiled.algebra.constants_batch(self.natural, self.disk.whole, self.disk.natural, rows)
+        if self.exact is not None:
+            none = np.zeros(len(self))
+            given = Motion(*rows)._replace(**self.exact._asdict(), rounding_plus=none, rounding_minus=none)
+            rows = np.array(given)
+        rows[:, self.status == compiled.status.Status.BAD_INPUT] = np.nan
+        return Motion(*rows)
+
     @property
     @_UNDERFLOW_IS_ZERO
     def phi(self) -> Array:
@@ -155,7 +168,10 @@ class States:
         if not (type(rows) is np.ndarray and rows.dtype.kind in "ib" and rows.ndim == 1):
             rows = self._rows_of(rows)
         exact = None if self.exact is None else LinearConstants(*(column[rows] for column in self.exact))
-        return States(self.disk, np.ascontiguousarray(self.natural[:, rows]), self.status[rows], exact)
+        some = States(self.disk, np.ascontiguousarray(self.natural[:, rows]), self.status[rows], exact)
+        if "motion" in vars(self):  # what is known of all is known of some
+            vars(some)["motion"] = self.motion.at(rows)
+        return some
 
     def reversed(self) -> States:
         """The same states with time running backwards: phidot changes sign (rho, sigma4 stay)."""

@@ -195,13 +195,13 @@ class Run:
         """One picture of the run.
 
         name: one of `pictures`. ax: where to draw; by default on a new figure. options: keywords of the function
-        of `plot` that draws it, such as bins for "histogram". Raises InputError for an unknown name.
+        of the picture that draws it, such as bins for "histogram". Raises InputError for an unknown name.
         """
-        from explorer.plot import figure_of
+        from explorer.pictures.register import whole_figure
 
         known = self._pictures()
         picture = known[one_of("figure", name, known)]
-        return figure_of(picture(**options) if ax is None else picture(ax=ax, **options))
+        return whole_figure(picture(**options) if ax is None else picture(ax=ax, **options))
 
     def tables(self, columns: Columns = None) -> Iterator[Table]:
         """The kept samples chunk by chunk, in order, as arrays by name. Raises RunError where one is missing."""
@@ -377,7 +377,7 @@ def _fill(asked: Asked, folder: Path, record: dict[str, Any]) -> Run:
 
 def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bool:
     """Draw the pictures whose files are not there; whether all are, since none is begun once stopped."""
-    from explorer.plot.captions import write_figure
+    from explorer.pictures.register import save
 
     folder = Path(run.folder or ".") / "figures"
     folder.mkdir(exist_ok=True)
@@ -389,7 +389,7 @@ def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bo
             return False
         figure = run.figure(name)
         for path in missing:
-            write_figure(figure, begun := path.with_name(f".{path.name}"))
+            save(figure, begun := path.with_name(f".{path.name}"))
             begun.replace(path)
             # Parts stay where the first file has them: to place them is half the work. With a layout engine of any
             # kind, also "none", matplotlib would draw twice, once to let it place parts.

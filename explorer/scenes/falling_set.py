@@ -14,23 +14,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.measure import sifting, statistics
+from explorer.measure.slices import ConstantsPlane, Slice, slice_map
 from explorer.measure.tallies import ByName, Least, LogHistogram
 from explorer.motion.trials import TiltTrial, Trial
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import membership
-from explorer.phase.constants import NaturalConstants, best_constants, constants_of
+from explorer.phase.constants import constants_of
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import falls_of
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
-from explorer.portrait.slices import ConstantsPlane, Slice, slice_map
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import Reader, option, several, whole_from, word_of
 from explorer.scenes.scene import Counts, Picture, Table
 from explorer.scenes.starts import FromStates
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 # Near F, natural units of eta_hat: where all samples have a theta_min, and where only those near F do. Rows beyond
 # are counted, not stored, unless all are asked for.
@@ -116,33 +116,32 @@ class FallingSet(FromStates):
 
     def observe(self, block: Block) -> Table:
         """Everything about a few states; where theta_min is not computed it is NaN."""
-        table, rows, states, natural = self._followed(block)
+        table, rows, states = self._followed(block)
         if self.theta_min != "none":
-            found = smallest_tilt(states, self.plan, natural, table["status"][rows])
+            found = smallest_tilt(states, self.plan, table["status"][rows])
             for name, values in zip(("theta_min", "status", "steps"), found, strict=True):
                 table[name][rows] = values
         return block.with_results(table)
 
-    def _followed(self, block: Block) -> tuple[Table, Any, States, NaturalConstants]:
-        """What follows from the constants; the rows whose theta_min is computed, their states and constants."""
+    def _followed(self, block: Block) -> tuple[Table, Any, States]:
+        """What follows from the constants; the rows whose theta_min is computed, and their states."""
         states, n = block.states, len(block.states)
-        natural = best_constants(states)
-        exact, constants = falls_of(states, natural), constants_of(states, natural)
+        exact, constants = falls_of(states), constants_of(states)
         names = "sigma3_bar", "eta_hat_plus", "eta_hat_minus", "energy"
         table: Table = {name: getattr(constants, name) for name in names}
         table |= {"face": exact.face, "could_fall": exact.could_fall, "theta_min": np.full(n, np.nan)}
         table |= {"status": exact.status.astype(np.int8), "steps": np.zeros(n, np.int32)}
         if self.theta_min == "all":
-            return table, np.s_[:], states, natural
+            return table, np.s_[:], states
         rows = np.flatnonzero(self.near(table))
-        return table, rows, states.at(rows), natural.at(rows)
+        return table, rows, states.at(rows)
 
     def near(self, table: Table) -> NDArray[np.bool_]:
         return np.asarray((nearer(table) <= self.tube) & table["could_fall"])
 
     def trials(self, motions: int, t_end: float | None) -> list[Trial]:
         blocks = (block for index in range(self.chunks) for block in self.blocks(index))
-        return [TiltTrial([self._followed(block)[2:] for block in blocks]), *super().trials(motions, t_end)]
+        return [TiltTrial([self._followed(block)[2] for block in blocks]), *super().trials(motions, t_end)]
 
     # Counts
 
@@ -224,22 +223,22 @@ class FallingSet(FromStates):
         }
 
     def figures(self, summary: dict[str, Any], tally: FallingCounts) -> Iterator[tuple[str, Picture]]:
-        from explorer import plot
+        from explorer.pictures import falling
 
         known = tally.theta_min.total > 0
         if known:
-            yield "constants-plane", partial(plot.constants_plane, self.plane(tally.plane))
+            yield "constants-plane", partial(falling.constants_plane, self.plane(tally.plane))
         for number, where in enumerate(self.slice, 1):
             yield f"slice-{number}", partial(self._draw_slice, where)
         if known:
-            yield "theta-min", partial(plot.theta_min_distribution, tally.theta_min, summary["valid_states"])
+            yield "theta-min", partial(falling.theta_min, tally.theta_min, summary["valid_states"])
 
-    def _draw_slice(self, where: Slice, **options: Any) -> "Axes":
-        from explorer import plot
+    def _draw_slice(self, where: Slice, **options: Any) -> "Figure":
+        from explorer.pictures.slices import slice_of_tilts
 
         # Pictures show the motions, not the formula that says where they turn; by what integrates here anyway.
         method = "dopri5" if self.plan.method == "quadrature" else self.plan.method
-        return plot.slice_map(slice_map(self.disk, where, points=self.grid, method=method), **options)
+        return slice_of_tilts(slice_map(self.disk, where, points=self.grid, method=method), **options)
 
     def plane(self, least: Least) -> ConstantsPlane:
         """The smallest theta_min of all samples in each cell of the (sigma3_bar, sigma4_bar) plane."""

@@ -24,9 +24,7 @@ from explorer.measure.tubes import dimensions, widest_eta
 from explorer.motion.plan import Plan, plan
 from explorer.motion.trials import TiltTrial, Trial, through_time
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels, turning_points
-from explorer.phase import membership
 from explorer.phase.arguments import read_range
-from explorer.phase.constants import NaturalConstants, natural_constants
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.options import Reader, option, whole_from, word_of
@@ -187,9 +185,10 @@ class MeasureZero(FromDensity):
     def _plain(self, index: int) -> tuple[Table, ZeroCounts]:
         """Draws from the density that are followed; theta_min is 0 for those that fall."""
         disk, tally = self.disk, ZeroCounts()
-        columns, states, known = self._followed(index)
+        columns, states = self._followed(index)
+        known = states.motion
         plus = known.nearer_plus
-        theta, status, _ = smallest_tilt(states, self.plan, known)
+        theta, status, _ = smallest_tilt(states, self.plan)
         falls = status == compiled.status.Status.FALLS
         table = {
             **columns,
@@ -208,23 +207,22 @@ class MeasureZero(FromDensity):
         self._count_races(tally, table)
         return table, tally
 
-    def _followed(self, index: int) -> tuple[Table, States, NaturalConstants]:
-        """The draws that could come flatter than the first rung: their coordinates, states and constants."""
+    def _followed(self, index: int) -> tuple[Table, States]:
+        """The draws that could come flatter than the first rung: their coordinates and states."""
         columns = self.source.draw(self.disk, chunk_stream(self.seed, index), self.length(index))
         states = phi_to_states(self.disk, **columns)
-        natural = natural_constants(states)
-        eta_hat = self.disk.eta_to_eta_hat(natural.eta(natural.nearer_plus))
-        rows = np.flatnonzero(abs(eta_hat) <= widest_eta(natural.energy, self.deltas[0], self.disk))
-        return {name: values[rows] for name, values in columns.items()}, states.at(rows), natural.at(rows)
+        motion = states.motion
+        eta_hat = self.disk.eta_to_eta_hat(motion.eta(motion.nearer_plus))
+        rows = np.flatnonzero(abs(eta_hat) <= widest_eta(motion.energy, self.deltas[0], self.disk))
+        return {name: values[rows] for name, values in columns.items()}, states.at(rows)
 
     def _count_races(self, tally: ZeroCounts, table: Table) -> None:
         """Count which way contact points race at the flattest moment, by integration, against the sign of eta."""
         rows = np.flatnonzero(self.near(table) & (table["theta_min"] > 0.0))[:_CHECKED]
         theta, face, eta_hat = (table[name][rows] for name in ("theta_min", "face", "eta_hat"))
         states = phi_to_states(self.disk, **{name: table[name][rows] for name in COORDINATES})
-        natural = natural_constants(states)
         for each in (states, states.reversed()):
-            turn = turning_points(each, _checking(), natural)
+            turn = turning_points(each, _checking())
             here = (turn.face == face) & (abs(turn.theta / theta - 1.0) < 0.5)
             agrees = np.sign(turn.way) == np.sign(eta_hat)
             failed = turn.status != compiled.status.Status.OK
@@ -233,8 +231,8 @@ class MeasureZero(FromDensity):
 
     @property
     def kernels(self) -> tuple[str, ...]:
-        checked = ("falling.line_chart_batch", _checking().kernel)
-        return *membership.KERNELS, *checked, *tilt_kernels(self.plan), *invariance.kernels()
+        checked = "falling.critical_X2_batch", "falling.line_chart_batch", _checking().kernel
+        return "algebra.constants_batch", *checked, *tilt_kernels(self.plan), *invariance.kernels()
 
     @property
     def plans(self) -> tuple[Plan, ...]:
@@ -242,8 +240,8 @@ class MeasureZero(FromDensity):
 
     def trials(self, motions: int, t_end: float | None) -> list[Trial]:
         """Plain draws that are followed; those in tubes have their tilt from a formula."""
-        plain = [self._followed(index)[1:] for index in range(self._in_tubes, self.chunks)]
-        first = plain[0][0]
+        plain = [self._followed(index)[1] for index in range(self._in_tubes, self.chunks)]
+        first = plain[0]
         return [TiltTrial(plain), through_time(first.at(np.arange(min(motions, len(first)))), t_end)]
 
     def summarise(self, tally: ZeroCounts) -> dict[str, Any]:
@@ -251,15 +249,12 @@ class MeasureZero(FromDensity):
         return {**found, "status": dict(tally.status), "race": dict(tally.race)}
 
     def figures(self, summary: dict[str, Any], tally: ZeroCounts) -> Iterator[tuple[str, Picture]]:
-        from explorer import plot
+        from explorer.pictures import measure_zero
 
-        ladder, ratio = partial(plot.falling_ladder, summary), partial(plot.ladder_ratio, summary)
-        if not summary["constant"]:
-            yield "ladder", ladder
-            return
-        yield "ladder", partial(plot.stacked, ladder, ratio, height=8.4)
-        yield "convergence", partial(plot.constant_convergence, summary)
-        yield "tilt", partial(plot.tilt_density, summary)
+        yield "ladder", partial(measure_zero.probability, summary)
+        if summary["constant"]:
+            yield "convergence", partial(measure_zero.constant_convergence, summary)
+            yield "tilt", partial(measure_zero.tilt_density, summary)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         lines = super().headline(summary)

@@ -18,12 +18,12 @@ from explorer.measure import statistics
 from explorer.measure.sampling import Range, chunk_stream
 from explorer.measure.tallies import ByName
 from explorer.motion import limit_motions
+from explorer.motion.both_sides import QUANTITIES, beside, both_sides, limits_at, sample_times
 from explorer.motion.plan import TIGHTEST
 from explorer.motion.trajectories import trajectories
 from explorer.motion.trials import MotionTrial, Trial, even_times
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
-from explorer.portrait.both_sides import QUANTITIES, beside, both_sides, limits_at, sample_times
 from explorer.scenes.options import DISKS, NUMBER, RANGE, RANGES, option, plain
 from explorer.scenes.scene import SAMPLES, Counts, Picture, Scene, Table, joined
 from explorer.scenes.starts import BOX_NEAR_F, ETA_HAT, BoxNearF, check_eta_hat
@@ -219,15 +219,14 @@ class OneSided(Scene):
         }
 
     def figures(self, summary: dict[str, Any], tally: Approach) -> Iterator[tuple[str, Picture]]:
-        from explorer import plot
+        from explorer.pictures import one_sided
 
-        yield "distance", partial(plot.one_sided_distance, summary)
+        yield "distance", partial(one_sided.one_sided_distance, summary)
         for number, disk in enumerate(self.disk):
             start = beside(disk, self.starts(number * self.blocks)[0], 0.0)
             both = both_sides(start)
-            parts = partial(plot.one_sided_phi, both), partial(plot.one_sided_chi, both)
-            yield f"motion-{disk.name}", partial(plot.stacked, *parts)
-            yield f"contact-{disk.name}", partial(plot.contact_paths, both)
+            yield f"motion-{disk.name}", partial(one_sided.one_sided_motion, both)
+            yield f"contact-{disk.name}", partial(one_sided.contact_paths, both)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         verdict = {True: "they coincide", False: "they differ", None: "start nearer to the falling set"}

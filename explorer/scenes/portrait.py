@@ -5,7 +5,6 @@ No samples are drawn. Each chunk is one portrait: the levels of the energy at on
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -15,17 +14,14 @@ from explorer.measure.sampling import Range
 from explorer.measure.tallies import ByName
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.membership import require_well, well
-from explorer.portrait.potential import Component, Potential
-from explorer.portrait.potentials import at_constants, level_energies, on_line, well_separatrix
-from explorer.portrait.steady import PATHS, thresholds, whole_path
+from explorer.phase.potential import Component, Potential, at_constants, on_line
+from explorer.phase.stability import thresholds
 from explorer.scenes.options import NUMBER, RANGE, TRUTH, option
 from explorer.scenes.scene import Counts, Picture, Scene, Table, joined
 
 LEVELS = 9
 # Natural units; on l_+ there is a well, a separatrix and, beside it, the wall at once.
 SIGMA3_BAR, BESIDE = 0.25, 0.01
-# |eta_hat| of the curves of the potential, natural units
-_CURVES = (0.001, 0.01, 0.1)
 
 
 class PortraitCounts(Counts):
@@ -70,7 +66,7 @@ class Portrait(Scene):
             if self.sigma4_bar is not None:
                 raise InputError(f"--sigma4-bar {self.sigma4_bar:g}: a well is asked for on l_+; leave it out")
         for potential in self.places().values():
-            level_energies(potential, self.energy, LEVELS)
+            potential.levels(self.energy, LEVELS)
 
     @property
     def bar(self) -> float:
@@ -102,7 +98,7 @@ class Portrait(Scene):
     def chunk(self, index: int) -> tuple[Table, PortraitCounts]:
         """Points of the levels of one portrait: energy, number of the piece, whether it falls, phi, phidot."""
         name, potential = list(self.places().items())[index]
-        levels = {E: potential.components(E) for E in level_energies(potential, self.energy, LEVELS).tolist()}
+        levels = {E: potential.components(E) for E in potential.levels(self.energy, LEVELS).tolist()}
         parts: list[Table] = []
         for energy, pieces in levels.items():
             for place, piece in enumerate(pieces):
@@ -140,7 +136,7 @@ class Portrait(Scene):
         """The well on l_+ at this sigma3_bar, within the left branch of its separatrix."""
         if not 0.0 < abs(self.bar) < well(self.disk).sigma3_bar * self.disk.rate_unit:
             return None
-        rim = well_separatrix(self.disk, self.bar)
+        rim = on_line(self.disk, self.bar).separatrices()[0]
         bottom = min(on_line(self.disk, self.bar).equilibria, key=lambda at: at.phi)
         return {
             "phi": bottom.phi,
@@ -151,33 +147,10 @@ class Portrait(Scene):
         }
 
     def figures(self, summary: dict[str, Any], tally: PortraitCounts) -> Iterator[tuple[str, Picture]]:
-        return self.pictures()
+        """All pictures of the group, which need no run."""
+        from explorer.pictures.calls import portraits_of
 
-    def pictures(self) -> Iterator[tuple[str, Picture]]:
-        """All pictures, which need no run."""
-        from explorer.plot import potential as potentials
-        from explorer.plot import sides, steady
-
-        places, disk = self.places(), self.disk
-        for name, potential in places.items():
-            if name not in ("plus", "minus"):
-                yield f"portrait-{name}", partial(potentials.phase_portrait, potential, self.energy)
-        if "plus" in places:
-            yield "portrait-sides", partial(sides.portrait_of_sides, places["plus"], places["minus"], self.energy)
-        line = wide = [*places.values()]
-        if self.sigma4_bar is None:
-            sizes = [sign * size * disk.rate_unit for size in _CURVES for sign in (1.0, -1.0)]
-            line = [on_line(disk, self.bar, eta) for eta in [0.0, *(sizes if self.eta_hat is None else ())]]
-            line += [places["beside"]] if "beside" in places else []
-            # On the axis of phi the nearer ones lie on each other.
-            wide = [each for each in line if abs(each.eta) in (0.0, _CURVES[-1])] if len(line) > 2 else line
-        yield "potential", partial(potentials.potential_curves, wide)
-        yield "potential-near-flat", partial(potentials.potential_curves, line, True)
-        yield "steady-plane", partial(steady.steady_plane, disk)
-        yield "steady-map", partial(steady.steady_map, disk)
-        for path in PATHS:
-            branches, marks = whole_path(disk, path)
-            yield f"steady-{path}", partial(steady.bifurcations, disk, path, branches, marks)
+        return portraits_of("phase", self)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         lines = []

@@ -17,16 +17,7 @@ from numpy.typing import NDArray
 
 from explorer.errors import InputError, RunError
 from explorer.measure import statistics
-from explorer.measure.sampling import BLOCK, Range, Stream, gather, log_uniform, signs
-from explorer.measure.tallies import ByName, Histogram, LogHistogram
-from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_constants
-from explorer.motion.passages import passage_kernels, passages_by
-from explorer.motion.trials import PassageTrial, Trial, through_time
-from explorer.motion.vertical import starts_at_vertical
-from explorer.phase.constants import natural_constants
-from explorer.phase.disk import require_axial_inertia
-from explorer.phase.states import Array, constants_to_states
-from explorer.portrait.races import (
+from explorer.measure.races import (
     SIDES,
     angle_edges,
     by_decade,
@@ -35,6 +26,14 @@ from explorer.portrait.races import (
     law_rows,
     ridge_rows,
 )
+from explorer.measure.sampling import BLOCK, Range, Stream, gather, log_uniform, signs
+from explorer.measure.tallies import ByName, Histogram, LogHistogram
+from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_constants
+from explorer.motion.passages import passage_kernels, passages_by
+from explorer.motion.trials import PassageTrial, Trial, through_time
+from explorer.motion.vertical import starts_at_vertical
+from explorer.phase.disk import require_axial_inertia
+from explorer.phase.states import Array, constants_to_states
 from explorer.scenes.given_states import Block
 from explorer.scenes.options import RANGE, RANGES, option, read_ranges, whole_from
 from explorer.scenes.scene import Counts, Picture, SampledScene, Table, joined
@@ -182,10 +181,10 @@ class RaceAngles(FromStates):
         }
 
     def figures(self, summary: dict[str, Any], tally: RaceCounts) -> Iterator[tuple[str, Picture]]:
-        from explorer import plot
+        from explorer.pictures import race
 
-        yield "histogram", partial(plot.race_histogram, summary)
-        yield "deviation", partial(plot.race_deviation, summary)
+        yield "histogram", partial(race.race_histogram, summary)
+        yield "deviation", partial(race.race_deviation, summary)
 
 
 class Passages(RaceAngles):
@@ -223,7 +222,7 @@ class Passages(RaceAngles):
         def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
             drawn = self._starts(random, BLOCK)
             states = constants_to_states(self.disk, **drawn)
-            energy = natural_constants(states).energy * self.disk.energy_unit
+            energy = states.motion.energy * self.disk.energy_unit
             return drawn, (energy >= low) & (energy <= high)
 
         return gather(block, count, "--energy: only {} draws beside the falling set were kept; widen it")

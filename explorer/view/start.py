@@ -9,11 +9,9 @@ import numpy as np
 from explorer import compiled
 from explorer.errors import InputError, number, shown, whole
 from explorer.motion.bounces import Bounces
-from explorer.motion.limit_motions import Continuation
-from explorer.motion.starts import held_constants
-from explorer.phase.constants import natural_constants
+from explorer.motion.limit_motions import LimitMotion
+from explorer.motion.starts import status_at_start
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import nearer_plus
 from explorer.phase.states import States, constants_to_states
 
 _UPRIGHT = 0.5 * math.pi
@@ -92,7 +90,7 @@ def start_in(motion: Any, row: Any) -> tuple[Disk, Start]:
 
     Raises InputError for what is no motion.
     """
-    if isinstance(motion, Continuation):
+    if isinstance(motion, LimitMotion):
         _one_of(1, row, "limit motion")
         return motion.disk, _start_of_limit(motion)
     if isinstance(motion, Bounces):
@@ -130,14 +128,12 @@ def _start_of_state(states: States, row: int) -> Start:
     require_axial_inertia(disk)
     one = states.at(np.array([row]))
     code = compiled.status.Status
-    status, held = held_constants(one, natural_constants(one))
+    status, held = status_at_start(one), one.motion
     if status[0] not in (code.OK, code.FALLS):
         verdict = code(int(status[0]))
         raise InputError(f"states, row {row}: {verdict.sentence} {verdict.remedy}")
-    plus = bool(nearer_plus(held.eta_plus, held.eta_minus)[0])
-    face = 1 if plus else -1
-    eta = held.eta_plus if plus else held.eta_minus
-    eta_hat = float(disk.eta_to_eta_hat(eta)[0])
+    face = 1 if held.nearer_plus[0] else -1
+    eta_hat = float(disk.eta_to_eta_hat(held.eta(held.nearer_plus))[0])
     _require_side(0.0 if status[0] == code.FALLS else eta_hat, f"states, row {row}")
     q, z, p, _, _ = (float(row[0]) for row in one.rows)
     theta = _UPRIGHT if z == 0.0 else math.atan2(q, face * z)
@@ -150,17 +146,16 @@ def _start_of_bounce(bounces: Bounces, place: int) -> Start:
     through = _start_of_state(bounces.states, state)
     disk, unit = bounces.states.disk, bounces.states.disk.rate_unit
     one = bounces.states.at(np.array([state]))
-    held = held_constants(one, natural_constants(one))[1]
-    eta_hat = float(disk.eta_to_eta_hat(held.eta_plus if face > 0 else held.eta_minus)[0])
+    eta_hat = float(disk.eta_to_eta_hat(one.motion.eta_plus if face > 0 else one.motion.eta_minus)[0])
     upright = constants_to_states(disk, through.sigma3_bar * unit, eta_hat * unit, 0.0, face)
-    left = natural_constants(one).energy[0] - natural_constants(upright).energy[0]
+    left = one.motion.energy[0] - upright.motion.energy[0]
     if left <= 0.0:
         return through
     _require_side(eta_hat, f"bounces, row {place}")
     return Start(through.sigma3_bar, eta_hat, math.sqrt(2.0 * left / disk.body.M), face)
 
 
-def _start_of_limit(limit: Continuation) -> Start:
+def _start_of_limit(limit: LimitMotion) -> Start:
     """The motion that follows a limit motion so closely, on its side of F, that nobody sees the difference."""
     unit, at = limit.disk.rate_unit, limit(0.0)
     theta, speed = _UPRIGHT - limit.face * float(at.phi), limit.face * float(at.phidot) / unit

@@ -12,7 +12,6 @@ import pytest
 from conftest import BODIES
 
 from explorer.measure.sifting import Chunk, sift
-from explorer.phase.constants import natural_constants
 from explorer.phase.membership import obstacle
 from explorer.phase.states import phi_to_states
 from explorer.scenes.falling_set import FallingSet
@@ -26,7 +25,7 @@ STATES = 1 << 20
 def test_verdicts_beyond_the_vertical(benchmark, by):
     disk, random = BODIES["uniform"], np.random.default_rng(3)
     states = phi_to_states(disk, random.uniform(-1.5, 1.5, 4096), *random.uniform(-2.0, 2.0, (3, 4096)))
-    constants, exact = natural_constants(states), obstacle(disk)._replace(slack=math.inf)
+    constants, exact = states.motion, obstacle(disk)._replace(slack=math.inf)
     call = states.natural, constants.sigma3_bar, constants.energy
     found, expected = np.empty((3, 4096)), np.empty((3, 4096))
     benchmark(falling.falls_batch, *call, obstacle(disk) if by == "series" else exact, disk.natural, found)

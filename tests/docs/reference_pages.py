@@ -121,20 +121,20 @@ def described(home, names):
     objects = {name: getattr(home, name) for name in sorted(names) if not inspect.ismodule(getattr(home, name))}
     firsts = [(f"`{name}`", (inspect.getdoc(value) or "").partition("\n\n")[0]) for name, value in objects.items()]
     kinds = {name: "autoclass" if inspect.isclass(value) else "autofunction" for name, value in objects.items()}
-    # Sphinx takes `explorer.view` for the room of the same name.
-    homes = {name: "explorer.view.page" if name == "view" else home.__name__ for name in objects}
+    kinds["pictures"] = "autodata"
+    # Sphinx takes these for the rooms of the same names.
+    rooms = {"view": "explorer.view.page", "pictures": "explorer.pictures.calls"}
+    homes = {name: rooms.get(name, home.__name__) for name in objects}
     texts = [f".. {kinds[name]}:: {homes[name]}.{name}\n" for name in objects]
     return table(["name", "what it does"], firsts) + "\n\n```{eval-rst}\n" + "\n".join(texts) + "```\n"
 
 
 def python():
     """All public names."""
-    functions, pictures = described(ex, ex.__all__), described(ex.plot, ex.plot.__all__)
-    data = described(ex.portrait, ex.portrait.__all__)
-    return (
-        f"## Functions and classes\n\n{functions}\n## Pictures: explorer.plot\n\n{pictures}\n"
-        f"## The data of pictures: explorer.portrait\n\n{data}"
-    )
+    told = {name: " ".join(inspect.getdoc(each.draw).split()) for name, each in sorted(ex.pictures.items())}
+    rows = [(f"`{name}{ex.pictures[name].signature}`", text) for name, text in told.items()]
+    shown = table(["picture", "what it draws"], rows)
+    return f"## Functions and classes\n\n{described(ex, ex.__all__)}\n## Pictures\n\n{shown}\n"
 
 
 MAKERS = {
@@ -171,7 +171,7 @@ from explorer.commands.trade import Trade
 from explorer.measure.sampling import Box
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
-from explorer.portrait.slices import Slice
+from explorer.measure.slices import Slice
 from explorer.runs.run import Run
 from explorer.scenes.scene import Scene
 '''

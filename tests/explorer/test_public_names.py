@@ -20,8 +20,8 @@ with contextlib.suppress(SystemExit):
 """
 
 
-def test_every_public_name_is_there_and_only_two_are_modules():
-    assert {name for name in ex.__all__ if isinstance(getattr(ex, name), ModuleType)} == {"plot", "portrait"}
+def test_every_public_name_is_there_and_none_is_a_module():
+    assert not [name for name in ex.__all__ if isinstance(getattr(ex, name), ModuleType)]
     assert dir(ex) == sorted({*ex.__all__, "__version__"})
     with pytest.raises(AttributeError, match="no attribute 'passage'"):
         _ = ex.passage
@@ -35,13 +35,15 @@ def test_every_public_name_is_there_and_only_two_are_modules():
         "from explorer.view.page import view",
         "import explorer; explorer.view; import explorer.view.assembly",
         "import explorer.commands.view",
+        "import explorer.pictures; import explorer.pictures.calls",
         "from importlib import reload; import explorer; reload(explorer); import explorer.view.start",
     ],
 )
-def test_view_is_the_function_whatever_of_its_room_was_imported(first):
+def test_view_and_pictures_are_no_rooms_whatever_of_them_was_imported(first):
     code = (
-        f"import inspect, sys\n{first}\nimport explorer as ex\nfrom explorer import view\n"
+        f"import inspect, sys\n{first}\nimport explorer as ex\nfrom explorer import pictures, view\n"
         "assert inspect.isfunction(ex.view) and view is ex.view is sys.modules['explorer.view.page'].view\n"
+        "assert pictures is ex.pictures and 'rotation' in pictures\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -57,26 +59,9 @@ def test_names_mean_the_same_in_whichever_order_they_are_touched(order):
         "    getattr(ex, name)\n"
         "for name in ex.__all__:\n"
         "    value = getattr(ex, name)\n"
-        "    room = name in ('plot', 'portrait')\n"
-        "    assert isinstance(value, ModuleType) == room, name\n"
-        "    assert value.__name__ == ('explorer.' * room + name), name\n"
+        "    assert not isinstance(value, ModuleType), name\n"
+        "    assert name == 'pictures' or value.__name__ == name, name\n"
         "assert inspect.isfunction(ex.view)\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.parametrize("room", ["plot", "portrait"])
-def test_names_of_a_room_are_functions_though_files_have_the_same_names(room):
-    """Whatever of its files was imported before, and after."""
-    code = (
-        "import importlib, inspect, pkgutil\n"
-        f"first = importlib.import_module('explorer.{room}.near_flat')\n"
-        f"import explorer as ex\nroom = ex.{room}\n"
-        "for file in pkgutil.iter_modules(room.__path__):\n"
-        "    importlib.import_module(f'{room.__name__}.{file.name}')\n"
-        "assert all(inspect.isfunction(getattr(room, name)) for name in room.__all__)\n"
-        "assert {*room.__all__} <= {*dir(room)}\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -8,7 +8,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 NUMERICAL = {
     "kernels": ("kernels/arcs", "kernels/disk", "kernels/near_flat", "kernels/steps"),
-    "explorer": ("explorer/phase", "explorer/motion", "explorer/measure", "explorer/portrait"),
+    "explorer": ("explorer/phase", "explorer/motion", "explorer/measure"),
 }
 APPLICATION = ("explorer/runs", "explorer/scenes")
 ONE_TOKEN = ("operator", "comparison", "constant", "sign", "logic", "function")

@@ -45,7 +45,7 @@ from changes import NUMERICAL, ROOT, Mutant, changed, drawn, moved, shared
 
 CLAIMS = {
     "kernels": ("tests/kernels", *(f"tests/explorer/{room}" for room in ("phase", "motion", "measure"))),
-    "explorer": tuple(f"tests/explorer/{room}" for room in ("phase", "motion", "measure", "portrait", "scenes")),
+    "explorer": tuple(f"tests/explorer/{room}" for room in ("phase", "motion", "measure", "scenes")),
 }
 OUT = ROOT / "results" / "faults" / "mutants.md"
 STAGES = ("beside", "room", "above")

@@ -5,8 +5,8 @@ from matplotlib.figure import Figure
 from peers.measuring import ASKED, KERNEL
 from peers.tables import INTEGRATED, QUADRATURE, best_asked
 
-from explorer.plot.captions import Question, captioned
-from explorer.plot.style import DARK, MARKERS, SERIES, TEXT, dress
+from explorer.pictures.register import Caption, Question, add_caption
+from explorer.pictures.style import DARK, MARKERS, SERIES, TEXT, dress
 
 GREY = SERIES[4]
 # Of each family the fastest; all others are in the tables.
@@ -22,12 +22,14 @@ DRAWN = {
 LEAST_GAP = 0.36  # decades between two names
 
 
-@captioned(
+CAPTION = Caption(
     Question.HOW_GOOD,
     "Trajectories per second of one core against their error, what a user calls here in black and other solvers "
     "in grey: above on the plain equations, as a user would write them, below on our regularised ones. Higher and "
     "further right is better. Settings at which a contact point races the wrong way round are left out.",
 )
+
+
 def draw(rows: list) -> Figure:
     """Two panels above each other: peers on the plain and on the regularised equations, ours in both."""
     figure = Figure(figsize=(6.4, 8.4), layout="constrained")
@@ -40,6 +42,7 @@ def draw(rows: list) -> Figure:
         _name(ax, [line for line in lines if line])
     panels[0].invert_xaxis()
     panels[1].set_xlabel("error of χ, 99th percentile (rad)", fontsize=TEXT)
+    add_caption(figure, CAPTION)
     return figure
 
 

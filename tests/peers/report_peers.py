@@ -3,11 +3,6 @@
     pip install "nearflat[peers]"      # a peer that is not there is left out, and so is the loop in C++
     OMP_NUM_THREADS=1 taskset -c 0 python -m peers.report_peers      # in tests/; some minutes
 
-On code of 256 bits, against heyoka alone (without the features numba would take those of the machine):
-
-    NUMBA_CPU_NAME=haswell NUMBA_CPU_FEATURES=+avx2,+fma python -m peers.report_peers \\
-        --peers "heyoka batch" --out ../results/peers/256-bit
-
 Rates are trajectories per second of the processor's time; compiling is not in them. Compare within one run only.
 """
 
@@ -25,11 +20,10 @@ from peers.peak import peak
 from peers.problem import COUNT, work
 from processor import processor
 
-from explorer.plot.captions import save
+from explorer.pictures.register import save
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "results" / "peers"
-NARROW = OUT / "256-bit"
 SHORT = {"rk4": 0.01, "rk8": 0.05}
 
 
@@ -136,12 +130,7 @@ def main():
     rows = measured(found, say=lambda line: print(line, flush=True))
     after = os.getloadavg()[0] if hasattr(os, "getloadavg") else np.nan
     lines = page(rows, missing, peak(), (before, after))
-    if asked.out == OUT and NARROW.exists():
-        lines += [
-            "",
-            f"The same on code of 256 bits, against heyoka alone: [{NARROW.name}]({NARROW.name}/README.md).",
-        ]
-    elif asked.out != OUT:
+    if asked.out != OUT:
         lines = [line for line in lines if not line.startswith("![")]
     (asked.out / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     if asked.out != OUT or asked.peers:

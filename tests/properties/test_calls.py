@@ -37,8 +37,8 @@ CALLS = {
     "Disk.annulus": "inner m? r?",
     "Disk.uniform": "m? r? g",
     "Disk.parse": "text",
-    "portrait.on_line": "disk sigma3_bar eta_hat?",
-    "portrait.wander": "states",
+    "potential": "disk sigma3_bar eta_hat?",
+    "wander": "states",
 }
 SELDOM = {
     "falling_constant": 0.1,

@@ -23,8 +23,8 @@ import second_job
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from explorer.plot.captions import Question, captioned, save
-from explorer.plot.style import DARK, MARKERS, SERIES, dress, legend_below
+from explorer.pictures.register import Caption, Question, add_caption, save
+from explorer.pictures.style import DARK, MARKERS, SERIES, dress, legend_below
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from processor import processor
@@ -101,13 +101,15 @@ def eta_lines(rows):
         yield f"| 1e-{exponent} | " + " | ".join(cells) + " |"
 
 
-@captioned(
+OF_SIZES = Caption(
     Question.HOW_GOOD,
     "Time and memory against the number of samples, for states that are drawn, judged and counted, and for "
     "passages that are computed and stored. Small runs cost what starting costs; beyond the knee the time follows "
     "the dotted line, in proportion to the samples, and memory hardly grows. A second job pays from millions of "
     "states on.",
 )
+
+
 def draw(rows):
     """Time and memory, for both kinds of work and one and two jobs."""
     figure = Figure(figsize=(7.6, 4.6), layout="constrained")
@@ -133,15 +135,18 @@ def draw(rows):
         ax.grid(alpha=0.3)
     handles, names = left.get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=2, fontsize=10.5, frameon=False)
+    add_caption(figure, OF_SIZES)
     return figure
 
 
-@captioned(
+OF_DISTANCES = Caption(
     Question.HOW_GOOD,
     "Time of one passage against the distance from F, from a tenth down to 1e-300, at an accuracy of 1e-2. "
     "Quadrature costs the same at any distance. Integrators answer everywhere too, held to their constants, and "
     "take longer as the steps into the race and out of it grow like the logarithm of the distance.",
 )
+
+
 def draw_cost(rows: list[tuple[int, list[float | None]]]) -> Figure:
     """Microseconds per passage against the exponent of 1/|eta_hat|; rows as of `against_eta`."""
     figure = Figure(figsize=(6.4, 4.8), layout="constrained")
@@ -165,7 +170,9 @@ def draw_cost(rows: list[tuple[int, list[float | None]]]) -> Figure:
     legend_below(ax, ncols=3)
     x = r"$|\hat\eta|$ ($\sqrt{g/r}$), towards the falling set"
     title = "Quadrature costs the same at any distance from $F$"
-    return dress(ax, x, "time per passage (µs), one core", title, grid=True).figure
+    dress(ax, x, "time per passage (µs), one core", title, grid=True)
+    add_caption(figure, OF_DISTANCES)
+    return figure
 
 
 def sizes():

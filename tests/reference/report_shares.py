@@ -39,7 +39,9 @@ def doubt_of_rules():
     for rows in of_one_body(usual):
         row = MOTIONS[rows]
         disk, given = ex.Disk(I1=row["I1"][0], I3=row["I3"][0]), (row["sigma3_bar"], row["eta_hat"])
-        found = PassageTrial(disk, starts_at_vertical(disk, *given, abs(row["phidot"]), row["face"])).exact
+        found = PassageTrial(
+            disk, starts_at_vertical(disk, *given, abs(row["phidot"]), row["face"].astype(float))
+        ).exact
         errors += [found.delta_chi - row["chi_0"], found.delta_psi - row["psi_0"]]
         errors += [found.duration / row["duration_0"] - 1.0, found.theta_min / row["theta_min_0"] - 1.0]
     return max(abs(error).max() for error in errors)

@@ -11,7 +11,7 @@ from PIL import Image
 import explorer as ex
 from explorer.commands.gallery import command_of, gallery, picture_lines
 from explorer.commands.main import main
-from explorer.plot.captions import Caption, Question, packed
+from explorer.pictures.register import Caption, Question
 
 RESULTS = Path(__file__).parents[3] / "results"
 
@@ -73,7 +73,7 @@ def test_pictures_stand_by_their_question_and_the_hero_comes_first(tmp_path):
     frame = Image.new("P", (4, 4))
     for name, question in (("a", Question.HOW_FAR), ("film", Question.HAPPENS), ("hero", Question.HAPPENS)):
         caption = Caption(question, f"The picture {name} says <much>.")
-        frame.save(folder / f"{name}.gif", comment=packed(caption).encode())
+        frame.save(folder / f"{name}.gif", comment="\n".join(caption).encode())
     page = gallery(tmp_path)
     places = [page.index(text) for text in ("What happens?", "hero.gif", "film.gif", "How far does", "a.gif")]
     assert places == sorted(places)

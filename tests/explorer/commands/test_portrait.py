@@ -4,8 +4,7 @@ import pytest
 from told import said
 
 import explorer as ex
-from explorer.commands.portrait import GROUPS, Drawn, portrait
-from explorer.plot.captions import caption_of
+from explorer.commands.portrait import Drawn, portrait
 
 HOOP = ex.Disk.hoop()
 
@@ -30,13 +29,6 @@ def test_options_reach_the_phase_portrait(tmp_path):
     names = {path.name for path in written}
     assert {"portrait-on.png", "portrait-beside.png"} < names
     assert "portrait-plus.png" not in names
-
-
-@pytest.mark.parametrize("name", ["definitions", "limit", "surface"])
-def test_pictures_have_captions(name):
-    for stem, figure in GROUPS[name](HOOP, HOOP.rate_unit, {}):
-        assert stem
-        assert caption_of(figure) is not None
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ from scipy.stats import kstest, truncnorm
 import explorer as ex
 from explorer.measure.density import ANY_ENERGY, Density
 from explorer.measure.sampling import BLOCK, Box, chunk_stream
-from explorer.phase.constants import natural_constants
 from explorer.phase.states import phi_to_states
 
 UNIFORM = BODIES["uniform"]
@@ -59,7 +58,7 @@ def test_draws_follow_the_gaussian_and_the_function():
 def test_draws_stay_in_the_range_of_energy_and_are_inside():
     density = Density.of(UNIFORM, "phi=-1:1", (1.5, 2.5))
     drawn = density.draw(UNIFORM, chunk_stream(2, 0), 3000)
-    energy = natural_constants(phi_to_states(UNIFORM, **drawn)).energy
+    energy = phi_to_states(UNIFORM, **drawn).motion.energy
     assert ((energy >= 1.5) & (energy <= 2.5)).all()
     columns = [drawn[name] for name in ("phi", "phidot", "sigma3", "sigma4")]
     assert density.inside(*columns, energy).all()

@@ -10,8 +10,7 @@ from conftest import BODIES
 import explorer as ex
 from explorer.measure.density import Density
 from explorer.measure.falling_constant import constant_of, falling_constant
-from explorer.phase.constants import natural_constants
-from explorer.phase.membership import could_fall, impact_speed
+from explorer.phase.membership import impact_speed
 from explorer.phase.states import phi_to_states
 
 FULL = f"phi={-0.5 * math.pi!r}:{0.5 * math.pi!r}"
@@ -33,12 +32,13 @@ def by_grid(disk, box, points, energy=math.inf):
     for face in (1, -1):
         # eta is linear in sigma4: two states give the line.
         row = 1 if face > 0 else 2
-        etas = [natural_constants(phi_to_states(disk, phi, phidot, sigma3, s4))[row] for s4 in (0.0, 1.0)]
+        etas = [phi_to_states(disk, phi, phidot, sigma3, s4).motion[row] for s4 in (0.0, 1.0)]
         slope = etas[1] - etas[0]
         sigma4 = -etas[0] / slope
         states = phi_to_states(disk, phi, phidot, sigma3, sigma4)
-        natural = natural_constants(states)
-        member = could_fall(states, natural)[0 if face > 0 else 1]
+        natural = states.motion
+        fall = ex.falls(states)
+        member = fall.could_fall_plus if face > 0 else fall.could_fall_minus
         member &= (sigma4 >= low) & (sigma4 <= high) & (natural.energy <= energy)
         A = np.where(member, impact_speed(disk, natural.sigma3_bar, natural.energy), 0.0)
         total += (2.0 * A * math.sqrt(b.I1 * b.M) / abs(slope)).mean() * volume

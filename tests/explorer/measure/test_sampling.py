@@ -8,7 +8,6 @@ from scipy.stats import kstest
 import explorer as ex
 from explorer.measure.density import Density
 from explorer.measure.sampling import Box, LaneStream, chunk_stream, log_uniform
-from explorer.phase.constants import natural_constants
 from explorer.phase.states import phi_to_states
 
 UNIFORM = BODIES["uniform"]
@@ -44,9 +43,9 @@ def test_an_energy_cut_keeps_the_measure_below_it():
     columns = Density(WIDE, (-np.inf, 2.0)).draw(UNIFORM, chunk_stream(1, 0), 5_000)
     states = phi_to_states(UNIFORM, **columns)
     assert len(states) == 5_000
-    assert (natural_constants(states).energy <= 2.0).all()
+    assert (states.motion.energy <= 2.0).all()
     plain = WIDE.draw(chunk_stream(2, 0), 60_000)
-    below = natural_constants(phi_to_states(UNIFORM, **plain)).energy <= 2.0
+    below = phi_to_states(UNIFORM, **plain).motion.energy <= 2.0
     low, high = np.quantile(plain["sigma4"][below], [0.2, 0.8])
     inside = (columns["sigma4"] > low) & (columns["sigma4"] < high)
     assert inside.mean() == pytest.approx(0.6, abs=0.03)

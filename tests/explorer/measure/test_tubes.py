@@ -12,7 +12,6 @@ from explorer.measure.falling_constant import constant_of
 from explorer.measure.tubes import Place, Tube, dimensions, draw_tube, widest_eta
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.constants import natural_constants
 from explorer.phase.states import phi_to_states
 
 
@@ -23,8 +22,8 @@ def test_a_tube_holds_every_state_that_comes_flatter(name, delta):
     disk = BODIES[name]
     draw = np.random.default_rng(9).uniform
     states = phi_to_states(disk, draw(-1.5, 1.5, 20_000), *(disk.rate_unit * draw(-2, 2, (3, 20_000))))
-    natural = natural_constants(states)
-    theta, status, _ = smallest_tilt(states, plan(("theta_min",)), natural)
+    natural = states.motion
+    theta, status, _ = smallest_tilt(states, plan(("theta_min",)))
     flat = (status == 0) & (theta < delta)
     eta = disk.eta_to_eta_hat(np.fmin(abs(natural.eta_plus), abs(natural.eta_minus)))[flat]
     assert flat.sum() > 100

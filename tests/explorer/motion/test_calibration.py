@@ -11,7 +11,6 @@ from explorer import compiled
 from explorer.motion import calibration
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import turning_points
-from explorer.phase.constants import natural_constants
 from explorer.phase.states import constants_to_states
 
 
@@ -36,10 +35,11 @@ def test_the_shipped_table_is_used_and_named_where_nothing_was_measured(private)
         lambda table: {name: value for name, value in table.items() if name != "kernels"},
         lambda table: {**table, "methods": dict.fromkeys(table["methods"], "rows")},
         lambda table: {**table, "quadrature": float("nan")},
-        lambda table: {**table, "methods": {k: [[1, 2, 3, 4]] for k in table["methods"]}},
+        lambda table: {**table, "methods": {k: [[1, 2, 3]] * len(rows) for k, rows in table["methods"].items()}},
+        lambda table: {**table, "settings": {"rk4": calibration.SETTINGS["rk4"]}},
         lambda table: {**table, "methods": {k: rows[:1] for k, rows in table["methods"].items()}},
         lambda table: {**table, "methods": {k: rows[::-1] for k, rows in table["methods"].items()}},
-        lambda table: {**table, "methods": {k: [rows[0]] * 5 for k, rows in table["methods"].items()}},
+        lambda table: {**table, "methods": {k: [rows[0]] * len(rows) for k, rows in table["methods"].items()}},
     ],
 )
 def test_a_damaged_table_is_named_not_used(private, spoil):
@@ -124,8 +124,8 @@ def test_the_accuracy_asked_is_met_by_work_nobody_calibrated_on(private, method,
             status, known = got.status, True
         else:
             states = constants_to_states(disk, *start)
-            constants = natural_constants(states)
-            found = turning_points(states, plan(("chi", "psi", "theta_min"), accuracy, method), constants)
+            constants = states.motion
+            found = turning_points(states, plan(("chi", "psi", "theta_min"), accuracy, method))
             # A state in doubles knows eta, and with it theta_min, only so well.
             known = constants.rounding_plus / abs(constants.eta_plus) < 0.02 * accuracy
             errors = (2 * found.chi - exact.delta_chi, 2 * found.psi - exact.delta_psi)

@@ -9,7 +9,6 @@ import explorer as ex
 from explorer.motion.falls import fall_from_vertical
 from explorer.motion.limit_motions import limit_motion
 from explorer.motion.trajectories import trajectories
-from explorer.phase.constants import natural_constants
 from explorer.phase.states import constants_to_states
 
 ALL = ("phi", "phidot", "chi", "psi", "path", "contact")
@@ -89,6 +88,16 @@ def test_the_two_limits_coincide_for_the_matching_body_and_only_for_it(paper_bod
     assert turned == pytest.approx(2 * falls * paper_body.race_limit, abs=1e-9)
 
 
+def test_every_bounce_turns_and_moves_the_picture_alike(paper_body):
+    """By chi_per_period, a whole turn for the matching body; also after a million of them."""
+    limit = limit_motion(start_on_f(paper_body, 1), 1)
+    first = np.array([0, 1, 2, 3, 4, 10**6, 10**6 + 1, 10**6 + 2])
+    steps = np.diff(limit(0.3 + limit.period * first).path @ [1.0, 1.0j, 0.0])
+    assert steps[1:4] / steps[:3] == pytest.approx(np.exp(1j * limit.chi_per_period), abs=1e-12)
+    assert steps[6] / steps[5] == pytest.approx(np.exp(1j * limit.chi_per_period), abs=1e-6)
+    assert abs(steps[5]) == pytest.approx(abs(steps[0]), rel=1e-6)
+
+
 def test_the_limit_starts_where_it_was_asked_and_may_start_anywhere_on_f():
     disk = BODIES["uniform"]
     first = limit_motion(start_on_f(disk, 1), 1)
@@ -131,7 +140,7 @@ def test_the_fall_is_integrated_well_however_slowly_it_starts(speed):
         return y[0] - 1.5
 
     flat.terminal = True
-    natural = natural_constants(start_on_f(disk, 1, 1.0, speed))
+    natural = start_on_f(disk, 1, 1.0, speed).motion
     slow = solve_ivp(rate, (0, 50), [0.0, speed, 0.0], "DOP853", events=flat, rtol=1e-12, atol=1e-13)
     limit = limit_motion(start_on_f(disk, 1, 1.0, speed), 1)
     got = limit(slow.t_events[0][0])

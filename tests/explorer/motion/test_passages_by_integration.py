@@ -103,6 +103,21 @@ def test_no_race_goes_silently_the_wrong_way_from_1e_minus_1_to_1e_minus_300(nam
     assert (got.status == ex.Status.OK).mean() > (0.999 if method == "quadrature" else 0.99)
 
 
+@pytest.mark.parametrize(("method", "accuracy"), [("rk4", 1e-5), ("rk8", 1e-3), ("rk8", 1e-6), ("dopri5", 1e-6)])
+def test_psi_of_a_needle_that_spins_thousands_of_times_is_estimated_as_well(method, accuracy):
+    """Its psi turns by 1e3 to 1e5 rad, and errs by what the time does, as many times."""
+    rng, n, answered = np.random.default_rng(9), 50, 0
+    for body in (ex.Disk(I1=8e3, I3=1.5), ex.Disk(I1=160.0, I3=3e-3), ex.Disk(I1=9e3, I3=10.0)):
+        sizes = 10 ** rng.uniform(-8, -1, n) * rng.choice([-1, 1], n)
+        start = rng.uniform(-2, 2, n), sizes, 10 ** rng.uniform(-2, 0, n)
+        exact = ex.passages(body, *start, accuracy=1e-9)
+        other = ex.passages(body, *start, method=method, accuracy=accuracy)
+        ok = (exact.status == 0) & (other.status == 0)
+        assert (_largest_error(exact, other)[ok] <= 3.0 * (exact.error_estimate + other.error_estimate)[ok]).all()
+        answered += ok.sum()
+    assert answered > 100
+
+
 @pytest.mark.parametrize("method", ["dopri5", "dop853", "rk8"])
 @pytest.mark.parametrize("name", ["uniform", "hoop", "core"])
 def test_estimates_cover_slow_starts_with_much_spin_or_refuse_them(name, method):

@@ -8,8 +8,8 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
+from explorer.phase.stability import steady_rates
 from explorer.phase.states import constants_to_states, phi_to_states
-from explorer.portrait.steady import steady_motions
 
 ROWS = {  # mathematics, section 10
     ("uniform", 0.01): (3.5309125568, 10.16442885, 4.88619430),
@@ -89,7 +89,7 @@ def test_periods_of_steady_motions_are_those_of_the_linear_wobble(name):
     tilt = np.repeat(np.radians([0.01, 1.0, 10.0, 45.0, 89.0, 90.0]), 2)
     rate = np.tile([1.5, -4.0], 6) * np.sqrt(np.maximum(1.0, 1.0 / tilt)) * disk.rate_unit
     steady = ex.steady_motions(disk, tilt, rate, face=np.tile([1, 1, -1, -1], 3))
-    portrait = steady_motions(disk, steady.states.phi, steady.precession)
+    portrait = steady_rates(disk, steady.states.phi, steady.precession)
     found = ex.periods(steady.states, 1e-10)
     assert steady.stable.all()
     assert steady.ok.all()

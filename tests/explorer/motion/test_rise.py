@@ -11,7 +11,6 @@ import explorer as ex
 from explorer.motion.falls import fall_from_vertical
 from explorer.motion.limit_motions import limit_motion
 from explorer.motion.trajectories import trajectories
-from explorer.phase.constants import natural_constants
 from explorer.phase.membership import barrier, well
 from explorer.phase.states import constants_to_states
 
@@ -22,7 +21,7 @@ BARS = [1.0, -0.3, 1e-2, -1e-3, 1e-4, -5.37e-5, 1e-5, 1e-9, -1e-30, 1e-200, 1e-2
 
 def test_the_fall_from_the_vertical_agrees_with_the_limit_motion(paper_body):
     states = start_on_f(paper_body, 1, 0.7, 0.4)
-    natural = natural_constants(states)
+    natural = states.motion
     time, chi, psi, _error = fall_from_vertical(paper_body, natural.sigma3_bar, natural.energy)
     limit = limit_motion(states, 1)
     hit = limit.impacts(10.0)[0]

@@ -21,7 +21,7 @@ def part(traded, request):
 
 
 def test_every_method_is_measured_over_many_decades(part):
-    for method in trade.SETTINGS:
+    for method in calibration.SETTINGS:
         errors = [row.p99 for row in part.rows if row.method == method]
         assert min(errors) < 1e-10
         # Motions that are recorded at given times never take very long steps.
@@ -29,7 +29,7 @@ def test_every_method_is_measured_over_many_decades(part):
 
 
 def test_finer_settings_cost_more_evaluations_and_err_less(part):
-    for method in trade.SETTINGS:
+    for method in calibration.SETTINGS:
         chosen = [row for row in part.rows if row.method == method]
         evaluations = [row.evaluations for row in chosen]
         assert evaluations == sorted(evaluations)
@@ -64,7 +64,7 @@ def test_errors_do_not_depend_on_when_they_are_measured():
     start = starts_at_vertical(BODIES["uniform"], rng.uniform(-2, 2, 32), 10.0 ** rng.uniform(-8, 0, 32), one, one)
     one, other = (trade.only_errors(PassageTrial(BODIES["uniform"], start)) for _ in range(2))
     assert one == other
-    assert set(one) == {(method, float(step)) for method, steps in trade.SETTINGS.items() for step in steps}
+    assert set(one) == {(method, float(step)) for method, steps in calibration.SETTINGS.items() for step in steps}
 
 
 def test_the_front_holds_what_nothing_beats():
@@ -98,9 +98,9 @@ def test_a_line_is_drawn_through_settings_that_gain():
 def test_settings_that_gain_nothing_calibrate_nothing(part):
     rows = [replace(row, p99=max(row.p99, 1e-9)) for row in part.rows]
     table = trade.curves(replace(part, rows=rows), trade.largest_errors([rows], []))
-    for entries in table.values():
-        errors = [entry[1] for entry in entries]
-        assert errors[-1] <= 1.5e-9 < errors[-2]
+    for method, curve in calibration.parse({"methods": table, "quadrature": 1.0}, "").curves.items():
+        rounded = [row.setting for row in rows if row.method == method and row.p99 <= 1.5e-9]
+        assert curve.setting[-1] >= rounded[0]
 
 
 def test_errors_of_several_measurements_make_one_table(part):

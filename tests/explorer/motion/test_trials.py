@@ -17,7 +17,6 @@ from explorer.motion.trials import (
     through_time,
 )
 from explorer.motion.vertical import starts_at_vertical
-from explorer.phase.constants import best_constants
 from explorer.phase.states import constants_to_states
 
 DISK = BODIES["hoop"]
@@ -62,9 +61,7 @@ def test_a_passage_on_the_other_side_is_on_the_wrong_way(start):
 
 def test_tilts_are_those_that_scenes_compute_block_by_block(start):
     states = constants_to_states(DISK, *start)
-    trial = TiltTrial(
-        [(each, best_constants(each)) for each in (states.at(np.arange(10)), states.at(np.arange(10, 24)))]
-    )
+    trial = TiltTrial([states.at(np.arange(10)), states.at(np.arange(10, 24))])
     tried = trial.compare(trial.call(trial.plan("dop853", ANY_ERROR, 1e-12)), ANY_ERROR)
     assert trial.known.all()
     assert tried.errors.max() < 1e-10

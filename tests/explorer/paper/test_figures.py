@@ -5,7 +5,7 @@ import pytest
 
 import explorer as ex
 from explorer.paper.figures import CHI0, CHI0_FITS, ETA_HAT, FIGURES, ZOOM, figure, limit, motion, period_of
-from explorer.plot.captions import caption_of
+from explorer.pictures.register import caption_of
 
 CASES = [(disk, eta_hat) for disk in (ex.Disk.uniform(), ex.Disk.hoop()) for eta_hat in (ETA_HAT, -ETA_HAT)]
 

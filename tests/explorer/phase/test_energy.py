@@ -4,7 +4,7 @@ import numpy as np
 
 import explorer as ex
 from explorer.phase.energy import energy_at, potential_at_flat
-from explorer.portrait.potential import Potential
+from explorer.phase.potential import Potential
 
 
 def test_it_is_the_energy_that_states_have(body):

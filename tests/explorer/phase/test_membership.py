@@ -10,7 +10,6 @@ from explorer import compiled
 from explorer.motion.falls import fall_from_vertical
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
-from explorer.phase.constants import natural_constants
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import falls_of, impact_speed, obstacle, well
 from explorer.phase.states import constants_to_states
@@ -68,9 +67,9 @@ def test_membership_agrees_with_integration_just_beside_the_lines():
         phi, phidot = rng.uniform(-1.4, 1.4, n), rng.uniform(-0.6, 0.6, n)
         sigma3_bar = rng.uniform(-0.5, 0.5, n)
         states = beside_line(disk, phi, phidot, sigma3_bar, 1e-7)
-        natural = natural_constants(states)
-        exact = falls_of(states, natural)
-        theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4, "dopri5"), natural)
+        natural = states.motion
+        exact = falls_of(states)
+        theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4, "dopri5"))
         good = (status == 0) & (abs(natural.eta_plus) < 0.5 * abs(natural.eta_minus))
         flat = theta[good] < 1e-3 * np.sqrt(b.I3)
         could = exact.could_fall[good]
@@ -101,9 +100,8 @@ def test_theta_min_approaches_its_leading_order(paper_body):
     errors = []
     for eta_hat in (1e-3, 1e-4, 1e-5):
         states = constants_to_states(paper_body, 1.0, [eta_hat, -eta_hat], 1.0)
-        natural = natural_constants(states)
-        theta, _, _ = smallest_tilt(states, plan(("theta_min",), 1e-8, "dopri5"), natural)
-        errors.append(abs(theta / falls_of(states, natural).theta_min_estimate - 1).max())
+        theta, _, _ = smallest_tilt(states, plan(("theta_min",), 1e-8, "dopri5"))
+        errors.append(abs(theta / falls_of(states).theta_min_estimate - 1).max())
     assert errors[2] < 3e-4
     assert errors[2] < 0.2 * errors[1] < 0.04 * errors[0]
 
@@ -137,8 +135,7 @@ def test_nothing_falls_off_the_lines(body):
     rng = np.random.default_rng(11)
     unit = body.rate_unit
     states = ex.phi_to_states(body, rng.uniform(-1.3, 1.3, 3000), *(rng.uniform(-2, 2, (3, 3000)) * unit))
-    natural = natural_constants(states)
-    theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4, "dopri5"), natural)
+    theta, status, _ = smallest_tilt(states, plan(("theta_min",), 1e-4, "dopri5"))
     assert (status == 0).mean() > 0.998
     assert (theta[status == 0] > 0).all()
 

@@ -86,7 +86,7 @@ def measure(path, error):
     """Make a calibration of this machine's own, with errors so many times those of the shipped one."""
     shipped = (Path(calibration.__file__).parent / "calibration.json").read_text(encoding="utf-8")
     table = json.loads(shipped) | {"kernels": compiled.source_digest()}
-    table["methods"]["rk8"] = [[row[0], error * row[1], *row[2:]] for row in table["methods"]["rk8"]]
+    table["methods"]["rk8"] = [[error * row[0], row[1]] for row in table["methods"]["rk8"]]
     path.write_text(json.dumps(table), encoding="utf-8")
     calibration.current.cache_clear()
 

@@ -5,7 +5,7 @@ import pytest
 from conftest import BODIES, computed
 
 import explorer as ex
-from explorer.portrait.slices import Slice, slice_map
+from explorer.measure.slices import Slice, slice_map
 from explorer.scenes import falling_set
 from explorer.scenes.falling_set import FallingCounts, FallingSet, nearer
 

@@ -10,7 +10,7 @@ import pytest
 import explorer as ex
 from explorer.commands.main import parser_of
 from explorer.measure.sampling import Box
-from explorer.portrait.slices import Slice
+from explorer.measure.slices import Slice
 from explorer.scenes.options import described, flag_of, options_of
 from explorer.scenes.scene import NAMES, read_scene_file, scene_class, scene_of
 

@@ -7,8 +7,8 @@ import pytest
 from conftest import BODIES, computed
 
 import explorer as ex
-from explorer.plot.style import figure_of
-from explorer.portrait.potential import CENTRE, SADDLE
+from explorer.phase.potential import CENTRE, SADDLE
+from explorer.pictures.calls import portraits_of
 from explorer.scenes.portrait import Portrait
 
 
@@ -65,13 +65,13 @@ def test_bad_input_gets_a_sentence(options, words):
         Portrait.of(options)
 
 
-def test_pictures_need_no_run_and_every_one_is_drawn():
-    names = []
-    for name, picture in Portrait(disk=BODIES["thick"], eta_hat=0.02).pictures():
-        names.append(name)
-        for ax in figure_of(picture).axes:
-            assert ax.get_xlabel()
-            assert ax.get_ylabel()
-    assert names[:2] == ["portrait-on", "portrait-beside"]
-    assert len(names) == len(set(names)) == len(list(Portrait().pictures())) == 9
-    assert len(list(Portrait(eta_hat=0.0).pictures())) == 8
+def test_pictures_need_no_run_and_follow_the_places_that_are_asked():
+    def names(**asked):
+        return {name for name, _ in portraits_of("phase", Portrait(**asked))}
+
+    usual = {"potential", "potential-near-flat", "steady-map", "steady-plane"}
+    usual |= {f"steady-{path}" for path in ("line", "rolling", "spinning")}
+    assert names() == {"portrait-on", "portrait-sides", *usual}
+    assert names(disk=BODIES["thick"], eta_hat=0.02) == {"portrait-on", "portrait-beside", *usual}
+    assert names(eta_hat=0.0) == {"portrait-on", *usual}
+    assert names(sigma4_bar=0.3) == {"portrait-given", *usual}

@@ -3,7 +3,7 @@
 import json
 import re
 
-from explorer.plot import style
+from explorer.pictures import style
 from explorer.view.assembly import FOLDER, assemble, program
 
 MODULES = sorted(FOLDER.glob("*.js"))

@@ -9,7 +9,6 @@ from conftest import BODIES
 from slow_chaplygin import hypergeometric
 
 from explorer.phase import lines
-from explorer.phase.constants import natural_constants
 from explorer.phase.states import theta_to_states
 from kernels.disk import constants
 from kernels.disk.chaplygin import sigma_from_constants, solutions
@@ -28,7 +27,7 @@ def test_states_made_from_constants_give_them_back_near_both_flat_states(body, f
     sigma3, sigma4 = sigma_from_constants(face, X, eta / b.I1, f, b.k)
     unit = body.rate_unit
     states = theta_to_states(body, theta, 0.0, sigma3 * unit, sigma4 * unit, face)
-    natural = natural_constants(states)
+    natural = states.motion
     there = np.array([face > 0])
     assert natural.sigma3_bar[0] == pytest.approx(0.8, rel=1e-13)
     rounding = natural.rounding(there)[0]
@@ -45,7 +44,7 @@ def test_constants_of_a_state_agree_with_forty_digits(face):
     for theta in np.concatenate([np.geomspace(1e-12, 0.1, 6), rng.uniform(0.1, 1.5, 6)]):
         s3, s4 = rng.uniform(-1, 1) * min(1.0, 4 * theta**2), rng.uniform(-1, 1)
         there = np.array([face > 0])
-        natural = natural_constants(theta_to_states(disk, theta, 0.4, s3, s4, face))
+        natural = theta_to_states(disk, theta, 0.4, s3, s4, face).motion
         S = 2 * mpmath.sin(mpmath.mpf(float(theta)) / 2) ** 2
         rho, drho, D, dD = hypergeometric(b.c, S)
         sigma3_bar = b.r0 * (face * b.k * s4 * D - s3 * dD)

@@ -7,7 +7,7 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.phase.constants import NaturalConstants, natural_constants
+from explorer.phase.lines import Motion
 from explorer.phase.membership import obstacle
 from kernels.disk import falling
 from kernels.disk.falling import Barrier, LineChart, Membership, OnF
@@ -87,7 +87,7 @@ def drawn_beyond_the_vertical(disk, count):
     random = np.random.default_rng(1)
     rates = random.uniform(-2.0, 2.0, (3, count)) * disk.rate_unit
     states = ex.phi_to_states(disk, random.uniform(-1.5, 1.5, count), *rates)
-    return states, natural_constants(states)
+    return states, states.motion
 
 
 def beside_the_barrier(disk, count):
@@ -100,7 +100,7 @@ def beside_the_barrier(disk, count):
     near = random.choice([-1.0, 1.0], (2, count)) * 10.0 ** random.uniform(-17.0, -3.0, (2, count))
     states = ex.phi_to_states(disk, np.minimum(np.nan_to_num(there.phi) + near[0], 0.0), 0.0, 0.0, 0.0)
     none = np.zeros(count)
-    return states, NaturalConstants(X * disk.body.r0, none, none, there.V * (1.0 + near[1]), none, none)
+    return states, Motion(X * disk.body.r0, none, none, there.V * (1.0 + near[1]), none, none)
 
 
 @pytest.mark.parametrize("name", SHAPES)

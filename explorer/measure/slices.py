@@ -1,0 +1,307 @@
+"""Slices of the phase space: the smallest tilt of motions, and the side of F on which they lie."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer.errors import InputError, one_of, shown, whole
+from explorer.measure.sampling import Box, Range, parse_ranges
+from explorer.motion.plan import plan
+from explorer.motion.scan import Observable, scan
+from explorer.motion.turning_points import smallest_tilt
+from explorer.phase.constants import constants_of
+from explorer.phase.coordinates import Coordinates, complete_set, coordinates_to_states
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.lines import line_slope
+from explorer.phase.membership import Falls, falls_of
+from explorer.phase.results import Table
+from explorer.phase.states import COORDINATES, Array, States, phi_to_states, require_states
+
+_MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128 MB
+_NAMES = tuple(name for name in Coordinates.__annotations__ if name != "face")
+SLICE_ACCURACY = 1e-3  # relative, of theta_min: a picture shows no more
+
+
+@dataclass(frozen=True)
+class Slice:
+    """A plane in the phase space: two coordinates or constants of motion with a range, the others fixed."""
+
+    ranges: tuple[tuple[str, Range], ...]
+
+    @classmethod
+    def of(cls, given: Any, option: str = "--slice") -> Slice:
+        """From "sigma3=-2:2,sigma4=-2:2,phi=0,phidot=1" or a mapping of numbers and pairs.
+
+        Raises InputError naming the option.
+        """
+        if isinstance(given, Slice):
+            return given
+        ranges = parse_ranges(given, option, _NAMES)
+        free = [name for name, (low, high) in ranges.items() if low < high]
+        spins, speed = complete_set(ranges, f"{option} {shown(given)}")
+        if len(free) != 2 or "phi" not in ranges:
+            raise InputError(
+                f"{option} {shown(given)}: give all of phi, {speed}, {', '.join(spins)}, two as LOW:HIGH and two "
+                "as numbers"
+            )
+        fixed = dict.fromkeys(COORDINATES, (0.0, 0.0))
+        Box(**{name: ranges.get(name, span) for name, span in fixed.items()})  # the same bounds hold
+        return cls(tuple(sorted(ranges.items(), key=lambda item: _NAMES.index(item[0]))))
+
+    @classmethod
+    def defaults(cls, disk: Disk) -> tuple[Slice, ...]:
+        """Two slices: at the vertical, where F is a pair of lines, and one where F is curved and has an edge."""
+        unit = disk.rate_unit
+        two = 2.0 * unit
+        return (
+            cls((("phi", (0.0, 0.0)), ("phidot", (unit, unit)), ("sigma3", (-two, two)), ("sigma4", (-two, two)))),
+            cls(
+                (
+                    ("phi", (-1.35, 1.35)),
+                    ("phidot", (0.05 * unit, 0.05 * unit)),
+                    ("sigma3", (0.15 * unit, 0.15 * unit)),
+                    ("sigma4", (-0.8 * unit, 0.8 * unit)),
+                )
+            ),
+        )
+
+    @property
+    def axes(self) -> tuple[str, str]:
+        first, second = (name for name, (low, high) in self.ranges if low < high)
+        return first, second
+
+    @property
+    def fixed(self) -> dict[str, float]:
+        return {name: low for name, (low, high) in self.ranges if low == high}
+
+    def describe(self) -> dict[str, list[float]]:
+        """The ranges as run.json holds them."""
+        return {name: list(span) for name, span in self.ranges}
+
+    def grid(self, points: int) -> tuple[Array, Array, dict[str, Array]]:
+        """Axis values (points) of both axes, and the coordinates of the grid, second axis first."""
+        box = dict(self.ranges)
+        x, y = (np.linspace(*box[name], points) for name in self.axes)
+        X, Y = np.meshgrid(x, y)
+        columns = {name: np.full(X.size, value) for name, value in self.fixed.items()}
+        columns.update({self.axes[0]: X.ravel(), self.axes[1]: Y.ravel()})
+        return x, y, columns
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class SliceMap(Table):
+    """Observables on a plane of the phase space, arrays (ny, nx) with their axes: what `slice_map` returns.
+
+    It is indexed by the name of an observable. `save` stores it, and pictures such as slice-of-tilts draw it.
+
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    slice : Slice
+        The plane: which coordinates vary, and which are fixed at what.
+    x, y : (nx,) and (ny,) array
+        Values of the two axes, `slice.axes` (rad, units of the disk).
+    values : dict of (ny, nx) arrays
+        The observables by name.
+    falls : Falls
+        Where the falling set is, from algebra; arrays (ny, nx).
+    method : str
+        How theta_min was computed: "quadrature" or the name of an integrator.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.slice_map(ex.Disk.uniform(), "phi=0,phidot=1,sigma3_bar=-2:2,eta_hat=-1:1", "race_angle", 5)
+    >>> list(found), found["race_angle"].shape, found.y
+    (['race_angle'], (5, 5), array([-1. , -0.5,  0. ,  0.5,  1. ]))
+    """
+
+    disk: Disk
+    slice: Slice
+    x: Array
+    y: Array
+    values: dict[str, NDArray[Any]]
+    falls: Falls
+    method: str
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(ny, nx)."""
+        return self.y.size, self.x.size
+
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The coordinates of the grid, then the observables."""
+        first, second = self.slice.axes
+        X, Y = np.meshgrid(self.x, self.y)
+        fixed = {name: np.full(self.shape, value) for name, value in self.slice.fixed.items()}
+        return {first: X, second: Y, **fixed, **self.values}
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        return self.values
+
+    def _stored(self) -> dict[str, Any]:
+        """The axes, the fixed numbers and the observables."""
+        first, second = self.slice.axes
+        return {first: self.x, second: self.y, **self.slice.fixed, **self.values}
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.values[one_of("observable", name, self.values)]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.values)
+
+    @property
+    def side(self) -> NDArray[np.int8]:
+        """The sign of eta on the nearer face, the direction of the race (7.9); 0 where it could not fall."""
+        return np.where(self.falls.could_fall, np.sign(self.falls.distance), 0.0).astype(np.int8)
+
+
+def slice_map(
+    disk: Disk,
+    slice: Slice | str | Mapping[str, float | Range],
+    observable: Observable = "theta_min",
+    points: int = 401,
+    jobs: int = 1,
+    method: str = "auto",
+) -> SliceMap:
+    """Compute observables on a plane of the phase space.
+
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    slice : str, mapping or Slice
+        Two ranges and the fixed numbers, as in "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2". phi (rad); phidot or
+        energy; and sigma3 with sigma4, sigma3_bar with sigma4_bar, or sigma3_bar with eta_hat of face +1; in the
+        units of the disk.
+    observable : str, several, or callable
+        Names, or a function of `States`, as `scan` takes them.
+    points, jobs : int
+        Points of each axis, 2 to 4000; threads.
+    method : str
+        For theta_min: 'auto' finds the tilt as a root of V = E, eq. (3.8); or the name of an integrator.
+
+    Returns
+    -------
+    SliceMap
+        The arrays (ny, nx) with their axes; NaN where there is no such state.
+
+    Raises
+    ------
+    InputError
+        Where the slice is none, or the observable is not known.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> plane = {"phi": 0.0, "phidot": 1.0, "sigma3": (-2, 2), "sigma4": (-2, 2)}
+    >>> ex.slice_map(ex.Disk.uniform(), plane, points=3)["theta_min"].round(4)
+    array([[0.3759, 1.2485, 0.3759],
+           [1.0824,    nan, 1.0824],
+           [0.3759, 1.2485, 0.3759]])
+    """
+    require_axial_inertia(disk)
+    points, where = whole("points", points, 2, _MOST_POINTS), Slice.of(slice, "slice")
+    how = plan(("theta_min",), SLICE_ACCURACY, method)
+    x, y, columns = where.grid(points)
+    plain = set(COORDINATES) <= set(columns)
+    states = (phi_to_states if plain else coordinates_to_states)(disk, **columns)
+    if isinstance(observable, str) and observable == "theta_min":
+        # A root of V = E at a picture's accuracy: ten times as fast as a whole period.
+        values = {"theta_min": np.reshape(smallest_tilt(states, how)[0], (points, points))}
+    else:
+        found = scan(replace(states, shape=(points, points)), observable, jobs).values
+        # One column, as `bounces` returns it, is one entry for each state.
+        values = {name: each[..., 0] if each.shape[2:] == (1,) else each for name, each in found.items()}
+    exact = falls_of(states).reshaped((points, points))
+    return SliceMap(disk, where, x, y, values, exact, how.method)
+
+
+@dataclass(frozen=True)
+class ConstantsPlane:
+    """The flattest of many samples over the plane of constants of motion.
+
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    sigma3_edges, sigma4_edges : array
+        Edges of the cells, units of the disk.
+    smallest : (ny, nx) array
+        Least theta_min in each cell (rad), NaN where there is none.
+    slope : float
+        sigma4_bar / sigma3_bar on l_+.
+    method : str
+        As in `SliceMap`.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, [0.5, 1.0], [0.5, 1.0], [-0.5, 0.7])
+    >>> from explorer.measure.slices import flattest_per_cell
+    >>> flattest_per_cell(states, cells=4).method
+    'quadrature'
+    """
+
+    disk: Disk
+    sigma3_edges: Array
+    sigma4_edges: Array
+    smallest: Array
+    slope: float
+    method: str
+
+
+def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") -> ConstantsPlane:
+    """Find the flattest motion among states in each cell of the plane of constants of motion.
+
+    Parameters
+    ----------
+    states : States
+        The samples.
+    cells : int
+        A side of the plane, which holds 99.5 % of the samples in each direction.
+    method : str
+        How theta_min is computed, as for `passages`.
+
+    Returns
+    -------
+    ConstantsPlane
+
+    Raises
+    ------
+    InputError
+        Where cells or method cannot be used.
+
+    Examples
+    --------
+    >>> import numpy as np, explorer as ex
+    >>> from explorer.measure.slices import flattest_per_cell
+    >>> draw = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 500))
+    >>> plane = flattest_per_cell(ex.phi_to_states(ex.Disk.uniform(), 0.0, *draw), cells=10)
+    >>> plane.smallest.shape
+    (10, 10)
+    """
+    require_axial_inertia(require_states(states).disk)
+    cells = whole("cells", cells, 2, _MOST_POINTS)
+    how = plan(("theta_min",), SLICE_ACCURACY, method)
+    theta, _status, _steps = smallest_tilt(states, how)
+    table = constants_of(states)
+    bars = np.ravel(table.sigma3_bar), np.ravel(table.sigma4_bar)
+    known = np.isfinite(theta) & np.isfinite(bars[0]) & np.isfinite(bars[1])
+    edges, places = [], []
+    for bar in bars:
+        reach = float(np.percentile(abs(bar[known]), 99.5)) if known.any() else 1.0
+        edges.append(np.linspace(-reach, reach, cells + 1))
+        places.append(np.searchsorted(edges[-1], bar, side="right") - 1)
+    inside = known & np.all([(place >= 0) & (place < cells) for place in places], axis=0)
+    smallest = np.full((cells, cells), np.inf)
+    np.minimum.at(smallest, (places[1][inside], places[0][inside]), theta[inside])
+    smallest[np.isinf(smallest)] = np.nan
+    return ConstantsPlane(states.disk, edges[0], edges[1], smallest, line_slope(states.disk), how.method)

@@ -1,0 +1,179 @@
+"""The motions on both sides of a point of F, beside the two limit motions that they approach."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from explorer import compiled
+from explorer.errors import InputError, positive, sign
+from explorer.motion.limit_motions import LimitMotion, LimitState, limit_motion, misses_f, warn_of_move
+from explorer.motion.trajectories import trajectories
+from explorer.phase.arguments import explained
+from explorer.phase.constants import constants
+from explorer.phase.coordinates import coordinates_to_states
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, States, StateWarning, constants_to_states, require_states
+
+FALLS = 3  # impacts that each motion passes
+TIMES = 240  # at which distances are taken: some 80 to a period
+# Share of a period that is cut out on either side of an impact: there the limits jump and motions do not.
+MARGIN = 0.1
+QUANTITIES = ("phi", "chi", "psi", "path", "contact")
+_RACE_POINTS = 120  # of the circle of a race
+
+
+def beside(disk: Disk, start: Mapping[str, float], eta_hat: ArrayLike) -> States:
+    """The states at the vertical with sigma3_bar, phidot and face of `start`; eta_hat = 0 is the point of F."""
+    return constants_to_states(disk, eta_hat=eta_hat, **start)
+
+
+def limits_at(disk: Disk, start: Mapping[str, float]) -> dict[int, LimitMotion]:
+    """Both limit motions from the point of F."""
+    return {sign: limit_motion(beside(disk, start, 0.0), sign) for sign in (1, -1)}
+
+
+def sample_times(limit: LimitMotion) -> tuple[Array, int]:
+    """Times through FALLS impacts, none within MARGIN of a period of an impact.
+
+    Also the place of the time half-way between the first two impacts.
+    """
+    first = limit.impacts(2.0 * limit.period)[0]
+    middle = first + 0.5 * limit.period
+    end = first + (FALLS - 0.5) * limit.period
+    times = np.union1d(np.linspace(0.0, end, TIMES), [middle])
+    gaps = abs(times[:, None] - limit.impacts(end + limit.period)).min(axis=1)
+    times = times[gaps > MARGIN * limit.period]
+    return times, int(np.searchsorted(times, middle))
+
+
+@dataclass(frozen=True, repr=False)
+class BothSides:
+    """Motions beside one point of F and both limits, on one time axis, in the units of the disk.
+
+    Attributes
+    ----------
+    start : States
+        The point of F.
+    eta_hat : float
+        Distance of the motions from F, without its sign.
+    t : (nt,) array
+        Times.
+    impacts : (2,) array
+        Times at which the limits come flat.
+    motions : dict of int to dict of str to array
+        By the side, +1 and -1: phi, chi, psi (nt), path and contact (nt, 3).
+    limits : dict of int to LimitState
+        By the side: the limit motion at t.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> both = ex.both_sides(ex.constants_to_states(ex.Disk.hoop(), 1.0, 0.0, 1.0))
+    >>> both.motions[-1]["contact"].shape == (both.t.size, 3)
+    True
+    """
+
+    start: States
+    eta_hat: float
+    t: Array
+    impacts: Array
+    motions: dict[int, dict[str, Array]]
+    limits: dict[int, LimitState]
+
+    def __repr__(self) -> str:
+        impacts = " and ".join(f"{time:.6g}" for time in self.impacts)
+        return (
+            f"BothSides of the disk {self.disk.name}: eta_hat +-{self.eta_hat:.6g}\n"
+            f"  t: {self.t.size:,} times up to {self.t[-1]:.6g}; limits come flat at {impacts}"
+        )
+
+    @property
+    def disk(self) -> Disk:
+        """The body."""
+        return self.start.disk
+
+    def limit_path(self, side: int) -> Array:
+        """The limit's contact point (n, 2), with the circle that it runs through in no time at each impact."""
+        limit = self.limits[sign("side", side)]
+        pieces, first = [], 0
+        for row in np.searchsorted(self.t, self.impacts):
+            centre = limit.path[row - 1, :2]
+            turn = np.exp(1j * np.linspace(0.0, limit.chi[row] - limit.chi[row - 1], _RACE_POINTS))
+            circle = turn * complex(*(limit.contact[row - 1, :2] - centre))
+            pieces += [limit.contact[first:row, :2], centre + np.stack([circle.real, circle.imag], axis=1)]
+            first = row
+        return np.concatenate([*pieces, limit.contact[first:, :2]])
+
+
+@explained
+def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
+    """The motions on both sides of a point of F, and the limits of each side, through two falls.
+
+    Parameters
+    ----------
+    state : States
+        One state, of a disk with I3 > 0. One beside F is moved onto it: phi, phidot and sigma3_bar are kept.
+    eta_hat : float, optional
+        Distance of the motions from F, above 0, in the units of the disk; by default 0.01 natural units.
+
+    Returns
+    -------
+    BothSides
+        Both motions and both limits at the same times, dense where either motion races.
+
+    Raises
+    ------
+    InputError
+        Where the disk would not fall from the state, for more than one state, and where eta_hat is not above 0.
+
+    Warns
+    -----
+    StateWarning
+        Where the state is moved by more than rounding of its rates, 1e-12 of them.
+
+    Notes
+    -----
+    Section 7 of the paper: as eta_hat -> 0, each motion tends to the limit of its side.
+
+    Examples
+    --------
+    >>> import numpy as np, explorer as ex
+    >>> disk = ex.Disk.uniform()
+    >>> both = ex.both_sides(ex.constants_to_states(disk, 1.0, 0.0, 1.0), eta_hat=1e-6)
+    >>> apart = [both.motions[side]["chi"][-1] - both.limits[side].chi[-1] for side in (1, -1)]
+    >>> bool(np.all(np.abs(apart) < 1e-4))
+    True
+    """
+    size = 0.01 * require_states(state).disk.rate_unit if eta_hat is None else positive("eta_hat", eta_hat)
+    with warnings.catch_warnings(action="ignore", category=StateWarning):
+        given = limit_motion(state)
+    if misses_f(given):
+        warn_of_move(given, 4)  # beyond `explained`
+    beside = _at_distances(state, given.face, [0.0, size, -size])
+    start = beside[0] if misses_f(given) else state
+    limits = {side: limit_motion(start, side) for side in (1, -1)}
+    limit = limits[1]
+    impacts = limit.impacts(100.0 * limit.period)[:2]
+    motion = trajectories(beside[1:], float(impacts[-1]) + 0.6 * limit.period, observables=QUANTITIES)
+    if not motion.lengths.all():
+        code = compiled.status.Status(int(motion.status.max()))
+        raise InputError(f"eta_hat = {size:g}: {code.sentence} {code.remedy}")
+    t = np.unique(motion.t)
+    at = motion(t)
+    rows = {sign: {name: getattr(at, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
+    return BothSides(start, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})
+
+
+def _at_distances(state: States, face: int, eta_hat: list[float]) -> States:
+    """States that differ from one in their distances from F only."""
+    return coordinates_to_states(
+        state.disk,
+        phi=state.phi,
+        phidot=state.phidot,
+        sigma3_bar=constants(state).sigma3_bar,
+        eta_hat=eta_hat,
+        face=face,
+    )

@@ -1,0 +1,123 @@
+"""The disk that rocks at the bottom of the well beside flat, and its turn per bounce: the Euler-disk regime.
+
+At small eta and E - V_0 of order theta_0 = (eta^2/(I1 m g r))^(1/3) the motion rocks near flat between
+the centrifugal wall eta^2/(2 I1 theta^2) and gravity m g r theta, and never comes near the vertical.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from explorer.errors import InputError, number
+from explorer.motion.periods import periods
+from explorer.phase.constants import constants_of
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.states import Array, columns_of, theta_to_states
+
+ETA_HAT = 1e-12
+# Dense near the bottom, where the turn is linear in the energy; at the end it is within 2e-4 of the race.
+EXCESS = np.concatenate([1.0 + np.geomspace(1e-3, 1.0, 40), np.geomspace(2.0, 1e4, 81)[1:]])
+_LARGEST_TILT = 0.1  # rad; beyond, gravity is not m g r theta
+_ACCURACY = 1e-6  # of the turn (rad); terms of order theta_0, about 1e-8 by default, are left out anyway
+# Share of the way from the bottom to the outer turning point: a start at either end is an equilibrium.
+_BETWEEN = 0.5
+
+
+@dataclass(frozen=True)
+class Rocking:
+    """Motions that rock near flat, one entry per energy; arrays (n).
+
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    excess : array
+        (E - V_0)/(3/2 m g r theta_0) as the motion has it, 1 at the bottom.
+    chi : array
+        Turn of the contact point per bounce (rad).
+    theta_min : array
+        Smallest tilt of the bounce (rad).
+    period : array
+        Of one bounce, units of the disk.
+    theta_0 : float
+        Tilt of the bottom (rad).
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.rocking(ex.Disk.uniform(), excess=[1.001])
+    >>> print(f"{found.chi[0]:.4f} rad, the smallest oscillation {found.slowest:.4f} rad")
+    8.1109 rad, the smallest oscillation 8.1116 rad
+    """
+
+    disk: Disk
+    excess: Array
+    chi: Array
+    theta_min: Array
+    period: Array
+    theta_0: float
+
+    @property
+    def slowest(self) -> float:
+        """2 pi sqrt(M/(3 I1)): the turn of the smallest oscillation (rad)."""
+        return 2.0 * math.pi * math.sqrt(self.disk.body.M / (3.0 * self.disk.body.I1))
+
+
+def rocking(disk: Disk, excess: ArrayLike | None = None, eta_hat: float = ETA_HAT) -> Rocking:
+    """The turn of chi per bounce of a disk that rocks beside flat, from the Euler disk to the race.
+
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    excess : array_like, optional
+        Energies, (E - V_0)/(3/2 m g r theta_0): above 1, which is the bottom of the well; by default up to 1e4.
+    eta_hat : float
+        Units of the disk; not 0, and so small that the motions stay within 0.1 rad. sigma3_bar is of the size of
+        eta_hat ln(eta_hat): the limit curve does not depend on it.
+
+    Returns
+    -------
+    Rocking
+
+    Raises
+    ------
+    InputError
+        For an excess up to 1, and an eta_hat that is 0 or too large.
+
+    Notes
+    -----
+    By quadrature, eqs (3.12) and (3.13) of the paper. theta_0 = (eta^2/(I1 m g r))^(1/3).
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.rocking(ex.Disk.uniform(), excess=[100.0])
+    >>> print(f"{found.chi[0]:.3f} of {found.disk.race_limit:.3f}")
+    7.032 of 7.025
+    """
+    require_axial_inertia(disk)
+    b, unit = disk.body, disk.rate_unit
+    ratio = columns_of(excess=EXCESS if excess is None else excess)[0]
+    eta = disk.eta_hat_to_eta(number("eta_hat", eta_hat) / unit)
+    if ratio.size == 0 or not (np.isfinite(ratio).all() and (ratio > 1.0).all()):
+        raise InputError(f"excess = {excess!r}: give finite numbers above 1; the bottom of the well is at 1")
+    theta_0 = math.exp((2.0 * math.log(abs(eta)) - math.log(b.I1)) / 3.0) if abs(eta) > 0.0 else math.nan
+    if not 1.5 * ratio.max() * theta_0 <= _LARGEST_TILT:
+        raise InputError(
+            f"eta_hat = {eta_hat!r}: must not be 0, and so small that excess {ratio.max():g} stays below a tilt "
+            f"of {_LARGEST_TILT} rad; give for instance {ETA_HAT:g}"
+        )
+    # u = theta/theta_0; V - V_0 = m g r theta_0 (1/(2 u^2) + u) up to a share of theta_0
+    outer = np.array([max(np.roots([1.0, -1.5 * top, 0.0, 0.5]).real) for top in ratio])
+    u = 1.0 + _BETWEEN * (outer - 1.0)
+    speed = np.sqrt(2.0 / b.M * theta_0 * (1.5 * ratio - u - 0.5 / u**2))
+    states = theta_to_states(disk, theta_0 * u, speed * unit, eta / b.I1 * unit, 0.0)
+    constants = constants_of(states)
+    bounces = periods(states, _ACCURACY, eta_hat=constants.eta_hat_plus)
+    above = bounces.energy / disk.energy_unit - disk.energy_at_flat(constants.sigma3_bar / unit)
+    return Rocking(disk, above / (1.5 * theta_0), bounces.chi, bounces.theta_min, bounces.period, theta_0)

@@ -1,0 +1,259 @@
+"""The wander of the disk over the table: the shift per period, and resonances, at which it has no bound.
+
+One period turns the picture by chi(tau) and moves it by a(tau) - a(0): the motion in the plane is a
+rotation about a fixed centre unless chi(tau) is a multiple of 2 pi (Borisov, Mamaev & Kilin 2003).
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer import compiled
+from explorer.errors import InputError, number, shown, whole
+from explorer.motion.periods import periods
+from explorer.motion.trajectories import Trajectories, trajectories
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.states import Array, States, columns_of, constants_to_states, require_states
+
+# Errors of chi per period add up over the periods of a path: 1e-9 leaves 1e-5 rad after the most of them.
+_ACCURACY = 1e-9
+_MOST_PERIODS = 10_000
+_MOST_STEPS = 10_000_000  # of all motions together: a complex number each
+_MOST_TURNS = 1_000_000  # of chi in a period, far beyond any body's race
+
+
+@dataclass(frozen=True)
+class Wander:
+    """The shift of the disk in one period, one entry per motion; arrays (n), units of the disk.
+
+    Attributes
+    ----------
+    period : array
+        Time.
+    chi : array
+        Turn per period (rad).
+    step : array of complex
+        a(tau) - a(0) as a1 + i a2, where chi(0) = 0.
+    radius : array
+        Of the circle on which the centre lies after each period, |step|/(2 |sin(chi/2)|); infinite at a resonance.
+    status : array of int8
+        `Status` of each motion, of its period or else of its integration; where it is not OK, the other columns
+        are NaN.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> beside = ex.constants_to_states(ex.Disk.uniform(), 0.7, 0.05, 1.0)
+    >>> found = ex.wander(beside)
+    >>> bool(abs(found.after(1)[0, 1]) == abs(found.step[0]))
+    True
+    """
+
+    period: Array
+    chi: Array
+    step: NDArray[np.complex128]
+    radius: Array
+    status: NDArray[np.int8]
+
+    def after(self, count: int) -> NDArray[np.complex128]:
+        """a(k tau) - a(0) for k = 0 ... count, (n, count + 1): the steps, each turned by chi more."""
+        count = whole("count", count, 0, _MOST_STEPS // max(1, self.chi.size))
+        turned = np.exp(1j * self.chi[:, None] * np.arange(count))
+        turns = np.concatenate([0.0 * turned[:, :1], np.cumsum(turned, axis=1)], axis=1)
+        centres: NDArray[np.complex128] = self.step[:, None] * turns
+        return centres
+
+
+def wander(states: States) -> Wander:
+    """By how much motions shift the disk over the table in one period.
+
+    Parameters
+    ----------
+    states : States
+        One or more, of a disk with I3 > 0.
+
+    Returns
+    -------
+    Wander
+        Period and chi are by quadrature, eqs (3.12), (3.13), the step by integration of (2.33).
+
+    Raises
+    ------
+    InputError
+        Where something else than States is given, and for a disk with I3 = 0.
+
+    References
+    ----------
+    Borisov, Mamaev & Kilin, Regul. Chaotic Dyn. 8 (2003) 201-212.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.wander(ex.constants_to_states(ex.Disk.uniform(), 0.7, [0.05, -0.05], 1.0))
+    >>> bool(found.radius[0] != found.radius[1]), found.status
+    (True, array([0, 0], dtype=int8))
+    """
+    require_axial_inertia(require_states(states).disk)
+    states = replace(states, shape=(len(states),))
+    each = periods(states, _ACCURACY)
+    step, status = np.full(len(states), np.nan, np.complex128), each.status.copy()
+    for row in np.flatnonzero(status == compiled.status.Status.OK):
+        start, end = states.at(np.array([row])), float(each.period[row])
+        moved = trajectories(start, t_eval=[end], observables=("path",), accuracy=_ACCURACY)
+        assert moved.path is not None
+        step[row], status[row] = complex(*moved.path[0, 0, :2]), moved.status[0]
+    followed = status == compiled.status.Status.OK
+    period, chi = (np.where(followed, values, np.nan) for values in (each.period, each.chi))
+    with np.errstate(divide="ignore"):
+        radius = abs(step) / (2.0 * abs(np.sin(0.5 * chi)))
+    return Wander(period, chi, step, radius, status)
+
+
+def resonance(
+    disk: Disk, eta_hat: float, phidot: float, turns: int, between: tuple[float, float]
+) -> tuple[float, States]:
+    """The motion that walks away: sigma3_bar for which chi(tau) is a whole number of turns.
+
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    eta_hat : float
+        Distance from F on face +1, units of the disk.
+    phidot : float
+        At the vertical, units of the disk.
+    turns : int
+        chi(tau) in turns.
+    between : (float, float)
+        Two values of sigma3_bar, units of the disk, with chi(tau) on different sides of the resonance.
+
+    Returns
+    -------
+    float, States
+        sigma3_bar by Brent's method on chi(tau), eq. (3.13), and the state at the vertical.
+
+    Raises
+    ------
+    InputError
+        Where the resonance does not lie between them, or there is no period.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> bar, start = ex.resonance(ex.Disk.uniform(), 0.01, 1.0, turns=2, between=(0.1, 0.3))
+    >>> chi = ex.periods(start).chi[0]
+    >>> print(f"{bar:.3f}: {chi / 6.283185307179586:.6f} turns")
+    0.201: 2.000000 turns
+    """
+    from scipy.optimize import brentq
+
+    def excess(sigma3_bar: float) -> float:
+        period = periods(constants_to_states(disk, sigma3_bar, eta_hat, phidot), _ACCURACY)
+        if period.status[0] != compiled.status.Status.OK:
+            sentence = compiled.status.Status(int(period.status[0])).sentence
+            raise InputError(f"resonance: no period at sigma3_bar = {sigma3_bar:g}: {sentence} Move `between`")
+        return float(period.chi[0]) / (2.0 * math.pi) - whole_turns
+
+    require_axial_inertia(disk)
+    eta_hat, phidot = number("eta_hat", eta_hat), number("phidot", phidot)
+    whole_turns = whole("turns", turns, -_MOST_TURNS, _MOST_TURNS)
+    ends = columns_of(between=between)[0]
+    if ends.size != 2:
+        raise InputError(f"resonance: between = {shown(between)}: give two numbers")
+    low, high = float(ends[0]), float(ends[1])
+    first, last = excess(low), excess(high)
+    if first * last > 0.0:
+        raise InputError(
+            f"resonance: chi(tau) is {first + whole_turns:.4f} turns at sigma3_bar = {low:g} and "
+            f"{last + whole_turns:.4f} at {high:g}; {turns} is not in between: change `between` or turns"
+        )
+    root = float(brentq(excess, low, high, xtol=1e-14, rtol=1e-14))
+    return root, constants_to_states(disk, root, eta_hat, phidot)
+
+
+@dataclass(frozen=True)
+class WanderPath:
+    """The path of one motion over whole periods, units of the disk.
+
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    t : (nt,) array
+        Times.
+    contact, centre : (nt, 2) array
+        The contact point and the shadow of the centre on the table, which starts at the origin with chi = 0.
+    wander : Wander
+        The shift in one period.
+    count : int
+        Number of periods.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> path = ex.wander_path(ex.constants_to_states(ex.Disk.uniform(), 0.7, 0.05, 1.0), 3)
+    >>> path.contact.shape == path.centre.shape == (path.t.size, 2)
+    True
+    """
+
+    disk: Disk
+    t: Array
+    contact: Array
+    centre: Array
+    wander: Wander
+    count: int
+
+
+def wander_path(states: States, count: int) -> WanderPath:
+    """Follow one motion over whole periods by integration, at times that are dense where it races.
+
+    Parameters
+    ----------
+    states : States
+        One state, of a disk with I3 > 0.
+    count : int
+        Number of periods, up to 10,000.
+
+    Returns
+    -------
+    WanderPath
+
+    Raises
+    ------
+    InputError
+        For several states, and for one without a period or whose path cannot be integrated.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> path = ex.wander_path(ex.constants_to_states(ex.Disk.uniform(), 0.7, 0.05, 1.0), 3)
+    >>> print(f"{path.t[-1] / path.wander.period[0]:.1f} periods")
+    3.0 periods
+    """
+    if len(require_states(states)) != 1:
+        raise InputError(f"states: wander follows one motion, {len(states)} were given")
+    count = whole("count", count, 1, _MOST_PERIODS)
+    each = wander(states)
+    if each.status[0] != compiled.status.Status.OK:
+        raise InputError(f"states: no period, or no path. {compiled.status.Status(int(each.status[0])).sentence}")
+    period = float(each.period[0])
+    course = _followed(states, t_end=period, observables=("chi",))
+    within = course.t[0, :-1]
+    t = np.append((period * np.arange(count)[:, None] + within).ravel(), count * period)
+    if not (np.isfinite(t).all() and (np.diff(t) > 0.0).all()):
+        raise InputError(f"states: points of the path cannot be told apart within a period of {period:.3g}")
+    motion = _followed(states, t_eval=t, observables=("path", "contact"))
+    assert motion.path is not None
+    assert motion.contact is not None
+    return WanderPath(states.disk, t, motion.contact[0, :, :2], motion.path[0, :, :2], each, count)
+
+
+def _followed(states: States, **asked: Any) -> Trajectories:
+    """One motion, followed to its end. Raises InputError where it cannot be."""
+    motion = trajectories(states, accuracy=_ACCURACY, **asked)
+    if motion.status[0] != compiled.status.Status.OK:
+        raise InputError(f"states: no path. {compiled.status.Status(int(motion.status[0])).sentence}")
+    return motion

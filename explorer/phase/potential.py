@@ -1,0 +1,466 @@
+"""The amended potential at given constants of motion, and the levels of the energy that it makes.
+
+With sigma3_bar and eta held, the tilt moves like a point of mass M in V(phi; sigma3_bar, eta):
+E = M phidot^2/2 + V, eq. (3.8). Off the lines l_+- V grows beyond all bounds at both flat states: a wall. On
+l_+- it ends at V_0 on that face, eq. (6.9), and the disk falls. All roots are sought in y = artanh(sin phi),
+the logarithm of the tilt near flat, so that a wall at eta_hat = 1e-100 is as far away as any other.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from explorer.errors import InputError, number, shown, sign, whole
+from explorer.phase.arguments import column
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
+from explorer.phase.roots import root
+from explorer.phase.states import Array
+
+_STEP = 0.02  # of y, in which V is smooth on the scale 1: no two zeros of V'' share a step
+_EPS = float(np.finfo(float).eps)
+_FLAT = 1e-8  # tilt (rad), at rates of order 1, below which V' keeps its sign where V ends at V_0
+_WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall is far above all else
+_SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
+_FARTHEST = 700.0  # in size, of y: there they do
+_POINTS, _MOST_POINTS = 400, 1_000_000  # of a curve, and some more where it runs to flat
+_LARGEST = 1e100  # of a constant of motion; squares of larger ones overflow
+_TOLD_APART = 1e-10  # of an energy: levels as far apart differ by many roundings, also at the fastest rates
+CENTRE, SADDLE, DEGENERATE = "centre", "saddle", "degenerate"
+TURNING, FLAT = "turning point", "flat"
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A steady motion: phi and theta, its tilt from the nearer flat state (rad); V and its second derivative.
+
+    kind: centre (stable, V'' > 0), saddle (unstable, V'' < 0) or degenerate (V'' = 0 to rounding).
+    residual: |V'| there, as a multiple of the rounding of its terms.
+    """
+
+    phi: float
+    theta: float
+    energy: float
+    curvature: float
+    kind: str
+    residual: float
+    y: float
+
+
+@dataclass(frozen=True)
+class Component:
+    """One piece low <= phi <= high of {V <= energy} (rad).
+
+    ends: a turning point, a saddle, or flat, at the left and at the right. y: these in artanh(sin phi).
+    falls: it reaches a flat state.
+    """
+
+    energy: float
+    low: float
+    high: float
+    ends: tuple[str, str]
+    y: tuple[float, float]
+
+    @property
+    def falls(self) -> bool:
+        return FLAT in self.ends
+
+
+@dataclass(frozen=True)
+class Separatrix:
+    """The level through a saddle, to its left and to its right; motions along it take for ever."""
+
+    saddle: Equilibrium
+    branches: tuple[Component, Component]
+
+
+def curvature_of(q: Array, z: Array, sigma3: Array, sigma4: Array, b: Any) -> Array:
+    """d2V/dphi2 at held constants where cos phi = q, sin phi = z; natural units.
+
+    From dsigma3/dphi = -(I3/I1) cos phi sigma4 and dsigma4/dphi = -(m r^2/J) sigma3/cos phi, eqs (2.17), (2.18).
+    """
+    rho = sigma3 / q
+    steep = rho * z / q
+    curvature: Array = (
+        b.M * rho * rho
+        + 3.0 * b.I1 * steep * steep
+        - (2.0 * b.I3 + b.J) * steep * sigma4
+        + b.J * b.k * sigma4 * sigma4
+        - q
+    )
+    return curvature
+
+
+class Terms(NamedTuple):
+    """V, dV/dphi, d2V/dphi2, and the size of the terms that dV/dphi is a sum of; natural units."""
+
+    V: Array
+    slope: Array
+    curvature: Array
+    size: Array
+
+
+@dataclass(frozen=True)
+class Potential:
+    """The amended potential V(phi; sigma3_bar, eta), as `explorer.potential` makes it.
+
+    Its methods V, dV and d2V take phi (rad); `equilibria`, `components` and `separatrices` tell its motions.
+
+    Attributes
+    ----------
+    disk : Disk
+        The body.
+    bar, eta : float
+        sigma3_bar and eta_hat of `face` in natural units.
+    face : int
+        +1, or -1 for the mirror image, eq. (3.2).
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> falling = ex.potential(ex.Disk.uniform(), 0.25)
+    >>> [piece.falls for piece in falling.components(1.0)], round(float(falling.V(0.0)), 4)
+    ([False, True], 1.0327)
+    """
+
+    disk: Disk
+    bar: float
+    eta: float
+    face: int = 1
+
+    def __post_init__(self) -> None:
+        require_axial_inertia(self.disk)
+
+    @property
+    def sigma3_bar(self) -> float:
+        return self.bar * self.disk.rate_unit
+
+    @property
+    def eta_hat(self) -> float:
+        """Signed distance to the line of `face`, eq. (6.2)."""
+        return self.eta * self.disk.rate_unit
+
+    @property
+    def sigma4_bar(self) -> float:
+        return self.face * (line_slope(self.disk) * self.bar - self.eta) * self.disk.rate_unit
+
+    def etas(self) -> dict[int, float]:
+        """eta_hat on each face, natural units."""
+        return {self.face: self.eta, -self.face: other_eta_hat(self.disk, self.bar, self.eta)}
+
+    def terms(self, q: Array, z: Array) -> Terms:
+        """V and its derivatives where cos phi = q, sin phi = z."""
+        b = self.disk.body
+        with np.errstate(over="ignore", invalid="ignore"):
+            chart = line_chart(self.disk, q, self.face * z)
+            s3, s4 = chart.rates(self.bar, self.eta)
+            s4 = self.face * s4
+            rho = s3 / q
+            V = 0.5 * b.I1 * rho * rho + 0.5 * b.J * s4 * s4 + q
+            slope = b.I1 * rho * (rho / q) * z - b.J * rho * s4 - z
+            curvature = curvature_of(q, z, s3, s4, b)
+            # What rounds: sigma3 and sigma4 are sums, and at the vertical D is a difference of terms of order 1
+            most3 = abs(chart.bar_to_sigma3 * self.bar)
+            most3 += np.maximum(abs(chart.eta_hat_to_sigma3), b.k * b.r0) * abs(self.eta)
+            most4 = abs(chart.bar_to_sigma4 * self.bar) + abs(chart.eta_hat_to_sigma4 * self.eta)
+            size = most3 / q * (b.I1 * most3 / q * abs(z) / q + b.J * most4) + abs(z)
+        return Terms(V, slope, curvature, size)
+
+    def _of_phi(self, phi: ArrayLike, term: str) -> Array:
+        angle = _between_flat(phi)
+        flat = np.ravel(angle)
+        values: Array = getattr(self.terms(np.cos(flat), np.sin(flat)), term)
+        return (values * self.disk.energy_unit).reshape(angle.shape)
+
+    def V(self, phi: ArrayLike) -> Array:
+        """The amended potential, eq. (3.8), at phi (rad)."""
+        return self._of_phi(phi, "V")
+
+    def dV(self, phi: ArrayLike) -> Array:
+        """dV/dphi."""
+        return self._of_phi(phi, "slope")
+
+    def d2V(self, phi: ArrayLike) -> Array:
+        """d2V/dphi2; its sign at an equilibrium decides stability."""
+        return self._of_phi(phi, "curvature")
+
+    def rho(self, phi: ArrayLike) -> Array:
+        """sigma3/cos phi at phi (rad), units of the disk: by q times the speed of chi, so finite beside flat."""
+        angle = _between_flat(phi)
+        q = np.cos(angle.ravel())
+        sigma3, _ = line_chart(self.disk, q, self.face * np.sin(angle.ravel())).rates(self.bar, self.eta)
+        values: Array = sigma3 / q * self.disk.rate_unit
+        return values.reshape(angle.shape)
+
+    def at_y(self, y: ArrayLike) -> Terms:
+        """As `terms`, where sin phi = tanh y."""
+        values = np.ravel(column("y", y))
+        if np.any(abs(values) > _FARTHEST):
+            raise InputError(f"y = {shown(y)}: sin phi = tanh y is flat there; give up to {_FARTHEST:g} in size")
+        return self.terms(1.0 / np.cosh(values), np.tanh(values))
+
+    def flat_value(self, face: int) -> float:
+        """V at a flat state in natural units: V_0 on its line, eq. (6.9); infinite off it."""
+        if self.etas()[sign("face", face)] != 0.0:
+            return math.inf
+        return self.disk.energy_at_flat(self.bar)
+
+    def reach(self, face: int) -> float:
+        """|y| beyond which V' keeps its sign towards flat."""
+        eta, rates = abs(self.etas()[sign("face", face)]), 1.0 + abs(self.bar) + abs(self.eta)
+        tilt = _FLAT / rates**2 if eta == 0.0 else _WALL * min(eta, 1.0) / rates
+        return math.log(2.0 / max(tilt, _SMALLEST))
+
+    @cached_property
+    def equilibria(self) -> tuple[Equilibrium, ...]:
+        """All steady motions at these constants, from phi = -pi/2 to pi/2: every root of V'."""
+        left, right = (math.ceil(self.reach(face) / _STEP) for face in (-1, 1))
+        y = _STEP * np.arange(-left, right + 1)
+        bends = [self._root("curvature", y[i], y[i + 1]) for i in _changes(self.at_y(y).curvature)]
+        # Between zeros of V'' the slope is monotonic: a pair of close roots cannot hide between points.
+        y = np.union1d(y, bends)
+        _, slope, _, size = self.at_y(y)
+        roots = [self._root("slope", y[i], y[i + 1]) for i in _changes(slope)]
+        touches = np.isin(y, bends) & (abs(slope) <= 2.0 * _EPS * size)
+        roots += list(y[(slope == 0.0) | touches])
+        apart: list[Equilibrium] = []
+        for equilibrium in map(self._equilibrium, sorted(roots)):
+            if not apart or equilibrium.y - apart[-1].y > 4.0 * _EPS * max(1.0, abs(equilibrium.y)):
+                apart.append(equilibrium)
+        return tuple(apart)
+
+    def _root(self, term: str, low: float, high: float, value: float = 0.0) -> float:
+        def excess(y: Array) -> Array:
+            above: Array = getattr(self.at_y(y), term) - value
+            return above
+
+        return root(excess, low, high)
+
+    def _equilibrium(self, y: float) -> Equilibrium:
+        V, slope, curved, size = (float(values[0]) for values in self.at_y(y))
+        for _ in range(3):
+            step = slope * math.cosh(y) / curved if curved != 0.0 else math.inf
+            if not abs(step) < 1e-6:
+                break
+            nearer = tuple(float(values[0]) for values in self.at_y(y - step))
+            if not abs(nearer[1]) < abs(slope):
+                break
+            y, (V, slope, curved, size) = y - step, nearer
+        sharp = 1e-13 * (size + 1.0)  # V'' below this is lost in the rounding of its terms
+        kind = DEGENERATE if abs(curved) <= sharp else CENTRE if curved > 0.0 else SADDLE
+        unit, residual = self.disk.energy_unit, abs(slope) / (_EPS * size or 1.0)
+        return Equilibrium(_phi(y), 2.0 * math.atan(math.exp(-abs(y))), V * unit, curved * unit, kind, residual, y)
+
+    @cached_property
+    def _stops(self) -> tuple[Array, Array]:
+        """Ends and equilibria in y, and V there: between two of them V is monotonic."""
+        inner = [at.y for at in self.equilibria]
+        y = np.array([-self.reach(-1), *inner, self.reach(1)])
+        V = self.at_y(y).V
+        V[[0, -1]] = self.flat_value(-1), self.flat_value(1)
+        return y, V
+
+    @property
+    def bottom(self) -> float:
+        """The least V, or the value that it falls to at flat."""
+        return float(self._stops[1].min()) * self.disk.energy_unit
+
+    def components(self, energy: float) -> tuple[Component, ...]:
+        """The pieces of {V < energy}, from left to right; energy in the units of the disk."""
+        energy = number("energy", energy)
+        E = energy / self.disk.energy_unit
+        y, V = self._stops
+        cuts: list[tuple[float, str]] = [(float(y[0]), FLAT)] if V[0] < E else []
+        for i in range(y.size - 1):
+            if (V[i] < E) != (V[i + 1] < E):
+                cuts.append((self._crossing(E, i), TURNING))
+        if V[-1] < E:
+            cuts.append((float(y[-1]), FLAT))
+        pairs = zip(cuts[::2], cuts[1::2], strict=True)
+        return tuple(self._component(energy, low, high) for low, high in pairs)
+
+    def separatrices(self) -> tuple[Separatrix, ...]:
+        """The level through each saddle, on both sides of it."""
+        return tuple(Separatrix(at, self._branches(at)) for at in self.equilibria if at.kind == SADDLE)
+
+    def _branches(self, saddle: Equilibrium) -> tuple[Component, Component]:
+        E, here = saddle.energy / self.disk.energy_unit, (saddle.y, SADDLE)
+        left, right = self._end(E, saddle.y, -1), self._end(E, saddle.y, 1)
+        return self._component(saddle.energy, left, here), self._component(saddle.energy, here, right)
+
+    def _end(self, E: float, start: float, way: int) -> tuple[float, str]:
+        """The end, in one direction, of the level E that starts at a saddle: y, and its kind."""
+        y, V = self._stops
+        i = int(np.argmin(abs(y - start)))
+        equal = 32.0 * _EPS * abs(E)  # some roundings of V at two saddles
+        # The next stop is a minimum, or flat
+        for j in range(i + way, y.size if way > 0 else -1, way):
+            if 0 < j < y.size - 1 and abs(V[j] - E) <= equal:
+                return float(y[j]), SADDLE
+            if V[j] > E:
+                return self._crossing(E, min(j, j - way)), TURNING
+        return float(y[-1 if way > 0 else 0]), FLAT
+
+    def _crossing(self, E: float, i: int) -> float:
+        """The root of V = E between two stops."""
+        y, V = self._stops
+        low, high = float(y[i]), float(y[i + 1])
+        # Stops at a wall stand where V is finite: further out for large energies
+        while i == 0 and V[0] == math.inf and self.at_y(low).V[0] < E:
+            low -= 1.0
+        while i == y.size - 2 and V[-1] == math.inf and self.at_y(high).V[0] < E:
+            high += 1.0
+        return self._root("V", low, high, E)
+
+    def _component(self, energy: float, low: tuple[float, str], high: tuple[float, str]) -> Component:
+        y, ends = (low[0], high[0]), (low[1], high[1])
+        return Component(energy, _phi(y[0], ends[0]), _phi(y[1], ends[1]), ends, y)
+
+    def curve(self, component: Component, points: int = _POINTS) -> tuple[Array, Array]:
+        """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, units of the disk."""
+        points = whole("points", points, 2, _MOST_POINTS)
+        low, high = component.y
+        # Dense towards both ends, where phidot vanishes like a square root
+        angle = np.linspace(0.0, np.pi, points + int(2.0 * (high - low)))
+        y = low + (high - low) * 0.5 * (1.0 - np.cos(angle))
+        y[-1] = high
+        phi, E = np.arctan(np.sinh(y)), component.energy / self.disk.energy_unit
+        excess = E - self.at_y(y).V
+        for at, end, edge in zip((0, -1), component.ends, (component.low, component.high), strict=True):
+            phi[at] = edge
+            excess[at] = E - self.flat_value(1 if at else -1) if end == FLAT else 0.0
+        return phi, np.sqrt(np.maximum(2.0 * excess / self.disk.body.M, 0.0)) * self.disk.rate_unit
+
+    def levels(self, energies: tuple[float, float] | None = None, count: int = 9) -> Array:
+        """Energies of level curves (units of the disk), from the bottom of V to above all saddles unless given.
+
+        Raises InputError where the range is empty or no motion has an energy in it.
+        """
+        bottom, unit = self.bottom, self.disk.energy_unit
+        if energies is None:
+            tops = [at.energy for at in self.equilibria] + [float(self.V(0.0))]
+            low, high = bottom, max(tops) + 0.5 * max(unit, _TOLD_APART * abs(max(tops)))
+        else:
+            low, high = energies
+            if not (math.isfinite(low) and math.isfinite(high) and low < high):
+                raise InputError(f"energies {low:g}:{high:g} are an empty range; give LOW:HIGH, the smaller first")
+            if not high > bottom:
+                raise InputError(
+                    f"energies {low:g}:{high:g}: with eta_hat = {self.eta_hat:g} no motion has an energy below "
+                    f"{bottom:.6g}; give a HIGH above that"
+                )
+        # The bottom itself is no curve; a range that begins above it keeps its lower end
+        return np.linspace(low, high, count) if low > bottom else np.linspace(bottom, high, count + 1)[1:]
+
+    def falling_edge(self, y: Array) -> Array:
+        """The least |phidot| with which the disk falls from sin phi = tanh y; infinite where nothing falls.
+
+        A motion goes both ways sooner or later, so one flat state within reach is enough. y increases.
+        """
+        y = np.ravel(column("y", y))
+        stops, heights = self._stops
+        V = self.at_y(y).V
+        highest = np.full(y.size, np.inf)
+        for face in (-1, 1):
+            top = self.flat_value(face)
+            if top == math.inf:
+                continue
+            barrier = np.full(y.size, top)
+            for at, height in zip(stops[1:-1], heights[1:-1], strict=True):
+                barrier = np.where(face * (at - y) > 0.0, np.maximum(barrier, height), barrier)
+            highest = np.minimum(highest, np.maximum(barrier, V))
+        return np.sqrt(2.0 * np.maximum(highest - V, 0.0) / self.disk.body.M) * self.disk.rate_unit
+
+
+def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) -> Potential:
+    """V at a distance eta_hat from the line of `face`."""
+    require_axial_inertia(disk)
+    bar, eta = _constant("sigma3_bar", sigma3_bar), _constant("eta_hat", eta_hat)
+    return Potential(disk, bar / disk.rate_unit, eta / disk.rate_unit, sign("face", face))
+
+
+def at_constants(disk: Disk, sigma3_bar: float, sigma4_bar: float) -> Potential:
+    """V at constants of motion, seen from the nearer line; what is on a line to rounding counts as on it."""
+    require_axial_inertia(disk)
+    bar = _constant("sigma3_bar", sigma3_bar) / disk.rate_unit
+    spin = _constant("sigma4_bar", sigma4_bar) / disk.rate_unit
+    slope = line_slope(disk)
+    face = 1 if nearer_plus(np.array(slope * bar - spin), np.array(slope * bar + spin)) else -1
+    eta = slope * bar - face * spin
+    return Potential(disk, bar, 0.0 if abs(eta) <= 4.0 * _EPS * abs(spin) else eta, face)
+
+
+def potential(
+    disk: Disk, sigma3_bar: float, eta_hat: float | None = None, face: int = 1, sigma4_bar: float | None = None
+) -> Potential:
+    """The amended potential V of the tilt at given constants of motion.
+
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    sigma3_bar : float
+        Constant of motion, units of the disk.
+    eta_hat : float, optional
+        Signed distance to the line of `face`, on which the disk falls, units of the disk; on it by default.
+    face : int
+        +1 for the line l₊, -1 for l₋.
+    sigma4_bar : float, optional
+        The other constant of motion, instead of eta_hat and face; what is on a line to rounding counts as on it.
+
+    Returns
+    -------
+    Potential
+
+    Raises
+    ------
+    InputError
+        For numbers beyond 1e100, for eta_hat and sigma4_bar together, and for a disk with I3 = 0.
+
+    References
+    ----------
+    Eqs (3.5), (3.8) and (6.2) of the paper.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> beside = ex.potential(ex.Disk.uniform(), sigma3_bar=0.25, eta_hat=0.01)
+    >>> [at.kind for at in beside.equilibria]
+    ['centre', 'saddle', 'centre']
+    >>> upright = ex.potential(ex.Disk.uniform(), sigma3_bar=2.0, sigma4_bar=0.0)
+    >>> [(at.kind, round(at.phi, 6)) for at in upright.equilibria]
+    [('centre', 0.0)]
+    """
+    if sigma4_bar is None:
+        return on_line(disk, sigma3_bar, 0.0 if eta_hat is None else eta_hat, face)
+    if eta_hat is not None:
+        raise InputError("eta_hat and sigma4_bar say the same; leave out one")
+    return at_constants(disk, sigma3_bar, sigma4_bar)
+
+
+def _constant(name: str, value: float) -> float:
+    return number(name, value, -_LARGEST, _LARGEST)
+
+
+def _between_flat(phi: ArrayLike) -> Array:
+    """Tilts that were read. Raises InputError where one is flat or none."""
+    angle = column("phi", phi)
+    if not np.all(abs(angle) < 0.5 * np.pi):
+        raise InputError("phi: V is defined between the flat states; give -pi/2 < phi < pi/2 (rad)")
+    return angle
+
+
+def _phi(y: float, end: str = TURNING) -> float:
+    return math.copysign(0.5 * math.pi, y) if end == FLAT else math.atan(math.sinh(y))
+
+
+def _changes(values: Array) -> NDArray[np.intp]:
+    """Places before which and after which the sign differs; exact zeros are none."""
+    sign = np.sign(values)
+    return np.flatnonzero(sign[:-1] * sign[1:] < 0.0)

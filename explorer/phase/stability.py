@@ -1,0 +1,314 @@
+"""Steady motions, where phi stays: straight and circular rolling, spinning upright; which are stable.
+
+At a tilt phi a steady motion is fixed by its precession dchi/dt = sigma3/cos^2 phi, since V' = 0 is linear in
+sigma4 then. So all of them are a surface over (phi, precession), but for straight rolling (both zero, any sigma4).
+They are stable iff V'' > 0. Rates in units of the disk, angles in rad, lengths in the units of the disk.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from explorer.errors import InputError, one_of
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.lines import line_chart, line_slope
+from explorer.phase.membership import well
+from explorer.phase.potential import DEGENERATE, Equilibrium, Potential, at_constants, curvature_of, on_line
+from explorer.phase.states import Array, columns_of
+
+_CIRCLE = 0.25 * math.pi, 2.0  # lean (rad) and radius (radii of the disk) at which `thresholds` rolls
+
+
+@dataclass(frozen=True)
+class SteadyRates:
+    """Steady motions, arrays of one shape.
+
+    phi: tilt (rad). precession: dchi/dt. sigma3, sigma4, sigma3_bar, sigma4_bar, eta_hat (on face +1): rates.
+    radius: of the circle of the contact point, positive where the disk leans towards its centre (phi < 0 for
+    sigma4 and precession of one sign). curvature: V'' (energy); the motion is stable where it is positive.
+    """
+
+    phi: Array
+    precession: Array
+    sigma3: Array
+    sigma4: Array
+    sigma3_bar: Array
+    sigma4_bar: Array
+    eta_hat: Array
+    radius: Array
+    curvature: Array
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        return self.curvature > 0.0
+
+
+def steady_rates(disk: Disk, phi: ArrayLike, precession: ArrayLike) -> SteadyRates:
+    """The steady motions at tilts phi (rad, between the flat states) with dchi/dt != 0; both broadcast."""
+    require_axial_inertia(disk)
+    shape = np.broadcast_shapes(np.shape(phi), np.shape(precession))
+    angle, rate = columns_of(phi=phi, precession=precession)
+    if not (np.all(abs(angle) < 0.5 * np.pi) and np.all(np.isfinite(rate) & (rate != 0.0))):
+        raise InputError("steady motions: give -pi/2 < phi < pi/2 (rad) and a finite precession, not zero")
+    b, unit, rate = disk.body, disk.rate_unit, rate / disk.rate_unit
+    q, z = np.cos(angle), np.sin(angle)
+    s3 = rate * q * q
+    # V' = I1 rate^2 q z - J rate q sigma4 - z = 0
+    s4 = z * (b.I1 * rate * rate * q - 1.0) / (b.J * rate * q)
+    bar, eta = line_chart(disk, q, z).constants(s3, s4)
+    columns = {
+        "phi": angle,
+        "precession": rate * unit,
+        "sigma3": s3 * unit,
+        "sigma4": s4 * unit,
+        "sigma3_bar": bar * unit,
+        "sigma4_bar": (line_slope(disk) * bar - eta) * unit,
+        "eta_hat": eta * unit,
+        # The contact point moves at r (sigma4 - z dchi/dt) along its circle
+        "radius": disk.r * (s4 / rate - z),
+        "curvature": curvature_of(q, z, s3, s4, b) * disk.energy_unit,
+    }
+    return SteadyRates(**{name: column.reshape(shape) for name, column in columns.items()})
+
+
+def stability_edges(disk: Disk, phi: ArrayLike) -> Array:
+    """dchi/dt > 0 at which steady motions of tilt phi change stability, (2, n): faster, slower; NaN where none do.
+
+    V'' = 0 is quadratic in the square of the precession: the saddle-nodes of the potential. At phi = 0 the faster
+    one is the threshold of spinning upright; the slower one goes to zero there, to that of straight rolling.
+    """
+    require_axial_inertia(disk)
+    (angle,) = columns_of(phi=phi)
+    two, one, none = _edge_equation(disk, angle)
+    with np.errstate(invalid="ignore"):
+        larger = np.where(one < 0.0, np.sqrt(one * one - 4.0 * two * none) - one, np.nan) / (2.0 * two)
+        return np.sqrt(np.stack([larger, none / (two * larger)])) * disk.rate_unit
+
+
+def _edge_equation(disk: Disk, phi: Array) -> tuple[Array, Array, Array]:
+    """Coefficients of V'' = 0 as a quadratic in the square of the precession, highest power first."""
+    b, q, z = disk.body, np.cos(phi), np.sin(phi)
+    two = b.M * q * q + z * z * b.I1 * (2.0 - b.I3 / b.J)
+    return two, z * z / q - q, b.k * z * z / (b.J * q * q)
+
+
+def last_unstable_tilt(disk: Disk) -> float:
+    """phi (rad) up to which some steady motions are unstable; beyond it all are stable. Both edges meet there."""
+    from scipy.optimize import bisect
+
+    require_axial_inertia(disk)
+
+    def apart(phi: float) -> float:
+        two, one, none = _edge_equation(disk, np.array([phi]))
+        return float(-one[0] - 2.0 * np.sqrt(two[0] * none[0]))
+
+    # At 45 degrees the linear term changes sign
+    return float(bisect(apart, 0.0, 0.25 * math.pi, xtol=1e-16, rtol=1e-15, maxiter=200))
+
+
+def fold_curve(disk: Disk, points: int = 400) -> tuple[Array, Array]:
+    """(sigma3_bar, sigma4_bar) where two steady motions merge (V' = V'' = 0), a closed curve with four cusps.
+
+    The cusps are the thresholds of spinning upright and of straight rolling. Inside there is a saddle.
+    """
+    # In t both ends, where the two edges meet, and the vertical are smooth; t = 0 is kept out
+    t = 0.5 * np.pi * (1.0 - np.linspace(0.0, 1.0, points)[:-1] ** 2)
+    phi = last_unstable_tilt(disk) * (1.0 - 1e-12) * np.sin(t)
+    fast, slow = (np.nan_to_num(row) for row in stability_edges(disk, phi))
+    tilts = np.concatenate([-phi[::-1], -phi, phi[::-1], phi])
+    half = steady_rates(disk, tilts, np.concatenate([slow[::-1], fast, fast[::-1], slow]))
+    x = np.concatenate([half.sigma3_bar, -half.sigma3_bar, half.sigma3_bar[:1]])
+    return x, np.concatenate([half.sigma4_bar, -half.sigma4_bar, half.sigma4_bar[:1]])
+
+
+def rolling_threshold(disk: Disk) -> float:
+    """sigma4 above which straight rolling is stable: its square is m g r I1/(I3 J)."""
+    require_axial_inertia(disk)
+    J = disk.I3 + disk.m * disk.r**2
+    return math.sqrt(disk.m * disk.g * disk.r * disk.I1 / (disk.I3 * J))
+
+
+def spinning_threshold(disk: Disk) -> float:
+    """dchi/dt above which spinning upright in place is stable: its square is m g r/M."""
+    return math.sqrt(disk.m * disk.g * disk.r / (disk.I1 + disk.m * disk.r**2))
+
+
+def circular_precession(disk: Disk, lean: float, radius: float) -> float:
+    """dchi/dt with which the disk rolls round a circle of `radius`, leaning inwards by `lean` (rad).
+
+    Its square is m g r tan(lean)/(J radius/r - (J - I1) sin(lean)). Raises InputError where that is not positive.
+    """
+    require_axial_inertia(disk)
+    if not 0.0 < lean < 0.5 * math.pi:
+        raise InputError(f"lean = {lean} must lie between 0 and pi/2 (rad)")
+    if not (math.isfinite(radius) and radius >= 0.0):
+        raise InputError(f"radius = {radius} must be a finite length, 0 or more")
+    J = disk.I3 + disk.m * disk.r**2
+    below = J * radius / disk.r - (J - disk.I1) * math.sin(lean)
+    if not below > 0.0:
+        least = (J - disk.I1) / J * math.sin(lean) * disk.r
+        raise InputError(
+            f"radius = {radius:g}: leaning inwards by {lean:g} rad the disk rolls round circles above {least:.6g} "
+            "only; give a larger radius"
+        )
+    return math.sqrt(disk.m * disk.g * disk.r * math.tan(lean) / below)
+
+
+def measured_thresholds(disk: Disk, lean: float, radius: float) -> dict[str, float]:
+    """The three closed forms above as V has them, by bisection on V'' and, for the circle, on V'."""
+    unit, phi = disk.rate_unit, np.array([-lean])
+    chart = line_chart(disk, np.cos(phi), np.sin(phi))
+
+    def slope(rate: float) -> float:
+        """V' with the constants of motion of the state that rolls so."""
+        s3, s4 = rate * math.cos(lean) ** 2, rate * (radius / disk.r - math.sin(lean))
+        bar, eta = chart.constants(s3, s4)
+        return float(Potential(disk, bar[0], eta[0]).dV(-lean))
+
+    return {
+        "straight_rolling": _sign_change(lambda rate: float(at_constants(disk, 0.0, rate).d2V(0.0)), unit),
+        "spinning_upright": _sign_change(lambda rate: float(at_constants(disk, rate, 0.0).d2V(0.0)), unit),
+        "circular_rolling": _sign_change(slope, 1.0) * unit,
+    }
+
+
+def _sign_change(f: Callable[[float], float], high: float) -> float:
+    """The rate at which f has no longer the sign that it has at 0; `high` is doubled until it lies beyond."""
+    from scipy.optimize import bisect
+
+    while f(high) * f(0.0) > 0.0:
+        high *= 2.0
+    return float(bisect(f, 0.0, high, xtol=1e-15 * high, rtol=1e-15, maxiter=200))
+
+
+def thresholds(disk: Disk) -> dict[str, dict[str, float]]:
+    """Thresholds from V and from the closed forms, and sigma3_bar* of the well; units of the disk."""
+    angle, most = well(disk)
+    lean, radius = _CIRCLE[0], _CIRCLE[1] * disk.r
+    measured = measured_thresholds(disk, lean, radius)
+    closed = {
+        "straight_rolling": rolling_threshold(disk),
+        "spinning_upright": spinning_threshold(disk),
+        "circular_rolling": circular_precession(disk, lean, radius),
+    }
+    rows = {name: {"measured": measured[name], "closed_form": closed[name]} for name in closed}
+    rows["circular_rolling"] = {"lean": lean, "radius": radius, **rows["circular_rolling"]}
+    return {**rows, "well": {"sigma3_bar": most * disk.rate_unit, "phi": angle}}
+
+
+@dataclass(frozen=True)
+class Branch:
+    """Equilibria that follow each other along a path through the constants of motion.
+
+    Attributes
+    ----------
+    parameter : array
+        Of the path, units of the disk.
+    phi : array
+        Tilts (rad).
+    energy : array
+        Units of the disk.
+    kind : str
+        "centre" or "saddle".
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> branch, *_ = ex.bifurcation(ex.Disk.uniform(), "line", [0.1, 0.2, 0.3])
+    >>> branch.parameter
+    array([0.1, 0.2, 0.3])
+    """
+
+    parameter: Array
+    phi: Array
+    energy: Array
+    kind: str
+
+
+# The path's potential at a value of its parameter.
+PATHS: dict[str, Callable[[Disk, float], Potential]] = {
+    "spinning": lambda disk, sigma3_bar: at_constants(disk, sigma3_bar, 0.0),
+    "rolling": lambda disk, sigma4_bar: at_constants(disk, 0.0, sigma4_bar),
+    "line": on_line,
+}
+
+
+def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ...]:
+    """Steady motions along a path in the plane of constants of motion.
+
+    Parameters
+    ----------
+    disk : Disk
+        The body, with I3 > 0.
+    path : str
+        "spinning" (sigma4_bar = 0), "rolling" (sigma3_bar = 0) or "line" (on l_+).
+    parameter : array_like
+        Increasing values of the other constant, units of the disk.
+
+    Returns
+    -------
+    tuple of Branch
+        Equilibria are joined while neither their number nor their kinds change.
+
+    Raises
+    ------
+    InputError
+        For an unknown path, and values that are no numbers.
+
+    References
+    ----------
+    Eqs (3.8) and (6.2) of the paper.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> [branch.kind for branch in ex.bifurcation(ex.Disk.uniform(), "line", [0.1, 0.2])]
+    ['centre', 'saddle']
+    """
+    require_axial_inertia(disk)
+    one_of("path", path, PATHS)
+    (values,) = columns_of(parameter=parameter)
+    # The potential is quadratic in the constants of a path, the same where both change their signs.
+    steady = cache(lambda size: _regular(PATHS[path](disk, size)))
+    rows = [(value, steady(abs(float(value)))) for value in values]
+    branches: list[Branch] = []
+    for kinds, group in groupby(rows, key=lambda row: tuple(at.kind for at in row[1])):
+        members = list(group)
+        at = np.array([value for value, _ in members])
+        for number, kind in enumerate(kinds):
+            phi, energy = np.array([(each[number].phi, each[number].energy) for _, each in members]).T
+            branches.append(Branch(at, phi, energy, kind))
+    return tuple(branches)
+
+
+def _regular(potential: Potential) -> list[Equilibrium]:
+    """Equilibria that are centres or saddles."""
+    return [at for at in potential.equilibria if at.kind != DEGENERATE]
+
+
+@lru_cache(maxsize=8)
+def whole_path(disk: Disk, path: str) -> tuple[tuple[Branch, ...], tuple[float, ...]]:
+    """The branches along all of a path, and the thresholds on it; seconds of root-finding, so they are kept."""
+    values, edges = path_values(disk, path)
+    return bifurcation(disk, path, values), edges
+
+
+def path_values(disk: Disk, path: str) -> tuple[Array, tuple[float, ...]]:
+    """Values of a path's parameter, dense where branches meet or reach flat, and the thresholds on it."""
+    require_axial_inertia(disk)
+    one_of("path", path, PATHS)
+    if path == "line":
+        edge = well(disk).sigma3_bar * disk.rate_unit
+    else:
+        edge = spinning_threshold(disk) if path == "spinning" else rolling_threshold(disk)
+    near = np.geomspace(1e-7, 1.0, 100)  # branches meet like a square root: up to tilts of 3e-4 rad
+    # Towards zero tilts reach flat
+    half = edge * np.unique(np.concatenate([1.0 - near[:-1], 1.0 + near, np.geomspace(1e-5, 0.1, 40)]))
+    return np.concatenate([-half[::-1], half]), (edge, -edge)

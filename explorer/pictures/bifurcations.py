@@ -1,0 +1,221 @@
+"""Bifurcations of steady motions along a path through the constants: their tilts, and their energies."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from explorer.errors import InputError, one_of
+from explorer.phase.disk import Disk
+from explorer.phase.potential import CENTRE, SADDLE, Component, Potential
+from explorer.phase.stability import PATHS, Branch, bifurcation, path_values, whole_path
+from explorer.phase.states import Array
+from explorer.pictures.potential import SEPARATRIX, small_portrait
+from explorer.pictures.register import Question, picture
+from explorer.pictures.style import (
+    BOUNCES,
+    DARK,
+    FALLS,
+    FLAT_TICKS,
+    HALF_PI,
+    SERIES,
+    SMALL,
+    TEXT,
+    UNSTABLE,
+    coordinate_label,
+    dress,
+    label,
+    legend_below,
+)
+
+# The constant that goes along a path, and what motions are on it.
+_ALONG = {
+    "spinning": ("sigma3_bar", r"motions with $\bar\sigma_4$ = 0: spinning upright"),
+    "rolling": ("sigma4_bar", r"motions with $\bar\sigma_3$ = 0: straight rolling"),
+    "line": ("sigma3_bar", "motions on the falling line $l_+$"),
+}
+# Thresholds of the bodies that the paper names, in closed form.
+_EXACT = {
+    ("uniform", "rolling"): r" = ±$1/\sqrt{3}$",
+    ("uniform", "spinning"): r" = ±$2/\sqrt{5}$",
+    ("hoop", "rolling"): " = ±1/2",
+    ("hoop", "spinning"): r" = ±$\sqrt{2/3}$",
+}
+_SHARES = (0.55, 1.2)  # of the threshold: where the places of portraits lie
+_SAME = 1e-9  # of an energy: nearer levels are one
+
+
+@picture(
+    Question.WHICH_MOTIONS,
+    "The tilt of steady motions along a path in the plane of constants, solid where stable and broken where "
+    "unstable. At the threshold a branch appears, ends or changes its stability.",
+    group="phase",
+    portraits=lambda asked: [(f"steady-{path}", (asked.disk, path)) for path in PATHS],
+)
+def bifurcation_of_tilts(ax: Axes, disk: Disk, path: str) -> None:
+    """Draw the tilts of all steady motions along a path through the plane of constants.
+
+    path: "spinning" (sigma4_bar = 0), "rolling" (sigma3_bar = 0) or "line" (on l_+), as for
+    `explorer.bifurcation`.
+    """
+    branches, marks = whole_path(disk, one_of("path", path, PATHS))
+    looks: dict[str, tuple[Any, str]] = {CENTRE: ("-", "stable"), SADDLE: ((0, (3, 1.5)), "unstable")}
+    seen: set[str] = set()
+    for branch in branches:
+        line, name = looks[branch.kind]
+        ax.plot(branch.parameter, branch.phi, color=DARK, ls=line, lw=2.0, label=None if name in seen else name)
+        seen.add(name)
+    name = f"threshold ±{max(marks) / disk.rate_unit:.5f}{_EXACT.get((disk.name, path), '')}"
+    for mark in marks:
+        ax.axvline(mark, color=SERIES[1], lw=1.4, ls=":", label=name if mark > 0.0 else None)
+    if path == "line":
+        ax.set_xlim(1.4 * min(marks), 1.4 * max(marks))
+        for mark in marks:
+            ax.text(1.2 * mark, 0.0, "no steady\nmotion", ha="center", va="center", fontsize=SMALL)
+    ax.set_ylim(-1.68, 1.68)
+    ax.set_yticks(*FLAT_TICKS)
+    for flat in (-HALF_PI, HALF_PI):
+        ax.axhline(flat, color=DARK, lw=0.6)
+    legend_below(ax, ncols=3)
+    along, words = _ALONG[path]
+    dress(ax, coordinate_label(along, disk), r"$\varphi$ (rad); flat at ±π/2", f"{disk.name}, steady {words}")
+
+
+@picture(
+    Question.WHICH_MOTIONS,
+    "Which motions there are, by energy. Above, the plane of σ̄ and the energy is cut into regions by the energies "
+    "of stable and of unstable steady motions and, on l₊, by V₀, above which the disk can reach flat. Below, the "
+    "motions of the tilt at one place of each region, those of the letter's energy drawn thick; on violet ground "
+    "the disk falls.",
+    (8.0, 7.4),
+    "bifurcation",
+    lambda asked: [(f"bifurcation-{path}", (asked.disk, path)) for path in ("line", "spinning")],
+)
+def bifurcation_of_energies(
+    figure: Figure, disk: Disk, path: str, places: Sequence[tuple[float, float]] | None = None
+) -> None:
+    """Draw the energies of steady motions along a path, section 6.2, and a small portrait for each region.
+
+    path: as for bifurcation-of-tilts. places: values of its parameter and energies, units of the disk; by
+    default one in each region.
+    """
+    threshold = max(path_values(disk, one_of("path", path, PATHS))[1])
+    places = one_in_each_region(disk, path, threshold) if places is None else places
+    potentials = [PATHS[path](disk, at) for at, _ in places]
+    for (at, energy), potential in zip(places, potentials, strict=True):
+        if not energy > potential.bottom:
+            least = f"give more than {potential.bottom:g}"
+            raise InputError(f"places: there is no motion of energy {energy:g} at {at:g}; {least}")
+    grid = figure.add_gridspec(2, len(places), height_ratios=(1.7, 1.0))
+    _plane(figure.add_subplot(grid[0, :]), disk, path, threshold, places)
+    first: Axes | None = None
+    fastest = 0.0
+    for number, ((_, energy), potential) in enumerate(zip(places, potentials, strict=True)):
+        ax = figure.add_subplot(grid[1, number], sharey=first)
+        fastest = max(fastest, small_portrait(ax, potential, energy))
+        ax.set_ylim(-1.1 * fastest, 1.1 * fastest)
+        ax.set_title(f"{_letter(number)}: {_fate(potential.components(energy))}", fontsize=SMALL)
+        ax.set_xlabel(r"$\varphi$ (rad)", fontsize=SMALL)
+        if first is None:
+            first = ax
+            ax.set_ylabel(coordinate_label("phidot", disk), fontsize=SMALL)
+        else:
+            ax.tick_params(labelleft=False)
+
+
+def one_in_each_region(disk: Disk, path: str, threshold: float) -> list[tuple[float, float]]:
+    """Between the levels on one side of the threshold and above them, and as high on its other side."""
+    inner, outer = (share * threshold for share in _SHARES)
+    levels = _changes(PATHS[path](disk, inner))
+    energies = [0.5 * (low + high) for low, high in pairwise(levels)]
+    energies.append(levels[-1] + 0.25 * disk.energy_unit)
+    beyond = max(energies[-1], _changes(PATHS[path](disk, outer))[-1] + 0.1 * disk.energy_unit)
+    return [(inner, energy) for energy in energies] + [(outer, beyond)]
+
+
+def _changes(potential: Potential) -> list[float]:
+    """Energies at which the motions change: where V ends at flat, and of equilibria; increasing."""
+    ends = [potential.flat_value(face) * potential.disk.energy_unit for face in (-1, 1)]
+    found: list[float] = []
+    for energy in sorted([end for end in ends if np.isfinite(end)] + [at.energy for at in potential.equilibria]):
+        if not found or energy - found[-1] > _SAME * potential.disk.energy_unit:
+            found.append(energy)
+    return found
+
+
+def _letter(number: int) -> str:
+    return chr(ord("A") + number)
+
+
+def _fate(pieces: tuple[Component, ...]) -> str:
+    """What motions of one energy do."""
+    falls = [piece.falls for piece in pieces]
+    if any(falls):
+        return "all fall" if all(falls) else "some fall"
+    return "all bounce" if len(pieces) == 1 else f"{len(pieces)} wells"
+
+
+def _plane(ax: Axes, disk: Disk, path: str, threshold: float, places: Sequence[tuple[float, float]]) -> None:
+    """Regions and curves over the path's parameter and the energy, with a letter for each place."""
+    near = np.geomspace(1e-6, 0.2, 30)  # dense at zero and at the threshold, to well beyond
+    parameter = threshold * np.unique(np.concatenate([near, np.linspace(0.2, 1.5, 40), 1.0 - near, 1.0 + near]))
+    branches = bifurcation(disk, path, parameter)
+    floor = least_energies(disk, path, parameter, branches)
+    top, falling = 1.12 * max(energy for _, energy in places), path == "line"
+    ground = FALLS if falling else BOUNCES
+    ax.fill_between(parameter, floor, top, color=ground, lw=0, zorder=0)
+    ax.fill_between(parameter, 0.0, floor, fc="white", ec="0.8", hatch="//", lw=0, zorder=0)
+    low, high = _along(parameter, branches, CENTRE, np.fmin), _along(parameter, branches, SADDLE, np.fmax)
+    both = np.isfinite(low) & np.isfinite(high)
+    ax.fill_between(parameter[both], low[both], high[both], color=UNSTABLE, lw=0, zorder=1)
+    looks: dict[str, dict[str, Any]] = {
+        CENTRE: {"color": DARK, "ls": "-", "lw": 2.2, "label": "stable steady motion"},
+        SADDLE: {"color": SEPARATRIX, "ls": (0, (4, 1.5)), "lw": 2.4, "label": "unstable one, and its separatrix"},
+    }
+    for branch in branches:
+        ax.plot(branch.parameter, branch.energy, **looks[branch.kind], zorder=3)
+        looks[branch.kind] = looks[branch.kind] | {"label": None}
+    if falling:
+        ax.plot(parameter, floor, color=DARK, lw=2.6, ls=":", label="$V_0$: flat can be reached")
+    ax.axvline(threshold, color=DARK, lw=0.7)
+    words = f"steady motions merge: {threshold / disk.rate_unit:.5f}"
+    box: dict[str, Any] = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5}
+    ax.text(1.012 * threshold, 0.04 * top, words, rotation=90, va="bottom", fontsize=SMALL, bbox=box)
+    for number, place in enumerate(places):
+        ax.plot(*place, "o", ms=17, color="white", mec=DARK, zorder=5)
+        ax.text(*place, _letter(number), ha="center", va="center", fontweight="bold", fontsize=TEXT, zorder=6)
+    ax.set_xlim(0.0, 1.45 * threshold)
+    ax.set_ylim(0.0, top)
+    parts = (
+        Patch(fc=UNSTABLE, ec=DARK, label="a well, or a fall" if falling else "two wells"),
+        Patch(fc=ground, ec=DARK, label="falls" if falling else "one well"),
+        Patch(fc="white", ec="0.6", hatch="//", label="no motion"),
+    )
+    handles = [*ax.get_legend_handles_labels()[0], *parts]
+    legend_below(ax, ncols=3, handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.06))
+    along, name = _ALONG[path]
+    label(ax, disk, along, "energy", f"{disk.name}, {name}")
+
+
+def least_energies(disk: Disk, path: str, parameter: Array, branches: Sequence[Branch]) -> Array:
+    """The least energy of all motions along the path."""
+    if path == "line":
+        return np.asarray(disk.energy_at_flat(parameter / disk.rate_unit)) * disk.energy_unit
+    floor = _along(parameter, branches, CENTRE, np.fmin)
+    for row in np.flatnonzero(np.isnan(floor)):  # at the threshold, where the one steady motion is of no branch
+        floor[row] = PATHS[path](disk, float(parameter[row])).bottom
+    return floor
+
+
+def _along(parameter: Array, branches: Sequence[Branch], kind: str, choose: np.ufunc) -> Array:
+    """Energies of steady motions of one kind, the least or the largest; NaN where there are none."""
+    energy = np.full(parameter.size, np.nan)
+    for branch in branches:
+        if branch.kind == kind:
+            rows = np.searchsorted(parameter, branch.parameter)
+            energy[rows] = choose(energy[rows], branch.energy)
+    return energy

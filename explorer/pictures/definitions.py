@@ -1,0 +1,158 @@
+"""The definition sketch: what the angles, the faces, the lines and the sides of F are called."""
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from explorer.phase.disk import Disk
+from explorer.phase.lines import line_slope
+from explorer.phase.states import Array
+from explorer.pictures import solid
+from explorer.pictures.pose import Pose
+from explorer.pictures.register import Question, picture
+from explorer.pictures.style import DARK, SIGN_COLOURS, SMALL, TEXT, dress
+
+_PHI, _CHI, _PSI = math.radians(38.0), math.radians(35.0), math.radians(70.0)
+_VIEW = (math.radians(24.0), math.radians(-22.0), 11.0)
+_INK, _ANGLES = "#555555", {"phi": "#7B3294", "theta": "#1B7837", "chi": "#8C510A", "psi": "#01665E"}
+
+
+def _arc(start: Array, end: Array, middle: Array, radius: float) -> Array:
+    """Points (n, 3) of the arc about `middle` from one direction to another, the short way."""
+    a, b = (way / np.linalg.norm(way) for way in (start, end))
+    whole = math.acos(float(np.clip(a @ b, -1.0, 1.0)))
+    share = np.linspace(0.0, whole, 40)[:, None]
+    turned = (np.sin(whole - share) * a + np.sin(share) * b) / math.sin(whole)
+    return np.asarray(middle + radius * turned)
+
+
+class _Sketch:
+    """Lines and words in space, on one Axes."""
+
+    def __init__(self, ax: Axes, camera: solid.Camera) -> None:
+        self.ax, self.camera = ax, camera
+
+    def line(self, *points: Array, **style: Any) -> None:
+        self.ax.plot(*self.camera.see(np.array(points)).T, **{"color": _INK, "lw": 1.2, "zorder": 6, **style})
+
+    def arrow(self, start: Array, end: Array, colour: str = _INK) -> None:
+        a, b = self.camera.see(np.array([start, end]))
+        how = {"arrowstyle": "-|>", "color": colour, "lw": 1.6, "shrinkA": 0, "shrinkB": 0}
+        self.ax.annotate("", b, a, arrowprops=how, zorder=7)
+
+    def angle(self, name: str, points: Array, word: str, away: float = 1.18) -> None:
+        """An arc with an arrowhead at its end, and its name outside its middle."""
+        colour = _ANGLES[name]
+        self.line(*points, color=colour, lw=2.0, zorder=7)
+        self.arrow(points[-3], points[-1], colour)
+        middle = points[len(points) // 2]
+        corner = self.camera.see(points.mean(axis=0))
+        at = corner + (self.camera.see(middle) - corner) * away
+        self.ax.text(at[0], at[1], word, color=colour, fontsize=TEXT + 3, ha="center", va="center", zorder=8)
+
+    def word(self, at: Array, text: str, shift: tuple[float, float] = (0.0, 0.0), **style: Any) -> None:
+        x, y = self.camera.see(at) + np.array(shift)
+        self.ax.text(x, y, text, **{"fontsize": SMALL, "color": DARK, "zorder": 8, **style})
+
+
+def _disk(ax: Axes) -> None:
+    """The disk on its table with its angles."""
+    pose = Pose(_PHI, _CHI, _PSI, np.array([0.0, 0.0, math.cos(_PHI)]), 1.0)
+    camera = solid.Camera(np.array([0.0, 0.0, 0.5]), *_VIEW)
+    draw = _Sketch(ax, camera)
+    up, below = np.array([0.0, 0.0, 1.0]), np.zeros(3)
+    solid.table(ax, camera, below, 1.95, 2.0)
+    solid.shadow(ax, camera, pose, 0.6)
+    solid.disk(ax, camera, pose, solid.Looks(0.93, marked=False), zorder=3)
+    centre, contact, top = pose.centre, pose.contact, pose.place(math.pi)
+    draw.line(below, centre + 1.35 * up, ls=(0, (4, 3)))
+    draw.arrow(centre, centre + 1.25 * pose.normal)
+    draw.line(contact, top)
+    draw.line(below, np.array([1.7, 0.0, 0.0]))
+    draw.line(below, 1.7 * (contact / np.linalg.norm(contact)))
+    draw.angle("phi", _arc(up, top - centre, centre, 0.78), r"$\varphi$", 4.0)
+    draw.angle("theta", _arc(up, pose.normal, centre, 0.95), r"$\theta$", 3.0)
+    turned = np.linspace(0.0, _CHI, 30)
+    on_table = 1.3 * np.stack([np.cos(turned), np.sin(turned), 0.0 * turned], axis=-1)
+    draw.angle("chi", on_table, r"$\chi$", 5.0)
+    draw.angle("psi", pose.rim(np.linspace(-_PSI, 0.0, 40), 0.8), r"$\psi$", -0.6)
+    draw.line(centre, pose.place(-_PSI), color=_ANGLES["psi"], lw=1.0)
+    for place, size in ((contact, 9), (centre, 5), (pose.place(-_PSI), 5)):
+        ax.plot(*camera.see(place), "o", color=DARK, mec="white", ms=size, zorder=9)
+    draw.word(contact, "contact point", (0.12, -0.06))
+    draw.word(centre + 1.25 * pose.normal, r"axis $e_3$; spin about it: $\sigma_4$", (0.06, 0.02))
+    draw.word(pose.place(-_PSI), "where it touched\nat the start", (-0.12, -0.08), ha="right", va="center")
+    draw.word(centre + 1.4 * up, "vertical", (0.0, 0.04), ha="center")
+    words = r"$\sigma_3 = \dot\chi\,\cos^2\varphi$"
+    ax.text(1.15, -1.2, words, color=_ANGLES["chi"], fontsize=TEXT)
+    ax.set(xlim=(-2.05, 2.35), ylim=(-1.6, 1.95), aspect="equal")
+    ax.set_title("Angles: flat is φ = ±π/2, face ±1; θ = π/2 − φ", fontsize=TEXT)
+    ax.axis("off")
+
+
+def _plane(ax: Axes, disk: Disk) -> None:
+    """The constants of motion: the line on which face +1 comes flat, and both sides of it."""
+    steep, edge = line_slope(disk), 1.0
+    bars = np.array([-edge, edge])
+    for sign, far in ((1, -1.0), (-1, 1.0)):
+        ax.fill_between(bars, steep * bars, [far, far], color=SIGN_COLOURS[sign], alpha=0.14, lw=0)
+    ax.plot(bars, steep * bars, color=DARK, lw=2.4)
+    ax.plot(bars, -steep * bars, color=DARK, lw=1.0, ls=(0, (5, 3)))
+    ax.text(
+        0.62,
+        0.62 * steep + 0.06,
+        r"$l_+$: falls on face $+1$",
+        fontsize=SMALL,
+        rotation=34,
+        ha="center",
+        rotation_mode="anchor",
+    )
+    ax.text(
+        -0.62,
+        0.62 * steep + 0.06,
+        r"$l_-$: on face $-1$",
+        fontsize=SMALL,
+        rotation=-34,
+        ha="center",
+        rotation_mode="anchor",
+    )
+    bar = 0.55
+    low = steep * bar - 0.75
+    how = {"arrowstyle": "<|-|>", "color": DARK, "lw": 1.2, "shrinkA": 0, "shrinkB": 4}
+    ax.annotate("", (bar, low), (bar, steep * bar), arrowprops=how)
+    ax.plot(bar, low, "o", color=SIGN_COLOURS[1], mec=DARK, ms=9)
+    ax.text(bar + 0.04, steep * bar - 0.36, r"$\hat\eta$", fontsize=TEXT + 3)
+    ax.text(bar - 0.06, low - 0.02, "a motion", fontsize=SMALL, ha="right", va="center")
+    ax.text(
+        -0.35, -0.82, r"side $\eta > 0$: races by $+\kappa\pi$", color=SIGN_COLOURS[1], fontsize=TEXT, ha="center"
+    )
+    ax.text(
+        0.0, 0.82, r"side $\eta < 0$: races by $-\kappa\pi$", color=SIGN_COLOURS[-1], fontsize=TEXT, ha="center"
+    )
+    ax.set(xlim=(-edge, edge), ylim=(-edge, edge), aspect="equal")
+    ax.set_xticks([0.0])
+    ax.set_yticks([0.0])
+    words = (
+        r"$\bar\sigma_3$: $\sigma_3$ at the vertical ($\sqrt{g/r}$)",
+        r"$\bar\sigma_4$: $\sigma_4$ at the vertical",
+    )
+    dress(ax, *words, "Constants of motion, and the sides of F")
+
+
+@picture(
+    Question.HAPPENS,
+    "What things are called. Left, the disk on its table: φ is the angle of its plane to the vertical, θ that of "
+    "its axis, χ the direction in which the contact point lies, ψ how far it has moved along the rim. Right, the "
+    "constants of motion: only on the line l₊ does the disk fall flat on face +1, and the sign of the distance η̂ "
+    "to it is the side of F.",
+    (10.4, 5.2),
+    "definitions",
+)
+def definitions(figure: Figure, disk: Disk) -> None:
+    """Draw the disk with its angles, eqs (2.14), (2.21), (2.30), and the plane of its constants, eq. (6.2)."""
+    left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
+    _disk(left)
+    _plane(right, disk)

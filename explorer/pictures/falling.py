@@ -1,0 +1,98 @@
+"""Samples near the falling set: the flattest over the constants of motion, and how rare the flattest are."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
+
+from explorer.errors import InputError
+from explorer.measure.slices import ConstantsPlane, flattest_per_cell
+from explorer.measure.statistics import poisson_interval
+from explorer.measure.tallies import LogHistogram
+from explorer.phase.arguments import column
+from explorer.phase.states import States
+from explorer.pictures.register import Question, picture
+from explorer.pictures.slices import colour_tilt
+from explorer.pictures.style import ACCENT, LAW, TEXT, dress, label, legend_below
+
+_FEWEST = 100  # samples that a guide of slope one is drawn through
+
+
+@picture(
+    Question.FROM_WHERE,
+    "The flattest motion among the samples of each cell, over the two constants of motion. Only motions on two "
+    "lines through the origin come flat; the exact lines are drawn over their outer ends, so that the ridges of "
+    "samples between them can be compared. A cell with more samples finds flatter ones.",
+)
+def constants_plane(ax: Axes, samples: States | ConstantsPlane, cells: int = 100, method: str = "auto") -> None:
+    """Draw the flattest motion among states in each cell of the plane of constants, and both lines l_+-.
+
+    cells: a side of the plane, which holds 99.5 % of the states in each direction. method: as for
+    `explorer.passages`.
+    """
+    plane = samples if isinstance(samples, ConstantsPlane) else flattest_per_cell(samples, cells, method)
+    colour_tilt(ax, plane.sigma3_edges, plane.sigma4_edges, plane.smallest, plane.method)
+    (left, right), (low, high) = plane.sigma3_edges[[0, -1]], plane.sigma4_edges[[0, -1]]
+    ax.set(xlim=(left, right), ylim=(low, high), aspect="equal")
+    reach = min(right, high / abs(plane.slope)) if plane.slope else right
+    for face, name in ((1, "$l_+$"), (-1, "$l_-$")):
+        for end in (-1.0, 1.0):
+            x = end * reach * np.array([0.72, 1.0])
+            ax.plot(x, face * plane.slope * x, color=LAW, lw=1.6, ls=(0, (4, 2)))
+        box: dict[str, Any] = {"facecolor": "white", "alpha": 0.85, "lw": 0, "pad": 1.5}
+        place: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": TEXT, "bbox": box}
+        ax.text(0.62 * reach, face * (0.62 * reach * plane.slope + 0.09 * (high - low)), name, **place)
+    title = f"Only motions on two lines come flat, {plane.disk.name} disk"
+    label(ax, plane.disk, "sigma3_bar", "sigma4_bar", title)
+
+
+@picture(
+    Question.HOW_RARELY,
+    "The share of samples that come flatter than δ, with the band of 95 % that counting leaves. It falls in "
+    "proportion to δ, as the broken line does: F has codimension one, so nearly falling flat is rare, and falling "
+    "flat has probability zero.",
+)
+def theta_min(ax: Axes, theta: LogHistogram | ArrayLike, samples: int | None = None) -> None:
+    """Draw the share of samples that come flatter than delta, and a guide of slope one: codimension one.
+
+    theta: smallest tilts (rad), of `explorer.periods` for instance, or counts of them. samples: how many there
+    are with those whose tilt is not known; by default as many as there are tilts.
+    """
+    counts = (theta if isinstance(theta, LogHistogram) else _counted(theta)).row()
+    samples = samples if samples is not None else counts.total
+    if samples < counts.total:
+        raise InputError(f"samples = {samples}: theta has {counts.total}; give the number of all, or leave it out")
+    dress(
+        ax,
+        r"$\delta$ (rad)",
+        r"share of samples with $\theta_{\min} < \delta$",
+        "The flatter, the rarer",
+        grid=True,
+    )
+    if not counts.counts.any():
+        told = "all samples fall flat" if counts.total else "no sample was computed"
+        ax.text(0.5, 0.5, told, ha="center", transform=ax.transAxes, fontsize=TEXT)
+        return
+    values, below = counts.cumulative()
+    share = below / samples
+    ax.loglog(values, share, color=ACCENT, lw=2, marker="o" if values.size == 1 else "", label="samples")
+    low, high = poisson_interval(below)
+    ax.fill_between(values, low / samples, high / samples, color=ACCENT, alpha=0.25, lw=0, label="95 %")
+    if counts.total > _FEWEST:
+        middle = int(np.searchsorted(below, counts.total // 100))
+        ends = np.array([values[0], min(1.0, values[-1])])
+        guide = rf"$\propto \delta$, through the flattest {100.0 * share[middle]:.2g} %"
+        ax.loglog(ends, share[middle] * ends / values[middle], color=LAW, ls="--", lw=1.2, label=guide)
+        ax.set_ylim(0.5 / samples, 1.5)
+    legend_below(ax, ncols=3)
+
+
+def _counted(theta: ArrayLike) -> LogHistogram:
+    """Tilts in bins; those that are not known are left out. Raises InputError for negative ones."""
+    tilts = column("theta", theta)
+    if (tilts < 0.0).any():
+        raise InputError(f"theta has {np.nanmin(tilts):g}; give smallest tilts, 0 or more (rad)")
+    counts = LogHistogram()
+    counts.count(tilts.ravel())
+    return counts

@@ -1,0 +1,144 @@
+"""The law P(theta_min < delta) = C delta, of a run of scene measure-zero."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
+
+from explorer.measure.laws import OFF, PLATEAU, SHAPE_BINS, known_laws
+from explorer.pictures.register import Question, picture
+from explorer.pictures.style import DARK, SERIES, SIZE, SMALL, dress, legend_below, mark_beyond
+
+_TUBES, _PLAIN = SERIES[1], SERIES[2]
+_POINTS: dict[str, Any] = {"ms": 5, "mfc": "none", "mew": 1.3, "capsize": 2, "lw": 1.2}
+_NEAR = "draws near $F$, weighted, 95 %"
+
+
+@picture(
+    Question.HOW_RARELY,
+    "The probability to come flatter than δ, over fifteen decades. Estimates with their intervals lie on the "
+    "line Cδ, whose C is computed without any sample; two other laws, drawn in, miss them. Below, the estimates "
+    "divided by the law: all intervals hold 1 as soon as δ is small.",
+    (SIZE[0], 8.4),
+)
+def probability(figure: Figure, summary: dict[str, Any]) -> None:
+    """Draw estimates of P(theta_min < delta) with intervals, the line C delta, and laws that it is not."""
+    if summary["constant"]:
+        above, below = figure.subplots(2, 1, sharex=True)
+        _ratio(below, summary)
+    else:
+        above = below = figure.subplots()
+    _estimates(above, summary)
+    below.set_xlabel(r"$\delta$ (rad)", fontsize=above.yaxis.label.get_size())
+
+
+def _estimates(ax: Axes, summary: dict[str, Any]) -> None:
+    rows, constant = summary["ladder"], summary["constant_predicted"]
+    delta = np.array([row["delta"] for row in rows])
+    if constant > 0.0:
+        ax.loglog(delta, constant * delta, color=DARK, lw=1.2, label=rf"$C\,\delta$, $C={constant:.5f}$")
+        laws = known_laws(constant, summary.get("law_limit", delta[0]))
+        plateau = rf"rejected: falls with $P = 10^{{{np.log10(PLATEAU):.0f}}}$"
+        for name, style, told in (
+            ("dimension_two", ":", r"rejected: $\propto\delta^2$"),
+            ("plateau", "--", plateau),
+        ):
+            shares = laws[name](delta)
+            ax.loglog(delta[shares < 1.0], shares[shares < 1.0], color=SERIES[4], ls=style, lw=1.6, label=told)
+    tubes = [(row["delta"], row["estimate"], row["interval_95_simultaneous"]) for row in rows]
+    _points(ax, tubes, fmt="o", color=_TUBES, label=_NEAR)
+    hits = [(row["delta"], row["plain"]["value"], row["plain"]["interval_95"]) for row in rows if row["count"]]
+    _points(ax, hits, fmt="s", color=_PLAIN, label=f"{summary['samples']:,} plain draws, 95 %")
+    bound = summary["upper_bound_95"]
+    ax.axhline(bound, color=_PLAIN, lw=1.0, ls="-.")
+    digit, _, exponent = f"{bound:.0e}".partition("e")
+    text = rf"{summary['falls']} of these fell: $P(0) \leq {digit} \times 10^{{{int(exponent)}}}$"
+    ax.annotate(text, (delta[-1], bound), xytext=(2, -13), textcoords="offset points", fontsize=SMALL)
+    if constant > 0.0:
+        ax.set_ylim(0.1 * constant * delta[-1], 3.0)
+    legend_below(ax, ncols=2)
+    title = f"Falling has measure zero, {summary['disks'][0]['name']} disk"
+    dress(ax, "", r"$P(\theta_{\min} < \delta)$", title, grid=True)
+
+
+def _ratio(ax: Axes, summary: dict[str, Any]) -> None:
+    """The estimates over their line, where an error of some percent in C can be seen; tested where shaded."""
+    rows = []
+    for row in summary["ladder"]:
+        unit = summary["constant_predicted"] * row["delta"]
+        rows.append(
+            (row["delta"], row["estimate"] / unit, [end / unit for end in row["interval_95_simultaneous"]])
+        )
+    ax.set_xscale("log")
+    ax.axhline(1.0, color=DARK, lw=1.2)
+    ax.axhline(1.0 + OFF, color=SERIES[4], lw=1.4, ls=":", label=f"rejected: $C$ off by {100 * OFF:.0f} %")
+    ax.axvspan(summary["ladder"][-1]["delta"] / 3.0, 2.0 * summary["law_limit"], color=DARK, alpha=0.06, lw=0)
+    _points(ax, rows, fmt="o", color=_TUBES, label=f"{_NEAR} (all at once)")
+    # The first four estimates lie above the range of the law and may leave the picture.
+    reach = max(1.5 * OFF, 1.3 * max(abs(end - 1.0) for _, _, ends in rows[4:] or rows for end in ends))
+    ax.set_ylim(1.0 - reach, 1.0 + reach)
+    beyond = [(delta, value) for delta, value, _ in rows if not abs(value - 1.0) <= reach]
+    if beyond:
+        x, y = np.transpose(beyond)
+        mark_beyond(ax, x, y, _TUBES, [f"{value:.2f}" for value in y])
+    legend_below(ax, ncols=2)
+    dress(ax, "", r"$P / (C\,\delta)$", "The same over the law; tested where shaded", grid=True)
+
+
+def _points(ax: Axes, rows: list[Any], **look: Any) -> None:
+    """Draw rows of delta, estimate and interval; an estimate of zero has no place on a logarithmic axis."""
+    rows = [row for row in rows if row[1] > 0.0]
+    if rows:
+        x, y, ends = (np.array(column) for column in zip(*rows, strict=True))
+        spread = np.maximum(np.stack([y - ends[:, 0], ends[:, 1] - y]), 0.0)
+        ax.errorbar(x, y, spread, **_POINTS, **look)
+
+
+@picture(
+    Question.HOW_RARELY,
+    "The constant C from the first N draws, relative to the one from quadrature. It settles on zero as fast "
+    "as counting allows, which is the grey wedge. Each point holds the draws of those before, so neighbours err "
+    "together.",
+)
+def constant_convergence(ax: Axes, summary: dict[str, Any]) -> None:
+    """Draw how the estimate of C settles with the number of draws, beside the prediction."""
+    rows, predicted = summary["convergence"], summary["constant_predicted"]
+    draws = np.array([row["draws"] for row in rows])
+    off = np.array([row["value"] for row in rows]) / predicted - 1.0
+    low, high = np.array([row["interval_95"] for row in rows]).T / predicted - 1.0
+    ax.axhline(0.0, color=DARK, lw=1.2, label=f"quadrature over F: $C={predicted:.6f}$")
+    name = "scrambled Sobol points" if summary["sampling"] == "sobol" else "independent draws"
+    _bars(ax, draws, off, np.stack([off - low, high - off]), f"{name}, 95 %")
+    guide = (high - off)[-1] * np.sqrt(draws[-1] / draws)
+    ax.fill_between(draws, -guide, guide, color=DARK, alpha=0.08, lw=0, label=r"$\propto N^{-1/2}$")
+    ax.set_xscale("log")
+    some = draws[:: max(1, len(draws) // 6)]
+    ax.set_xticks(some, [f"{n:,.0f}" for n in some / 1e3])
+    ax.xaxis.set_minor_locator(NullLocator())
+    legend_below(ax)
+    title = "The constant $C$ settles on its prediction"
+    dress(ax, "draws near $F$, from the first on (thousands)", "$C$ from draws / predicted − 1", title, grid=True)
+
+
+@picture(
+    Question.HOW_RARELY,
+    "The density of the smallest tilt among the draws that come flatter than δ, against the even one that the law "
+    "Cδ says. The axis shows a percent or so on either side of 1: what is left is the noise of counting.",
+)
+def tilt_density(ax: Axes, summary: dict[str, Any]) -> None:
+    """Draw theta_min / delta of the hits beside the constant density that the law predicts."""
+    tilt = summary["splits"]["tilt"]
+    middle = (np.arange(SHAPE_BINS) + 0.5) / SHAPE_BINS
+    share, error = np.array(tilt["share"]) * SHAPE_BINS, np.array(tilt["error"]) * SHAPE_BINS
+    ax.axhline(1.0, color=DARK, lw=1.2, label="the law: even")
+    _bars(ax, middle, share, 1.96 * error, "draws, 95 %")
+    legend_below(ax)
+    p = tilt.get("p_value")
+    title = f"Tilts below δ are spread evenly{'' if p is None else f' ($p$ = {p:.2g})'}"
+    dress(ax, r"$\theta_{\min}/\delta$", "density", title, grid=True)
+
+
+def _bars(ax: Axes, x: Any, y: Any, spread: Any, name: str) -> None:
+    ax.errorbar(x, y, spread, fmt="o", color=_TUBES, ms=5, lw=1.4, capsize=3, label=name)

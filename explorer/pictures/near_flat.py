@@ -1,0 +1,191 @@
+"""The limit eta -> 0 from both sides: paths, the collapse of the race onto one curve, and the blow-up of flat."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from mpl_toolkits.mplot3d import Axes3D
+
+from explorer.errors import InputError
+from explorer.motion.both_sides import both_sides
+from explorer.motion.passages import passages
+from explorer.motion.trajectories import finer, trajectories
+from explorer.phase.disk import Disk
+from explorer.phase.states import Array, constants_to_states
+from explorer.pictures.register import Question, picture
+from explorer.pictures.style import DARK, SIDES, SIGN_COLOURS, SMALL, TEXT, dress, legend_below, power
+
+_GREY = "#999999"
+_STYLES = (":", "-.", "--", "-", (0, (1, 1)))
+_SEEN = 30.0  # of A t/theta_m, on an axis that is linear to 3
+_PARTS = 2  # of a step of the record, for 0.1 rad of chi between two points of a curve
+_SMALLEST = 1e-10  # of |eta_hat|, natural units: smaller tilts are lost in the rounding of phi, which is near pi/2
+
+
+class Passage(NamedTuple):
+    """One passage from the vertical to nearly flat and back, on face +1, in natural units; arrays (nt).
+
+    theta, chi: rad. p, rho: dtheta/dt and sigma3/sin(theta), which is bounded where dchi/dt is not.
+    theta_min: the smallest tilt (rad). impact_speed: A of eq. (7.1).
+    """
+
+    eta_hat: float
+    kappa: float
+    theta: Array
+    chi: Array
+    p: Array
+    rho: Array
+    theta_min: float
+    impact_speed: float
+
+    @property
+    def stretched(self) -> Array:
+        """A t / theta_min, t from the flattest moment, as theta^2 = theta_min^2 + A^2 t^2 has it."""
+        size = np.sqrt(np.maximum((self.theta / self.theta_min) ** 2 - 1.0, 0.0))
+        return np.asarray(np.copysign(size, self.p))
+
+    @property
+    def raced(self) -> Array:
+        """chi from the middle of the race, in units of kappa (rad)."""
+        return np.asarray((self.chi - 0.5 * (self.chi[0] + self.chi[-1])) / self.kappa)
+
+
+def followed(disk: Disk, eta_hat: Sequence[float]) -> Iterator[Passage]:
+    """Passages at distances eta_hat (natural units, with their signs) from the same start at the vertical.
+
+    Raises InputError where one is too near to F to be followed in phi.
+    """
+    unit, names = disk.rate_unit, ("phi", "phidot", "sigma3", "chi")
+    if not all(abs(size) >= _SMALLEST for size in eta_hat):
+        raise InputError(f"eta_hat = {eta_hat!r}: give numbers of size {_SMALLEST:g} and above")
+    whole = passages(disk, unit, np.multiply(eta_hat, unit), unit)
+    for row, size in enumerate(eta_hat):
+        start = constants_to_states(disk, unit, size * unit, unit)
+        motion = trajectories(start, float(whole.duration[row]), observables=names, accuracy=1e-9)
+        at = motion(finer(motion.t[0], _PARTS))
+        phi, phidot, sigma3, chi = (getattr(at, name)[0] for name in names)
+        theta = 0.5 * np.pi - phi
+        least, speed = float(whole.theta_min[row]), float(whole.impact_speed[row]) / unit
+        yield Passage(size, disk.kappa, theta, chi, -phidot / unit, sigma3 / np.sin(theta) / unit, least, speed)
+
+
+def _on_both_sides(sizes: Sequence[float]) -> list[float]:
+    return [sign * size for size in sizes for sign in (1, -1)]
+
+
+@picture(
+    Question.EACH_SIDE,
+    "The path of the contact point on the table, seen from above, from the vertical through two falls, nearer and "
+    "nearer to F from both sides. Each circle is a race round the rim of the disk that lies almost flat. From "
+    "left to right the paths settle down, to one limit above and to another one below: the limit at F depends on "
+    "the side.",
+    (9.25, 3.9),
+    "limit",
+)
+def limit_paths(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.3, 0.1, 0.01, 1e-4)) -> None:
+    """Draw contact paths at decreasing distances from F, section 7, and the limits, a row for each side.
+
+    eta_hat: in natural units, as sigma3_bar = phidot = 1.
+    """
+    start = constants_to_states(disk, disk.rate_unit, 0.0, disk.rate_unit)
+    several = [both_sides(start, size * disk.rate_unit) for size in eta_hat]
+    grid = figure.subplots(2, len(several) + 1, sharex=True, sharey=True, squeeze=False)
+    for row, sign in enumerate((1, -1)):
+        for ax, both, size in zip(grid[row], several, eta_hat, strict=False):
+            _path(ax, both.motions[sign]["contact"][:, :2] / disk.r, SIGN_COLOURS[sign])
+            if row == 0:
+                ax.set_title(_size(size), fontsize=TEXT)
+        _path(grid[row, -1], several[-1].limit_path(sign) / disk.r, SIGN_COLOURS[sign])
+        grid[row, 0].set_ylabel(SIDES[sign], fontsize=TEXT + 2, color=SIGN_COLOURS[sign])
+    grid[0, -1].set_title("limit", fontsize=TEXT)
+    for ax in grid.ravel():
+        ax.set_aspect("equal")
+        ax.tick_params(labelsize=SMALL - 2)
+    figure.supxlabel("on the table, radii", fontsize=SMALL)
+
+
+def _size(eta_hat: float) -> str:
+    return rf"$|\hat\eta| = {power(abs(eta_hat))}$"
+
+
+def _path(ax: Axes, path: Array, colour: str) -> None:
+    ax.plot(*path.T, color=colour, lw=1.5)
+    ax.plot(*path[0], "o", color=DARK, ms=4)
+    # Along the last piece, so that the way is seen.
+    back = int(np.searchsorted(-np.linalg.norm(path - path[-1], axis=1), -0.3))
+    how = {"arrowstyle": "-|>", "color": colour, "lw": 1.5, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 14}
+    ax.annotate("", path[-1], path[min(back, len(path) - 2)], arrowprops=how)
+
+
+@picture(
+    Question.HOW_FAR,
+    "The angle by which the contact point has raced, in units of κ, against the time from the flattest moment, "
+    "stretched by the impact speed A over the smallest tilt. Over many decades of the distance from F all races "
+    "are one curve, the arctangent, up on one side of F and down on the other.",
+    group="limit",
+)
+def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1e-4, 1e-8)) -> None:
+    """Draw races at distances eta_hat (natural units) from F on the curve +-arctan to which they tend, Lemma 6."""
+    x = np.sinh(np.linspace(-math.asinh(_SEEN), math.asinh(_SEEN), 401))
+    for sign, name in SIDES.items():
+        known = r"$\pm\arctan$" if sign > 0 else None
+        ax.plot(x, sign * np.arctan(x), color=_GREY, lw=7.0, alpha=0.45, label=known)
+        ax.text(2.2, sign * 0.62, name, color=SIGN_COLOURS[sign], fontsize=TEXT, ha="left", va="center")
+    for place, one in enumerate(followed(disk, _on_both_sides(eta_hat))):
+        seen, side = abs(one.stretched) <= _SEEN, 1 if one.eta_hat > 0.0 else -1
+        look: dict[str, Any] = {"color": SIGN_COLOURS[side], "ls": _STYLES[place // 2 % len(_STYLES)], "lw": 1.8}
+        ax.plot(one.stretched[seen], one.raced[seen], **look, label=_size(one.eta_hat) if side > 0 else None)
+    ax.set_xscale("asinh", linear_width=1.0)
+    ax.set_xlim(-_SEEN, _SEEN)
+    ax.minorticks_off()
+    ax.set_xticks([-30, -10, -3, -1, 0, 1, 3, 10, 30], ["−30", "−10", "−3", "−1", "0", "1", "3", "10", "30"])
+    ax.set_yticks([-math.pi / 2, 0.0, math.pi / 2], ["−π/2", "0", "π/2"])
+    dress(ax, r"$A\,t/\theta_{\min}$", r"race from its middle / $\kappa$ (rad)", "Near flat, all races are one")
+    legend_below(ax, ncols=3)
+
+
+@picture(
+    Question.HOW_FAR,
+    "The flat state blown up: the rate of the tilt, the rate ρ of the contact point, and how flat the disk lies, "
+    "downwards. At the bottom the flat state is an ellipse, and an orbit on it leads from the impact at −A to the "
+    "rise at +A, on one half for each side of F. Motions near F, nearer and nearer from above, follow it: the "
+    "race is this heteroclinic orbit, and the angle along it is ±κπ.",
+    (7.4, 6.0),
+    "limit",
+)
+def blow_up(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.03, 0.01, 0.003)) -> None:
+    """Draw passages near F in (dtheta/dt, rho/kappa, log cos phi), above the blown-up flat state, eq. (7.1)."""
+    ax = figure.add_subplot(projection="3d")
+    assert isinstance(ax, Axes3D)
+    several = list(followed(disk, _on_both_sides(eta_hat)))
+    # One and a half decades below the flattest of them stands for log 0.
+    flat, A = math.log10(min(one.theta_min for one in several)) - 0.7, several[-1].impact_speed
+    turned = np.linspace(0.0, math.pi, 90)
+    for sign, colour in SIGN_COLOURS.items():
+        x, y = -A * np.cos(turned), sign * A * np.sin(turned)
+        ax.plot(x, y, flat, color=colour, lw=4.0)
+        ax.text(x[38], 0.66 * y[45], flat, SIDES[sign], color=colour, fontsize=TEXT, ha="center")
+        ax.quiver(x[45], y[45], flat, 0.3 * A, 0.0, 0.0, color=colour, lw=4.0, arrow_length_ratio=0.9)
+    for one in several:
+        q = np.sin(one.theta)
+        x, y, z = (values[q < 0.6] for values in (one.p, one.rho / one.kappa, np.log10(q)))
+        ax.plot(x, y, z, color=SIGN_COLOURS[1 if one.eta_hat > 0.0 else -1], lw=1.6)
+    for at, word in ((-A, "impact"), (A, "rise")):
+        ax.plot([at, at], [0.0, 0.0], [flat, 0.0], color=DARK, lw=1.0, ls=(0, (4, 3)))
+        ax.scatter([at], [0.0], [flat], color=DARK, s=34, depthshade=False)
+        ax.text(at, 0.0, flat - 0.5, word, fontsize=SMALL, ha="center")
+    ax.set_xlabel(r"$\dot\theta$ ($\sqrt{g/r}$)", fontsize=TEXT)
+    ax.set_ylabel(r"$\rho/\kappa$ ($\sqrt{g/r}$)", fontsize=TEXT)
+    ax.set_zlabel(r"$\cos\varphi$", fontsize=TEXT)
+    decades = np.arange(math.ceil(flat), 1)
+    ax.set_zticks([flat, *decades], ["flat", *(f"$10^{{{k}}}$" for k in decades)])
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(3))
+    ax.tick_params(labelsize=SMALL)
+    ax.set_title("The race is a heteroclinic orbit on the blown-up flat state", fontsize=TEXT, y=1.0)
+    ax.set_box_aspect((1.0, 1.0, 0.85), zoom=1.05)
+    ax.view_init(elev=24.0, azim=-72.0)

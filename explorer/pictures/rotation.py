@@ -1,0 +1,64 @@
+"""Turns of the contact point in one period, over all constants of motion at one energy."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Ellipse
+
+from explorer.errors import InputError
+from explorer.motion.periods import periods
+from explorer.phase.disk import Disk
+from explorer.phase.lines import line_slope
+from explorer.phase.states import Array, phi_to_states
+from explorer.pictures.register import Question, picture
+from explorer.pictures.style import DARK, TEXT, colour_bar, label
+
+
+@picture(
+    Question.WHERE_TO,
+    "By how many turns the contact point advances in one period, without whole turns, over the constants of "
+    "motion at one energy. The colours go round like the turns do. They jump at the lines l₊ and l₋, where the "
+    "disk comes flat, by twice the race. The palest are resonances, a whole number of turns, at which the disk "
+    "may wander off without bound.",
+    group="rotation",
+)
+def rotation(ax: Axes, disk: Disk, energy: float = 2.0, points: int = 300) -> None:
+    """Draw chi(tau)/2pi modulo 1 over (sigma3_bar, sigma4_bar), eq. (3.13).
+
+    energy: in m g r, above 1, that of the upright disk. points: on each side; an even number, so that none is
+    on an axis.
+    """
+    x, y, turns = rotation_numbers(disk, energy, points)
+    colours = ax.pcolormesh(x, y, turns % 1.0, cmap="twilight", vmin=0.0, vmax=1.0, rasterized=True)
+    # Cells at the edge are whole or missing: cut through those that are whole.
+    inner = 2.0 * (1.0 - 1.5 / points) * points / (points - 1)
+    colours.set_clip_path(Ellipse((0.0, 0.0), inner * x[-1], inner * y[-1], transform=ax.transData))
+    colour_bar(ax, colours, "turns per period, without whole ones", (0.0, 0.25, 0.5, 0.75, 1.0))
+    # In the corners, not over the jumps that they name: where the lines leave the ellipse of this energy.
+    slope, how = line_slope(disk), {"arrowstyle": "-", "lw": 1.0, "color": DARK}
+    for sign, name in ((1, "$l_+$"), (-1, "$l_-$")):
+        for edge in (-1.0, 1.0):
+            out = edge / np.hypot(1.0 / x[-1], slope / y[-1])
+            end, corner = (1.02 * out, 1.02 * sign * slope * out), (1.5 * out, 1.02 * sign * slope * out)
+            ax.annotate(name, end, corner, fontsize=TEXT, ha="center", va="center", arrowprops=how)
+    label(ax, disk, "sigma3_bar", "sigma4_bar", f"Turns jump where the disk comes flat ($E$ = {energy:g} $mgr$)")
+
+
+def rotation_numbers(disk: Disk, energy: float, points: int) -> tuple[Array, Array, Array]:
+    """(sigma3_bar, sigma4_bar, turns): sides of the grid, units of the disk, and turns (points, points).
+
+    By sigma4_bar and by sigma3_bar, NaN where no motion of this energy passes the vertical, and on F. Raises
+    InputError where there is none at all.
+    """
+    body, unit, free = disk.body, disk.rate_unit, energy - 1.0
+    if not free > 0.0:
+        raise InputError(f"energy = {energy!r}: upright, the disk has 1 m g r; give more")
+    inside = (np.arange(points) + 0.5) * 2.0 / points - 1.0
+    # At the vertical the energy is M phidot^2 / 2 + I1 sigma3^2 / 2 + J sigma4^2 / 2 + m g r.
+    x, y = np.sqrt(2.0 * free / body.I1) * inside, np.sqrt(2.0 * free / body.J) * inside
+    left = 2.0 * free - body.I1 * x**2 - (body.J * y**2)[:, None]
+    rows, columns = np.nonzero(left > 0.0)
+    phidot = np.sqrt(left[rows, columns] / body.M)
+    states = phi_to_states(disk, 0.0, phidot * unit, x[columns] * unit, y[rows] * unit)
+    turns = np.full(left.shape, np.nan)
+    turns[rows, columns] = periods(states, 1e-4).chi / (2.0 * np.pi)  # a hundredth of what a colour shows
+    return x * unit, y * unit, turns

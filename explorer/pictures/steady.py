@@ -1,0 +1,121 @@
+"""Steady motions: where they lie and which are stable."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.patches import Patch
+
+from explorer.errors import InputError
+from explorer.phase.disk import Disk
+from explorer.phase.lines import line_slope
+from explorer.phase.membership import well
+from explorer.phase.potential import at_constants
+from explorer.phase.stability import (
+    circular_precession,
+    fold_curve,
+    last_unstable_tilt,
+    rolling_threshold,
+    spinning_threshold,
+    stability_edges,
+    steady_rates,
+)
+from explorer.pictures.register import Question, picture
+from explorer.pictures.style import (
+    BOUNCES,
+    DARK,
+    HALF_PI,
+    SERIES,
+    SMALL,
+    TEXT,
+    UNSTABLE,
+    dress,
+    label,
+    legend_below,
+    rates_of,
+)
+
+RADII = (0.5, 1.0, 2.0, 5.0)  # of the circles that are marked, in radii of the disk
+
+
+@picture(
+    Question.WHICH_MOTIONS,
+    "The plane of the constants of motion: the lines of the falling motions, and the curve with four cusps inside "
+    "which there is an unstable steady motion between two stable ones. On its cusps spinning upright and straight "
+    "rolling become stable.",
+    group="phase",
+)
+def steady_plane(ax: Axes, disk: Disk) -> None:
+    """Draw the plane of constants: l_+-, the fold of steady motions, and where there are wells near F."""
+    x, y = fold_curve(disk)
+    ax.fill(x, y, color=UNSTABLE, lw=0)
+    width, height = 1.7 * abs(x).max(), 1.7 * abs(y).max()
+    slope, most = line_slope(disk), well(disk).sigma3_bar * disk.rate_unit
+    ends, inner = np.array([-3.0, 3.0]) * width, np.array([-most, most])
+    for face, names in ((1, (r"$l_+$, $l_-$: falling", "with a well on it")), (-1, (None, None))):
+        ax.plot(ends, face * slope * ends, color=DARK, lw=1.4, label=names[0])
+        ax.plot(inner, face * slope * inner, color=DARK, lw=5.0, label=names[1])
+    ax.plot(x, y, color=SERIES[1], lw=2.4, label="two steady motions merge")
+    spin, roll = spinning_threshold(disk), rolling_threshold(disk)
+    marks = [spin, -spin, 0.0, 0.0], [0.0, 0.0, roll, -roll]
+    ax.plot(*marks, "D", color=DARK, mfc="white", ms=7, label="upright becomes stable")
+    for share, words in ((-0.5, ""), (-1.35, " steady\nmotion")):
+        at = share * spin, 1e-3 * disk.rate_unit
+        count = len(at_constants(disk, *at).equilibria)
+        ax.text(*at, f"{count}{words}", ha="center", va="center", fontsize=TEXT)
+    ax.set_xlim(-width, width)
+    ax.set_ylim(-height, height)
+    legend_below(ax, ncols=2)
+    title = f"Falling lines, and how many steady motions there are: {disk.name}"
+    label(ax, disk, "sigma3_bar", "sigma4_bar", title)
+
+
+@picture(
+    Question.WHICH_MOTIONS,
+    "Circular rolling by lean and precession: where it is stable, and where it is not. Lines are circles of "
+    "one radius; the unstable tongue is slow rolling that falls over.",
+    group="phase",
+)
+def steady_map(ax: Axes, disk: Disk) -> None:
+    """Draw circular rolling over lean and precession: which motions are stable, and the radii of their circles.
+
+    At lean 0 stands spinning upright, stable above its threshold; straight rolling is the corner.
+    """
+    unit = disk.rate_unit
+    lean, precession = np.linspace(1e-3, HALF_PI - 1e-3, 241), np.linspace(0.02, 3.2, 321) * unit
+    motions = steady_rates(disk, -lean[None, :], precession[:, None])
+    tints: dict[str, Any] = {"cmap": ListedColormap([UNSTABLE, BOUNCES]), "vmin": 0, "vmax": 1}
+    ax.pcolormesh(lean, precession, motions.stable, **tints, rasterized=True, shading="nearest", zorder=0)
+    lines = ax.contour(lean, precession, motions.radius / disk.r, levels=RADII, colors=DARK, linewidths=1.0)
+    ax.clabel(lines, fmt=lambda value: f"R = {value:g} r", fontsize=SMALL, manual=_label_places(disk))
+    phi = last_unstable_tilt(disk) * np.sin(np.linspace(0.0, HALF_PI, 200))[1:-1]
+    fast, slow = stability_edges(disk, phi)
+    edge = np.concatenate([phi, phi[::-1]]), np.concatenate([slow, fast[::-1]])
+    ax.plot(*edge, color=SERIES[1], lw=2.4, label="edge of stability")
+    spin = spinning_threshold(disk)
+    upright: dict[str, Any] = {"color": DARK, "lw": 4.0, "clip_on": False}
+    ax.plot([0.0, 0.0], [spin, precession[-1]], label="upright, stable", **upright)
+    ax.plot([0.0, 0.0], [0.0, spin], ls=(0, (1.0, 0.8)), label="upright, unstable", **upright)
+    ax.set_xlim(0.0, HALF_PI)
+    ax.set_xticks([0.0, 0.5, 1.0, HALF_PI], ["upright", "0.5", "1", "flat, π/2"])
+    ax.set_ylim(0.0, precession[-1])
+    patches = [Patch(fc=tint, ec=DARK, label=name) for tint, name in ((BOUNCES, "stable"), (UNSTABLE, "unstable"))]
+    legend_below(ax, handles=[*patches, *ax.get_legend_handles_labels()[0]], ncols=3)
+    title = f"Circular rolling on circles of radius $R$: {disk.name}"
+    dress(ax, r"lean $|\varphi|$ (rad)", rf"precession $\dot\chi$ ({rates_of(disk)})", title)
+
+
+def _label_places(disk: Disk) -> list[tuple[float, float]]:
+    """Where lines of one radius are labelled: clear of the edge of stability."""
+    places = []
+    for radius in RADII:
+        for lean in (1.25, 1.0, 0.5, 0.3, 0.15):
+            try:
+                rate = circular_precession(disk, lean, radius * disk.r)
+            except InputError:
+                continue
+            if rate < 2.6 * disk.rate_unit:
+                places.append((lean, rate))
+                break
+    return places

@@ -1,0 +1,85 @@
+"""What accuracy costs: the picture of `nearflat trade`."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from explorer.motion.trade import ROUNDING, Measured, Row, best_of
+from explorer.pictures.register import Question, picture
+from explorer.pictures.style import DARK, MARKERS, SERIES, SMALL, dress
+
+_LIMITS = (3e-2, 3e-17)  # of the error; the names of the methods stand in the last decades
+_APART = 1.35  # ratio of the heights of two names
+_TITLES = {
+    "passages": "Passages: time against error",
+    "tilts": "Smallest tilts: time against error",
+    "motions": "Motions in time: time against error",
+}
+
+
+@picture(
+    Question.HOW_GOOD,
+    "What accuracy costs, for each method at many settings: the time of a sample on one core against the 99th "
+    "percentile of its error. Lower and further right is better. The band joins the integrators that no other "
+    "beats; the stars are quadrature at several accuracies.",
+)
+def work_precision(ax: Axes, measured: Measured) -> None:
+    """Draw time per sample against the 99th percentile of the error, a line per method, the front in grey.
+
+    measured: one of the `parts` of what `explorer.trade` returns. Settings that are no better than a coarser
+    one of the same method are left out.
+    """
+    front = sorted(_place(row) for row in measured.rows if row.on_front)
+    if front:
+        ax.plot(*np.array(front).T, color="0.85", lw=9, solid_capstyle="round", zorder=0, label="best integrators")
+    names: list[tuple[float, float, str, str]] = []
+    for k, method in enumerate(dict.fromkeys(row.method for row in measured.rows)):
+        chosen = best_of([row for row in measured.rows if row.method == method])
+        if not chosen:
+            continue
+        by_quadrature = method == "quadrature"
+        colour = DARK if by_quadrature else SERIES[1 + list(MARKERS).index(_marker(method))]
+        style: dict[str, Any] = {"marker": _marker(method), "ms": 6, "color": colour, "ls": "-", "zorder": 2 + k}
+        if by_quadrature:
+            style |= {"marker": "*", "ms": 13, "lw": 1.0}
+        ax.plot(*np.array([_place(row) for row in chosen]).T, **style, label=method)
+        beyond = f" ≤ {ROUNDING:g}" if chosen[-1].p99 < ROUNDING else ""
+        names.append((*_place(chosen[-1]), method + beyond, colour))
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_xlim(*_LIMITS)
+    ax.set_xticks([10.0**-k for k in range(2, 15, 2)])
+    _write(ax, names)
+    # No method is both slow and far off, so this corner is free.
+    ax.text(0.02, 0.97, "better ↘", ha="left", va="top", fontsize=SMALL, transform=ax.transAxes)
+    x = "error, 99th percentile (rad; times and tilts relative)"
+    dress(ax, x, f"time per {measured.unit}, one core (ns)", _TITLES[measured.kind], grid=True)
+
+
+def _marker(method: str) -> str:
+    """Each method has its own marker, also where others are missing."""
+    known: Sequence[str] = ("rk4", "rk8", "dopri5", "dop853")
+    return MARKERS[known.index(method) if method in known else len(known)]
+
+
+def _place(row: Row) -> tuple[float, float]:
+    return max(row.p99, ROUNDING), row.nanoseconds
+
+
+def _write(ax: Axes, names: list[tuple[float, float, str, str]]) -> None:
+    """The names of the methods beside the fine ends of their lines, apart from each other."""
+    lowest = 0.0
+    for error, nanoseconds, name, colour in sorted(names, key=lambda each: each[1]):
+        height = max(nanoseconds, lowest * _APART)
+        lowest = height
+        ax.annotate(
+            name,
+            (error, height),
+            (9, 0),
+            textcoords="offset points",
+            va="center",
+            color=colour,
+            fontsize=SMALL,
+        )

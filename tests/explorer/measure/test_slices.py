@@ -1,0 +1,148 @@
+"""Slices of the phase space: tilts and sides against motions that are followed."""
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer.measure.slices import Slice, flattest_per_cell, slice_map
+from explorer.motion.plan import plan
+from explorer.motion.turning_points import smallest_tilt
+
+UNIFORM, HOOP = BODIES["uniform"], BODIES["hoop"]
+
+
+@pytest.fixture(scope="module")
+def slice_of_uniform():
+    return slice_map(UNIFORM, Slice.defaults(UNIFORM)[0], points=61)
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_the_tilt_by_quadrature_is_that_of_the_integrated_slices(number):
+    where = Slice.defaults(HOOP)[number]
+    one, other = slice_map(HOOP, where, points=31), slice_map(HOOP, where, points=31, method="dopri5")
+    both = np.isfinite(one["theta_min"]) & np.isfinite(other["theta_min"])
+    assert both.mean() > 0.98
+    np.testing.assert_allclose(one["theta_min"][both], other["theta_min"][both], rtol=3e-3)
+
+
+def test_the_side_is_the_direction_of_the_contact_point_at_the_flattest_moment(slice_of_uniform):
+    """Against passages from the vertical, where chi is integrated: its sign near F."""
+    at = slice_of_uniform
+    x, y = np.meshgrid(at.x, at.y)
+    known = ex.constants(ex.phi_to_states(UNIFORM, 0.0, 1.0, x, y))
+    face = slice_of_uniform.falls.face
+    eta = np.where(face > 0, known.eta_hat_plus, known.eta_hat_minus)
+    near = (abs(eta) < 0.1) & (abs(eta) > 1e-3) & (slice_of_uniform.side != 0)
+    assert near.sum() > 100
+    turned = ex.passages(UNIFORM, known.sigma3_bar[near], eta[near], 1.0, face[near]).race_angle
+    np.testing.assert_array_equal(np.sign(turned), slice_of_uniform.side[near])
+
+
+def test_the_colours_change_on_f_and_the_tilt_vanishes_there(slice_of_uniform):
+    """Along a column the strongest cells of the two colours are the neighbours of l_+ and l_-."""
+    at = slice_of_uniform
+    slope = 0.7285923160189477
+    column = int(np.argmin(abs(at.x - 1.0)))
+    tilt, side = at["theta_min"][:, column], slice_of_uniform.side[:, column]
+    for line in (slope, -slope):
+        above = int(np.searchsorted(at.y, line * at.x[column]))
+        assert {side[above - 1], side[above]} == {-1, 1}
+        assert max(tilt[above - 1], tilt[above]) < 0.1
+    assert np.median(tilt[side != 0]) > 0.2
+
+
+@pytest.mark.parametrize(("asked", "done"), [("auto", "quadrature"), ("dopri5", "dopri5"), ("rk8", "rk8")])
+def test_a_slice_says_how_it_was_computed(asked, done):
+    assert slice_map(UNIFORM, Slice.defaults(UNIFORM)[0], points=3, method=asked).method == done
+
+
+@pytest.mark.parametrize("points", [1, 4001, 2.5, True, "many"])
+def test_a_number_of_points_that_cannot_be_is_named(points):
+    with pytest.raises(ex.InputError, match="points = "):
+        slice_map(UNIFORM, Slice.defaults(UNIFORM)[0], points=points)
+
+
+def turns(batch):
+    """Turns of the contact point within a time of 3."""
+    return ex.simulate(batch, t_eval=[3.0], observables=["chi"]).chi[:, 0] / (2.0 * np.pi)
+
+
+@pytest.mark.parametrize(
+    "plane",
+    [
+        {"phi": 0.2, "phidot": 0.4, "sigma3": (-1, 1), "sigma4": (-0.5, 1)},
+        {"phi": (-1, 1), "energy": 3, "sigma3_bar": 0.5, "eta_hat": (-0.3, 0.3)},
+        {"phi": 0.1, "phidot": (-1, 1), "sigma3_bar": (-1, 1), "sigma4_bar": 0.2},
+    ],
+)
+def test_a_map_of_ones_own_is_the_function_at_each_point_of_the_grid(plane):
+    found = ex.slice_map(UNIFORM, plane, turns, points=5, jobs=2)
+    (first, second), fixed = found.slice.axes, found.slice.fixed
+    for j, i in ((0, 0), (2, 4), (4, 1)):
+        state = ex.coordinates_to_states(UNIFORM, **fixed, **{first: found.x[i], second: found.y[j]})
+        np.testing.assert_allclose(found["turns"][j, i], turns(state)[0], rtol=1e-9)
+
+
+def test_an_eta_hat_of_a_map_is_where_the_falling_set_is():
+    found = ex.slice_map(UNIFORM, "phi=0,phidot=1,sigma3_bar=0.2:1,eta_hat=-1:1", points=9)
+    assert (np.argmin(found["theta_min"], axis=0) == 4).all()
+    np.testing.assert_allclose(found.falls.distance_plus[4], 0.0, atol=1e-15)
+
+
+def test_a_map_is_stored_with_its_axes(tmp_path):
+    found = ex.slice_map(UNIFORM, "phi=0,phidot=1,sigma3=-2:2,sigma4=-1:1", points=4)
+    stored = np.load(found.save(tmp_path / "map.npz"))
+    np.testing.assert_array_equal(stored["theta_min"], found["theta_min"])
+    np.testing.assert_array_equal(stored["sigma4"], found.y)
+    assert float(stored["phidot"]) == 1.0
+    assert found.to_pandas().shape == (16, 5)
+
+
+def test_each_cell_of_the_plane_has_its_flattest_motion():
+    """One state at a time; tilts by integration, where the plane has them by quadrature."""
+    states = ex.phi_to_states(UNIFORM, 0.0, *np.random.default_rng(4).uniform(-1.0, 1.0, (3, 60)))
+    plane, wanted = flattest_per_cell(states, 4), np.full((4, 4), np.inf)
+    tilts = smallest_tilt(states, plan(("theta_min",), 1e-7, "rk8"))[0]
+    for each, tilt in enumerate(tilts):
+        bars = ex.constants(states.at([each]))
+        columns = [
+            sum(edge <= bar[0] for edge in edges) - 1
+            for bar, edges in ((bars.sigma3_bar, plane.sigma3_edges), (bars.sigma4_bar, plane.sigma4_edges))
+        ]
+        if all(0 <= column < 4 for column in columns):
+            wanted[columns[1], columns[0]] = min(wanted[columns[1], columns[0]], tilt)
+    assert np.isfinite(wanted).sum() > 12
+    np.testing.assert_allclose(plane.smallest, np.where(np.isinf(wanted), np.nan, wanted), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("plane", "message"),
+    [
+        ("phi=0,phidot=1,sigma3=-2:2", "give phidot or energy"),
+        ("phi=0,phidot=1,sigma3=-2:2,sigma4=0", "two as LOW:HIGH"),
+        ({"phi": 0, "phidot": 1, "sigma3": (-2, 2), "sigma5": (0, 1)}, "did you mean"),
+        ({"phi": 0, "phidot": 1, "sigma3": "a:b", "sigma4": (0, 1)}, "is not a number or a range"),
+        (7, "write"),
+    ],
+)
+def test_what_is_no_plane_is_refused_in_words(plane, message):
+    with pytest.raises(ex.InputError, match=message):
+        ex.slice_map(UNIFORM, plane)
+
+
+def test_a_disk_without_axial_inertia_has_no_plane_of_constants():
+    needle = ex.phi_to_states(ex.Disk(I1=0.3, I3=0.0), 0.1, 0.0, 1.0, 1.0)
+    with pytest.raises(ex.InputError, match="I3 = 0 has no eta_hat"):
+        flattest_per_cell(needle)
+
+
+@pytest.mark.parametrize("method", ["quadrature", "dop853"])
+def test_flattest_motions_keep_the_constants_that_were_given(method):
+    """In the states themselves so small an eta_hat is lost. The third one only makes the plane wide enough."""
+    states = ex.constants_to_states(ex.Disk.uniform(), [1.0, -0.9, 1.5], [1e-30, -1e-40, 0.1], 1.0)
+    plane = flattest_per_cell(states, 4, method)
+    found = np.sort(plane.smallest[np.isfinite(plane.smallest)])
+    expected = np.sort(ex.bounces(states[:2], 1).theta_min[:, 0])
+    assert (expected < 1e-29).all()
+    np.testing.assert_allclose(found, expected, rtol=1e-3)

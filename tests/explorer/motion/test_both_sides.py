@@ -1,0 +1,105 @@
+"""Motions on both sides of a point of F beside their limits."""
+
+import numpy as np
+import pytest
+from conftest import BODIES
+
+import explorer as ex
+from explorer.motion.both_sides import FALLS, MARGIN, QUANTITIES, beside, both_sides, limits_at, sample_times
+from explorer.motion.trajectories import trajectories
+
+HOOP = BODIES["hoop"]
+START = {"sigma3_bar": 0.6, "phidot": 1.0, "face": 1}
+
+
+@pytest.fixture(scope="module")
+def both():
+    return both_sides(beside(HOOP, START, 0.0))
+
+
+def test_each_motion_stays_with_the_limit_of_its_own_side(both):
+    """Away from the impacts; eta ln(1/eta) is 0.05 here, and the other side is 4.6 rad away after one fall."""
+    period = both.impacts[1] - both.impacts[0]
+    away = abs(both.t[:, None] - both.impacts).min(axis=1) > 0.1 * period
+    after = away & (both.t > both.impacts[0])
+    for sign in (1, -1):
+        np.testing.assert_allclose(both.motions[sign]["chi"][away], both.limits[sign].chi[away], atol=0.3)
+        assert (abs(both.motions[sign]["chi"] - both.limits[-sign].chi)[after] > 2.0).all()
+        np.testing.assert_allclose(both.motions[sign]["phi"][away], both.limits[sign].phi[away], atol=0.1)
+
+
+def test_the_race_is_sampled_finely(both):
+    for sign in (1, -1):
+        assert abs(np.diff(both.motions[sign]["chi"])).max() < 0.2 + 1e-9
+
+
+def test_the_description_fits_on_a_screen(both):
+    """Hundreds of times, two motions and two limits are no text."""
+    assert repr(both).startswith(
+        f"BothSides of the disk hoop: eta_hat +-{both.eta_hat:g}\n  t: {both.t.size:,} times"
+    )
+    assert len(repr(both)) < 200
+
+
+def test_distances_are_taken_away_from_the_impacts():
+    limit = limits_at(HOOP, START)[1]
+    times, middle = sample_times(limit)
+    impacts = limit.impacts(2.0 * times[-1])
+    assert abs(times[:, None] - impacts).min() > MARGIN * limit.period
+    assert np.searchsorted(impacts, times[-1]) == FALLS
+    assert times[middle] == pytest.approx(0.5 * (impacts[0] + impacts[1]))
+
+
+def test_the_distance_to_the_limit_shrinks_with_eta():
+    limit = limits_at(HOOP, START)[1]
+    times, _ = sample_times(limit)
+    motion = trajectories(beside(HOOP, START, [1e-2, 1e-4]), t_eval=times, observables=QUANTITIES, accuracy=1e-8)
+    far, near = abs(motion.chi - limit(times).chi).max(axis=1)
+    # eta ln(1/eta) falls by 50
+    assert 20.0 < far / near < 120.0
+
+
+@pytest.mark.parametrize("face", [1, -1])
+def test_both_sides_start_anywhere_on_f_and_come_nearer_to_their_limits(face):
+    """A coin in SI units, on its way up from flat; chi at the end of both motions against the limits."""
+    coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
+    upright = ex.constants_to_states(coin, 20.0, 0.0, face * 30.0, face)
+    there = ex.limit_motion(upright, 1)(0.02)
+    bar = ex.constants(upright).sigma3_bar
+    start = ex.coordinates_to_states(
+        coin, phi=there.phi, phidot=there.phidot, sigma3_bar=bar, eta_hat=0.0, face=face
+    )
+    apart = []
+    for eta_hat in (1e-2, 1e-5, 1e-11):
+        both = ex.both_sides(start, eta_hat)
+        for side in (1, -1):
+            assert abs(np.diff(both.motions[side]["chi"])).max() <= 0.2
+        apart.append(max(abs(both.motions[s]["chi"][-1] - both.limits[s].chi[-1]) for s in (1, -1)))
+    assert apart[0] > 10.0 * apart[1] > 10.0 * apart[2]
+    assert apart[2] < 1e-5
+    with pytest.raises(ex.InputError, match="eta_hat"):
+        ex.both_sides(start, 0.0)
+
+
+def test_a_state_beside_f_is_moved_once_for_motions_and_limits_and_its_line_is_warned():
+    beside = ex.phi_to_states(ex.Disk.uniform(), 0.3, 0.8, 0.5, 0.2)
+    apart = []
+    for eta_hat in (1e-4, 1e-8):
+        with pytest.warns(ex.StateWarning, match="moved onto it") as told:
+            both = ex.both_sides(beside, eta_hat)
+        assert [warning.filename for warning in told] == [__file__]
+        assert both.start.phi == pytest.approx(0.3)
+        assert both.start.phidot == pytest.approx(0.8)
+        apart.append(max(abs(both.motions[s]["chi"][-1] - both.limits[s].chi[-1]) for s in (1, -1)))
+    assert apart[0] < 0.1
+    assert apart[1] < 1e-3 * apart[0]
+
+
+def test_the_path_of_the_limit_with_its_races_is_that_of_a_motion_beside_it():
+    both = ex.both_sides(beside(HOOP, START, 0.0), 1e-4)
+    for sign in (1, -1):
+        whole, near = both.limit_path(sign), both.motions[sign]["contact"][:, :2]
+        # Each point of one lies on the other: the races as well.
+        apart = np.linalg.norm(near[:, None] - whole[None], axis=2)
+        assert apart.min(axis=1).max() < 0.05
+        assert apart.min(axis=0).max() < 0.1

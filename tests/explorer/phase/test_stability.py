@@ -1,0 +1,128 @@
+"""Steady motions: what the potential says of them, motions that are followed, and thresholds."""
+
+import math
+
+import numpy as np
+import pytest
+from conftest import BODIES
+from scipy.optimize import brentq
+
+import explorer as ex
+from explorer.phase.membership import well
+from explorer.phase.potential import CENTRE, SADDLE, at_constants
+from explorer.phase.stability import (
+    bifurcation,
+    circular_precession,
+    fold_curve,
+    last_unstable_tilt,
+    measured_thresholds,
+    rolling_threshold,
+    spinning_threshold,
+    stability_edges,
+    steady_rates,
+    whole_path,
+)
+
+UNIFORM = BODIES["uniform"]
+
+
+def test_closed_forms_of_the_thresholds_are_those_of_v(body):
+    """By bisection on V'' of the upright motions and on V' of circular rolling."""
+    for lean, radius in ((0.1, 5.0), (0.7, 1.0), (1.4, 2.0)):
+        measured = measured_thresholds(body, lean, radius * body.r)
+        assert measured["straight_rolling"] == pytest.approx(rolling_threshold(body), rel=1e-9)
+        assert measured["spinning_upright"] == pytest.approx(spinning_threshold(body), rel=1e-9)
+        closed = circular_precession(body, lean, radius * body.r)
+        assert measured["circular_rolling"] == pytest.approx(closed, rel=1e-9)
+
+
+def test_thresholds_of_the_uniform_disk_and_the_hoop():
+    """g/3r and g/4r for straight rolling, 4g/5r and 2g/3r for spinning."""
+    for name, rolls, spins in (("uniform", 1 / 3, 4 / 5), ("hoop", 1 / 4, 2 / 3)):
+        assert rolling_threshold(BODIES[name]) ** 2 == pytest.approx(rolls, rel=1e-9)
+        assert spinning_threshold(BODIES[name]) ** 2 == pytest.approx(spins, rel=1e-9)
+
+
+def test_steady_motions_solve_the_potential_and_simulate_as_circles(paper_body):
+    disk = paper_body
+    for phi, precession in ((-0.7, 1.3), (0.4, -2.0), (-1.3, 0.8)):
+        motion = steady_rates(disk, phi, precession)
+        potential = at_constants(disk, float(motion.sigma3_bar), float(motion.sigma4_bar))
+        assert abs(float(potential.dV(phi))) < 1e-13 * (1.0 + precession**2)
+        assert float(potential.d2V(phi)) == pytest.approx(float(motion.curvature), rel=1e-11)
+        assert min(abs(at.phi - phi) for at in potential.equilibria) < 1e-12
+        start = [phi, 0.0, float(motion.sigma3), float(motion.sigma4)]
+        run = ex.simulate(
+            ex.phi_to_states(disk, *start), 3.0, observables=("phi", "chi", "contact"), accuracy=1e-10
+        )
+        assert abs(run.phi[0] - phi).max() < 1e-9
+        assert run.chi[0, -1] == pytest.approx(3.0 * precession, rel=1e-9)
+        # The contact point keeps its distance from the centre of its circle
+        chi = run.chi[0]
+        centre = run.contact[0, :, :2] + float(motion.radius) * np.stack([np.cos(chi), np.sin(chi)], axis=1)
+        assert abs(centre - centre[0]).max() < 1e-8
+
+
+def test_saddle_nodes_have_no_slope_and_no_curvature_and_meet_the_line_where_the_well_ends(body):
+    last = last_unstable_tilt(body)
+    phi = last * np.array([-0.99, -0.6, -0.1, 0.3, 0.8])
+    for precessions in stability_edges(body, phi):
+        for tilt, rate in zip(phi, precessions, strict=True):
+            motion = steady_rates(body, tilt, rate)
+            potential = at_constants(body, float(motion.sigma3_bar), float(motion.sigma4_bar))
+            size = body.energy_unit
+            assert abs(float(potential.dV(tilt))) < 1e-12 * size
+            assert abs(float(potential.d2V(tilt))) < 1e-11 * size
+    assert np.isnan(stability_edges(body, [1.001 * last, -1.3])).all()
+
+    def off_line(t):
+        tilt = -last * math.sin(t)
+        return float(steady_rates(body, tilt, stability_edges(body, tilt)[1, 0]).eta_hat)
+
+    at = brentq(off_line, 0.5, 0.5 * math.pi - 1e-6)
+    tilt = -last * math.sin(at)
+    motion = steady_rates(body, tilt, stability_edges(body, tilt)[1, 0])
+    angle, most = well(body)
+    assert abs(float(motion.sigma3_bar)) == pytest.approx(most * body.rate_unit, rel=1e-9)
+    assert tilt == pytest.approx(angle, abs=1e-5)
+
+
+@pytest.mark.parametrize("path", ["spinning", "rolling", "line"])
+def test_branches_of_a_path_change_at_its_threshold(path):
+    branches, marks = whole_path(UNIFORM, path)
+    saddles = np.concatenate([branch.parameter for branch in branches if branch.kind == SADDLE])
+    assert saddles.max() == pytest.approx(marks[0], rel=1e-6)
+    assert saddles.max() < marks[0]
+    assert saddles.min() == -saddles.max()
+    outside = [b for b in branches if b.parameter.min() > marks[0]]
+    assert {b.kind for b in outside} == (set() if path == "line" else {CENTRE})
+
+
+def test_the_fold_parts_one_steady_motion_from_three():
+    x, y = fold_curve(UNIFORM)
+    assert (x[0], y[0]) == (x[-1], y[-1])
+    assert abs(x).max() == pytest.approx(spinning_threshold(UNIFORM), rel=1e-3)
+    assert abs(y).max() == pytest.approx(rolling_threshold(UNIFORM), rel=1e-3)
+    for i in range(5, x.size, 157):
+        inside, outside = (at_constants(UNIFORM, s * x[i], s * y[i]).equilibria for s in (0.99, 1.01))
+        assert (len(inside), len(outside)) == (3, 1)
+
+
+def test_the_fold_is_one_curve_without_a_jump(body):
+    """Also at its cusps, where the two edges of instability meet within rounding."""
+    x, y = fold_curve(body, 100)
+    steps = np.hypot(np.diff(x) / np.ptp(x), np.diff(y) / np.ptp(y))
+    assert steps.max() < 0.02
+
+
+def test_bad_arguments_get_a_sentence():
+    with pytest.raises(ex.InputError, match="a finite precession, not zero"):
+        steady_rates(UNIFORM, 0.1, 0.0)
+    with pytest.raises(ex.InputError, match="lean = 2"):
+        circular_precession(UNIFORM, 2.0, 1.0)
+    with pytest.raises(ex.InputError, match="radius = -1"):
+        circular_precession(UNIFORM, 1.0, -1.0)
+    with pytest.raises(ex.InputError, match="rolls round circles above"):
+        circular_precession(UNIFORM, 1.0, 0.1)
+    with pytest.raises(ex.InputError, match="path 'up' is not known"):
+        bifurcation(UNIFORM, "up", [0.1])
