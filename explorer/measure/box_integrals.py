@@ -42,7 +42,7 @@ def between_energies(below: Callable[[float], Integral], energy: Range) -> Integ
     return Integral(upper.value - lower.value, upper.error + lower.error)
 
 
-def panels_between(ends: Sequence[Array], nodes: int) -> tuple[Array, Array]:
+def panels_between(ends: Sequence[Any], nodes: int) -> tuple[Array, Array]:
     """Nodes and weights between the first and last of `ends`, arrays or numbers, on one more axis.
 
     Between neighbouring ends there are so many nodes, spaced like the sine of an angle: a square root that
@@ -52,8 +52,8 @@ def panels_between(ends: Sequence[Array], nodes: int) -> tuple[Array, Array]:
     inner = [np.fmin(np.fmax(end, low), high) for end in ends[1:-1]]
     edges = np.sort(np.stack(np.broadcast_arrays(low, *inner, high), axis=-1), axis=-1)
     half = 0.5 * np.diff(edges)
-    used = (half > 0.0).any(axis=tuple(range(low.ndim)))
-    used[-1] |= not used.any()
+    used = np.flatnonzero((half > 0.0).reshape(-1, half.shape[-1]).any(axis=0))
+    used = used if used.size else np.zeros(1, np.intp)
     middle, half = (0.5 * (edges[..., 1:] + edges[..., :-1]))[..., used, None], half[..., used, None]
     x, weights = _gauss(nodes)
     step = half * np.cos(_HALF_PI * x) * weights * _HALF_PI

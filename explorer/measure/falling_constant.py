@@ -16,7 +16,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from itertools import product
 from typing import Any
 
@@ -188,12 +187,12 @@ def _over_f(disk: Disk, density: Density, tolerance: float) -> list[Integral]:
     box = density.box
     # l_+ and l_- meet the box in the same states where it fixes a rate at 0: sigma3_bar = 0 on both.
     meet = (0.0, 0.0) in (box.sigma3, box.sigma4)
-    parts = []
-    for face, both in ((1, False), (-1, False), (1, True))[: 3 if meet else 2]:
-        natural = density.seen_from(disk, face)
-        line = partial(LineIntegral, Integrator(disk, natural, tolerance), both=both)
-        parts.append(between_energies(lambda energy, line=line: line(energy).integral(), natural.energy))
-    return parts
+
+    def over(face: int, both: bool = False) -> Integral:
+        of = Integrator(disk, density.seen_from(disk, face), tolerance)
+        return between_energies(lambda energy: LineIntegral(of, energy, both).integral(), of.density.energy)
+
+    return [over(1), over(-1), over(1, both=True)] if meet else [over(1), over(-1)]
 
 
 @dataclass(frozen=True)
