@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, number, shown
+from explorer.errors import InputError, shown
 from explorer.measure.sampling import BLOCK, Box, Range, Stream, gather, parse_ranges
 from explorer.phase.arguments import read_range, returned_numbers
 from explorer.phase.disk import Disk
@@ -25,6 +25,8 @@ ANY_ENERGY: Range = (-math.inf, math.inf)
 # Points at which a function is looked at for its maximum, and how far it may exceed the largest value there: a
 # maximum that is missed costs digits where it is assumed too large, and an InputError where too small.
 _SEARCHED, _HEADROOM = 1 << 15, 1.5
+# Distance from flat, over pi/2, and the share of its largest value below which it counts as zero there.
+_BESIDE, _VANISHING = 1e-9, 1e-3
 _IDENTIFYING = 256  # points at which a function is looked at for the digest that tells it from others
 # Natural units: with faster rates or a smaller inertia the lines l_+- are too steep for doubles.
 _FASTEST, _LEAST = 1e4, 1e-4
@@ -50,25 +52,22 @@ class Density:
     function: Function | None = None
 
     def __post_init__(self) -> None:
-        low, high = self.energy
-        if math.isnan(low) or math.isnan(high) or not low < high:
+        if not self.energy[0] < self.energy[1]:
+            low, high = self.energy
             raise InputError(f"--energy {low:g}:{high:g} is empty; give LOW:HIGH, the smaller number first")
         for name, (mean, deviation) in self.gaussian:
-            if name not in self.box.free:
-                raise InputError(f"--gaussian {name}: the box fixes it; give it a range in --box")
-            low, high = getattr(self.box, name)
-            if math.isfinite(deviation) and 0.0 < deviation < _THINNEST * (high - low):
+            told, (low, high) = f"--gaussian {name} = {mean:g}:{deviation:g}", getattr(self.box, name)
+            if low == high:
+                raise InputError(f"{told}: the box fixes it; give {name} a range in --box")
+            if not (math.isfinite(mean) and _THINNEST * (high - low) <= deviation < math.inf):
                 raise InputError(
-                    f"--gaussian {name}: a deviation of {deviation:g} is a point; fix {name} in --box"
+                    f"{told}: write MEAN:DEVIATION, the latter above {_THINNEST:g} of the range in --box; "
+                    f"a thinner one is a point: fix {name} there"
                 )
-            if deviation > 0.0 and max(low - mean, mean - high) > _NOTHING * deviation:
+            if max(low - mean, mean - high) > _NOTHING * deviation:
                 raise InputError(
-                    f"--gaussian {name} = {mean:g}:{deviation:g}: the box lies more than {_NOTHING:g} deviations "
-                    "from the mean, where nothing is left of it; move the mean or the box"
-                )
-            if not (math.isfinite(mean) and math.isfinite(deviation) and deviation > 0.0):
-                raise InputError(
-                    f"--gaussian {name} = {mean:g}:{deviation:g}; write MEAN:DEVIATION, deviation > 0"
+                    f"{told}: the box lies more than {_NOTHING:g} deviations from the mean, where nothing is left "
+                    "of it; move the mean or the box"
                 )
         if self.function is not None and not callable(self.function):
             raise InputError(f"density = {shown(self.function)} cannot be called; give a function of four arrays")
@@ -82,51 +81,83 @@ class Density:
     def of(
         cls,
         disk: Disk,
-        box: "Box | str | None" = None,
+        box: Box | str | Mapping[str, Any] | None = None,
         energy: Any = None,
         gaussian: str | Mapping[str, Range] | None = None,
         density: Function | None = None,
     ) -> "Density":
         """A density from what users give; the box defaults to Box.default. Raises InputError."""
-        found, bells = _read_box("--box", box, disk), _bells("--gaussian", gaussian)
-        for name, reach in zip(COORDINATES[1:], (found.phidot, found.sigma3, found.sigma4), strict=True):
-            if max(map(abs, reach)) > _FASTEST * disk.rate_unit:
+        found = box if isinstance(box, Box) else Box.parse(box or {}, Box.default(disk))
+        for name in COORDINATES[1:]:
+            if max(map(abs, getattr(found, name))) > _FASTEST * disk.rate_unit:
                 raise InputError(f"--box {name}: rates beyond {_FASTEST:g} sqrt(g/r) are not sampled; narrow it")
-        if not (disk.body.I1 >= _LEAST and disk.body.k >= _LEAST):
+        if not min(disk.body.I1, disk.body.k) >= _LEAST:
             raise InputError(
                 f"disk: I1/(m r^2) = {disk.body.I1:g}, I3/I1 = {disk.body.k:g}: below {_LEAST:g} the lines of the "
                 "falling set are too steep for this; give a disk with larger ones"
             )
-        return cls(
-            found,
-            ANY_ENERGY if energy is None else read_range("--energy", energy, unbounded=True),
-            tuple(bells.items()),
-            density,
+        bounds = ANY_ENERGY if energy is None else read_range("--energy", energy, unbounded=True)
+        return cls(found, bounds, tuple(parse_ranges(gaussian or {}, "--gaussian").items()), density)
+
+    def seen_from(self, disk: Disk, face: int) -> "Density":
+        """The same in natural units, as a face sees it.
+
+        Face -1 is the mirror image of face +1, eq. (3.2): all coordinates but sigma3 change their sign.
+        """
+        units = dict(
+            zip(COORDINATES, (face, face * disk.rate_unit, disk.rate_unit, face * disk.rate_unit), strict=True)
         )
+        low, high = self.energy
+
+        def function(*columns: Array) -> Array:
+            return self._called({name: units[name] * column for name, column in zip(units, columns, strict=True)})
+
+        return Density(
+            Box(*(tuple(sorted(end / unit for end in getattr(self.box, name))) for name, unit in units.items())),
+            (low / disk.energy_unit, high / disk.energy_unit),
+            tuple((name, (mean / units[name], width / abs(units[name]))) for name, (mean, width) in self.gaussian),
+            None if self.function is None else function,
+        )
+
+    def free(self, name: str) -> bool:
+        """Whether a coordinate varies."""
+        return name in self.box.free
+
+    def means(self, name: str) -> list[float]:
+        """The mean of a coordinate's own factor, if it has one."""
+        return [mean for which, (mean, _) in self.gaussian if which == name]
+
+    def most(self, name: str) -> float:
+        """The largest size of a coordinate."""
+        return max(map(abs, self.reach(name)))
 
     def shape(self, phi: Array, phidot: Array, sigma3: Array, sigma4: Array) -> Array:
         """The density without the ends of the box and of the energy. Raises InputError where it is no density."""
         columns = dict(zip(COORDINATES, (phi, phidot, sigma3, sigma4), strict=True))
         values = np.ones(phi.shape)
-        for name, (mean, deviation) in self.gaussian:
-            values *= np.exp(-0.5 * ((columns[name] - mean) / deviation) ** 2)
+        for name, _ in self.gaussian:
+            values *= self.factor(name, columns[name])
         if self.function is not None:
             values *= self._called(columns)
         return values
 
+    def factor(self, name: str, values: Array) -> Array:
+        """A coordinate's Gaussian factor."""
+        mean, deviation = dict(self.gaussian)[name]
+        bell: Array = np.exp(-0.5 * ((values - mean) / deviation) ** 2)
+        return bell
+
     def _called(self, columns: dict[str, Array]) -> Array:
         assert self.function is not None
-        flat = {name: np.array(column).ravel() for name, column in columns.items()}
-        shape = columns["phi"].shape
-        given = returned_numbers("density", self.function(*(column.copy() for column in flat.values())))
-        if given.shape not in ((), flat["phi"].shape):
-            raise InputError(
-                f"density: returned {shown(given)} for {flat['phi'].size} states; return one number for each"
-            )
-        values = np.broadcast_to(given, flat["phi"].shape).astype(np.float64)
+        count, shape = columns["phi"].size, columns["phi"].shape
+        copies = (np.array(column).ravel() for column in columns.values())
+        given = returned_numbers("density", self.function(*copies))
+        if given.shape not in ((), (count,)):
+            raise InputError(f"density: returned {shown(given)} for {count} states; return one number for each")
+        values = np.full(count, given, np.float64)
         bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0.0)))
         if bad.size:
-            where = ", ".join(f"{name} = {column[bad[0]]:.6g}" for name, column in flat.items())
+            where = ", ".join(f"{name} = {column.flat[bad[0]]:.6g}" for name, column in columns.items())
             raise InputError(
                 f"density: is {values[bad[0]]} at {where}; a density is finite and not negative in all of the box"
             )
@@ -172,21 +203,36 @@ class Density:
 
     def quantile(self, name: str, share: Array) -> Array:
         """The values of a coordinate below which these shares of its own factor in the box lie."""
-        from scipy.special import ndtr, ndtri
-
         low, high = getattr(self.box, name)
-        pair = dict(self.gaussian).get(name)
-        if pair is None:
+        if name not in dict(self.gaussian):
             evenly: Array = low + (high - low) * share
             return evenly
-        mean, deviation = pair
-        first, last = (low - mean) / deviation, (high - mean) / deviation
-        # From the nearer tail: far from the middle the other one has no digits.
-        sign = -1.0 if first > 0.0 else 1.0
-        tails = ndtr(sign * first), ndtr(sign * last)
-        values = mean + sign * deviation * ndtri(tails[0] + (tails[1] - tails[0]) * share)
-        inside: Array = np.clip(values, low, high)
+        from scipy.special import ndtri
+
+        mean, deviation = dict(self.gaussian)[name]
+        sign, first, last = self._tails(name)
+        inside: Array = np.clip(mean + sign * deviation * ndtri(first + (last - first) * share), low, high)
         return inside
+
+    def factor_mass(self, name: str) -> float:
+        """Integral of a coordinate's own factor over the box."""
+        low, high = getattr(self.box, name)
+        if name not in dict(self.gaussian):
+            return high - low
+        _, first, last = self._tails(name)
+        return math.sqrt(2.0 * math.pi) * dict(self.gaussian)[name][1] * abs(last - first)
+
+    def _tails(self, name: str) -> tuple[float, float, float]:
+        """A direction, and the shares of a Gaussian that lie in it before both ends of the box.
+
+        It is that of the nearer tail: far from the middle the other one has no digits.
+        """
+        from scipy.special import ndtr
+
+        mean, deviation = dict(self.gaussian)[name]
+        low, high = ((end - mean) / deviation for end in getattr(self.box, name))
+        sign = -1.0 if low > 0.0 else 1.0
+        return sign, float(ndtr(sign * low)), float(ndtr(sign * high))
 
     def reach(self, name: str) -> Range:
         """The part of the box in which a coordinate's own factor is not zero in doubles."""
@@ -201,10 +247,22 @@ class Density:
         return max(low, mean - far), min(high, mean + far)
 
     @cached_property
+    def _searched(self) -> dict[str, Array]:
+        """Points of the box at which the density is looked at."""
+        return self.box.draw(np.random.Generator(np.random.Philox(1)), _SEARCHED)
+
+    @cached_property
     def _bound(self) -> float:
         """A value that the function is taken not to exceed."""
-        points = self.box.draw(np.random.Generator(np.random.Philox(1)), _SEARCHED)
-        return _HEADROOM * float(self._called(points).max())
+        return _HEADROOM * float(self._called(self._searched).max())
+
+    def reaches_flat(self) -> bool:
+        """True where it does not vanish at flat and the energy has no bound: there is no C then."""
+        if "phi" not in self.box.free or math.isfinite(self.energy[1]):
+            return False
+        largest = self.shape(**self._searched).max()
+        flat = [np.full(_SEARCHED, end * (1.0 - _BESIDE)) for end in self.box.phi if abs(end) == 0.5 * math.pi]
+        return any(self.shape(**self._searched | {"phi": phi}).max() > _VANISHING * largest for phi in flat)
 
     def describe(self) -> dict[str, Any]:
         """The entry of run.json. A function is identified by its values at fixed points of the box."""
@@ -224,26 +282,3 @@ class Density:
                 "sha256_of_values": digest,
             }
         return described
-
-
-def _read_box(name: str, value: Any, disk: Disk) -> Box:
-    """A box, or the text of one; by default that of the disk. Raises InputError."""
-    if isinstance(value, Box):
-        return value
-    text = "" if value is None else value
-    if not isinstance(text, str):
-        raise InputError(f'{name} {shown(value)}: write "phi=0,sigma3=-2:2"; what is left out keeps its range')
-    return Box.parse(text, Box.default(disk)) if text else Box.default(disk)
-
-
-def _bells(flag: str, gaussian: Any) -> dict[str, Range]:
-    """Means and deviations by coordinate, from text or a mapping. Raises InputError."""
-    if gaussian is None or isinstance(gaussian, str):
-        return {} if gaussian is None else parse_ranges(gaussian, flag)
-    pairs: list[Any] = list(gaussian.values()) if isinstance(gaussian, Mapping) else [None]
-    if not all(isinstance(pair, list | tuple) and len(pair) == 2 for pair in pairs):
-        raise InputError(f'{flag} {shown(gaussian)}: write "phidot=0.5:0.1", MEAN:DEVIATION of a coordinate')
-    return {
-        str(name): (number(f"{flag} {name}", mean), number(f"{flag} {name}", deviation))
-        for name, (mean, deviation) in gaussian.items()
-    }

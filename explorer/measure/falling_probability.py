@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.measure import laws, statistics
-from explorer.measure.box_integrals import NaturalDensity
+from explorer.measure.box_integrals import Integrator
 from explorer.measure.density import Density
 from explorer.measure.falling_constant import FallingConstant, constant_of, weight_on_f
 from explorer.measure.invariance import flow_stretch, push_forward
@@ -24,7 +24,7 @@ from explorer.measure.laws import SHAPE_BINS, Estimate
 from explorer.measure.sampling import chunk_stream
 from explorer.measure.tubes import Draws, dimensions, draw_tube, widest_eta
 from explorer.phase.disk import Disk
-from explorer.phase.states import Array, phi_to_states
+from explorer.phase.states import COORDINATES, Array, phi_to_states
 
 # The next term of the law is of order delta: 1e-4 of C here, and rungs above only measure it.
 LAW_LIMIT = 1e-4
@@ -62,13 +62,18 @@ class FallingProbability:
     @cached_property
     def law_limit(self) -> float:
         """The largest delta at which the next term of the law may be neglected."""
-        natural = NaturalDensity(self.disk, self.source)
-        away = 0.5 * np.pi - max(map(abs, self.source.box.phi))
+        b, density = self.disk.body, self.source.seen_from(self.disk, 1)
+        away = 0.5 * np.pi - max(map(abs, density.box.phi))
         near_flat = _NEAREST_FLAT * away if away > 0.0 else LAW_LIMIT
+        # Of a fixed rate its distance from 0 counts.
+        widths = [high - low or abs(low) or np.inf for low, high in map(density.reach, COORDINATES[2:])]
+        bells = [deviation for name, (_, deviation) in density.gaussian if name in COORDINATES[2:]]
+        # Few states of the box have more energy: it is the largest in it at the vertical.
+        inertias = zip(COORDINATES[1:], (b.M, b.I1, b.J), strict=True)
+        energy = 1.0 + 0.5 * sum(inertia * density.most(name) ** 2 for name, inertia in inertias)
         # The half-width of a thin tube is proportional to its delta.
-        thin = 1e-9
-        width = float(widest_eta(np.array([natural.most_energy()]), thin, self.disk)[0]) / thin
-        return float(min(LAW_LIMIT, near_flat, _NARROWEST * natural.narrowest() / width))
+        tube = float(widest_eta(np.array([min(energy, density.energy[1])]), LAW_LIMIT, self.disk)[0]) / LAW_LIMIT
+        return float(min(LAW_LIMIT, near_flat, _NARROWEST * min(widths + bells) / tube))
 
     @cached_property
     def tested(self) -> NDArray[np.bool_]:
@@ -82,9 +87,8 @@ class FallingProbability:
 
     @cached_property
     def mass(self) -> float:
-        """Integral of the density, natural units: all that draws need of C. Raises InputError where it is zero."""
-        natural = NaturalDensity(self.disk, self.source)
-        return natural.product() or self.constant.mass
+        """Integral of the density, natural units: all that draws need of C."""
+        return Integrator(self.disk, self.source.seen_from(self.disk, 1)).mass().value
 
     @cached_property
     def energy_edges(self) -> Array:

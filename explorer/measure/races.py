@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer.errors import whole
-from explorer.measure.statistics import upper_quantile
 from explorer.measure.tallies import PER_DECADE, LogHistogram, LogRow
 from explorer.phase.disk import Disk, require_disk
 from explorer.phase.states import Array, columns_of
@@ -167,7 +166,8 @@ def count_law(
         step = np.floor(np.log10(eta) * PER_STEP + 1e-9)
         doubt = None if error is None else (error * eta / scale)[np.isfinite(constant)]
     if doubt is not None and doubt.size:
-        step[~(eta > upper_quantile(doubt, 0.99))] = np.nan
+        largest = 99 * doubt.size // 100
+        step[~(eta > np.partition(doubt, largest)[largest])] = np.nan
     tally.count(constant, step)
 
 

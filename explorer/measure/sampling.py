@@ -7,8 +7,7 @@ in the run, never on the number of workers.
 """
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping
-from copy import copy
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -55,9 +54,9 @@ class Box:
         return cls((0.0, 0.0), (-two, two), (-two, two), (-two, two))
 
     @classmethod
-    def parse(cls, text: str, default: "Box") -> "Box":
-        """A box from "phi=0,phidot=-2:2,..."; what is left out keeps the default. Raises InputError."""
-        return replace(default, **parse_ranges(text, "--box"))
+    def parse(cls, given: Any, default: "Box") -> "Box":
+        """From "phi=0,phidot=-2:2,..." or a mapping; what is left out keeps the default. Raises InputError."""
+        return replace(default, **parse_ranges(given, "--box"))
 
     @property
     def free(self) -> list[str]:
@@ -84,30 +83,22 @@ def parse_ranges(given: Any, option: str, known: Collection[str] = COORDINATES) 
     """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2" or a mapping. Raises InputError naming the option."""
     if not isinstance(given, str | Mapping):
         raise InputError(f'{option} {shown(given)} is no text; write "phi=0,phidot=-2:2"')
+    items = given.items() if isinstance(given, Mapping) else (part.split("=", 1) for part in given.split(","))
     ranges: dict[str, Range] = {}
-    for name, value in _pairs(given) if isinstance(given, str) else given.items():
+    for name, *values in items:
+        name, value = str(name).strip(), values[0] if values else None
         if name not in known:
             raise InputError(f"{option}: unknown coordinate {shown(name)}; {suggest(name, known)}")
-        if value is None or name in ranges:
-            raise InputError(f"{option}: {shown(name)}; write each coordinate once, NAME=VALUE or LOW:HIGH")
-        ranges[name] = parse_range(value, f"{option} {name}")
+        parts = (
+            value.split(":") if isinstance(value, str) else value if isinstance(value, list | tuple) else [value]
+        )
+        ends = [end for part in parts if (end := double_of(part)) is not None]
+        if len(ends) != len(parts) or len(ends) not in (1, 2):
+            raise InputError(f"{option} {name} = {shown(value)} is not a number or a range LOW:HIGH")
+        if name in ranges:
+            raise InputError(f"{option}: {name} is there twice; write each coordinate once")
+        ranges[name] = ends[0], ends[-1]
     return ranges
-
-
-def _pairs(text: str) -> Iterator[tuple[str, str | None]]:
-    """Names and what stands behind them, None where nothing does."""
-    for item in text.split(","):
-        name, equals, value = (part.strip() for part in item.partition("="))
-        yield name, value if equals else None
-
-
-def parse_range(given: Any, option: str) -> Range:
-    """(low, high) from "LOW:HIGH", one number, or a pair. Raises InputError naming the option."""
-    parts = given.split(":") if isinstance(given, str) else given if isinstance(given, list | tuple) else [given]
-    ends = [double_of(part) for part in parts]
-    if not 1 <= len(ends) <= 2 or ends[0] is None or ends[-1] is None:
-        raise InputError(f"{option} = {shown(given)} is not a number or a range LOW:HIGH")
-    return ends[0], ends[-1]
 
 
 def chunk_stream(seed: int, index: int) -> np.random.Generator:
@@ -129,29 +120,18 @@ class LaneStream:
     def __init__(self, seed: int, index: int) -> None:
         key = chunk_stream(seed, index).bit_generator.state["state"]["key"]
         self._keys, self._place = compiled.philox.round_keys(key), 0
-        self._first, self._length = 0, 0
-
-    def of_rows(self, first: int, length: int) -> "LaneStream":
-        """A stream of what this one gives from place `first` on in each row of so many numbers.
-
-        Columns of a chunk are drawn one after the other; so a block of all of them can be drawn at a time.
-        """
-        part = copy(self)
-        part._first, part._length = first, length
-        return part
 
     def random(self, size: int | tuple[int, int], /) -> Array:
-        """The next numbers; of rows, one for each row of `size`."""
+        """The next numbers."""
         drawn = np.empty(size)
-        for row in drawn.reshape(-1, drawn.shape[-1]) if self._length else (drawn.reshape(-1),):
-            compiled.philox.uniform_batch(self._place + self._first, self._keys, row)
-            self._place += self._length or row.size
+        compiled.philox.uniform_batch(self._place, self._keys, drawn.reshape(-1))
+        self._place += drawn.size
         return drawn
 
 
 def signs(unit: Array) -> Array:
-    """1 where a uniform double is below 1/2, else -1; doubles from a stream are multiples of 2^-53."""
-    return np.copysign(1.0, (0.5 - 2.0**-54) - unit)
+    """1 where a uniform double is below 1/2, else -1."""
+    return np.where(unit < 0.5, 1.0, -1.0)
 
 
 def gather(

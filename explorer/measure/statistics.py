@@ -1,6 +1,6 @@
 """Counts and quantiles of samples, with honest intervals."""
 
-import math
+from collections import Counter
 from collections.abc import Iterable
 
 import numpy as np
@@ -11,10 +11,6 @@ from explorer import compiled
 from explorer.phase.states import Array
 
 QUANTILES = (0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
-# The central 68.27 % of a normal distribution: one standard deviation either way.
-ONE_SIGMA = (15.865525393145708, 84.13447460685429)
-# Of so many values only the largest are put in order; where these begin, every so many say.
-_MANY, _EACH = 8192, 16
 
 KERNELS = ("counting.histogram_batch", "counting.sum_batch")  # of what counts samples, for `compiled.warmup`
 
@@ -22,21 +18,15 @@ KERNELS = ("counting.histogram_batch", "counting.sum_batch")  # of what counts s
 def count_status(status: Iterable[NDArray[np.int8]]) -> dict[str, int]:
     """Number of samples that ended in each status, for those that occur; names in lower case."""
     Status = compiled.status.Status
-    counts = np.zeros(len(Status), dtype=np.int64)
-    for part in status:
-        if part.any():
-            counts += np.bincount(part, minlength=len(Status))
-        else:  # all is well, mostly: told in a fortieth of the time
-            counts[Status.OK] += part.size
+    counts = np.bincount(np.concatenate([*status]), minlength=len(Status))
     return {Status(code).name.lower(): int(n) for code, n in enumerate(counts) if n}
 
 
 def add_counts(parts: Iterable[dict[str, int]]) -> dict[str, int]:
-    """Sums of counts by name, in the order in which names first appear in sorted parts."""
-    total: dict[str, int] = {}
+    """Sums of counts by name, in the order of names."""
+    total = Counter[str]()
     for part in parts:
-        for name, count in part.items():
-            total[name] = total.get(name, 0) + count
+        total.update(part)
     return dict(sorted(total.items()))
 
 
@@ -55,27 +45,6 @@ def sums(values: Array, groups: NDArray[np.int64], count: int) -> Array:
     parts = np.zeros((count, 3))
     compiled.counting.sum_batch(values, groups, parts)
     return parts
-
-
-def upper_quantile(values: Array, part: float) -> float:
-    """As `np.quantile`, digit by digit, in a seventh of the time where values are many and the part is near 1.
-
-    Only what may be among the largest is put in order: what is not below a quantile of every 16th value, with as
-    many again left for chance.
-    """
-    place = part * (values.size - 1)
-    below = math.floor(place)
-    largest = values
-    if values.size >= _MANY and part < 1.0:
-        some = values[::_EACH]
-        start = min(max(int((1.0 - 2.0 * (1.0 - part)) * some.size), 0), some.size - 1)
-        largest = values[values >= np.partition(some, start)[start]]
-    first = largest.size - (values.size - below)
-    # NaN, which is above and below nothing, is the largest to NumPy, and the answer.
-    if largest.size == values.size or first < 0 or np.isnan(values.max()):
-        return float(np.quantile(values, part))
-    low, high = np.partition(largest, (first, first + 1))[first : first + 2]
-    return float(np.quantile([low, high], place - below))
 
 
 def share(count: int, total: int) -> dict[str, float | list[float]]:

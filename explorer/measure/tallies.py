@@ -13,19 +13,19 @@ import base64
 import math
 import zlib
 from collections.abc import Iterable, Mapping
-from typing import Any, ClassVar, Generic, Self, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.measure.statistics import ONE_SIGMA, QUANTILES
+from explorer.measure.statistics import QUANTILES
 from explorer.phase.states import Array
 
 K = TypeVar("K")
 PER_DECADE = 400  # bins of logarithmic counts: a quantile is good to half a bin, 0.3 %
 LOWEST_BIN = -330 * PER_DECADE  # which no double reaches
-_MARGIN = PER_DECADE // 2  # bins by which rows grow further than they must
+_NO_ENDS = (math.inf, -math.inf)  # the smallest and the largest of nothing
 
 
 class Tally:
@@ -114,16 +114,21 @@ class Least(Histogram):
         return Least(np.minimum(self.counts, other.counts))  # an empty map is one cell
 
 
-class LogRow:
+class LogRow(NamedTuple):
     """Counts of sizes by their logarithm, bin k from 10^(k/PER_DECADE) on; with the smallest and the largest size.
 
     first: the bin of counts[0]. zeros: how many sizes are 0.
     """
 
-    def __init__(self, first: int, counts: NDArray[np.int64], zeros: int, smallest: float, largest: float) -> None:
-        self.first, self.counts, self.zeros = first, counts, zeros
-        self.smallest, self.largest = smallest, largest
-        self.total = zeros + int(counts.sum())
+    first: int
+    counts: NDArray[np.int64]
+    zeros: int
+    smallest: float
+    largest: float
+
+    @property
+    def total(self) -> int:
+        return self.zeros + int(self.counts.sum())
 
     def cumulative(self) -> tuple[Array, NDArray[np.int64]]:
         """Upper edges of the bins that hold something, and how many sizes lie below each."""
@@ -155,89 +160,75 @@ class LogRow:
 class LogHistogram:
     """Counts of signed numbers by group, a whole number, and by the logarithm of their size.
 
-    Rows 2 (g - lowest) and 2 (g - lowest) + 1 of counts (rows, bins), zeros (rows) and ends (rows, 2) are of the
-    negative numbers of group g and of the others; bins as in `LogRow`, from bin `first` on.
+    counts (groups, 2, bins), zeros (groups, 2) and ends (groups, 2, 2), the smallest and the largest size, are of
+    group `lowest` and those after it: of the negative numbers of each, and of the others. Bins are those of
+    `LogRow`, from bin `first` on.
     """
 
     KERNELS = ("counting.log_count_batch",)
 
     def __init__(
-        self, lowest: int = 0, first: int = 0, counts: Any = None, zeros: Any = None, ends: Any = None
+        self, lowest: int = 0, first: int = 0, counts: Any = ((),), zeros: Any = (), ends: Any = ()
     ) -> None:
+        groups = np.size(zeros) // 2
         self.lowest, self.first = lowest, first
-        self.counts: NDArray[Any] = np.zeros((0, 0), np.int32) if counts is None else counts
-        self.zeros: NDArray[np.int64] = np.zeros(0, np.int64) if zeros is None else zeros
-        self.ends: Array = np.zeros((0, 2)) if ends is None else ends
+        self.counts: NDArray[Any] = np.reshape(counts, (groups, 2, np.shape(counts)[-1]))
+        self.zeros: NDArray[np.int64] = np.reshape(np.asarray(zeros, np.int64), (groups, 2))
+        self.ends: Array = np.reshape(ends, (groups, 2, 2))
 
     @classmethod
     def of_sizes(cls, first: int, counts: NDArray[Any], zeros: int, ends: Array) -> "LogHistogram":
         """Of one group and no negative number, counted elsewhere."""
         filled = np.flatnonzero(counts != 0)  # of booleans: twelve times as fast
         start, end = (int(filled[0]), int(filled[-1]) + 1) if filled.size else (0, 0)
-        made = cls()._moved((0, 0), (first + start, first + end - 1), np.int64)
-        made.counts[1], made.zeros[1], made.ends[1] = counts[start:end], zeros, ends
-        return made
+        positive = counts[start:end]
+        return cls(0, first + start, [0 * positive, positive], [0, zeros], [_NO_ENDS, ends])
 
     def count(self, values: Array, groups: Array | None = None) -> None:
         """Count the finite ones of numbers; none of a group that is not finite."""
         groups = np.zeros(values.size) if groups is None else groups
-        places = abs(values)
         with np.errstate(divide="ignore"):
-            np.log10(places, out=places)
-        places *= PER_DECADE
-        self._make_room(_reach(groups), _reach(places))
-        sizes = compiled.counting.Sizes(values, places, groups)
-        rows = self.counts.reshape(-1)
-        compiled.counting.log_count_batch(sizes, self.lowest, self.first, rows, self.zeros, self.ends)
-
-    def _make_room(self, groups: tuple[int, int], bins: tuple[int, int]) -> None:
-        """Have rows of these groups, from the first to the last, and in them these bins."""
-        (low, high), (first, last), (rows, width) = groups, bins, self.counts.shape
-        if rows:
-            low, high = min(low, self.lowest), max(high, self.lowest + rows // 2 - 1)
-            if first < self.first or last >= self.first + width:  # the next block may go a little further
-                first, last = min(first - _MARGIN, self.first), max(last + _MARGIN, self.first + width - 1)
-            else:
-                first, last = self.first, self.first + width - 1
-        if (2 * (high - low + 1), last - first + 1) != (rows, width) or self.counts.dtype != np.int32:
-            vars(self).update(vars(self._moved((low, high), (first, last), np.int32)))
-
-    def _moved(self, groups: tuple[int, int], bins: tuple[int, int], kind: Any) -> "LogHistogram":
-        """The same counts with rows for these groups, and in them these bins; ends of ranges included."""
-        (low, high), (first, last), (many, width) = groups, bins, self.counts.shape
-        rows = 2 * (high - low + 1)
-        ends = np.tile([np.inf, -np.inf], (rows, 1))
-        new = LogHistogram(low, first, np.zeros((rows, last - first + 1), kind), np.zeros(rows, np.int64), ends)
-        if many:
-            there = slice(2 * (self.lowest - low), 2 * (self.lowest - low) + many)
-            new.counts[there, self.first - first :][:, :width] = self.counts
-            new.zeros[there], new.ends[there] = self.zeros, self.ends
-        return new
+            places = np.log10(abs(values)) * PER_DECADE
+        (low, high), (first, last) = _reach(groups), _reach(places)
+        new = _empty((high - low + 1, 2), last - first + 1, np.int32)
+        flat = (each.reshape(shape) for each, shape in zip(new, (-1, -1, (-1, 2)), strict=True))
+        compiled.counting.log_count_batch(compiled.counting.Sizes(values, places, groups), low, first, *flat)
+        vars(self).update(vars(self + LogHistogram(low, first, *new)))
 
     def __add__(self, other: "LogHistogram") -> "LogHistogram":
-        if not (self.zeros.size and other.zeros.size):
-            return self if self.zeros.size else other
-        groups = min(self.groups[0], other.groups[0]), max(self.groups[-1], other.groups[-1])
-        first = min(self.first, other.first)
-        last = max(each.first + each.counts.shape[1] for each in (self, other)) - 1
-        a, b = (each._moved(groups, (first, last), np.int64) for each in (self, other))
-        ends = np.column_stack([np.minimum(a.ends, b.ends)[:, 0], np.maximum(a.ends, b.ends)[:, 1]])
-        return LogHistogram(groups[0], first, a.counts + b.counts, a.zeros + b.zeros, ends)
+        if not (self.groups and other.groups):
+            return self if self.groups else other
+        lowest, first = min(self.lowest, other.lowest), min(self.first, other.first)
+        groups = max(self.groups.stop, other.groups.stop) - lowest
+        bins = max(each.first + each.counts.shape[2] for each in (self, other)) - first
+        counts, zeros, ends = _empty((groups, 2), bins, np.int64)
+        for each in (self, other):
+            rows = slice(each.lowest - lowest, each.groups.stop - lowest)
+            counts[rows, :, each.first - first :][..., : each.counts.shape[2]] += each.counts
+            zeros[rows] += each.zeros
+            ends[rows, :, 0] = np.minimum(ends[rows, :, 0], each.ends[..., 0])
+            ends[rows, :, 1] = np.maximum(ends[rows, :, 1], each.ends[..., 1])
+        return LogHistogram(lowest, first, counts, zeros, ends)
 
     def state(self) -> list[Any]:
-        bins = np.flatnonzero(self.counts.any(axis=0))  # only what holds something is written
+        bins = np.flatnonzero(self.counts.any(axis=(0, 1)))  # only what holds something is written
         first, end = (int(bins[0]), int(bins[-1]) + 1) if bins.size else (0, 0)
-        ends = [[None if math.isinf(end) else end for end in row] for row in self.ends.tolist()]
-        return [self.lowest, self.first + first, packed(self.counts[:, first:end]), self.zeros.tolist(), ends]
+        ends = np.where(np.isinf(self.ends), None, self.ends).reshape(-1, 2)  # type: ignore[call-overload]
+        counts = packed(self.counts[..., first:end])
+        return [self.lowest, self.first + first, counts, self.zeros.ravel().tolist(), ends.tolist()]
 
     @classmethod
     def of_state(cls, state: list[Any]) -> "LogHistogram":
         lowest, first, counts, zeros, ends = state
         if not zeros:
             return cls()
-        known = [[np.inf if low is None else low, -np.inf if high is None else high] for low, high in ends]
+        known = np.array(ends, np.float64)  # NaN for None
         return cls(
-            lowest, first, unpacked(counts).reshape(len(zeros), -1), np.array(zeros, np.int64), np.array(known)
+            lowest,
+            first,
+            unpacked(counts).reshape(len(zeros), -1),
+            zeros,
+            np.where(np.isnan(known), _NO_ENDS, known),
         )
 
     @property
@@ -246,26 +237,22 @@ class LogHistogram:
 
     @property
     def groups(self) -> range:
-        return range(self.lowest, self.lowest + self.zeros.size // 2)
+        return range(self.lowest, self.lowest + len(self.zeros))
 
     def part(self, groups: Iterable[int]) -> "LogHistogram":
         """What was counted of some groups, as of one."""
         chosen = [group - self.lowest for group in groups if group in self.groups]
-        of_signs = len(self.groups), 2
-        counts, zeros, ends = (
-            each.reshape(*of_signs, *each.shape[1:])[chosen] for each in (self.counts, self.zeros, self.ends)
-        )
-        low, high = ends.min(axis=0, initial=np.inf)[:, 0], ends.max(axis=0, initial=-np.inf)[:, 1]
-        return LogHistogram(
-            0, self.first, counts.sum(axis=0, dtype=np.int64), zeros.sum(axis=0), np.column_stack([low, high])
-        )
+        low, high = np.moveaxis(self.ends[chosen], -1, 0)
+        ends = np.column_stack([low.min(axis=0, initial=np.inf), high.max(axis=0, initial=-np.inf)])
+        counts, zeros = self.counts[chosen].sum(axis=0, dtype=np.int64), self.zeros[chosen].sum(axis=0)
+        return LogHistogram(0, self.first, counts, zeros, ends)
 
     def row(self, *, below: bool = True, above: bool = True) -> LogRow:
         """Sizes of the negative numbers, of the others or of both."""
-        chosen = [row for row in range(self.zeros.size) if (below, above)[row % 2]]
-        counts, ends = self.counts[chosen].sum(axis=0, dtype=np.int64), self.ends[chosen]
-        smallest, largest = ends[:, 0].min(initial=np.inf), ends[:, 1].max(initial=-np.inf)
-        return LogRow(self.first, counts, int(self.zeros[chosen].sum()), float(smallest), float(largest))
+        signs = [sign for sign, wanted in enumerate((below, above)) if wanted]
+        counts, zeros = self.counts[:, signs].sum(axis=(0, 1), dtype=np.int64), int(self.zeros[:, signs].sum())
+        low, high = self.ends[:, signs, 0].min(initial=np.inf), self.ends[:, signs, 1].max(initial=-np.inf)
+        return LogRow(self.first, counts, zeros, float(low), float(high))
 
     def quantile(self, q: float) -> float:
         """The number below which a share q lies, as `LogRow.quantile`."""
@@ -279,8 +266,13 @@ class LogHistogram:
 
     def half_width(self) -> float:
         """Half the width of the central 68.27 %: the standard deviation of a normal sample, robust to tails."""
-        low, high = (self.quantile(percent / 100.0) for percent in ONE_SIGMA)
+        low, high = (self.quantile(0.5 + sign * 0.5 * math.erf(0.5**0.5)) for sign in (-1, 1))
         return 0.5 * (high - low)
+
+
+def _empty(rows: tuple[int, int], bins: int, kind: Any) -> tuple[NDArray[Any], NDArray[np.int64], Array]:
+    """Counts, zeros and ends of a `LogHistogram` in which there is nothing."""
+    return np.zeros((*rows, bins), kind), np.zeros(rows, np.int64), np.tile(_NO_ENDS, (*rows, 1))
 
 
 def _reach(places: Array) -> tuple[int, int]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.measure.box_integrals import NaturalDensity, ends_of_bar, mirrored
+from explorer.measure.box_integrals import ends_of_bar
 from explorer.measure.density import Density
 from explorer.measure.sampling import Range
 from explorer.motion.starts import motions_through
@@ -65,7 +65,7 @@ def draw_tube(
     mass: integral of the density (FallingConstant.mass). points: (n, dimensions), uniform in the unit cube.
     accuracy: relative, of theta_min.
     """
-    return Tube(NaturalDensity(disk, density), face, delta).draw(points, mass, accuracy)
+    return Tube(disk, density.seen_from(disk, face), face, delta).draw(points, mass, accuracy)
 
 
 def widest_eta(energy: Array, delta: float, disk: Disk) -> Array:
@@ -86,71 +86,58 @@ def widest_eta(energy: Array, delta: float, disk: Disk) -> Array:
 
 @dataclass(frozen=True)
 class Tube:
-    """The tube of tilt delta round F on one face. All is seen as from face +1, by the symmetry (3.2)."""
+    """The tube of tilt delta round F on a face, which sees the density so."""
 
-    natural: NaturalDensity
+    disk: Disk
+    density: Density
     face: int
     delta: float
-
-    def _range(self, name: str) -> Range:
-        """The range in which the density is not zero; natural units."""
-        low, high = (end / self.natural.unit(name) for end in self.natural.density.reach(name))
-        return mirrored(name, (low, high), self.face)
 
     @property
     def _both_free(self) -> bool:
         """True where neither sigma3 nor sigma4 is fixed by the box."""
-        return self.natural.free("sigma3") and self.natural.free("sigma4")
+        return self.density.free("sigma3") and self.density.free("sigma4")
 
     def _tilts_met(self) -> Range:
         """The tilts between which the tube passes the box."""
-        low, high = self._range("phi")
-        phi = np.linspace(low, high, _SCAN)
-        fastest = np.full(_SCAN, max(map(abs, self._range("phidot"))))
-        if not self._both_free:
-            return low, high
-        span = self._spans(Place.at(self.natural.disk, phi, fastest))[2]
-        met = np.flatnonzero(span > 0.0)
-        if not met.size:
-            return low, high
-        return phi[max(met[0] - 1, 0)], phi[min(met[-1] + 1, _SCAN - 1)]
+        phi = np.linspace(*self.density.reach("phi"), _SCAN)
+        fastest = np.full(_SCAN, self.density.most("phidot"))
+        if self._both_free:
+            span = self._spans(Place.at(self.disk, phi, fastest))[2]
+            met = np.flatnonzero(np.convolve(span > 0.0, np.ones(3), "same"))  # and their neighbours
+            phi = phi[met] if met.size else phi
+        return phi[0], phi[-1]
 
     def draw(self, points: Array, mass: float, accuracy: float) -> Draws:
         """As `draw_tube`."""
-        natural, disk, face = self.natural, self.natural.disk, self.face
+        disk, density, face = self.disk, self.density, self.face
         columns, weight = iter(points.T), np.ones(points.shape[0])
         phi, phidot = (self._draw_factor(name, columns, weight) for name in ("phi", "phidot"))
         place = Place.at(disk, phi, phidot)
         bar, eta, width = self._beside(place, columns)
-        s3, s4 = place.chart.rates(bar, eta)
-        energy = place.energy(bar, eta)
+        given, energy = (phi, phidot, *place.chart.rates(bar, eta)), place.energy(bar, eta)
         other = other_eta_hat(disk, bar, eta)
-        unit = disk.rate_unit
-        given = face * phi, face * phidot * unit, s3 * unit, face * s4 * unit
-        counted = natural.density.inside(*given, energy * disk.energy_unit)
         # A state beside both lines counts once, on the nearer face; equally near, up to rounding, on face +1.
         nearer = abs(eta) * _TIE <= abs(other) if face > 0 else abs(eta) < abs(other) * _TIE
-        counted &= nearer & (width > 0.0)
+        counted = density.inside(*given, energy) & nearer & (width > 0.0)
         weight = np.where(counted, weight * width / mass, 0.0)
-        weight[counted] *= natural.density.shape(*(column[counted] for column in given))
+        weight[counted] *= density.shape(*(column[counted] for column in given))
         theta, status = self._tilts(
             place, LinearConstants(bar, eta, other), np.flatnonzero(weight > 0.0), accuracy
         )
-        return Draws(given[0], given[1], bar * unit, eta * unit, energy * disk.energy_unit, weight, theta, status)
+        unit = disk.rate_unit
+        found = face * phi, face * phidot * unit, bar * unit, eta * unit, energy * disk.energy_unit
+        return Draws(*found, weight, theta, status)
 
     def _draw_factor(self, name: str, columns: Iterator[Array], weight: Array) -> Array:
         """Values of phi or phidot; multiplies `weight` by one over the density that they are drawn from."""
-        natural = self.natural
-        low, high = self._range(name)
-        bell = dict(natural.density.gaussian).get(name)
-        if bell is not None:
-            share = next(columns)
-            value = natural.density.quantile(name, share if self.face > 0 else 1.0 - share)
+        low, high = self.density.reach(name)
+        if self.density.means(name):
             # Drawn from its own factor: what it weighs is that factor's integral over the factor.
-            away = (value - bell[0]) / bell[1]
-            weight *= natural.factor_mass(name) * np.exp(0.5 * away * away)
-            return self.face * value / natural.unit(name)
-        if not natural.free(name):
+            value = self.density.quantile(name, next(columns))
+            weight *= self.density.factor_mass(name) / self.density.factor(name, value)
+            return value
+        if not self.density.free(name):
             return np.full(weight.size, low)
         low, high = self._tilts_met() if name == "phi" else (low, high)
         weight *= high - low
@@ -168,10 +155,10 @@ class Tube:
 
     def _widest(self, place: "Place") -> Array:
         """A bound of |eta_hat| at these tilts and speeds, for states of the box that come flatter than delta."""
-        most3, most4 = (max(map(abs, self._range(name))) for name in ("sigma3", "sigma4"))
+        most3, most4 = self.density.most("sigma3"), self.density.most("sigma4")
         top = place.tilting + 0.5 * place.inertia3 * most3**2 + 0.5 * place.inertia4 * most4**2
-        top = np.minimum(top, self.natural.energy[1])
-        bound = widest_eta(top, self.delta, self.natural.disk)
+        top = np.minimum(top, self.density.energy[1])
+        bound = widest_eta(top, self.delta, self.disk)
         return np.minimum(bound, abs(place.chart.bar_to_sigma4) * most3 + abs(place.chart.bar_to_sigma3) * most4)
 
     def _spans(self, place: "Place") -> tuple[Array, Array, Array]:
@@ -179,7 +166,8 @@ class Tube:
         widest = self._widest(place)
         a, a2, c, c2 = place.chart
         low, high = ends_of_bar(
-            (a, *self._range("sigma3"), abs(a2) * widest), (c, *self._range("sigma4"), abs(c2) * widest)
+            (a, *self.density.reach("sigma3"), abs(a2) * widest),
+            (c, *self.density.reach("sigma4"), abs(c2) * widest),
         )
         return low, widest, np.maximum(high - low, 0.0)
 
@@ -188,8 +176,8 @@ class Tube:
 
         widest_eta(energy(x)) is convex in x, so beyond such an x no state comes flatter than delta.
         """
-        disk, delta = self.natural.disk, self.delta
-        cut = self.natural.energy[1]
+        disk, delta = self.disk, self.delta
+        cut = self.density.energy[1]
         half = widest_eta(place.energy(bar, np.zeros_like(bar)), delta, disk) * _MARGIN
         settled = np.zeros(bar.shape, bool)
         for _ in range(_ROUNDS):
@@ -203,8 +191,8 @@ class Tube:
 
     def _on_segment(self, place: "Place", widest: Array, unit: Array) -> tuple[Array, Array, Array]:
         """As `_beside` for a box that fixes sigma3 or sigma4: only eta_hat is drawn, and sets the free one."""
-        fixed3 = not self.natural.free("sigma3")
-        fixed = self._range("sigma3" if fixed3 else "sigma4")[0]
+        fixed3 = not self.density.free("sigma3")
+        fixed = self.density.reach("sigma3" if fixed3 else "sigma4")[0]
         m, m2 = place.chart[:2] if fixed3 else place.chart[2:]
         eta = widest * (2.0 * unit - 1.0)
         # d(free)/d(eta_hat) = 1/|m| since the chart's determinant is -1
@@ -214,7 +202,7 @@ class Tube:
         self, place: "Place", hats: LinearConstants, rows: NDArray[np.intp], accuracy: float
     ) -> tuple[Array, NDArray[np.int8]]:
         """theta_min and status of the rows that count; hats: with eta_hat in the place of eta."""
-        disk, (bar, *etas) = self.natural.disk, hats
+        disk, (bar, *etas) = self.disk, hats
         s3, s4 = place.chart.rates(bar, hats.eta_plus)
         seen = Rows(*(column[rows] for column in (place.q, place.z, place.phidot, s3 / place.q, s4)))
         linear = LinearConstants(bar[rows], *(disk.eta_hat_to_eta(eta[rows]) for eta in etas))

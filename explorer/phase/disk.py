@@ -17,7 +17,6 @@ from explorer import compiled
 from explorer.errors import InputError, note, number, positive, shown, word
 from explorer.phase.arguments import column, explained
 from explorer.phase.energy import potential_at_flat
-from explorer.phase.gauss import gauss
 from explorer.phase.paths import read_toml
 
 Array = NDArray[np.float64]
@@ -264,11 +263,13 @@ class Disk:
     @cached_property
     def tables(self) -> tuple[compiled.tables.Tables, ...]:
         """Tables for passages near flat, down to 1e-6 and for finer accuracies; none of slender bodies."""
+        from numpy.polynomial.legendre import leggauss
+
         make = compiled.tables
         if self.body.I1 < make.LEAST_I1:
             return ()
         return tuple(
-            make.make_tables(self.natural, orders, [np.stack(gauss(n)) for n in orders[:3]])
+            make.make_tables(self.natural, orders, [np.stack(leggauss(n)) for n in orders[:3]])
             for orders in (make.COARSE, make.FINE)
         )
 

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError
 from explorer.measure import invariance, statistics
-from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density
 from explorer.measure.falling_probability import FEWEST_HITS, FallingProbability
 from explorer.measure.sampling import Range, chunk_stream
@@ -97,7 +96,7 @@ class MeasureZero(FromDensity):
                 "--box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "
                 "all, and there are no tubes; give one of them a range (falling_constant gives C in Python)"
             )
-        if NaturalDensity(self.disk, self.source).reaches_flat():
+        if self.source.reaches_flat():
             raise InputError(
                 "--box reaches flat (phi = +-pi/2) where the density does not vanish and the energy has no bound: "
                 "P is of order delta ln(1/delta) there, there is no C; give --energy LOW:HIGH, or keep phi away"

@@ -34,6 +34,14 @@ def test_beyond_its_reach_a_gaussian_is_below_rounding():
     assert density.reach("phi") == (-1.0, 1.0)
 
 
+def test_only_densities_that_do_not_vanish_at_flat_reach_it():
+    flat = f"phi=0:{0.5 * math.pi!r}"
+    assert Density.of(UNIFORM, flat).reaches_flat()
+    assert not Density.of(UNIFORM, flat, ":3").reaches_flat()
+    assert not Density.of(UNIFORM, "phi=0:1").reaches_flat()
+    assert not Density.of(UNIFORM, flat, density=lambda phi, *_: np.cos(phi)).reaches_flat()
+
+
 def test_a_wide_gaussian_may_lie_far_from_the_box():
     """What counts is the distance in its own deviations."""
     assert Density.of(UNIFORM, box=BOX, gaussian="phi=50:2").gaussian
@@ -104,8 +112,7 @@ def test_a_density_says_what_it_is_and_tells_functions_apart():
         ({"energy": (2.0, 1.0)}, "is empty"),
         ({"energy": "some"}, "is not a range"),
         ({"gaussian": "sigma3=0:1"}, "the box fixes it"),
-        ({"gaussian": 0.5}, "write .phidot=0.5:0.1."),
-        ({"gaussian": {"phi": 0.5}}, "write .phidot=0.5:0.1."),
+        ({"gaussian": 0.5}, "is no text"),
         ({"gaussian": "phi=0:0"}, "MEAN:DEVIATION"),
         ({"gaussian": "phi=0:1e-9"}, "is a point"),
         ({"gaussian": "phi=50:1"}, "more than 37 deviations"),

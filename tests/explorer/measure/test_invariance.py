@@ -65,8 +65,6 @@ def test_bad_input_is_named():
         ex.push_forward(disk, 1.0, energy=0.5)
     with pytest.raises(ex.InputError, match="steps = 0 must be a whole number from 1"):
         ex.flow_stretch(ex.phi_to_states(disk, 0.0, 1.0, 1.0, 1.0), steps=0)
-    with pytest.raises(ex.InputError, match="for 200 states; give up to 1,000,000,000 steps in all"):
-        ex.flow_stretch(ex.phi_to_states(disk, np.zeros(200), 1.0, 1.0, 1.0), steps=10**7)
 
 
 def test_the_steps_of_all_motions_are_bounded(monkeypatch):
@@ -76,5 +74,5 @@ def test_the_steps_of_all_motions_are_bounded(monkeypatch):
     some = ex.push_forward(disk, 4.0, 2000)
     assert 0 < some.failed < 2000
     assert some.pushed.shape[1] == 2000 - some.failed
-    with pytest.raises(ex.InputError, match=r"no motion reache[sd] it in 60 steps; give a shorter time"):
+    with pytest.raises(ex.InputError, match="no motion reached it in 60 steps; give a shorter time"):
         ex.push_forward(disk, 1e4, 2000)

@@ -14,7 +14,6 @@ from explorer.measure.statistics import (
     share,
     sums,
     upper_bound,
-    upper_quantile,
 )
 
 
@@ -59,21 +58,3 @@ def test_groups_have_histograms_and_sums_of_their_own():
     values, groups = np.array([0.5, 1.5, 9.0, 0.5, np.nan]), np.array([0, 1, 1, -1, 0])
     assert histograms(values, groups, np.array([0.0, 1.0, 2.0]), 2).tolist() == [[1, 0, 0], [0, 1, 1]]
     assert sums(values, groups, 2).sum(axis=1).tolist() == [0.5, 10.5]
-
-
-@pytest.mark.parametrize("kind", ["even", "steep", "rising", "falling", "alike", "few", "some unknown"])
-def test_an_upper_quantile_is_that_of_all_values_digit_by_digit(kind):
-    random = np.random.default_rng(5)
-    for size in (1, 2, 100, 8192, 8193, 64000):
-        even = random.random(size)
-        values = {
-            "even": even,
-            "steep": even**8,
-            "rising": np.sort(even),
-            "falling": -np.sort(-even),
-            "alike": np.ones(size),
-            "few": np.round(even, 1),
-            "some unknown": np.where(even < 0.01, np.nan, even),
-        }[kind]
-        for part in (0.3, 0.9, 0.99, 0.999, 1.0):
-            np.testing.assert_array_equal(upper_quantile(values, part), np.quantile(values, part))

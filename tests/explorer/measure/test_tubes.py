@@ -7,7 +7,6 @@ from slow_chaplygin import SlowMotion
 from small_runs import coverage
 
 import explorer as ex
-from explorer.measure.box_integrals import NaturalDensity
 from explorer.measure.density import Density
 from explorer.measure.falling_constant import constant_of
 from explorer.measure.tubes import Place, Tube, dimensions, draw_tube, widest_eta
@@ -41,7 +40,7 @@ def test_a_tube_in_a_box_of_fast_spins_holds_every_state_of_it_that_comes_flatte
     assert flat.sum() > 100
     density = Density.of(disk, "phi=-1.5:1.5,phidot=-1:1,sigma3=10:20,sigma4=-1:1")
     place = Place.at(disk, given[0][flat], given[1][flat])
-    widest = Tube(NaturalDensity(disk, density), 1, 0.3)._widest(place)
+    widest = Tube(disk, density, 1, 0.3)._widest(place)
     assert (abs(known.eta_hat_plus[flat]) <= widest).all()
 
 
