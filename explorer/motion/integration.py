@@ -67,11 +67,7 @@ class Followed(NamedTuple):
 
 
 def follow(
-    given: Motions,
-    event: compiled.events.Event,
-    values: Array,
-    depth: int,
-    trail: compiled.curves.Trail | None = None,
+    given: Motions, event: compiled.events.Event, values: Array, trail: compiled.curves.Trail | None = None
 ) -> Followed:
     """Follow motions until the event has taken all of the values, in their order."""
     n, disk, how = given.status.size, given.disk, given.plan
@@ -82,7 +78,9 @@ def follow(
         *(found.status, found.out, steps, moved),
     )
     trail = trail or compiled.curves.Trail(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
-    run = partial(compiled.engine.FOLLOW[how.kernel_method, depth], work, trail, disk.natural, disk.whole)
+    run = partial(
+        compiled.engine.FOLLOW[how.kernel_method, how.kernel_depth], work, trail, disk.natural, disk.whole
+    )
     # A kernel ends motions whose status somebody else changes: by that it ends where nobody waits for it.
     attended(run, partial(found.status.fill, compiled.status.Status.STEP_LIMIT))
     found.out[found.status != compiled.status.Status.OK] = np.nan
@@ -93,12 +91,7 @@ Estimate = Callable[[Followed, Any], Array]
 
 
 def settle(
-    given: Motions,
-    event: compiled.events.Event,
-    values: Array,
-    depth: int,
-    estimate: Estimate,
-    asked: float,
+    given: Motions, event: compiled.events.Event, values: Array, estimate: Estimate, asked: float
 ) -> tuple[Followed, Array, Motions]:
     """Follow motions, and those that may err by more than is asked once more by finer steps, until none does.
 
@@ -107,7 +100,7 @@ def settle(
     steps by which it was. Where no steps do, the status is STEP_LIMIT.
     """
     ok, lost = compiled.status.Status.OK, compiled.status.Status.NOT_FINITE
-    found, control = follow(given, event, values, depth), given.control.copy()
+    found, control = follow(given, event, values), given.control.copy()
     error = estimate(found, np.s_[:])
 
     def unsettled() -> NDArray[np.intp]:
@@ -122,7 +115,7 @@ def settle(
             by_accuracy = np.clip(_THIRD * asked / error[rows], _LEAST, _THIRD)
             less = np.where(np.isfinite(error[rows]), by_accuracy, _ADAPTIVE if given.plan.adaptive else _FIXED)
             finer = given._replace(control=control).at(rows).finer(less)
-            better = follow(finer, event, values, depth)
+            better = follow(finer, event, values)
             # The difference is the error of the coarser run; of the finer one it is less, with a reserve of three.
             apart = difference(better.out, found.out[rows], in_time=event.t != 0.0)
             known = apart + precision.SHARE * given.plan.accuracy

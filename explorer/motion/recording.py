@@ -77,7 +77,7 @@ def _sample(given: Motions, times: Array) -> tuple[Array, Outcome, Motions]:
         def estimate(found: Followed, rows: Any) -> Array:
             return precision.estimate(disk, how, found.moved, found.out[:, -1].T, amplified[rows], last)
 
-        found, error, given = settle(given, compiled.events.TIME, later, how.kernel_depth, estimate, asked)
+        found, error, given = settle(given, compiled.events.TIME, later, estimate, asked)
         out, ended = found.out, np.ascontiguousarray(found.out[:, -1].T)
         if how.rung == PATH:
             rounded = precision.rounding_of_path(disk, start.energy, found.steps, last)
@@ -141,7 +141,7 @@ def _record(given: Motions, t_end: float, number: int) -> Records:
     room = given.status.size * (MOST_POINTS // max(number, 1))
     rows, used = np.empty((room, compiled.curves.COLUMNS)), np.zeros(1, np.int64)
     trail = compiled.curves.Trail(LONGEST_ANGLE, LONGEST_TIME, rows, used, room + 1)
-    found = follow(given, compiled.events.TIME, np.full(1, t_end), given.plan.kernel_depth, trail)
+    found = follow(given, compiled.events.TIME, np.full(1, t_end), trail)
     if used[0] > room:
         raise InputError(
             f"t_end: so dense, curves of {number} motion(s) take more than {MOST_POINTS:,} times; "

@@ -61,8 +61,8 @@ def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> Turn
         error = precision.estimate(states.disk, how, found.moved, ended, amplified[rows], precision.PASSAGE)
         return np.where(found.steps <= precision.FEW, np.inf, error) if how.adaptive else error
 
-    event, depth = compiled.events.TURNING_POINT, how.kernel_depth
-    found, error, _ = integration.settle(given, event, np.zeros(1), depth, estimate, precision.asked(how, 0.0))
+    event, asked = compiled.events.TURNING_POINT, precision.asked(how, 0.0)
+    found, error, _ = integration.settle(given, event, np.zeros(1), estimate, asked)
     error[found.status != compiled.status.Status.OK] = np.nan
     row, out = compiled.field.ROW, found.out[:, 0].T
     face = np.where(out[row.z] >= 0.0, 1, -1).astype(np.int8)

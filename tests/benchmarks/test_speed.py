@@ -48,7 +48,7 @@ class Work:
         initial[:5] = self.states.natural
         held, control = np.stack(self.states.exact), np.full(SAMPLES, setting)
         given = Motions(self.disk, plan(("chi",), 1e-3, method), initial, held, status, control)
-        return follow(given, compiled.events.TURNING_POINT, np.zeros(1), compiled.field.ANGLES)
+        return follow(given, compiled.events.TURNING_POINT, np.zeros(1))
 
     def errors(self, out):
         """The largest of delta chi, delta psi (rad), duration and theta_min (relative)."""

@@ -33,7 +33,7 @@ def documented():
     """name -> object, for all public functions and classes and all result classes."""
     public = {name: getattr(ex, name) for name in ex.__all__}
     public = {name: value for name, value in public.items() if not isinstance(value, ModuleType)}
-    public["Picture"] = type(ex.pictures["rotation"])
+    public |= {"pictures": type(ex.pictures), "Picture": type(ex.pictures["rotation"])}
     for value in list(public.values()):
         public |= {kind.__name__: kind for kind in results(value) if inspect.isfunction(value)}
     return public

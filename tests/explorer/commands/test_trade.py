@@ -79,7 +79,7 @@ def test_states_of_the_user_are_measured(tmp_path):
     states = ex.phi_to_states(BODIES["hoop"], *rng.uniform(-1, 1, (4, 700)))
     scene = trade.scene_for("falling-set", {"states": states})
     assert scene.samples == 700
-    assert np.array_equal(scene.trials(1, None)[0].blocks[0][0].natural, states.natural)
+    assert np.array_equal(scene.trials(1, None)[0].blocks[0].natural, states.natural)
     assert np.array_equal(scene.trials(5, None)[1].groups[0][0].natural, states.natural[:, :5])
 
 
