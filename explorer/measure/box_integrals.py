@@ -25,8 +25,6 @@ NODES = 32, 24  # of the rule between two corners, and of the one that tells its
 # Points at which an integral may ask for the density, and parts of the range of phi, before it cuts that no
 # further: smooth densities take a tenth; of others the error says what is lacking after some seconds.
 _MOST_POINTS, _MOST_PARTS = 30_000_000, 100
-# Nodes crowd at phidot = 0 on the scale of the root of the gain, but no closer than of this one.
-_LEAST_GAIN = 1e-10
 
 
 class Integral(NamedTuple):
@@ -44,7 +42,7 @@ def between_energies(below: Callable[[float], Integral], energy: Range) -> Integ
     return Integral(upper.value - lower.value, upper.error + lower.error)
 
 
-def panels_between(ends: Sequence[Array], nodes: int) -> tuple[Array, Array]:
+def panels_between(ends: Sequence[Any], nodes: int) -> tuple[Array, Array]:
     """Nodes and weights between the first and last of `ends`, arrays or numbers, on one more axis.
 
     Between neighbouring ends there are so many nodes, spaced like the sine of an angle: a square root that
@@ -54,8 +52,8 @@ def panels_between(ends: Sequence[Array], nodes: int) -> tuple[Array, Array]:
     inner = [np.fmin(np.fmax(end, low), high) for end in ends[1:-1]]
     edges = np.sort(np.stack(np.broadcast_arrays(low, *inner, high), axis=-1), axis=-1)
     half = 0.5 * np.diff(edges)
-    used = (half > 0.0).any(axis=tuple(range(low.ndim)))
-    used[-1] |= not used.any()
+    used = np.flatnonzero((half > 0.0).reshape(-1, half.shape[-1]).any(axis=0))
+    used = used if used.size else np.zeros(1, np.intp)
     middle, half = (0.5 * (edges[..., 1:] + edges[..., :-1]))[..., used, None], half[..., used, None]
     x, weights = _gauss(nodes)
     step = half * np.cos(_HALF_PI * x) * weights * _HALF_PI
@@ -188,29 +186,28 @@ class Integrator:
         """Integral of the density times sqrt(phidot^2 + gain) over least <= |phidot| <= most in the box.
 
         others: phi, sigma3, sigma4. gain: of the square of the speed from here to flat; without it the integral
-        of the density alone. Nodes are spaced like sinh on the scale on which integrands change near phidot = 0.
+        of the density alone.
         """
-        low, high = self.density.reach("phidot")
-        halves = []
+        density, halves = self.density, []
+        low, high = density.reach("phidot")
         for sign, start, end in ((1.0, low, high), (-1.0, -high, -low)):
             inner = np.maximum(least, start)
             halves.append((sign, inner, np.maximum(np.minimum(most, end), inner)))
-        if not self.density.free("phidot"):
+        if not density.free("phidot"):
             inside = (abs(low) >= least) & (abs(low) <= most)
             speed, steps = np.full((*least.shape, 1), low), inside[..., None]
-        elif self.density.function is None and not self.density.means("phidot"):
-            total = sum(
+        elif density.function is None and not density.means("phidot"):
+            parts = [
                 outer - inner if gain is None else _root_integral(inner, outer, gain) for _, inner, outer in halves
-            )
-            return total * self._shape(others[0], np.zeros(1), *others[1:])
+            ]
+            return sum(parts) * self._shape(others[0], np.zeros(1), *others[1:])
         else:
-            bend = np.ones(least.shape) if gain is None else np.sqrt(np.maximum(abs(gain), _LEAST_GAIN))
-            parts = []
-            for sign, inner, outer in halves:
-                ends = [inner, *(sign * mean for mean in self.density.means("phidot")), outer]
-                u, step = panels_between([np.arcsinh(end / bend) for end in ends], nodes)
-                parts.append((sign * bend[..., None] * np.sinh(u), step * bend[..., None] * np.cosh(u)))
-            speed, steps = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
+            panels = [
+                panels_between([inner, *(sign * mean for mean in density.means("phidot")), outer], nodes)
+                for sign, inner, outer in halves
+            ]
+            speed = np.concatenate([panels[0][0], -panels[1][0]], axis=-1)
+            steps = np.concatenate([panels[0][1], panels[1][1]], axis=-1)
         f = self._shape(others[0][..., None], speed, others[1][..., None], others[2][..., None])
         if gain is not None:
             f = f * np.sqrt(np.maximum(speed * speed + gain[..., None], 0.0))

@@ -218,7 +218,7 @@ class Density:
         """Integral of a coordinate's own factor over the box."""
         low, high = getattr(self.box, name)
         if name not in dict(self.gaussian):
-            return high - low
+            return float(high - low)
         _, first, last = self._tails(name)
         return math.sqrt(2.0 * math.pi) * dict(self.gaussian)[name][1] * abs(last - first)
 

@@ -9,17 +9,17 @@ in the run, never on the number of workers.
 import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer import compiled
 from explorer.errors import InputError, double_of, shown, suggest
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array
 
 Range = tuple[float, float]
+Stream = np.random.Generator
 
 BLOCK = 8192  # draws at once: a few columns of them stay in a processor's cache
 _SMALLEST_SHARE = 1e-4  # of draws that are kept, below which rejection gives up: it would take 10^4 times as long
@@ -63,7 +63,7 @@ class Box:
         """Coordinates that vary."""
         return [name for name in COORDINATES if getattr(self, name)[0] < getattr(self, name)[1]]
 
-    def draw(self, random: "Stream", count: int) -> dict[str, Array]:
+    def draw(self, random: Stream, count: int) -> dict[str, Array]:
         """`count` states, uniform in the box; one array per coordinate."""
         unit = random.random((len(self.free), count))
         columns = {}
@@ -104,29 +104,6 @@ def parse_ranges(given: Any, option: str, known: Collection[str] = COORDINATES) 
 def chunk_stream(seed: int, index: int) -> np.random.Generator:
     """The random stream of chunk `index`; only its uniform doubles are used, which no numpy release changes."""
     return np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=(index,))))
-
-
-class Stream(Protocol):
-    """What draws uniform doubles in [0, 1): a generator of NumPy, or its numbers made in lanes."""
-
-    def random(self, size: int | tuple[int, int], /) -> Array: ...
-
-
-class LaneStream:
-    """The numbers of `chunk_stream`, made in lanes: in a third of the time."""
-
-    KERNELS = ("philox.uniform_batch",)
-
-    def __init__(self, seed: int, index: int) -> None:
-        key = chunk_stream(seed, index).bit_generator.state["state"]["key"]
-        self._keys, self._place = compiled.philox.round_keys(key), 0
-
-    def random(self, size: int | tuple[int, int], /) -> Array:
-        """The next numbers."""
-        drawn = np.empty(size)
-        compiled.philox.uniform_batch(self._place, self._keys, drawn.reshape(-1))
-        self._place += drawn.size
-        return drawn
 
 
 def signs(unit: Array) -> Array:

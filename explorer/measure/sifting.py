@@ -6,7 +6,7 @@ import numpy as np
 
 from explorer import compiled
 from explorer.measure.sampling import Box, chunk_stream
-from explorer.measure.tallies import LOWEST_BIN, PER_DECADE, LogHistogram
+from explorer.measure.tallies import LOWEST_BIN, NO_ENDS, PER_DECADE, LogHistogram
 from explorer.phase.disk import Disk
 from explorer.phase.membership import obstacle
 from explorer.phase.states import COORDINATES, Array
@@ -69,6 +69,6 @@ def sift(disk: Disk, box: Box, chunk: Chunk, near: float) -> Sifted:
     return Sifted(
         faces=dict(zip(FACES, found.faces.tolist(), strict=True)),
         could_fall=could,
-        distance=LogHistogram.of_sizes(LOWEST_BIN, found.bins, zeros, found.ends),
+        distance=LogHistogram(0, LOWEST_BIN, [0 * found.bins, found.bins], [0, zeros], [NO_ENDS, found.ends]),
         columns=dict(zip(COORDINATES, found.columns[:, :kept].copy(), strict=True)),
     )

@@ -25,7 +25,7 @@ from explorer.phase.states import Array
 K = TypeVar("K")
 PER_DECADE = 400  # bins of logarithmic counts: a quantile is good to half a bin, 0.3 %
 LOWEST_BIN = -330 * PER_DECADE  # which no double reaches
-_NO_ENDS = (math.inf, -math.inf)  # the smallest and the largest of nothing
+NO_ENDS = (math.inf, -math.inf)  # the smallest and the largest of nothing
 
 
 class Tally:
@@ -176,14 +176,6 @@ class LogHistogram:
         self.zeros: NDArray[np.int64] = np.reshape(np.asarray(zeros, np.int64), (groups, 2))
         self.ends: Array = np.reshape(ends, (groups, 2, 2))
 
-    @classmethod
-    def of_sizes(cls, first: int, counts: NDArray[Any], zeros: int, ends: Array) -> "LogHistogram":
-        """Of one group and no negative number, counted elsewhere."""
-        filled = np.flatnonzero(counts != 0)  # of booleans: twelve times as fast
-        start, end = (int(filled[0]), int(filled[-1]) + 1) if filled.size else (0, 0)
-        positive = counts[start:end]
-        return cls(0, first + start, [0 * positive, positive], [0, zeros], [_NO_ENDS, ends])
-
     def count(self, values: Array, groups: Array | None = None) -> None:
         """Count the finite ones of numbers; none of a group that is not finite."""
         groups = np.zeros(values.size) if groups is None else groups
@@ -228,7 +220,7 @@ class LogHistogram:
             first,
             unpacked(counts).reshape(len(zeros), -1),
             zeros,
-            np.where(np.isnan(known), _NO_ENDS, known),
+            np.where(np.isnan(known), NO_ENDS, known),
         )
 
     @property
@@ -272,7 +264,7 @@ class LogHistogram:
 
 def _empty(rows: tuple[int, int], bins: int, kind: Any) -> tuple[NDArray[Any], NDArray[np.int64], Array]:
     """Counts, zeros and ends of a `LogHistogram` in which there is nothing."""
-    return np.zeros((*rows, bins), kind), np.zeros(rows, np.int64), np.tile(_NO_ENDS, (*rows, 1))
+    return np.zeros((*rows, bins), kind), np.zeros(rows, np.int64), np.tile(NO_ENDS, (*rows, 1))
 
 
 def _reach(places: Array) -> tuple[int, int]:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from explorer.errors import InputError, RunError, one_of, shown
 from explorer.measure import statistics
-from explorer.measure.sampling import LaneStream, Stream
+from explorer.measure.sampling import Stream, chunk_stream
 from explorer.measure.tallies import ByName, Tally
 from explorer.motion.plan import METHODS, Plan, plan
 from explorer.motion.trials import Trial
@@ -190,7 +190,7 @@ class SampledScene(Scene):
 
     def blocks(self, index: int) -> Iterator[Any]:
         """What `observe` takes, block by block."""
-        drawn = self.draw(LaneStream(self.seed, index), self.length(index))
+        drawn = self.draw(chunk_stream(self.seed, index), self.length(index))
         for first in range(0, self.length(index), self.block):
             yield {name: values[first : first + self.block] for name, values in drawn.items()}
 

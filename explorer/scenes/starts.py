@@ -9,7 +9,7 @@ import numpy as np
 
 from explorer.errors import InputError, RunError
 from explorer.measure.density import ANY_ENERGY, Density, Function
-from explorer.measure.sampling import Box, LaneStream, Range, Stream, chunk_stream, signs
+from explorer.measure.sampling import Box, Range, Stream, chunk_stream, signs
 from explorer.motion.trials import Trial, through_time
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.states import Array, States, phi_to_states
@@ -98,10 +98,6 @@ class FromStates(FromDensity):
 
     block: ClassVar[int] = 1 << 14  # states: intermediate arrays stay in a processor's cache
 
-    @property
-    def kernels(self) -> tuple[str, ...]:
-        return () if self.states else LaneStream.KERNELS
-
     def __post_init__(self) -> None:
         super().__post_init__()
         made = None if self.states is None else self.states.states
@@ -127,7 +123,7 @@ class FromStates(FromDensity):
 
     def blocks(self, index: int) -> Iterator[Block]:
         """The states of a chunk, block by block."""
-        count, random = self.length(index), LaneStream(self.seed, index)
+        count, random = self.length(index), chunk_stream(self.seed, index)
         given = None
         if self.states is not None:
             given = self.states.read(self.disk, index * self.chunk_size, count, self.degrees)

@@ -7,7 +7,7 @@ from scipy.stats import kstest
 
 import explorer as ex
 from explorer.measure.density import Density
-from explorer.measure.sampling import Box, LaneStream, chunk_stream, log_uniform
+from explorer.measure.sampling import Box, chunk_stream, log_uniform
 from explorer.phase.states import phi_to_states
 
 UNIFORM = BODIES["uniform"]
@@ -104,9 +104,3 @@ def test_the_reduced_flow_preserves_the_measure():
         step = 1e-5 * np.eye(4)
         divergence = sum((rates(y + step[i])[i] - rates(y - step[i])[i]) / 2e-5 for i in range(4))
         assert abs(divergence) < 1e-6
-
-
-def test_a_stream_in_lanes_goes_on_as_numpys_does():
-    lanes, random = LaneStream(7, 3), chunk_stream(7, 3)
-    for size in (5, (3, 1001), 16_384, 2):
-        np.testing.assert_array_equal(lanes.random(size), random.random(size))
