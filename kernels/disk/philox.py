@@ -8,7 +8,7 @@ numbers would be others.
 
 import numpy as np
 
-from kernels._jit import device, kernel, subroutine
+from kernels._jit import device, subroutine
 from kernels.types import Vector, Words
 
 LANES = 64  # counters at once
@@ -75,16 +75,3 @@ def uniforms(place: int, keys: Words, W: Words, out: Vector) -> None:
         if word == WORDS:
             encipher(counter + LANES, keys, W)
         out[word - skipped] = float(W[word % 4 * LANES + word % WORDS // 4] >> _SURPLUS) * _SPACING
-
-
-@kernel
-def uniform_batch(place: int, keys: Words, out: Vector) -> None:
-    """Numbers `place` ... of the stream, in [0, 1) -> out (n)."""
-    W, numbers = np.empty(WORDS, np.uint64), np.empty(WORDS)
-    for first in range(0, out.size, WORDS):
-        room = out[first : min(first + WORDS, out.size)]
-        if room.size == WORDS:
-            uniforms(place + first, keys, W, room)
-        else:
-            uniforms(place + first, keys, W, numbers)
-            room[:] = numbers[: room.size]

@@ -31,16 +31,6 @@ def test_the_stream_is_that_of_numpy_from_any_place(place):
         np.testing.assert_array_equal(numbers(seed, place, 1000), numpy_stream(seed).random(place + 1000)[place:])
 
 
-@pytest.mark.parametrize(
-    ("place", "count"), [(0, 4 * WORDS), (0, 1000), (3, 700), (WORDS + 2, WORDS), (5, 1), (8, 0)]
-)
-def test_any_length_from_any_place(place, count):
-    drawn = np.full(count + 1, 9.0)
-    philox.uniform_batch(place, keys_of(numpy_stream(4)), drawn[:count])
-    np.testing.assert_array_equal(drawn[:count], numpy_stream(4).random(place + count)[place:])
-    assert drawn[count] == 9.0
-
-
 def test_far_places_are_those_of_a_stream_that_was_advanced():
     """One step of numpy's `advance` is one counter: four numbers."""
     random = numpy_stream(1)
