@@ -101,7 +101,7 @@ def settle(
     """
     ok, lost = compiled.status.Status.OK, compiled.status.Status.NOT_FINITE
     found, control = follow(given, event, values), given.control.copy()
-    error = estimate(found, np.s_[:])
+    error, steps = estimate(found, np.s_[:]), found.steps.copy()
 
     def unsettled() -> NDArray[np.intp]:
         error[found.status == lost] = np.inf  # steps so long that a motion runs away
@@ -118,10 +118,13 @@ def settle(
             better = follow(finer, event, values)
             # The difference is the error of the coarser run; of the finer one it is less, with a reserve of three.
             apart = difference(better.out, found.out[rows], in_time=event.t != 0.0)
+            # The same steps once more tell nothing, but of a motion that stays where it is.
+            moves = (better.out[:, -1, :5] != finer.initial[:5].T).any(axis=1)
+            apart[(apart == 0.0) & (better.steps == steps[rows]) & moves] = np.inf
             known = apart + precision.SHARE * given.plan.accuracy
             error[rows] = np.clip(estimate(better, rows), 3.0 * less * apart, known)
             found.put(rows, better)
-            control[rows] = finer.control
+            control[rows], steps[rows] = finer.control, better.steps
         found.status[unsettled()] = compiled.status.Status.STEP_LIMIT
     found.out[found.status != ok] = np.nan
     return found, error, given._replace(control=control)

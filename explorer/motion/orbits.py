@@ -123,6 +123,7 @@ def orbits_of(
     state, inner, outer, vertical, far, crosses = ends
     # At most one crest lies on the way, on one or on the other side of the state.
     crest = np.where(np.isnan(inner.crest), outer.d - outer.crest, outer.d + inner.crest)
+    crest = np.where(np.isnan(crest) & (state.slow < np.inf), outer.d, crest)  # a start on one
     here[:, rows] = ways(rows, Y, inner.d + outer.d, inner, outer, crest)
     crossing = rows[(crosses & there & (far.d > 0.0))[rows]]
     back[:, crossing] = ways(crossing, Y_far, far.d, far, beyond(vertical), far.crest)
@@ -151,6 +152,7 @@ def _by_tables(disk: Disk, X: Array, Y: Array, K: Array) -> Array:
     return 0.5 * np.stack([both.time, both.chi, both.psi, both.time_error * both.time, both.angle_error])
 
 
+@np.errstate(over="ignore")  # of motions that are no input
 def _wobbles(disk: Disk, motions: Motions, ends: Ends, rows: NDArray[np.intp]) -> tuple[Array, ...]:
     """Of motions whose turning points are near together the way between these, and the same ways as above."""
     inner, outer, vertical = (some(place, rows) for place in (ends.inner, ends.outer, ends.vertical))

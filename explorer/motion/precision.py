@@ -41,6 +41,9 @@ _BESIDE = 4.0
 # fastest rate.
 _PERIODS = 30.0
 _RESOLVED = 5.0  # rad of chi in a fixed step, which turns a path: up to there it errs by 1e-9 or less
+# A way to a turning point takes longer than two passages only where it has lingered beside an equilibrium, which
+# amplifies errors unseen.
+LINGERS = 2.0 * PASSAGE
 FEW = 12  # steps of an adaptive method, in which an error need not have shown
 _AMPLIFIED = 1.75  # from here on slow passages are felt that follow each other
 

@@ -59,7 +59,10 @@ def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> Turn
     def estimate(found: integration.Followed, rows: Any) -> Array:
         ended = found.out[:, 0].T
         error = precision.estimate(states.disk, how, found.moved, ended, amplified[rows], precision.PASSAGE)
-        return np.where(found.steps <= precision.FEW, np.inf, error) if how.adaptive else error
+        hidden = ended[compiled.field.ROW.t] > precision.LINGERS
+        if how.adaptive:
+            hidden |= found.steps <= precision.FEW
+        return np.where(hidden, np.inf, error)
 
     event, asked = compiled.events.TURNING_POINT, precision.asked(how, 0.0)
     found, error, _ = integration.settle(given, event, np.zeros(1), estimate, asked)

@@ -103,6 +103,19 @@ def test_no_race_goes_silently_the_wrong_way_from_1e_minus_1_to_1e_minus_300(nam
     assert (got.status == ex.Status.OK).mean() > (0.999 if method == "quadrature" else 0.99)
 
 
+@pytest.mark.parametrize(
+    ("method", "accuracy"), [("rk4", 1e-4), ("rk8", 1e-6), ("dopri5", 1e-6), ("dop853", 1e-8)]
+)
+def test_a_passage_that_lingers_beside_a_crest_on_its_way_is_estimated_as_well(method, accuracy):
+    """Above phidot = 0.12017258 it passes a crest of the potential between the vertical and flat, slowly."""
+    phidot = 0.12017258 - np.array([1e-3, 2e-4, 7e-5, 1e-5])
+    exact = ex.passages(BODIES["uniform"], 0.42, 0.4758, phidot, accuracy=1e-9)
+    other = ex.passages(BODIES["uniform"], 0.42, 0.4758, phidot, method=method, accuracy=accuracy)
+    ok = (exact.status == 0) & (other.status == 0)
+    assert ok.sum() >= 2
+    assert (_largest_error(exact, other)[ok] <= 3.0 * (exact.error_estimate + other.error_estimate)[ok]).all()
+
+
 @pytest.mark.parametrize(("method", "accuracy"), [("rk4", 1e-5), ("rk8", 1e-3), ("rk8", 1e-6), ("dopri5", 1e-6)])
 def test_psi_of_a_needle_that_spins_thousands_of_times_is_estimated_as_well(method, accuracy):
     """Its psi turns by 1e3 to 1e5 rad, and errs by what the time does, as many times."""

@@ -147,3 +147,27 @@ def test_a_disk_at_rest_on_a_crest_of_the_potential_has_no_period():
     states = phi_to_states(disk, 0.0, 0.0, [0.0, 0.1], 0.0)
     assert not ex.periods(states).ok.any()
     assert not ex.bounces(states).ok.any()
+
+
+def test_where_a_crest_lies_close_beyond_a_turning_point_its_rounding_is_estimated():
+    """The period and chi in 40 digits, by Taylor series of the plain equations."""
+    states = phi_to_states(
+        BODIES["uniform"], -0.5017996019765992, 0.5175905567043116, -0.13049307588008152, 0.16551832927098242
+    )
+    for accuracy in (1e-8, 1e-6, 1e-3, 1e-1):
+        found = ex.periods(states, accuracy)
+        if found.status[0] == ex.Status.OK:
+            assert abs(found.period[0] / 49.691376 - 1.0) <= 3.0 * found.error_estimate[0]
+            assert abs(found.chi[0] + 13.281190) <= 3.0 * found.error_estimate[0]
+    assert found.status[0] == ex.Status.OK
+
+
+@pytest.mark.parametrize(("phidot", "accuracy"), [(1e-3, 1e-6), (1e-4, 1e-6), (1e-5, 1e-3)])
+def test_a_kick_off_a_crest_of_the_potential_has_a_period(phidot, accuracy):
+    """Of unstable rolling at a tilt of 1.3; the second one is 107.789119 in 40 digits."""
+    disk = BODIES["uniform"]
+    steady = ex.steady_motions(disk, 1.3, -0.7).states
+    found = ex.periods(ex.phi_to_states(disk, steady.phi, phidot, steady.sigma3, steady.sigma4), accuracy)
+    assert found.status[0] == ex.Status.OK
+    if phidot == 1e-4:
+        assert abs(found.period[0] - 107.789119) < 1e-6
