@@ -231,8 +231,9 @@ class MeasureZero(FromDensity):
 
     @property
     def kernels(self) -> tuple[str, ...]:
-        of_f = (f"falling.{name}_batch" for name in ("critical_X2", "barrier", "line_chart"))
-        return "algebra.constants_batch", *of_f, _checking().kernel, *tilt_kernels(self.plan), *invariance.kernels()
+        of_f = "falling.critical_X2_batch", "falling.barrier_batch", "falling.line_chart_batch"
+        own = "algebra.constants_batch", *of_f, _checking().kernel
+        return *own, *tilt_kernels(self.plan), *invariance.kernels()
 
     @property
     def plans(self) -> tuple[Plan, ...]:
