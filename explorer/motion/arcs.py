@@ -87,12 +87,13 @@ def _moved_ends(arc: "compiled.rules.Arcs", found: "compiled.rules.ArcRow[Array]
     """What rounding of turning points makes of the errors (2, n) of time and angles.
 
     Beside a crest at the distance delta beyond the end both grow by some asinh(L/delta) of what a motion does in
-    one unit of it, whose part of an error e of the end is e/delta.
+    one unit of it, whose part of an error e of the end is e/delta. Of the bound of e a quarter is taken: below a
+    crest by energies of 1e-4 to 1e-10 periods err by a twelfth of the bound at most.
     """
     moved = np.zeros((2, found.time.size))
     for K, slow, error in ((arc.K_in, arc.slow_in, arc.error_in), (arc.K_out, arc.slow_out, arc.error_out)):
         rows = np.flatnonzero((K == 0.0) & np.isfinite(slow) & (arc.L > 0.0))
-        share = error[rows] / (slow[rows] * np.arcsinh(arc.L[rows] / slow[rows]))
+        share = 0.25 * error[rows] / (slow[rows] * np.arcsinh(arc.L[rows] / slow[rows]))
         moved[:, rows] += share * np.stack([found.time[rows], abs(found.chi[rows]) + abs(found.psi[rows])])
     return moved
 

@@ -120,7 +120,8 @@ def settle(
             apart = difference(better.out, found.out[rows], in_time=event.t != 0.0)
             # The same steps once more tell nothing, but of a motion that stays where it is.
             moves = (better.out[:, -1, :5] != finer.initial[:5].T).any(axis=1)
-            apart[(apart == 0.0) & (better.steps == steps[rows]) & moves] = np.inf
+            same = (apart == 0.0) & (better.steps == steps[rows]) & (finer.control < control[rows])
+            apart[same & moves] = np.inf
             known = apart + precision.SHARE * given.plan.accuracy
             error[rows] = np.clip(estimate(better, rows), 3.0 * less * apart, known)
             found.put(rows, better)
