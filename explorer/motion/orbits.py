@@ -123,7 +123,9 @@ def orbits_of(
     state, inner, outer, vertical, far, crosses = ends
     # At most one crest lies on the way, on one or on the other side of the state.
     crest = np.where(np.isnan(inner.crest), outer.d - outer.crest, outer.d + inner.crest)
-    crest = np.where(np.isnan(crest) & (state.slow < np.inf) & (state.K > 0.0), outer.d, crest)  # a start on one
+    # A start on one is slow, and no turning point is so near.
+    starts = np.isnan(crest) & (state.K > 0.0) & (2.0 * state.slow < np.fmin(inner.d, outer.d))
+    crest = np.where(starts, outer.d, crest)
     here[:, rows] = ways(rows, Y, inner.d + outer.d, inner, outer, crest)
     crossing = rows[(crosses & there & (far.d > 0.0))[rows]]
     back[:, crossing] = ways(crossing, Y_far, far.d, far, beyond(vertical), far.crest)
