@@ -118,8 +118,8 @@ def settle(
             better = follow(finer, event, values)
             # The difference is the error of the coarser run; of the finer one it is less, with a reserve of three.
             apart = difference(better.out, found.out[rows], in_time=event.t != 0.0)
-            # The same steps once more tell nothing, but of a motion that stays where it is.
-            moves = (better.out[:, -1, :5] != finer.initial[:5].T).any(axis=1)
+            # The same steps once more tell nothing, but of a motion that is short, or stays where it is.
+            moves = (better.out[:, -1, :5] != finer.initial[:5].T).any(axis=1) & (better.steps > precision.FEW)
             same = (apart == 0.0) & (better.steps == steps[rows]) & (finer.control < control[rows])
             apart[same & moves] = np.inf
             known = apart + precision.SHARE * given.plan.accuracy
