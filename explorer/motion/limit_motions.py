@@ -30,8 +30,6 @@ from explorer.phase.states import Array, Rows, States, StateWarning, require_sta
 KERNELS = *membership.KERNELS, *RISE, "falling.line_chart_batch"  # for `compiled.warmup`
 _HALF_PI = 0.5 * np.pi
 _MOST_IMPACTS = 1e8  # their times take 0.8 GB, and a double has 8 digits left for the place between two
-# |e^(i turn) - 1| below which a whole number of turns is meant: the sum of a geometric series loses all digits.
-_WHOLE_TURN = 1e-12
 # Of sigma3_bar over the energy: below, the rate of the race overflows, and no double tells the race from a jump.
 _TINY = 1e-290
 _MEANT = 1e-12  # |eta_hat|, of the rates, that is left where a state on F was computed: by rounding

@@ -17,8 +17,7 @@ from explorer.motion.integration import Followed, Motions, follow, settle
 from explorer.motion.parts import blocks, in_parts
 from explorer.motion.plan import PATH, Plan
 from explorer.motion.starts import held_constants, status_at_start
-from explorer.phase.disk import Disk
-from explorer.phase.lines import LinearConstants, Motion
+from explorer.phase.lines import LinearConstants, motion_through
 from explorer.phase.states import Array, States
 
 # Chords of such arcs of the rim stay within half a per cent of the radius.
@@ -64,7 +63,7 @@ def _joined(parts: list[Outcome]) -> Outcome:
 def _sample(given: Motions, times: Array) -> tuple[Array, Outcome, Motions]:
     """The same, and the motions with the steps by which they are as accurate as was asked."""
     disk, how, code, n = given.disk, given.plan, compiled.status.Status, given.status.size
-    start, last = _constants(disk, given.initial), float(times[-1])
+    start, last = motion_through(disk, given.initial[:5]), float(times[-1])
     if disk.body.I3 > 0.0:  # they may have been given
         start = start._replace(**LinearConstants(*given.pinned)._asdict())
     later = times[times > 0.0]  # the kernel takes values above 0; the state at 0 is known
@@ -85,7 +84,7 @@ def _sample(given: Motions, times: Array) -> tuple[Array, Outcome, Motions]:
             found.status[followed & (rounded > asked)] = code.STEP_TOO_SMALL
             error = error + rounded
         error[~np.isin(found.status, (code.OK, code.STEP_TOO_SMALL))] = np.nan
-        then, plus = _constants(disk, ended), start.nearer_plus
+        then, plus = motion_through(disk, ended[:5]), start.nearer_plus
         energy = then.energy / start.energy - 1.0
         moved = np.stack([energy, then.sigma3_bar - start.sigma3_bar, then.eta(plus) - start.eta(plus)])
         outcome = Outcome(found.status, found.steps, moved, precision.in_race(disk, ended, error))
@@ -93,13 +92,6 @@ def _sample(given: Motions, times: Array) -> tuple[Array, Outcome, Motions]:
         out = np.concatenate([given.initial.T[:, None], out], axis=1)
     out[outcome.status != code.OK] = np.nan
     return out, outcome, given
-
-
-def _constants(disk: Disk, states: Array) -> Motion:
-    """The constants of states (10, n)."""
-    found = np.empty((6, states.shape[1]))
-    compiled.algebra.constants_batch(np.ascontiguousarray(states[:5]), disk.whole, disk.natural, found)
-    return Motion(*found)
 
 
 class Records(NamedTuple):

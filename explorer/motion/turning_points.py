@@ -92,7 +92,7 @@ def smallest_tilt(
     """
     code = compiled.status.Status
     if how.method == "quadrature":
-        status = status_at_start(states, False) if of_states is None else of_states.copy()
+        status = status_at_start(states, sided=False) if of_states is None else of_states.copy()
         steps = np.zeros(len(states), np.int32)
         theta = lowest_tilts(states.disk, motions_of(states, seen_from(states)), how.accuracy, status)
     else:

@@ -59,6 +59,13 @@ class Motion(NamedTuple):
         return Motion(*(column[rows] for column in self))
 
 
+def motion_through(disk: Disk, states: Array) -> Motion:
+    """The constants of states (5, n), rows as `phase.states.Rows`, computed from these."""
+    out = np.empty((len(Motion._fields), states.shape[1]))
+    compiled.algebra.constants_batch(np.ascontiguousarray(states), disk.whole, disk.natural, out)
+    return Motion(*out)
+
+
 class LineChart(NamedTuple):
     """At given tilts, the linear map from (sigma3_bar, eta_hat of face +1) to (sigma3, sigma4).
 

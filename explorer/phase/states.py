@@ -19,7 +19,7 @@ from explorer.phase.arguments import columns_of as columns_of
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
-from explorer.phase.lines import LinearConstants, Motion, line_slope, linear_constants
+from explorer.phase.lines import LinearConstants, Motion, line_slope, linear_constants, motion_through
 
 # Also where the user has set numpy to raise.
 _UNDERFLOW_IS_ZERO = np.errstate(under="ignore")
@@ -130,14 +130,12 @@ class States:
     @cached_property
     def motion(self) -> Motion:
         """Constants of the motions through the states (natural units), in a row; NaN for bad input."""
-        rows = np.empty((len(Motion._fields), len(self)))
-        compiled.algebra.constants_batch(self.natural, self.disk.whole, self.disk.natural, rows)
+        motion = motion_through(self.disk, self.natural)
         if self.exact is not None:
             none = np.zeros(len(self))
-            given = Motion(*rows)._replace(**self.exact._asdict(), rounding_plus=none, rounding_minus=none)
-            rows = np.array(given)
-        rows[:, self.status == compiled.status.Status.BAD_INPUT] = np.nan
-        return Motion(*rows)
+            motion = motion._replace(**self.exact._asdict(), rounding_plus=none, rounding_minus=none)
+        bad = self.status == compiled.status.Status.BAD_INPUT
+        return Motion(*(np.where(bad, np.nan, column) for column in motion)) if bad.any() else motion
 
     @property
     @_UNDERFLOW_IS_ZERO
