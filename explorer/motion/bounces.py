@@ -239,7 +239,7 @@ def _pairs_of(
     fall: compiled.passages.FallRow[Array],
     first_only: bool,
 ) -> _Pairs:
-    """The same from the ways of motions; rises: whether they move away from the face `own` of their state."""
+    """The same from the arcs of motions; rises: whether they move away from the face `own` of their state."""
     crosses, (here, there, lead) = ends.crosses, orbits
     first_here = ~(rises & crosses)
     turns = np.stack([first_here, *([] if first_only else [~first_here | ~crosses])])
@@ -247,8 +247,8 @@ def _pairs_of(
     def in_turn(on_this: Array, on_other: Array) -> Array:
         return np.where(turns, on_this, on_other)
 
-    def there_and_back(way: compiled.rules.ArcRow[Array]) -> Array:
-        return np.fmax(2.0 * way.angle_error, way.time_error / way.time)
+    def there_and_back(arc: compiled.rules.ArcRow[Array]) -> Array:
+        return np.fmax(2.0 * arc.angle_error, arc.time_error / arc.time)
 
     back, back_error = (
         np.where(crosses & (rises | (not first_only)), column, 0.0) for column in (there.time, there.time_error)

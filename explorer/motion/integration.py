@@ -29,21 +29,21 @@ _RUNS = 8  # finer ones at most, each slower than the one before
 
 
 class InitialValues(NamedTuple):
-    """Motions before they are followed: initial (5 or 10, n); pinned (3, n): sigma3_bar, eta_plus and
+    """Motions before they are followed: initial (5 or 10, n); linear (3, n): sigma3_bar, eta_plus and
     eta_minus that they are held to, NaN: they run free; control (n): their steps or tolerances."""
 
     disk: Disk
     plan: Plan
     initial: Array
-    pinned: Array
+    linear: Array
     status: NDArray[np.int8]
     control: Array
     max_steps: int = MAX_STEPS
 
     def at(self, rows: NDArray[np.intp]) -> InitialValues:
         """Some of them."""
-        initial, pinned = (np.ascontiguousarray(part[:, rows]) for part in (self.initial, self.pinned))
-        return self._replace(initial=initial, pinned=pinned, status=self.status[rows], control=self.control[rows])
+        initial, linear = (np.ascontiguousarray(part[:, rows]) for part in (self.initial, self.linear))
+        return self._replace(initial=initial, linear=linear, status=self.status[rows], control=self.control[rows])
 
     def finer(self, less: Array) -> InitialValues:
         """The same by steps that err by so much less (n)."""
@@ -70,19 +70,22 @@ class Followed(NamedTuple):
 
 
 def follow(
-    given: InitialValues, event: compiled.events.Event, values: Array, trail: compiled.curves.Trail | None = None
+    given: InitialValues,
+    event: compiled.events.Event,
+    values: Array,
+    history: compiled.curves.History | None = None,
 ) -> Followed:
     """Follow motions until the event has taken all of the values, in their order."""
     n, disk, how = given.status.size, given.disk, given.plan
     moved, steps = np.full((3, n), np.nan), np.zeros(n, np.int32)
     found = Followed(np.empty((n, values.size, 10)), given.status.copy(), steps, moved)
     work = compiled.engine.Work(
-        *(how.kernel_method, given.max_steps, event, values, given.control, given.initial, given.pinned),
+        *(how.kernel_method, given.max_steps, event, values, given.control, given.initial, given.linear),
         *(found.status, found.out, steps, moved),
     )
-    trail = trail or compiled.curves.Trail(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
+    history = history or compiled.curves.History(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
     run = partial(
-        compiled.engine.FOLLOW[how.kernel_method, how.kernel_depth], work, trail, disk.natural, disk.whole
+        compiled.engine.FOLLOW[how.kernel_method, how.kernel_depth], work, history, disk.natural, disk.whole
     )
     # A kernel ends motions whose status somebody else changes: by that it ends where nobody waits for it.
     attended(run, partial(found.status.fill, compiled.status.Status.STEP_LIMIT))

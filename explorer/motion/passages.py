@@ -182,8 +182,8 @@ def passages_by(disk: Disk, starts: Starts, how: Plan) -> tuple[Passages, NDArra
     """As `passages`, by a plan that was made, which may name its setting; and the steps of an integrator."""
     if how.method == "quadrature":
         return _passages(disk, starts, how, 0.0), None
-    ways, steps = by_integration(disk, starts, how)
-    return _assemble(disk, starts, [ways], how, 0.0), steps
+    samples, steps = by_integration(disk, starts, how)
+    return _assemble(disk, starts, [samples], how, 0.0), steps
 
 
 def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-11) -> Passages:
@@ -236,23 +236,23 @@ def _passages(disk: Disk, starts: Starts, how: Plan, edge: float) -> Passages:
 
 
 def _assemble(
-    disk: Disk, starts: Starts, parts: Iterable[compiled.races.Ways], how: Plan, edge: float
+    disk: Disk, starts: Starts, parts: Iterable[compiled.races.Samples], how: Plan, edge: float
 ) -> Passages:
-    """Results in the units of the disk, with the fall taken out of chi. parts: ways of the starts, in order."""
+    """Results in the units of the disk, with the fall taken out of chi. parts: samples of the starts, in order."""
     races, n, first = compiled.races, starts.status.size, 0
     by_integrals = how.method == "quadrature"
     bounds = (how.accuracy, 0.0, OF_ANGLES) if by_integrals else (asked(how, 0.0), _FLOOR, 0.0)
     terms = races.Terms(*bounds)
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
     out, status = rows_apart(12, n), np.empty(n, np.int8)
-    for ways in parts:
-        crossed = compiled.passages.Crossings(ways.sigma3_bar, ways.eta, ways.speed)
+    for samples in parts:
+        crossed = compiled.passages.Crossings(samples.sigma3_bar, samples.eta, samples.speed)
         departures = departures_beside(disk, crossed)
         fall = falls_of(disk, departures, edge, how.accuracy)
         falls = races.Falls(fall.time, fall.chi, departures.level, fall.error)
-        races.race_batch(ways, falls, terms, units, disk.natural, first, out)
-        status[first : first + ways.status.size] = ways.status
-        first += ways.status.size
+        races.race_batch(samples, falls, terms, units, disk.natural, first, out)
+        status[first : first + samples.status.size] = samples.status
+        first += samples.status.size
     found = races.RaceRow(*out[:, :n])._asdict()
     return Passages(
         disk=disk,

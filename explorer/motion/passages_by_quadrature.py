@@ -20,7 +20,7 @@ _AS_FROM_REST = 1e-140  # of speeds: less changes no digit, and its square may h
 
 def by_quadrature(
     disk: Disk, starts: Starts, how: Plan, edge: float, tables: bool = True
-) -> "compiled.races.Ways":
+) -> "compiled.races.Samples":
     """Passages as integrals: by the tables of the body where these serve, else as arcs.
 
     edge: the tilt phi (rad) at which they start and stop, 0 for the vertical. tables: False for arcs alone.
@@ -67,7 +67,7 @@ def as_arcs(
     ends = ends_of(disk, motions)
     lead, inner = orbits_of(disk, motions, ends, accuracy, False, True, False).lead, ends.inner
     with np.errstate(divide="ignore"):  # of motions that do not come this way
-        way = 0.5 * inner.sigma3 * (1.0 + inner.r * inner.r) / inner.r
+        turn_rate = 0.5 * inner.sigma3 * (1.0 + inner.r * inner.r) / inner.r
         found = compiled.passages.PassageRow(
             theta_min=2.0 * np.arctan(inner.r),
             chi=2.0 * lead.chi,
@@ -76,7 +76,7 @@ def as_arcs(
             energy=energy[kept],
             angle_error=2.0 * lead.angle_error,
             time_error=lead.time_error / lead.time,
-            way=way,
+            turn_rate=turn_rate,
         )
     out, status = np.full((8, n), np.nan), np.full(n, code.BAD_INPUT, np.int8)
     out[:, kept] = np.stack(found)
@@ -97,15 +97,15 @@ def from_vertical(disk: Disk, crossings: "compiled.passages.Crossings") -> Motio
 
 def _ways(
     disk: Disk, face: Array, crossings: "compiled.passages.Crossings", out: Array, status: NDArray[np.int8]
-) -> "compiled.races.Ways":
+) -> "compiled.races.Samples":
     """What a kernel wrote: rows of PassageRow."""
     found, (bar, eta, speed) = compiled.passages.PassageRow(*out), crossings
     energy, on_f = found.energy, eta == 0.0
     if on_f.any():  # what lies on F was left out
         energy = np.where(on_f, energy_on_f(disk, bar, speed), energy)
     error = np.fmax(found.angle_error, found.time_error)
-    followed = found.theta_min, found.chi, found.psi, found.time, found.way
-    return compiled.races.Ways(bar, eta, speed, face, *followed, energy, error, status)
+    followed = found.theta_min, found.chi, found.psi, found.time, found.turn_rate
+    return compiled.races.Samples(bar, eta, speed, face, *followed, energy, error, status)
 
 
 def energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:

@@ -65,17 +65,17 @@ def _sample(given: InitialValues, times: Array) -> tuple[Array, Outcome, Initial
     disk, how, code, n = given.disk, given.plan, compiled.status.Status, given.status.size
     start, last = motion_through(disk, given.initial[:5]), float(times[-1])
     if disk.body.I3 > 0.0:  # they may have been given
-        start = start._replace(**LinearConstants(*given.pinned)._asdict())
+        start = start._replace(**LinearConstants(*given.linear)._asdict())
     later = times[times > 0.0]  # the kernel takes values above 0; the state at 0 is known
     if later.size == 0:
         out, none = np.empty((n, 0, 10)), np.where(given.status == code.OK, 0.0, np.nan)
         outcome = Outcome(given.status.copy(), np.zeros(n, np.int32), np.tile(none, (3, 1)), none)
     else:
-        amplified, told = precision.amplified_at(disk, how, given.initial, start, last)
+        amplified, seen = precision.amplified_at(disk, how, given.initial, start, last)
         given, asked = given.finer(precision.less_where_amplified(how, amplified)), precision.asked(how, last)
 
         def estimate(found: Followed, rows: Any) -> Array:
-            return precision.estimate(disk, how, found.moved, found.out[:, -1].T, told[rows], last)
+            return precision.estimate(disk, how, found.moved, found.out[:, -1].T, seen[rows], last)
 
         found, error, given = settle(given, compiled.events.TIME, later, estimate, asked)
         out, ended = found.out, np.ascontiguousarray(found.out[:, -1].T)
@@ -133,8 +133,8 @@ def _record(given: InitialValues, t_end: float, number: int) -> Records:
     # Memory that nothing is written to is not taken.
     room = given.status.size * (MOST_POINTS // max(number, 1))
     rows, used = np.empty((room, compiled.curves.COLUMNS)), np.zeros(1, np.int64)
-    trail = compiled.curves.Trail(LONGEST_ANGLE, LONGEST_TIME, rows, used, room + 1)
-    found = follow(given, compiled.events.TIME, np.full(1, t_end), trail)
+    history = compiled.curves.History(LONGEST_ANGLE, LONGEST_TIME, rows, used, room + 1)
+    found = follow(given, compiled.events.TIME, np.full(1, t_end), history)
     if used[0] > room:
         raise InputError(
             f"t_end: so dense, curves of {number} motion(s) take more than {MOST_POINTS:,} times; "

@@ -19,14 +19,14 @@ from explorer.phase.states import Array, States
 class TurningPoints:
     """The next points at which motions stop tilting (p = 0), natural units except where said.
 
-    theta: tilt from the nearer flat state (rad). face: which flat state that is. way: sigma3/q there,
+    theta: tilt from the nearer flat state (rad). face: which flat state that is. turn_rate: sigma3/q there,
     whose sign is the direction in which the contact point moves. time, chi, psi: increase since the start; zero
     on the reduced rung. error: how far they may be off. Entries are NaN where status is not OK.
     """
 
     theta: Array
     face: NDArray[np.int8]
-    way: Array
+    turn_rate: Array
     time: Array
     chi: Array
     psi: Array

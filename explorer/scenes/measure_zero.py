@@ -224,7 +224,7 @@ class MeasureZero(FromDensity):
         for each in (states, states.reversed()):
             turn = turning_points(each, _checking())
             here = (turn.face == face) & (abs(turn.theta / theta - 1.0) < 0.5)
-            agrees = np.sign(turn.way) == np.sign(eta_hat)
+            agrees = np.sign(turn.turn_rate) == np.sign(eta_hat)
             failed = turn.status != compiled.status.Status.OK
             for way, those in (("right", here & agrees), ("wrong", here & ~agrees), ("not_resolved", failed)):
                 tally.race[way] += int(those.sum())
