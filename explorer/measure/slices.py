@@ -34,7 +34,7 @@ class Slice:
     ranges: tuple[tuple[str, Range], ...]
 
     @classmethod
-    def of(cls, given: Any, option: str = "--slice") -> Slice:
+    def of(cls, given: Any, option: str = "slice") -> Slice:
         """From "sigma3=-2:2,sigma4=-2:2,phi=0,phidot=1" or a mapping of numbers and pairs.
 
         Raises InputError naming the option.

@@ -117,8 +117,7 @@ def warn_of_degrees(angle: Array, stacklevel: int = 3) -> bool:
     suspicious = bool(known.size and (known > 0.5 * np.pi).all())
     if suspicious:
         warnings.warn(
-            "tilt: all tilts lie beyond upright (pi/2 rad); where they are degrees, say so: degrees=True, or "
-            "--degrees on the command line",
+            "tilt: all tilts lie beyond upright (pi/2 rad); where they are degrees, say so by degrees",
             StateWarning,
             stacklevel=stacklevel,
         )

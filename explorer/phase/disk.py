@@ -111,22 +111,22 @@ class Disk:
         transverse = 0.25 * mass * radius * radius if I1 is None else positive(*_plain("I1", I1))
         axial = 2.0 * transverse if I3 is None else number(*_plain("I3", I3), 0.0)
         read = {"m": mass, "r": radius, "g": gravity, "I1": transverse, "I3": axial}
-        for key, value in {**read, "name": word("--disk: name", name)}.items():
+        for key, value in {**read, "name": word("disk: name", name)}.items():
             object.__setattr__(self, key, value)
         if self.I3 > 2.0 * self.I1 * (1.0 + _ROUNDING):
             raise InputError(
-                f"--disk: I3 = {self.I3} exceeds 2 I1 = {2.0 * self.I1}, which no body has; "
+                f"disk: I3 = {self.I3} exceeds 2 I1 = {2.0 * self.I1}, which no body has; "
                 "a flat one has I3 = 2 I1 exactly"
             )
         if not _can_be_scaled(self):
-            raise InputError("--disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
+            raise InputError("disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
 
     @classmethod
     @explained
     def annulus(cls, inner: float, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop)."""
         _plain("inner", inner)
-        inner = number("--disk: annulus (inner over outer radius, between 0 and 1)", inner, 0.0, 1.0)
+        inner = number("disk: annulus (inner over outer radius, between 0 and 1)", inner, 0.0, 1.0)
         m, r, g = _units(m, r, g)
         axial = 0.5 * m * r * r * (1.0 + inner * inner)
         return cls(m, r, g, 0.5 * axial, axial, f"annulus-{inner:g}")
@@ -162,22 +162,22 @@ class Disk:
             return _named(made, rest)
         if head == "annulus":
             inner, _, scales = rest.partition(",")
-            return _named(cls.annulus(number("--disk: annulus", inner), **_scales(scales)), scales)
+            return _named(cls.annulus(number("disk: annulus", inner), **_scales(scales)), scales)
         if text.strip().endswith(".toml"):
-            return cls._from_mapping(read_toml(Path(text.strip()), "--disk"), Path(text.strip()).stem)
+            return cls._from_mapping(read_toml(Path(text.strip()), "disk"), Path(text.strip()).stem)
         if "=" in text:
             return cls._from_mapping(_quantities(text), "custom")
-        raise InputError(f"--disk {shown(text)} is not known; choose {SYNTAX}")
+        raise InputError(f"disk {shown(text)} is not known; choose {SYNTAX}")
 
     @classmethod
     def _from_mapping(cls, values: dict[str, Any], name: str) -> Disk:
         _known(values, (*_SCALES, "I1", "I3", "name"))
         missing = [key for key in ("I1", "I3") if key not in values]
         if missing:
-            raise InputError(f"--disk: {' and '.join(missing)} missing; give I1 and I3 (m, r, g default to 1)")
+            raise InputError(f"disk: {' and '.join(missing)} missing; give I1 and I3 (m, r, g default to 1)")
         values = {**values, "I3": _axial(values["I1"], values["I3"])}
-        read = {key: positive(f"--disk: {key}", values[key]) for key in (*_SCALES, "I1") if key in values}
-        axial = number("--disk: I3", values["I3"], 0.0)
+        read = {key: positive(f"disk: {key}", values[key]) for key in (*_SCALES, "I1") if key in values}
+        axial = number("disk: I3", values["I3"], 0.0)
         return cls(**read, I3=axial, name=values.get("name", name))
 
     @property
@@ -309,8 +309,8 @@ def _units(m: Any, r: Any, g: Any) -> tuple[float, float, float]:
 def _plain(name: str, value: Any) -> tuple[str, Any]:
     """How messages call a quantity, and its value. Raises InputError for text, which `Disk.parse` reads."""
     if isinstance(value, str):
-        raise InputError(f"--disk: {name} = {shown(value)} is text; give a number, or all of it to Disk.parse")
-    return f"--disk: {name}", value
+        raise InputError(f"disk: {name} = {shown(value)} is text; give a number, or all of it to Disk.parse")
+    return f"disk: {name}", value
 
 
 def _can_be_scaled(disk: Disk) -> bool:
@@ -328,21 +328,21 @@ def _quantities(text: str) -> dict[str, str]:
     pairs = [item.partition("=") for item in text.split(",") if item.strip()]
     for key, equals, _ in pairs:
         if not equals:
-            raise InputError(f"--disk: {shown(key.strip())} says no quantity; write NAME=VALUE, as m=1,r=0.5")
+            raise InputError(f"disk: {shown(key.strip())} says no quantity; write NAME=VALUE, as m=1,r=0.5")
     return {key.strip(): value.strip() for key, _, value in pairs}
 
 
 def _known(values: dict[str, Any], known: tuple[str, ...]) -> None:
     for key in values:
         if key not in known:
-            raise InputError(f"--disk: unknown quantity {shown(key)}; the known ones are {', '.join(known)}")
+            raise InputError(f"disk: unknown quantity {shown(key)}; the known ones are {', '.join(known)}")
 
 
 def _scales(text: str) -> dict[str, float]:
     """m, r and g of a preset. Raises InputError."""
     values = _quantities(text)
     _known(values, (*_SCALES, "name"))
-    return {key: number(f"--disk: {key}", value) for key, value in values.items() if key != "name"}
+    return {key: number(f"disk: {key}", value) for key, value in values.items() if key != "name"}
 
 
 def _named(disk: Disk, text: str) -> Disk:
@@ -353,13 +353,13 @@ def _named(disk: Disk, text: str) -> Disk:
 def _axial(transverse: Any, axial: Any) -> Any:
     """I3 as it is meant: `flat` is 2 I1, and so is what exceeds it only by rounding of the last digit given."""
     if axial == "flat":
-        return 2.0 * number("--disk: I1", transverse)
+        return 2.0 * number("disk: I1", transverse)
     if isinstance(transverse, str) and isinstance(axial, str):
-        I1, I3 = number("--disk: I1", transverse), number("--disk: I3", axial)
+        I1, I3 = number("disk: I1", transverse), number("disk: I3", axial)
         excess = I3 - 2.0 * I1
         if 0.0 < excess <= _last_digit(transverse) + 0.5 * _last_digit(axial):
             note(
-                f"--disk: I3 = {axial} is taken as 2 I1 = {2.0 * I1:.17g}, a flat body's, which it rounds",
+                f"disk: I3 = {axial} is taken as 2 I1 = {2.0 * I1:.17g}, a flat body's, which it rounds",
                 False,
             )
             return 2.0 * I1
@@ -382,7 +382,7 @@ def require_axial_inertia(disk: Disk) -> None:
     """Raise InputError where I3 = 0: eta_hat = eta/(I3 r(0)) and the lines' slope need I3 > 0."""
     require_disk(disk)
     if not disk.body.I3 > 0.0:
-        raise InputError("--disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")
+        raise InputError("disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")
 
 
 def read_number(name: str, value: Number) -> Number:
