@@ -57,18 +57,10 @@ class Slice:
     def defaults(cls, disk: Disk) -> tuple[Slice, ...]:
         """Two slices: at the vertical, where F is a pair of lines, and one where F is curved and has an edge."""
         unit = disk.rate_unit
-        two = 2.0 * unit
-        return (
-            cls((("phi", (0.0, 0.0)), ("phidot", (unit, unit)), ("sigma3", (-two, two)), ("sigma4", (-two, two)))),
-            cls(
-                (
-                    ("phi", (-1.35, 1.35)),
-                    ("phidot", (0.05 * unit, 0.05 * unit)),
-                    ("sigma3", (0.15 * unit, 0.15 * unit)),
-                    ("sigma4", (-0.8 * unit, 0.8 * unit)),
-                )
-            ),
-        )
+        two, most = (-2.0 * unit, 2.0 * unit), (-0.8 * unit, 0.8 * unit)
+        lines = {"phi": 0.0, "phidot": unit, "sigma3": two, "sigma4": two}
+        curves = {"phi": (-1.35, 1.35), "phidot": 0.05 * unit, "sigma3": 0.15 * unit, "sigma4": most}
+        return cls.of(lines), cls.of(curves)
 
     @property
     def axes(self) -> tuple[str, str]:

@@ -1,7 +1,6 @@
 """What all results of Python calls share: their columns as a table, and a short description."""
 
 import html
-import zipfile
 from collections import Counter
 from dataclasses import fields, replace
 from functools import cache
@@ -87,7 +86,8 @@ class Table:
         """
         with writing("path", path, (".npz", ".parquet")) as place:
             if place.suffix.lower() == ".npz":
-                _write_npz(place, self._stored())
+                with place.open("wb") as stream:
+                    np.savez_compressed(stream, **self._stored())
             else:
                 from pyarrow.parquet import write_table
 
@@ -190,14 +190,6 @@ class Result(Table):
         of = f" (numbers below: of the {counts['ok']:,} ok)" if numbers and len(counts) > 1 else ""
         said = ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "no samples"
         return [("status", said + of), *numbers]
-
-
-def _write_npz(place: Path, arrays: dict[str, Any]) -> None:
-    """As numpy's `savez_compressed`, which takes names as keywords and so none that is called `file`."""
-    with zipfile.ZipFile(place, "w", zipfile.ZIP_DEFLATED) as file:
-        for name, values in arrays.items():
-            with file.open(f"{name}.npy", "w", force_zip64=True) as entry:
-                np.lib.format.write_array(entry, np.asanyarray(values), allow_pickle=False)
 
 
 @cache

@@ -69,7 +69,7 @@ def test_a_folder_remembers_the_file_of_a_user_s_scene(finished, monkeypatch):
 def test_a_run_is_not_continued_by_what_would_compute_other_numbers(record, options, message, finished):
     rewritten(finished, **record)
     before = contents(finished.folder)
-    with pytest.raises(ex.InputError, match=f"{message}.*; give .*exist=.replace"):
+    with pytest.raises(ex.InputError, match=f"{message}.*; give .*replace the run"):
         ex.run(Coins, out=finished.folder, **{**SMALL, **options})
     assert contents(finished.folder) == before
     (what,) = record or [None]

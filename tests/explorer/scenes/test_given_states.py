@@ -118,7 +118,7 @@ def spoilt(path, content):
         (b"PAR1 and no more", "cannot be read"),
         (b"\x89PNG\r\n\x1a\n\0\0", "cannot be read .*; give Parquet or CSV"),
         (b"a,b\n1,2\n", "which say no state; name columns as in one of: phi"),
-        (b"phi,Phidot,sigma3,sigma4\n1,2,3,4\n", r"add phidot \(is it 'Phidot'\?\)"),
+        (b"phi,Phidot,sigma3,sigma4\n1,2,3,4\n", "add phidot"),
         (b"phi,phi,phidot,sigma3,sigma4\n1,1,1,1,1\n", "several columns 'phi'"),
         (b"phi,phidot,sigma3,sigma4\n", "holds no states"),
         (b"phi,phidot,sigma3,sigma4\nx,1,2,3\ny,1,2,3\n", "column 'phi' holds no numbers"),
