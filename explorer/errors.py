@@ -22,7 +22,6 @@ from typing import Any
 
 MOST_JOBS = 1024  # threads or processes: more only take memory
 SHOWN = 60  # characters of a value in it
-_WRITTEN = 1024  # bits of an integer: more than doubles reach, and Python refuses to write very long ones
 _WHOLE = re.compile(r"[+-]?\d{1,400}", re.ASCII)  # Python refuses to read very long ones
 
 
@@ -98,8 +97,6 @@ def shown(value: Any) -> str:
         return f"{type(value).__name__} of shape {shape} {getattr(value, 'dtype', '')}".rstrip()
     if isinstance(value, list | tuple | dict | set | bytes) and len(value) > SHOWN:
         return f"{type(value).__name__} of {len(value)}"
-    if isinstance(value, int) and value.bit_length() > _WRITTEN:
-        return f"an integer of {value.bit_length():,} bits"
     return shorten(" ".join(repr(value).split()), SHOWN)
 
 

@@ -89,7 +89,7 @@ class Slice:
 class SliceMap(Table):
     """Observables on a plane of the phase space, arrays (ny, nx) with their axes: what `slice_map` returns.
 
-    It is indexed by the name of an observable. `save` stores it, and pictures such as slice-of-tilts draw it.
+    It is indexed by the name of an observable. Pictures such as slice-of-tilts draw it.
 
     Attributes
     ----------
@@ -137,11 +137,6 @@ class SliceMap(Table):
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         return self.values
-
-    def _stored(self) -> dict[str, Any]:
-        """The axes, the fixed numbers and the observables."""
-        first, second = self.slice.axes
-        return {first: self.x, second: self.y, **self.slice.fixed, **self.values}
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.values[one_of("observable", name, self.values)]

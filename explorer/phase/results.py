@@ -4,7 +4,6 @@ import html
 from collections import Counter
 from dataclasses import fields, replace
 from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
@@ -13,7 +12,6 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, shown
 from explorer.phase.columns import COLUMNS
-from explorer.phase.paths import writing
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -75,28 +73,6 @@ class Table:
     def to_arrow(self) -> "pa.Table":
         """An Arrow table as `to_pandas`; each field says its meaning, unit and equation in its metadata."""
         return to_arrow(self._flat())
-
-    def save(self, path: Path | str) -> Path:
-        """Store the columns in a file and return its path: NAME.npz keeps the shapes, NAME.parquet is a table.
-
-        Raises
-        ------
-        InputError
-            Where the name has another ending, or the file cannot be written.
-        """
-        with writing("path", path, (".npz", ".parquet")) as place:
-            if place.suffix.lower() == ".npz":
-                with place.open("wb") as stream:
-                    np.savez_compressed(stream, **self._stored())
-            else:
-                from pyarrow.parquet import write_table
-
-                write_table(self.to_arrow(), place)
-        return place
-
-    def _stored(self) -> dict[str, Any]:
-        """What goes into an npz file."""
-        return dict(self.columns)
 
     def _good(self) -> NDArray[np.bool_]:
         """Samples whose numbers the description speaks of."""
