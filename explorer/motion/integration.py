@@ -60,10 +60,13 @@ class Followed(NamedTuple):
     steps: NDArray[np.int32]
     moved: Array
 
+    def at(self, rows: NDArray[np.bool_]) -> Followed:
+        """Some of them."""
+        return Followed(self.out[rows], self.status[rows], self.steps[rows], self.moved[:, rows])
+
     def put(self, rows: NDArray[np.intp], better: Followed) -> None:
-        """What became of some of them in the end; their steps are those of all runs."""
+        """What became of some of them in the end."""
         self.out[rows], self.status[rows], self.moved[:, rows] = better.out, better.status, better.moved
-        self.steps[rows] += better.steps
 
 
 def follow(
@@ -101,7 +104,7 @@ def settle(
     """
     ok, lost = compiled.status.Status.OK, compiled.status.Status.NOT_FINITE
     found, control = follow(given, event, values), given.control.copy()
-    error, steps = estimate(found, np.s_[:]), found.steps.copy()
+    error, steps, finest = estimate(found, np.s_[:]), found.steps.copy(), np.zeros(control.size, np.bool_)
 
     def unsettled() -> NDArray[np.intp]:
         error[found.status == lost] = np.inf  # steps so long that a motion runs away
@@ -110,22 +113,28 @@ def settle(
     if given.plan.setting is None:
         for _ in range(_RUNS):
             rows = unsettled()
+            rows = rows[~finest[rows]]
             if not rows.size:
                 break
             by_accuracy = np.clip(_THIRD * asked / error[rows], _LEAST, _THIRD)
             less = np.where(np.isfinite(error[rows]), by_accuracy, _ADAPTIVE if given.plan.adaptive else _FIXED)
             finer = given._replace(control=control).at(rows).finer(less)
+            # What has no finer steps is compared with a run by coarser ones, and stays.
+            finest[rows] = finer.control >= control[rows]
+            stays = finest[rows]
+            finer.control[stays] = control[rows[stays]] / _THIRD
             better = follow(finer, event, values)
             # The difference is the error of the coarser run; of the finer one it is less, with a reserve of three.
             apart = difference(better.out, found.out[rows], in_time=event.t != 0.0)
             # The same steps once more tell nothing, but of a motion that is short, or stays where it is.
             moves = (better.out[:, -1, :5] != finer.initial[:5].T).any(axis=1) & (better.steps > precision.FEW)
-            same = (apart == 0.0) & (better.steps == steps[rows]) & (finer.control < control[rows])
-            apart[same & moves] = np.inf
+            apart[(apart == 0.0) & (better.steps == steps[rows]) & moves] = np.inf
             known = apart + precision.SHARE * given.plan.accuracy
-            error[rows] = np.clip(estimate(better, rows), 3.0 * less * apart, known)
+            error[rows] = np.where(stays, known, np.clip(estimate(better, rows), 3.0 * less * apart, known))
+            found.steps[rows] += better.steps
+            rows, better = rows[~stays], better.at(~stays)
             found.put(rows, better)
-            control[rows], steps[rows] = finer.control, better.steps
+            control[rows], steps[rows] = finer.control[~stays], better.steps
         found.status[unsettled()] = compiled.status.Status.STEP_LIMIT
     found.out[found.status != ok] = np.nan
     return found, error, given._replace(control=control)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.arcs import arcs_between, from_place, integrals, next_inward, some
+from explorer.motion.arcs import arcs_between, from_place, integrals, next_inward, places, some
 from explorer.motion.starts import Motions
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
@@ -74,6 +74,23 @@ def smallest(ends: Ends) -> Array:
     """The tilt at the flattest moment (rad)."""
     tilt: Array = 2.0 * np.arctan(np.fmin(ends.inner.r, ends.far.r))
     return tilt
+
+
+def closest_to_crest(disk: Disk, motions: Motions) -> Array:
+    """How near motions come to rest at a crest of the potential, on their way or beyond a turning point.
+
+    The distance in x from there to the next zero of E - V, real or complex; inf where none is near.
+    """
+    ends = ends_of(disk, motions)
+    closest = np.fmin(ends.inner.slow, np.where(ends.crosses, ends.far.slow, ends.outer.slow))
+    other = from_place(motions.starts.X, motions.Y_far, beyond(ends.vertical))
+    ways = (motions.starts, ends.inner, True), (motions.starts, ends.outer, False), (other, ends.far, True)
+    for starts, end, inward in ways:
+        rows = np.flatnonzero(np.isfinite(end.crest))
+        origin = compiled.turning_points.Starts(*(column[rows] for column in starts))
+        at = compiled.turning_points.Place(*places(disk, origin, end.crest[rows], inward))
+        closest[rows] = np.fmin(closest[rows], at.slow)
+    return np.nan_to_num(closest, nan=np.inf, posinf=np.inf)
 
 
 def beyond(vertical: "compiled.turning_points.Place[Array]") -> "compiled.turning_points.Place[Array]":

@@ -71,10 +71,11 @@ def _sample(given: Motions, times: Array) -> tuple[Array, Outcome, Motions]:
         out, none = np.empty((n, 0, 10)), np.where(given.status == code.OK, 0.0, np.nan)
         outcome = Outcome(given.status.copy(), np.zeros(n, np.int32), np.tile(none, (3, 1)), none)
     else:
-        amplified, asked = precision.amplified_at(disk, how, start, last), precision.asked(how, last)
+        amplified, told = precision.amplified_at(disk, how, given.initial, start, last)
+        given, asked = given.finer(precision.less_where_amplified(how, amplified)), precision.asked(how, last)
 
         def estimate(found: Followed, rows: Any) -> Array:
-            return precision.estimate(disk, how, found.moved, found.out[:, -1].T, amplified[rows], last)
+            return precision.estimate(disk, how, found.moved, found.out[:, -1].T, told[rows], last)
 
         found, error, given = settle(given, compiled.events.TIME, later, estimate, asked)
         out, ended = found.out, np.ascontiguousarray(found.out[:, -1].T)
