@@ -28,7 +28,7 @@ _THIRD, _LEAST, _FIXED, _ADAPTIVE = 0.3, 1e-4, 0.1, 0.03
 _RUNS = 8  # finer ones at most, each slower than the one before
 
 
-class Motions(NamedTuple):
+class InitialValues(NamedTuple):
     """Motions before they are followed: initial (5 or 10, n); pinned (3, n): sigma3_bar, eta_plus and
     eta_minus that they are held to, NaN: they run free; control (n): their steps or tolerances."""
 
@@ -40,12 +40,12 @@ class Motions(NamedTuple):
     control: Array
     max_steps: int = MAX_STEPS
 
-    def at(self, rows: NDArray[np.intp]) -> Motions:
+    def at(self, rows: NDArray[np.intp]) -> InitialValues:
         """Some of them."""
         initial, pinned = (np.ascontiguousarray(part[:, rows]) for part in (self.initial, self.pinned))
         return self._replace(initial=initial, pinned=pinned, status=self.status[rows], control=self.control[rows])
 
-    def finer(self, less: Array) -> Motions:
+    def finer(self, less: Array) -> InitialValues:
         """The same by steps that err by so much less (n)."""
         power = 1.0 if self.plan.adaptive else 1.0 / FIXED[self.plan.method]
         return self._replace(control=self.plan.at_least(self.control * less**power))
@@ -70,7 +70,7 @@ class Followed(NamedTuple):
 
 
 def follow(
-    given: Motions, event: compiled.events.Event, values: Array, trail: compiled.curves.Trail | None = None
+    given: InitialValues, event: compiled.events.Event, values: Array, trail: compiled.curves.Trail | None = None
 ) -> Followed:
     """Follow motions until the event has taken all of the values, in their order."""
     n, disk, how = given.status.size, given.disk, given.plan
@@ -94,8 +94,8 @@ Estimate = Callable[[Followed, Any], Array]
 
 
 def settle(
-    given: Motions, event: compiled.events.Event, values: Array, estimate: Estimate, asked: float
-) -> tuple[Followed, Array, Motions]:
+    given: InitialValues, event: compiled.events.Event, values: Array, estimate: Estimate, asked: float
+) -> tuple[Followed, Array, InitialValues]:
     """Follow motions, and those that may err by more than is asked once more by finer steps, until none does.
 
     estimate(found, rows): of the errors of those rows, from what holding moved; infinite where that does not tell

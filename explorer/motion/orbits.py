@@ -70,10 +70,18 @@ def ends_of(disk: Disk, motions: Motions) -> Ends:
     return Ends(state, inner, outer, vertical, turning.Place(*far), crosses)
 
 
-def smallest(ends: Ends) -> Array:
-    """The tilt at the flattest moment (rad)."""
-    tilt: Array = 2.0 * np.arctan(np.fmin(ends.inner.r, ends.far.r))
-    return tilt
+def tilt_errors(motions: Motions, ends: Ends) -> tuple[Array, Array]:
+    """The relative errors of the tilts where motions turn, on the face of their state and on the other one.
+
+    Near F a tilt is in proportion to eta, and known as well as that.
+    """
+    return ends.inner.error + motions.unsure, ends.far.error + motions.unsure_far
+
+
+def smallest(motions: Motions, ends: Ends) -> tuple[Array, Array]:
+    """The tilt at the flattest moment (rad), and its relative error."""
+    there, (on_this, on_other) = ends.far.r < ends.inner.r, tilt_errors(motions, ends)
+    return 2.0 * np.arctan(np.where(there, ends.far.r, ends.inner.r)), np.where(there, on_other, on_this)
 
 
 def closest_to_crest(disk: Disk, motions: Motions) -> Array:

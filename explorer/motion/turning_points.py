@@ -47,7 +47,7 @@ def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> Turn
     slow: how many times as much each amplifies errors as a quick motion does.
     """
     amplified = np.broadcast_to(np.asarray(slow), len(states))
-    given = integration.Motions(
+    given = integration.InitialValues(
         *(states.disk, how, states.natural, held_constants(states), status_at_start(states)),
         np.full(len(states), how.control),
     ).finer(precision.less_where_amplified(how, amplified))
@@ -106,11 +106,9 @@ def lowest_tilts(disk: Disk, motions: Motions, accuracy: float, status: NDArray[
         status[status == code.OK] = code.STEP_LIMIT
         return theta
     rows = np.flatnonzero(status == code.OK)
-    ends = ends_of(disk, motions.at(rows))
-    theta[rows] = smallest(ends)
-    # Errors are those of ln tan(theta/2), so relative ones of the tilt.
-    known = np.fmax(ends.inner.error, ends.far.error) <= accuracy
-    status[rows[~known]] = code.STEP_LIMIT
+    some = motions.at(rows)
+    theta[rows], error = smallest(some, ends_of(disk, some))
+    status[rows[~(error <= accuracy)]] = code.STEP_LIMIT
     return theta
 
 
