@@ -55,13 +55,12 @@ def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Pa
     """
     folder, files = asked.out, list[Path]()
     if given and asked.only not in (None, "phase"):
-        names = ", ".join(f"--{key.replace('_', '-')}" for key in given)
-        raise InputError(f"{names}: only the group phase takes this; leave it out, or --only phase")
+        raise InputError(f"{', '.join(given)}: only the group phase takes this; leave it out, or draw only phase")
     # What the options do not allow is said before anything is written.
     scene = Portrait.of({**given, "disk": asked.disk})
     command = "nearflat portrait" + (f" --only {asked.only}" if asked.only else "")
     lines = [f"# Portraits of the {asked.disk.name} disk", "", f"Made by `{command}`."]
-    made_folder("--out", folder)
+    made_folder("out", folder)
     for group in [asked.only] if asked.only else GROUPS:
         note(f"drawing {group}", quiet)
         drawn = _film(folder, asked.disk) if group == FILM else _group(folder, group, scene)

@@ -11,7 +11,6 @@ from explorer import compiled
 from explorer.errors import InputError, positive, sign
 from explorer.motion.limit_motions import LimitMotion, LimitState, limit_motion, misses_f, warn_of_move
 from explorer.motion.trajectories import trajectories
-from explorer.phase.arguments import explained
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk
@@ -108,7 +107,6 @@ class BothSides:
         return np.concatenate([*pieces, limit.contact[first:, :2]])
 
 
-@explained
 def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
     """The motions on both sides of a point of F, and the limits of each side, through two falls.
 
@@ -151,7 +149,7 @@ def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
     with warnings.catch_warnings(action="ignore", category=StateWarning):
         given = limit_motion(state)
     if misses_f(given):
-        warn_of_move(given, 4)  # beyond `explained`
+        warn_of_move(given, 3)
     beside = _at_distances(state, given.face, [0.0, size, -size])
     start = beside[0] if misses_f(given) else state
     limits = {side: limit_motion(start, side) for side in (1, -1)}

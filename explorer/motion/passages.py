@@ -19,7 +19,7 @@ from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
 from explorer.motion.precision import asked
 from explorer.motion.vertical import Starts, starts_at_vertical
-from explorer.phase.arguments import explained, keywords_of, read_columns
+from explorer.phase.arguments import keywords_of, read_columns
 from explorer.phase.disk import Disk
 from explorer.phase.results import Result
 from explorer.phase.states import Array
@@ -114,7 +114,6 @@ class _Computation(NamedTuple):
     jobs: int = 1
 
 
-@explained
 def passages(
     disk: Disk,
     sigma3_bar: ArrayLike,

@@ -16,7 +16,6 @@ from explorer.errors import CoarseTimesWarning, InputError, jobs_of, number, pos
 from explorer.motion import recording
 from explorer.motion.integration import MAX_STEPS, InitialValues
 from explorer.motion.plan import ALGEBRA, QUADRATURE, Plan, plan
-from explorer.phase.arguments import explained
 from explorer.phase.disk import Disk
 from explorer.phase.results import status_names
 from explorer.phase.states import Array, States, columns_of, require_states
@@ -172,7 +171,6 @@ class Trajectories:
 _RATES = ("phidot", "sigma3", "sigma4")
 
 
-@explained
 def simulate(
     states: States,
     t_end: float | None = None,
@@ -351,5 +349,5 @@ def _warn_of_races(motion: Trajectories) -> None:
             f"by up to {np.nanmax(turned):.3g} rad, and a curve through them would miss races; leave t_eval out "
             "for times as dense as the motion needs, and call the result with your own",
             CoarseTimesWarning,
-            stacklevel=4,  # beyond `explained`
+            stacklevel=3,
         )
