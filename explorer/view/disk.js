@@ -180,28 +180,52 @@ export function drawHand(context, camera, pose, colour, size) {
   context.stroke();
 }
 
-const SPIRAL_FLAT = 0.35; // rad of tilt above which the spiral has faded
+// The tail of a race lies on the table round the rim, and the one of the other side round that.
+const TAIL_RADIUS = 1.1, TAIL_APART = 0.1, TAIL_GROWTH = 0.3, TAIL_PIECE = 0.06;
 
-/** The race so far, drawn on the flat disk as a spiral from where it began. */
-export function drawSpiral(context, camera, pose, race, tilt, colour) {
-  const fade = Math.min(1, 1.5 * (1 - tilt / SPIRAL_FLAT));
-  if (!(fade > 0) || Math.abs(race.turned) < 0.02) return;
-  const steps = Math.ceil(Math.abs(race.turned) / 0.1);
-  const height = pose.normal[2] >= 0 ? pose.high : pose.low;
-  const points = Array.from({ length: steps + 1 }, (_, n) => {
-    const turned = (race.turned * n) / steps;
-    const radius = 0.28 + (0.42 * Math.abs(turned)) / Math.abs(race.limit);
-    const angle = race.chi + turned;
-    // On the flat disk directions in space are directions on its face.
-    const flat = [Math.cos(angle), Math.sin(angle)];
-    const a = (flat[0] * pose.down[0] + flat[1] * pose.down[1]);
-    const b = flat[0] * pose.along[0] + flat[1] * pose.along[1];
-    return camera.project(spot(pose, radius, a, b, height));
+/**
+ * The race so far as the tail of a comet round the disk: it begins where the race did and ends at the contact, at chi.
+ *
+ * Its pieces overlap and are opaque, so that no seams are seen; `ground` is what they fade into, [r, g, b].
+ */
+export function drawTail(context, camera, centre, chi, race, n, colour, ground, strength) {
+  if (!(strength > 0) || Math.abs(race.turned) < TAIL_PIECE) return;
+  const pieces = Math.ceil(Math.abs(race.turned) / TAIL_PIECE);
+  const points = Array.from({ length: pieces + 1 }, (_, piece) => {
+    const angle = chi - race.turned * (1 - piece / pieces);
+    const radius = TAIL_RADIUS + n * TAIL_APART + (TAIL_GROWTH * piece * TAIL_PIECE) / Math.abs(race.angle);
+    return camera.project([centre[0] + radius * Math.cos(angle), centre[1] + radius * Math.sin(angle), 0]);
   });
-  context.strokeStyle = `rgba(${colour.join(",")}, ${0.85 * fade})`;
-  context.lineWidth = 3;
+  const thick = 0.055 * camera.pixels(centre);
+  const stroke = (some) => {
+    context.beginPath();
+    some.forEach(([x, y], i) => (i ? context.lineTo(x, y) : context.moveTo(x, y)));
+    context.stroke();
+  };
+  context.save();
+  context.globalAlpha = Math.min(1, strength);
   context.lineCap = "round";
+  for (let piece = 0; piece < pieces; piece++) {
+    const share = (piece + 1) / pieces;
+    const faded = colour.map((v, i) => Math.round(ground[i] + (0.2 + 0.8 * share) * (v - ground[i])));
+    context.strokeStyle = `rgb(${faded.join(",")})`;
+    context.lineWidth = thick * (0.12 + 0.88 * share);
+    stroke(points.slice(piece, piece + 2));
+  }
+  context.fillStyle = "#fff";
   context.beginPath();
-  points.forEach(([x, y], n) => (n ? context.lineTo(x, y) : context.moveTo(x, y)));
+  context.arc(...points[pieces].slice(0, 2), 0.8 * thick, 0, 2 * Math.PI);
+  context.fill();
+  context.restore();
+}
+
+/** The rim as a thin line; `fill` is how much of its colour the face has. */
+export function drawOutline(context, camera, pose, colour, alpha, width, fill = 0) {
+  context.beginPath();
+  trace(context, circle(pose, 1, 0).map((p) => camera.project(p)));
+  context.fillStyle = `rgba(${colour.join(",")}, ${fill})`;
+  context.fill();
+  context.strokeStyle = `rgba(${colour.join(",")}, ${alpha})`;
+  context.lineWidth = width;
   context.stroke();
 }

@@ -4,6 +4,7 @@ import { bindCamera, bindControls, bindMaps, onArrows, onDrag, showControls } fr
 import { ConstantsPlane, Portrait } from "./planes.js";
 import { CLOCK, T, stateAt } from "./physics.js";
 import { Gauge, showNow, showNumbers } from "./readouts.js";
+import { bindSaving } from "./saving.js";
 import { Scene, raceAt } from "./scene.js";
 import { Store, readHash, writeHash } from "./state.js";
 import { TimePlot } from "./timeplot.js";
@@ -25,7 +26,7 @@ function readLook(shown) {
     plus: css("plus"), minus: css("minus"),
     ink: css("ink"), soft: css("soft"), paper: css("panel"), panel: css("panel"), grid: css("grid"), axis: css("rule"),
     level: css("level"), table: css("table"), tableFar: css("table-far"), tableEdge: css("table-edge"), tableLine: css("table-line"),
-    faceUp: rgb("face-up"), faceDown: rgb("face-down"), markUp: css("mark-up"), markDown: css("mark-down"),
+    faceUp: rgb("face-up"), faceDown: rgb("face-down"), markUp: css("mark-up"), markDown: css("mark-down"), ground: rgb("table"),
     sides: order.map(rgb), sideColours: order.map(css), tints: { 1: tint("plus"), [-1]: tint("minus") },
     shadow: dark ? 1.2 : 1,
   };
@@ -100,6 +101,7 @@ class Page {
     bindControls(this.store, this.player);
     bindCamera($("scene"), this.scene.camera, this.touch);
     bindMaps(this.store, this.plane, this.portrait);
+    bindSaving(this.store);
     const seek = (clock) => { this.player.seek(clock); this.touch(); };
     onDrag($("times"), (x) => seek(this.times.clockAt(x)), () => { this.player.running = false; });
     onArrows($("times"), (dx, dy) => seek(this.player.clock + 0.05 * dx + 0.5 * dy));

@@ -161,8 +161,8 @@ export function passage(stretch) {
   };
 }
 
-/** Time and increase of chi of the fall on F itself (eta = 0) with the same sigma3_bar and energy. */
-export function fall(stretch) {
+/** Time and increase of chi of the fall on F itself (eta = 0), down to a tilt, with the same sigma3_bar and energy. */
+export function fall(stretch, tilt = 0) {
   const { body, X, level } = stretch;
   if (!(level > 0)) return { time: NaN, chi: NaN };
   let h = stretch.hEnd;
@@ -184,8 +184,9 @@ export function fall(stretch) {
     sums.time += dt;
     sums.chi += (at.ratio / at.q) * dt;
   };
-  gradedSum(0.25 * start, (d, w) => add(start - d, w));
-  for (let n = 0; n < 3; n++) for (const [x, w] of GAUSS) add(0.25 * start * (n + x), 0.25 * start * w);
+  const part = 0.25 * Math.max(0, start - tilt);
+  gradedSum(part, (d, w) => add(start - d, w));
+  for (let n = 0; n < 3; n++) for (const [x, w] of GAUSS) add(tilt + part * (n + x), part * w);
   return sums;
 }
 

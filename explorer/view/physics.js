@@ -165,10 +165,19 @@ export function stepAt(path, place, value) {
   return low;
 }
 
-/** The state at which T or CLOCK has a value, by cubics through the ends of the step and their slopes. */
+/** The state at which T or CLOCK has a value. */
 export function stateAt(path, place, value) {
+  return within(path, stepAt(path, place, value), place, value);
+}
+
+/** The state of a turning point: that of the end of its step lies up to half a radian of chi beside it. */
+export function turningState(path, turn) {
+  return within(path, path.turns[turn] - 1, P, 0);
+}
+
+/** The state in step n at which a component has a value, by cubics through the ends of the step and their slopes. */
+function within(path, n, place, value) {
   const { states, s, motion } = path;
-  const n = stepAt(path, place, value);
   const left = states[n], right = states[n + 1], h = s[n + 1] - s[n];
   const leave = new Float64Array(SIZE), arrive = new Float64Array(SIZE);
   field(left, motion.body, leave);
@@ -181,7 +190,7 @@ export function stateAt(path, place, value) {
   let w = Math.min(1, Math.max(0, (value - left[place]) / (right[place] - left[place])));
   for (let i = 0; i < 40 && high - low > 1e-12; i++) {
     const gap = cubic(place, w) - value;
-    if (gap > 0) high = w;
+    if (gap > 0 === right[place] > left[place]) high = w;
     else low = w;
     const slope = (leave[place] * (1 - w) + arrive[place] * w) * h;
     const guess = w - gap / slope;

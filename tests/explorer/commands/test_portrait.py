@@ -10,7 +10,7 @@ HOOP = ex.Disk.hoop()
 
 
 # The rest is drawn in the tests of its pictures, without pixels: those take seconds.
-RENDERED = ("hero", "phase", "race", "bounces", "paths")
+RENDERED = ("phase", "race", "bounces", "paths")
 
 
 @pytest.mark.rendered("png", "svg", "pdf")
