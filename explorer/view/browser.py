@@ -44,7 +44,8 @@ def find() -> str:
     found = os.environ.get("NEARFLAT_CHROMIUM") or next(filter(None, map(shutil.which, NAMES)), None)
     if found is None or os.name == "nt":  # the pipes are files 3 and 4, which Windows does not hand on
         raise InputError(
-            "no Chromium was found; install it (Debian: apt-get install chromium) or set NEARFLAT_CHROMIUM to its path"
+            "no Chromium was found; install it (Debian: apt-get install chromium) or set NEARFLAT_CHROMIUM to its "
+            "path. On Windows, save both with the buttons of `nearflat view`"
         )
     return found
 

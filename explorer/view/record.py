@@ -27,15 +27,15 @@ _DESCRIPTION = 0x010E  # of EXIF, where WebP carries its caption
 CAPTIONS = {
     "hero": Caption(
         Question.HAPPENS,
-        "A disk falls (thin outlines) and lies almost flat (gold). From two starts that differ by a hair, its contact "
-        "point races round the rim, one way (blue) or the other (vermilion), by κπ; here κ is 2.5, so that the disk "
-        "rises in two opposite places.",
+        "A disk falls (thin outlines) and lies almost flat (gold). From two starts that differ by a hair, its "
+        "contact point races round the rim, one way (blue) or the other (vermilion), by κπ, and the disk rises "
+        "here or there; where κ is 2.5, in opposite places.",
     ),
     "film": Caption(
         Question.HAPPENS,
         "One fall in six seconds, slowed near flat by as much as it says: the contact point races round the rim by "
-        "1¼ turns, one way (blue) or the other (vermilion), and the disk rises here or there. A hair between the two "
-        "starts decides.",
+        "½κ turns, one way (blue) or the other (vermilion), and the disk rises here or there. A hair between the "
+        "two starts decides.",
     ),
 }
 

@@ -6,7 +6,7 @@ import { record } from "./webm.js";
 const $ = (id) => document.getElementById(id);
 const TITLE = "The disk that nearly falls flat";
 
-/** The picture of what is shown, or with share < 1 a moment on the way to it, or with `film` one of the film: a canvas. */
+/** The picture of what is shown, or a moment on the way to it, or with `film` one of the film: a canvas. */
 export function picture(store, width, height, share = 1, film = false) {
   const canvas = Object.assign(document.createElement("canvas"), { width, height });
   const made = new Film(store);
@@ -19,7 +19,8 @@ export function picture(store, width, height, share = 1, film = false) {
 export async function film(store) {
   const made = new Film(store);
   const [width, height] = [1920, 1080];
-  const data = await record((context, share) => made.drawFrame(context, width, height, share), SECONDS, width, height, TITLE);
+  const draw = (context, share) => made.drawFrame(context, width, height, share);
+  const data = await record(draw, SECONDS, width, height, TITLE);
   return new Blob([data], { type: "video/webm" });
 }
 

@@ -1,8 +1,8 @@
 // The picture on the left: table, shadows, trails of the contact points, the disk and its ghost.
 
 import { Camera } from "./camera.js";
-import { drawDisk, drawGhost, drawHand, drawShadow, drawTail, lampOf, poseOf } from "./disk.js";
-import { fall, stretchOf } from "./passage.js";
+import { drawDisk, drawGhost, drawHand, drawShadow, drawTail, lampOf, poseOf, trace } from "./disk.js";
+import { fall, fallOf, stretchOf } from "./passage.js";
 import { A1, A2, CHI, CLOCK, Z, tiltOf, turningState } from "./physics.js";
 
 // A trail needs a point where the contact has moved or turned by this much.
@@ -47,10 +47,11 @@ export function extentOf(paths) {
 /** The races of a motion: the state of each turning point, the race angle, and the fall on F beside it. */
 export function racesOf(path, numbers) {
   if (!Number.isFinite(numbers.race_angle)) return [];
-  const stretch = stretchOf(path.motion);
-  const fallAngle = fall(stretch).chi;
-  /** chi of the fall from a tilt on to flat. */
-  const rest = (tilt) => fallAngle - (tilt < 0.5 * Math.PI ? fall(stretch, tilt).chi : 0);
+  const beside = fallOf(stretchOf(path.motion)), whole = fall(beside);
+  const left = (tilt) => whole.chi - fall(beside, tilt, whole.parts).chi;
+  const least = left(numbers.theta_min);
+  /** chi of the fall from a tilt on, in proportion to the way to the smallest tilt; without turning there is none. */
+  const rest = (tilt) => (whole.chi * (left(tilt) - least)) / (whole.chi - least) || 0;
   return path.turns.map((_, turn) => {
     const x = turningState(path, turn);
     return { clock: x[CLOCK], chi: x[CHI], angle: numbers.race_angle, rest };
@@ -103,11 +104,11 @@ export class Scene {
     this.camera.follow(aim, share(FOLLOW));
   }
 
-  /** states: [shown, ghost]; ghost null where it is switched off. look: colours, `sides` as [r, g, b] pairs. */
+  /** states: [shown, ghost]; ghost null where it is off. look: colours, `sides` as [r, g, b]. Returns the races. */
   draw(states, look) {
     const { context, camera } = this;
     const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
-    if (!width || !height) return;
+    if (!width || !height) return [];
     const ratio = this.canvas.width / width;
     const poses = states.map((x) => x && poseOf(x, this.inner));
     this.follow(poses);
@@ -127,11 +128,15 @@ export class Scene {
       if (n) drawGhost(context, camera, poses[n], look.sides[n]);
       else drawDisk(context, camera, poses[n], { ...look, side: look.sides[0] }, lamp);
     }
+    const races = states.map((x, n) => x && raceAt(this.races[n], x, this.faces[n]));
     [1, 0].forEach((n) => {
-      const race = states[n] && raceAt(this.races[n], states[n], this.faces[n]);
-      if (race) drawTail(context, camera, poses[n].centre, states[n][CHI], race, n, look.sides[n], look.ground, 1 - tiltOf(states[n], this.faces[n]) / TAIL_TILT);
+      const race = races[n];
+      if (!race) return;
+      const strength = 1 - tiltOf(states[n], this.faces[n]) / TAIL_TILT;
+      drawTail(context, camera, poses[n].centre, states[n][CHI], race, n, look.sides[n], look.ground, strength);
     });
     [1, 0].forEach((n) => poses[n] && drawHand(context, camera, poses[n], look.sides[n], n ? 4.5 : 6));
+    return races;
   }
 
   tableTop(lower = 0) {
@@ -145,7 +150,7 @@ export class Scene {
 
   outline(points) {
     this.context.beginPath();
-    points.forEach(([x, y], n) => (n ? this.context.lineTo(x, y) : this.context.moveTo(x, y)));
+    trace(this.context, points);
     this.context.closePath();
   }
 
@@ -201,7 +206,7 @@ export class Scene {
     context.strokeStyle = `rgba(${colour.join(",")}, ${ghost ? 0.3 : 0.8})`;
     context.lineWidth = width;
     context.beginPath();
-    past.forEach(([x, y], n) => (n ? context.lineTo(x, y) : context.moveTo(x, y)));
+    trace(context, past);
     context.stroke();
     for (let piece = 0; piece < TAIL_PIECES; piece++) {
       const since = now - TAIL * (1 - piece / TAIL_PIECES);
@@ -210,7 +215,7 @@ export class Scene {
       context.strokeStyle = `rgba(${colour.join(",")}, ${ghost ? 0.09 : 0.3})`;
       context.lineWidth = width * (1.1 + (0.9 * piece) / TAIL_PIECES);
       context.beginPath();
-      part.forEach(([x, y], n) => (n ? context.lineTo(x, y) : context.moveTo(x, y)));
+      trace(context, part);
       context.stroke();
     }
   }

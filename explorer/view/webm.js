@@ -36,13 +36,12 @@ function element(id, content) {
 export function webm(frames, width, height, title) {
   const milliseconds = (n) => Math.round((1000 * n) / FRAMES_PER_SECOND);
   const duration = new Uint8Array(new Float64Array([milliseconds(frames.length)]).buffer).reverse();
-  const names = { type: "webm", tool: "nearflat" };
   const head = element(0x1a45dfa3, [
     element(0x4286, 1), element(0x42f7, 1), element(0x42f2, 4), element(0x42f3, 8),
-    element(0x4282, names.type), element(0x4287, 4), element(0x4285, 2),
+    element(0x4282, "webm"), element(0x4287, 4), element(0x4285, 2),
   ]);
   const info = element(0x1549a966, [
-    element(0x2ad7b1, 1000000), element(0x7ba9, title), element(0x4d80, names.tool), element(0x5741, names.tool),
+    element(0x2ad7b1, 1000000), element(0x7ba9, title), element(0x4d80, "nearflat"), element(0x5741, "nearflat"),
     element(0x4489, duration),
   ]);
   const track = element(0x1654ae6b, [element(0xae, [
