@@ -93,7 +93,8 @@ def caption_in(path: Path) -> "Caption | None":
     try:
         with Image.open(path) as picture:
             found = picture.info.get("Description") or picture.info.get("comment")
-            found = found or picture.getexif().get(_EXIF_DESCRIPTION, "")
+            # Pillow reads what EXIF holds as Latin-1.
+            found = found or picture.getexif().get(_EXIF_DESCRIPTION, "").encode("latin-1")
     except (OSError, UnidentifiedImageError):
         return None
     question, _, text = (found.decode("utf-8") if isinstance(found, bytes) else str(found)).partition("\n")

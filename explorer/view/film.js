@@ -3,6 +3,7 @@
 // Both are painted here on a dark table, from the two motions that the page shows. The picture is the end of the
 // film, seen from where the film begins.
 
+import { format } from "./chart.js";
 import { drawDisk, drawOutline, drawShadow, drawTail, lampOf, poseOf } from "./disk.js";
 import { CHI, CLOCK, slowing, stateAt, tiltOf } from "./physics.js";
 import { Scene, raceAt, racesOf } from "./scene.js";
@@ -74,7 +75,8 @@ export class Film {
     this.races = [racesOf(main, numbers), racesOf(other, otherNumbers)];
     this.sides = this.falls.map((_, n) => SIDES[(n ? -1 : 1) * (Math.sign(shown.eta_hat) || 1)]);
     this.turns = `${Math.abs(numbers.race_angle / (2 * Math.PI)).toFixed(2)} turns`;
-    this.about = `nearflat · η̂ = ±${Math.abs(shown.eta_hat)}, κ = ${Number(body.kappa.toFixed(3))}`;
+    const size = Math.abs(shown.eta_hat), distance = size < 1e-3 ? format(size, 2) : Number(size.toPrecision(3));
+    this.about = `nearflat · η̂ = ${size ? "±" : ""}${distance}, κ = ${Number(body.kappa.toFixed(3))}`;
     const { begin, flat, over } = this.falls[0];
     this.middle = over > begin ? (flat - begin) / (over - begin) : 1;
     this.scene = new Scene(document.createElement("canvas"), true);

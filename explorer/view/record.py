@@ -33,9 +33,9 @@ CAPTIONS = {
     ),
     "film": Caption(
         Question.HAPPENS,
-        "One fall in six seconds, slowed near flat by as much as it says: the contact point races round the rim by "
-        "½κ turns, one way (blue) or the other (vermilion), and the disk rises here or there. A hair between the "
-        "two starts decides.",
+        "One fall in six seconds, slowed near flat by as much as it says: the contact point races round the rim "
+        "by ½κ turns, one way (blue) or the other (vermilion), and the disk rises here or there. A hair between "
+        "the two starts decides.",
     ),
 }
 

@@ -1,6 +1,6 @@
 // A film as a file: the browser encodes the frames (WebCodecs), and here they are put into WebM.
 //
-// https://www.matroska.org/technical/elements.html: an element is its identifier, its length and its content.
+// An element is its identifier, its length and its content; Matroska's specification lists them (matroska.org).
 
 const FRAMES_PER_SECOND = 30;
 const KEY_EVERY = 60; // frames
@@ -67,7 +67,7 @@ export async function record(draw, seconds, width, height, title) {
     },
     error: (error) => { failed = error; },
   });
-  encoder.configure({ codec: CODEC, width, height, framerate: FRAMES_PER_SECOND, bitrate: 2.5e6 });
+  encoder.configure({ codec: CODEC, width, height, framerate: FRAMES_PER_SECOND, bitrate: 1.8e6 });
   const count = seconds * FRAMES_PER_SECOND;
   for (let n = 0; n < count && !failed; n++) {
     draw(context, n / (count - 1));

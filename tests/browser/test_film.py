@@ -38,7 +38,7 @@ def test_the_two_rises_of_the_hero_are_opposite(stage):
     code = """(() => {
         const { falls } = new modules.film.Film(nearflat.store);
         const { CHI, CLOCK, stateAt } = modules.physics;
-        return falls.map(fall => [stateAt(fall.path, CLOCK, fall.begin)[CHI], stateAt(fall.path, CLOCK, fall.over)[CHI]]);
+        return falls.map(({ path, begin, over }) => [begin, over].map(at => stateAt(path, CLOCK, at)[CHI]));
     })()"""
     (start, one), (other_start, other) = stage.evaluate(code)
     assert start == other_start
@@ -104,7 +104,7 @@ def test_a_film_plays_as_long_and_as_large_as_it_was_recorded(stage):
         await new Promise(done => { video.onloadeddata = done; });
         video.currentTime = 0.75;
         await new Promise(done => { video.onseeked = done; });
-        const context = Object.assign(document.createElement("canvas"), { width: 128, height: 72 }).getContext("2d");
+        const context = document.createElement("canvas").getContext("2d");
         context.drawImage(video, 0, 0);
         const [r, g, b] = context.getImageData(64, 36, 1, 1).data;
         return [video.duration, video.videoWidth, video.videoHeight, r, g, b];

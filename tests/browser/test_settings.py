@@ -1,4 +1,4 @@
-"""What the page says is right for every setting of its sliders: Python's number, or a sentence where there is none."""
+"""What the page says is right for every setting of its sliders: the numbers of Python, or a sentence."""
 
 import itertools
 import json
