@@ -17,8 +17,8 @@ from explorer.view.page import view
 OPPOSITE = Disk(I1=1.0 / 5.25, I3=2.0 / 5.25, name="kappa = 2.5")
 _ETA_HAT = 0.004  # natural units: the disk looks flat, and its race still takes time
 _STILL = (1920, 1080)  # pixels, for print
-_MOVING, _LEGEND = (1200, 675), (800, 450)  # of the hero for pages, and of the film as GIF
-_FRAMES, _MS = 60, 67  # of the hero and of the GIF: 15 a second
+_MOVING, _SMALL = (1200, 675), (800, 450)  # of the hero for pages, and of the film as GIF
+_FRAMES, _GIF_FRAMES, _MS = 60, 90, 67  # 15 a second: of the hero four seconds, of the film all six
 _REST_MS = 2500  # for which the hero shows all of it before it begins anew
 _COLOURS = 128  # of the GIF
 _PATIENCE = 900.0  # s: the film is 180 frames of 1080 lines, encoded without a graphics card
@@ -81,12 +81,11 @@ def _hero(browser: Browser, folder: Path) -> Path:
 
 def _film(browser: Browser, folder: Path) -> Path:
     small, large = folder / "film.gif", folder / "film.webm"
-    count = 6 * 15
-    frames = [_picture(browser, _LEGEND, n / (count - 1), film=True) for n in range(count)]
+    frames = [_picture(browser, _SMALL, n / (_GIF_FRAMES - 1), film=True) for n in range(_GIF_FRAMES)]
     # One palette for all, from some of them side by side: colours must not flicker.
-    several = Image.new("RGB", (5 * _LEGEND[0], _LEGEND[1]))
+    several = Image.new("RGB", (5 * _SMALL[0], _SMALL[1]))
     for n in range(5):
-        several.paste(frames[n * (count - 1) // 4], (n * _LEGEND[0], 0))
+        several.paste(frames[n * (_GIF_FRAMES - 1) // 4], (n * _SMALL[0], 0))
     palette = several.quantize(_COLOURS)
     drawn = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     comment = "\n".join(CAPTIONS["film"]).encode()
