@@ -13,7 +13,7 @@ from explorer.motion.wander import WanderPath, resonance, wander, wander_path
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States, constants_to_states
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, SERIES, SIZE, SMALL, coordinate_label, dress, legend_below
+from explorer.pictures.style import DARK, SERIES, SMALL, coordinate_label, dress, legend_below, legend_of_all
 
 _BOUNDED = 1e6  # radii; a larger circle is straight in any picture, so none is drawn
 
@@ -43,7 +43,7 @@ def _path(ax: Axes, path: WanderPath) -> None:
         circle = middle - middle * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
         ax.plot(circle.real, circle.imag, color=DARK, lw=0.8, ls=":")
         title = f"it stays: circle of {radius:.2f} r"
-    dress(ax, "x (r)", "y (r)", f"{turns:.4g} turns of $\\chi$ a period:\n{title}")
+    dress(ax, "$x$ ($r$)", "$y$ ($r$)", f"{turns:.4g} turns of $\\chi$ a period:\n{title}")
 
 
 class Walk(NamedTuple):
@@ -87,7 +87,7 @@ def walk_of(disk: Disk) -> Walk:
     Question.WHERE_TO,
     "The paths of the contact point and of the centre of the disk over many periods, seen from above. Dots "
     "are the centre after each period; they lie on a circle, unless a resonance carries the disk away.",
-    (1.25 * SIZE[0], 0.98 * SIZE[1]),
+    (7.4, 4.4),
     "paths",
 )
 def wander_paths(figure: Figure, disk: Disk) -> None:
@@ -102,7 +102,7 @@ def wander_paths(figure: Figure, disk: Disk) -> None:
         x, y = 0.5 * (path.contact.min(axis=0) + path.contact.max(axis=0)) / disk.r
         ax.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
         ax.set_aspect("equal", adjustable="box")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False)
+    legend_of_all(figure, panels[:1], ncols=3)
 
 
 @picture(
@@ -131,7 +131,7 @@ def wander_distance(ax: Axes, disk: Disk, count: int = 12) -> None:
     ax.plot([], [], color=DARK, lw=1, ls=":", label="bound of these dots")
     ax.set_ylim(0.0, 1.05 * largest)
     legend_below(ax, ncols=2)
-    dress(ax, "t (periods)", "distance from the start (r)", "Only a resonance walks away")
+    dress(ax, "$t$ (periods)", "distance from the start (r)", "Only a resonance walks away")
 
 
 @picture(
