@@ -10,26 +10,19 @@ from pathlib import Path
 from typing import Any
 
 from explorer.commands import Answer
-from explorer.commands.gallery import picture_lines
 from explorer.errors import InputError, note, one_of
 from explorer.phase.disk import Disk
 from explorer.phase.paths import made_folder
-from explorer.pictures import film
-from explorer.pictures.calls import pictures, portraits_of
-from explorer.pictures.register import Question, save
 from explorer.scenes.options import DISK, FOLDER, Options, Reader, option, options_of
 from explorer.scenes.portrait import Portrait
 from explorer.scenes.scene import Scene
 
 FILM = "film"  # written as it is drawn, not a figure
-GROUPS = [
-    *dict.fromkeys(
-        each.group
-        for each in sorted(pictures.values(), key=lambda each: list(Question).index(each.caption.question))
-        if each.group
-    ),
-    FILM,
-]
+# Those of the pictures, by what they answer; here too, so that help need not load all of these
+GROUPS = (
+    *("definitions", "hero", "slices", "surface", "limit", "race", "bounces", "phase", "bifurcation", "rotation"),
+    *("paths", FILM),
+)
 
 
 class Drawn(Options):
@@ -53,6 +46,8 @@ def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Pa
     given, for the group phase, as for scene portrait: sigma3_bar, sigma4_bar or eta_hat, energy, well. Raises
     InputError where they cannot be used.
     """
+    from explorer.commands.gallery import picture_lines
+
     folder, files = asked.out, list[Path]()
     if given and asked.only not in (None, "phase"):
         names = ", ".join(f"--{key.replace('_', '-')}" for key in given)
@@ -74,6 +69,9 @@ def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Pa
 
 def _group(folder: Path, group: str, scene: Portrait) -> list[Path]:
     """Draw a group as PNG and SVG; the files that a page shows."""
+    from explorer.pictures.calls import portraits_of
+    from explorer.pictures.register import save
+
     files = []
     for name, draw in portraits_of(group, scene):
         figure = draw()
@@ -85,6 +83,8 @@ def _group(folder: Path, group: str, scene: Portrait) -> list[Path]:
 
 def _film(folder: Path, disk: Disk) -> list[Path]:
     """Write the film, small for pages and large for talks; the small one."""
+    from explorer.pictures import film
+
     small, large = (folder / f"{FILM}.{kind}" for kind in ("gif", "webp"))
     for path in (small, large):
         film.animate(path, disk)

@@ -10,9 +10,9 @@ from explorer.motion.periods import periods
 from explorer.paper.checks import HOOP, UNIFORM, followed, near
 from explorer.paper.closed_forms import impact_speed, line_ratio
 from explorer.paper.eight_dimensions import integrate
-from explorer.paper.figures import ETA_HAT, PHIDOT, SIGMA3, start
+from explorer.paper.figures import PHIDOT, SIGMA3, start
 from explorer.paper.four_dimensions import sigma_at, sigma_energy
-from explorer.paper.statement import Finding, statement
+from explorer.paper.statement import ETA_HAT, Finding, statement
 from explorer.phase.constants import constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, phi_to_states

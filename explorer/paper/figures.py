@@ -19,13 +19,13 @@ from matplotlib.ticker import MultipleLocator
 from explorer.errors import InputError, positive
 from explorer.motion.both_sides import BothSides, both_sides
 from explorer.motion.limit_motions import limit_motion
+from explorer.paper.statement import ETA_HAT
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array, States, constants_to_states
 from explorer.pictures.one_sided import angle_of_contact, flattest, path_on_table
 from explorer.pictures.register import Caption, Question, add_caption
 from explorer.pictures.style import DARK, SIGN_COLOURS, TEXT, arrow, dress, legend_of_all, number, times_of
 
-ETA_HAT = 0.01
 SIGMA3 = PHIDOT = 1.0
 CHI0 = 0.5  # rad; not in the paper, see `INFERRED`
 ZOOM = (-0.15, 0.2)  # both axes, the ticks of Fig. 3

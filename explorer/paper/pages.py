@@ -19,8 +19,8 @@ from explorer.paper import (
     section_7_1,
     section_7_3,
 )
-from explorer.paper.figures import ETA_HAT, FIGURES, INFERRED, figure
-from explorer.paper.statement import FACTOR, Finding, Statement, chosen, shown
+from explorer.paper.figures import FIGURES, INFERRED, figure
+from explorer.paper.statement import ETA_HAT, FACTOR, Finding, Statement, chosen, shown
 from explorer.phase.disk import Disk
 from explorer.phase.paths import made_folder, path_of
 from explorer.pictures.register import save

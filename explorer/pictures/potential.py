@@ -198,7 +198,7 @@ def portrait_of_sides(figure: Figure, potential: Potential, energies: tuple[floa
     for side in (1, -1):
         each = on_line(potential.disk, potential.sigma3_bar, side * eta_hat, potential.face)
         _one_side(tilt, race, each, each.levels(energies, _LEVELS_OF_SIDES))
-        tilt.plot([], [], lw=1.5, **_BESIDE[side], label=rf"$\hat\eta$ = {number(each.eta_hat, '.4g')}")
+        tilt.lines[-1].set_label(rf"$\hat\eta$ = {number(each.eta_hat, '.4g')}")
     for face in (-1, 1):
         tilt.axvline(face * HALF_PI, color=DARK, lw=3.0)
     race.axvline(0.0, color=DARK, lw=0.6)

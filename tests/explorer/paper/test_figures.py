@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import explorer as ex
-from explorer.paper.figures import CHI0, CHI0_FITS, ETA_HAT, FIGURES, ZOOM, axis, curves, figure, period_of
+from explorer.paper.figures import CHI0, CHI0_FITS, FIGURES, ZOOM, axis, curves, figure, period_of
+from explorer.paper.statement import ETA_HAT
 from explorer.pictures.one_sided import flattest
 from explorer.pictures.register import caption_of
 

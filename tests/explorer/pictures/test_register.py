@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 
 import explorer as ex
 from explorer.commands.gallery import caption_in
+from explorer.commands.portrait import FILM, GROUPS
 from explorer.pictures.calls import portraits_of
 from explorer.pictures.register import Caption, Question, add_caption, caption_of, save
 from explorer.scenes.portrait import Portrait
@@ -83,5 +84,6 @@ def test_what_a_picture_does_not_take_is_said_in_a_sentence(name, what, numbers,
 
 def test_every_group_has_pictures_and_no_two_files_of_one_name():
     groups = {each.group for each in ex.pictures.values() if each.group}
+    assert set(GROUPS) == groups | {FILM}
     names = [name for group in groups - {"slices"} for name, _ in portraits_of(group, Portrait())]
     assert len(names) == len(set(names)) > 20
