@@ -2,6 +2,8 @@
 
 import re
 
+import matplotlib
+import matplotlib.style
 import pytest
 from matplotlib.figure import Figure
 
@@ -10,6 +12,7 @@ from explorer.commands.gallery import caption_in
 from explorer.commands.portrait import FILM, GROUPS
 from explorer.pictures.calls import portraits_of
 from explorer.pictures.register import Caption, Question, add_caption, caption_of, save
+from explorer.pictures.style import SERIES
 from explorer.scenes.portrait import Portrait
 
 DISK = ex.Disk.uniform()
@@ -87,3 +90,9 @@ def test_every_group_has_pictures_and_no_two_files_of_one_name():
     assert set(GROUPS) == groups | {FILM}
     names = [name for group in groups - {"slices"} for name, _ in portraits_of(group, Portrait())]
     assert len(names) == len(set(names)) > 20
+
+
+def test_figures_of_ones_own_in_the_style_of_the_house_have_the_colours_of_its_series():
+    with matplotlib.rc_context():
+        matplotlib.style.use("explorer.pictures.house")
+        assert ["#" + colour for colour in matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]] == [*SERIES]
