@@ -28,7 +28,7 @@ _THIRD, _LEAST, _FIXED, _ADAPTIVE = 0.3, 1e-4, 0.1, 0.03
 _RUNS = 8  # finer ones at most, each slower than the one before
 
 
-class Motions(NamedTuple):
+class InitialValues(NamedTuple):
     """Motions before they are followed: initial (5 or 10, n); pinned (3, n): sigma3_bar, eta_plus and
     eta_minus that they are held to, NaN: they run free; control (n): their steps or tolerances."""
 
@@ -40,12 +40,12 @@ class Motions(NamedTuple):
     control: Array
     max_steps: int = MAX_STEPS
 
-    def at(self, rows: NDArray[np.intp]) -> Motions:
+    def at(self, rows: NDArray[np.intp]) -> InitialValues:
         """Some of them."""
         initial, pinned = (np.ascontiguousarray(part[:, rows]) for part in (self.initial, self.pinned))
         return self._replace(initial=initial, pinned=pinned, status=self.status[rows], control=self.control[rows])
 
-    def finer(self, less: Array) -> Motions:
+    def finer(self, less: Array) -> InitialValues:
         """The same by steps that err by so much less (n)."""
         power = 1.0 if self.plan.adaptive else 1.0 / FIXED[self.plan.method]
         return self._replace(control=self.plan.at_least(self.control * less**power))
@@ -60,14 +60,17 @@ class Followed(NamedTuple):
     steps: NDArray[np.int32]
     moved: Array
 
+    def at(self, rows: NDArray[np.bool_]) -> Followed:
+        """Some of them."""
+        return Followed(self.out[rows], self.status[rows], self.steps[rows], self.moved[:, rows])
+
     def put(self, rows: NDArray[np.intp], better: Followed) -> None:
-        """What became of some of them in the end; their steps are those of all runs."""
+        """What became of some of them in the end."""
         self.out[rows], self.status[rows], self.moved[:, rows] = better.out, better.status, better.moved
-        self.steps[rows] += better.steps
 
 
 def follow(
-    given: Motions, event: compiled.events.Event, values: Array, trail: compiled.curves.Trail | None = None
+    given: InitialValues, event: compiled.events.Event, values: Array, trail: compiled.curves.Trail | None = None
 ) -> Followed:
     """Follow motions until the event has taken all of the values, in their order."""
     n, disk, how = given.status.size, given.disk, given.plan
@@ -91,8 +94,8 @@ Estimate = Callable[[Followed, Any], Array]
 
 
 def settle(
-    given: Motions, event: compiled.events.Event, values: Array, estimate: Estimate, asked: float
-) -> tuple[Followed, Array, Motions]:
+    given: InitialValues, event: compiled.events.Event, values: Array, estimate: Estimate, asked: float
+) -> tuple[Followed, Array, InitialValues]:
     """Follow motions, and those that may err by more than is asked once more by finer steps, until none does.
 
     estimate(found, rows): of the errors of those rows, from what holding moved; infinite where that does not tell
@@ -101,7 +104,7 @@ def settle(
     """
     ok, lost = compiled.status.Status.OK, compiled.status.Status.NOT_FINITE
     found, control = follow(given, event, values), given.control.copy()
-    error, steps = estimate(found, np.s_[:]), found.steps.copy()
+    error, steps, finest = estimate(found, np.s_[:]), found.steps.copy(), np.zeros(control.size, np.bool_)
 
     def unsettled() -> NDArray[np.intp]:
         error[found.status == lost] = np.inf  # steps so long that a motion runs away
@@ -110,22 +113,28 @@ def settle(
     if given.plan.setting is None:
         for _ in range(_RUNS):
             rows = unsettled()
+            rows = rows[~finest[rows]]
             if not rows.size:
                 break
             by_accuracy = np.clip(_THIRD * asked / error[rows], _LEAST, _THIRD)
             less = np.where(np.isfinite(error[rows]), by_accuracy, _ADAPTIVE if given.plan.adaptive else _FIXED)
             finer = given._replace(control=control).at(rows).finer(less)
+            # What has no finer steps is compared with a run by coarser ones, and stays.
+            finest[rows] = finer.control >= control[rows]
+            stays = finest[rows]
+            finer.control[stays] = control[rows[stays]] / _THIRD
             better = follow(finer, event, values)
             # The difference is the error of the coarser run; of the finer one it is less, with a reserve of three.
             apart = difference(better.out, found.out[rows], in_time=event.t != 0.0)
             # The same steps once more tell nothing, but of a motion that is short, or stays where it is.
             moves = (better.out[:, -1, :5] != finer.initial[:5].T).any(axis=1) & (better.steps > precision.FEW)
-            same = (apart == 0.0) & (better.steps == steps[rows]) & (finer.control < control[rows])
-            apart[same & moves] = np.inf
+            apart[(apart == 0.0) & (better.steps == steps[rows]) & moves] = np.inf
             known = apart + precision.SHARE * given.plan.accuracy
-            error[rows] = np.clip(estimate(better, rows), 3.0 * less * apart, known)
+            error[rows] = np.where(stays, known, np.clip(estimate(better, rows), 3.0 * less * apart, known))
+            found.steps[rows] += better.steps
+            rows, better = rows[~stays], better.at(~stays)
             found.put(rows, better)
-            control[rows], steps[rows] = finer.control, better.steps
+            control[rows], steps[rows] = finer.control[~stays], better.steps
         found.status[unsettled()] = compiled.status.Status.STEP_LIMIT
     found.out[found.status != ok] = np.nan
     return found, error, given._replace(control=control)

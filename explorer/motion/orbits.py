@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion.arcs import arcs_between, from_place, integrals, next_inward, some
+from explorer.motion.arcs import arcs_between, from_place, integrals, next_inward, places, some
 from explorer.motion.starts import Motions
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
@@ -70,10 +70,35 @@ def ends_of(disk: Disk, motions: Motions) -> Ends:
     return Ends(state, inner, outer, vertical, turning.Place(*far), crosses)
 
 
-def smallest(ends: Ends) -> Array:
-    """The tilt at the flattest moment (rad)."""
-    tilt: Array = 2.0 * np.arctan(np.fmin(ends.inner.r, ends.far.r))
-    return tilt
+def tilt_errors(motions: Motions, ends: Ends) -> tuple[Array, Array]:
+    """The relative errors of the tilts where motions turn, on the face of their state and on the other one.
+
+    Near F a tilt is in proportion to eta, and known as well as that.
+    """
+    return ends.inner.error + motions.unsure, ends.far.error + motions.unsure_far
+
+
+def smallest(motions: Motions, ends: Ends) -> tuple[Array, Array]:
+    """The tilt at the flattest moment (rad), and its relative error."""
+    there, (on_this, on_other) = ends.far.r < ends.inner.r, tilt_errors(motions, ends)
+    return 2.0 * np.arctan(np.where(there, ends.far.r, ends.inner.r)), np.where(there, on_other, on_this)
+
+
+def closest_to_crest(disk: Disk, motions: Motions) -> Array:
+    """How near motions come to rest at a crest of the potential, on their way or beyond a turning point.
+
+    The distance in x from there to the next zero of E - V, real or complex; inf where none is near.
+    """
+    ends = ends_of(disk, motions)
+    closest = np.fmin(ends.inner.slow, np.where(ends.crosses, ends.far.slow, ends.outer.slow))
+    other = from_place(motions.starts.X, motions.Y_far, beyond(ends.vertical))
+    ways = (motions.starts, ends.inner, True), (motions.starts, ends.outer, False), (other, ends.far, True)
+    for starts, end, inward in ways:
+        rows = np.flatnonzero(np.isfinite(end.crest))
+        origin = compiled.turning_points.Starts(*(column[rows] for column in starts))
+        at = compiled.turning_points.Place(*places(disk, origin, end.crest[rows], inward))
+        closest[rows] = np.fmin(closest[rows], at.slow)
+    return np.nan_to_num(closest, nan=np.inf, posinf=np.inf)
 
 
 def beyond(vertical: "compiled.turning_points.Place[Array]") -> "compiled.turning_points.Place[Array]":

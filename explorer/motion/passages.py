@@ -145,7 +145,8 @@ def passages(
     **computation
         method : 'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which hold the constants after
         each step and say UNRESOLVED_SIDE where their error hides the direction of the race. accuracy : of angles
-        (rad), and relative of times and theta_min, by default 1e-6. jobs : threads, by default 1.
+        (rad), or their 14th digit where that is more, and relative of times and theta_min, by default 1e-6.
+        jobs : threads, by default 1.
 
     Returns
     -------

@@ -55,13 +55,13 @@ def as_arcs(
     """
     b, code, place = disk.body, compiled.status.Status, compiled.turning_points.Place
     motions, n = from_vertical(disk, crossings), crossings.speed.size
-    X, Y, Y_far = motions.starts.X, motions.starts.Y, motions.Y_far
+    X, Y = motions.starts.X, motions.starts.Y
     energy = energy_at(b, crossings.speed, crossings.sigma3_bar, motions.starts.sigma4, 1.0)
     missed = np.zeros(n, np.bool_)
     if edge > 0.0:
         at = places(disk, motions.starts, np.full(n, depth(edge)), True)
         missed = ~(next_inward(disk, motions.starts).d > depth(edge))
-        motions = Motions(from_place(X, Y, place(*at)), Y_far)
+        motions = motions._replace(starts=from_place(X, Y, place(*at)))
     kept = np.flatnonzero(~missed)
     motions = motions.at(kept)
     ends = ends_of(disk, motions)
@@ -92,7 +92,7 @@ def from_vertical(disk: Disk, crossings: "compiled.passages.Crossings") -> Motio
     one, none = np.ones_like(bar), np.zeros_like(bar)
     K = np.where(speed > _AS_FROM_REST, 0.5 * b.M * speed * speed, 0.0)
     starts = compiled.turning_points.Starts(X, Y, K, one, none, bar, (X * b.dr0 - Y / b.r0) / b.k)
-    return Motions(starts, 2.0 * b.dr0 * bar - Y)
+    return Motions(starts, 2.0 * b.dr0 * bar - Y, none, none)
 
 
 def _ways(

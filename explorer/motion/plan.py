@@ -71,7 +71,8 @@ class Plan:
     @property
     def motions(self) -> tuple[str, ...]:
         """The names of the kernels that follow motions to given times."""
-        return "algebra.constants_batch", self.in_time.kernel
+        ends = "turning_points.orbit_batch", "turning_points.inward_batch"
+        return "algebra.constants_batch", *ends, self.in_time.kernel
 
     @property
     def in_time(self) -> "Plan":

@@ -11,11 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
+from explorer.motion import calibration
+from explorer.motion.orbits import closest_to_crest
 from explorer.motion.plan import PATH, Plan
+from explorer.motion.starts import motions_through
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
 from explorer.phase.lines import Motion
-from explorer.phase.states import Array
+from explorer.phase.states import Array, Rows
 
 PASSAGE = 2.0  # units of time that a passage takes: errors add up over them
 # Angles err by so many times what rates were moved by, relative to their bounds, and kappa times that, since chi
@@ -27,7 +30,8 @@ _ANGLES = 1.6
 SHARE = 0.2
 _ROUNDING = 3e-12  # of a passage: some hundred steps, each of some ten operations
 # Near the vertical at rest a motion passes an unstable equilibrium, which amplifies errors like 1/speed: below
-# this speed (natural units) it is felt. Rounding also ends a rest: it acts like the least speed.
+# this speed (natural units) it is felt. Beside other crests the distance from E = V in x stands for the speed.
+# Rounding also ends a rest: it acts like the least speed.
 _SLOW, _LEAST_SPEED = 0.15, 5e-5
 _CALIBRATED_WAY = 3.0  # of the centre in a unit of time (r), of motions that steps are calibrated on
 # Every step rounds chi, which turns the way, and the time: the error of a path is the way times so many units of
@@ -75,18 +79,34 @@ def asked(how: Plan, time: float) -> float:
     return math.inf if how.setting is not None else how.accuracy * max(1.0, time / PASSAGE)
 
 
-def amplified_at(disk: Disk, how: Plan, start: Motion, time: float) -> Array:
-    """How many times as much motions (n) amplify errors up to a time; infinite where holding them does not tell.
+def amplified_at(disk: Disk, how: Plan, initial: Array, start: Motion, time: float) -> tuple[Array, Array]:
+    """How many times as much motions (n) amplify errors up to a time, and the same where holding them tells it.
 
-    Of those that spin fast, or long, errors of the phase add up over many periods; each slow passage of the
-    vertical amplifies what the ones before have left; and a path errs in fixed steps in which chi turns far.
+    It does not, and the second is infinite, where motions spin fast, or long, so that errors of the phase add up
+    over many periods; where each of several slow passages of the vertical, or of a crest of the potential,
+    amplifies what the ones before have left; and of paths in fixed steps in which chi turns far.
+    initial (10, n): where they start.
     """
-    amplified, moved = amplification(speed_at_vertical(disk, start)), way(disk, start.energy)
-    hidden = (moved * max(1.0, time / PASSAGE) > _PERIODS) | ((amplified > _AMPLIFIED) & (time > 2.0 * PASSAGE))
+    speed = speed_at_vertical(disk, start)
+    if time > LINGERS and disk.body.I3 > 0.0:
+        rows = Rows(*initial[:5])
+        speed = np.fmin(speed, closest_to_crest(disk, motions_through(disk, rows, start.linear, rows.z >= 0.0)))
+    amplified, moved = amplification(speed), way(disk, start.energy)
+    hidden = (moved * max(1.0, time / PASSAGE) > _PERIODS) | ((amplified > _AMPLIFIED) & (time > LINGERS))
+    told = amplified
     if how.rung == PATH:  # an error of chi moves the path by as much times its way
-        amplified = amplified * np.fmax(1.0, moved / _CALIBRATED_WAY)
+        told = amplified * np.fmax(1.0, moved / _CALIBRATED_WAY)
         hidden |= not how.adaptive and how.control * disk.kappa > _RESOLVED
-    return np.where(hidden, math.inf, amplified)
+    return amplified, np.where(hidden, math.inf, told)
+
+
+def less_where_amplified(how: Plan, amplified: Array) -> Array:
+    """By how much less steps are to err that follow motions which amplify errors.
+
+    Where little happens in the first steps, an adaptive method would take them too long. Fixed ones are as much
+    shorter as takes back what is amplified beyond the reserve of the calibration.
+    """
+    return amplified**-2.0 if how.adaptive else np.fmin(calibration.SAFETY / amplified, 1.0)
 
 
 def in_race(disk: Disk, ended: Array, error: Array) -> Array:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import CoarseTimesWarning, InputError, jobs_of, number, positive, said, whole
 from explorer.motion import recording
-from explorer.motion.integration import MAX_STEPS, Motions
+from explorer.motion.integration import MAX_STEPS, InitialValues
 from explorer.motion.plan import ALGEBRA, QUADRATURE, Plan, plan
 from explorer.phase.arguments import explained
 from explorer.phase.disk import Disk
@@ -95,7 +95,7 @@ class Trajectories:
     lengths: NDArray[np.int64]
     t_end: float
     states: States
-    _start: Motions
+    _start: InitialValues
     _records: recording.Records | None
     _turned: Array
     _jobs: int
@@ -280,7 +280,7 @@ def finer(t: Array, parts: int) -> Array:
 
 
 def _followed(
-    states: States, start: Motions, until: tuple[float, Array | None], names: tuple[str, ...], jobs: int
+    states: States, start: InitialValues, until: tuple[float, Array | None], names: tuple[str, ...], jobs: int
 ) -> Trajectories:
     """The motions from their starts. until: the end, and the times where these are given."""
     disk, (end, times), rows, records = states.disk, until, compiled.field.ROW, None

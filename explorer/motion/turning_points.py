@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.motion import calibration, integration, precision
+from explorer.motion import integration, precision
 from explorer.motion.orbits import ends_of, smallest
-from explorer.motion.plan import FIXED, Plan
+from explorer.motion.plan import Plan
 from explorer.motion.starts import Motions, held_constants, motions_of, seen_from, status_at_start
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
@@ -46,15 +46,11 @@ def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> Turn
 
     slow: how many times as much each amplifies errors as a quick motion does.
     """
-    # Where little happens in the first steps, an adaptive method would take them too long. Fixed ones are as much
-    # shorter as takes back what is amplified beyond the reserve of the calibration.
-    beyond = np.fmax(np.divide(slow, calibration.SAFETY), 1.0)
-    share = np.asarray(slow) ** -2.0 if how.adaptive else beyond ** (-1.0 / FIXED[how.method])
-    control = np.full(len(states), how.control_for(share))
-    given = integration.Motions(
-        states.disk, how, states.natural, held_constants(states), status_at_start(states), control
-    )
-    amplified = np.broadcast_to(slow, len(states))
+    amplified = np.broadcast_to(np.asarray(slow), len(states))
+    given = integration.InitialValues(
+        *(states.disk, how, states.natural, held_constants(states), status_at_start(states)),
+        np.full(len(states), how.control),
+    ).finer(precision.less_where_amplified(how, amplified))
 
     def estimate(found: integration.Followed, rows: Any) -> Array:
         ended = found.out[:, 0].T
@@ -110,11 +106,9 @@ def lowest_tilts(disk: Disk, motions: Motions, accuracy: float, status: NDArray[
         status[status == code.OK] = code.STEP_LIMIT
         return theta
     rows = np.flatnonzero(status == code.OK)
-    ends = ends_of(disk, motions.at(rows))
-    theta[rows] = smallest(ends)
-    # Errors are those of ln tan(theta/2), so relative ones of the tilt.
-    known = np.fmax(ends.inner.error, ends.far.error) <= accuracy
-    status[rows[~known]] = code.STEP_LIMIT
+    some = motions.at(rows)
+    theta[rows], error = smallest(some, ends_of(disk, some))
+    status[rows[~(error <= accuracy)]] = code.STEP_LIMIT
     return theta
 
 

@@ -350,6 +350,29 @@ def test_runs_that_took_the_same_steps_are_not_compared(accuracy):
     assert abs(found.chi[0, 0] - 45.14077) <= 5e-6 + 3.0 * found.error_estimate[0]
 
 
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize("method", ["rk8", "dopri5", "dop853"])
+def test_which_side_of_a_crest_a_motion_comes_down_is_right(method, accuracy):
+    """It turns a hair before the crest; long steps took it across, whatever the tolerance."""
+    start = -0.35890838963688065, 0.3978184820748921, -0.18232334872619882, 0.1683407325779402
+    states = ex.phi_to_states(BODIES["uniform"], *start)
+    found = ex.simulate(states, t_eval=[40.0], method=method, accuracy=accuracy, observables=("chi", "psi"))
+    assert found.status[0] == ex.Status.OK
+    assert abs(found.chi[0, 0] + 19.42942414) <= 1e-8 + 3.0 * found.error_estimate[0]
+
+
+def test_what_rounding_makes_of_a_motion_beside_a_crest_is_seen_at_the_finest_tolerance():
+    """There two methods differed by 1.2e-5 and estimated 2e-12; finer steps than the finest tell nothing of it."""
+    start = 0.716546938703157, -0.356033211291146, 0.662131406406678, -0.3619775994621658
+    states = ex.phi_to_states(BODIES["uniform"], *start)
+    chi, error = [], []
+    for method in ("dop853", "dopri5"):
+        found = ex.simulate(states, t_eval=[60.0], method=method, accuracy=1e-11, observables=("chi", "psi"))
+        chi.append(found.chi[0, 0])
+        error.append(found.error_estimate[0] if found.ok[0] else np.inf)
+    assert not abs(chi[0] - chi[1]) > 3.0 * sum(error)
+
+
 def test_a_disk_at_rest_upright_stays_there_for_any_time():
     found = ex.simulate(ex.phi_to_states(BODIES["uniform"], 0.0, 0.0, 0.0, 0.0), t_eval=[100.0])
     assert found.status[0] == ex.Status.OK
