@@ -115,7 +115,7 @@ def draw(rows):
     figure = Figure(figsize=(7.6, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2)
     works = {"states": ("states, drawn and judged", SERIES[1]), "passages": ("passages, all stored", DARK)}
-    for name, (told, colour) in works.items():
+    for name, (_told, colour) in works.items():
         for jobs, marker, style in ((1, "o", "--"), (2, "s", "-")):
             chosen = [(n, s, mb) for what, n, j, s, mb in rows if what == name and j == jobs]
             if not chosen:

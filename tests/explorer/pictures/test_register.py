@@ -95,4 +95,4 @@ def test_every_group_has_pictures_and_no_two_files_of_one_name():
 def test_figures_of_ones_own_in_the_style_of_the_house_have_the_colours_of_its_series():
     with matplotlib.rc_context():
         matplotlib.style.use("explorer.pictures.house")
-        assert ["#" + colour for colour in matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]] == [*SERIES]
+        assert matplotlib.rcParams["axes.prop_cycle"].by_key()["color"] == [*SERIES]
