@@ -6,8 +6,7 @@ from pathlib import Path
 
 from explorer.commands import Answer
 from explorer.errors import MOST_JOBS, InputError, note, positive
-from explorer.paper.figures import ETA_HAT
-from explorer.paper.pages import headline, line_of, one_figure, paper
+from explorer.paper.statement import ETA_HAT
 from explorer.phase.disk import Disk
 from explorer.scenes.options import DISK, FOLDER, NUMBER, TEXT, Options, option, whole_from
 
@@ -34,6 +33,8 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
 
 def call(options: argparse.Namespace) -> Answer:
     """Check the statements, or one; or draw a figure."""
+    from explorer.paper.pages import headline, line_of, paper
+
     given = Asked.said(options)
     asked = Asked.of(given)
     if asked.figure is not None:
@@ -52,6 +53,8 @@ def call(options: argparse.Namespace) -> Answer:
 
 def _figure(asked: Asked, number: int, quiet: bool) -> Answer:
     """One figure, and nothing else; the sign of a distance means nothing, since each figure has its own sides."""
+    from explorer.paper.pages import one_figure
+
     if asked.only is not None:
         raise InputError("only and figure: give one of them")
     eta_hat = ETA_HAT if asked.eta_hat is None else asked.eta_hat

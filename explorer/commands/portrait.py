@@ -11,26 +11,19 @@ from pathlib import Path
 from typing import Any
 
 from explorer.commands import Answer
-from explorer.commands.gallery import picture_lines
 from explorer.errors import InputError, note, one_of
 from explorer.phase.disk import Disk
 from explorer.phase.paths import made_folder
-from explorer.pictures.calls import pictures, portraits_of
-from explorer.pictures.register import Question, save
 from explorer.scenes.options import DISK, FOLDER, Options, Reader, option, options_of
 from explorer.scenes.portrait import Portrait
 from explorer.scenes.scene import Scene
-from explorer.view import record
-from explorer.view.browser import find
 
-GROUPS = [
-    *record.CAPTIONS,
-    *dict.fromkeys(
-        each.group
-        for each in sorted(pictures.values(), key=lambda each: list(Question).index(each.caption.question))
-        if each.group
-    ),
-]
+RECORDED = "hero", "film"
+# Those of the pictures, by what they answer; here too, so that help need not load all of these
+GROUPS = (
+    *RECORDED,
+    *("definitions", "slices", "surface", "limit", "race", "bounces", "phase", "bifurcation", "rotation", "paths"),
+)
 
 
 class Drawn(Options):
@@ -56,6 +49,10 @@ def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Pa
     given, for the group phase, as for scene portrait: sigma3_bar, sigma4_bar or eta_hat, energy, well. Raises
     InputError where they cannot be used, and for the hero or the film alone where there is no browser.
     """
+    from explorer.commands.gallery import picture_lines
+    from explorer.view import record
+    from explorer.view.browser import find
+
     folder, files, disk = asked.out, list[Path](), asked.disk or Disk.uniform()
     if given and asked.only not in (None, "phase"):
         raise InputError(f"{', '.join(given)}: only the group phase takes this; leave it out, or draw only phase")
@@ -63,19 +60,19 @@ def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Pa
     scene = Portrait.of({**given, "disk": disk})
     groups = [asked.only] if asked.only else GROUPS
     try:
-        if set(groups) & set(record.CAPTIONS):
+        if set(groups) & set(RECORDED):
             find()
     except InputError as error:
         if asked.only:
             raise
-        note(f"without {' and '.join(record.CAPTIONS)}, which are recorded in a browser: {error}", quiet=False)
-        groups = [group for group in GROUPS if group not in record.CAPTIONS]
+        note(f"without {' and '.join(RECORDED)}, which are recorded in a browser: {error}", quiet=False)
+        groups = [group for group in GROUPS if group not in RECORDED]
     command = "nearflat portrait" + (f" --only {asked.only}" if asked.only else "")
     lines = [f"# Portraits of the {disk.name} disk", "", f"Made by `{command}`."]
     made_folder("out", folder)
     for group in groups:
         note(f"drawing {group}", quiet)
-        recorded = group in record.CAPTIONS
+        recorded = group in RECORDED
         drawn = [record.record(group, folder, asked.disk)] if recorded else _group(folder, group, scene)
         lines += ["", f"## {group.capitalize()}", "", f"`nearflat portrait --only {group}`"]
         lines += [line for path in drawn for line in ("", *picture_lines(path, folder))]
@@ -86,6 +83,9 @@ def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Pa
 
 def _group(folder: Path, group: str, scene: Portrait) -> list[Path]:
     """Draw a group as PNG and SVG; the files that a page shows."""
+    from explorer.pictures.calls import portraits_of
+    from explorer.pictures.register import save
+
     files = []
     for name, draw in portraits_of(group, scene):
         figure = draw()

@@ -60,7 +60,7 @@ class BothSides:
         Distance of the motions from F, without its sign.
     t : (nt,) array
         Times.
-    impacts : (2,) array
+    impacts : array
         Times at which the limits come flat.
     motions : dict of int to dict of str to array
         By the side, +1 and -1: phi, chi, psi (nt), path and contact (nt, 3).
@@ -83,7 +83,7 @@ class BothSides:
     limits: dict[int, LimitState]
 
     def __repr__(self) -> str:
-        impacts = " and ".join(f"{time:.6g}" for time in self.impacts)
+        impacts = ", ".join(f"{time:.6g}" for time in self.impacts)
         return (
             f"BothSides of the disk {self.disk.name}: eta_hat +-{self.eta_hat:.6g}\n"
             f"  t: {self.t.size:,} times up to {self.t[-1]:.6g}; limits come flat at {impacts}"
@@ -107,8 +107,8 @@ class BothSides:
         return np.concatenate([*pieces, limit.contact[first:, :2]])
 
 
-def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
-    """The motions on both sides of a point of F, and the limits of each side, through two falls.
+def both_sides(state: States, eta_hat: float | None = None, t_end: float | None = None) -> BothSides:
+    """The motions on both sides of a point of F, and the limits of each side, through two falls or up to a time.
 
     Parameters
     ----------
@@ -116,6 +116,8 @@ def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
         One state, of a disk with I3 > 0. One beside F is moved onto it: phi, phidot and sigma3_bar are kept.
     eta_hat : float, optional
         Distance of the motions from F, above 0, in the units of the disk; by default 0.01 natural units.
+    t_end : float, optional
+        The last time; by default a little more than half a period after the second fall.
 
     Returns
     -------
@@ -125,7 +127,8 @@ def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
     Raises
     ------
     InputError
-        Where the disk would not fall from the state, for more than one state, and where eta_hat is not above 0.
+        Where the disk would not fall from the state, for more than one state, and where eta_hat or t_end is
+        not above 0.
 
     Warns
     -----
@@ -154,15 +157,15 @@ def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
     start = beside[0] if misses_f(given) else state
     limits = {side: limit_motion(start, side) for side in (1, -1)}
     limit = limits[1]
-    impacts = limit.impacts(100.0 * limit.period)[:2]
-    motion = trajectories(beside[1:], float(impacts[-1]) + 0.6 * limit.period, observables=QUANTITIES)
+    end = limit.impacts(3.0 * limit.period)[1] + 0.6 * limit.period if t_end is None else positive("t_end", t_end)
+    motion = trajectories(beside[1:], float(end), observables=QUANTITIES)
     if not motion.lengths.all():
         code = compiled.status.Status(int(motion.status.max()))
         raise InputError(f"eta_hat = {size:g}: {code.sentence} {code.remedy}")
     t = np.unique(motion.t)
     at = motion(t)
     rows = {sign: {name: getattr(at, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
-    return BothSides(start, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})
+    return BothSides(start, size, t, limit.impacts(end), rows, {sign: limits[sign](t) for sign in limits})
 
 
 def _at_distances(state: States, face: int, eta_hat: list[float]) -> States:

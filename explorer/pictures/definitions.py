@@ -191,15 +191,15 @@ def _plane(ax: Axes, disk: Disk) -> None:
 
 @picture(
     Question.HAPPENS,
-    "What things are called. Left, the disk on its table: φ is the angle of its plane to the vertical, θ that of "
-    "its axis, χ the direction in which the contact point lies, ψ how far it has moved along the rim. Right, the "
+    "What things are called. Above, the disk on its table: φ is the angle of its plane to the vertical, θ that of "
+    "its axis, χ the direction in which the contact point lies, ψ how far it has moved along the rim. Below, the "
     "constants of motion: only on the line l₊ does the disk fall flat on face +1, and the sign of the distance η̂ "
     "to it is the side of F.",
-    (10.4, 5.6),
+    (6.4, 9.4),
     "definitions",
 )
 def definitions(figure: Figure, disk: Disk) -> None:
     """Draw the disk with its angles, eqs (2.14), (2.21), (2.30), and the plane of its constants, eq. (6.2)."""
-    left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
-    _disk(left)
-    _plane(right, disk)
+    above, below = figure.subplots(2, 1)
+    _disk(above)
+    _plane(below, disk)

@@ -183,6 +183,21 @@ def test_short_commands_load_no_library_that_they_do_not_use():
     assert done.stdout.splitlines()[-1] == "heavy:"
 
 
+HELPS = """
+import contextlib, io, sys
+from explorer.commands.main import COMMANDS, main
+for name in COMMANDS:
+    with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()):
+        main([name, "--help"])
+print("heavy:", *(name for name in ("numba", "matplotlib") if name in sys.modules))
+"""
+
+
+def test_the_help_of_no_command_loads_what_draws_or_compiles():
+    done = subprocess.run([sys.executable, "-c", HELPS], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "heavy:"
+
+
 def test_a_run_without_pictures_loads_neither_pandas_nor_matplotlib(tmp_path):
     pytest.importorskip("pandas")
     call = f"ex.run('race-angles', samples=500, keep='all', out={str(tmp_path / 'run')!r}, figures=False)"
