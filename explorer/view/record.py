@@ -21,6 +21,7 @@ _MOVING, _SMALL = (1200, 675), (800, 450)  # of the hero for pages, and of the f
 _FRAMES, _GIF_FRAMES, _MS = 60, 90, 67  # 15 a second: of the hero four seconds, of the film all six
 _REST_MS = 2500  # for which the hero shows all of it before it begins anew
 _COLOURS = 128  # of the GIF
+_STILL_COLOURS = 256  # all that a palette holds: a third of the file
 _PATIENCE = 900.0  # s: the film is 180 frames of 1080 lines, encoded without a graphics card
 _DESCRIPTION = 0x010E  # of EXIF, where WebP carries its caption
 
@@ -61,7 +62,7 @@ def _hero(browser: Browser, folder: Path) -> Path:
     caption = "\n".join(CAPTIONS["hero"])
     about = PngInfo()
     about.add_itxt("Description", caption)
-    _picture(browser, _STILL).save(still, pnginfo=about, optimize=True)
+    _picture(browser, _STILL).quantize(_STILL_COLOURS).save(still, pnginfo=about, optimize=True)
     frames = [_picture(browser, _MOVING, n / (_FRAMES - 1)) for n in range(_FRAMES)]
     exif = Image.Exif()
     exif[_DESCRIPTION] = caption.encode()

@@ -16,7 +16,7 @@ from explorer.pictures.register import caption_of
 from explorer.pictures.style import BEYOND, SIGN_COLOURS
 
 UNIFORM = BODIES["uniform"]
-WITHOUT_AXES = {"hero", "definitions"}  # drawn in space, beside their plots
+WITHOUT_AXES = {"definitions"}  # drawn in space, beside their plots
 # A hyphen before a digit is no minus sign; between dollars matplotlib makes one of it.
 HYPHEN = re.compile(r"(?<![\w$])-\s?\d")
 DIRECTED = set("<>^v")
@@ -128,8 +128,7 @@ def test_each_picture_can_be_read_and_its_colours_have_one_meaning(name, drawn):
     letters = [
         each.get_fontsize() for each in figure.findobj(Text) if each.get_visible() and each.get_text().strip()
     ]
-    if name != "hero":
-        assert min(letters) / 72.0 * 420.0 / figure.get_figwidth() >= 8.0
+    assert min(letters) / 72.0 * 420.0 / figure.get_figwidth() >= 8.0
     for legend in figure.findobj(Legend):
         for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True):
             colour = getattr(handle, "get_color", getattr(handle, "get_facecolor", None))()
