@@ -73,8 +73,8 @@ class Run:
     0
     >>> float(races.arrow(["theta_min"])["theta_min"].to_numpy().max().round(4))
     0.0098
-    >>> races.figure("histogram").axes[0].get_xscale()
-    'symlog'
+    >>> races.figure("histogram").axes[0].get_xlabel()
+    'race angle (rad)'
     """
 
     def __init__(
