@@ -43,7 +43,7 @@ _COLLECTED = 50_000
 _RUN = "race-angles --disk hoop --samples 1e5 --eta-hat 1e-6:1e-2 --out results/races"
 _PASSAGE = "--disk uniform --sigma3-bar 1 --eta-hat -1e-6 --phidot 1 --json"
 _PLAN, _TRADE = "race-angles --disk hoop --samples 1e7 --jobs 2", "race-angles --disk hoop --eta-hat 1e-8:1"
-_RARE = "--event theta_min:1e-6 --tilt norm:60:5 --precession norm:0:900 --spin=-900:900 --degrees"
+_RARE = "--event theta_min:1e-6 --tilt norm:60:5 --precession norm:0:30 --spin=-30:30 --degrees"
 _VIEW = "--disk hoop --eta-hat -1e-12 --out page.html --open"
 _STORED = "results/race-angles-uniform-0"
 COMMANDS = {

@@ -50,7 +50,11 @@ class Question(Coordinates):
         words="theta_min:1e-3",
     )
     count: int = option(whole_from(1), "within how many bounces; two tell all of theta_min", default=1)
-    samples: int = option(whole_from(1000), "plain draws", default=1_000_000)
+    samples: int = option(
+        whole_from(10),
+        "plain draws, and a sixteenth as many beside the falling set at each face",
+        default=1_000_000,
+    )
     accuracy: float = option(NUMBER._replace(metavar="TOL"), "relative, of theta_min", default=1e-6)
     seed: int = option(whole_from(0), "seed of the random numbers", default=0)
 
@@ -64,7 +68,7 @@ def call(options: argparse.Namespace) -> Answer:
     """Say how probable it is."""
     asked = Question.of(Question.said(options))
     compiled.warmup(KERNELS, lambda text: note(text, options.quiet))
-    own = set(vars(asked)) - {"disk", "event", "seed"}
-    found = probability(asked.disk, asked.event, rng=asked.seed, **{name: getattr(asked, name) for name in own})
+    given = vars(asked).copy()
+    found = probability(given.pop("disk"), given.pop("event"), rng=given.pop("seed"), **given)
     record = {**vars(found), "law": found.law and found.law._asdict()}
     return Answer(plain(record), repr(found))

@@ -41,9 +41,9 @@ class Coordinate:
     @classmethod
     def of(cls, name: str, given: Any, unit: float) -> "Coordinate":
         """From a distribution, a range, a number, or text such as "norm:20:2". Raises InputError."""
+        if hasattr(given, "pmf"):
+            raise InputError(f"{name} = {shown(given)} is discrete; give a continuous distribution")
         if all(hasattr(given, word) for word in ("pdf", "ppf", "isf", "rvs", "support")):
-            if hasattr(getattr(given, "dist", None), "pmf"):
-                raise InputError(f"{name} = {shown(given)} is discrete; give a continuous distribution")
             return cls(name, given, math.nan, unit)
         if isinstance(given, str) and given[:1].isalpha() and double_of(given) is None:
             return cls(name, _by_name(name, given), math.nan, unit)
@@ -147,7 +147,12 @@ class Distribution:
         there = {**defaults, **there}
         angles = chart.in_radians(there) if degrees else ()
         unit = math.radians(1.0)
-        found = {name: Coordinate.of(name, each, unit if name in angles else 1.0) for name, each in there.items()}
+        # Draws follow one order, whatever that of the keywords.
+        found = {
+            name: Coordinate.of(name, there[name], unit if name in angles else 1.0)
+            for name in KNOWN
+            if name in there
+        }
         if "tilt" in found and not degrees:
             warn_of_degrees(np.atleast_1d(np.median(found["tilt"].nodes)), 5)
         return cls(disk, chart, found, face)

@@ -29,13 +29,15 @@ KERNELS = (  # for `compiled.warmup`
     *("algebra.constants_batch", "falling.line_chart_batch"),
     *("turning_points.orbit_batch", "turning_points.inward_batch"),
 )
-# Tilts below this many delta are drawn plainly: above, the width of a tube settles in a few rounds.
-_BESIDE_FLAT = 10.0
+# Tilts below this many delta are drawn plainly: above, the width of a tube settles in a few rounds. With a larger
+# delta than this they would be all there are.
+_BESIDE_FLAT, LARGEST_DELTA = 10.0, 0.1
 _SPLIT = 8  # of the cells between two nodes of the tilt: the density on F may be narrower than that of the tilt
 # Share of draws from the coordinates' own distributions: it bounds the weights where the table knows too little.
 _OWN = 0.15
-# And the largest share of draws whose pair is not beside F, where most of the distribution lies within the tube.
-_MOST_PLAIN = 0.8
+# And the share of draws whose pair is not drawn beside F: the largest where most of the distribution lies within
+# the tube, the least elsewhere, for where no width of a tube settles.
+_MOST_PLAIN, _LEAST_PLAIN = 0.8, 0.05
 _PAIRS = 256  # by which that is known
 # Distance from flat that an angle from elsewhere resolves to 1e-4
 _RESOLVED = 1e-12
@@ -104,7 +106,7 @@ class NearFallingSet:
     def below(self, delta: float, random: Stream, draws: int) -> Rare:
         """P(theta_min < delta), by so many draws at each face."""
         tables = [_Table.of(self.source, face, delta) for face in (1, -1)]
-        strata = [[self._on_face(table, random, n) for n in _blocks(draws)] for table in tables]
+        strata = [[self._on_face(table, random, n) for n in _blocks(draws)] for table in tables if table.own.any()]
         strata += [[self._beside_flat(*end, random, n) for n in _blocks(draws // 4)] for end in self._flat(delta)]
         return _added([_sums(parts, delta) for parts in strata])
 
@@ -129,6 +131,7 @@ class NearFallingSet:
 
         with np.errstate(over="ignore", invalid="ignore"):
             half, settled = half_width(disk, table.delta, energy, np.full(count, np.inf))
+            half = np.where(settled, half, np.inf)
             evenly = np.where(settled, half, 0.0) * (2.0 * random.random(count) - 1.0)
             eta = np.where(plainly, own[1], evenly)
             bar = table.bar_at(bar, eta, pair)
@@ -141,9 +144,9 @@ class NearFallingSet:
                 weight = np.where(left >= 0.0, weight, 0.0)
                 place = replace(place, phidot=np.sqrt(2.0 / disk.body.M * np.maximum(left, 0.0)))
         weight[~counts_on(face, eta, other_eta_hat(disk, bar, eta)) | ~np.isfinite(bar)] = 0.0
-        weight[~settled & (tilts > 0.0)] = np.inf  # where no width settles nothing is known
-        rows = np.flatnonzero((weight > 0.0) & settled & (abs(eta) <= half))
-        theta = np.where(settled, np.inf, np.nan)
+        weight[~plainly & ~settled] = 0.0  # no tube, no draw in it
+        rows = np.flatnonzero((weight > 0.0) & (abs(eta) <= half))
+        theta = np.full(count, np.inf)
         s3, s4 = place.chart.rates(bar, eta)
         natural = np.stack([q, z, -place.phidot, s3 / q, face * s4])[:, rows]
         exact = linear_constants(disk, bar[rows], eta[rows], np.full(rows.size, face > 0))
@@ -208,15 +211,20 @@ class _Table:
     @property
     def plain(self) -> Array:
         """Of draws in each cell, the share whose pair comes from its own distribution."""
-        return _MOST_PLAIN * self.hits
+        return np.maximum(_LEAST_PLAIN, _MOST_PLAIN * self.hits)
+
+    @cached_property
+    def own(self) -> Array:
+        """How often the tilt itself lies in its cells."""
+        middle = 0.5 * (self.edges[1:] + self.edges[:-1])
+        return self.source.tilt.density(middle) * _widths(self.edges)
 
     @cached_property
     def tilts(self) -> Array:
         """By which cells of the tilt are drawn."""
-        own = self.source.tilt.density(0.5 * (self.edges[1:] + self.edges[:-1])) * _widths(self.edges)
-        hits = own * self.hits
-        hits = hits if hits.any() else own
-        drawn: Array = (1.0 - _OWN) * hits / hits.sum() + _OWN * own / own.sum()
+        hits = self.own * self.hits
+        hits = hits if hits.any() else self.own
+        drawn: Array = (1.0 - _OWN) * hits / hits.sum() + _OWN * self.own / self.own.sum()
         return drawn
 
     def draw_tilt(self, random: Stream, count: int) -> tuple[NDArray[np.intp], Array]:
@@ -234,7 +242,7 @@ class _Table:
         """Running sums of the cells of sigma3_bar, row by row, each from 0 to 1 beyond the one before."""
         total = self.share.sum(axis=1, keepdims=True)
         even = np.where(total > 0.0, self.share, 1.0) / np.where(total > 0.0, total, self.share.shape[1])
-        summed = np.minimum(np.cumsum(even, axis=1), 1.0)
+        summed: Array = np.minimum(np.cumsum(even, axis=1), 1.0)
         summed[:, -1] = 1.0
         return summed
 
@@ -251,7 +259,8 @@ class _Table:
         with np.errstate(divide="ignore", invalid="ignore"):
             alone = [each.draw(random, count) / pair[i, 0] for i, each in enumerate(self.source.pair)]
         drawn = low + (high - low) * random.random(count)
-        return np.where(random.random(count) < _OWN, np.where(which, *alone), drawn)
+        bar: Array = np.where(random.random(count) < _OWN, np.where(which, *alone), drawn)
+        return bar
 
     def bar_density(self, cell: NDArray[np.intp], pair: Array, bar: Array) -> Array:
         """The density of `draw_bar`; 1 where it draws nothing."""
@@ -285,7 +294,8 @@ class _Table:
         if fixed is None:
             return bar
         with np.errstate(divide="ignore", invalid="ignore"):
-            return (self.source.pair[fixed].value - pair[fixed, 1] * eta) / pair[fixed, 0]
+            set_by: Array = (self.source.pair[fixed].value - pair[fixed, 1] * eta) / pair[fixed, 0]
+        return set_by
 
     def pair_density(self, pair: Array, bar: Array, eta: Array) -> Array:
         """The density of the pair in sigma3_bar and eta_hat, or in eta_hat alone where one is a number."""
@@ -320,7 +330,7 @@ def _fixed(source: Distribution) -> int | None:
 def _pair_density(source: Distribution, pair: Array, bar: Array, eta: Array | float) -> Array:
     (m3, n3), (m4, n4) = pair
     fixed = _fixed(source)
-    density = abs(m3 * n4 - m4 * n3)
+    density: Array = abs(m3 * n4 - m4 * n3)
     if fixed is not None:
         density = density / abs(pair[fixed, 0])
     for each, (m, n) in zip(source.pair, pair, strict=True):
@@ -353,7 +363,8 @@ def _cells(tilt: Coordinate, beside_flat: float) -> Array:
     if nodes.size < 2:
         nodes = np.array([low, high])
     parts = np.linspace(0.0, 1.0, _SPLIT, endpoint=False)
-    return np.unique([*(nodes[:-1, None] + np.diff(nodes)[:, None] * parts).ravel(), nodes[-1]])
+    edges: Array = np.unique([*(nodes[:-1, None] + np.diff(nodes)[:, None] * parts).ravel(), nodes[-1]])
+    return edges
 
 
 def _impact(source: Distribution, tilt: Array, face: int, bar: Array) -> Array:
@@ -372,7 +383,8 @@ def _impact(source: Distribution, tilt: Array, face: int, bar: Array) -> Array:
     else:
         energies = [still + 0.5 * disk.body.M * source.phidot(each) ** 2 for each in speeds]
     flat = disk.energy_at_flat(bar)
-    return np.mean([np.sqrt(np.maximum(energy - flat, 0.0)) for energy in energies], axis=0)
+    mean: Array = np.mean([np.sqrt(np.maximum(energy - flat, 0.0)) for energy in energies], axis=0)
+    return mean
 
 
 def _widths(edges: Array) -> Array:
@@ -382,7 +394,8 @@ def _widths(edges: Array) -> Array:
 
 def _place_in(summed: Array, unit: Array) -> NDArray[np.intp]:
     """The entries in which these shares of a running sum lie."""
-    return np.minimum(np.searchsorted(summed, unit * summed[-1], "right"), summed.size - 1)
+    found: NDArray[np.intp] = np.minimum(np.searchsorted(summed, unit * summed[-1], "right"), summed.size - 1)
+    return found
 
 
 def _blocks(draws: int) -> list[int]:
@@ -395,7 +408,8 @@ def _sums(parts: list[Weighted], delta: float) -> Array:
     for part in parts:
         hit = np.where(part.theta_min < delta, part.weight, 0.0)
         rows.append([hit.sum(), (hit * hit).sum(), part.weight[np.isnan(part.theta_min)].sum(), hit.size])
-    return np.sum(rows, axis=0)
+    summed: Array = np.sum(rows, axis=0)
+    return summed
 
 
 def _added(strata: list[Array]) -> Rare:

@@ -17,7 +17,7 @@ from explorer import compiled
 from explorer.errors import InputError, RunError, flag, number, shown, whole
 from explorer.measure import statistics
 from explorer.measure.distributions import Distribution
-from explorer.measure.near_falling_set import BLOCK, NearFallingSet, smallest_tilts
+from explorer.measure.near_falling_set import BLOCK, LARGEST_DELTA, NearFallingSet, smallest_tilts
 from explorer.measure.sampling import Stream
 from explorer.measure.tubes import widest_eta
 from explorer.motion.bounces import MOST, Bounces, bounces
@@ -27,16 +27,16 @@ from explorer.phase.states import States
 
 Event = tuple[str, float] | str | Callable[[Bounces], ArrayLike]
 FEWEST = 100  # hits, or worth of hits, with which an interval is to be trusted
-# Plain draws over weighted ones at each face; and the latter at each delta at which the law is compared.
-_SHARE, _COMPARED = 16, 1 << 12
+# Plain draws over weighted ones at each face, the fewest of these, and how many tell whether the law holds.
+_SHARE, _LEAST, _COMPARED = 16, 256, 1 << 12
 # Where the law holds: decades of delta, and how far P may be off C delta.
 _DELTAS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 _HOLDS = 0.05
 _SMALL = 1e-30  # the delta at which C is found: eta_hat is a number of its own, so no digit is lost
 
 _NO_LAW = (
-    "no law C delta down to delta = 1e-12: the falling set is hardly met, or states so near flat from the
-    beginning " "decide"
+    "no law C delta down to delta = 1e-12: the falling set is hardly met, or states so near flat from the "
+    "beginning decide"
 )
 
 
@@ -177,7 +177,7 @@ def probability(
     """
     require_axial_inertia(disk)
     source = Distribution.of(disk, coordinates, flag("degrees", degrees))
-    count, samples = whole("count", count, 1, MOST), whole("samples", samples, 1000, 10**9)
+    count, samples = whole("count", count, 1, MOST), whole("samples", samples, 10, 10**9)
     accuracy, random = number("accuracy", accuracy, 1e-13, 0.1), _stream(rng)
     delta = None if callable(event) else read_delta("event", event)
     counted = _counted(source, event if callable(event) else delta, count, accuracy, samples, random)
@@ -189,11 +189,11 @@ def probability(
         return _plainly(counted, None, "", asked)
     if near.why_not:
         return _plainly(counted, None, f"{near.why_not}: the share of plain draws is counted", asked)
-    law = _law(near, counted, random, samples // _SHARE)
+    law = _law(near, counted, random, max(samples // _SHARE, _COMPARED))
     note = "" if law else _NO_LAW
-    if counted.hits >= FEWEST:
+    if counted.hits >= FEWEST or delta > LARGEST_DELTA:
         return _plainly(counted, law, note, asked)
-    rare = near.below(delta, random, samples // _SHARE)
+    rare = near.below(delta, random, max(samples // _SHARE, _LEAST))
     if rare.effective < FEWEST or not math.isfinite(rare.unknown):
         return _plainly(counted, law, "too few weighted draws came so flat: plain draws are counted", asked)
     value, error = rare.estimate.value / counted.share, rare.estimate.error / counted.share

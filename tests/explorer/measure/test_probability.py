@@ -188,7 +188,7 @@ def test_an_event_of_bounces_counts_a_state_once():
 
 def test_where_nothing_moves_eta_the_share_is_counted_and_it_says_so():
     found = ex.probability(
-        UNIFORM, ("theta_min", 1e-3), phidot=(0, 1), sigma3_bar=1.0, eta_hat=0.0005, samples=2000
+        UNIFORM, ("theta_min", 4e-4), phidot=(0, 1), sigma3_bar=1.0, eta_hat=0.0005, samples=2000
     )
     assert 0 < found.estimate < 1
     assert "single tilts or not at all" in repr(found)
@@ -200,7 +200,7 @@ def test_where_nothing_moves_eta_the_share_is_counted_and_it_says_so():
 
 
 def test_draws_that_are_no_states_are_left_out():
-    given = {"precession": 1.0, "spin": (-1, 1), "samples": 20_000}
+    given = {"precession": 1.0, "spin": (-1, 1), "samples": 200_000}
     some = ex.probability(UNIFORM, ("theta_min", 1e-9), tilt=stats.norm(0.8, 0.6), **given)
     cut = ex.probability(UNIFORM, ("theta_min", 1e-9), tilt=stats.truncnorm(-0.8 / 0.6, 9, 0.8, 0.6), **given)
     assert some.method == cut.method == "importance"
