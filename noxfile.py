@@ -53,6 +53,15 @@ def bounds(session):
 
 
 @nox.session(default=False)
+def page(session):
+    """Compare the page with Python at all 1,512 settings of its sliders; the suite takes a tenth."""
+    session.install("--editable", ".[test]")
+    session.run(
+        "python", "-m", "pytest", "-n", "0", "tests/browser/test_settings.py", env={"NEARFLAT_SETTINGS": "1"}
+    )
+
+
+@nox.session(default=False)
 def peers(session):
     """Write results/peers/: other programs on the same work, on one core. Some minutes."""
     session.install("--editable", ".[peers]")

@@ -1,7 +1,7 @@
 """What users are told, and the readers of what users write.
 
-Every message names the argument, the value and the remedy. It is written in the words of the command line and says
-the same in the words of Python, unless the command line is at work. Public functions, the command line and files
+Every message names the argument, the value and the remedy. An option is called by its name in Python, eta_hat of
+--eta-hat. Public functions, the command line and files
 from users have their arguments read here: a reader returns the value with its proper type, raises InputError for
 what a person may have mistyped, and never changes what it was given. What an object of another package raises when
 it is read passes through as it is.
@@ -11,11 +11,10 @@ states and of disks, which need numpy, are in `phase.arguments`, `phase.states` 
 `phase.paths`.
 """
 
-import contextlib
 import math
 import re
 import sys
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable
 from decimal import Decimal
 from difflib import get_close_matches
 from numbers import Integral, Real
@@ -23,48 +22,10 @@ from typing import Any
 
 MOST_JOBS = 1024  # threads or processes: more only take memory
 SHOWN = 60  # characters of a value in it
-_WRITTEN = 1024  # bits of an integer: more than doubles reach, and Python refuses to write very long ones
 _WHOLE = re.compile(r"[+-]?\d{1,400}", re.ASCII)  # Python refuses to read very long ones
-# How a remedy of the command line is written in Python, the longest first.
-_PYTHON = (
-    (r"nearflat resume ([^\s;,)`]+) --backend dask( --scheduler [^\s;,)`]+)?", r'ex.open("\1").resume()'),
-    (r"nearflat (resume|verify) ([^\s;,)`]+)", r'ex.open("\2").\1()'),
-    (r"nearflat summary ([^\s;,)`]+)", r'ex.open("\1").summary'),
-    (r"--resume\b", 'exist="resume"'),
-    (r"--replace\b", 'exist="replace"'),
-    (r"--no-figures\b", "figures=False"),
-    (r"(?<![\w/-])--([a-z][a-z0-9]*(?:-[a-z0-9]+)*)", lambda found: found[1].replace("-", "_")),
-)
-_speaks_python = True
 
 
-@contextlib.contextmanager
-def words_of_the_command() -> Iterator[None]:
-    """Within this, messages name flags and commands, as those who type them know them."""
-    global _speaks_python
-    before, _speaks_python = _speaks_python, False
-    try:
-        yield
-    finally:
-        _speaks_python = before
-
-
-def in_words(message: str) -> str:
-    """A message as its reader would write it: "--eta-hat" of the command line is eta_hat in Python."""
-    if _speaks_python:
-        for written, python in _PYTHON:
-            message = re.sub(written, python, message)
-    return message
-
-
-class _Told:
-    """An exception whose message speaks the words of its reader; where it was raised does not matter."""
-
-    def __str__(self) -> str:
-        return in_words(super().__str__())
-
-
-class InputError(_Told, ValueError):
+class InputError(ValueError):
     """An argument cannot be used. The command line exits with status 2.
 
     Examples
@@ -78,7 +39,7 @@ class InputError(_Told, ValueError):
     """
 
 
-class RunError(_Told, RuntimeError):
+class RunError(RuntimeError):
     """A run failed or a check did not hold. The command line exits with status 1.
 
     Examples
@@ -121,7 +82,7 @@ class Interrupted(RunError):
 def note(text: str, quiet: bool) -> None:
     """Print a line on stderr, unless the user asked for quiet."""
     if not quiet:
-        print(in_words(text), file=sys.stderr, flush=True)
+        print(text, file=sys.stderr, flush=True)
 
 
 def shorten(text: str, most: int) -> str:
@@ -136,17 +97,12 @@ def shown(value: Any) -> str:
         return f"{type(value).__name__} of shape {shape} {getattr(value, 'dtype', '')}".rstrip()
     if isinstance(value, list | tuple | dict | set | bytes) and len(value) > SHOWN:
         return f"{type(value).__name__} of {len(value)}"
-    if isinstance(value, int) and value.bit_length() > _WRITTEN:
-        return f"an integer of {value.bit_length():,} bits"
     return shorten(" ".join(repr(value).split()), SHOWN)
 
 
 def said(name: str, value: Any) -> str:
-    """An argument with its value as the user wrote it: "--samples 0", "samples = 0" or "--disk: m = 0"."""
-    name = in_words(name)
-    text = shorten(value, SHOWN) if type(value) is str else shown(value)
-    bare = name.startswith("--") and ":" not in name
-    return f"{name} {text}" if bare else f"{name} = {text}"
+    """An argument with its value as the user wrote it."""
+    return f"{name} = {shorten(value, SHOWN) if type(value) is str else shown(value)}"
 
 
 def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:
@@ -155,7 +111,7 @@ def number(name: str, value: Any, low: float = -math.inf, high: float = math.inf
     Parameters
     ----------
     name : str
-        What the argument is called where the user wrote it, such as "--accuracy" or "t_end".
+        What the argument is called where the user wrote it, such as "accuracy" or "t_end".
     value : number or str
         What the user gave; text as in "1e-6".
     low, high : float

@@ -11,7 +11,7 @@ from kernels.disk.field import State, energy
 from kernels.status import Status
 from kernels.steps import attempt, engine
 from kernels.steps.adaptive import dopri5_step
-from kernels.steps.curves import COLUMNS, Trail
+from kernels.steps.curves import COLUMNS, History
 from kernels.steps.eighth import eighth_order_step
 from kernels.steps.events import TURNING_POINT
 from kernels.steps.fixed import rk4_step
@@ -60,7 +60,7 @@ def summed_errors(method, counts, length, starts, b):
     return errors
 
 
-def follow(method, depth, states, control, event=TURNING_POINT, values=(0.0,), pinned=None, **given):
+def follow(method, depth, states, control, event=TURNING_POINT, values=(0.0,), linear=None, **given):
     """What the engine makes of states (10, n)."""
     n = states.shape[1]
     work = engine.Work(
@@ -70,14 +70,14 @@ def follow(method, depth, states, control, event=TURNING_POINT, values=(0.0,), p
         np.array(values, float),
         np.full(n, control),
         states,
-        np.full((3, n), np.nan) if pinned is None else pinned,
+        np.full((3, n), np.nan) if linear is None else linear,
         np.array(np.broadcast_to(given.get("status", Status.OK), n), np.int8),
         np.full((n, len(values), 10), np.nan),
         np.zeros(n, np.int32),
         np.full((3, n), np.nan),
     )
-    no_trail = Trail(0.0, 0.0, np.empty((0, COLUMNS)), np.zeros(1, np.int64), 0)
-    engine.FOLLOW[method, depth](work, no_trail, UNIFORM.natural, UNIFORM.whole)
+    no_history = History(0.0, 0.0, np.empty((0, COLUMNS)), np.zeros(1, np.int64), 0)
+    engine.FOLLOW[method, depth](work, no_history, UNIFORM.natural, UNIFORM.whole)
     return work
 
 
@@ -87,7 +87,7 @@ def constants_of(x, disk):
     return from_solutions(x, solutions(S, log_S, disk.body.c, disk.series), energy(x, disk.body), disk.body)
 
 
-def pinned(states):
+def linear(states):
     """The constants of each state, sigma3_bar, eta_plus and eta_minus."""
     found = np.empty((6, states.shape[1]))
     constants_batch(states[:5].copy(), UNIFORM.whole, UNIFORM.natural, found)

@@ -10,7 +10,6 @@ from typing import Any
 
 from explorer.commands.plan import RunPlan, planned
 from explorer.commands.trade import Trade, Trading, measured
-from explorer.errors import in_words
 from explorer.runs.run import Run, execute
 from explorer.runs.settings import Settings, asked
 from explorer.scenes.options import Options, described, options_of
@@ -120,7 +119,7 @@ def _entries(kinds: list[type[Options]]) -> dict[str, str]:
     for name, each in texts.items():
         some = "" in takers[name] or len(takers[name]) == len(NAMES)
         whose = "" if some else f"For {', '.join(takers[name])}: "
-        text = fill(in_words(f"{whose}{described(each)}."), 110)
+        text = fill(f"{whose}{described(each)}.", 110)
         entries[name] = f"{name} : {each.metadata['reader'].accepts}\n{indent(text, '    ')}"
     return entries
 

@@ -51,7 +51,7 @@ def demo(given: Demo, command: str, quiet: bool) -> list[Run]:
     """
     out, own = given.out, {*(name for name, _, _ in _STEPS), COMPARED, PAGE}
     if out.exists() and not (out.is_dir() and {path.name for path in out.iterdir()} <= own):
-        raise InputError(f"--out {out}: is not empty and holds no earlier demo; give another folder")
+        raise InputError(f"out {out}: is not empty and holds no earlier demo; give another folder")
     scenes = [scene_class(name).of({"seed": given.seed, **options}) for name, options, _ in _STEPS]
     exact = [exact_of(scene) for scene in scenes if isinstance(scene, SampledScene)]
     kernels = [name for scene in (*scenes, *exact) for name in scene.kernels]  # so that all is compiled at once

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 KINDS = (".png", ".gif", ".webp")
 _FIRST = ("hero", "definitions", "film")  # of their question, in this order
 _OTHER = "Other pictures"
+_EXIF_DESCRIPTION = 0x010E  # where WebP carries its caption
 
 
 def gallery(folder: Path | str) -> str:
@@ -38,8 +39,11 @@ def gallery(folder: Path | str) -> str:
     shown: dict[str, list[tuple[Path, str]]] = {str(question): [] for question in (*Question, _OTHER)}
     for part in parts:
         for picture in sorted(path for path in part.rglob("*") if path.suffix in KINDS):
+            if picture.suffix == ".png" and picture.with_suffix(".webp").exists():
+                continue  # the same that moves is shown
             caption = caption_in(picture)
-            cell = [f'<a href="{picture.relative_to(root).as_posix()}">{_image(picture, root, caption, 420)}</a>']
+            full = full_size(picture).relative_to(root).as_posix()
+            cell = [f'<a href="{full}">{_image(picture, root, caption, 420)}</a>']
             cell += [_text(picture, caption), f"<code>{html.escape(command_of(part), quote=False)}</code>"]
             shown[str(caption.question) if caption else _OTHER].append((picture, "<br>\n".join(cell)))
     lines = [
@@ -74,6 +78,12 @@ def command_of(folder: Path) -> str:
     return "not known"
 
 
+def full_size(picture: Path) -> Path:
+    """The file that shows a picture in its full size: of a film its WebM, of a picture that moves its still."""
+    larger = {".gif": ".webm", ".webp": ".png"}.get(picture.suffix, picture.suffix)
+    return there if (there := picture.with_suffix(larger)).exists() else picture
+
+
 def caption_in(path: Path) -> "Caption | None":
     """The caption inside a picture or a film, a question and a text; None where there is none."""
     from PIL import Image, UnidentifiedImageError
@@ -82,7 +92,9 @@ def caption_in(path: Path) -> "Caption | None":
 
     try:
         with Image.open(path) as picture:
-            found = picture.info.get("Description") or picture.info.get("comment") or ""
+            found = picture.info.get("Description") or picture.info.get("comment")
+            # Pillow reads what EXIF holds as Latin-1.
+            found = found or picture.getexif().get(_EXIF_DESCRIPTION, "").encode("latin-1")
     except (OSError, UnidentifiedImageError):
         return None
     question, _, text = (found.decode("utf-8") if isinstance(found, bytes) else str(found)).partition("\n")
@@ -92,7 +104,9 @@ def caption_in(path: Path) -> "Caption | None":
 def picture_lines(picture: Path, root: Path) -> list[str]:
     """A picture with its caption for the page of `root`."""
     caption = caption_in(picture)
-    return [_image(picture, root, caption, 600), "", caption.text if caption else _text(picture, None)]
+    image, full = _image(picture, root, caption, 600), full_size(picture)
+    shown = image if full == picture else f'<a href="{full.relative_to(root).as_posix()}">{image}</a>'
+    return [shown, "", caption.text if caption else _text(picture, None)]
 
 
 def _image(picture: Path, root: Path, caption: "Caption | None", width: int) -> str:

@@ -24,7 +24,6 @@ from explorer.errors import (
     nearest,
     shorten,
     suggest,
-    words_of_the_command,
 )
 from explorer.version import installed_version
 
@@ -139,7 +138,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.environ["MPLBACKEND"] = "agg"  # no command opens a window; matplotlib fails where it knows no such name
     name = "nearflat"
     try:
-        with words_of_the_command(), warnings.catch_warnings():
+        with warnings.catch_warnings():
             outer = _outer_parser()
             asked = outer.parse_args(words)
             if asked.command is None:
@@ -178,8 +177,7 @@ def _require_known(name: str) -> None:
 
 
 def _complain(name: str, error: object, status: int) -> int:
-    with words_of_the_command():
-        print(f"{name}: {error}", file=sys.stderr)
+    print(f"{name}: {error}", file=sys.stderr)
     return status
 
 

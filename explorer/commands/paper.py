@@ -6,8 +6,7 @@ from pathlib import Path
 
 from explorer.commands import Answer
 from explorer.errors import MOST_JOBS, InputError, note, positive
-from explorer.paper.figures import ETA_HAT
-from explorer.paper.pages import headline, line_of, one_figure, paper
+from explorer.paper.statement import ETA_HAT
 from explorer.phase.disk import Disk
 from explorer.scenes.options import DISK, FOLDER, NUMBER, TEXT, Options, option, whole_from
 
@@ -19,9 +18,9 @@ class Asked(Options):
         TEXT._replace(metavar="NAME"), "one statement, by name or number; nothing is written"
     )
     figure: int | None = option(whole_from(1, 9), "one figure, 1 to 9; no statement is checked")
-    disk: Disk | None = option(DISK, "with --figure: another body, as for run")
+    disk: Disk | None = option(DISK, "with figure: another body, as for run")
     eta_hat: float | None = option(
-        NUMBER._replace(metavar="SIZE"), "with --figure: distance from F, in sqrt(g/r)", words=f"{ETA_HAT:g}"
+        NUMBER._replace(metavar="SIZE"), "with figure: distance from F, in sqrt(g/r)", words=f"{ETA_HAT:g}"
     )
     out: Path = option(FOLDER, "folder", default=Path("results/paper"))
     jobs: int = option(whole_from(1, MOST_JOBS), "threads", default=2)
@@ -34,14 +33,15 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
 
 def call(options: argparse.Namespace) -> Answer:
     """Check the statements, or one; or draw a figure."""
+    from explorer.paper.pages import headline, line_of, paper
+
     given = Asked.said(options)
     asked = Asked.of(given)
     if asked.figure is not None:
         return _figure(asked, asked.figure, options.quiet)
     for name in ("disk", "eta_hat"):
         if name in given:
-            flag = f"--{name.replace('_', '-')} {given[name]}"
-            raise InputError(f"{flag}: only with --figure; the statements are of the paper's bodies")
+            raise InputError(f"{name} {given[name]}: only with a figure; the statements are of the paper's bodies")
     rows = paper(asked.out, only=asked.only, jobs=asked.jobs, quiet=options.quiet)
     holding, lines = sum(row.passed for row in rows), list[str]()
     for row in rows if asked.only is not None else ():
@@ -53,11 +53,13 @@ def call(options: argparse.Namespace) -> Answer:
 
 def _figure(asked: Asked, number: int, quiet: bool) -> Answer:
     """One figure, and nothing else; the sign of a distance means nothing, since each figure has its own sides."""
+    from explorer.paper.pages import one_figure
+
     if asked.only is not None:
-        raise InputError("--only and --figure: give one of them")
+        raise InputError("only and figure: give one of them")
     eta_hat = ETA_HAT if asked.eta_hat is None else asked.eta_hat
     if eta_hat < 0.0:
-        note(f"--eta-hat {eta_hat:g}: the sign is left out; each figure shows its own sides of F", quiet)
+        note(f"eta_hat {eta_hat:g}: the sign is left out; each figure shows its own sides of F", quiet)
     note(f"drawing figure {number}; the first time, kernels are compiled", quiet)
-    paths = one_figure(asked.out, number, asked.disk, positive("--eta-hat", abs(eta_hat)))
+    paths = one_figure(asked.out, number, asked.disk, positive("eta_hat", abs(eta_hat)))
     return Answer({"files": [str(path) for path in paths]}, "\n".join(f"wrote {path}" for path in paths))

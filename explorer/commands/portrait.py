@@ -1,6 +1,7 @@
 """`nearflat portrait`: the pictures that the paper does not have, each group made by one command.
 
 Which pictures a group has stands with the pictures; those of the group phase take the options of scene portrait.
+The hero and the film are recorded from the page in a browser.
 """
 
 import argparse
@@ -10,32 +11,27 @@ from pathlib import Path
 from typing import Any
 
 from explorer.commands import Answer
-from explorer.commands.gallery import picture_lines
 from explorer.errors import InputError, note, one_of
 from explorer.phase.disk import Disk
 from explorer.phase.paths import made_folder
-from explorer.pictures import film
-from explorer.pictures.calls import pictures, portraits_of
-from explorer.pictures.register import Question, save
 from explorer.scenes.options import DISK, FOLDER, Options, Reader, option, options_of
 from explorer.scenes.portrait import Portrait
 from explorer.scenes.scene import Scene
 
-FILM = "film"  # written as it is drawn, not a figure
-GROUPS = [
-    *dict.fromkeys(
-        each.group
-        for each in sorted(pictures.values(), key=lambda each: list(Question).index(each.caption.question))
-        if each.group
-    ),
-    FILM,
-]
+RECORDED = "hero", "film"
+# Those of the pictures, by what they answer; here too, so that help need not load all of these
+GROUPS = (
+    *RECORDED,
+    *("definitions", "slices", "surface", "limit", "race", "bounces", "phase", "bifurcation", "rotation", "paths"),
+)
 
 
 class Drawn(Options):
     """What is drawn, and where it goes."""
 
-    disk: Disk = option(DISK, "as for run", default=Disk.uniform())
+    disk: Disk | None = option(
+        DISK, "as for run", words="uniform; of hero and film one whose two rises are opposite, kappa = 2.5"
+    )
     only: str | None = option(
         Reader(partial(one_of, known=GROUPS), "GROUP", "str"),
         f"one group of pictures: {', '.join(GROUPS)}",
@@ -51,20 +47,33 @@ def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Pa
     """Draw all groups of pictures, or one, into a folder; returns the files.
 
     given, for the group phase, as for scene portrait: sigma3_bar, sigma4_bar or eta_hat, energy, well. Raises
-    InputError where they cannot be used.
+    InputError where they cannot be used, and for the hero or the film alone where there is no browser.
     """
-    folder, files = asked.out, list[Path]()
+    from explorer.commands.gallery import picture_lines
+    from explorer.view import record
+    from explorer.view.browser import find
+
+    folder, files, disk = asked.out, list[Path](), asked.disk or Disk.uniform()
     if given and asked.only not in (None, "phase"):
-        names = ", ".join(f"--{key.replace('_', '-')}" for key in given)
-        raise InputError(f"{names}: only the group phase takes this; leave it out, or --only phase")
+        raise InputError(f"{', '.join(given)}: only the group phase takes this; leave it out, or draw only phase")
     # What the options do not allow is said before anything is written.
-    scene = Portrait.of({**given, "disk": asked.disk})
+    scene = Portrait.of({**given, "disk": disk})
+    groups = [asked.only] if asked.only else GROUPS
+    try:
+        if set(groups) & set(RECORDED):
+            find()
+    except InputError as error:
+        if asked.only:
+            raise
+        note(f"without {' and '.join(RECORDED)}, which are recorded in a browser: {error}", quiet=False)
+        groups = [group for group in GROUPS if group not in RECORDED]
     command = "nearflat portrait" + (f" --only {asked.only}" if asked.only else "")
-    lines = [f"# Portraits of the {asked.disk.name} disk", "", f"Made by `{command}`."]
-    made_folder("--out", folder)
-    for group in [asked.only] if asked.only else GROUPS:
+    lines = [f"# Portraits of the {disk.name} disk", "", f"Made by `{command}`."]
+    made_folder("out", folder)
+    for group in groups:
         note(f"drawing {group}", quiet)
-        drawn = _film(folder, asked.disk) if group == FILM else _group(folder, group, scene)
+        recorded = group in RECORDED
+        drawn = [record.record(group, folder, asked.disk)] if recorded else _group(folder, group, scene)
         lines += ["", f"## {group.capitalize()}", "", f"`nearflat portrait --only {group}`"]
         lines += [line for path in drawn for line in ("", *picture_lines(path, folder))]
         files += drawn
@@ -74,6 +83,9 @@ def portrait(asked: Drawn, given: dict[str, Any], quiet: bool = True) -> list[Pa
 
 def _group(folder: Path, group: str, scene: Portrait) -> list[Path]:
     """Draw a group as PNG and SVG; the files that a page shows."""
+    from explorer.pictures.calls import portraits_of
+    from explorer.pictures.register import save
+
     files = []
     for name, draw in portraits_of(group, scene):
         figure = draw()
@@ -81,14 +93,6 @@ def _group(folder: Path, group: str, scene: Portrait) -> list[Path]:
             save(figure, folder / f"{name}.{kind}")
         files.append(folder / f"{name}.png")
     return files
-
-
-def _film(folder: Path, disk: Disk) -> list[Path]:
-    """Write the film, small for pages and large for talks; the small one."""
-    small, large = (folder / f"{FILM}.{kind}" for kind in ("gif", "webp"))
-    for path in (small, large):
-        film.animate(path, disk)
-    return [small]
 
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:

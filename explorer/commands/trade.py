@@ -126,14 +126,14 @@ def trials_of(scene: str | type[Scene] | None, options: Mapping[str, Any]) -> tu
     asked, made = Trading.of(own), scene_for(scene, {k: v for k, v in options.items() if k not in own})
     if isinstance(made, SampledScene) and made.samples > MOST:
         raise InputError(
-            f"--samples {made.samples}: all are followed by every method at every setting; give {MOST:,} at most"
+            f"samples {made.samples}: all are followed by every method at every setting; give {MOST:,} at most"
         )
     known_trials = made.trials(asked.motions or 1, asked.t_end)
     trials = [trial for trial in known_trials if asked.motions or not trial.in_time]
     if not trials:
         why = "no method is chosen in this scene, so there is nothing to trade; measure another one"
         if known_trials:
-            why = "methods can be compared only on its motions in time; leave --motions 0 out"
+            why = "methods can be compared only on its motions in time; leave motions = 0 out"
         raise InputError(f"{made.name}: {why}")
     for trial in trials:
         known, size = int(trial.known.sum()), trial.known.size
@@ -141,7 +141,7 @@ def trials_of(scene: str | type[Scene] | None, options: Mapping[str, Any]) -> tu
         if known < (fewest := 1 if trial.in_time else max(FEWEST, size // 2)):
             raise InputError(
                 f"{known:,} of {size:,} {trial.kind} have a known answer, and {fewest:,} are needed to tell "
-                "methods apart; give more --samples, another --disk, or a --box whose starts are less slow"
+                "methods apart; give more samples, another disk, or a box whose starts are less slow"
             )
     return made, trials, asked.progress is False
 
@@ -150,7 +150,7 @@ def scene_for(scene: str | type[Scene] | None, options: dict[str, Any]) -> Scene
     """The scene whose samples are measured. Raises InputError."""
     for name in _MEASURED:
         if options.get(name) is not None:
-            raise InputError(f"{said(f'--{name}', options[name])}: trade measures all of them; leave it out")
+            raise InputError(f"{said(name, options[name])}: trade measures all of them; leave it out")
     made = scene_class(PLAIN if scene is None else scene).of(options)
     more: dict[str, Any] = {}
     if scene is None and options.get("eta_hat") is None and made.options.get("eta_hat") is not None:
@@ -207,11 +207,11 @@ def call(options: argparse.Namespace) -> Answer:
     """Measure, keep what was found for this machine, and write the page."""
     scene, given = given_by(options)
     out = path_of(
-        "--out", given.pop("out", None) or ("results/trade" if scene is None else f"results/trade-{scene}")
+        "out", given.pop("out", None) or ("results/trade" if scene is None else f"results/trade-{scene}")
     )
     of_runs = {each.name for each in fields(Settings)} - {"progress"}  # a TOML file may have them
     made, trials, quiet = trials_of(scene, {name: value for name, value in given.items() if name not in of_runs})
-    made_folder("--out", out)  # before anything is measured
+    made_folder("out", out)  # before anything is measured
     found = _measured(made, trials, quiet)
     where = None if options.no_store else found.store()
     trade_report.write(found.scene, found.parts, out, options.command_line, where)

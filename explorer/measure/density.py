@@ -54,14 +54,14 @@ class Density:
     def __post_init__(self) -> None:
         if not self.energy[0] < self.energy[1]:
             low, high = self.energy
-            raise InputError(f"--energy {low:g}:{high:g} is empty; give LOW:HIGH, the smaller number first")
+            raise InputError(f"energy {low:g}:{high:g} is empty; give LOW:HIGH, the smaller number first")
         for name, (mean, deviation) in self.gaussian:
-            told, (low, high) = f"--gaussian {name} = {mean:g}:{deviation:g}", getattr(self.box, name)
+            told, (low, high) = f"gaussian {name} = {mean:g}:{deviation:g}", getattr(self.box, name)
             if low == high:
-                raise InputError(f"{told}: the box fixes it; give {name} a range in --box")
+                raise InputError(f"{told}: the box fixes it; give {name} a range in box")
             if not (math.isfinite(mean) and _THINNEST * (high - low) <= deviation < math.inf):
                 raise InputError(
-                    f"{told}: write MEAN:DEVIATION, the latter above {_THINNEST:g} of the range in --box; "
+                    f"{told}: write MEAN:DEVIATION, the latter above {_THINNEST:g} of the range in box; "
                     f"a thinner one is a point: fix {name} there"
                 )
             if max(low - mean, mean - high) > _NOTHING * deviation:
@@ -90,14 +90,14 @@ class Density:
         found = box if isinstance(box, Box) else Box.parse(box or {}, Box.default(disk))
         for name in COORDINATES[1:]:
             if max(map(abs, getattr(found, name))) > _FASTEST * disk.rate_unit:
-                raise InputError(f"--box {name}: rates beyond {_FASTEST:g} sqrt(g/r) are not sampled; narrow it")
+                raise InputError(f"box {name}: rates beyond {_FASTEST:g} sqrt(g/r) are not sampled; narrow it")
         if not min(disk.body.I1, disk.body.k) >= _LEAST:
             raise InputError(
                 f"disk: I1/(m r^2) = {disk.body.I1:g}, I3/I1 = {disk.body.k:g}: below {_LEAST:g} the lines of the "
                 "falling set are too steep for this; give a disk with larger ones"
             )
-        bounds = ANY_ENERGY if energy is None else read_range("--energy", energy, unbounded=True)
-        return cls(found, bounds, tuple(parse_ranges(gaussian or {}, "--gaussian").items()), density)
+        bounds = ANY_ENERGY if energy is None else read_range("energy", energy, unbounded=True)
+        return cls(found, bounds, tuple(parse_ranges(gaussian or {}, "gaussian").items()), density)
 
     def seen_from(self, disk: Disk, face: int) -> "Density":
         """The same in natural units, as a face sees it.
@@ -198,7 +198,7 @@ class Density:
                 good &= random.random(BLOCK) * self._bound < values
             return drawn, good
 
-        what = "--energy" if self.energy != ANY_ENERGY else "density"
+        what = "energy" if self.energy != ANY_ENERGY else "density"
         return gather(block, count, what + ": only {} draws from the box were kept; widen it")
 
     def quantile(self, name: str, share: Array) -> Array:

@@ -148,7 +148,7 @@ def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> F
         mass = Integrator(disk, density.seen_from(disk, 1), tolerance).mass()
     _check_known(density, "its integral", mass)
     if not mass.value > 0.0:
-        factor = "--energy" if density.energy != ANY_ENERGY else "density"
+        factor = "energy" if density.energy != ANY_ENERGY else "density"
         raise InputError(f"{factor}: the density is zero in all of the box; widen one of them")
     if mass.value < _LEAST_MASS and density.function is not None:
         raise InputError(f"density: its integral is {mass.value:.1e}, and loses its digits; multiply it by 1e300")

@@ -144,13 +144,10 @@ class FallingProbability:
         rungs = self.deltas.size
         return {name: values.reshape(rungs, 2, -1, *values.shape[1:]) for name, values in columns.items()}
 
-    def _mean(self, tubes: Tubes, signs: tuple[float, float] = (1.0, 1.0), alone: bool = False) -> Estimate:
-        """P(theta_min < delta) by rung and face, states with eta_hat < 0 and > 0 with these signs.
-
-        Only scrambles of Sobol points are independent. alone: as though their points were.
-        """
+    def _mean(self, tubes: Tubes, signs: tuple[float, float] = (1.0, 1.0)) -> Estimate:
+        """P(theta_min < delta) by rung and face, states with eta_hat < 0 and > 0 with these signs."""
         sums, squares = tubes["sign"][..., 0, :] @ signs, tubes["sign"][..., 1, :].sum(axis=-1)
-        if self.scrambled and not alone:
+        if self.scrambled:  # of Sobol points only the scrambles are independent
             return laws.mean_of_batches(sums, tubes["draws"])
         return laws.mean_of_draws(sums, squares, tubes["draws"])
 
@@ -182,14 +179,9 @@ class FallingProbability:
         summary["constant"] = laws.fit_constant(delta, tested).described()
         summary["law_limit"] = self.law_limit
         summary |= self._tests(delta, tested, hits[self.tested])
-        summary["power"] = self._power(tubes, delta, tested)
         summary["p_value_counts_against_tubes"] = self._agreement(ladder, hits)
         summary["splits"] = self._splits(tubes, ladder)
         summary["convergence"] = self._convergence(tubes)
-        if self.scrambled:
-            alone = laws.total(self._mean(tubes, alone=True))[self.tested]
-            relative = [((each.error / each.value) ** 2).mean() for each in (alone, tested)]
-            summary["sobol_gain"] = float(relative[0] / relative[1])
         return summary
 
     def _ladder(self, tubes: Tubes, ladder: Estimate, hits: NDArray[np.int64]) -> list[dict[str, Any]]:
@@ -242,21 +234,6 @@ class FallingProbability:
         many = hits >= _MANY
         away = (abs(hits / self.samples - ladder.value) / spread)[many]
         return statistics.either_p(*(2.0 * scipy.stats.norm.sf(away)).tolist()) if many.any() else 1.0
-
-    def _power(self, tubes: Tubes, delta: Array, tested: Estimate) -> dict[str, Any]:
-        """Draws with which the test rejects a wrong law, at 5 %, with probability 95 %."""
-        # Of one draw of a tube with both faces taken in turn, mean over the rungs
-        draws = tubes["draws"][self.tested].sum(axis=(1, 2))
-        variance = float(((tested.error / tested.value) ** 2 * draws).mean())
-        known = laws.known_laws(self.constant.value, float(delta[0]))
-        right, power = known.pop("law"), {}
-        for name, law in known.items():
-            beside = delta.size * laws.draws_to_reject(delta, right, law, variance)
-            power[name] = {
-                "tube_draws": None if name == "plateau" else beside,
-                "plain_draws": _finite(laws.plain_draws_to_reject(delta, right, law)),
-            }
-        return {"relative_variance_of_a_draw": variance, **power}
 
     def _splits(self, tubes: Tubes, ladder: Estimate) -> dict[str, Any]:
         """By face, sign of eta, energy, and tilt; all shares of the rungs of the law but for the sign of eta."""

@@ -17,12 +17,9 @@ from explorer.measure.statistics import either_p
 Array = NDArray[np.float64]
 Law = Callable[[Array], Array]
 CONFIDENCE = 0.95  # of intervals, and one less the level at which tests reject
-# Below this many draws a rung and face its mean is not normal enough for the test.
-FEWEST = 16
 SHAPE_BINS = 20  # of theta_min / delta
 # The wrong laws: a probability of falling, and a relative error of C.
 PLATEAU, OFF = 1e-6, 0.02
-_MOST_PLAIN = 1e15  # plain draws; no run has as many, and counts beyond are no longer exact in doubles
 
 
 @dataclass(frozen=True)
@@ -116,39 +113,6 @@ def counts_p(delta: Array, below: NDArray[np.int64], draws: int, law: Law) -> fl
     bins = zip(counts, bins_of(delta, law), strict=True)
     each = [scipy.stats.binomtest(int(k), draws, min(p, 1.0)).pvalue for k, p in bins]
     return float(either_p(*each))
-
-
-def draws_to_reject(delta: Array, law: Law, truth: Law, variance: float, power: float = 0.95) -> int:
-    """Draws a rung for `ladder_p` to fall below 5 % with probability `power` where `truth` is the law.
-
-    variance: relative, of one draw. The noncentral chi-square distribution gives the least shift.
-    """
-    from scipy.optimize import brentq
-
-    threshold = scipy.stats.chi2.isf(1.0 - CONFIDENCE, delta.size)
-    shift = brentq(lambda x: scipy.stats.ncx2.sf(threshold, delta.size, x) - power, 1e-6, 1e4)
-    each = float((((truth(delta) / law(delta)) - 1.0) ** 2).sum())
-    return max(FEWEST, int(np.ceil(shift * variance / each)))
-
-
-def plain_draws_to_reject(delta: Array, law: Law, truth: Law, power: float = 0.95) -> float:
-    """The same for `counts_p` and plain draws; infinite where 10^15 of them are too few."""
-    nulls, trues = bins_of(delta, law), bins_of(delta, truth)
-    tail = 0.5 * (1.0 - CONFIDENCE) / delta.size
-
-    def missed(draws: float) -> float:
-        binom = scipy.stats.binom
-        low, high = binom.ppf(tail, draws, nulls), binom.isf(tail, draws, nulls)
-        inside = binom.cdf(high, draws, trues) - np.where(low > 0, binom.cdf(low - 1, draws, trues), 0.0)
-        return float(np.prod(inside))
-
-    few, many = 1.0, _MOST_PLAIN
-    if missed(many) > 1.0 - power:
-        return np.inf
-    while many > few + 1.0 and many > few * 1.001:
-        middle = np.ceil((few * many) ** 0.5)
-        few, many = (few, middle) if missed(middle) <= 1.0 - power else (middle, many)
-    return float(many)
 
 
 def known_laws(constant: float, top: float) -> dict[str, Law]:

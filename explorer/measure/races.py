@@ -124,18 +124,13 @@ def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, bins: int
     return RaceRidges(limit, by_decade(deviations), angles, edges)
 
 
-def decades_of(eta_hat: Array) -> Array:
-    """The decade of each |eta_hat|: n where 10^n <= |eta_hat| < 10^(n + 1); -inf of 0."""
-    with np.errstate(divide="ignore"):
-        return np.asarray(np.floor(np.log10(abs(eta_hat)) + 1e-12))
-
-
 def decades_and_sides(eta_hat: Array) -> Array:
-    """A number for each decade and side: 2 n + 1 of what is positive in decade n, 2 n of the others."""
-    groups = decades_of(eta_hat)
+    """2 n + 1 for each positive number with 10^n <= |eta_hat| < 10^(n + 1), 2 n for the others; -inf of 0."""
+    with np.errstate(divide="ignore"):
+        groups = np.floor(np.log10(abs(eta_hat)) + 1e-12)
     groups *= 2.0
     groups += eta_hat > 0.0
-    return groups
+    return np.asarray(groups)
 
 
 def by_decade(deviations: LogHistogram) -> dict[int, dict[int, LogHistogram]]:

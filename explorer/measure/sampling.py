@@ -39,13 +39,13 @@ class Box:
         for name in COORDINATES:
             low, high = getattr(self, name)
             if not (math.isfinite(low) and math.isfinite(high)):
-                raise InputError(f"--box {name} = {low}:{high} is not finite; give numbers as LOW:HIGH")
+                raise InputError(f"box {name} = {low}:{high} is not finite; give numbers as LOW:HIGH")
             if low > high:
-                raise InputError(f"--box {name} = {low:g}:{high:g} is empty; give the smaller number first")
+                raise InputError(f"box {name} = {low:g}:{high:g} is empty; give the smaller number first")
         if not (-0.5 * math.pi <= self.phi[0] and self.phi[1] <= 0.5 * math.pi):
-            raise InputError("--box phi must lie between -pi/2 and pi/2 (-1.5708:1.5708)")
+            raise InputError("box phi must lie between -pi/2 and pi/2 (-1.5708:1.5708)")
         if abs(self.phi[0]) == 0.5 * math.pi and self.phi[0] == self.phi[1]:
-            raise InputError("--box phi is flat; give -pi/2 < phi < pi/2")
+            raise InputError("box phi is flat; give -pi/2 < phi < pi/2")
 
     @classmethod
     def default(cls, disk: Disk) -> "Box":
@@ -56,7 +56,7 @@ class Box:
     @classmethod
     def parse(cls, given: Any, default: "Box") -> "Box":
         """From "phi=0,phidot=-2:2,..." or a mapping; what is left out keeps the default. Raises InputError."""
-        return replace(default, **parse_ranges(given, "--box"))
+        return replace(default, **parse_ranges(given, "box"))
 
     @property
     def free(self) -> list[str]:

@@ -34,7 +34,7 @@ class Slice:
     ranges: tuple[tuple[str, Range], ...]
 
     @classmethod
-    def of(cls, given: Any, option: str = "--slice") -> Slice:
+    def of(cls, given: Any, option: str = "slice") -> Slice:
         """From "sigma3=-2:2,sigma4=-2:2,phi=0,phidot=1" or a mapping of numbers and pairs.
 
         Raises InputError naming the option.
@@ -57,18 +57,10 @@ class Slice:
     def defaults(cls, disk: Disk) -> tuple[Slice, ...]:
         """Two slices: at the vertical, where F is a pair of lines, and one where F is curved and has an edge."""
         unit = disk.rate_unit
-        two = 2.0 * unit
-        return (
-            cls((("phi", (0.0, 0.0)), ("phidot", (unit, unit)), ("sigma3", (-two, two)), ("sigma4", (-two, two)))),
-            cls(
-                (
-                    ("phi", (-1.35, 1.35)),
-                    ("phidot", (0.05 * unit, 0.05 * unit)),
-                    ("sigma3", (0.15 * unit, 0.15 * unit)),
-                    ("sigma4", (-0.8 * unit, 0.8 * unit)),
-                )
-            ),
-        )
+        two, most = (-2.0 * unit, 2.0 * unit), (-0.8 * unit, 0.8 * unit)
+        lines = {"phi": 0.0, "phidot": unit, "sigma3": two, "sigma4": two}
+        curves = {"phi": (-1.35, 1.35), "phidot": 0.05 * unit, "sigma3": 0.15 * unit, "sigma4": most}
+        return cls.of(lines), cls.of(curves)
 
     @property
     def axes(self) -> tuple[str, str]:
@@ -97,7 +89,7 @@ class Slice:
 class SliceMap(Table):
     """Observables on a plane of the phase space, arrays (ny, nx) with their axes: what `slice_map` returns.
 
-    It is indexed by the name of an observable. `save` stores it, and pictures such as slice-of-tilts draw it.
+    It is indexed by the name of an observable. Pictures such as slice-of-tilts draw it.
 
     Attributes
     ----------
@@ -145,11 +137,6 @@ class SliceMap(Table):
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         return self.values
-
-    def _stored(self) -> dict[str, Any]:
-        """The axes, the fixed numbers and the observables."""
-        first, second = self.slice.axes
-        return {first: self.x, second: self.y, **self.slice.fixed, **self.values}
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.values[one_of("observable", name, self.values)]

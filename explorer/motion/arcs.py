@@ -77,24 +77,9 @@ def integrals(disk: Disk, arcs: Array, crest: Array, accuracy: float) -> Array:
     n = crest.size
     parts, owner = _cut_at_ends(disk, *_cut_at_crests(disk, arcs, np.arange(n), crest))
     out = by_rules(disk, _kinds(compiled.rules.Arcs(*parts)), parts, accuracy)
-    _add_moved_ends(compiled.rules.Arcs(*parts), compiled.rules.ArcRow(*out))
     if owner.size == n:
         return out
     return np.stack([np.bincount(owner, row, n) for row in out])
-
-
-def _add_moved_ends(arc: "compiled.rules.Arcs", found: "compiled.rules.ArcRow[Array]") -> None:
-    """Add to the errors of time and angles what rounding of turning points makes of them.
-
-    Beside a crest at the distance delta beyond the end both grow by some asinh(L/delta) of what a motion does in
-    one unit of it, whose part of an error e of the end is e/delta. Of the bound of e a quarter is taken: below a
-    crest by energies of 1e-4 to 1e-10 periods err by a twelfth of the bound at most.
-    """
-    for K, slow, error in ((arc.K_in, arc.slow_in, arc.error_in), (arc.K_out, arc.slow_out, arc.error_out)):
-        rows = np.flatnonzero((K == 0.0) & np.isfinite(slow) & (arc.L > 0.0))
-        share = 0.25 * error[rows] / (slow[rows] * np.arcsinh(arc.L[rows] / slow[rows]))
-        found.time_error[rows] += share * found.time[rows]
-        found.angle_error[rows] += share * (abs(found.chi[rows]) + abs(found.psi[rows]))
 
 
 def _kinds(arc: "compiled.rules.Arcs") -> NDArray[np.int64]:

@@ -11,7 +11,6 @@ from explorer import compiled
 from explorer.errors import InputError, positive, sign
 from explorer.motion.limit_motions import LimitMotion, LimitState, limit_motion, misses_f, warn_of_move
 from explorer.motion.trajectories import trajectories
-from explorer.phase.arguments import explained
 from explorer.phase.constants import constants
 from explorer.phase.coordinates import coordinates_to_states
 from explorer.phase.disk import Disk
@@ -61,7 +60,7 @@ class BothSides:
         Distance of the motions from F, without its sign.
     t : (nt,) array
         Times.
-    impacts : (2,) array
+    impacts : array
         Times at which the limits come flat.
     motions : dict of int to dict of str to array
         By the side, +1 and -1: phi, chi, psi (nt), path and contact (nt, 3).
@@ -84,7 +83,7 @@ class BothSides:
     limits: dict[int, LimitState]
 
     def __repr__(self) -> str:
-        impacts = " and ".join(f"{time:.6g}" for time in self.impacts)
+        impacts = ", ".join(f"{time:.6g}" for time in self.impacts)
         return (
             f"BothSides of the disk {self.disk.name}: eta_hat +-{self.eta_hat:.6g}\n"
             f"  t: {self.t.size:,} times up to {self.t[-1]:.6g}; limits come flat at {impacts}"
@@ -108,9 +107,8 @@ class BothSides:
         return np.concatenate([*pieces, limit.contact[first:, :2]])
 
 
-@explained
-def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
-    """The motions on both sides of a point of F, and the limits of each side, through two falls.
+def both_sides(state: States, eta_hat: float | None = None, t_end: float | None = None) -> BothSides:
+    """The motions on both sides of a point of F, and the limits of each side, through two falls or up to a time.
 
     Parameters
     ----------
@@ -118,6 +116,8 @@ def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
         One state, of a disk with I3 > 0. One beside F is moved onto it: phi, phidot and sigma3_bar are kept.
     eta_hat : float, optional
         Distance of the motions from F, above 0, in the units of the disk; by default 0.01 natural units.
+    t_end : float, optional
+        The last time; by default a little more than half a period after the second fall.
 
     Returns
     -------
@@ -127,7 +127,8 @@ def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
     Raises
     ------
     InputError
-        Where the disk would not fall from the state, for more than one state, and where eta_hat is not above 0.
+        Where the disk would not fall from the state, for more than one state, and where eta_hat or t_end is
+        not above 0.
 
     Warns
     -----
@@ -151,20 +152,20 @@ def both_sides(state: States, eta_hat: float | None = None) -> BothSides:
     with warnings.catch_warnings(action="ignore", category=StateWarning):
         given = limit_motion(state)
     if misses_f(given):
-        warn_of_move(given, 4)  # beyond `explained`
+        warn_of_move(given, 3)
     beside = _at_distances(state, given.face, [0.0, size, -size])
     start = beside[0] if misses_f(given) else state
     limits = {side: limit_motion(start, side) for side in (1, -1)}
     limit = limits[1]
-    impacts = limit.impacts(100.0 * limit.period)[:2]
-    motion = trajectories(beside[1:], float(impacts[-1]) + 0.6 * limit.period, observables=QUANTITIES)
+    end = limit.impacts(3.0 * limit.period)[1] + 0.6 * limit.period if t_end is None else positive("t_end", t_end)
+    motion = trajectories(beside[1:], float(end), observables=QUANTITIES)
     if not motion.lengths.all():
         code = compiled.status.Status(int(motion.status.max()))
         raise InputError(f"eta_hat = {size:g}: {code.sentence} {code.remedy}")
     t = np.unique(motion.t)
     at = motion(t)
     rows = {sign: {name: getattr(at, name)[row] for name in QUANTITIES} for row, sign in enumerate((1, -1))}
-    return BothSides(start, size, t, impacts, rows, {sign: limits[sign](t) for sign in limits})
+    return BothSides(start, size, t, limit.impacts(end), rows, {sign: limits[sign](t) for sign in limits})
 
 
 def _at_distances(state: States, face: int, eta_hat: list[float]) -> States:

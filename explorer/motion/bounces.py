@@ -12,7 +12,7 @@ from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
 from explorer.motion.arcs import allowed
 from explorer.motion.falls import KERNELS, departures_of_moving, falls_of
-from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of
+from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, tilt_errors
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import plan
 from explorer.motion.starts import Motions, motions_of, seen_from, status_of_period
@@ -55,8 +55,8 @@ class Bounces(Result):
     duration : array
         Time that the stretch takes.
     error_estimate : array
-        Of the angles (rad), of the duration (relative) and of the time to the flattest moment (relative, or in
-        periods of the motion where it is shorter than one), whichever is largest.
+        Of the angles (rad), of the duration and of theta_min (relative) and of the time to the flattest moment
+        (relative, or in periods of the motion where it is shorter than one), whichever is largest.
     status : array of int8
         `Status` of each state.
     states : States
@@ -103,6 +103,7 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
         How many bounces of each, 1 to 100,000.
     accuracy : float
         Error of the angles (rad), relative error of times and tilts, 1e-13 to 0.1. A coarser one takes less time.
+        Of angles that are so large that their 14th digit is more, that.
     jobs : int
         Threads. `scan` goes through many states in batches instead, and shows how far it is.
 
@@ -238,7 +239,7 @@ def _pairs_of(
     fall: compiled.passages.FallRow[Array],
     first_only: bool,
 ) -> _Pairs:
-    """The same from the ways of motions; rises: whether they move away from the face `own` of their state."""
+    """The same from the arcs of motions; rises: whether they move away from the face `own` of their state."""
     crosses, (here, there, lead) = ends.crosses, orbits
     first_here = ~(rises & crosses)
     turns = np.stack([first_here, *([] if first_only else [~first_here | ~crosses])])
@@ -246,8 +247,8 @@ def _pairs_of(
     def in_turn(on_this: Array, on_other: Array) -> Array:
         return np.where(turns, on_this, on_other)
 
-    def there_and_back(way: compiled.rules.ArcRow[Array]) -> Array:
-        return np.fmax(2.0 * way.angle_error, way.time_error / way.time)
+    def there_and_back(arc: compiled.rules.ArcRow[Array]) -> Array:
+        return np.fmax(2.0 * arc.angle_error, arc.time_error / arc.time)
 
     back, back_error = (
         np.where(crosses & (rises | (not first_only)), column, 0.0) for column in (there.time, there.time_error)
@@ -257,6 +258,7 @@ def _pairs_of(
     first = np.where(rises, onward - lead.time, lead.time)
     erred = lead.time_error + np.where(rises, 2.0 * (here.time_error + back_error), 0.0)
     error = in_turn(there_and_back(here), there_and_back(there)) + np.nan_to_num(2.0 * fall.error)
+    error = np.fmax(error, in_turn(*tilt_errors(motions, ends)))
     return _Pairs(
         face=in_turn(own, -own).astype(np.int8),
         side=np.sign(in_turn(motions.starts.Y, motions.Y_far)).astype(np.int8),

@@ -110,13 +110,13 @@ def falls_as_arcs(
         first[:, slow] = integrals(disk, piece, np.full(slow.size, np.nan), accuracy)
     end = place(*below_piece)
     kinds = np.where(end.K == 0.0, rule.FALL_FROM_REST, rule.FALL)
-    way = rule.ArcRow(*first + by_rules(disk, kinds, arcs_between(X, none, none + 1.0, end, end), accuracy))
+    arc = rule.ArcRow(*first + by_rules(disk, kinds, arcs_between(X, none, none + 1.0, end, end), accuracy))
     # Beside V_0 all changes by about as large a share as E - V_0 does.
-    doubt = departures.doubt[rows] / departures.level[rows]
+    rounding = departures.rounding[rows] / departures.level[rows]
     # Of a long fall the share of its time counts.
-    late = (way.time_error + doubt * way.time) / np.fmax(way.time, 1.0)
-    error = np.fmax(way.angle_error + doubt * abs(way.chi), late)
-    return np.stack([way.time, way.chi, way.psi, error])
+    late = (arc.time_error + rounding * arc.time) / np.fmax(arc.time, 1.0)
+    error = np.fmax(arc.angle_error + rounding * abs(arc.chi), late)
+    return np.stack([arc.time, arc.chi, arc.psi, error])
 
 
 def vertical_above_flat(disk: Disk, sigma3_bar: Array) -> Array:
@@ -151,11 +151,11 @@ def departures_of_moving(
     on_f, eta_hat = line_slope(disk) * sigma3_bar, eta / (b.I3 * b.r0)
     turning = 0.5 * b.J * eta_hat
     moving = given - turning * (2.0 * on_f - eta_hat)
-    doubt = _ROUNDING * (size + abs(turning) * (2.0 * abs(on_f) + abs(eta_hat)))
+    rounding = _ROUNDING * (size + abs(turning) * (2.0 * abs(on_f) + abs(eta_hat)))
     # V - V_0 at the vertical on F, eq. (3.8). The squares of sigma4 there and at flat are not subtracted: where
     # they are large, nothing would be left of 1. The series is that of (r'(S) - 1)/S, here at S = 1.
     flat = sigma3_bar / (b.k * b.r0)
     rise = flat * disk.natural.series[4].sum()
     above = 0.5 * b.I1 * (sigma3_bar * sigma3_bar) + 0.5 * b.J * rise * (2.0 * flat + rise) + 1.0
-    columns = sigma3_bar, moving + above, moving, doubt
+    columns = sigma3_bar, moving + above, moving, rounding
     return compiled.passages.Departures(*map(np.ascontiguousarray, columns))

@@ -28,24 +28,24 @@ _THIRD, _LEAST, _FIXED, _ADAPTIVE = 0.3, 1e-4, 0.1, 0.03
 _RUNS = 8  # finer ones at most, each slower than the one before
 
 
-class Motions(NamedTuple):
-    """Motions before they are followed: initial (5 or 10, n); pinned (3, n): sigma3_bar, eta_plus and
+class InitialValues(NamedTuple):
+    """Motions before they are followed: initial (5 or 10, n); linear (3, n): sigma3_bar, eta_plus and
     eta_minus that they are held to, NaN: they run free; control (n): their steps or tolerances."""
 
     disk: Disk
     plan: Plan
     initial: Array
-    pinned: Array
+    linear: Array
     status: NDArray[np.int8]
     control: Array
     max_steps: int = MAX_STEPS
 
-    def at(self, rows: NDArray[np.intp]) -> Motions:
+    def at(self, rows: NDArray[np.intp]) -> InitialValues:
         """Some of them."""
-        initial, pinned = (np.ascontiguousarray(part[:, rows]) for part in (self.initial, self.pinned))
-        return self._replace(initial=initial, pinned=pinned, status=self.status[rows], control=self.control[rows])
+        initial, linear = (np.ascontiguousarray(part[:, rows]) for part in (self.initial, self.linear))
+        return self._replace(initial=initial, linear=linear, status=self.status[rows], control=self.control[rows])
 
-    def finer(self, less: Array) -> Motions:
+    def finer(self, less: Array) -> InitialValues:
         """The same by steps that err by so much less (n)."""
         power = 1.0 if self.plan.adaptive else 1.0 / FIXED[self.plan.method]
         return self._replace(control=self.plan.at_least(self.control * less**power))
@@ -70,19 +70,22 @@ class Followed(NamedTuple):
 
 
 def follow(
-    given: Motions, event: compiled.events.Event, values: Array, trail: compiled.curves.Trail | None = None
+    given: InitialValues,
+    event: compiled.events.Event,
+    values: Array,
+    history: compiled.curves.History | None = None,
 ) -> Followed:
     """Follow motions until the event has taken all of the values, in their order."""
     n, disk, how = given.status.size, given.disk, given.plan
     moved, steps = np.full((3, n), np.nan), np.zeros(n, np.int32)
     found = Followed(np.empty((n, values.size, 10)), given.status.copy(), steps, moved)
     work = compiled.engine.Work(
-        *(how.kernel_method, given.max_steps, event, values, given.control, given.initial, given.pinned),
+        *(how.kernel_method, given.max_steps, event, values, given.control, given.initial, given.linear),
         *(found.status, found.out, steps, moved),
     )
-    trail = trail or compiled.curves.Trail(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
+    history = history or compiled.curves.History(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
     run = partial(
-        compiled.engine.FOLLOW[how.kernel_method, how.kernel_depth], work, trail, disk.natural, disk.whole
+        compiled.engine.FOLLOW[how.kernel_method, how.kernel_depth], work, history, disk.natural, disk.whole
     )
     # A kernel ends motions whose status somebody else changes: by that it ends where nobody waits for it.
     attended(run, partial(found.status.fill, compiled.status.Status.STEP_LIMIT))
@@ -94,8 +97,8 @@ Estimate = Callable[[Followed, Any], Array]
 
 
 def settle(
-    given: Motions, event: compiled.events.Event, values: Array, estimate: Estimate, asked: float
-) -> tuple[Followed, Array, Motions]:
+    given: InitialValues, event: compiled.events.Event, values: Array, estimate: Estimate, asked: float
+) -> tuple[Followed, Array, InitialValues]:
     """Follow motions, and those that may err by more than is asked once more by finer steps, until none does.
 
     estimate(found, rows): of the errors of those rows, from what holding moved; infinite where that does not tell

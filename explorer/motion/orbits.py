@@ -12,7 +12,7 @@ from explorer.motion.starts import Motions
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
-_OF_ARC = 0.125  # of the accuracy: a period goes twice over two ways, which may be cut in two
+_OF_ARC = 0.125  # of the accuracy: a period goes twice over two arcs, which may be cut in two
 
 
 class Ends(NamedTuple):
@@ -41,7 +41,7 @@ class Ends(NamedTuple):
 
 
 class Orbits(NamedTuple):
-    """Half of the ways there and back: on the face of the state, on the other one, and from the state to flattest.
+    """Arcs of motions: all of it on the face of the state, on the other one, and from the state to flattest.
 
     NaN where there is none, or none was found.
     """
@@ -70,10 +70,18 @@ def ends_of(disk: Disk, motions: Motions) -> Ends:
     return Ends(state, inner, outer, vertical, turning.Place(*far), crosses)
 
 
-def smallest(ends: Ends) -> Array:
-    """The tilt at the flattest moment (rad)."""
-    tilt: Array = 2.0 * np.arctan(np.fmin(ends.inner.r, ends.far.r))
-    return tilt
+def tilt_errors(motions: Motions, ends: Ends) -> tuple[Array, Array]:
+    """The relative errors of the tilts where motions turn, on the face of their state and on the other one.
+
+    Near F a tilt is in proportion to eta, and known as well as that.
+    """
+    return ends.inner.error + motions.unsure, ends.far.error + motions.unsure_far
+
+
+def smallest(motions: Motions, ends: Ends) -> tuple[Array, Array]:
+    """The tilt at the flattest moment (rad), and its relative error."""
+    there, (on_this, on_other) = ends.far.r < ends.inner.r, tilt_errors(motions, ends)
+    return 2.0 * np.arctan(np.where(there, ends.far.r, ends.inner.r)), np.where(there, on_other, on_this)
 
 
 def closest_to_crest(disk: Disk, motions: Motions) -> Array:
@@ -84,8 +92,12 @@ def closest_to_crest(disk: Disk, motions: Motions) -> Array:
     ends = ends_of(disk, motions)
     closest = np.fmin(ends.inner.slow, np.where(ends.crosses, ends.far.slow, ends.outer.slow))
     other = from_place(motions.starts.X, motions.Y_far, beyond(ends.vertical))
-    ways = (motions.starts, ends.inner, True), (motions.starts, ends.outer, False), (other, ends.far, True)
-    for starts, end, inward in ways:
+    ends_and_starts = (
+        (motions.starts, ends.inner, True),
+        (motions.starts, ends.outer, False),
+        (other, ends.far, True),
+    )
+    for starts, end, inward in ends_and_starts:
         rows = np.flatnonzero(np.isfinite(end.crest))
         origin = compiled.turning_points.Starts(*(column[rows] for column in starts))
         at = compiled.turning_points.Place(*places(disk, origin, end.crest[rows], inward))
@@ -107,24 +119,26 @@ def orbits_of(
     lead: bool,
     tables: bool = True,
 ) -> Orbits:
-    """The ways of motions between their ends.
+    """The arcs of motions between their ends.
 
-    there: whether the way on the other face is asked for, where a motion comes there; lead: that from the state.
-    What is not is NaN. tables: whether those of the disk may serve ways from the vertical; else arcs alone.
+    there: whether the arc on the other face is asked for, where a motion comes there; lead: that from the state.
+    What is not is NaN. tables: whether those of the disk may serve arcs from the vertical; else rules alone.
     """
     rule, n = compiled.rules.ArcRow, ends.crosses.size
     here, back, ahead = (np.full((len(rule._fields), n), np.nan) for _ in range(3))
     narrow = (ends.width < compiled.nutation.WIDEST) & ~ends.beside_crest
-    # On a crest itself motions rest for ever. What falls on the other face has a way on this one.
+    # On a crest itself motions rest for ever. What falls on the other face has an arc on this one.
     length = ends.inner.d + ends.outer.d
     rows = np.flatnonzero((length > 0.0) & (length < np.inf) & ~narrow)
     X, Y, Y_far = motions.starts.X, motions.starts.Y, motions.Y_far
 
     of_arc = _OF_ARC * accuracy
 
-    def ways(of: NDArray[np.intp], constant: Array, length: Array, low: Any, high: Any, crest: Array) -> Array:
+    def integrated(
+        of: NDArray[np.intp], constant: Array, length: Array, low: Any, high: Any, crest: Array
+    ) -> Array:
         out, left = np.empty((len(rule._fields), of.size)), np.ones(of.size, np.bool_)
-        # Tables serve ways from the vertical that come near flat.
+        # Tables serve arcs from the vertical that come near flat.
         near = low.r[of] < compiled.passages.WIDEST
         upright = np.flatnonzero(near & (high.w[of] == 0.0) & (high.K[of] > 0.0))
         if tables and disk.tables and upright.size:
@@ -143,14 +157,14 @@ def orbits_of(
     # A start on one is slow, and no turning point is so near.
     starts = np.isnan(crest) & (state.K > 0.0) & (2.0 * state.slow < np.fmin(inner.d, outer.d))
     crest = np.where(starts, outer.d, crest)
-    here[:, rows] = ways(rows, Y, inner.d + outer.d, inner, outer, crest)
+    here[:, rows] = integrated(rows, Y, inner.d + outer.d, inner, outer, crest)
     crossing = rows[(crosses & there & (far.d > 0.0))[rows]]
-    back[:, crossing] = ways(crossing, Y_far, far.d, far, beyond(vertical), far.crest)
+    back[:, crossing] = integrated(crossing, Y_far, far.d, far, beyond(vertical), far.crest)
     if lead:
         # From an end it is all or nothing.
         ahead[:, rows] = np.where(outer.d[rows] == 0.0, here[:, rows], 0.0)
         between = rows[(inner.d[rows] > 0.0) & (outer.d[rows] > 0.0)]
-        ahead[:, between] = ways(between, Y, inner.d, inner, state, inner.crest)
+        ahead[:, between] = integrated(between, Y, inner.d, inner, state, inner.crest)
     rows = np.flatnonzero(narrow)
     if rows.size:
         whole, *parts = _wobbles(disk, motions.at(rows), ends, rows)
@@ -162,7 +176,7 @@ def orbits_of(
 
 
 def _by_tables(disk: Disk, X: Array, Y: Array, K: Array) -> Array:
-    """Ways (5, n), rows as ArcRow, between the vertical and flattest; NaN errors where tables do not serve."""
+    """Arcs (5, n), rows as ArcRow, between the vertical and flattest; NaN errors where tables do not serve."""
     b, n = disk.body, X.size
     out = np.empty((len(compiled.passages.PassageRow._fields), n))
     crossings = compiled.passages.Crossings(X * b.r0, Y * b.I1, np.sqrt(2.0 * b.inv_M * K))
@@ -173,7 +187,7 @@ def _by_tables(disk: Disk, X: Array, Y: Array, K: Array) -> Array:
 
 @np.errstate(over="ignore")  # of motions that are no input
 def _wobbles(disk: Disk, motions: Motions, ends: Ends, rows: NDArray[np.intp]) -> tuple[Array, ...]:
-    """Of motions whose turning points are near together the way between these, and the same ways as above."""
+    """Of motions whose turning points are near together the arc between these, and the same arcs as above."""
     inner, outer, vertical = (some(place, rows) for place in (ends.inner, ends.outer, ends.vertical))
     crosses, far = ends.crosses[rows], ends.far.d[rows]
     # Rounding moves both turning points by as large a share of the way there; from rest one is where it is.

@@ -19,7 +19,7 @@ from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
 from explorer.motion.precision import asked
 from explorer.motion.vertical import Starts, starts_at_vertical
-from explorer.phase.arguments import explained, keywords_of, read_columns
+from explorer.phase.arguments import keywords_of, read_columns
 from explorer.phase.disk import Disk
 from explorer.phase.results import Result
 from explorer.phase.states import Array
@@ -114,7 +114,6 @@ class _Computation(NamedTuple):
     jobs: int = 1
 
 
-@explained
 def passages(
     disk: Disk,
     sigma3_bar: ArrayLike,
@@ -145,7 +144,8 @@ def passages(
     **computation
         method : 'auto' or 'quadrature', or 'rk4', 'rk8', 'dopri5', 'dop853', which hold the constants after
         each step and say UNRESOLVED_SIDE where their error hides the direction of the race. accuracy : of angles
-        (rad), and relative of times and theta_min, by default 1e-6. jobs : threads, by default 1.
+        (rad), or their 14th digit where that is more, and relative of times and theta_min, by default 1e-6.
+        jobs : threads, by default 1.
 
     Returns
     -------
@@ -181,8 +181,8 @@ def passages_by(disk: Disk, starts: Starts, how: Plan) -> tuple[Passages, NDArra
     """As `passages`, by a plan that was made, which may name its setting; and the steps of an integrator."""
     if how.method == "quadrature":
         return _passages(disk, starts, how, 0.0), None
-    ways, steps = by_integration(disk, starts, how)
-    return _assemble(disk, starts, [ways], how, 0.0), steps
+    samples, steps = by_integration(disk, starts, how)
+    return _assemble(disk, starts, [samples], how, 0.0), steps
 
 
 def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-11) -> Passages:
@@ -235,23 +235,23 @@ def _passages(disk: Disk, starts: Starts, how: Plan, edge: float) -> Passages:
 
 
 def _assemble(
-    disk: Disk, starts: Starts, parts: Iterable[compiled.races.Ways], how: Plan, edge: float
+    disk: Disk, starts: Starts, parts: Iterable[compiled.races.Samples], how: Plan, edge: float
 ) -> Passages:
-    """Results in the units of the disk, with the fall taken out of chi. parts: ways of the starts, in order."""
+    """Results in the units of the disk, with the fall taken out of chi. parts: samples of the starts, in order."""
     races, n, first = compiled.races, starts.status.size, 0
     by_integrals = how.method == "quadrature"
     bounds = (how.accuracy, 0.0, OF_ANGLES) if by_integrals else (asked(how, 0.0), _FLOOR, 0.0)
     terms = races.Terms(*bounds)
     units = races.Units(disk.time_unit, disk.energy_unit, disk.rate_unit, disk.race_limit)
     out, status = rows_apart(12, n), np.empty(n, np.int8)
-    for ways in parts:
-        crossed = compiled.passages.Crossings(ways.sigma3_bar, ways.eta, ways.speed)
+    for samples in parts:
+        crossed = compiled.passages.Crossings(samples.sigma3_bar, samples.eta, samples.speed)
         departures = departures_beside(disk, crossed)
         fall = falls_of(disk, departures, edge, how.accuracy)
         falls = races.Falls(fall.time, fall.chi, departures.level, fall.error)
-        races.race_batch(ways, falls, terms, units, disk.natural, first, out)
-        status[first : first + ways.status.size] = ways.status
-        first += ways.status.size
+        races.race_batch(samples, falls, terms, units, disk.natural, first, out)
+        status[first : first + samples.status.size] = samples.status
+        first += samples.status.size
     found = races.RaceRow(*out[:, :n])._asdict()
     return Passages(
         disk=disk,

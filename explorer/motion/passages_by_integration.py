@@ -16,7 +16,7 @@ from explorer.phase.states import Array, States, constants_to_states
 _UNIT = 1e-15
 
 
-def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.races.Ways, NDArray[np.int32]]":
+def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.races.Samples, NDArray[np.int32]]":
     """Passages from the vertical to the turning point, doubled: the second half is the first run backwards.
 
     Also how many steps were attempted for each.
@@ -32,8 +32,9 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.rac
     # A passage ends at the flat state it was sent to; one that turns elsewhere was never near it.
     status[ok & (turn.face != face)] = code.BAD_INPUT
     bar, eta, speed = starts.natural(disk)
-    followed = turn.theta, 2.0 * turn.chi, 2.0 * turn.psi * face, 2.0 * turn.time, np.ascontiguousarray(turn.way)
-    return compiled.races.Ways(bar, eta, speed, face, *followed, states.motion.energy, error, status), turn.steps
+    angles, rate = (2.0 * turn.chi, 2.0 * turn.psi * face), np.ascontiguousarray(turn.turn_rate)
+    followed = turn.theta, *angles, 2.0 * turn.time, rate, states.motion.energy
+    return compiled.races.Samples(bar, eta, speed, face, *followed, error, status), turn.steps
 
 
 def rounding_at_rest(disk: Disk, starts: Starts, states: States, time: Array) -> Array:

@@ -20,7 +20,7 @@ _AS_FROM_REST = 1e-140  # of speeds: less changes no digit, and its square may h
 
 def by_quadrature(
     disk: Disk, starts: Starts, how: Plan, edge: float, tables: bool = True
-) -> "compiled.races.Ways":
+) -> "compiled.races.Samples":
     """Passages as integrals: by the tables of the body where these serve, else as arcs.
 
     edge: the tilt phi (rad) at which they start and stop, 0 for the vertical. tables: False for arcs alone.
@@ -55,19 +55,19 @@ def as_arcs(
     """
     b, code, place = disk.body, compiled.status.Status, compiled.turning_points.Place
     motions, n = from_vertical(disk, crossings), crossings.speed.size
-    X, Y, Y_far = motions.starts.X, motions.starts.Y, motions.Y_far
+    X, Y = motions.starts.X, motions.starts.Y
     energy = energy_at(b, crossings.speed, crossings.sigma3_bar, motions.starts.sigma4, 1.0)
     missed = np.zeros(n, np.bool_)
     if edge > 0.0:
         at = places(disk, motions.starts, np.full(n, depth(edge)), True)
         missed = ~(next_inward(disk, motions.starts).d > depth(edge))
-        motions = Motions(from_place(X, Y, place(*at)), Y_far)
+        motions = motions._replace(starts=from_place(X, Y, place(*at)))
     kept = np.flatnonzero(~missed)
     motions = motions.at(kept)
     ends = ends_of(disk, motions)
     lead, inner = orbits_of(disk, motions, ends, accuracy, False, True, False).lead, ends.inner
     with np.errstate(divide="ignore"):  # of motions that do not come this way
-        way = 0.5 * inner.sigma3 * (1.0 + inner.r * inner.r) / inner.r
+        turn_rate = 0.5 * inner.sigma3 * (1.0 + inner.r * inner.r) / inner.r
         found = compiled.passages.PassageRow(
             theta_min=2.0 * np.arctan(inner.r),
             chi=2.0 * lead.chi,
@@ -76,7 +76,7 @@ def as_arcs(
             energy=energy[kept],
             angle_error=2.0 * lead.angle_error,
             time_error=lead.time_error / lead.time,
-            way=way,
+            turn_rate=turn_rate,
         )
     out, status = np.full((8, n), np.nan), np.full(n, code.BAD_INPUT, np.int8)
     out[:, kept] = np.stack(found)
@@ -92,20 +92,20 @@ def from_vertical(disk: Disk, crossings: "compiled.passages.Crossings") -> Motio
     one, none = np.ones_like(bar), np.zeros_like(bar)
     K = np.where(speed > _AS_FROM_REST, 0.5 * b.M * speed * speed, 0.0)
     starts = compiled.turning_points.Starts(X, Y, K, one, none, bar, (X * b.dr0 - Y / b.r0) / b.k)
-    return Motions(starts, 2.0 * b.dr0 * bar - Y)
+    return Motions(starts, 2.0 * b.dr0 * bar - Y, none, none)
 
 
 def _ways(
     disk: Disk, face: Array, crossings: "compiled.passages.Crossings", out: Array, status: NDArray[np.int8]
-) -> "compiled.races.Ways":
+) -> "compiled.races.Samples":
     """What a kernel wrote: rows of PassageRow."""
     found, (bar, eta, speed) = compiled.passages.PassageRow(*out), crossings
     energy, on_f = found.energy, eta == 0.0
     if on_f.any():  # what lies on F was left out
         energy = np.where(on_f, energy_on_f(disk, bar, speed), energy)
     error = np.fmax(found.angle_error, found.time_error)
-    followed = found.theta_min, found.chi, found.psi, found.time, found.way
-    return compiled.races.Ways(bar, eta, speed, face, *followed, energy, error, status)
+    followed = found.theta_min, found.chi, found.psi, found.time, found.turn_rate
+    return compiled.races.Samples(bar, eta, speed, face, *followed, energy, error, status)
 
 
 def energy_on_f(disk: Disk, sigma3_bar: Array, speed: Array) -> Array:

@@ -42,8 +42,8 @@ class Periods(Result):
     energy : array
         Energy.
     error_estimate : array
-        Of the angles (rad) and of the period (relative), whichever is larger. Of theta_min (relative) as well
-        where `eta_hat` is known; that of a state in doubles is to some 1e-16, and theta_min to as large a share.
+        Of the angles (rad), of the period and of theta_min (relative), whichever is largest. Near F theta_min is
+        known as well as `eta_hat`: of a state in doubles to some 1e-16, unless it is given.
     status : array of int8
         `Status` of each state.
     states : States
@@ -76,7 +76,8 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     states : States
         One state of each motion; the disk needs I3 > 0.
     accuracy : float
-        Error of the angles (rad), relative error of the period, 1e-13 to 0.1.
+        Error of the angles (rad), relative error of the period and of theta_min, 1e-13 to 0.1. Of angles that
+        are so large that their 14th digit is more, that.
     eta_hat : array_like, optional
         Units of the disk, on the face whose hemisphere the state is in (+1 at the vertical). It replaces the
         state's own, which is only known to rounding: a state on F to rounding FALLS or is UNRESOLVED_SIDE
@@ -155,15 +156,16 @@ def _orbits(
     back = compiled.rules.ArcRow(*np.where(ends.crosses, there, 0.0))
     time = 2.0 * (here.time + back.time)
     error = np.fmax(2.0 * (here.angle_error + back.angle_error), 2.0 * (here.time_error + back.time_error) / time)
+    theta_min, of_tilt = smallest(some, ends)
     found = _Period(
         time=time,
         chi=2.0 * (here.chi + back.chi),
         psi=2.0 * (here.psi - back.psi),
-        theta_min=smallest(ends),
+        theta_min=theta_min,
         crosses=ends.crosses.astype(np.float64),
-        error=error,
+        error=np.fmax(error, of_tilt),
     )
-    known = error <= allowed(accuracy, found.chi, found.psi)
+    known = found.error <= allowed(accuracy, found.chi, found.psi)
     answer[:, asked[known]] = np.stack(found)[:, known]
     told[asked[~known]] = code.STEP_LIMIT
     return answer, told

@@ -71,7 +71,8 @@ class Plan:
     @property
     def motions(self) -> tuple[str, ...]:
         """The names of the kernels that follow motions to given times."""
-        return "algebra.constants_batch", self.in_time.kernel
+        ends = "turning_points.orbit_batch", "turning_points.inward_batch"
+        return "algebra.constants_batch", *ends, self.in_time.kernel
 
     @property
     def in_time(self) -> "Plan":
@@ -141,13 +142,11 @@ def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto
     asked = words("observables", observables)
     for name in asked:
         one_of("observable", name, OBSERVABLES)
-    one_of("--method", method, METHODS)
-    accuracy = number("--accuracy", accuracy)
+    one_of("method", method, METHODS)
+    accuracy = number("accuracy", accuracy)
     rung, chosen, why = _choose(asked, method, accuracy)
     if chosen != ALGEBRA and not TIGHTEST[chosen] <= accuracy <= LOOSEST:
-        raise InputError(
-            f"--accuracy {accuracy} must lie between {TIGHTEST[chosen]:g} and {LOOSEST:g} for {chosen}"
-        )
+        raise InputError(f"accuracy {accuracy} must lie between {TIGHTEST[chosen]:g} and {LOOSEST:g} for {chosen}")
     return Plan(rung, chosen, accuracy, why)
 
 
@@ -166,9 +165,7 @@ def _choose(asked: tuple[str, ...], method: str, accuracy: float) -> tuple[str, 
         why = "as asked" if method == "quadrature" else "because it needs no steps and knows eta exactly"
         return rung, "quadrature", f"{rung} because of {deepest}; quadrature {why}"
     if method == "quadrature":
-        raise InputError(
-            f"--method quadrature gives passages and periods, not {deepest}; use auto or an integrator"
-        )
+        raise InputError(f"method quadrature gives passages and periods, not {deepest}; use auto or an integrator")
     why = f"{method} as asked"
     if method == "auto":
         # The adaptive pairs bend their steps to each sample's distance from F, which spans decades in any

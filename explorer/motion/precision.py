@@ -80,7 +80,7 @@ def asked(how: Plan, time: float) -> float:
 
 
 def amplified_at(disk: Disk, how: Plan, initial: Array, start: Motion, time: float) -> tuple[Array, Array]:
-    """How many times as much motions (n) amplify errors up to a time, and the same where holding them tells it.
+    """How many times as much motions (n) amplify errors up to a time, and the same where holding them shows it.
 
     It does not, and the second is infinite, where motions spin fast, or long, so that errors of the phase add up
     over many periods; where each of several slow passages of the vertical, or of a crest of the potential,
@@ -91,13 +91,13 @@ def amplified_at(disk: Disk, how: Plan, initial: Array, start: Motion, time: flo
     if time > LINGERS and disk.body.I3 > 0.0:
         rows = Rows(*initial[:5])
         speed = np.fmin(speed, closest_to_crest(disk, motions_through(disk, rows, start.linear, rows.z >= 0.0)))
-    amplified, moved = amplification(speed), way(disk, start.energy)
+    amplified, moved = amplification(speed), centre_speed(disk, start.energy)
     hidden = (moved * max(1.0, time / PASSAGE) > _PERIODS) | ((amplified > _AMPLIFIED) & (time > LINGERS))
-    told = amplified
+    seen = amplified
     if how.rung == PATH:  # an error of chi moves the path by as much times its way
-        told = amplified * np.fmax(1.0, moved / _CALIBRATED_WAY)
+        seen = amplified * np.fmax(1.0, moved / _CALIBRATED_WAY)
         hidden |= not how.adaptive and how.control * disk.kappa > _RESOLVED
-    return amplified, np.where(hidden, math.inf, told)
+    return amplified, np.where(hidden, math.inf, seen)
 
 
 def less_where_amplified(how: Plan, amplified: Array) -> Array:
@@ -132,11 +132,11 @@ def turned(ended: Array) -> Array:
 
 def rounding_of_path(disk: Disk, energy: Array, steps: NDArray[np.int32], time: float) -> Array:
     """The error (r) by which rounding in all steps moves the ends of paths (n)."""
-    return np.asarray(_ROUNDED * np.sqrt(steps) * way(disk, energy) * time)
+    return np.asarray(_ROUNDED * np.sqrt(steps) * centre_speed(disk, energy) * time)
 
 
-def way(disk: Disk, energy: Array) -> Array:
-    """The longest way (r) of the centre in a unit of time at these energies (n)."""
+def centre_speed(disk: Disk, energy: Array) -> Array:
+    """The largest speed of the centre (r in a unit of time) at these energies (n)."""
     return np.asarray(np.sqrt(2.0 * energy / disk.body.J))
 
 

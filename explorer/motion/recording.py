@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion import precision
-from explorer.motion.integration import Followed, Motions, follow, settle
+from explorer.motion.integration import Followed, InitialValues, follow, settle
 from explorer.motion.parts import blocks, in_parts
 from explorer.motion.plan import PATH, Plan
 from explorer.motion.starts import held_constants, status_at_start
@@ -38,7 +38,7 @@ class Outcome(NamedTuple):
     error_estimate: Array
 
 
-def motions(states: States, how: Plan, chi0: float, max_steps: int) -> Motions:
+def motions(states: States, how: Plan, chi0: float, max_steps: int) -> InitialValues:
     """The motions through `states`, as they are before they are followed."""
     initial = np.zeros((10, len(states)))
     initial[:5] = states.natural
@@ -47,10 +47,10 @@ def motions(states: States, how: Plan, chi0: float, max_steps: int) -> Motions:
     if how.rung == PATH and not how.adaptive:
         control = np.fmin(control, compiled.attempt.MOST_TURNED / states.disk.kappa)
     held, status = held_constants(states), status_at_start(states)
-    return Motions(states.disk, how.in_time, initial, held, status, control, max_steps)
+    return InitialValues(states.disk, how.in_time, initial, held, status, control, max_steps)
 
 
-def sample(motions: Motions, times: Array, jobs: int = 1) -> tuple[Array, Outcome]:
+def sample(motions: InitialValues, times: Array, jobs: int = 1) -> tuple[Array, Outcome]:
     """States (n, nt, 10) at increasing times >= 0, NaN where a motion is not OK."""
     parts = in_parts(jobs, motions.status.size, lambda rows: _sample(motions.at(rows), times)[:2])
     return np.concatenate([part for part, _ in parts]), _joined([outcome for _, outcome in parts])
@@ -60,22 +60,22 @@ def _joined(parts: list[Outcome]) -> Outcome:
     return Outcome(*(np.concatenate(column, axis=-1) for column in zip(*parts, strict=True)))
 
 
-def _sample(given: Motions, times: Array) -> tuple[Array, Outcome, Motions]:
+def _sample(given: InitialValues, times: Array) -> tuple[Array, Outcome, InitialValues]:
     """The same, and the motions with the steps by which they are as accurate as was asked."""
     disk, how, code, n = given.disk, given.plan, compiled.status.Status, given.status.size
     start, last = motion_through(disk, given.initial[:5]), float(times[-1])
     if disk.body.I3 > 0.0:  # they may have been given
-        start = start._replace(**LinearConstants(*given.pinned)._asdict())
+        start = start._replace(**LinearConstants(*given.linear)._asdict())
     later = times[times > 0.0]  # the kernel takes values above 0; the state at 0 is known
     if later.size == 0:
         out, none = np.empty((n, 0, 10)), np.where(given.status == code.OK, 0.0, np.nan)
         outcome = Outcome(given.status.copy(), np.zeros(n, np.int32), np.tile(none, (3, 1)), none)
     else:
-        amplified, told = precision.amplified_at(disk, how, given.initial, start, last)
+        amplified, seen = precision.amplified_at(disk, how, given.initial, start, last)
         given, asked = given.finer(precision.less_where_amplified(how, amplified)), precision.asked(how, last)
 
         def estimate(found: Followed, rows: Any) -> Array:
-            return precision.estimate(disk, how, found.moved, found.out[:, -1].T, told[rows], last)
+            return precision.estimate(disk, how, found.moved, found.out[:, -1].T, seen[rows], last)
 
         found, error, given = settle(given, compiled.events.TIME, later, estimate, asked)
         out, ended = found.out, np.ascontiguousarray(found.out[:, -1].T)
@@ -116,7 +116,7 @@ class Records(NamedTuple):
         return np.concatenate([values, missing])[np.where(lengths > 0, places, len(values))]
 
 
-def record(motions: Motions, t_end: float, jobs: int = 1) -> Records:
+def record(motions: InitialValues, t_end: float, jobs: int = 1) -> Records:
     """Curves of all motions up to t_end. Raises InputError where that takes too much memory."""
     number = motions.status.size
     found = in_parts(jobs, number, lambda rows: _record(motions.at(rows), t_end, number))
@@ -126,15 +126,15 @@ def record(motions: Motions, t_end: float, jobs: int = 1) -> Records:
     return Records(points, first, _joined([part.outcome for part in found]))
 
 
-def _record(given: Motions, t_end: float, number: int) -> Records:
+def _record(given: InitialValues, t_end: float, number: int) -> Records:
     """Curves of a part of `number` motions: first how finely they are to be followed, then each of their steps."""
     _ends, outcome, given = _sample(given, np.full(1, t_end))
     given, code = given._replace(status=outcome.status), compiled.status.Status
     # Memory that nothing is written to is not taken.
     room = given.status.size * (MOST_POINTS // max(number, 1))
     rows, used = np.empty((room, compiled.curves.COLUMNS)), np.zeros(1, np.int64)
-    trail = compiled.curves.Trail(LONGEST_ANGLE, LONGEST_TIME, rows, used, room + 1)
-    found = follow(given, compiled.events.TIME, np.full(1, t_end), trail)
+    history = compiled.curves.History(LONGEST_ANGLE, LONGEST_TIME, rows, used, room + 1)
+    found = follow(given, compiled.events.TIME, np.full(1, t_end), history)
     if used[0] > room:
         raise InputError(
             f"t_end: so dense, curves of {number} motion(s) take more than {MOST_POINTS:,} times; "
@@ -156,7 +156,7 @@ def _in_order(rows: Array, ends: Array, drawn: NDArray[np.bool_]) -> tuple[Array
     return points, np.append(0, np.cumsum(np.bincount(owner[order], minlength=drawn.size)))
 
 
-def between(motions: Motions, records: Records, times: Array) -> Array:
+def between(motions: InitialValues, records: Records, times: Array) -> Array:
     """States (n, nt, 10) of recorded motions at any times in the units of the disk; NaN where not OK."""
     number, disk, how = motions.status.size, motions.disk, motions.plan
     out = np.empty((number, times.size, 10))

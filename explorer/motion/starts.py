@@ -58,27 +58,35 @@ def seen_from(states: States) -> Array:
 
 class Motions(NamedTuple):
     """Motions through states, natural units, as seen from the face in whose hemisphere these are; Y_far: of the
-    other one."""
+    other one. unsure, unsure_far: the share of Y and of Y_far that rounding of the state leaves unknown."""
 
     starts: "compiled.turning_points.Starts"
     Y_far: Array
+    unsure: Array
+    unsure_far: Array
 
     def at(self, rows: NDArray[np.intp]) -> "Motions":
         """Some of the motions."""
-        return Motions(compiled.turning_points.Starts(*(column[rows] for column in self.starts)), self.Y_far[rows])
+        starts = compiled.turning_points.Starts(*(column[rows] for column in self.starts))
+        return Motions(starts, self.Y_far[rows], self.unsure[rows], self.unsure_far[rows])
 
 
 def motions_of(states: States, seen: Array) -> Motions:
     """Motions as arcs need them, seen from faces; states that are no input give any numbers."""
-    return motions_through(states.disk, states.rows, states.motion.linear, seen > 0.0)
+    plus, motion = seen > 0.0, states.motion
+    with np.errstate(divide="ignore", invalid="ignore"):  # of motions on F, which have no theta_min
+        near, far = (motion.rounding(face) / abs(motion.eta(face)) for face in (plus, ~plus))
+    found = motions_through(states.disk, states.rows, motion.linear, plus)
+    return found._replace(unsure=near, unsure_far=far)
 
 
 @np.errstate(over="ignore", invalid="ignore")
 def motions_through(disk: Disk, rows: Rows, linear: LinearConstants, plus: NDArray[np.bool_]) -> Motions:
-    """The same of rows of states; plus: whether each is seen from face +1."""
+    """The same of rows of states and constants that are known; plus: whether each is seen from face +1."""
     b, (q, z, p, ratio, sigma4) = disk.body, rows
     near = np.where(plus, linear.eta_plus, linear.eta_minus) / b.I1
     far = np.where(plus, linear.eta_minus, linear.eta_plus) / b.I1
     r, w = q / (1.0 + abs(z)), 2.0 * abs(z) / (1.0 + abs(z))
     columns = linear.sigma3_bar / b.r0, near, 0.5 * b.M * p * p, r, w, q * ratio, np.where(plus, sigma4, -sigma4)
-    return Motions(compiled.turning_points.Starts(*map(np.ascontiguousarray, columns)), far)
+    none = np.zeros(far.size)
+    return Motions(compiled.turning_points.Starts(*map(np.ascontiguousarray, columns)), far, none, none)

@@ -14,9 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import CoarseTimesWarning, InputError, jobs_of, number, positive, said, whole
 from explorer.motion import recording
-from explorer.motion.integration import MAX_STEPS, Motions
+from explorer.motion.integration import MAX_STEPS, InitialValues
 from explorer.motion.plan import ALGEBRA, QUADRATURE, Plan, plan
-from explorer.phase.arguments import explained
 from explorer.phase.disk import Disk
 from explorer.phase.results import status_names
 from explorer.phase.states import Array, States, columns_of, require_states
@@ -95,7 +94,7 @@ class Trajectories:
     lengths: NDArray[np.int64]
     t_end: float
     states: States
-    _start: Motions
+    _start: InitialValues
     _records: recording.Records | None
     _turned: Array
     _jobs: int
@@ -172,7 +171,6 @@ class Trajectories:
 _RATES = ("phidot", "sigma3", "sigma4")
 
 
-@explained
 def simulate(
     states: States,
     t_end: float | None = None,
@@ -280,7 +278,7 @@ def finer(t: Array, parts: int) -> Array:
 
 
 def _followed(
-    states: States, start: Motions, until: tuple[float, Array | None], names: tuple[str, ...], jobs: int
+    states: States, start: InitialValues, until: tuple[float, Array | None], names: tuple[str, ...], jobs: int
 ) -> Trajectories:
     """The motions from their starts. until: the end, and the times where these are given."""
     disk, (end, times), rows, records = states.disk, until, compiled.field.ROW, None
@@ -351,5 +349,5 @@ def _warn_of_races(motion: Trajectories) -> None:
             f"by up to {np.nanmax(turned):.3g} rad, and a curve through them would miss races; leave t_eval out "
             "for times as dense as the motion needs, and call the result with your own",
             CoarseTimesWarning,
-            stacklevel=4,  # beyond `explained`
+            stacklevel=3,
         )

@@ -19,14 +19,14 @@ from explorer.phase.states import Array, States
 class TurningPoints:
     """The next points at which motions stop tilting (p = 0), natural units except where said.
 
-    theta: tilt from the nearer flat state (rad). face: which flat state that is. way: sigma3/q there,
+    theta: tilt from the nearer flat state (rad). face: which flat state that is. turn_rate: sigma3/q there,
     whose sign is the direction in which the contact point moves. time, chi, psi: increase since the start; zero
     on the reduced rung. error: how far they may be off. Entries are NaN where status is not OK.
     """
 
     theta: Array
     face: NDArray[np.int8]
-    way: Array
+    turn_rate: Array
     time: Array
     chi: Array
     psi: Array
@@ -47,7 +47,7 @@ def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> Turn
     slow: how many times as much each amplifies errors as a quick motion does.
     """
     amplified = np.broadcast_to(np.asarray(slow), len(states))
-    given = integration.Motions(
+    given = integration.InitialValues(
         *(states.disk, how, states.natural, held_constants(states), status_at_start(states)),
         np.full(len(states), how.control),
     ).finer(precision.less_where_amplified(how, amplified))
@@ -106,11 +106,9 @@ def lowest_tilts(disk: Disk, motions: Motions, accuracy: float, status: NDArray[
         status[status == code.OK] = code.STEP_LIMIT
         return theta
     rows = np.flatnonzero(status == code.OK)
-    ends = ends_of(disk, motions.at(rows))
-    theta[rows] = smallest(ends)
-    # Errors are those of ln tan(theta/2), so relative ones of the tilt.
-    known = np.fmax(ends.inner.error, ends.far.error) <= accuracy
-    status[rows[~known]] = code.STEP_LIMIT
+    some = motions.at(rows)
+    theta[rows], error = smallest(some, ends_of(disk, some))
+    status[rows[~(error <= accuracy)]] = code.STEP_LIMIT
     return theta
 
 

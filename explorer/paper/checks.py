@@ -1,12 +1,13 @@
 """How statements are checked: the bodies they are tried on, comparisons, and the motions that are judged."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from explorer.motion.trajectories import trajectories
+from explorer.paper import eight_dimensions as plain
 from explorer.paper.statement import Finding
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States, constants_to_states, phi_to_states
@@ -98,6 +99,15 @@ def random_body(rng: np.random.Generator) -> Disk:
 def random_state(rng: np.random.Generator, disk: Disk, steepest: float = 1.2) -> Array:
     """A random (phi, phidot, sigma3, sigma4) with |phi| < steepest."""
     return np.array([rng.uniform(-steepest, steepest), *(rng.uniform(-1.5, 1.5, 3) * disk.rate_unit)])
+
+
+def random_ones(seed: int, count: int, steepest: float = 1.2) -> Iterator[tuple[Disk, Array, Array, Array]]:
+    """Random bodies, each with a state of its own, and that as (A, omega) of the plain equations."""
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        disk = random_body(rng)
+        state = random_state(rng, disk, steepest)
+        yield disk, state, *plain.start(*[*state, *rng.uniform(-3.0, 3.0, 2)])
 
 
 def observed(

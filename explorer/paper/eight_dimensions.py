@@ -87,17 +87,15 @@ def rim_velocity(disk: Any, u: Array, udot: Array) -> Array:
 
 def angular_acceleration(disk: Any, u: Array, omega: Array) -> Array:
     """omega-dot from eq. (2.12), last term corrected."""
-    inertia = np.diag([disk.I1, disk.I1, disk.I3])
+    inertia = np.array([disk.I1, disk.I1, disk.I3])
     s, udot = rim_point(disk, u), cross(u, omega)
-    sdot = rim_velocity(disk, u, udot)
-    matrix = inertia + disk.m * disk.r**2 * np.eye(3) - disk.m * np.outer(s, s)
-    right = (
-        cross(inertia @ omega, omega)
-        + disk.m * (s @ omega) * sdot
-        + disk.m * (omega @ s) * cross(omega, s)
-        + disk.m * disk.g * cross(s, u)
-    )
-    return np.linalg.solve(matrix, right)
+    spin = rim_velocity(disk, u, udot) + cross(omega, s)
+    right = cross(inertia * omega, omega) + disk.m * ((s @ omega) * spin + disk.g * cross(s, u))
+    # The matrix is diagonal but for -m s s^T: inverted by the formula of Sherman and Morrison
+    diagonal = inertia + disk.m * disk.r**2
+    freely, leaning = right / diagonal, s / diagonal
+    acceleration: Array = freely + disk.m * (s @ freely) / (1.0 - disk.m * (s @ leaning)) * leaning
+    return acceleration
 
 
 def full_energy(disk: Any, u: Array, omega: Array) -> float:
@@ -122,11 +120,6 @@ def tilting(disk: Any, state: Any) -> float:
     A, omega = start(*state)
     s2dot = sigma_rates(disk, A[2], omega)[1]
     return float((s2dot + state[1] ** 2 * np.sin(state[0])) / np.cos(state[0]))
-
-
-def hat(w: Array) -> Array:
-    """The matrix of the cross product with w."""
-    return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
 
 
 def turn(axis: int, angle: float) -> Array:
@@ -163,7 +156,8 @@ def rates(disk: Any, y: Array) -> Array:
     A, omega = y[:9].reshape(3, 3), y[12:]
     u = A[2]
     adot = -A @ cross(omega, rim_point(disk, u))  # eq. (2.11): the contact point is at rest
-    return packed(A @ hat(omega), adot, angular_acceleration(disk, u, omega))
+    turning = np.stack([cross(row, omega) for row in A])
+    return packed(turning, adot, angular_acceleration(disk, u, omega))
 
 
 def follow(disk: Any, y0: Array, times: Array, tolerance: float = 1e-12) -> PlainMotion:

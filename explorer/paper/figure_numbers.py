@@ -4,16 +4,15 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from explorer.motion.passages import passages
 from explorer.motion.periods import periods
 from explorer.paper.checks import HOOP, UNIFORM, followed, near
 from explorer.paper.closed_forms import impact_speed, line_ratio
 from explorer.paper.eight_dimensions import integrate
-from explorer.paper.figures import ETA_HAT, PHIDOT, SIGMA3, start
+from explorer.paper.figures import PHIDOT, SIGMA3, start
 from explorer.paper.four_dimensions import sigma_at, sigma_energy
-from explorer.paper.statement import Finding, statement
+from explorer.paper.statement import ETA_HAT, Finding, statement
 from explorer.phase.constants import constants
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, phi_to_states
@@ -69,21 +68,21 @@ def by_integration(disk: Disk, eta_hat: float) -> Row:
     def at(times: Any) -> Any:
         return followed(disk, start(disk, eta_hat), times, _ACCURACY)
 
-    times = np.linspace(0.0, 6.0, 1201)
-    phi = at(times).phi
-    upright = np.flatnonzero((phi[1:-1] < 0.0) & (phi[2:] >= 0.0))[0] + 1
-    tau = float(brentq(lambda t: float(at([t]).phi[0]), times[upright], times[upright + 1], xtol=1e-13))
-    flat, step = times[: upright + 1][np.argmax(phi[: upright + 1])], times[1]
+    guess = periods(start(disk, eta_hat), 1e-6).period
+    for _ in range(2):  # Newton's steps
+        end = at(guess)
+        guess = guess - end.phi / end.phidot
+    times = np.linspace(0.0, 0.5 * guess[0], 601)
+    flat, step = times[np.argmax(at(times).phi)], times[1]
     for _ in range(3):
         near_flat = np.linspace(flat - step, flat + step, 401)
         tilt: Array = 0.5 * np.pi - at(near_flat).phi
         flat, step = near_flat[np.argmin(tilt)], near_flat[1] - near_flat[0]
-    end = at([tau])
     energy = float(sigma_energy(disk, sigma_at(end.phi, end.phidot, end.sigma3, end.sigma4))[0])
     return Row(
         energy=energy,
         impact_speed=impact_speed(disk, energy, SIGMA3),
-        tau=tau,
+        tau=float(guess[0]),
         chi=float(end.chi[0]),
         psi=float(end.psi[0]),
         theta_min=float(tilt.min()),

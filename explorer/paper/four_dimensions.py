@@ -4,6 +4,7 @@ In the variables sigma they hold for every disk in its own units; `reduced` and 
 Tilt is the angle from the flat state of one face (+1 or -1).
 """
 
+import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any
@@ -64,8 +65,8 @@ def reduced(disk: Disk, face: int, start: Sequence[float], t_end: float, events:
     k, h, M = disk.I3 / disk.I1, 1.0 / (disk.I3 + 1.0), disk.I1 + 1.0
 
     def rate(_t: float, y: Array) -> list[float]:
-        tilt, speed, s3, s4 = y[:4]
-        q, z, p = np.sin(tilt), face * np.cos(tilt), face * speed
+        tilt, speed, s3, s4 = y[:4].tolist()
+        q, z, p = math.sin(tilt), face * math.cos(tilt), face * speed
         turn = s3 / (q * q)
         pull = (z * disk.I1 * turn * s3 / q - s3 * s4 / (h * q) - z) / M
         return [speed, face * pull, k * q * s4 * p, h * p * s3 / q, turn, z * turn - s4]

@@ -6,6 +6,7 @@ from typing import Any
 
 from explorer.errors import InputError, suggest
 
+ETA_HAT = 0.01  # of the paper's figures, in sqrt(g/r); here, so that help need not load what draws them
 # A misprint is decided only if the printed form is off by this many times what the right one is allowed.
 FACTOR = 100.0
 

@@ -7,11 +7,9 @@ are refused. What was given is never changed.
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
-from functools import wraps
-from typing import Any, TypeVar, cast, get_args
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from explorer.errors import InputError, double_of, number, shown, suggest
 
 Array = NDArray[np.float64]
-F = TypeVar("F", bound=Callable[..., Any])
 K = TypeVar("K")
 _LARGEST_TABLE = 10**9  # entries to which arguments may broadcast: 8 GB for each column
 
@@ -56,14 +53,7 @@ def read_columns(named: dict[str, ArrayLike]) -> tuple[list[Array], tuple[int, .
         raise InputError(f"shapes do not fit together: {shapes}; give arrays that broadcast") from None
     if math.prod(shape) > _LARGEST_TABLE:
         raise InputError(f"{', '.join(named)} broadcast to {shape}; give up to {_LARGEST_TABLE:,} entries at once")
-    return [_column_of(array, shape) for array in arrays], shape
-
-
-def _column_of(values: Array, shape: tuple[int, ...]) -> Array:
-    """A new flat column of values that broadcast to a shape, copied once."""
-    new = np.empty(shape)
-    new[...] = values
-    return new.ravel()
+    return [np.array(np.broadcast_to(array, shape), order="C").ravel() for array in arrays], shape
 
 
 def column(name: str, value: Any) -> Array:
@@ -157,27 +147,3 @@ def keywords_of(what: str, given: Mapping[str, Any], kind: Callable[..., K], kno
     """Keywords as the NamedTuple that has them, with its defaults. Raises InputError for one that is not known."""
     known_keywords(what, given, known)
     return kind(**given)
-
-
-def explained(function: F) -> F:
-    """Let a function say as InputError, with its arguments, that it was called with others."""
-    signature = inspect.signature(function)
-    names = [name for name in signature.parameters if name not in ("self", "cls")]
-    for parameter in signature.parameters.values():
-        if parameter.kind is parameter.VAR_KEYWORD:  # `**given: Unpack[Settings]` stands for the keys of Settings
-            names.remove(parameter.name)
-            hint = parameter.annotation
-            kinds = get_args(eval(hint, function.__globals__) if isinstance(hint, str) else hint)
-            names += [key for kind in kinds for key in kind.__annotations__]
-    name = function.__qualname__.removesuffix(".__init__")
-
-    @wraps(function)
-    def call(*given: Any, **named: Any) -> Any:
-        known_keywords(name, named, names)
-        try:
-            signature.bind(*given, **named)
-        except TypeError as error:
-            raise InputError(f"{name}: {error}; it takes {', '.join(names)}") from None
-        return function(*given, **named)
-
-    return cast(F, call)

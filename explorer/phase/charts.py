@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from explorer.errors import InputError, suggest
+from explorer.errors import InputError
 from explorer.phase.columns import ANGLE, COLUMNS, RATE
 from explorer.phase.coordinates import coordinates_to_states, from_rates, warn_of_degrees
 from explorer.phase.disk import Disk
@@ -75,10 +75,8 @@ def recognise(names: Collection[str], what: str = "states") -> Chart:
     if there:
         nearest = max(CHARTS, key=lambda chart: len(set(chart.needed) & set(there)) / len(chart.needed))
         missing = [name for name in nearest.needed if name not in there]
-        others = [name for name in names if name not in known]
-        hint = next((f" (is it {other!r}?)" for other in others for name in missing if _alike(other, name)), "")
         raise InputError(
-            f"{what}: {', '.join(there)}: these columns alone say no state; add {' and '.join(missing)}{hint}"
+            f"{what}: {', '.join(there)}: these columns alone say no state; add {' and '.join(missing)}"
         )
     shown = ", ".join(list(names)[:6]) or "no columns"
     sets = "; ".join(", ".join(chart.needed) for chart in CHARTS[:5])
@@ -95,8 +93,3 @@ def _refuse_misspelt(chart: Chart, names: Collection[str], what: str) -> None:
 
 def _spelt(name: str) -> str:
     return "".join(letter for letter in name.lower() if letter.isalnum())
-
-
-def _alike(given: str, name: str) -> bool:
-    """Whether a column is probably one that was meant."""
-    return suggest(given.strip().lower().replace(" ", "_"), [name]).startswith("did you mean")

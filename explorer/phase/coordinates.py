@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from explorer.errors import InputError, flag, shown, suggest
-from explorer.phase.arguments import explained, read_columns
+from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
 from explorer.phase.energy import energy_at
 from explorer.phase.lines import line_chart, line_slope, linear_constants
@@ -40,7 +40,6 @@ class Coordinates(TypedDict, total=False):
     face: ArrayLike
 
 
-@explained
 def rates_to_states(
     disk: Disk,
     tilt: ArrayLike,
@@ -117,7 +116,7 @@ def warn_of_degrees(angle: Array, stacklevel: int = 3) -> bool:
     suspicious = bool(known.size and (known > 0.5 * np.pi).all())
     if suspicious:
         warnings.warn(
-            "tilt: all tilts lie beyond upright (pi/2 rad); where they are degrees, say so: degrees=True, or "
+            "tilt: all tilts lie beyond upright (pi/2 rad); where they are degrees, give degrees=True, or "
             "--degrees on the command line",
             StateWarning,
             stacklevel=stacklevel,
@@ -127,7 +126,7 @@ def warn_of_degrees(angle: Array, stacklevel: int = 3) -> bool:
 
 def _warn_of_tilts(angle: Array, degrees: bool) -> None:
     """Warn of tilts (rad) that are none, and, unless degrees were said, of such as look like them."""
-    if not degrees and warn_of_degrees(angle, 5):
+    if not degrees and warn_of_degrees(angle, 4):
         return
     outside = angle[(angle <= 0.0) | (angle >= np.pi)]
     if outside.size:
@@ -135,7 +134,7 @@ def _warn_of_tilts(angle: Array, degrees: bool) -> None:
             f"tilt: {outside.size:,} of {angle.size:,} lie outside 0 to pi, {outside[0]:g} rad for instance, and "
             "are no states (bad_input); a tilt is above 0, and face=-1 says that the other face would come down",
             StateWarning,
-            stacklevel=4,  # `explained` stands between this and the user
+            stacklevel=3,
         )
 
 

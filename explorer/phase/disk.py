@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from decimal import Decimal
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, note, number, positive, shown, word
-from explorer.phase.arguments import column, explained
+from explorer.errors import InputError, number, positive, shown, word
 from explorer.phase.energy import potential_at_flat
 from explorer.phase.paths import read_toml
 
@@ -28,7 +27,7 @@ SYNTAX = (
     f"{', '.join(PRESETS)} or annulus:INNER_OVER_OUTER, each also as uniform:m=..,r=..,g=..; "
     'FILE.toml; or "m=..,r=..,g=..,I1=..,I3=.."'
 )
-# I3 may exceed 2 I1 by rounding of doubles; numbers that are not text have no last digit to be rounded at.
+# I3 may exceed 2 I1 by rounding of doubles.
 _ROUNDING = 1e-12
 LARGEST_RATE = 1e150  # natural units: squares of rates overflow beyond
 
@@ -73,7 +72,7 @@ class Disk:
         Gravity (m/s^2).
     I1, I3 : float, optional
         Transverse and axial moment of inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3). I1 is by default that of a
-        uniform disk, m r^2/4, and I3 that of a flat body, 2 I1.
+        uniform disk, m r^2/4, and I3 that of a flat body, 2 I1, as "flat" is.
     name : str
         Stands in folders, pictures and tables.
 
@@ -97,54 +96,48 @@ class Disk:
     I3: float
     name: str
 
-    @explained
     def __init__(
         self,
         m: float = 1.0,
         r: float = 1.0,
         g: float = 1.0,
         I1: float | None = None,
-        I3: float | None = None,
+        I3: float | str | None = None,
         name: str = "custom",
     ) -> None:
         mass, radius, gravity = _units(m, r, g)
-        transverse = 0.25 * mass * radius * radius if I1 is None else positive(*_plain("I1", I1))
-        axial = 2.0 * transverse if I3 is None else number(*_plain("I3", I3), 0.0)
+        transverse = 0.25 * mass * radius * radius if I1 is None else positive("disk: I1", I1)
+        axial = 2.0 * transverse if I3 in (None, "flat") else number("disk: I3", I3, 0.0)
         read = {"m": mass, "r": radius, "g": gravity, "I1": transverse, "I3": axial}
-        for key, value in {**read, "name": word("--disk: name", name)}.items():
+        for key, value in {**read, "name": word("disk: name", name)}.items():
             object.__setattr__(self, key, value)
         if self.I3 > 2.0 * self.I1 * (1.0 + _ROUNDING):
             raise InputError(
-                f"--disk: I3 = {self.I3} exceeds 2 I1 = {2.0 * self.I1}, which no body has; "
-                "a flat one has I3 = 2 I1 exactly"
+                f"disk: I3 = {self.I3} exceeds 2 I1 = {2.0 * self.I1}, which no body has; "
+                "for a flat one give I3=flat"
             )
         if not _can_be_scaled(self):
-            raise InputError("--disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
+            raise InputError("disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
 
     @classmethod
-    @explained
     def annulus(cls, inner: float, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop)."""
-        _plain("inner", inner)
-        inner = number("--disk: annulus (inner over outer radius, between 0 and 1)", inner, 0.0, 1.0)
+        inner = number("disk: annulus (inner over outer radius, between 0 and 1)", inner, 0.0, 1.0)
         m, r, g = _units(m, r, g)
         axial = 0.5 * m * r * r * (1.0 + inner * inner)
         return cls(m, r, g, 0.5 * axial, axial, f"annulus-{inner:g}")
 
     @classmethod
-    @explained
     def uniform(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The uniform disk, eq. (2.5): m r^2 / I1 = 4."""
         return replace(cls.annulus(0.0, m, r, g), name="uniform")
 
     @classmethod
-    @explained
     def hoop(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The hoop, eq. (2.6): m r^2 / I1 = 2."""
         return replace(cls.annulus(1.0, m, r, g), name="hoop")
 
     @classmethod
-    @explained
     def matching(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
         """The flat body with m r^2 / I1 = 3, for which both one-sided limit motions agree."""
         m, r, g = _units(m, r, g)
@@ -157,28 +150,25 @@ class Disk:
         if not isinstance(text, str):
             raise InputError(f"disk = {shown(text)} is no text; choose {SYNTAX}")
         head, _, rest = text.strip().partition(":")
-        if head in PRESETS:
-            made: Disk = getattr(cls, head)(**_scales(rest))
-            return _named(made, rest)
         if head == "annulus":
             inner, _, scales = rest.partition(",")
-            return _named(cls.annulus(number("--disk: annulus", inner), **_scales(scales)), scales)
+            return _preset(partial(cls.annulus, number("disk: annulus", inner)), scales)
+        if head in PRESETS:
+            return _preset(getattr(cls, head), rest)
         if text.strip().endswith(".toml"):
-            return cls._from_mapping(read_toml(Path(text.strip()), "--disk"), Path(text.strip()).stem)
+            path = Path(text.strip())
+            return cls._of_moments({"name": path.stem, **read_toml(path, "disk")})
         if "=" in text:
-            return cls._from_mapping(_quantities(text), "custom")
-        raise InputError(f"--disk {shown(text)} is not known; choose {SYNTAX}")
+            return cls._of_moments(_quantities(text))
+        raise InputError(f"disk {shown(text)} is not known; choose {SYNTAX}")
 
     @classmethod
-    def _from_mapping(cls, values: dict[str, Any], name: str) -> Disk:
+    def _of_moments(cls, values: dict[str, Any]) -> Disk:
         _known(values, (*_SCALES, "I1", "I3", "name"))
         missing = [key for key in ("I1", "I3") if key not in values]
         if missing:
-            raise InputError(f"--disk: {' and '.join(missing)} missing; give I1 and I3 (m, r, g default to 1)")
-        values = {**values, "I3": _axial(values["I1"], values["I3"])}
-        read = {key: positive(f"--disk: {key}", values[key]) for key in (*_SCALES, "I1") if key in values}
-        axial = number("--disk: I3", values["I3"], 0.0)
-        return cls(**read, I3=axial, name=values.get("name", name))
+            raise InputError(f"disk: {' and '.join(missing)} missing; give I1 and I3 (m, r, g default to 1)")
+        return cls(**values)
 
     @property
     def _inertia_unit(self) -> float:
@@ -206,20 +196,19 @@ class Disk:
 
     def eta_hat_to_eta(self, eta_hat: Number) -> Number:
         """eta = I3 r(0) eta_hat, eq. (6.2); both in natural units."""
-        return read_number("eta_hat", eta_hat) * self.body.I3 * self.body.r0
+        return eta_hat * self.body.I3 * self.body.r0
 
     def eta_to_eta_hat(self, eta: Number) -> Number:
         """eta_hat = eta / (I3 r(0)), eq. (6.2); both in natural units. NaN where I3 = 0."""
-        return read_number("eta", eta) / (self.body.I3 * self.body.r0 if self.body.I3 > 0.0 else math.nan)
+        return eta / (self.body.I3 * self.body.r0 if self.body.I3 > 0.0 else math.nan)
 
     def energy_at_flat(self, sigma3_bar: Number) -> Number:
         """V_0, the amended potential at flat on a line l_+-, eq. (6.9); natural units. Needs I3 > 0."""
-        bar = read_number("sigma3_bar", sigma3_bar)
-        if np.any(abs(bar) > LARGEST_RATE):
+        if np.any(np.abs(sigma3_bar) > LARGEST_RATE):
             raise InputError(
                 f"sigma3_bar = {shown(sigma3_bar)}: squares overflow; give up to {LARGEST_RATE:g} in size"
             )
-        flat: Number = potential_at_flat(self.body, bar)
+        flat: Number = potential_at_flat(self.body, sigma3_bar)
         return flat
 
     @property
@@ -301,16 +290,8 @@ class Disk:
 
 def _units(m: Any, r: Any, g: Any) -> tuple[float, float, float]:
     """Mass, radius and gravity, read. Raises InputError."""
-    given = {"m": m, "r": r, "g": g}
-    mass, radius, gravity = (positive(*_plain(name, value)) for name, value in given.items())
+    mass, radius, gravity = (positive(f"disk: {key}", value) for key, value in {"m": m, "r": r, "g": g}.items())
     return mass, radius, gravity
-
-
-def _plain(name: str, value: Any) -> tuple[str, Any]:
-    """How messages call a quantity, and its value. Raises InputError for text, which `Disk.parse` reads."""
-    if isinstance(value, str):
-        raise InputError(f"--disk: {name} = {shown(value)} is text; give a number, or all of it to Disk.parse")
-    return f"--disk: {name}", value
 
 
 def _can_be_scaled(disk: Disk) -> bool:
@@ -328,48 +309,23 @@ def _quantities(text: str) -> dict[str, str]:
     pairs = [item.partition("=") for item in text.split(",") if item.strip()]
     for key, equals, _ in pairs:
         if not equals:
-            raise InputError(f"--disk: {shown(key.strip())} says no quantity; write NAME=VALUE, as m=1,r=0.5")
+            raise InputError(f"disk: {shown(key.strip())} says no quantity; write NAME=VALUE, as m=1,r=0.5")
     return {key.strip(): value.strip() for key, _, value in pairs}
 
 
 def _known(values: dict[str, Any], known: tuple[str, ...]) -> None:
     for key in values:
         if key not in known:
-            raise InputError(f"--disk: unknown quantity {shown(key)}; the known ones are {', '.join(known)}")
+            raise InputError(f"disk: unknown quantity {shown(key)}; the known ones are {', '.join(known)}")
 
 
-def _scales(text: str) -> dict[str, float]:
-    """m, r and g of a preset. Raises InputError."""
+def _preset(make: Callable[..., Disk], text: str) -> Disk:
+    """A preset with m, r, g and a name as text, where these are given. Raises InputError."""
     values = _quantities(text)
     _known(values, (*_SCALES, "name"))
-    return {key: number(f"--disk: {key}", value) for key, value in values.items() if key != "name"}
-
-
-def _named(disk: Disk, text: str) -> Disk:
-    """The disk with the name that is given, if one is."""
-    return replace(disk, name=_quantities(text).get("name", disk.name))
-
-
-def _axial(transverse: Any, axial: Any) -> Any:
-    """I3 as it is meant: `flat` is 2 I1, and so is what exceeds it only by rounding of the last digit given."""
-    if axial == "flat":
-        return 2.0 * number("--disk: I1", transverse)
-    if isinstance(transverse, str) and isinstance(axial, str):
-        I1, I3 = number("--disk: I1", transverse), number("--disk: I3", axial)
-        excess = I3 - 2.0 * I1
-        if 0.0 < excess <= _last_digit(transverse) + 0.5 * _last_digit(axial):
-            note(
-                f"--disk: I3 = {axial} is taken as 2 I1 = {2.0 * I1:.17g}, a flat body's, which it rounds",
-                False,
-            )
-            return 2.0 * I1
-    return axial
-
-
-def _last_digit(text: str) -> float:
-    """One unit in the last digit of a number as it was written."""
-    exponent = Decimal(text).as_tuple().exponent
-    return float(Decimal(1).scaleb(exponent)) if isinstance(exponent, int) else 0.0
+    name = values.pop("name", None)
+    made: Disk = make(**values)
+    return made if name is None else replace(made, name=name)
 
 
 def require_disk(disk: Disk) -> None:
@@ -382,12 +338,4 @@ def require_axial_inertia(disk: Disk) -> None:
     """Raise InputError where I3 = 0: eta_hat = eta/(I3 r(0)) and the lines' slope need I3 > 0."""
     require_disk(disk)
     if not disk.body.I3 > 0.0:
-        raise InputError("--disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")
-
-
-def read_number(name: str, value: Number) -> Number:
-    """A number, or an array of numbers, as it is. Raises InputError for anything else."""
-    if type(value) is float:
-        return value
-    read = column(name, value)
-    return read if read.ndim else float(read)  # type: ignore[return-value]
+        raise InputError("disk: I3 = 0 has no eta_hat (it divides by I3); give a disk with I3 > 0")

@@ -1,11 +1,9 @@
 """What all results of Python calls share: their columns as a table, and a short description."""
 
 import html
-import zipfile
 from collections import Counter
 from dataclasses import fields, replace
 from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
@@ -14,7 +12,6 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, shown
 from explorer.phase.columns import COLUMNS
-from explorer.phase.paths import writing
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -76,27 +73,6 @@ class Table:
     def to_arrow(self) -> "pa.Table":
         """An Arrow table as `to_pandas`; each field says its meaning, unit and equation in its metadata."""
         return to_arrow(self._flat())
-
-    def save(self, path: Path | str) -> Path:
-        """Store the columns in a file and return its path: NAME.npz keeps the shapes, NAME.parquet is a table.
-
-        Raises
-        ------
-        InputError
-            Where the name has another ending, or the file cannot be written.
-        """
-        with writing("path", path, (".npz", ".parquet")) as place:
-            if place.suffix.lower() == ".npz":
-                _write_npz(place, self._stored())
-            else:
-                from pyarrow.parquet import write_table
-
-                write_table(self.to_arrow(), place)
-        return place
-
-    def _stored(self) -> dict[str, Any]:
-        """What goes into an npz file."""
-        return dict(self.columns)
 
     def _good(self) -> NDArray[np.bool_]:
         """Samples whose numbers the description speaks of."""
@@ -190,14 +166,6 @@ class Result(Table):
         of = f" (numbers below: of the {counts['ok']:,} ok)" if numbers and len(counts) > 1 else ""
         said = ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "no samples"
         return [("status", said + of), *numbers]
-
-
-def _write_npz(place: Path, arrays: dict[str, Any]) -> None:
-    """As numpy's `savez_compressed`, which takes names as keywords and so none that is called `file`."""
-    with zipfile.ZipFile(place, "w", zipfile.ZIP_DEFLATED) as file:
-        for name, values in arrays.items():
-            with file.open(f"{name}.npy", "w", force_zip64=True) as entry:
-                np.lib.format.write_array(entry, np.asanyarray(values), allow_pickle=False)
 
 
 @cache

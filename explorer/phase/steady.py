@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.errors import flag, number
-from explorer.phase.arguments import explained, read_columns
+from explorer.phase.arguments import read_columns
 from explorer.phase.coordinates import from_rates, warn_of_degrees
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
@@ -58,7 +58,6 @@ class SteadyMotions(Result):
     states: States
 
 
-@explained
 def steady_motions(
     disk: Disk, tilt: ArrayLike, precession: ArrayLike, face: ArrayLike = 1, degrees: bool = False
 ) -> SteadyMotions:
@@ -147,7 +146,6 @@ def _steady(disk: Disk, angle: Array, rate: Array, face: Array) -> SteadyMotions
     )
 
 
-@explained
 def circular_rolling(disk: Disk, lean: float, radius: float) -> SteadyMotions:
     """The motion in which a disk rolls round a circle, leaning inwards.
 

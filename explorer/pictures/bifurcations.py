@@ -91,7 +91,7 @@ def bifurcation_of_tilts(ax: Axes, disk: Disk, path: str) -> None:
     "of stable and of unstable steady motions and, on l₊, by V₀, above which the disk can reach flat. Below, the "
     "motions of the tilt at one place of each region, those of the letter's energy drawn thick; on violet ground "
     "the disk falls.",
-    (8.0, 7.4),
+    (7.4, 7.4),
     "bifurcation",
     lambda asked: [(f"bifurcation-{path}", (asked.disk, path)) for path in ("line", "spinning")],
 )

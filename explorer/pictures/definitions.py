@@ -1,22 +1,25 @@
 """The definition sketch: what the angles, the faces, the lines and the sides of F are called."""
 
 import math
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
 
 from explorer.phase.disk import Disk
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array
-from explorer.pictures import solid
-from explorer.pictures.pose import Pose
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import DARK, SIGN_COLOURS, SMALL, TEXT, dress
 
 _PHI, _CHI, _PSI = math.radians(38.0), math.radians(35.0), math.radians(70.0)
-_VIEW = (math.radians(24.0), math.radians(-22.0), 11.0)
+_ELEVATION, _AZIMUTH, _DISTANCE = math.radians(24.0), math.radians(-22.0), 11.0  # of the eye
+_ROUND = np.linspace(0.0, 2.0 * math.pi, 97)
+_LAMP = np.array([0.35, 0.25])  # how far a shadow falls for each unit of height
 _INK, _ANGLES = "#555555", {"phi": "#7B3294", "theta": "#1B7837", "chi": "#8C510A", "psi": "#01665E"}
 
 
@@ -29,17 +32,59 @@ def _arc(start: Array, end: Array, middle: Array, radius: float) -> Array:
     return np.asarray(middle + radius * turned)
 
 
-class _Sketch:
-    """Lines and words in space, on one Axes."""
+@dataclass(frozen=True)
+class Pose:
+    """A disk of radius 1 at one moment, eqs (2.33) to (2.35).
 
-    def __init__(self, ax: Axes, camera: solid.Camera) -> None:
-        self.ax, self.camera = ax, camera
+    phi, chi: tilt and contact angle (rad). centre: of mass (3).
+    """
+
+    phi: float
+    chi: float
+    centre: Array
+
+    @cached_property
+    def normal(self) -> Array:
+        """The axis of the body, (3): it points up where phi > 0."""
+        q, z = math.cos(self.phi), math.sin(self.phi)
+        return np.array([q * math.cos(self.chi), q * math.sin(self.chi), z])
+
+    def rim(self, angles: Array, share: float = 1.0) -> Array:
+        """Points of the disk (n, 3) at `share` of its radius, at angles (rad) from the contact point."""
+        q, z = math.cos(self.phi), math.sin(self.phi)
+        c, s = math.cos(self.chi), math.sin(self.chi)
+        down, along = np.array([z * c, z * s, -q]), np.array([-s, c, 0.0])
+        return np.asarray(self.centre + share * (np.cos(angles)[:, None] * down + np.sin(angles)[:, None] * along))
+
+    def place(self, angle: float) -> Array:
+        """One point of the rim, (3)."""
+        return np.asarray(self.rim(np.array([angle]))[0])
+
+
+class _Sketch:
+    """Lines, arrows and words in space, on one Axes, in perspective."""
+
+    def __init__(self, ax: Axes) -> None:
+        self.ax = ax
+        c, s = math.cos(_ELEVATION), math.sin(_ELEVATION)
+        self.back = np.array([c * math.cos(_AZIMUTH), c * math.sin(_AZIMUTH), s])
+        self.right = np.array([-math.sin(_AZIMUTH), math.cos(_AZIMUTH), 0.0])
+        self.up = np.cross(self.back, self.right)
+
+    def see(self, points: Array) -> Array:
+        """Points (..., 3) as they are seen, (..., 2): a length in the middle as it is."""
+        from_middle = np.asarray(points, np.float64) - [0.0, 0.0, 0.5]
+        nearer = _DISTANCE / (_DISTANCE - from_middle @ self.back)
+        return np.stack([nearer * (from_middle @ self.right), nearer * (from_middle @ self.up)], axis=-1)
+
+    def fill(self, points: Array, colour: str, alpha: float, zorder: float, edge: str = "none") -> None:
+        self.ax.add_artist(Polygon(self.see(points), fc=colour, ec=edge, alpha=alpha, zorder=zorder))
 
     def line(self, *points: Array, **style: Any) -> None:
-        self.ax.plot(*self.camera.see(np.array(points)).T, **{"color": _INK, "lw": 1.2, "zorder": 6, **style})
+        self.ax.plot(*self.see(np.array(points)).T, **{"color": _INK, "lw": 1.2, "zorder": 6, **style})
 
     def arrow(self, start: Array, end: Array, colour: str = _INK) -> None:
-        a, b = self.camera.see(np.array([start, end]))
+        a, b = self.see(np.array([start, end]))
         how = {"arrowstyle": "-|>", "color": colour, "lw": 1.6, "shrinkA": 0, "shrinkB": 0}
         self.ax.annotate("", b, a, arrowprops=how, zorder=7)
 
@@ -49,25 +94,27 @@ class _Sketch:
         self.line(*points, color=colour, lw=2.0, zorder=7)
         self.arrow(points[-3], points[-1], colour)
         middle = points[len(points) // 2]
-        corner = self.camera.see(points.mean(axis=0))
-        at = corner + (self.camera.see(middle) - corner) * away
+        corner = self.see(points.mean(axis=0))
+        at = corner + (self.see(middle) - corner) * away
         self.ax.text(at[0], at[1], word, color=colour, fontsize=TEXT + 3, ha="center", va="center", zorder=8)
 
     def word(self, at: Array, text: str, shift: tuple[float, float] = (0.0, 0.0), **style: Any) -> None:
-        x, y = self.camera.see(at) + np.array(shift)
+        x, y = self.see(at) + np.array(shift)
         self.ax.text(x, y, text, **{"fontsize": SMALL, "color": DARK, "zorder": 8, **style})
 
 
 def _disk(ax: Axes) -> None:
     """The disk on its table with its angles."""
-    pose = Pose(_PHI, _CHI, _PSI, np.array([0.0, 0.0, math.cos(_PHI)]), 1.0)
-    camera = solid.Camera(np.array([0.0, 0.0, 0.5]), *_VIEW)
-    draw = _Sketch(ax, camera)
+    pose = Pose(_PHI, _CHI, np.array([0.0, 0.0, math.cos(_PHI)]))
+    draw = _Sketch(ax)
     up, below = np.array([0.0, 0.0, 1.0]), np.zeros(3)
-    solid.table(ax, camera, below, 1.95, 2.0)
-    solid.shadow(ax, camera, pose, 0.6)
-    solid.disk(ax, camera, pose, solid.Looks(0.93, marked=False), zorder=3)
-    centre, contact, top = pose.centre, pose.contact, pose.place(math.pi)
+    rim = pose.rim(_ROUND)
+    draw.fill(
+        1.95 * np.stack([np.cos(_ROUND), np.sin(_ROUND), 0.0 * _ROUND], axis=-1), "#F0EDE4", 1.0, 0, "#C9C2B0"
+    )
+    draw.fill(rim - rim[:, 2:] * [*_LAMP, 1.0], "#2A2418", 0.15, 1)
+    draw.fill(rim, "#F7E7BE", 0.93, 3, DARK)
+    centre, contact, top = pose.centre, pose.place(0.0), pose.place(math.pi)
     draw.line(below, centre + 1.35 * up, ls=(0, (4, 3)))
     draw.arrow(centre, centre + 1.25 * pose.normal)
     draw.line(contact, top)
@@ -81,13 +128,13 @@ def _disk(ax: Axes) -> None:
     draw.angle("psi", pose.rim(np.linspace(-_PSI, 0.0, 40), 0.8), r"$\psi$", -0.6)
     draw.line(centre, pose.place(-_PSI), color=_ANGLES["psi"], lw=1.0)
     for place, size in ((contact, 9), (centre, 5), (pose.place(-_PSI), 5)):
-        ax.plot(*camera.see(place), "o", color=DARK, mec="white", ms=size, zorder=9)
-    draw.word(contact, "contact point", (0.12, -0.06))
+        ax.plot(*draw.see(place), "o", color=DARK, mec="white", ms=size, zorder=9)
+    draw.word(contact, "contact point", (0.14, 0.06))
     draw.word(centre + 1.25 * pose.normal, r"axis $e_3$; spin about it: $\sigma_4$", (0.06, 0.02))
     draw.word(pose.place(-_PSI), "where it touched\nat the start", (-0.12, -0.08), ha="right", va="center")
     draw.word(centre + 1.4 * up, "vertical", (0.0, 0.04), ha="center")
     words = r"$\sigma_3 = \dot\chi\,\cos^2\varphi$"
-    ax.text(1.15, -1.2, words, color=_ANGLES["chi"], fontsize=TEXT)
+    ax.text(1.3, -1.5, words, color=_ANGLES["chi"], fontsize=TEXT)
     ax.set(xlim=(-2.05, 2.35), ylim=(-1.6, 1.95), aspect="equal")
     ax.set_title("Angles: flat is φ = ±π/2, face ±1; θ = π/2 − φ", fontsize=TEXT)
     ax.axis("off")
@@ -125,7 +172,7 @@ def _plane(ax: Axes, disk: Disk) -> None:
     ax.annotate("", (bar, low), (bar, steep * bar), arrowprops=how)
     ax.plot(bar, low, "o", color=SIGN_COLOURS[1], mec=DARK, ms=9)
     ax.text(bar + 0.04, steep * bar - 0.36, r"$\hat\eta$", fontsize=TEXT + 3)
-    ax.text(bar - 0.06, low - 0.02, "a motion", fontsize=SMALL, ha="right", va="center")
+    ax.text(bar + 0.06, low + 0.02, "a motion", fontsize=SMALL, va="center")
     ax.text(
         -0.35, -0.82, r"side $\eta > 0$: races by $+\kappa\pi$", color=SIGN_COLOURS[1], fontsize=TEXT, ha="center"
     )
@@ -137,22 +184,22 @@ def _plane(ax: Axes, disk: Disk) -> None:
     ax.set_yticks([0.0])
     words = (
         r"$\bar\sigma_3$: $\sigma_3$ at the vertical ($\sqrt{g/r}$)",
-        r"$\bar\sigma_4$: $\sigma_4$ at the vertical",
+        r"$\bar\sigma_4$: $\sigma_4$ at the vertical ($\sqrt{g/r}$)",
     )
     dress(ax, *words, "Constants of motion, and the sides of F")
 
 
 @picture(
     Question.HAPPENS,
-    "What things are called. Left, the disk on its table: φ is the angle of its plane to the vertical, θ that of "
-    "its axis, χ the direction in which the contact point lies, ψ how far it has moved along the rim. Right, the "
+    "What things are called. Above, the disk on its table: φ is the angle of its plane to the vertical, θ that of "
+    "its axis, χ the direction in which the contact point lies, ψ how far it has moved along the rim. Below, the "
     "constants of motion: only on the line l₊ does the disk fall flat on face +1, and the sign of the distance η̂ "
     "to it is the side of F.",
-    (10.4, 5.2),
+    (6.4, 9.4),
     "definitions",
 )
 def definitions(figure: Figure, disk: Disk) -> None:
     """Draw the disk with its angles, eqs (2.14), (2.21), (2.30), and the plane of its constants, eq. (6.2)."""
-    left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
-    _disk(left)
-    _plane(right, disk)
+    above, below = figure.subplots(2, 1)
+    _disk(above)
+    _plane(below, disk)

@@ -9,11 +9,11 @@ from matplotlib.ticker import NullLocator
 
 from explorer.measure.laws import OFF, PLATEAU, SHAPE_BINS, known_laws
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, SERIES, SIZE, SMALL, dress, legend_below, mark_beyond
+from explorer.pictures.style import DARK, SERIES, SIZE, TEXT, dress, legend_below, legend_of_all, mark_beyond
 
 _TUBES, _PLAIN = SERIES[1], SERIES[2]
 _POINTS: dict[str, Any] = {"ms": 5, "mfc": "none", "mew": 1.3, "capsize": 2, "lw": 1.2}
-_NEAR = "draws near $F$, weighted, 95 %"
+_NEAR = "draws near $F$, 95 % all at once"
 
 
 @picture(
@@ -31,7 +31,8 @@ def probability(figure: Figure, summary: dict[str, Any]) -> None:
     else:
         above = below = figure.subplots()
     _estimates(above, summary)
-    below.set_xlabel(r"$\delta$ (rad)", fontsize=above.yaxis.label.get_size())
+    below.set_xlabel(r"$\delta$ (rad)", fontsize=TEXT)
+    legend_of_all(figure, dict.fromkeys((above, below)))
 
 
 def _estimates(ax: Axes, summary: dict[str, Any]) -> None:
@@ -52,13 +53,11 @@ def _estimates(ax: Axes, summary: dict[str, Any]) -> None:
     hits = [(row["delta"], row["plain"]["value"], row["plain"]["interval_95"]) for row in rows if row["count"]]
     _points(ax, hits, fmt="s", color=_PLAIN, label=f"{summary['samples']:,} plain draws, 95 %")
     bound = summary["upper_bound_95"]
-    ax.axhline(bound, color=_PLAIN, lw=1.0, ls="-.")
     digit, _, exponent = f"{bound:.0e}".partition("e")
-    text = rf"{summary['falls']} of these fell: $P(0) \leq {digit} \times 10^{{{int(exponent)}}}$"
-    ax.annotate(text, (delta[-1], bound), xytext=(2, -13), textcoords="offset points", fontsize=SMALL)
+    text = rf"{summary['falls']} of the plain draws fell: $P(0) \leq {digit} \times 10^{{{int(exponent)}}}$"
+    ax.axhline(bound, color=_PLAIN, lw=1.0, ls="-.", label=text)
     if constant > 0.0:
         ax.set_ylim(0.1 * constant * delta[-1], 3.0)
-    legend_below(ax, ncols=2)
     title = f"Falling has measure zero, {summary['disks'][0]['name']} disk"
     dress(ax, "", r"$P(\theta_{\min} < \delta)$", title, grid=True)
 
@@ -75,7 +74,7 @@ def _ratio(ax: Axes, summary: dict[str, Any]) -> None:
     ax.axhline(1.0, color=DARK, lw=1.2)
     ax.axhline(1.0 + OFF, color=SERIES[4], lw=1.4, ls=":", label=f"rejected: $C$ off by {100 * OFF:.0f} %")
     ax.axvspan(summary["ladder"][-1]["delta"] / 3.0, 2.0 * summary["law_limit"], color=DARK, alpha=0.06, lw=0)
-    _points(ax, rows, fmt="o", color=_TUBES, label=f"{_NEAR} (all at once)")
+    _points(ax, rows, fmt="o", color=_TUBES, label=_NEAR)
     # The first four estimates lie above the range of the law and may leave the picture.
     reach = max(1.5 * OFF, 1.3 * max(abs(end - 1.0) for _, _, ends in rows[4:] or rows for end in ends))
     ax.set_ylim(1.0 - reach, 1.0 + reach)
@@ -83,7 +82,6 @@ def _ratio(ax: Axes, summary: dict[str, Any]) -> None:
     if beyond:
         x, y = np.transpose(beyond)
         mark_beyond(ax, x, y, _TUBES, [f"{value:.2f}" for value in y])
-    legend_below(ax, ncols=2)
     dress(ax, "", r"$P / (C\,\delta)$", "The same over the law; tested where shaded", grid=True)
 
 
@@ -115,11 +113,11 @@ def constant_convergence(ax: Axes, summary: dict[str, Any]) -> None:
     ax.fill_between(draws, -guide, guide, color=DARK, alpha=0.08, lw=0, label=r"$\propto N^{-1/2}$")
     ax.set_xscale("log")
     some = draws[:: max(1, len(draws) // 6)]
-    ax.set_xticks(some, [f"{n:,.0f}" for n in some / 1e3])
+    ax.set_xticks(some, [f"{n:.2g}" for n in some / 1e6])
     ax.xaxis.set_minor_locator(NullLocator())
     legend_below(ax)
     title = "The constant $C$ settles on its prediction"
-    dress(ax, "draws near $F$, from the first on (thousands)", "$C$ from draws / predicted − 1", title, grid=True)
+    dress(ax, "draws near $F$, from the first on (millions)", "$C$ from draws / predicted − 1", title, grid=True)
 
 
 @picture(
@@ -137,7 +135,7 @@ def tilt_density(ax: Axes, summary: dict[str, Any]) -> None:
     legend_below(ax)
     p = tilt.get("p_value")
     title = f"Tilts below δ are spread evenly{'' if p is None else f' ($p$ = {p:.2g})'}"
-    dress(ax, r"$\theta_{\min}/\delta$", "density", title, grid=True)
+    dress(ax, r"$\theta_{\min}/\delta$", "density over that of the law", title, grid=True)
 
 
 def _bars(ax: Axes, x: Any, y: Any, spread: Any, name: str) -> None:

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
 
 from explorer.errors import InputError
@@ -17,7 +16,7 @@ from explorer.motion.trajectories import finer, trajectories
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, constants_to_states
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, SIDES, SIGN_COLOURS, SMALL, TEXT, dress, legend_below, power
+from explorer.pictures.style import DARK, SIDES, SIGN_COLOURS, SMALL, TEXT, dress, legend_below, open_frame, power
 
 _GREY = "#999999"
 _STYLES = (":", "-.", "--", "-", (0, (1, 1)))
@@ -83,10 +82,10 @@ def _on_both_sides(sizes: Sequence[float]) -> list[float]:
     "nearer to F from both sides. Each circle is a race round the rim of the disk that lies almost flat. From "
     "left to right the paths settle down, to one limit above and to another one below: the limit at F depends on "
     "the side.",
-    (9.25, 3.9),
+    (7.2, 4.6),
     "limit",
 )
-def limit_paths(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.3, 0.1, 0.01, 1e-4)) -> None:
+def limit_paths(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.01, 0.001)) -> None:
     """Draw contact paths at decreasing distances from F, section 7, and the limits, a row for each side.
 
     eta_hat: in natural units, as sigma3_bar = phidot = 1.
@@ -104,8 +103,10 @@ def limit_paths(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.3, 0.1
     grid[0, -1].set_title("limit", fontsize=TEXT)
     for ax in grid.ravel():
         ax.set_aspect("equal")
-        ax.tick_params(labelsize=SMALL - 2)
-    figure.supxlabel("on the table, radii", fontsize=SMALL)
+        ax.tick_params(labelsize=SMALL)
+        open_frame(ax)
+    figure.suptitle("Nearer to $F$ the paths settle, on each side to another limit", fontsize=TEXT)
+    figure.supxlabel("on the table ($r$)", fontsize=TEXT)
 
 
 def _size(eta_hat: float) -> str:
@@ -144,7 +145,8 @@ def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1
     ax.minorticks_off()
     ax.set_xticks([-30, -10, -3, -1, 0, 1, 3, 10, 30], ["−30", "−10", "−3", "−1", "0", "1", "3", "10", "30"])
     ax.set_yticks([-math.pi / 2, 0.0, math.pi / 2], ["−π/2", "0", "π/2"])
-    dress(ax, r"$A\,t/\theta_{\min}$", r"race from its middle / $\kappa$ (rad)", "Near flat, all races are one")
+    stretched = r"$A\,t/\theta_{\min}$ (logarithmic beyond ±1)"
+    dress(ax, stretched, r"race from its middle / $\kappa$ (rad)", "Near flat, all races are one")
     legend_below(ax, ncols=3)
 
 
@@ -152,40 +154,47 @@ def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1
     Question.HOW_FAR,
     "The flat state blown up: the rate of the tilt, the rate ρ of the contact point, and how flat the disk lies, "
     "downwards. At the bottom the flat state is an ellipse, and an orbit on it leads from the impact at −A to the "
-    "rise at +A, on one half for each side of F. Motions near F, nearer and nearer from above, follow it: the "
-    "race is this heteroclinic orbit, and the angle along it is ±κπ.",
+    "rise at +A, on one half for each side of F. Motions near F, the lower the nearer, follow it: the race is "
+    "this heteroclinic orbit, and the angle along it is ±κπ.",
     (7.4, 6.0),
     "limit",
 )
-def blow_up(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.03, 0.01, 0.003)) -> None:
+def blow_up(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.01, 0.001)) -> None:
     """Draw passages near F in (dtheta/dt, rho/kappa, log cos phi), above the blown-up flat state, eq. (7.1)."""
     ax = figure.add_subplot(projection="3d")
     assert isinstance(ax, Axes3D)
     several = list(followed(disk, _on_both_sides(eta_hat)))
-    # One and a half decades below the flattest of them stands for log 0.
+    # So far below the flattest of them stands log 0
     flat, A = math.log10(min(one.theta_min for one in several)) - 0.7, several[-1].impact_speed
     turned = np.linspace(0.0, math.pi, 90)
     for sign, colour in SIGN_COLOURS.items():
         x, y = -A * np.cos(turned), sign * A * np.sin(turned)
         ax.plot(x, y, flat, color=colour, lw=4.0)
-        ax.text(x[38], 0.66 * y[45], flat, SIDES[sign], color=colour, fontsize=TEXT, ha="center")
-        ax.quiver(x[45], y[45], flat, 0.3 * A, 0.0, 0.0, color=colour, lw=4.0, arrow_length_ratio=0.9)
+        ax.text(x[66], 0.6 * y[66], flat, SIDES[sign], color=colour, fontsize=TEXT, ha="center")
+        ax.scatter(
+            [x[45]], [y[45]], [flat], color=colour, marker=">", s=90, depthshade=False
+        )  # from the impact to the rise
     for one in several:
-        q = np.sin(one.theta)
+        q, side = np.sin(one.theta), 1 if one.eta_hat > 0.0 else -1
         x, y, z = (values[q < 0.6] for values in (one.p, one.rho / one.kappa, np.log10(q)))
-        ax.plot(x, y, z, color=SIGN_COLOURS[1 if one.eta_hat > 0.0 else -1], lw=1.6)
+        ax.plot(x, y, z, color=SIGN_COLOURS[side], lw=1.6)
+        if side < 0:  # in front
+            middle = int(np.argmin(z))
+            place: dict[str, Any] = {"fontsize": SMALL, "ha": "center", "va": "top"}
+            ax.text(x[middle], y[middle], z[middle] - 0.1, _size(one.eta_hat), **place)
     for at, word in ((-A, "impact"), (A, "rise")):
         ax.plot([at, at], [0.0, 0.0], [flat, 0.0], color=DARK, lw=1.0, ls=(0, (4, 3)))
         ax.scatter([at], [0.0], [flat], color=DARK, s=34, depthshade=False)
-        ax.text(at, 0.0, flat - 0.5, word, fontsize=SMALL, ha="center")
+        ax.text(1.25 * at, 0.0, flat, word, fontsize=SMALL, ha="center", va="top")
     ax.set_xlabel(r"$\dot\theta$ ($\sqrt{g/r}$)", fontsize=TEXT)
     ax.set_ylabel(r"$\rho/\kappa$ ($\sqrt{g/r}$)", fontsize=TEXT)
     ax.set_zlabel(r"$\cos\varphi$", fontsize=TEXT)
     decades = np.arange(math.ceil(flat), 1)
     ax.set_zticks([flat, *decades], ["flat", *(f"$10^{{{k}}}$" for k in decades)])
-    for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_locator(MaxNLocator(3))
-    ax.tick_params(labelsize=SMALL)
-    ax.set_title("The race is a heteroclinic orbit on the blown-up flat state", fontsize=TEXT, y=1.0)
-    ax.set_box_aspect((1.0, 1.0, 0.85), zoom=1.05)
-    ax.view_init(elev=24.0, azim=-72.0)
+    ax.set_xticks([-A, 0.0, A], ["$-A$", "0", "$A$"])
+    ax.set_yticks([-A, A], ["$-A$", "$A$"])
+    for axis in "xyz":
+        ax.tick_params(axis=axis, labelsize=SMALL)
+    ax.set_title("The nearer to $F$, the closer the race keeps to one orbit", fontsize=TEXT, y=0.97)
+    ax.set_box_aspect((1.0, 1.0, 0.85), zoom=1.0)
+    ax.view_init(elev=16.0, azim=-72.0)

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from explorer.motion.both_sides import BothSides
+from explorer.phase.states import Array
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import (
     LAW,
@@ -26,15 +26,15 @@ from explorer.pictures.style import (
     times_of,
 )
 
-_FAINT = 0.13  # of bands
-_LAW_ENDS = 0.02  # natural units; the law is of small eta
 _BODY_NAMES = {"matching": r"flat body with $mr^2/I_1 = 3$"}
+_LIMIT: dict[str, Any] = {"color": LAW, "lw": 0.9, "ls": ":"}
 
 
 @picture(
     Question.EACH_SIDE,
-    "How far a motion near F is from the limit motion of its own side, as η tends to 0. Lines are medians over "
-    "the starts, bands reach up to the largest distance. Both fall like η ln(1/η): each side has its own limit.",
+    "How far a motion near F is from the limit motion of its own side, as η tends to 0: solid lines are medians "
+    "over the starts, thin broken ones the largest distance. Both fall like η ln(1/η), the dotted line: each side "
+    "has its own limit.",
 )
 def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
     """Draw the distance to the limit motion of the same side against |eta_hat|, of the worse side, for each disk.
@@ -42,7 +42,7 @@ def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
     summary: of a run of scene one-sided.
     """
     ax.set(xscale="log", yscale="log")
-    anchors = []
+    drawn: list[tuple[Array, Array]] = []
     for index, (name, per_disk) in enumerate(summary["disks"].items()):
         rows = [row for row in per_disk["distances"] if "median_plus" in row or "median_minus" in row]
         if not rows:
@@ -54,37 +54,36 @@ def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
         )
         colour = SERIES[index % len(SERIES)]
         ax.plot(eta, median, label=name, color=colour, marker=MARKERS[index % len(MARKERS)], lw=1.6)
-        ax.fill_between(eta, median, np.maximum(largest, median), color=colour, alpha=_FAINT, lw=0)
-        anchors.append((eta.min(), median[eta.argmin()]))
-    if anchors:
-        smallest, height = anchors[0]
-        eta = np.geomspace(smallest, max(_LAW_ENDS, 2.0 * smallest), 60)
+        ax.plot(eta, largest, color=colour, lw=0.9, ls="--")
+        drawn.append((eta, median))
+    ax.plot([], [], color=LAW, lw=0.9, ls="--", label="largest of all starts")
+    if drawn:
+        eta, median = drawn[0]
         law = eta * np.log(1.0 / eta)
-        name = r"$\propto \hat\eta\,\ln(1/\hat\eta)$"
-        ax.plot(eta, 0.5 * height * law / law[0], color=LAW, lw=1.4, ls="--", label=name)
-    band = Patch(color=LAW, alpha=_FAINT, lw=0, label="median to largest\nover the starts")
-    legend_below(ax, ncols=3, handles=[*ax.get_legend_handles_labels()[0], band])
+        ax.plot(
+            eta, 0.5 * median.min() * law / law.min(), **_LIMIT | {"lw": 1.8}, label=r"$\propto\eta\,\ln(1/\eta)$"
+        )
+    legend_below(ax, ncols=3)
     title = "Each side of $F$ tends to its own limit motion"
-    dress(ax, r"$|\hat\eta|$ ($\sqrt{g/r}$ of each disk)", "distance (rad; of paths, r)", title, grid=True)
+    dress(
+        ax, r"$|\hat\eta|$ ($\sqrt{g/r}$ of each disk)", "distance (angles in rad, paths in r)", title, grid=True
+    )
 
 
 @picture(
     Question.EACH_SIDE,
-    "A motion just near F on both sides, with the limits. Above, the tilt φ: nothing in it tells the sides of F "
-    "apart. Below, the angle of the contact point: at each near-fall, on the thin vertical lines, χ jumps by the "
-    "race, κπ forwards on one side of F, κπ backwards on the other.",
+    "Tilt and angle of contact along one motion on both sides of F. Both fall and rise alike, but where the disk "
+    "is nearly flat the contact point races: κπ forwards on one side of F, κπ backwards on the other.",
     (SIZE[0], 6.4),
 )
 def one_sided_motion(figure: Figure, both: BothSides) -> None:
     """Draw the tilt and the angle of contact against time, as `explorer.both_sides` gives them."""
     tilt, angle = figure.subplots(2, 1, sharex=True)
-    for sign, colour in SIGN_COLOURS.items():
-        tilt.plot(both.t, both.motions[sign]["phi"], color=colour, lw=1.8, ls="-" if sign > 0 else (0, (4, 4)))
-        angle.plot(both.t, both.motions[sign]["chi"], color=colour, lw=1.8, label=_side(both, sign))
-        told = "limit of each side" if sign > 0 else None
-        angle.plot(both.t, both.limits[sign].chi, color=LAW, lw=0.9, ls=":", label=told)
+    for side, colour in SIGN_COLOURS.items():
+        tilt.plot(both.t, both.motions[side]["phi"], color=colour, lw=1.8, ls="-" if side > 0 else (0, (4, 4)))
+        angle_of_contact(angle, both, side)
     limit = both.limits[1].phi
-    tilt.plot(both.t, limit, color=LAW, lw=0.9, ls=":")
+    tilt.plot(both.t, limit, **_LIMIT)
     places = {0.5 * np.pi: "flat, π/2", 0.0: "vertical", -0.5 * np.pi: "flat, −π/2"}
     shown = [at for at in places if limit.min() - 0.15 <= at <= limit.max() + 0.15]
     for at in shown:
@@ -92,27 +91,27 @@ def one_sided_motion(figure: Figure, both: BothSides) -> None:
     tilt.set_yticks(shown, [places[at] for at in shown])
     for time in both.impacts:
         angle.axvline(time, color=LAW, lw=0.6, alpha=0.6)
-    for sign in SIGN_COLOURS:
-        _measure_jump(angle, both, sign)
     turns = round(both.disk.race_limit / np.pi)
     rest = 2.0 * both.disk.race_limit - 2.0 * np.pi * turns
     apart = "exactly" if abs(rest) < 1e-9 else f"{'+' if rest > 0.0 else '−'} {abs(rest):.3f} rad"
     legend_below(angle, ncols=3)
     dress(tilt, "", r"tilt $\varphi$ (rad)", f"{_named(both)}: both sides of $F$ fall and rise alike")
-    dress(angle, f"t ({times_of(both.disk)})", r"$\chi$ (rad)")
     title = f"After a fall the sides are $2\\kappa\\pi$ apart: {turns} turns {apart}"
-    angle.set_title(title, fontsize=SMALL)
+    dress(angle, f"$t$ ({times_of(both.disk)})", r"$\chi$ (rad)", title)
 
 
-def _measure_jump(ax: Axes, both: BothSides, sign: int) -> None:
-    """A double arrow beside the first jump of a limit, from where it begins to where it ends."""
-    row = int(np.searchsorted(both.t, both.impacts[0]))
-    chi, jump, width = both.limits[sign].chi[row], sign * both.disk.race_limit, both.t[-1] - both.t[0]
-    x = both.impacts[0] + 0.02 * width
+def angle_of_contact(ax: Axes, both: BothSides, side: int, chi0: float = 0.0) -> None:
+    """Draw chi of one side and of its limit, from chi0 on, with an arrow as long as the first race."""
+    limit = both.limits[side].chi + chi0
+    ax.plot(both.t, both.motions[side]["chi"] + chi0, color=SIGN_COLOURS[side], lw=1.8, label=_side(both, side))
+    ax.plot(both.t, limit, **_LIMIT, label=_once(ax, "limit of each side"))
+    end, race = limit[np.searchsorted(both.t, both.impacts[0])], side * both.disk.race_limit
+    x, width = both.impacts[0], both.t[-1] - both.t[0]
     ends: dict[str, Any] = {"arrowstyle": "<->", "color": LAW, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", (x, chi - jump), xytext=(x, chi), arrowprops=ends)
-    text = f"{'+' if sign > 0 else '−'}κπ = {number(jump, '+.2f')}"
-    ax.text(x + 0.01 * width, chi - 0.5 * jump, text, va="center", fontsize=SMALL)
+    ax.annotate("", (x + 0.03 * width, end - race), xytext=(x + 0.03 * width, end), arrowprops=ends)
+    text = rf"${'+' if side > 0 else '-'}\kappa\pi$ = {number(race, '+.2f')}"
+    # Near where it begins: later the curve may come back
+    ax.text(x + 0.055 * width, end - 0.75 * race, text, va="center", fontsize=SMALL)
 
 
 @picture(
@@ -126,43 +125,61 @@ def contact_paths(ax: Axes, both: BothSides) -> None:
 
     Dotted lines are the limit motions with their races.
     """
-    r, apart = both.disk.r, abs(math.remainder(both.disk.gap, 2.0 * math.pi))
-    for sign, colour in SIGN_COLOURS.items():
-        path = both.motions[sign]["contact"][:, :2] / r
-        ax.plot(*path.T, color=colour, lw=1.8, label=_side(both, sign))
-        for row in (*_in_race(both, sign), len(path) - 1):
-            arrow(ax, path, row, colour)
-        if apart > 1e-9:  # else they cover each other
-            other = both.motions[-sign]["contact"][:, :2] / r
-            away = path[np.argmax([np.hypot(*(other - point).T).min() for point in path])]
-            ax.annotate(SIDES[sign], away, (6, 6), textcoords="offset points", color=colour, fontsize=SMALL)
-        limit = both.limit_path(sign) / r
-        ax.plot(*limit.T, color=LAW, lw=0.9, ls=":", label="limit of each side" if sign > 0 else None)
-    ax.plot(0.0, 0.0, marker="o", ls="", color=LAW, ms=6, label="start")
+    for side in SIGN_COLOURS:
+        path_on_table(ax, both, side, "contact", ls="-" if side > 0 else (0, (5, 1.5)))
+    legend_below(ax)
+    apart = abs(math.remainder(both.disk.gap, 2.0 * math.pi))
+    leave = f"the sides leave a fall {apart:.3f} rad apart" if apart > 1e-9 else "both sides have the same limit"
+    dress(ax, "$x$ ($r$)", "$y$ ($r$)", f"{_named(both)}: {leave}")
+
+
+def path_on_table(ax: Axes, both: BothSides, side: int, what: str, chi0: float = 0.0, **look: Any) -> None:
+    """Draw the path of the "contact" point or of the centre, "path", of one side and of its limit, in radii.
+
+    chi0: the angle of contact at the start (rad).
+    """
+    limit = both.limit_path(side) if what == "contact" else both.limits[side].path
+    path, limit = (_turned(each, chi0) / both.disk.r for each in (both.motions[side][what], limit))
+    ax.plot(*path.T, **{"color": SIGN_COLOURS[side], "lw": 1.8, "label": _side(both, side), **look})
+    ax.plot(*limit.T, **_LIMIT, label=_once(ax, "limit of each side"))
+    swings = both.impacts + 0.33 * (both.impacts[1] - both.impacts[0])  # the centre nearly stands still in a race
+    shown = [*_in_race(both, side), len(path) - 1] if what == "contact" else np.searchsorted(both.t, swings)
+    for row in shown:
+        arrow(ax, path, min(int(row), len(path) - 1), SIGN_COLOURS[side])
+    ax.plot(*path[0], marker="o", ls="", color=LAW, ms=6, label=_once(ax, "start"))
     ax.set_aspect("equal", adjustable="box")
-    legend_below(ax, ncols=4 if both.disk.gap else 2)
-    limits = (
-        f"The sides leave each fall {apart:.3f} rad apart"
-        if apart > 1e-9
-        else "The limits of both sides are the same"
-    )
-    sigma3, speed = (float(values.ravel()[0]) for values in (both.start.sigma3, both.start.phidot))
-    start = rf"$\sigma_3$ = {number(sigma3, '.3g')}, $\dot\varphi$ = {number(speed, '.3g')} at the start"
-    dress(ax, "x (r)", "y (r)", f"{_named(both)}; {start}\n{limits}")
 
 
-def _in_race(both: BothSides, sign: int) -> Iterator[int]:
+def flattest(both: BothSides, side: int) -> Array:
+    """Rows of the flattest moments of one side, of which each impact of the limit has one beside it."""
+    wait = 0.25 * np.diff(both.impacts, prepend=0.0).min()
+    near = abs(both.t - both.impacts[:, None]) < wait
+    return np.asarray(np.argmax(np.where(near, abs(both.motions[side]["phi"]), 0.0), axis=1))
+
+
+def _turned(path: Array, angle: float) -> Array:
+    """The horizontal part of a path (n, 2 or 3), turned about its start at 0."""
+    plane = (path[:, 0] + 1j * path[:, 1]) * np.exp(1j * angle)
+    return np.stack([plane.real, plane.imag], axis=1)
+
+
+def _in_race(both: BothSides, side: int) -> Iterator[int]:
     """Rows of the motion a quarter before and after the middle of each race."""
-    chi, race = both.motions[sign]["chi"], sign * both.disk.race_limit
-    for middle in np.searchsorted(both.t, both.impacts):
+    chi, race = both.motions[side]["chi"], side * both.disk.race_limit
+    for middle in flattest(both, side):
         around = np.arange(max(middle - len(chi) // 8, 0), min(middle + len(chi) // 8, len(chi)))
         for share in (-0.25, 0.25):
             yield int(around[abs(chi[around] - chi[middle] - share * race).argmin()])
+
+
+def _once(ax: Axes, label: str) -> str | None:
+    """A label that the legend has not yet."""
+    return None if label in ax.get_legend_handles_labels()[1] else label
 
 
 def _named(both: BothSides) -> str:
     return _BODY_NAMES.get(both.disk.name, both.disk.name)
 
 
-def _side(both: BothSides, sign: int) -> str:
-    return rf"{SIDES[sign]}: $\hat\eta$ = {number(sign * both.eta_hat)}"
+def _side(both: BothSides, side: int) -> str:
+    return rf"{SIDES[side]}: $\hat\eta$ = {number(side * both.eta_hat)}"

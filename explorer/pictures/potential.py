@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from explorer.errors import InputError
@@ -22,13 +21,13 @@ from explorer.pictures.style import (
     SERIES,
     SIDES,
     SIGN_COLOURS,
-    SIZE,
     SMALL,
     TEXT,
     arrow,
     coordinate_label,
     dress,
     legend_below,
+    legend_of_all,
     number,
     open_frame,
     rates_of,
@@ -179,7 +178,7 @@ def _name(potential: Potential) -> str:
     "sides are alike, and both turn back just before flat. Right, the speed of the contact point along the rim, "
     "ρ = σ₃/cos φ, against the rate of the tilt: near flat each motion runs along half of an ellipse, and the two "
     "halves are the races, in opposite directions. The loops inside, alike on both sides, are the far turn.",
-    (1.45 * SIZE[0], SIZE[1]),
+    (7.4, 4.4),
     "phase",
     lambda asked: [
         ("portrait-sides", (each, asked.energy)) for name, each in asked.places().items() if name == "plus"
@@ -196,21 +195,18 @@ def portrait_of_sides(figure: Figure, potential: Potential, energies: tuple[floa
         )
     tilt, race = figure.subplots(1, 2, sharey=True)
     eta_hat = abs(potential.eta_hat)
-    handles = []
     for side in (1, -1):
         each = on_line(potential.disk, potential.sigma3_bar, side * eta_hat, potential.face)
         _one_side(tilt, race, each, each.levels(energies, _LEVELS_OF_SIDES))
-        handles.append(
-            Line2D([], [], lw=1.5, **_BESIDE[side], label=rf"$\hat\eta$ = {number(each.eta_hat, '.4g')}")
-        )
+        tilt.lines[-1].set_label(rf"$\hat\eta$ = {number(each.eta_hat, '.4g')}")
     for face in (-1, 1):
         tilt.axvline(face * HALF_PI, color=DARK, lw=3.0)
     race.axvline(0.0, color=DARK, lw=0.6)
     phi_axis(tilt)
     rate, unit = coordinate_label("phidot", potential.disk), rates_of(potential.disk)
     dress(tilt, r"$\varphi$ (rad); flat at ±π/2", rate, "The tilt: both sides alike")
-    dress(race, rf"contact point along the rim, $\rho$ ({unit})", "", "The race: opposite ways")
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=SMALL, frameon=False)
+    dress(race, rf"speed along the rim, $\rho$ ({unit})", "", "The race: opposite ways")
+    legend_of_all(figure, [tilt])
     figure.suptitle(f"{_name(potential)}, beside ${_line(potential)}$", fontsize=TEXT)
 
 

@@ -6,14 +6,14 @@ from matplotlib.axes import Axes
 from explorer.motion.rocking import rocking as rocking_of
 from explorer.phase.disk import Disk
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, SERIES, SMALL, dress, legend_below
+from explorer.pictures.style import DARK, SERIES, dress, legend_below
 
 
 @picture(
     Question.HOW_FAR,
     "The turn of the contact point per bounce, from one flattest moment to the next, against the energy of "
-    "rocking. It goes over from that of the Euler disk, which barely rocks, to the race κπ, where the disk nearly "
-    "falls.",
+    "rocking, above E₀, the least one off F. It goes over from that of the Euler disk, which barely rocks, to the "
+    "race κπ, where the disk nearly falls.",
     group="bounces",
 )
 def rocking(ax: Axes, disk: Disk) -> None:
@@ -27,10 +27,8 @@ def rocking(ax: Axes, disk: Disk) -> None:
         ends = x[shown][[0, -1]]
         ax.plot(ends, [found.slowest / np.pi] * 2, lw=1, ls=":", color=colour)
         ax.plot(ends, [body.kappa] * 2, lw=1, ls="--", color=colour)
-    ax.text(0.04, 0.68, "barely rocks", va="center", fontsize=SMALL, transform=ax.transAxes)
-    ax.text(0.96, 0.68, "stands up", va="center", ha="right", fontsize=SMALL, transform=ax.transAxes)
     ax.plot([], [], color=DARK, lw=1, ls=":", label=r"Euler disk, $2\pi\sqrt{M/(3I_1)}$")
     ax.plot([], [], color=DARK, lw=1, ls="--", label=r"race, $\kappa\pi$")
     legend_below(ax, ncols=4)
-    title = "From the Euler disk to the race: one turn per bounce, by energy"
-    dress(ax, r"$(E-E_0)\,/\,(E_0 - V_0)$,   $E_0$ least energy off $F$", "turn per bounce (π rad)", title)
+    energy = r"barely rocks  $\leftarrow$  energy $(E-E_0)\,/\,(E_0 - V_0)$  $\rightarrow$  stands up"
+    dress(ax, energy, "turn per bounce (half turns)", "From the Euler disk to the race")

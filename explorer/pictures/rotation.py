@@ -10,15 +10,14 @@ from explorer.phase.disk import Disk
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array, phi_to_states
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, TEXT, colour_bar, label
+from explorer.pictures.style import DARK, SMALL, TEXT, TILT_COLOURS, colour_bar, label, number
 
 
 @picture(
     Question.WHERE_TO,
-    "By how many turns the contact point advances in one period, without whole turns, over the constants of "
-    "motion at one energy. The colours go round like the turns do. They jump at the lines l₊ and l₋, where the "
-    "disk comes flat, by twice the race. The palest are resonances, a whole number of turns, at which the disk "
-    "may wander off without bound.",
+    "By how many turns the contact point advances in one period, over the constants of motion at one energy. The "
+    "colours jump at the lines l₊ and l₋, where the disk comes flat, by twice the race. Thin lines are "
+    "resonances, a whole number of turns, at which the disk may wander off without bound.",
     group="rotation",
 )
 def rotation(ax: Axes, disk: Disk, energy: float = 2.0, points: int = 300) -> None:
@@ -28,18 +27,26 @@ def rotation(ax: Axes, disk: Disk, energy: float = 2.0, points: int = 300) -> No
     on an axis.
     """
     x, y, turns = rotation_numbers(disk, energy, points)
-    colours = ax.pcolormesh(x, y, turns % 1.0, cmap="twilight", vmin=0.0, vmax=1.0, rasterized=True)
+    most = float(np.nanmax(abs(turns)))
+    colours = ax.pcolormesh(x, y, turns, cmap=TILT_COLOURS, vmin=-most, vmax=most, rasterized=True)
     # Cells at the edge are whole or missing: cut through those that are whole.
     inner = 2.0 * (1.0 - 1.5 / points) * points / (points - 1)
     colours.set_clip_path(Ellipse((0.0, 0.0), inner * x[-1], inner * y[-1], transform=ax.transData))
-    colour_bar(ax, colours, "turns per period, without whole ones", (0.0, 0.25, 0.5, 0.75, 1.0))
-    # In the corners, not over the jumps that they name: where the lines leave the ellipse of this energy.
-    slope, how = line_slope(disk), {"arrowstyle": "-", "lw": 1.0, "color": DARK}
+    colour_bar(ax, colours, "turns per period")
+    slope = line_slope(disk)
+    above = [np.greater.outer(y, sign * slope * x) for sign in (1, -1)]
+    for part in (above[0] & above[1], above[0] & ~above[1], ~above[0] & above[1], ~(above[0] | above[1])):
+        there = np.where(part, turns, np.nan)  # no contour runs along a jump
+        levels = np.arange(np.ceil(np.nanmin(there)), np.floor(np.nanmax(there)) + 1.0)
+        if levels.size:
+            drawn = ax.contour(x, y, there, levels, colors=DARK, linewidths=0.9, linestyles="-")
+            ax.clabel(drawn, fmt=lambda turn: number(turn), fontsize=SMALL)
     for sign, name in ((1, "$l_+$"), (-1, "$l_-$")):
-        for edge in (-1.0, 1.0):
-            out = edge / np.hypot(1.0 / x[-1], slope / y[-1])
-            end, corner = (1.02 * out, 1.02 * sign * slope * out), (1.5 * out, 1.02 * sign * slope * out)
-            ax.annotate(name, end, corner, fontsize=TEXT, ha="center", va="center", arrowprops=how)
+        out = 1.0 / np.hypot(1.0 / x[-1], slope / y[-1])
+        ax.plot([-out, out], [-sign * slope * out, sign * slope * out], color="white", lw=1.4)
+        for edge in (-1.1, 1.1):
+            ax.text(edge * out, edge * sign * slope * out, name, fontsize=TEXT, ha="center", va="center")
+    ax.set_ylim(-1.2 * y[-1], 1.2 * y[-1])
     label(ax, disk, "sigma3_bar", "sigma4_bar", f"Turns jump where the disk comes flat ($E$ = {energy:g} $mgr$)")
 
 

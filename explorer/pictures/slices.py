@@ -197,7 +197,7 @@ def observable(ax: Axes, found: SliceMap | Scan, name: str | None = None) -> Non
     say_if_nothing(ax, values, f"{words} is not known of any state")
     with_unit = f"{words} ({unit})" if unit else words
     if isinstance(found, SliceMap):
-        mesh = ax.pcolormesh(found.x, found.y, values, cmap="viridis", rasterized=True)
+        mesh = ax.pcolormesh(found.x, found.y, values, cmap=TILT_COLOURS, rasterized=True)
         colour_bar(ax, mesh, with_unit)
         for face in (1, -1):
             distance, could = _of_face(found, face)
@@ -211,5 +211,7 @@ def observable(ax: Axes, found: SliceMap | Scan, name: str | None = None) -> Non
         dress(ax, coordinate_label(x, disk), with_unit)
         return None
     first, second = free[:2]
-    colour_bar(ax, ax.scatter(columns[first], columns[second], c=values.ravel(), cmap="viridis", s=6), with_unit)
+    colour_bar(
+        ax, ax.scatter(columns[first], columns[second], c=values.ravel(), cmap=TILT_COLOURS, s=6), with_unit
+    )
     return label(ax, disk, first, second, words)

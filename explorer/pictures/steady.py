@@ -60,10 +60,13 @@ def steady_plane(ax: Axes, disk: Disk) -> None:
     spin, roll = spinning_threshold(disk), rolling_threshold(disk)
     marks = [spin, -spin, 0.0, 0.0], [0.0, 0.0, roll, -roll]
     ax.plot(*marks, "D", color=DARK, mfc="white", ms=7, label="upright becomes stable")
-    for share, words in ((-0.5, ""), (-1.35, " steady\nmotion")):
+    line: dict[str, Any] = {"arrowstyle": "-", "color": DARK, "lw": 0.8}
+    for share, away in ((-0.6, 0.6), (-1.35, 0.0)):
         at = share * spin, 1e-3 * disk.rate_unit
         count = len(at_constants(disk, *at).equilibria)
-        ax.text(*at, f"{count}{words}", ha="center", va="center", fontsize=TEXT)
+        words = f"{count} steady\nmotion{'s' if count > 1 else ''}"
+        to = (-1.3 * spin, away * height) if away else at
+        ax.annotate(words, at, to, ha="center", va="center", fontsize=TEXT, arrowprops=line if away else None)
     ax.set_xlim(-width, width)
     ax.set_ylim(-height, height)
     legend_below(ax, ncols=2)

@@ -1,7 +1,7 @@
 """The look of all pictures: sizes, colours that colour-blind users can tell apart, axes and their units."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -120,11 +120,23 @@ def power(value: float) -> str:
 
 
 def legend_below(ax: Axes, ncols: int = 2, **options: Any) -> None:
-    """A legend under the name of the horizontal axis, where it covers nothing."""
+    """A legend under the name of the horizontal axis, where it covers nothing, to be read by rows."""
     place: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.17), "columnspacing": 1.2}
-    if not (options.get("handles") or ax.get_legend_handles_labels()[0]):
-        return
-    ax.legend(fontsize=SMALL, frameon=False, ncols=ncols, **(place | options))
+    handles = options.pop("handles", None) or ax.get_legend_handles_labels()[0]
+    if handles:
+        ax.legend(handles=by_rows(handles, ncols), fontsize=SMALL, frameon=False, ncols=ncols, **(place | options))
+
+
+def legend_of_all(figure: Figure, panels: Iterable[Axes], ncols: int = 2) -> None:
+    """A legend under a figure, of all that its panels name."""
+    named = {label: each for ax in panels for each, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+    handles = by_rows([*named.values()], ncols)
+    figure.legend(handles=handles, loc="outside lower center", fontsize=SMALL, frameon=False, ncols=ncols)
+
+
+def by_rows(entries: Sequence[Any], ncols: int) -> list[Any]:
+    """Entries in the order in which matplotlib, which fills columns, puts them one after another into rows."""
+    return [each for column in range(ncols) for each in entries[column::ncols]]
 
 
 def arrow(ax: Axes, path: Array, row: int, colour: str, size: float = 17.0) -> None:

@@ -1,7 +1,7 @@
 """Where the disk goes over many periods: rosettes, and the resonances that walk away."""
 
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,7 +13,7 @@ from explorer.motion.wander import WanderPath, resonance, wander, wander_path
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States, constants_to_states
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, SERIES, SIZE, SMALL, coordinate_label, dress, legend_below
+from explorer.pictures.style import DARK, SERIES, SIZE, SMALL, coordinate_label, dress, legend_below, legend_of_all
 
 _BOUNDED = 1e6  # radii; a larger circle is straight in any picture, so none is drawn
 
@@ -43,7 +43,7 @@ def _path(ax: Axes, path: WanderPath) -> None:
         circle = middle - middle * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
         ax.plot(circle.real, circle.imag, color=DARK, lw=0.8, ls=":")
         title = f"it stays: circle of {radius:.2f} r"
-    dress(ax, "x (r)", "y (r)", f"{turns:.4g} turns of $\\chi$ a period:\n{title}")
+    dress(ax, "$x$ ($r$)", "$y$ ($r$)", f"{turns:.4g} turns of $\\chi$ a period:\n{title}")
 
 
 class Walk(NamedTuple):
@@ -87,7 +87,7 @@ def walk_of(disk: Disk) -> Walk:
     Question.WHERE_TO,
     "The paths of the contact point and of the centre of the disk over many periods, seen from above. Dots "
     "are the centre after each period; they lie on a circle, unless a resonance carries the disk away.",
-    (1.25 * SIZE[0], 0.98 * SIZE[1]),
+    (7.4, 4.4),
     "paths",
 )
 def wander_paths(figure: Figure, disk: Disk) -> None:
@@ -102,7 +102,7 @@ def wander_paths(figure: Figure, disk: Disk) -> None:
         x, y = 0.5 * (path.contact.min(axis=0) + path.contact.max(axis=0)) / disk.r
         ax.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
         ax.set_aspect("equal", adjustable="box")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False)
+    legend_of_all(figure, panels[:1], ncols=3)
 
 
 @picture(
@@ -131,16 +131,17 @@ def wander_distance(ax: Axes, disk: Disk, count: int = 12) -> None:
     ax.plot([], [], color=DARK, lw=1, ls=":", label="bound of these dots")
     ax.set_ylim(0.0, 1.05 * largest)
     legend_below(ax, ncols=2)
-    dress(ax, "t (periods)", "distance from the start (r)", "Only a resonance walks away")
+    dress(ax, "$t$ (periods)", "distance from the start (r)", "Only a resonance walks away")
 
 
 @picture(
     Question.WHERE_TO,
     "Above, by how much χ turns in one period, against σ̄₃; below, the radius of the rosette. Where a period is a "
     "whole number of turns the radius has no bound, and the curve leaves the picture: there the disk walks away.",
-    group="paths",
+    (SIZE[0], 5.6),
+    "paths",
 )
-def wander_radius(ax: Axes, disk: Disk) -> None:
+def wander_radius(figure: Figure, disk: Disk) -> None:
     """Draw the radius of the rosette against sigma3_bar, and above it the turn of chi in one period."""
     walk = walk_of(disk)
     found = wander(constants_to_states(disk, walk.sigma3_bar, walk.eta_hat, walk.phidot))
@@ -151,26 +152,15 @@ def wander_radius(ax: Axes, disk: Disk) -> None:
     between = np.interp(fine, bars, turns)
     with np.errstate(divide="ignore"):
         radius = np.interp(fine, bars, step / disk.r) / (2.0 * abs(np.sin(np.pi * between)))
-    ax.plot(fine, radius, color=SERIES[1], lw=1.8)
-    top = 6.0 * float(np.median(radius[np.isfinite(radius)]))
-    ax.set_ylim(0.0, 1.9 * top)
-    ax.set_yticks([tick for tick in ax.get_yticks() if tick <= top])
-    _turns_above(ax, fine, between, walk)
-    title = "The rosette has no bound where a period is whole turns"
-    dress(ax, coordinate_label("sigma3_bar", disk), "radius of the rosette (r)", title)
-    ax.yaxis.set_label_coords(-0.075, 0.29)  # beside its own part of the axis; a new label would be in the middle
-
-
-def _turns_above(ax: Axes, bars: Array, turns: Array, walk: Walk) -> None:
-    """Draw the turn of chi in one period above the radius, and the resonance in both."""
-    above = ax.inset_axes((0.0, 0.62, 1.0, 0.38), sharex=ax)
-    above.plot(bars, turns, color=DARK, lw=1.6)
-    above.set_ylabel("turns of $\\chi$\na period", fontsize=SMALL)
-    above.yaxis.set_label_coords(-0.075, 0.5)
-    above.tick_params(labelsize=SMALL, labelbottom=False)
+    above, below = figure.subplots(2, 1, sharex=True)
+    above.plot(fine, between, color=DARK, lw=1.8)
     above.axhline(walk.turns, color=DARK, lw=0.8, ls=":")
-    for each in (ax, above):
-        each.axvline(walk.bar, color=DARK, lw=0.8, ls=":")
     words = f"resonance: {walk.turns} turn{'' if abs(walk.turns) == 1 else 's'} a period"
-    edge: dict[str, Any] = {"xycoords": above.get_yaxis_transform(), "textcoords": "offset points"}
-    above.annotate(words, (0.99, walk.turns), xytext=(0, -4), ha="right", va="top", fontsize=SMALL, **edge)
+    above.text(fine[-1], walk.turns, words, ha="right", va="bottom", fontsize=SMALL)
+    below.plot(fine, radius, color=SERIES[1], lw=1.8)
+    below.set_ylim(0.0, 6.0 * float(np.median(radius[np.isfinite(radius)])))
+    for ax in (above, below):
+        ax.axvline(walk.bar, color=DARK, lw=0.8, ls=":")
+    title = "The rosette has no bound where a period is whole turns"
+    dress(above, "", r"turns of $\chi$ a period", title)
+    dress(below, coordinate_label("sigma3_bar", disk), "radius of the rosette ($r$)")

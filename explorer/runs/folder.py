@@ -83,9 +83,8 @@ def read_record(folder: Path) -> dict[str, Any]:
             other = f"another version of nearflat wrote it (format {shown(record.get('format'))}, not {FORMAT})"
             raise InputError(f"{path}: {other}; use that version, or {anew}")
         digest_of_identity(record)  # which looks at what others need
-        kinds = {type(name) for name in (*record["formats"], *(record["figures"] or ()), *record["arithmetic"])}
-        if kinds - {str} or {*record["formats"]} - {*KNOWN_FORMATS}:
-            raise TypeError("formats, figures or arithmetic")
+        if {*record["formats"]} - {*KNOWN_FORMATS} or {type(name) for name in record["arithmetic"]} - {str}:
+            raise TypeError("formats or arithmetic")
     except (RunError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: is damaged ({error}); {anew}") from None
     return record
@@ -112,8 +111,8 @@ def require_same(folder: Path, record: dict[str, Any], scene: Scene) -> None:
     for key, before, now in differing(record, identity(scene)):
         if not (key == "samples" and before < now):
             raise InputError(
-                f"--resume: {folder} was run with {key} = {shown(before)}, now {key} = {shown(now)}; give the "
-                "same (or more samples), another folder, or --replace"
+                f"resume: {folder} was run with {key} = {shown(before)}, now {key} = {shown(now)}; give the "
+                "same (or more samples), another folder, or replace the run"
             )
 
 
@@ -123,20 +122,18 @@ def opened(folder: Path, scene: Scene, exist: str) -> Iterator[dict[str, Any]]:
 
     Raises InputError; then nothing is written.
     """
-    record = made_folder("--out", folder) / "run.json"
+    record = made_folder("out", folder) / "run.json"
     own = {".lock", *_FOLDERS}
     if not record.exists() and any(path.name not in own and not path.match(".*.tmp") for path in folder.iterdir()):
-        raise InputError(f"--out {folder}: is not empty and holds no run; give another folder")
+        raise InputError(f"out {folder}: is not empty and holds no run; give another folder")
     try:
         lock = FileLock(folder / ".lock").acquire(timeout=0)
     except Timeout:
         fault = "another run is at work there; wait, or give another folder"
-        raise InputError(f"--out {folder}: {fault}") from None
+        raise InputError(f"out {folder}: {fault}") from None
     with lock:
         if record.exists() and exist == "error":
-            raise InputError(
-                f"--out {folder}: holds a run already; add --resume or --replace, or give another folder"
-            )
+            raise InputError(f"out {folder}: holds a run already; resume it, replace it, or give another folder")
         if exist == "replace":
             for place in _FOLDERS:
                 shutil.rmtree(folder / place, ignore_errors=True)

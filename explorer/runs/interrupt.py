@@ -15,8 +15,6 @@ from types import FrameType
 
 from joblib.externals.loky.backend import resource_tracker as joblib_tracker
 
-from explorer.errors import in_words
-
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
@@ -35,7 +33,7 @@ def stopping(onward: str) -> Iterator[threading.Event]:
             else "stopping when the running chunks are done; once more stops now"
         )
         with contextlib.suppress(OSError):  # the terminal may be closed
-            print(in_words(text), file=sys.stderr, flush=True)
+            print(text, file=sys.stderr, flush=True)
         if stop.is_set():
             # Threads may be deep in compiled code: leave without asking them. Chunks are whole or not there.
             os._exit(130)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from explorer import compiled
-from explorer.errors import InputError, Interrupted, RunError, in_words, note, one_of, shorten, words
+from explorer.errors import InputError, Interrupted, RunError, note, one_of, shorten, words
 from explorer.measure import statistics
 from explorer.phase.paths import path_of
 from explorer.runs import folder as folders
@@ -40,7 +40,7 @@ Columns = Sequence[str] | None
 class Progressed:
     """How far a run is: chunks and samples done, of all; counts of each status; what of it is missing.
 
-    missing: some of "chunks", "summary" and "figures"; figures are missed only where they were asked for.
+    missing: some of "chunks", "summary" and "figures", which were asked for and not all drawn.
     """
 
     scene: str
@@ -168,7 +168,8 @@ class Run:
                     notes.append(chunk.note())
             if part.folder is not None:
                 record = folders.read_record(part.folder)
-                lacking |= _lacking(part.folder, record)
+                lacking |= set() if (part.folder / "summary.json").is_file() else {"summary"}
+                lacking |= {"figures"} if record["formats"] and "finished" not in record else set()
         due = sum(part.scene.chunks for part in self.parts)
         lacking |= {"chunks"} if len(notes) < due else set()
         return Progressed(
@@ -230,7 +231,7 @@ class Run:
 
     def verify(self) -> list[str]:
         """Everything that is wrong with the run, a line each; an empty list where all is well."""
-        return [in_words(fault) for part in self.parts for fault in part._faults()]
+        return [fault for part in self.parts for fault in part._faults()]
 
     def _faults(self) -> list[str]:
         known, now = self.identity, folders.identity(self.scene)
@@ -270,7 +271,7 @@ class Run:
         far = self.status
         others = [f"{far.chunks_done} of {far.chunks} chunks; resume() computes the others"]
         if far.chunks_done == far.chunks:
-            others = [in_words(line) for line in self.scene.headline(self.summary)]
+            others = self.scene.headline(self.summary)
         return [f"Run of {self.scene.name}, {f'{len(self._parts)} merged' if self._parts else where}", *others]
 
     def __repr__(self) -> str:
@@ -279,15 +280,6 @@ class Run:
     def _repr_html_(self) -> str:
         first, *others = map(html.escape, self._lines())
         return f"<b>{first}</b><ul>{''.join(f'<li>{line}</li>' for line in others)}</ul>"
-
-
-def _lacking(folder: Path, record: dict[str, Any]) -> set[str]:
-    """What a stored run should have beside its chunks and has not."""
-    drawn = record["figures"] is not None and all(
-        (folder / "figures" / name).is_file() for name in record["figures"]
-    )
-    there = {"figures": drawn or not record["formats"], "summary": (folder / "summary.json").is_file()}
-    return {name for name in there if not there[name]}
 
 
 def open(folder: Path | str) -> Run:
@@ -348,14 +340,13 @@ def _fill(asked: Asked, folder: Path, record: dict[str, Any]) -> Run:
         note(text, settings.quiet)
 
     missing = folders.missing_chunks(folder, scene, say)
-    known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": [], "figures": None} | record
+    known: dict[str, Any] = {"command": None, "formats": FORMATS, "arithmetic": []} | record
     how: dict[str, Any] = {
         "started": known.get("started", folders.now()),
         "command": command or known["command"],
         "jobs": settings.jobs,
         "backend": settings.backend,
         "formats": (settings.format or known["formats"] or FORMATS) if settings.figures else [],
-        "figures": known["figures"],
         "arithmetic": folders.processors(record, say) if missing else known["arithmetic"],
     }
     folders.write_record(folder, scene, how)
@@ -369,8 +360,6 @@ def _fill(asked: Asked, folder: Path, record: dict[str, Any]) -> Run:
         store.write_json(told, run.summary)
         if how["formats"] and not _draw_missing(run, how["formats"], stop):
             raise Interrupted(f"all samples are stored, pictures are missing; {settings.onward}")
-    if how["formats"]:
-        how["figures"] = sorted(path.name for path in drawn.iterdir())
     folders.write_record(folder, scene, {**how, "finished": folders.now()})
     return run
 

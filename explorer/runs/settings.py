@@ -69,9 +69,9 @@ class Settings(Options):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.scheduler is not None and self.backend != "dask":
-            raise InputError(f"--scheduler {self.scheduler}: is for --backend dask; give both")
+            raise InputError(f"scheduler {self.scheduler}: is for backend dask; give both")
         if self.backend == "dask" and find_spec("distributed") is None:
-            raise InputError("--backend dask: needs the extra 'cluster': pip install 'nearflat[cluster]'")
+            raise InputError("backend dask: needs the extra 'cluster': pip install 'nearflat[cluster]'")
 
     @property
     def quiet(self) -> bool:
@@ -82,7 +82,7 @@ class Settings(Options):
     def onward(self) -> str:
         """How to go on with a run that was stopped."""
         if self.out is None:
-            return "nothing is kept without --out"
+            return "nothing is kept unless out names a folder"
         by = " --backend dask" if self.backend == "dask" else ""
         to = f" --scheduler {self.scheduler}" if self.scheduler else ""
         return f"continue with: nearflat resume {self.out}{by}{to}"

@@ -52,7 +52,7 @@ def compute(scene: Scene, identity: str, folder: Path | None, index: int) -> Don
         return make_chunk(scene, index, identity, folder)
     except MemoryError:
         raise RunError(
-            f"chunk {index}: {scene.length(index):,} samples do not fit into memory; give a smaller --chunk-size"
+            f"chunk {index}: {scene.length(index):,} samples do not fit into memory; give a smaller chunk_size"
         ) from None
 
 
@@ -80,8 +80,8 @@ def compute_all(scene: Scene, missing: list[int], settings: Settings, stop: thre
             yield from filter(None, made)
         except BrokenExecutor as error:
             if not stop.is_set():
-                how_so = "a worker was killed (out of memory? give fewer --jobs or a smaller --chunk-size)"
-                raise RunError(f"--backend processes: {how_so}; {settings.onward}") from error
+                how_so = "a worker was killed (out of memory? give fewer jobs or a smaller chunk_size)"
+                raise RunError(f"backend processes: {how_so}; {settings.onward}") from error
 
 
 def begin_worker(parent: int, path: list[str]) -> None:
@@ -115,7 +115,7 @@ def _cluster(settings: Settings) -> Iterator[Any]:
                 client = until_done.enter_context(distributed.Client(address, timeout=5))
         except Exception as error:  # of whatever kind: dask's settings for TLS raise nearly any
             raise RunError(
-                f"--scheduler {settings.scheduler}: cannot be reached ({in_one_line(error)}); look at the "
+                f"scheduler {settings.scheduler}: cannot be reached ({in_one_line(error)}); look at the "
                 "address, and whether scheduler, workers and this process have the same settings for TLS"
             ) from error
         yield client
@@ -130,7 +130,7 @@ def _on_cluster(
     """
     import distributed
 
-    where = f"--scheduler {settings.scheduler}" if settings.scheduler else "--backend dask"
+    where = f"scheduler {settings.scheduler}" if settings.scheduler else "backend dask"
     future, idle = client.submit(task, index, pure=False), 0
     try:
         while idle < _LOOKS:

@@ -90,21 +90,21 @@ class MeasureZero(FromDensity):
         super().__post_init__()
         require_axial_inertia(self.disk)
         if self.sampling == "sobol" and self.tube < 2 * SCRAMBLES:
-            raise InputError(f"--tube {self.tube}: Sobol points come in {SCRAMBLES} scrambles; give more draws")
+            raise InputError(f"tube {self.tube}: Sobol points come in {SCRAMBLES} scrambles; give more draws")
         if not {"sigma3", "sigma4"} & set(self.box.free):
             raise InputError(
-                "--box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "
+                "box: sigma3 and sigma4 are both fixed, so the falling set is met at isolated tilts or not at "
                 "all, and there are no tubes; give one of them a range (falling_constant gives C in Python)"
             )
         if self.source.reaches_flat():
             raise InputError(
-                "--box reaches flat (phi = +-pi/2) where the density does not vanish and the energy has no bound: "
-                "P is of order delta ln(1/delta) there, there is no C; give --energy LOW:HIGH, or keep phi away"
+                "box reaches flat (phi = +-pi/2) where the density does not vanish and the energy has no bound: "
+                "P is of order delta ln(1/delta) there, there is no C; give energy LOW:HIGH, or keep phi away"
             )
         if np.count_nonzero(self.probability.tested) < 2:
             low, high = self.ladder
             raise InputError(
-                f"--ladder {low:g}:{high:g}: needs two rungs at or below {self.probability.law_limit:.1e}, where "
+                f"ladder {low:g}:{high:g}: needs two rungs at or below {self.probability.law_limit:.1e}, where "
                 "the law holds for this box and disk; give a smaller LOW"
             )
 
@@ -224,7 +224,7 @@ class MeasureZero(FromDensity):
         for each in (states, states.reversed()):
             turn = turning_points(each, _checking())
             here = (turn.face == face) & (abs(turn.theta / theta - 1.0) < 0.5)
-            agrees = np.sign(turn.way) == np.sign(eta_hat)
+            agrees = np.sign(turn.turn_rate) == np.sign(eta_hat)
             failed = turn.status != compiled.status.Status.OK
             for way, those in (("right", here & agrees), ("wrong", here & ~agrees), ("not_resolved", failed)):
                 tally.race[way] += int(those.sum())
@@ -264,7 +264,7 @@ class MeasureZero(FromDensity):
         if not summary["constant"]:
             fewest = min(row["effective_sample_size"] for row in summary["ladder"])
             size = f"one rung has an effective sample size of {fewest:.0f}, below {FEWEST_HITS}"
-            return [*lines, f"C was not estimated: {size}. Raise --tube, or narrow --box to where the density is."]
+            return [*lines, f"C was not estimated: {size}. Raise tube, or narrow box to where the density is."]
         return lines
 
 

@@ -87,7 +87,7 @@ class OneSided(Scene):
             require_axial_inertia(disk)
             check_eta_hat(self.span(disk), disk)
         if len({disk.name for disk in self.disk}) < len(self.disk):
-            raise InputError("--disk: one-sided needs different names; name disks in TOML files")
+            raise InputError("disk: one-sided needs different names; name disks in TOML files")
 
     @property
     def label(self) -> str:

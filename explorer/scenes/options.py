@@ -70,8 +70,8 @@ class Options:
         for each in options_of(type(self)):
             given = getattr(self, each.name)
             if given is None and each.metadata["required"]:
-                raise InputError(f"{flag_of(each)}: is needed; {each.metadata['text']}")
-            value = None if given is None else each.metadata["reader"].read(flag_of(each), given)
+                raise InputError(f"{each.name}: is needed; {each.metadata['text']}")
+            value = None if given is None else each.metadata["reader"].read(each.name, given)
             object.__setattr__(self, each.name, value)
         for each in options_of(type(self)):
             if each.metadata["follows"]:
@@ -83,9 +83,9 @@ class Options:
         known = {name: each.name for each in options_of(cls) for name in (each.name, key_of(each))}
         for name in given:
             if name not in known:
-                said = f"--{name.replace('_', '-')}" if name.isidentifier() else shown(name)
-                what, flags = getattr(cls, "name", cls.__name__.lower()), map(flag_of, options_of(cls))
-                raise InputError(f"{said}: {what} takes no such option; {suggest(said, list(flags))}")
+                what, names = getattr(cls, "name", cls.__name__.lower()), [each.name for each in options_of(cls)]
+                said = name if name.isidentifier() else shown(name)
+                raise InputError(f"{said}: {what} takes no such option; {suggest(name, names)}")
         return cls(**{known[name]: value for name, value in given.items() if value is not None})
 
     @classmethod
@@ -109,7 +109,9 @@ class Options:
             own = [
                 each
                 for each in options_of(cls)
-                if flag_of(each)[0] == "-" and each.name in (only or {each.name}) and _home_of(cls, each) is kind
+                if each.metadata["reader"].metavar is not None
+                and each.name in (only or {each.name})
+                and _home_of(cls, each) is kind
             ]
             group = parser.add_argument_group(first_line(kind).rstrip(".")) if own else parser
             for each in own:
@@ -119,8 +121,8 @@ class Options:
                     how = {"action": argparse.BooleanOptionalAction}
                 elif each.metadata["several"]:
                     how["action"] = "append"
-                text = described(each).replace("%", "%%")
-                group.add_argument(flag_of(each), dest=each.name, default=argparse.SUPPRESS, help=text, **how)
+                flag, text = f"--{each.name.replace('_', '-')}", described(each).replace("%", "%%")
+                group.add_argument(flag, dest=each.name, default=argparse.SUPPRESS, help=text, **how)
 
 
 def options_of(kind: type) -> "tuple[Field[Any], ...]":
@@ -131,12 +133,6 @@ def options_of(kind: type) -> "tuple[Field[Any], ...]":
 def key_of(each: "Field[Any]") -> str:
     """What records call an option."""
     return each.metadata["key"] or each.name
-
-
-def flag_of(each: "Field[Any]") -> str:
-    """An option as messages name it: as on the command line, where it has a flag."""
-    python_only = each.metadata["reader"].metavar is None
-    return each.name if python_only else f"--{each.name.replace('_', '-')}"
 
 
 def described(each: "Field[Any]") -> str:

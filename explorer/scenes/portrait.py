@@ -40,7 +40,7 @@ class Portrait(Scene):
     sigma3_bar: float | None = option(
         NUMBER, "constant of motion, in the units of the disk", words="0.25 natural units"
     )
-    sigma4_bar: float | None = option(NUMBER, "the other constant, in the units of the disk, instead of --eta-hat")
+    sigma4_bar: float | None = option(NUMBER, "the other constant, in the units of the disk, instead of eta_hat")
     eta_hat: float | None = option(
         NUMBER,
         "distance beside the line of face +1, in the units of the disk; 0 is on it",
@@ -59,12 +59,12 @@ class Portrait(Scene):
         require_axial_inertia(self.disk)
         if self.sigma4_bar is not None and self.eta_hat is not None:
             raise InputError(
-                f"--sigma4-bar {self.sigma4_bar:g} and --eta-hat {self.eta_hat:g} say the same; leave out one"
+                f"sigma4_bar {self.sigma4_bar:g} and eta_hat {self.eta_hat:g} say the same; leave out one"
             )
         if self.well:
             require_well(self.disk, self.bar)
             if self.sigma4_bar is not None:
-                raise InputError(f"--sigma4-bar {self.sigma4_bar:g}: a well is asked for on l_+; leave it out")
+                raise InputError(f"sigma4_bar {self.sigma4_bar:g}: a well is asked for on l_+; leave it out")
         for potential in self.places().values():
             potential.levels(self.energy, LEVELS)
 

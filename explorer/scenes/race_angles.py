@@ -192,7 +192,7 @@ class Passages(RaceAngles):
 
     name: ClassVar[str] = RaceAngles.name
     remedy = (
-        "raise --eta-hat or change --accuracy; in --box give phidot of 0 or more, which leads to flat, and rates "
+        "raise eta_hat or change accuracy; in box give phidot of 0 or more, which leads to flat, and rates "
         "below 1e100 natural units"
     )
     block: ClassVar[int] = SampledScene.block
@@ -225,7 +225,7 @@ class Passages(RaceAngles):
             energy = states.motion.energy * self.disk.energy_unit
             return drawn, (energy >= low) & (energy <= high)
 
-        return gather(block, count, "--energy: only {} draws beside the falling set were kept; widen it")
+        return gather(block, count, "energy: only {} draws beside the falling set were kept; widen it")
 
     def _starts(self, random: Stream, count: int) -> Table:
         start = self.box.starts(random, count)
@@ -263,7 +263,7 @@ class Bounces(RaceAngles):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.method not in ("auto", "quadrature"):
-            raise InputError(f"--method {self.method}: bounces of states are by quadrature; leave it out")
+            raise InputError(f"method {self.method}: bounces of states are by quadrature; leave it out")
 
     @property
     def kernels(self) -> tuple[str, ...]:
@@ -276,10 +276,10 @@ class Bounces(RaceAngles):
 
     def eta_hat_of(self, given: Range | None) -> None:
         if given is not None:
-            why = [f"--{name}" for name in _ANYWHERE if getattr(self, name) is not None]
+            why = [name for name in _ANYWHERE if getattr(self, name) is not None]
             raise InputError(
-                f"--eta-hat: is for passages that start at the vertical beside the falling set, and "
-                f"{why[0] if why else '--box with phi or sigma4'} gives states elsewhere; leave one out"
+                f"eta_hat: is for passages that start at the vertical beside the falling set, and "
+                f"{why[0] if why else 'box with phi or sigma4'} gives states elsewhere; leave one out"
             )
 
     def observe(self, block: Block) -> Table:
@@ -298,7 +298,7 @@ class Bounces(RaceAngles):
 def _anywhere(given: dict[str, Any]) -> bool:
     """Whether options mean states anywhere in the phase space."""
     box = given.get("box")
-    ranges = {} if box is None else read_ranges("--box", box)
+    ranges = {} if box is None else read_ranges("box", box)
     return any(given.get(name) is not None for name in _ANYWHERE) or bool({"phi", "sigma4"} & set(ranges))
 
 

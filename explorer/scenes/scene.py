@@ -78,7 +78,7 @@ class Scene(Options, ABC):
         super().__post_init__()
         _ = self.plan  # a method that cannot give the observables is refused before anything is written
         if not self.observables and self.method != "auto":
-            raise InputError(f"--method {self.method}: {self.name} names no observables, so it has no methods")
+            raise InputError(f"method {self.method}: {self.name} names no observables, so it has no methods")
 
     @property
     def options(self) -> dict[str, Any]:

@@ -91,10 +91,10 @@ class FromStates(FromDensity):
     )
     states: GivenStates | None = option(
         Reader(GivenStates.of, "FILE", "Path | str | States | Any"),
-        "Parquet or CSV file with states, instead of --box: columns tilt, tilt_rate, precession, spin; or phi, "
+        "Parquet or CSV file with states, instead of box: columns tilt, tilt_rate, precession, spin; or phi, "
         "phidot, sigma3, sigma4; or phidot, sigma3_bar, eta_hat; all other columns go on into the results",
     )
-    degrees: bool = option(TRUTH, "angles and rates in --states are in degrees", default=False)
+    degrees: bool = option(TRUTH, "angles and rates of a table of states are in degrees", default=False)
 
     block: ClassVar[int] = 1 << 14  # states: intermediate arrays stay in a processor's cache
 
@@ -102,23 +102,23 @@ class FromStates(FromDensity):
         super().__post_init__()
         made = None if self.states is None else self.states.states
         if self.degrees and (self.states is None or made is not None):
-            raise InputError("--degrees: says how a table of --states is meant; leave it out")
+            raise InputError("degrees: says how a table of states is meant; leave it out")
         if made is not None and made.disk != self.disk:
-            raise InputError(f"--states: made for the disk {made.disk.name!r}, used with {self.disk.name!r}")
+            raise InputError(f"states: made for the disk {made.disk.name!r}, used with {self.disk.name!r}")
 
     def box_of(self, given: dict[str, Range] | None) -> Any:
         if self.states is None:
             return super().box_of(given)
         for name in ("box", "energy", "gaussian", "density"):
             if getattr(self, name) is not None:
-                raise InputError(f"--{name}: the states come from --states; leave it out")
+                raise InputError(f"{name}: the states come from states; leave it out")
         return None
 
     def _samples_of(self, given: int | None) -> int:
         if self.states is None:
             return given or 100_000
         if given is not None and given > self.states.rows:
-            raise InputError(f"--samples {given}: --states holds {self.states.rows}; leave --samples out")
+            raise InputError(f"samples {given}: states holds {self.states.rows}; leave samples out")
         return given or self.states.rows
 
     def blocks(self, index: int) -> Iterator[Block]:
@@ -145,10 +145,10 @@ class FromStates(FromDensity):
         """How many samples are states; the others are bad input, and in no statistic. Raises RunError for 0."""
         count = sum(status.values()) - status.get("bad_input", 0)
         if not count:
-            remedy = "in --box, give rates below 1e100 natural units"
+            remedy = "in box, give rates below 1e100 natural units"
             if self.states is not None:
-                remedy = "in --states, give finite numbers, phi between -pi/2 and pi/2 or tilt between 0 and pi"
-                remedy += "" if self.degrees else ", and --degrees where they are in degrees"
+                remedy = "in states, give finite numbers, phi between -pi/2 and pi/2 or tilt between 0 and pi"
+                remedy += "" if self.degrees else ", or say degrees where they are in degrees"
             raise RunError(f"{self.name}: none of {self.samples:,} samples is a state; {remedy}")
         return count
 
@@ -184,13 +184,13 @@ class BoxNearF(Box):
     def of(cls, disk: Disk, ranges: Mapping[str, Range]) -> Self:
         """The default box with other ranges. Raises InputError where these do not describe starts near F."""
         if "sigma4" in ranges:
-            raise InputError("--box sigma4: this scene sets sigma4 by --eta-hat; leave it out")
+            raise InputError("box sigma4: this scene sets sigma4 by eta_hat; leave it out")
         box = replace(cls.default(disk), **ranges)
         if box.phi != (0.0, 0.0):
-            raise InputError("--box phi: this scene starts at the vertical; leave phi out or give phi=0")
+            raise InputError("box phi: this scene starts at the vertical; leave phi out or give phi=0")
         if box.phidot[0] < 0.0:
             raise InputError(
-                f"--box phidot = {box.phidot[0]:g}:{box.phidot[1]:g}: this scene takes the speed towards flat, "
+                f"box phidot = {box.phidot[0]:g}:{box.phidot[1]:g}: this scene takes the speed towards flat, "
                 "used for both faces; give 0 <= LOW"
             )
         return box
@@ -211,5 +211,5 @@ def check_eta_hat(span: Range, disk: Disk) -> None:
     nearest, furthest = (limit * disk.rate_unit for limit in _NEAR_F)
     if not nearest <= low <= high <= furthest:
         raise InputError(
-            f"--eta-hat {low:g}:{high:g}: give LOW:HIGH with {nearest:g} <= LOW <= HIGH <= {furthest:g}"
+            f"eta_hat {low:g}:{high:g}: give LOW:HIGH with {nearest:g} <= LOW <= HIGH <= {furthest:g}"
         )

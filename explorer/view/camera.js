@@ -62,6 +62,11 @@ export class Camera {
     ];
   }
 
+  /** How many pixels a radius of the disk is long at a point. */
+  pixels(point) {
+    return this.scale / this.project(point)[2];
+  }
+
   /** Whether a small surface at `point` with outward normal `normal` is seen from its outer side. */
   faces(point, normal) {
     return (

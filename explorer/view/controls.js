@@ -7,6 +7,7 @@ const $ = (id) => document.getElementById(id);
 const UPRIGHT = 0.5 * Math.PI;
 const TURN = 0.008; // rad of the camera per pixel
 const KEY_TURN = 0.08;
+const ASIDE = 6; // pixels that a finger goes aside before it drags
 
 /** The sliders that hold one number as it is. */
 const SLIDERS = { s3: "sigma3_bar", phidot: "phidot" };
@@ -15,7 +16,7 @@ export function bindControls(store, player) {
   for (const [id, name] of Object.entries(SLIDERS)) {
     $(id).addEventListener("input", () => store.set({ [name]: Number($(id).value) }));
   }
-  $("eta").addEventListener("input", () => store.set({ eta_hat: placeToEtaHat(Number($("eta").value), store.shown.eta_hat) }));
+  $("eta").addEventListener("input", () => store.set({ eta_hat: placeToEtaHat(Number($("eta").value)) }));
   $("inner").addEventListener("input", () => store.set({ disk: diskOf(Number($("inner").value), store) }));
   $("pace").addEventListener("input", () => store.set({ pace: 2 ** Number($("pace").value) }));
   for (const id of ["slow", "ghost"]) $(id).addEventListener("change", () => store.set({ [id]: $(id).checked }));
@@ -45,7 +46,7 @@ function diskOf(inner, store) {
 }
 
 function flip(store) {
-  store.set({ eta_hat: -store.shown.eta_hat });
+  if (store.shown.eta_hat) store.set({ eta_hat: -store.shown.eta_hat });
 }
 
 async function share() {
@@ -79,40 +80,52 @@ function pressed(event, store, player) {
 /** Sliders and buttons as the store says, also when something else moved them. */
 export function showControls(store, colours) {
   const { shown, body } = store;
-  const plus = shown.eta_hat > 0;
-  document.documentElement.style.setProperty("--shown", plus ? colours.plus : colours.minus);
-  document.documentElement.style.setProperty("--hidden", plus ? colours.minus : colours.plus);
+  const style = document.documentElement.style, onF = !shown.eta_hat;
+  ["shown", "hidden"].forEach((name, n) => {
+    style.setProperty(`--${name}`, colours.sideColours[n]);
+    style.setProperty(`--${name}-ink`, colours.sideInks[n]);
+  });
   for (const [id, name] of Object.entries(SLIDERS)) $(id).value = shown[name];
   $("eta").value = etaHatToPlace(shown.eta_hat);
-  $("eta-text").textContent = format(shown.eta_hat, 3, true);
-  $("eta").setAttribute("aria-valuetext", `${format(shown.eta_hat, 3, true)}, ${plus ? "blue" : "vermilion"} side of F`);
+  $("eta-text").textContent = onF ? "0: on F" : format(shown.eta_hat, 3, true);
+  const side = onF ? "F itself" : `${shown.eta_hat > 0 ? "blue" : "vermilion"} side of F`;
+  $("eta").setAttribute("aria-valuetext", `${format(shown.eta_hat, 3, true)}, ${side}`);
+  $("flip").disabled = onF;
   $("s3-text").textContent = format(shown.sigma3_bar, 3);
   $("phidot-text").textContent = format(shown.phidot, 3);
   $("inner").value = body.inner ?? 0;
   $("body-text").textContent = body.label;
   $("pace").value = Math.log2(shown.pace);
+  for (const [id, words] of [["s3", format(shown.sigma3_bar, 3)], ["phidot", format(shown.phidot, 3)],
+    ["inner", body.label], ["pace", `${format(shown.pace, 2)} times`]]) $(id).setAttribute("aria-valuetext", words);
   for (const id of ["slow", "ghost"]) $(id).checked = shown[id];
   for (const button of $("faces").children) button.setAttribute("aria-pressed", Number(button.dataset.face) === shown.face);
   for (const button of $("bodies").children) button.setAttribute("aria-pressed", button.dataset.disk === shown.disk);
   $("kappa").textContent = `here ${(body.kappa / 2).toFixed(2)} turns`;
-  $("side-name").textContent = `one side of F: η̂ = ${format(shown.eta_hat, 2, true)}`;
+  const here = format(shown.eta_hat, 2, true);
+  $("side-name").textContent = onF ? "on F" : `one side of F: η̂ = ${here}`;
   $("other-name").textContent = `the other side: η̂ = ${format(-shown.eta_hat, 2, true)}`;
-  $("other-name").parentElement.hidden = !shown.ghost;
+  $("other-name").parentElement.hidden = !shown.ghost || onF;
 }
 
-/** Calls `move(x, y, event)` while the canvas is dragged by mouse, pen or finger. */
+/** Calls `move(x, y, event)` while the canvas is dragged; a finger that goes up or down scrolls the page instead. */
 export function onDrag(canvas, move, begin = () => {}) {
   const place = (event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
   };
+  let from = null; // where a finger was set down that has not moved aside yet
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
     begin(...place(event), event);
-    move(...place(event), event);
+    from = event.pointerType === "touch" && event.isPrimary ? place(event) : null;
+    if (!from) move(...place(event), event);
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (canvas.hasPointerCapture(event.pointerId)) move(...place(event), event);
+    const [x, y] = place(event);
+    if (from && Math.abs(x - from[0]) <= Math.max(ASIDE, Math.abs(y - from[1]))) return;
+    from = null;
+    if (canvas.hasPointerCapture(event.pointerId)) move(x, y, event);
   });
 }
 

@@ -39,8 +39,12 @@ function circle(pose, radius, height) {
   return TURNS.map((_, n) => spot(pose, radius, COSINES[n], SINES[n], height));
 }
 
-function trace(context, points) {
+export function trace(context, points) {
   points.forEach(([x, y], n) => (n ? context.lineTo(x, y) : context.moveTo(x, y)));
+}
+
+function close(context, points) {
+  trace(context, points);
   context.closePath();
 }
 
@@ -56,7 +60,7 @@ export function drawShadow(context, camera, pose, lamp, strength) {
   for (const [dx, dy] of LAMP) {
     context.beginPath();
     for (const rim of rims) {
-      trace(context, rim.map((p) => camera.project([p[0] - ((lamp[0] + dx) * p[2]) / lamp[2], p[1] - ((lamp[1] + dy) * p[2]) / lamp[2], 0])));
+      close(context, rim.map((p) => camera.project([p[0] - ((lamp[0] + dx) * p[2]) / lamp[2], p[1] - ((lamp[1] + dy) * p[2]) / lamp[2], 0])));
     }
     context.fill("evenodd");
   }
@@ -82,7 +86,7 @@ function drawBand(context, camera, pose, radius, outward, colour, lamp) {
     ].map(([m, height]) => camera.project(spot(pose, radius, COSINES[m], SINES[m], height)));
     context.fillStyle = context.strokeStyle = mixed(colour, 0.42 * shade(normal, lamp) - 0.12);
     context.beginPath();
-    trace(context, corners);
+    close(context, corners);
     context.fill();
     context.stroke();
   }
@@ -98,7 +102,7 @@ function drawMark(context, camera, pose, height, colour) {
   });
   context.fillStyle = colour;
   context.beginPath();
-  trace(context, corners);
+  close(context, corners);
   context.fill();
 }
 
@@ -118,15 +122,15 @@ function drawFace(context, camera, pose, top, look, lamp) {
   gradient.addColorStop(1, mixed(colour, light + 0.16));
   context.fillStyle = gradient;
   context.beginPath();
-  trace(context, rim);
-  if (pose.hole) trace(context, circle(pose, pose.hole, height).map((p) => camera.project(p)));
+  close(context, rim);
+  if (pose.hole) close(context, circle(pose, pose.hole, height).map((p) => camera.project(p)));
   context.fill("evenodd");
   context.strokeStyle = mixed(colour, light + 0.35);
   context.lineWidth = 1;
   context.stroke();
   context.strokeStyle = mixed(colour, light - 0.22);
   context.beginPath();
-  trace(context, circle(pose, Math.max(0.9, 0.5 * (1 + pose.hole)), height).map((p) => camera.project(p)));
+  close(context, circle(pose, Math.max(0.9, 0.5 * (1 + pose.hole)), height).map((p) => camera.project(p)));
   context.stroke();
   drawMark(context, camera, pose, height, top ? look.markUp : look.markDown);
 }
@@ -146,16 +150,21 @@ export function drawDisk(context, camera, pose, look, lamp) {
   for (const top of [true, false]) if (seen(top)) drawFace(context, camera, pose, top, look, lamp);
 }
 
-/** The disk on the other side of F: its outline, filled with a breath of its colour. */
-export function drawGhost(context, camera, pose, colour) {
+/** The outline of a disk; `fill` is how much of the colour the face has. */
+export function drawOutline(context, camera, pose, colour, alpha, width, fill) {
   const rims = [1, pose.hole].filter((radius) => radius > 0);
   context.beginPath();
-  for (const radius of rims) trace(context, circle(pose, radius, 0).map((p) => camera.project(p)));
-  context.fillStyle = `rgba(${colour.join(",")}, 0.16)`;
+  for (const radius of rims) close(context, circle(pose, radius, 0).map((p) => camera.project(p)));
+  context.fillStyle = `rgba(${colour.join(",")}, ${fill})`;
   context.fill("evenodd");
-  context.strokeStyle = `rgba(${colour.join(",")}, 0.9)`;
-  context.lineWidth = 1.8;
+  context.strokeStyle = `rgba(${colour.join(",")}, ${alpha})`;
+  context.lineWidth = width;
   context.stroke();
+}
+
+/** The disk on the other side of F: its outline, filled with a breath of its colour. */
+export function drawGhost(context, camera, pose, colour) {
+  drawOutline(context, camera, pose, colour, 0.9, 1.8, 0.16);
   drawMark(context, camera, pose, 0, `rgba(${colour.join(",")}, 0.75)`);
 }
 
@@ -180,28 +189,40 @@ export function drawHand(context, camera, pose, colour, size) {
   context.stroke();
 }
 
-const SPIRAL_FLAT = 0.35; // rad of tilt above which the spiral has faded
+// The tail of a race lies on the table round the rim, and the one of the other side round that.
+const TAIL_RADIUS = 1.1, TAIL_APART = 0.1, TAIL_GROWTH = 0.3, TAIL_PIECE = 0.06;
 
-/** The race so far, drawn on the flat disk as a spiral from where it began. */
-export function drawSpiral(context, camera, pose, race, tilt, colour) {
-  const fade = Math.min(1, 1.5 * (1 - tilt / SPIRAL_FLAT));
-  if (!(fade > 0) || Math.abs(race.turned) < 0.02) return;
-  const steps = Math.ceil(Math.abs(race.turned) / 0.1);
-  const height = pose.normal[2] >= 0 ? pose.high : pose.low;
-  const points = Array.from({ length: steps + 1 }, (_, n) => {
-    const turned = (race.turned * n) / steps;
-    const radius = 0.28 + (0.42 * Math.abs(turned)) / Math.abs(race.limit);
-    const angle = race.chi + turned;
-    // On the flat disk directions in space are directions on its face.
-    const flat = [Math.cos(angle), Math.sin(angle)];
-    const a = (flat[0] * pose.down[0] + flat[1] * pose.down[1]);
-    const b = flat[0] * pose.along[0] + flat[1] * pose.along[1];
-    return camera.project(spot(pose, radius, a, b, height));
+/**
+ * The race so far as the tail of a comet round the disk: from where it began to the contact, which is at chi.
+ *
+ * Its pieces overlap and are opaque, so that no seams are seen; `ground` is what they fade into, [r, g, b].
+ */
+export function drawTail(context, camera, centre, chi, race, n, colour, ground, strength) {
+  if (!(strength > 0) || Math.abs(race.turned) < TAIL_PIECE) return;
+  const pieces = Math.ceil(Math.abs(race.turned) / TAIL_PIECE);
+  const points = Array.from({ length: pieces + 1 }, (_, piece) => {
+    const angle = chi - race.turned * (1 - piece / pieces);
+    const radius = TAIL_RADIUS + n * TAIL_APART + (TAIL_GROWTH * piece * TAIL_PIECE) / Math.abs(race.angle);
+    return camera.project([centre[0] + radius * Math.cos(angle), centre[1] + radius * Math.sin(angle), 0]);
   });
-  context.strokeStyle = `rgba(${colour.join(",")}, ${0.85 * fade})`;
-  context.lineWidth = 3;
+  const thick = 0.055 * camera.pixels(centre);
+  context.save();
+  context.globalAlpha = Math.min(1, strength);
   context.lineCap = "round";
+  for (let piece = 0; piece < pieces; piece++) {
+    const share = (piece + 1) / pieces;
+    const faded = colour.map((v, i) => Math.round(ground[i] + (0.2 + 0.8 * share) * (v - ground[i])));
+    context.strokeStyle = `rgb(${faded.join(",")})`;
+    context.lineWidth = thick * (0.12 + 0.88 * share);
+    context.beginPath();
+    trace(context, points.slice(piece, piece + 2));
+    context.stroke();
+  }
+  context.fillStyle = "#fff";
+  context.lineWidth = 0.3 * thick;
   context.beginPath();
-  points.forEach(([x, y], n) => (n ? context.lineTo(x, y) : context.moveTo(x, y)));
+  context.arc(...points[pieces].slice(0, 2), 0.75 * thick, 0, 2 * Math.PI);
+  context.fill();
   context.stroke();
+  context.restore();
 }

@@ -4,7 +4,8 @@ import { bindCamera, bindControls, bindMaps, onArrows, onDrag, showControls } fr
 import { ConstantsPlane, Portrait } from "./planes.js";
 import { CLOCK, T, stateAt } from "./physics.js";
 import { Gauge, showNow, showNumbers } from "./readouts.js";
-import { Scene, raceAt } from "./scene.js";
+import { bindSaving } from "./saving.js";
+import { Scene } from "./scene.js";
 import { Store, readHash, writeHash } from "./state.js";
 import { TimePlot } from "./timeplot.js";
 
@@ -18,15 +19,16 @@ function readLook(shown) {
   const style = getComputedStyle(document.documentElement);
   const css = (name) => style.getPropertyValue(`--${name}`).trim();
   const rgb = (name) => css(name).match(/[0-9a-f]{2}/gi).map((pair) => parseInt(pair, 16));
-  const order = shown.eta_hat > 0 ? ["plus", "minus"] : ["minus", "plus"];
+  const order = shown.eta_hat > 0 ? ["plus", "minus"] : shown.eta_hat < 0 ? ["minus", "plus"] : ["ink", "ink"];
   const dark = matchMedia("(prefers-color-scheme: dark)").matches;
   const tint = (name) => `rgba(${rgb(name).join(",")}, ${dark ? 0.22 : 0.13})`;
   return {
     plus: css("plus"), minus: css("minus"),
     ink: css("ink"), soft: css("soft"), paper: css("panel"), panel: css("panel"), grid: css("grid"), axis: css("rule"),
     level: css("level"), table: css("table"), tableFar: css("table-far"), tableEdge: css("table-edge"), tableLine: css("table-line"),
-    faceUp: rgb("face-up"), faceDown: rgb("face-down"), markUp: css("mark-up"), markDown: css("mark-down"),
-    sides: order.map(rgb), sideColours: order.map(css), tints: { 1: tint("plus"), [-1]: tint("minus") },
+    faceUp: rgb("face-up"), faceDown: rgb("face-down"), markUp: css("mark-up"), markDown: css("mark-down"), ground: rgb("table"),
+    sides: order.map(rgb), sideColours: order.map(css), sideInks: order.map((name) => css(`${name}-ink`) || css(name)),
+    plusInk: css("plus-ink"), minusInk: css("minus-ink"), tints: { 1: tint("plus"), [-1]: tint("minus") },
     shadow: dark ? 1.2 : 1,
   };
 }
@@ -100,6 +102,7 @@ class Page {
     bindControls(this.store, this.player);
     bindCamera($("scene"), this.scene.camera, this.touch);
     bindMaps(this.store, this.plane, this.portrait);
+    bindSaving(this.store);
     const seek = (clock) => { this.player.seek(clock); this.touch(); };
     onDrag($("times"), (x) => seek(this.times.clockAt(x)), () => { this.player.running = false; });
     onArrows($("times"), (dx, dy) => seek(this.player.clock + 0.05 * dx + 0.5 * dy));
@@ -157,14 +160,15 @@ class Page {
     const { store, player, look } = this;
     this.fitCanvases();
     const main = stateAt(store.main, CLOCK, player.clock);
-    const other = store.shown.ghost ? stateAt(store.other, CLOCK, Math.min(player.clock, lastClock(store.other))) : null;
+    const both = store.shown.ghost && store.shown.eta_hat;
+    const other = both ? stateAt(store.other, CLOCK, player.clock) : null;
     const states = [main, other];
-    this.scene.draw(states, look);
+    const races = this.scene.draw(states, look);
     this.times.draw(states, look);
     this.plane.draw(look);
     this.portrait.draw(states, look);
     this.gauge.draw(look);
-    showNow(main, store.shown.face, states.map((x, n) => x && raceAt(this.scene.races[n], x, store.shown.face)));
+    showNow(main, store.shown.face, races);
     document.body.classList.toggle("playing", player.running);
   }
 
@@ -192,8 +196,6 @@ class Page {
     requestAnimationFrame(tick);
   }
 }
-
-const lastClock = (path) => path.states[path.states.length - 1][CLOCK];
 
 const data = JSON.parse($("start").textContent);
 $("note").textContent = data.note && ` · ${data.note}`;

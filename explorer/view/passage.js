@@ -14,6 +14,22 @@ const PANELS = 14;
 // Tilts tried on the way to flat, for a barrier that turns the motion back before it gets there.
 const SCAN = 240;
 const FORCE_POINTS = 400;
+// A start with less kinetic energy than SLOW is beside a turning point: up to BESIDE, E - V is summed from slopes.
+const SLOW = 1e-3, BESIDE = 0.05;
+// Slopes of V are known to 1e-16: from a start at rest with less than this the time cannot be told.
+const LEAST_SLOPE = 1e-9;
+// Panels are halved until time and angle have settled to this; a crest of V on the way may need many.
+const SETTLED = 1e-8, MOST_PARTS = 128;
+const ROUNDING = 1e-12; // of slopes and of normal forces
+
+/** What is said where there are no numbers. */
+const TOLD = {
+  rests: "starts at an equilibrium",
+  near: "comes too near an equilibrium to tell when it leaves",
+  away: "stays with the other face",
+  far: "never comes near flat here",
+  falls: "falls flat: from here nobody can tell",
+};
 
 /** Nodes and weights of Gauss and Legendre on (0, 1). */
 const GAUSS = (() => {
@@ -49,15 +65,40 @@ export function point(h, X, Y, body) {
   return { q, z, shape, ratio, sigma4, V, slope };
 }
 
-/** Sum over the panels of [0, length] counted from a slow start; f(d, weight) adds to the sums itself. */
-function gradedSum(length, f) {
+/** Sum over [from, to] by panels; f(x, weight) adds to the sums itself. */
+function panelSum(from, to, panels, f) {
+  const width = (to - from) / panels;
+  for (let n = 0; n < panels; n++) for (const [x, w] of GAUSS) f(from + width * (n + x), width * w);
+}
+
+/** Sum over [0, length] counted from a slow start. */
+function gradedSum(length, parts, f) {
   let outer = length;
   for (let n = 0; n < PANELS; n++) {
-    const inner = outer / SHRINK;
-    for (const [x, w] of GAUSS) f(inner + (outer - inner) * x, (outer - inner) * w);
-    outer = inner;
+    panelSum(outer / SHRINK, outer, parts, f);
+    outer /= SHRINK;
   }
   for (const [x, w] of GAUSS) f(outer * x * x, 2 * outer * x * w);
+}
+
+/** sums(parts), with parts doubled until chi and time stay as they are; null where they do not. */
+function settled(sums) {
+  let before = sums(1);
+  for (let parts = 2; parts <= MOST_PARTS; parts *= 2) {
+    const now = sums(parts);
+    if (Math.abs(now.chi - before.chi) + Math.abs(now.time - before.time) < SETTLED * (1 + now.time)) return { ...now, parts };
+    before = now;
+  }
+  return null;
+}
+
+/** E - V at h; `start` is what it is at hEnd. */
+function left(stretch, h, at) {
+  const { body, X, Y, level, hEnd, start } = stretch;
+  const down = Math.log(hEnd / h);
+  if (start > SLOW || down > BESIDE) return level - at.V;
+  const slope = (x) => point(hEnd * Math.exp(-x * down), X, Y, body).slope;
+  return start + down * GAUSS.reduce((sum, [x, w]) => sum + w * slope(x), 0);
 }
 
 /** The root of level - V between ln h = low (negative) and high (positive), by bracketed Newton in ln h. */
@@ -97,8 +138,8 @@ function turningPoint(hEnd, level, X, Y, body) {
 /**
  * The stretch of a motion on the hemisphere of its face: where it begins, E - V_0, and X, Y.
  *
- * It begins at the vertical, or at rest at a turning point where the motion does not get there. `null` where the
- * motion stays on the other hemisphere.
+ * It begins at the vertical with the kinetic energy `start`, or at rest at a turning point where the motion does
+ * not get there. `null` where the motion stays on the other hemisphere.
  */
 export function stretchOf(motion) {
   const { body, face, sigma3_bar, eta, theta, phidot } = motion;
@@ -108,85 +149,95 @@ export function stretchOf(motion) {
   const upright = theta === 0.5 * Math.PI;
   const here = upright || theta < 0.5 * Math.PI;
   const h = upright ? VERTICAL : 2 * Math.sin(0.5 * (here ? theta : Math.PI - theta));
-  const level = 0.5 * body.M * phidot * phidot + point(h, X, here ? Y : other, body).V;
-  const common = { body, face, X, Y, level };
-  if (upright) return { ...common, hEnd: VERTICAL, rest: phidot === 0 };
+  const kinetic = 0.5 * body.M * phidot * phidot;
+  const level = kinetic + point(h, X, here ? Y : other, body).V;
+  const common = { body, face, X, Y, level, hEnd: VERTICAL };
+  if (upright) return { ...common, start: kinetic };
   // Up to the vertical in small steps: does the motion get there?
   let below = h;
   for (let i = 1; i <= SCAN; i++) {
     const next = h + ((VERTICAL - h) * i) / SCAN;
     if (level < point(next, X, here ? Y : other, body).V) {
       if (!here) return null;
-      return { ...common, hEnd: refine(Math.log(next), Math.log(below), level, X, Y, body), rest: true };
+      return { ...common, hEnd: refine(Math.log(next), Math.log(below), level, X, Y, body), start: 0 };
     }
     below = next;
   }
-  return { ...common, hEnd: VERTICAL, rest: false };
+  return { ...common, start: level - point(VERTICAL, X, Y, body).V };
 }
 
-/** chi, psi, time and theta_min of the passage over a stretch to its turning point and back. */
+/** chi, time and theta_min of the passage over a stretch to its turning point and back, or { told }. */
 export function passage(stretch) {
-  const { body, X, Y, level, hEnd, rest, face } = stretch;
-  if (rest && !(point(hEnd, X, Y, body).slope > 0)) return null;
+  const { body, X, Y, level, hEnd, start } = stretch;
+  if (start === 0) {
+    const { slope } = point(hEnd, X, Y, body);
+    if (Math.abs(slope) < LEAST_SLOPE) return { told: Math.abs(slope) < ROUNDING ? TOLD.rests : TOLD.near };
+    if (slope < 0) return { told: TOLD.away };
+  }
   const hTurn = turningPoint(hEnd, level, X, Y, body);
-  if (!(hTurn < hEnd)) return null;
+  if (!(hTurn < hEnd)) return { told: TOLD.far };
   const yEnd = Math.acosh(hEnd / hTurn);
   const decay = 1 + Math.exp(-2 * yEnd);
-  const sums = { chi: 0, psi: 0, time: 0 };
-  const add = (y, h, weight) => {
-    const at = point(h, X, Y, body);
-    const left = Math.max(level - at.V, 1e-300);
-    const dt = (weight * h * Math.tanh(y)) / (at.shape * Math.sqrt((2 * left) / body.M));
-    sums.time += dt;
-    sums.chi += (at.ratio / at.q) * dt;
-    sums.psi += ((at.z * at.ratio) / at.q - at.sigma4) * dt;
-  };
   const end = Math.min(1, 0.5 * yEnd);
-  gradedSum(end, (d, w) => add(yEnd - d, (hEnd * Math.exp(-d) * (1 + Math.exp(2 * (d - yEnd)))) / decay, w));
-  const panels = Math.ceil(yEnd - end);
-  const width = (yEnd - end) / panels;
-  for (let n = 0; n < panels; n++) {
-    for (const [x, w] of GAUSS) {
-      const y = width * (n + x);
-      const half = Math.sinh(0.5 * y);
-      add(y, hTurn * (1 + 2 * half * half), w * width);
-    }
-  }
+  const found = settled((parts) => {
+    const sums = { chi: 0, time: 0 };
+    const add = (y, h, weight) => {
+      const at = point(h, X, Y, body);
+      const dt = (weight * h * Math.tanh(y)) / (at.shape * Math.sqrt((2 * left(stretch, h, at)) / body.M));
+      sums.time += dt;
+      sums.chi += (at.ratio / at.q) * dt;
+    };
+    const farH = (d) => (hEnd * Math.exp(-d) * (1 + Math.exp(2 * (d - yEnd)))) / decay;
+    const nearH = (y) => hTurn * (1 + 2 * Math.sinh(0.5 * y) ** 2);
+    gradedSum(end, parts, (d, w) => add(yEnd - d, farH(d), w));
+    panelSum(0, yEnd - end, parts * Math.ceil(yEnd - end), (y, w) => add(y, nearH(y), w));
+    return sums;
+  });
+  if (!found) return { told: TOLD.near };
   return {
-    delta_chi: 2 * sums.chi,
-    delta_psi: 2 * sums.psi * face,
-    duration: 2 * sums.time,
+    delta_chi: 2 * found.chi,
+    duration: 2 * found.time,
     theta_min: 2 * Math.asin(0.5 * hTurn),
     hTurn,
   };
 }
 
-/** Time and increase of chi of the fall on F itself (eta = 0) with the same sigma3_bar and energy. */
-export function fall(stretch) {
-  const { body, X, level } = stretch;
-  if (!(level > 0)) return { time: NaN, chi: NaN };
-  let h = stretch.hEnd;
-  if (level < point(h, X, 0, body).V || stretch.rest) {
-    // On F the same energy may not reach as far: then the fall begins at rest, later.
-    let low = 0, high = h;
-    for (let i = 0; i < 60; i++) {
-      const middle = 0.5 * (low + high);
-      if (level < point(middle, X, 0, body).V) high = middle;
-      else low = middle;
-    }
-    h = level < point(h, X, 0, body).V ? low : h;
+/** The fall on F (eta = 0) with the same sigma3_bar and energy, as a stretch: it may begin later, at rest. */
+export function fallOf(stretch) {
+  const { body, X, Y, level, hEnd } = stretch;
+  const here = point(hEnd, X, Y, body), there = point(hEnd, X, 0, body);
+  // From the differences themselves: near F the two energies agree in most digits.
+  const start = stretch.start
+    + 0.5 * body.I1 * (here.ratio - there.ratio) * (here.ratio + there.ratio)
+    + 0.5 * body.J * (here.sigma4 - there.sigma4) * (here.sigma4 + there.sigma4);
+  if (start >= 0) return { ...stretch, Y: 0, start };
+  let low = 0, high = hEnd;
+  for (let i = 0; i < 60; i++) {
+    const middle = 0.5 * (low + high);
+    if (level < point(middle, X, 0, body).V) high = middle;
+    else low = middle;
   }
-  const start = 2 * Math.asin(0.5 * h);
-  const sums = { time: 0, chi: 0 };
-  const add = (theta, weight) => {
-    const at = point(2 * Math.sin(0.5 * theta), X, 0, body);
-    const dt = weight / Math.sqrt((2 * Math.max(level - at.V, 1e-300)) / body.M);
-    sums.time += dt;
-    sums.chi += (at.ratio / at.q) * dt;
+  return { ...stretch, Y: 0, hEnd: low, start: 0 };
+}
+
+/** Time and increase of chi of a fall, down to a tilt; null where they cannot be told. panels: as many, if given. */
+export function fall(stretch, tilt = 0, panels = 0) {
+  const { body, X, level, hEnd } = stretch;
+  if (!(level > 0)) return null;
+  const begin = 2 * Math.asin(0.5 * hEnd), near = 0.25 * Math.max(0, begin - tilt);
+  const sumsOf = (parts) => {
+    const sums = { time: 0, chi: 0 };
+    const add = (theta, weight) => {
+      const h = 2 * Math.sin(0.5 * theta), at = point(h, X, 0, body);
+      const dt = weight / Math.sqrt((2 * left(stretch, h, at)) / body.M);
+      sums.time += dt;
+      sums.chi += (at.ratio / at.q) * dt;
+    };
+    gradedSum(near, parts, (d, w) => add(begin - d, w));
+    panelSum(tilt, begin - near, 3 * parts, add);
+    return sums;
   };
-  gradedSum(0.25 * start, (d, w) => add(start - d, w));
-  for (let n = 0; n < 3; n++) for (const [x, w] of GAUSS) add(0.25 * start * (n + x), 0.25 * start * w);
-  return sums;
+  return panels ? sumsOf(panels) : settled(sumsOf);
 }
 
 /** Least normal force (m g) and largest needed friction coefficient over a passage, on a grid as in Python. */
@@ -201,7 +252,7 @@ export function passageForces(stretch, hTurn) {
     const at = point(h, X, Y, body);
     const speed2 = (2 * Math.max(level - at.V, 0)) / body.M;
     const acceleration = (-at.slope * at.shape) / h / body.M;
-    const normal = 1 + at.z * acceleration - at.q * speed2;
+    const exact = 1 + at.z * acceleration - at.q * speed2, normal = Math.abs(exact) < ROUNDING ? 0 : exact;
     const along = acceleration * at.q + speed2 * at.z + (at.ratio * at.sigma4) / at.q;
     const across = at.ratio * Math.sqrt(speed2) * (1 - 1 / body.J);
     least = Math.min(least, normal);
@@ -210,17 +261,22 @@ export function passageForces(stretch, hTurn) {
   return { least, most };
 }
 
-/** All that the page says about one motion in numbers; entries that do not exist are NaN. */
+/** All that the page says about one motion in numbers; where they are NaN, `told` says why. */
 export function readouts(motion) {
   const limit = Math.sign(motion.eta) * motion.body.kappa * Math.PI;
-  const nothing = { limit, race_angle: NaN, delta_chi: NaN, fall_angle: NaN, theta_min: NaN, duration: NaN };
+  const nothing = { race_angle: NaN, delta_chi: NaN, fall_angle: NaN, theta_min: NaN, duration: NaN };
+  const none = (told) => ({ limit, told, ...nothing, min_normal_force: NaN, max_friction: NaN });
   const stretch = stretchOf(motion);
-  const way = stretch && passage(stretch);
-  if (!way) return { ...nothing, min_normal_force: NaN, max_friction: NaN, impact_speed: NaN };
-  const fallAngle = 2 * fall(stretch).chi;
+  if (!stretch) return none(TOLD.away);
+  if (motion.eta === 0) return none(TOLD.falls);
+  const way = passage(stretch);
+  if (way.told) return none(way.told);
+  const beside = fall(fallOf(stretch));
+  const fallAngle = beside ? 2 * beside.chi : NaN;
   const forces = passageForces(stretch, way.hTurn);
   return {
     limit,
+    told: beside ? "" : TOLD.near,
     race_angle: way.delta_chi - fallAngle,
     delta_chi: way.delta_chi,
     fall_angle: fallAngle,
@@ -228,6 +284,5 @@ export function readouts(motion) {
     duration: way.duration,
     min_normal_force: forces.least,
     max_friction: forces.most,
-    impact_speed: Math.sqrt((2 * stretch.level) / motion.body.M),
   };
 }

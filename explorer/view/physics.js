@@ -27,6 +27,7 @@ export const RACE_RATE = 4;
 // Of 1/speed. Steps of Dormand and Prince of this length leave errors of some 1e-7 rad per passage.
 const STEP = 0.08;
 const MOST_STEPS = 60000;
+const FLAT = 1e-6; // rad of tilt at which a fall on F ends: it comes ever nearer
 const MOST_CLOCK = 120; // a disk that stands still would stand for ever
 // Share of the energy below which p is left alone when the energy is set right: it is close to a turning point.
 const MOVING = 0.01;
@@ -125,13 +126,14 @@ function step(x, h, body, room) {
 }
 
 /**
- * A motion through `bounces` approaches to the flat state of its face, as states at the ends of all steps.
+ * A motion through `bounces` approaches to the flat state of its face, as states at the ends of all steps; it goes
+ * on until the clock is at least `until`. With eta = 0 it ends flat.
  *
- * motion: { body, face, sigma3_bar, eta, theta, phidot }, natural units; eta not 0.
+ * motion: { body, face, sigma3_bar, eta, theta, phidot }, natural units.
  * Returns { motion, states, s, turns }: states as arrays of SIZE numbers, s (same length) their parameter,
  * turns the numbers of the steps after which the tilt begins to grow again.
  */
-export function trajectory(motion, bounces) {
+export function trajectory(motion, bounces, until = 0) {
   const { body, face } = motion;
   const x = startOf(motion);
   const total = energy(x, body);
@@ -147,7 +149,8 @@ export function trajectory(motion, bounces) {
     states.push(x.slice());
     const after = face * x[P];
     if (before < 0 && after >= 0) turns.push(states.length - 1);
-    const done = turns.length >= bounces;
+    if (motion.eta === 0 && x[Q] < FLAT) break;
+    const done = turns.length >= bounces && x[CLOCK] >= until;
     const back = tilt > face * states[0][Z] && face * x[Z] <= face * states[0][Z];
     if (done && (back || (before > 0 && after <= 0))) break;
   }
@@ -165,10 +168,19 @@ export function stepAt(path, place, value) {
   return low;
 }
 
-/** The state at which T or CLOCK has a value, by cubics through the ends of the step and their slopes. */
+/** The state at which T or CLOCK has a value. */
 export function stateAt(path, place, value) {
+  return within(path, stepAt(path, place, value), place, value);
+}
+
+/** The state of a turning point: that of the end of its step lies up to half a radian of chi beside it. */
+export function turningState(path, turn) {
+  return within(path, path.turns[turn] - 1, P, 0);
+}
+
+/** The state in step n at which a component has a value, by cubics through the ends of the step and their slopes. */
+function within(path, n, place, value) {
   const { states, s, motion } = path;
-  const n = stepAt(path, place, value);
   const left = states[n], right = states[n + 1], h = s[n + 1] - s[n];
   const leave = new Float64Array(SIZE), arrive = new Float64Array(SIZE);
   field(left, motion.body, leave);
@@ -181,7 +193,7 @@ export function stateAt(path, place, value) {
   let w = Math.min(1, Math.max(0, (value - left[place]) / (right[place] - left[place])));
   for (let i = 0; i < 40 && high - low > 1e-12; i++) {
     const gap = cubic(place, w) - value;
-    if (gap > 0) high = w;
+    if (gap > 0 === right[place] > left[place]) high = w;
     else low = w;
     const slope = (leave[place] * (1 - w) + arrive[place] * w) * h;
     const guess = w - gap / slope;
@@ -199,15 +211,4 @@ export function slowing(x) {
 /** Tilt (rad) from the flat state of `face`, with its relative accuracy near it. */
 export function tiltOf(x, face) {
   return Math.atan2(x[Q], face * x[Z]);
-}
-
-/** Normal force / m g and needed friction coefficient at a state; the coefficient is infinite where the force is not positive. */
-export function forcesAt(x, body) {
-  const q = x[Q], z = x[Z], p = x[P], rho = x[RHO], sigma4 = x[SIGMA4];
-  const slope = (z * rho * rho * body.I1) / body.M - (q * (body.J * rho * sigma4 + z)) / body.M;
-  const acceleration = slope / q;
-  const normal = 1 + z * acceleration - q * p * p;
-  const along = acceleration * q + p * p * z + (rho * sigma4) / q;
-  const across = rho * p * (1 - 1 / body.J);
-  return { normal, friction: normal > 0 ? Math.hypot(along, across) / normal : Infinity };
 }

@@ -19,11 +19,12 @@ export function stretched(etaHat) {
   return Math.sign(etaHat) * (EDGE + (BAND - EDGE) * share);
 }
 
-/** The inverse, never 0. */
+/** The inverse; on the line itself it is 0. */
 export function unstretched(drawn) {
   const size = Math.abs(drawn);
   const side = drawn < 0 ? -1 : 1;
   if (size >= BAND) return drawn;
+  if (size < EDGE / 3) return 0;
   const share = Math.max(0, size - EDGE) / (BAND - EDGE);
   return side * SMALLEST * (BAND / SMALLEST) ** share;
 }
@@ -68,7 +69,7 @@ export class ConstantsPlane {
     const [s3, s4] = this.fromPixel(x, y);
     const drawn = lineSlope(this.body) * s3 - this.shown.face * s4;
     const etaHat = unstretched(drawn);
-    return { sigma3_bar: s3, eta_hat: Math.sign(etaHat) * Math.min(4 * LARGEST, Math.abs(etaHat)) };
+    return { sigma3_bar: s3, eta_hat: Math.sign(etaHat) * Math.min(LARGEST, Math.abs(etaHat)) };
   }
 
   draw(look) {
@@ -115,13 +116,13 @@ export class ConstantsPlane {
     context.font = FONT;
     const [ox, oy] = this.toPixel(0.5 * end, -0.5 * slope * end);
     text(context, `F, face ${face > 0 ? "−" : "+"}`, ox - 6, oy + 12 * face, look.soft, "right");
-    text(context, "η > 0", box.right - 8, face > 0 ? box.bottom - 14 : box.top + 14, look.plus, "right");
-    text(context, "η < 0", box.left + 8, face > 0 ? box.top + 14 : box.bottom - 14, look.minus, "left");
+    text(context, "η > 0", box.right - 8, face > 0 ? box.bottom - 14 : box.top + 14, look.plusInk, "right");
+    text(context, "η < 0", box.left + 8, face > 0 ? box.top + 14 : box.bottom - 14, look.minusInk, "left");
   }
 
   drawNow(context, look) {
     const { eta_hat, ghost } = this.shown;
-    if (ghost) dot(context, ...this.place(-eta_hat), 5, look.paper, look.sideColours[1]);
+    if (ghost && eta_hat) dot(context, ...this.place(-eta_hat), 5, look.paper, look.sideColours[1]);
     dot(context, ...this.place(eta_hat), 7, look.sideColours[0], look.paper);
   }
 }

@@ -9,17 +9,17 @@ const SHOWN_SLOWED = 1.5;
 /** The numbers of the motion that is shown; they change only with it. */
 export function showNumbers(store) {
   const n = store.numbers;
-  $("race").textContent = format(n.race_angle, 8, true);
-  const side = n.limit > 0 ? "+" : "−";
-  $("limit").textContent = `${side}κπ = ${format(n.limit, 8, true)}`;
+  $("race").textContent = n.told || format(n.race_angle, 8, true);
+  $("told").textContent = n.told;
+  const side = { 1: "+", [-1]: "−", 0: "±" }[Math.sign(n.limit)];
+  $("limit").textContent = `${side}κπ = ${side}${format(store.body.kappa * Math.PI, 8)}`;
   $("theta-min").textContent = format(n.theta_min, 7);
   $("theta-size").textContent = thickness(n.theta_min);
   $("normal").textContent = format(n.min_normal_force, 4);
-  const away = Number.isNaN(n.race_angle) && Number.isNaN(n.theta_min);
-  $("lift").textContent = away ? "never comes near flat here" : n.min_normal_force <= 0 ? "a real disk would lift off" : "";
+  $("lift").textContent = n.min_normal_force < 0 ? "a real disk would lift off" : "";
   $("friction").textContent = format(n.max_friction, 4);
   const most = n.max_friction;
-  $("friction-words").textContent = away ? "" : most === Infinity ? "none is enough" : most > 1 ? "more than rubber has" : "";
+  $("friction-words").textContent = most === Infinity ? "none is enough" : most > 1 ? "more than rubber has" : "";
 }
 
 /** How small a tilt is: the gap under the far edge of a disk as wide as a hand. */
@@ -36,6 +36,7 @@ export function showNow(state, face, races) {
   const factor = slowing(state);
   $("slowing").textContent = factor >= SHOWN_SLOWED ? `${format(factor, factor < 100 ? 2 : 3)}× slowed` : "";
   $("tilt").textContent = `tilt ${format(tiltOf(state, face), 3)} rad`;
+  $("race-word").textContent = races.some(Boolean) ? "race" : "";
   ["race-now", "other-now"].forEach((id, n) => {
     const turned = races[n] && races[n].turned / Math.PI;
     $(id).textContent = races[n] ? `${turned < 0 ? "−" : "+"}${Math.abs(turned).toFixed(2)} π` : "";
@@ -50,7 +51,7 @@ export class Gauge {
 
   load(store) {
     this.angles = [store.numbers.race_angle, store.otherNumbers.race_angle];
-    this.limit = Math.abs(store.numbers.limit);
+    this.limit = store.body.kappa * Math.PI;
     this.ghost = store.shown.ghost;
     this.chart.stale = true;
   }
@@ -64,7 +65,7 @@ export class Gauge {
       line(context, [[box.left, middle], [box.right, middle]], look.axis, 2);
       line(context, [[x(0), middle - 4], [x(0), middle + 4]], look.soft, 1);
       for (const side of [-1, 1]) {
-        const colour = side === Math.sign(this.angles[0]) ? look.sideColours[0] : look.sideColours[1];
+        const colour = side > 0 ? look.plus : look.minus;
         line(context, [[x(side * this.limit), middle - 8], [x(side * this.limit), middle + 8]], colour, 2);
         text(context, side > 0 ? "+κπ" : "−κπ", x(side * this.limit), box.bottom + 8, look.soft, "center");
       }

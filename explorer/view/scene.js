@@ -1,13 +1,15 @@
 // The picture on the left: table, shadows, trails of the contact points, the disk and its ghost.
 
 import { Camera } from "./camera.js";
-import { drawDisk, drawGhost, drawHand, drawShadow, drawSpiral, lampOf, poseOf } from "./disk.js";
-import { A1, A2, CHI, CLOCK, P, Z, tiltOf } from "./physics.js";
+import { drawDisk, drawGhost, drawHand, drawShadow, drawTail, lampOf, poseOf, trace } from "./disk.js";
+import { fall, fallOf, stretchOf } from "./passage.js";
+import { A1, A2, CHI, CLOCK, Z, tiltOf, turningState } from "./physics.js";
 
 // A trail needs a point where the contact has moved or turned by this much.
 const TRAIL_STEP = 0.02;
 const TAIL = 0.9; // units of the clock that the bright end of a trail is long
 const TAIL_PIECES = 6;
+const TAIL_TILT = 0.5; // rad of tilt at which the tail of the race has faded
 // Seconds in which most of the way to a new aim is done: soft where the camera follows, quick where a slider is dragged.
 const FOLLOW = 0.36;
 const CATCH_UP = 0.075;
@@ -42,26 +44,28 @@ export function extentOf(paths) {
   return { x: 0.5 * (west + east), y: 0.5 * (south + north), radius: 0.5 * Math.hypot(east - west, north - south) + 1.1 };
 }
 
-/** The races of a motion: chi where each begins, the clock at its middle, and the tilt there. */
-function racesOf(path, numbers) {
-  const { limit, theta_min } = numbers;
-  if (!Number.isFinite(theta_min)) return [];
-  return path.turns.map((n) => ({
-    clock: path.states[n][CLOCK], chi: path.states[n][CHI] - 0.5 * limit, limit, thetaMin: theta_min,
-  }));
+/** The races of a motion: the state of each turning point, the race angle, and the fall on F beside it. */
+export function racesOf(path, numbers) {
+  if (!Number.isFinite(numbers.race_angle)) return [];
+  const beside = fallOf(stretchOf(path.motion)), whole = fall(beside);
+  const left = (tilt) => whole.chi - fall(beside, tilt, whole.parts).chi;
+  const least = left(numbers.theta_min);
+  /** chi of the fall from a tilt on, in proportion to the way to the smallest tilt; without turning there is none. */
+  const rest = (tilt) => (whole.chi * (left(tilt) - least)) / (whole.chi - least) || 0;
+  return path.turns.map((_, turn) => {
+    const x = turningState(path, turn);
+    return { clock: x[CLOCK], chi: x[CHI], angle: numbers.race_angle, rest };
+  });
 }
 
-/**
- * How far the race that is nearest in time has come, from 0 to its limit (rad); null where there is none.
- *
- * Leading order near flat: theta^2 = theta_min^2 + A^2 t^2 and chi = chi_min + side kappa atan(A t/theta_min).
- */
+/** How far the race that is nearest in time has come (rad): chi so far, less that of the fall on F. */
 export function raceAt(races, x, face) {
   if (!races.length) return null;
   const near = (race) => Math.abs(race.clock - x[CLOCK]);
   const race = races.reduce((best, other) => (near(other) < near(best) ? other : best));
-  const half = Math.acos(Math.min(1, race.thetaMin / tiltOf(x, face))) / Math.PI;
-  return { ...race, turned: race.limit * (0.5 + Math.sign(face * x[P]) * half) };
+  const way = Math.sign(x[CLOCK] - race.clock), tilt = tiltOf(x, face);
+  if (tilt > 0.5 * Math.PI) return { ...race, turned: 0.5 * race.angle * (1 + way) };
+  return { ...race, turned: 0.5 * race.angle + (x[CHI] - race.chi) - way * race.rest(tilt) };
 }
 
 export class Scene {
@@ -100,11 +104,11 @@ export class Scene {
     this.camera.follow(aim, share(FOLLOW));
   }
 
-  /** states: [shown, ghost]; ghost null where it is switched off. look: colours, `sides` as [r, g, b] pairs. */
+  /** states: [shown, ghost]; ghost null where it is off. look: colours, `sides` as [r, g, b]. Returns the races. */
   draw(states, look) {
     const { context, camera } = this;
     const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
-    if (!width || !height) return;
+    if (!width || !height) return [];
     const ratio = this.canvas.width / width;
     const poses = states.map((x) => x && poseOf(x, this.inner));
     this.follow(poses);
@@ -124,11 +128,15 @@ export class Scene {
       if (n) drawGhost(context, camera, poses[n], look.sides[n]);
       else drawDisk(context, camera, poses[n], { ...look, side: look.sides[0] }, lamp);
     }
+    const races = states.map((x, n) => x && raceAt(this.races[n], x, this.faces[n]));
     [1, 0].forEach((n) => {
-      const race = states[n] && raceAt(this.races[n], states[n], this.faces[n]);
-      if (race) drawSpiral(context, camera, poses[n], race, tiltOf(states[n], this.faces[n]), look.sides[n]);
+      const race = races[n];
+      if (!race) return;
+      const strength = 1 - tiltOf(states[n], this.faces[n]) / TAIL_TILT;
+      drawTail(context, camera, poses[n].centre, states[n][CHI], race, n, look.sides[n], look.ground, strength);
     });
     [1, 0].forEach((n) => poses[n] && drawHand(context, camera, poses[n], look.sides[n], n ? 4.5 : 6));
+    return races;
   }
 
   tableTop(lower = 0) {
@@ -142,7 +150,7 @@ export class Scene {
 
   outline(points) {
     this.context.beginPath();
-    points.forEach(([x, y], n) => (n ? this.context.lineTo(x, y) : this.context.moveTo(x, y)));
+    trace(this.context, points);
     this.context.closePath();
   }
 
@@ -198,7 +206,7 @@ export class Scene {
     context.strokeStyle = `rgba(${colour.join(",")}, ${ghost ? 0.3 : 0.8})`;
     context.lineWidth = width;
     context.beginPath();
-    past.forEach(([x, y], n) => (n ? context.lineTo(x, y) : context.moveTo(x, y)));
+    trace(context, past);
     context.stroke();
     for (let piece = 0; piece < TAIL_PIECES; piece++) {
       const since = now - TAIL * (1 - piece / TAIL_PIECES);
@@ -207,7 +215,7 @@ export class Scene {
       context.strokeStyle = `rgba(${colour.join(",")}, ${ghost ? 0.09 : 0.3})`;
       context.lineWidth = width * (1.1 + (0.9 * piece) / TAIL_PIECES);
       context.beginPath();
-      part.forEach(([x, y], n) => (n ? context.lineTo(x, y) : context.moveTo(x, y)));
+      trace(context, part);
       context.stroke();
     }
   }

@@ -2,7 +2,7 @@
 
 import { annulus, etaHatToEta, lineSlope, makeBody } from "./chaplygin.js";
 import { readouts } from "./passage.js";
-import { trajectory } from "./physics.js";
+import { CLOCK, trajectory } from "./physics.js";
 
 /** Approaches to flat that are shown before the picture begins anew: enough for the two sides to part. */
 const BOUNCES = 3;
@@ -10,6 +10,8 @@ const UPRIGHT = 0.5 * Math.PI;
 /** Smallest and largest |eta_hat| of the controls; an address or Python may go further. */
 export const SMALLEST = 1e-12;
 export const LARGEST = 1;
+const EDGE = 0.02; // where |eta_hat| is SMALLEST on the ruler; nearer to its middle than half of this is F itself
+const MOST = 1e3; // of the numbers of an address: faster motions are over before anything is seen
 
 const NUMBERS = { face: 1, sigma3_bar: 1, eta_hat: 0.01, theta: UPRIGHT, phidot: 1, pace: 1 };
 const FLAGS = { slow: true, ghost: true };
@@ -28,10 +30,9 @@ export function readHash(hash) {
   const found = {};
   for (const [key, text] of new URLSearchParams(hash.replace(/^#/, ""))) {
     if (key === "disk" && text) found.disk = text;
-    else if (key in NUMBERS && text.trim() !== "" && Number.isFinite(Number(text))) found[key] = Number(text);
+    else if (key in NUMBERS && text.trim() !== "" && Math.abs(Number(text)) <= MOST) found[key] = Number(text);
     else if (key in FLAGS) found[key] = text !== "0";
   }
-  if (found.eta_hat === 0) delete found.eta_hat;
   if (found.face !== undefined && Math.abs(found.face) !== 1) delete found.face;
   if (found.theta !== undefined && !(found.theta > 0 && found.theta < Math.PI)) delete found.theta;
   if (found.pace !== undefined && !(found.pace > 0)) delete found.pace;
@@ -53,14 +54,15 @@ export function writeHash(shown) {
 export function etaHatToPlace(etaHat) {
   const decades = Math.log10(LARGEST / SMALLEST);
   const size = Math.min(LARGEST, Math.max(SMALLEST, Math.abs(etaHat)));
-  return Math.sign(etaHat) * (0.02 + (0.98 * Math.log10(size / SMALLEST)) / decades);
+  return Math.sign(etaHat) * (EDGE + ((1 - EDGE) * Math.log10(size / SMALLEST)) / decades);
 }
 
-/** The inverse; the middle itself belongs to the side of `before`. */
-export function placeToEtaHat(place, before = 1) {
+/** The inverse; the middle itself is F. */
+export function placeToEtaHat(place) {
+  if (Math.abs(place) < 0.5 * EDGE) return 0;
   const decades = Math.log10(LARGEST / SMALLEST);
-  const share = Math.max(0, Math.abs(place) - 0.02) / 0.98;
-  return (Math.sign(place) || Math.sign(before)) * SMALLEST * 10 ** (decades * Math.min(1, share));
+  const share = Math.max(0, Math.abs(place) - EDGE) / (1 - EDGE);
+  return Math.sign(place) * SMALLEST * 10 ** (decades * Math.min(1, share));
 }
 
 /** sigma4_bar of a motion, from its sigma3_bar and its distance to the line of its face. */
@@ -95,13 +97,15 @@ export class Store {
     this.set({ ...this.start });
   }
 
-  /** Both motions: the one that is shown and, at -eta_hat, its ghost on the other side of F. */
+  /** Both motions: the one that is shown and, at -eta_hat, its ghost on the other side of F; on F both are one. */
   compute() {
     const { disk, face, sigma3_bar, eta_hat, theta, phidot } = this.shown;
     if (this.body?.name !== disk) this.body = bodyOf(disk, this.bodies);
+    this.shown.disk = this.body.name; // an unknown name is that of the first body
     const motion = { body: this.body, face, sigma3_bar, theta, phidot, eta: etaHatToEta(eta_hat, this.body) };
     this.main = trajectory(motion, BOUNCES);
-    this.other = trajectory({ ...motion, eta: -motion.eta }, BOUNCES);
+    const end = this.main.states[this.main.states.length - 1][CLOCK];
+    this.other = eta_hat ? trajectory({ ...motion, eta: -motion.eta }, BOUNCES, end) : this.main;
     this.numbers = readouts(motion);
     this.otherNumbers = readouts({ ...motion, eta: -motion.eta });
     this.version = (this.version ?? 0) + 1;

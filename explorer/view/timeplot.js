@@ -1,7 +1,7 @@
 // Tilt and turn of the contact point over the clock of the screen, both sides of F on one picture.
 
 import { Chart, dot, line, superscript, text } from "./chart.js";
-import { CHI, CLOCK, T, stateAt, tiltOf } from "./physics.js";
+import { CHI, CLOCK, T, stateAt, tiltOf, turningState } from "./physics.js";
 
 // Height of the upper plot as a share, and the space between the two.
 const SHARE = 0.46;
@@ -103,7 +103,7 @@ export class TimePlot {
     const { box } = this.chart;
     const [main] = this.paths;
     const last = main.states[main.states.length - 1][T];
-    const every = last > 24 ? 5 : last > 12 ? 2 : 1;
+    const every = last > 60 ? 20 : last > 24 ? 5 : last > 12 ? 2 : 1;
     for (let t = 0; t <= last; t += every) {
       const x = this.x(stateAt(main, T, t)[CLOCK]);
       line(context, [[x, box.bottom], [x, box.bottom + 5]], look.soft);
@@ -118,16 +118,16 @@ export class TimePlot {
     const { paths, numbers } = this;
     const [main] = paths;
     if (!main.turns.length || !Number.isFinite(numbers.fall_angle)) return;
-    const turn = main.states[main.turns[0]];
+    const turn = turningState(main, 0);
     const limit = Math.abs(numbers.limit);
     const before = turn[CHI] - 0.5 * numbers.race_angle;
     const from = this.x(turn[CLOCK]);
     const to = this.chart.box.right;
     [1, -1].forEach((side) => {
-      const colour = side === Math.sign(numbers.limit) ? look.sideColours[0] : look.sideColours[1];
-      const y = this.yChi(before + side * limit);
-      line(context, [[from, y], [to, y]], colour, 1.3, [5, 4]);
-      text(context, side > 0 ? "+κπ" : "−κπ", to + 6, y, colour);
+      const at = before + side * limit, y = this.yChi(at);
+      if (at < this.chi[0] || at > this.chi[1]) return;
+      line(context, [[from, y], [to, y]], side > 0 ? look.plus : look.minus, 1.3, [5, 4]);
+      text(context, side > 0 ? "+κπ" : "−κπ", to + 6, y, side > 0 ? look.plusInk : look.minusInk);
     });
     line(context, [[from, this.yChi(before)], [to, this.yChi(before)]], look.soft, 1, [2, 4]);
     text(context, "fall", to + 6, this.yChi(before), look.soft);

@@ -11,8 +11,8 @@ is made of products:
 
 Differences of Chaplygin's polynomials P are P[S, S_end] (S - S_end): one Horner scheme gives the coefficients of
 the divided difference at the end, a second one its value at a point. An end carries sigma3 and sigma4 as they were
-given, or as they were found from another end. This file alone evaluates V; a body with thickness would change it,
-and in `turning_points` the bound of V'' and the shape of the wall at flat.
+given, or as they were found from another end. Along arcs this file alone evaluates V; a body with thickness would
+change it, and in `turning_points` the bound of V'' and the shape of the wall at flat.
 """
 
 import math

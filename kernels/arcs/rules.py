@@ -65,16 +65,19 @@ _HEADROOM = 1.5
 _LAST_FIRST = SIZES - 4  # with no finer rule than this one
 _LN10 = math.log(10.0)
 _ROUNDING = 8.0 * EPSILON  # of K, for each unit of what it was summed from; the root takes half of it
+# The bound of where a turning point is allows four units of rounding for a sum that is off by about one.
+_OF_BOUND = 0.25
 # Rows of the work array: the inner end, the outer one, and then these.
 _OUTER = END_ROWS
 (
-    # the motion, and of both ends K and the size of what it was found from; SLOW, LENGTH: of arcs with a slow end
-    _X, _Y, _L, _K_IN, _K_OUT, _SIZE_IN, _SIZE_OUT, _SLOW, _LENGTH,
+    # the motion, and of both ends K and the size of what it was found from; SLOW, LENGTH: of arcs with a slow end;
+    # MOVED: as `moved_by`
+    _X, _Y, _L, _K_IN, _K_OUT, _SIZE_IN, _SIZE_OUT, _SLOW, _LENGTH, _MOVED,
     # sums by the rule, of their rounding, and by the rules of a half and a quarter of the nodes
     _TIME, _CHI, _PSI, _NOISE, _TIME_NOISE,
     _OLD_TIME, _OLD_CHI, _OLD_PSI, _OLDER_TIME, _OLDER_CHI, _OLDER_PSI,
-) = range(2 * END_ROWS * LANES, (2 * END_ROWS + 20) * LANES, LANES)  # fmt: skip
-_ROWS = (2 * END_ROWS + 20) * LANES
+) = range(2 * END_ROWS * LANES, (2 * END_ROWS + 21) * LANES, LANES)  # fmt: skip
+_ROWS = (2 * END_ROWS + 21) * LANES
 
 
 class Rule(NamedTuple):
@@ -107,7 +110,7 @@ class Arcs(NamedTuple):
     """Arcs (n): constants of the motion, length in x; both ends as in `turning_points.Starts`, with K there.
 
     slow_in, slow_out: the distance beyond an end of the next zero of K, inf where none is near. error_in,
-    error_out: of K from rounding, where it is not 0.
+    error_out: from rounding, of K, or of x at a turning point.
     """
 
     X: Vector
@@ -209,6 +212,17 @@ def make_rule() -> Rule:
     return Rule(share, rate, weight, coarse, coarser, first)
 
 
+@contracted_device
+def moved_by(K: float, slow: float, error: float, length: float) -> float:
+    """The share by which time and angles are off since a turning point is, close beside a crest.
+
+    With the crest at the distance delta beyond it both grow by asinh(L/delta) of what a motion does in one unit of
+    that, whose part of an error e of the turning point is e/delta.
+    """
+    felt = (K == 0.0) & (slow < math.inf)
+    return _OF_BOUND * error / (slow * math.asinh(length / slow)) if felt else 0.0
+
+
 @contracted_subroutine
 def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -> None:
     """Arcs into lanes; the last one fills those that are left over."""
@@ -216,9 +230,11 @@ def load(A: Vector, arcs: Arcs, rows: Longs, first: int, n: int, chart: Chart) -
         j = rows[min(first + i, n - 1)]
         A[_X + i], A[_Y + i], A[_L + i] = arcs.X[j], arcs.Y[j], arcs.L[j]
         A[_K_IN + i], A[_K_OUT + i] = arcs.K_in[j], arcs.K_out[j]
-        # What K is a sum of, and was found from; a turning point is where K is 0, and no farther off.
+        # What K is a sum of, and was found from; at a turning point it is 0, and that may be elsewhere.
         A[_SIZE_IN + i] = arcs.K_in[j] + arcs.error_in[j] / _ROUNDING if arcs.K_in[j] > 0.0 else 0.0
         A[_SIZE_OUT + i] = arcs.K_out[j] + arcs.error_out[j] / _ROUNDING if arcs.K_out[j] > 0.0 else 0.0
+        A[_MOVED + i] = moved_by(arcs.K_in[j], arcs.slow_in[j], arcs.error_in[j], arcs.L[j])
+        A[_MOVED + i] += moved_by(arcs.K_out[j], arcs.slow_out[j], arcs.error_out[j], arcs.L[j])
         slow = min(arcs.slow_in[j], arcs.slow_out[j])
         A[_SLOW + i], A[_LENGTH + i] = slow, math.asinh(arcs.L[j] / slow) if slow < math.inf else 0.0
         put_end(A, 0, i, arcs.r_in[j], arcs.w_in[j], arcs.sigma3_in[j], arcs.sigma4_in[j])
@@ -311,8 +327,9 @@ def found_in(A: Vector, i: int) -> tuple[ArcRow[float], float]:
     of_time = difference(time, A[_OLD_TIME + i], A[_OLDER_TIME + i], time)
     left = _SAFETY * math.sqrt(max(of_time, max(of_chi, of_psi)))
     angle, off = left * turn * (of_chi + of_psi), left * of_time
-    time_error = time * off + _ROUNDING * A[_TIME_NOISE + i]
-    return ArcRow(time, chi, psi, time_error, angle + _ROUNDING * A[_NOISE + i]), max(angle, off)
+    time_error = time * (off + A[_MOVED + i]) + _ROUNDING * A[_TIME_NOISE + i]
+    angle_error = angle + (abs(chi) + abs(psi)) * A[_MOVED + i] + _ROUNDING * A[_NOISE + i]
+    return ArcRow(time, chi, psi, time_error, angle_error), max(angle, off)
 
 
 @contracted_device

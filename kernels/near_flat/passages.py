@@ -44,7 +44,7 @@ _ROUNDING = 100.0 * EPSILON  # of angles and time
 _ROWS = 33
 (
     # the motion; NOISE: what rounding does to angles and time
-    _X, _Y, _MOVING, _LEVEL, _NOISE, _H, _LOG_H, _STEP, _WAY,
+    _X, _Y, _MOVING, _LEVEL, _NOISE, _H, _LOG_H, _STEP, _TURN_RATE,
     _CHI, _REST, _TIME, _ANGLE_ERROR, _TIME_ERROR,
     # fields of Closed
     _CAP, _LOG_CAP, _LOWEST, _TURN2, _RACE, _PULL, _SPIN, _SLOW, _REST0, _REST1,
@@ -64,21 +64,21 @@ class Crossings(NamedTuple):
 class Departures(NamedTuple):
     """Falls (n) on F, as they leave the vertical.
 
-    level: E - V_0; moving: kinetic energy at the vertical, below 0 what the motion lacks to be there; doubt: the
-    rounding of that. At a slow start `moving` is less than the rounding of `level`.
+    level: E - V_0; moving: kinetic energy at the vertical, below 0 what the motion lacks to be there; rounding: of
+    that. At a slow start `moving` is less than the rounding of `level`.
     """
 
     sigma3_bar: Vector
     level: Vector
     moving: Vector
-    doubt: Vector
+    rounding: Vector
 
 
 class PassageRow(NamedTuple, Generic[Entry]):
     """A passage from its start to the turning point and back, natural units, face +1.
 
     theta_min: smallest tilt; chi, psi, time: increases; angle_error (rad), time_error (relative): of these.
-    way: sigma3/q at the turning point, whose sign is the direction of the race.
+    turn_rate: sigma3/q at the turning point, whose sign is the direction of the race.
     """
 
     theta_min: Entry
@@ -88,7 +88,7 @@ class PassageRow(NamedTuple, Generic[Entry]):
     energy: Entry
     angle_error: Entry
     time_error: Entry
-    way: Entry
+    turn_rate: Entry
 
 
 class FallRow(NamedTuple, Generic[Entry]):
@@ -112,7 +112,7 @@ def leave(W: Vector, i: int, at: Fixed, given: float, b: Body) -> None:
 
     It acts while the motion is within about a radian of the vertical.
     """
-    x, y, moving, doubt = W[_X + i], W[_Y + i], W[_MOVING + i], W[_NOISE + i]
+    x, y, moving, rounding = W[_X + i], W[_Y + i], W[_MOVING + i], W[_NOISE + i]
     inv_k = 1.0 / b.k
     ratio, rise = x * at.ratio_x + y * at.ratio_y, x * at.rise_x + y * at.rise_y
     gyration = 0.5 * b.I1 * ratio * ratio
@@ -120,7 +120,7 @@ def leave(W: Vector, i: int, at: Fixed, given: float, b: Body) -> None:
     level = given if given > 0.0 else moving + gyration + spin + 1.0
     terms = abs(level) + gyration + abs(spin) + 1.0
     duration = min(1.0, math.sqrt(0.5 * b.M / moving))
-    of_start = (4.0 * EPSILON * terms + doubt) / moving * duration * (1.0 + abs(ratio) + abs(x * inv_k + rise))
+    of_start = (4.0 * EPSILON * terms + rounding) / moving * duration * (1.0 + abs(ratio) + abs(x * inv_k + rise))
     W[_LEVEL + i], W[_NOISE + i] = level, _ROUNDING * (1.0 + terms / abs(level)) + of_start
     W[_TIME_ERROR + i] = 0.0 if moving > _SLOWEST * level else math.nan
 
@@ -159,7 +159,7 @@ def begin_near(W: Vector, b: Body, low: Low) -> None:
         slope = -slope_of(h, at, motion.X, b)
         good = slope > 0.0
         known, integrals = closed_forms(h, log_h, at, slope if good else 1.0, motion, b, low)
-        W[_WAY + i] = at.n * at.inv_shape
+        W[_TURN_RATE + i] = at.n * at.inv_shape
         W[_NOISE + i] += _ROUNDING * W[_LEVEL + i] / slope
         W[_CHI + i], W[_REST + i], W[_TIME + i] = integrals.chi, integrals.rest, integrals.time
         W[_CAP + i], W[_LOG_CAP + i], W[_LOWEST + i] = known.cap, known.log_cap, known.lowest
@@ -328,7 +328,7 @@ def passage_batch(crossings: Crossings, tables: Tables, disk: Disk, out: Matrix)
             out[1, first + i], out[2, first + i] = W[_CHI + i], W[_CHI + i] - W[_REST + i]
             out[3, first + i], out[4, first + i] = W[_TIME + i], W[_LEVEL + i] + potential_at_flat(W[_X + i], b)
             out[5, first + i], out[6, first + i] = W[_ANGLE_ERROR + i], W[_TIME_ERROR + i]
-            out[7, first + i] = W[_WAY + i]
+            out[7, first + i] = W[_TURN_RATE + i]
 
 
 @kernel
@@ -344,7 +344,7 @@ def fall_batch(departures: Departures, tables: Tables, disk: Disk, out: Matrix) 
         load(W, _X, departures.sigma3_bar, first, b.r0)
         load(W, _LEVEL, departures.level, first, 1.0)
         load(W, _MOVING, departures.moving, first, 1.0)
-        load(W, _NOISE, departures.doubt, first, 1.0)
+        load(W, _NOISE, departures.rounding, first, 1.0)
         for i in range(LANES):
             leave(W, i, at, W[_LEVEL + i], b)
         far_panel(W, tables.rules.fall, b)

@@ -17,7 +17,7 @@ _BAD = int(Status.BAD_INPUT)
 _LIMIT = int(Status.STEP_LIMIT)
 LANES = 64  # as in `algebra`
 # Rows of the work array: what is given, and then the rows of RaceRow.
-_ETA, _FACE, _THETA_MIN, _CHI, _PSI, _TIME, _WAY, _ENERGY, _ERROR, _STATUS = range(10)
+_ETA, _FACE, _THETA_MIN, _CHI, _PSI, _TIME, _TURN_RATE, _ENERGY, _ERROR, _STATUS = range(10)
 _FALL_TIME, _FALL_CHI, _LEVEL, _FALL_ERROR = range(10, 14)
 _FOUND = 14
 
@@ -43,11 +43,11 @@ class Terms(NamedTuple):
     rounding: float
 
 
-class Ways(NamedTuple):
+class Samples(NamedTuple):
     """Passages (n) as a method followed them, natural units, angles as on face +1.
 
-    speed: theta-dot at the vertical. way: sigma3/q at the flattest moment. status: of each; those that miss the
-    bounds are marked.
+    speed: theta-dot at the vertical. turn_rate: sigma3/q at the flattest moment. status: of each; those that miss
+    the bounds are marked.
     """
 
     sigma3_bar: Vector
@@ -58,7 +58,7 @@ class Ways(NamedTuple):
     chi: Vector
     psi: Vector
     time: Vector
-    way: Vector
+    turn_rate: Vector
     energy: Vector
     error: Vector
     status: Codes
@@ -151,13 +151,13 @@ def lanes(W: Vector, units: Units, M: float) -> None:
         W[_ROW.impact_speed * LANES + i] = speed if known else nan
         W[_ROW.limit * LANES + i] = nan if bad else side * units.race
         W[_ROW.error_estimate * LANES + i] = W[_ERROR * LANES + i] if known else nan
-        W[_ROW.wrong_way * LANES + i] = 1.0 if ok & (not W[_WAY * LANES + i] * side > 0.0) else 0.0
+        W[_ROW.wrong_way * LANES + i] = 1.0 if ok & (not W[_TURN_RATE * LANES + i] * side > 0.0) else 0.0
 
 
 class Work(NamedTuple):
     """Passages to take their falls from, and where they go: from column `first` of out (12, m) on."""
 
-    ways: Ways
+    samples: Samples
     falls: Falls
     terms: Terms
     units: Units
@@ -168,21 +168,21 @@ class Work(NamedTuple):
 @subroutine
 def in_lanes(work: Work, M: float, W: Vector) -> None:
     """`race_batch`."""
-    ways, falls, terms, units, first, out = work
-    for begin in range(0, ways.status.size, LANES):
-        end = min(begin + LANES, ways.status.size)
-        status = ways.status[begin:end]
+    samples, falls, terms, units, first, out = work
+    for begin in range(0, samples.status.size, LANES):
+        end = min(begin + LANES, samples.status.size)
+        status = samples.status[begin:end]
         for i in range(status.size):
             W[_STATUS * LANES + i] = float(status[i])
-        load(ways.eta[begin:end], _ETA, W)
-        load(ways.face[begin:end], _FACE, W)
-        load(ways.theta_min[begin:end], _THETA_MIN, W)
-        load(ways.chi[begin:end], _CHI, W)
-        load(ways.psi[begin:end], _PSI, W)
-        load(ways.time[begin:end], _TIME, W)
-        load(ways.way[begin:end], _WAY, W)
-        load(ways.energy[begin:end], _ENERGY, W)
-        load(ways.error[begin:end], _ERROR, W)
+        load(samples.eta[begin:end], _ETA, W)
+        load(samples.face[begin:end], _FACE, W)
+        load(samples.theta_min[begin:end], _THETA_MIN, W)
+        load(samples.chi[begin:end], _CHI, W)
+        load(samples.psi[begin:end], _PSI, W)
+        load(samples.time[begin:end], _TIME, W)
+        load(samples.turn_rate[begin:end], _TURN_RATE, W)
+        load(samples.energy[begin:end], _ENERGY, W)
+        load(samples.error[begin:end], _ERROR, W)
         load(falls.time[begin:end], _FALL_TIME, W)
         load(falls.chi[begin:end], _FALL_CHI, W)
         load(falls.level[begin:end], _LEVEL, W)
@@ -196,9 +196,11 @@ def in_lanes(work: Work, M: float, W: Vector) -> None:
 
 
 @kernel
-def race_batch(ways: Ways, falls: Falls, terms: Terms, units: Units, disk: Disk, first: int, out: Matrix) -> None:
+def race_batch(
+    samples: Samples, falls: Falls, terms: Terms, units: Units, disk: Disk, first: int, out: Matrix
+) -> None:
     """Passages without their falls -> out (12, m), as RaceRow, from column `first` on.
 
     The status of those that miss is marked.
     """
-    in_lanes(Work(ways, falls, terms, units, first, out), disk.body.M, np.zeros(_ROWS * LANES))
+    in_lanes(Work(samples, falls, terms, units, first, out), disk.body.M, np.zeros(_ROWS * LANES))

@@ -17,7 +17,7 @@ from kernels.steps.lanes import BEFORE, LANES, NOW, SAMPLE, STEP, TAKEN, read
 from kernels.types import Longs, Matrix, Table, Vector
 
 _WIDTH = 10  # components of a state
-# Columns of a trail, and rows of points, after the state: the step from there; and which motion it is of.
+# Columns of a history, and rows of points, after the state: the step from there; and which motion it is of.
 LENGTH, OWNER, COLUMNS = 10, 11, 12
 # chi is planned by two terms in the length of the step; where it grows like the exponential of it, as a race
 # begins, they miss an eighth of a step of one unit.
@@ -25,13 +25,13 @@ _SHARE = 0.85
 _T = int(ROW.t)
 
 
-class Trail(NamedTuple):
+class History(NamedTuple):
     """The accepted steps of many motions, those of one in their order, among those of others.
 
     angle, time: chi (rad) and the time (in units of 1/speed) change by no more in a step. rows (as many as there
     is room for, 12): the state before a step, its length in s, and which motion it is of. used (1): how many steps
     there were, also those for which there was no room. most: when there are so many, nothing is followed any
-    further. Where most is 0 there is no trail, and steps are as long as the accuracy allows.
+    further. Where most is 0 there is no history, and steps are as long as the accuracy allows.
     """
 
     angle: float
@@ -54,27 +54,27 @@ def longest(x: State, angle: float, time: float, b: Body) -> float:
 
 
 @subroutine
-def shorten(trail: Trail, W: Vector, b: Body) -> None:
+def shorten(history: History, W: Vector, b: Body) -> None:
     """Steps about to be taken by all lanes, short enough to be drawn."""
-    angle, time = trail.angle, trail.time
+    angle, time = history.angle, history.time
     for i in range(LANES):
         step, most = W[STEP * LANES + i], longest(read(W, NOW, i), angle, time, b)
         W[STEP * LANES + i] = most if most < step else step
 
 
 @subroutine
-def keep(trail: Trail, W: Vector) -> int:
+def keep(history: History, W: Vector) -> int:
     """Write down the steps that the lanes have just taken; returns how many there are so far."""
-    used = trail.used[0]
+    used = history.used[0]
     for i in range(LANES):
         if W[TAKEN * LANES + i] > 0.0 and W[SAMPLE * LANES + i] >= 0.0:
-            if used < trail.rows.shape[0]:
+            if used < history.rows.shape[0]:
                 for component in range(_WIDTH):
-                    trail.rows[used, component] = W[(BEFORE + component) * LANES + i]
-                trail.rows[used, LENGTH] = W[TAKEN * LANES + i]
-                trail.rows[used, OWNER] = W[SAMPLE * LANES + i]
+                    history.rows[used, component] = W[(BEFORE + component) * LANES + i]
+                history.rows[used, LENGTH] = W[TAKEN * LANES + i]
+                history.rows[used, OWNER] = W[SAMPLE * LANES + i]
             used += 1
-    trail.used[0] = used
+    history.used[0] = used
     return int(used)
 
 

@@ -16,8 +16,8 @@ from kernels.disk.field import ANGLES, PATH, REDUCED, State, column, energy, pac
 from kernels.status import Status
 from kernels.steps import lanes
 from kernels.steps.attempt import ATTEMPTS, NAMES, first_step, to_depth
-from kernels.steps.curves import Trail, keep, shorten
-from kernels.steps.events import Event, Stop, crossed, first_guess, land, level, settle
+from kernels.steps.curves import History, keep, shorten
+from kernels.steps.events import Event, Stop, crossed, first_guess, level, locate, settle
 from kernels.steps.lanes import BEFORE, BROKEN, HIT, LANES, NOTHING, NOW, STUCK, idle, onto_circle, read, write
 from kernels.types import Codes, Counts, Matrix, Table, Vector
 
@@ -34,7 +34,7 @@ class Work(NamedTuple):
 
     method: RK4 ...; max_steps: attempts, refused ones included. event, values: where to stop, in this order.
     control (n): step in units of 1/speed (RK4, RK8) or tolerance (DOPRI5, DOP853). states (5 or 10, n): starts,
-    rows as State; what is lacking is 0. pinned (3, n): sigma3_bar, eta_plus and eta_minus that they are held to,
+    rows as State; what is lacking is 0. linear (3, n): sigma3_bar, eta_plus and eta_minus that they are held to,
     NaN where one runs free. status (n): samples that come in as not OK are skipped; one that somebody changes ends
     its motion soon. out (n, values, 10): the states, NaN where one was not reached. steps (n): attempted ones.
     moved (3, n): rows as Moved.
@@ -46,7 +46,7 @@ class Work(NamedTuple):
     values: Vector
     control: Vector
     states: Matrix
-    pinned: Matrix
+    linear: Matrix
     status: Codes
     out: Table
     steps: Counts
@@ -76,10 +76,10 @@ class Place(NamedTuple):
 @subroutine
 def begin(work: Work, j: int, W: Vector, i: int, sweeps: int, b: Body) -> None:
     """Start sample j in lane i."""
-    W[lanes.X_HELD * LANES + i] = work.pinned[0, j] / b.r0
-    W[lanes.Y_PLUS * LANES + i] = work.pinned[1, j] / b.I1
-    W[lanes.Y_MINUS * LANES + i] = work.pinned[2, j] / b.I1
-    x, control = onto_circle(column(work.states, j), not math.isnan(work.pinned[0, j])), work.control[j]
+    W[lanes.X_HELD * LANES + i] = work.linear[0, j] / b.r0
+    W[lanes.Y_PLUS * LANES + i] = work.linear[1, j] / b.I1
+    W[lanes.Y_MINUS * LANES + i] = work.linear[2, j] / b.I1
+    x, control = onto_circle(column(work.states, j), not math.isnan(work.linear[0, j])), work.control[j]
     unit = pace(x, b)
     write(W, NOW, i, x)
     W[lanes.ENERGY * LANES + i], W[lanes.UNIT * LANES + i] = energy(x, b), unit
@@ -129,15 +129,15 @@ def leave(work: Work, W: Vector, sweeps: int) -> None:
 
 
 @subroutine
-def collect(work: Work, W: Vector, landing: Vector, waiting: int) -> int:
-    """Send steps to the landing, once for each value they met, until it is full; returns how many wait there."""
+def collect(work: Work, W: Vector, arrived: Vector, waiting: int) -> int:
+    """Send steps to `arrived`, once for each value they met, until it is full; returns how many wait there."""
     values = work.values
     for i in range(LANES):
         while W[lanes.NOTE * LANES + i] == HIT:
             if waiting == LANES:
                 return waiting
             for row in range(lanes.ROWS):
-                landing[row * LANES + waiting] = W[row * LANES + i]
+                arrived[row * LANES + waiting] = W[row * LANES + i]
             waiting += 1
             met = int(W[lanes.MET * LANES + i]) + 1
             W[lanes.MET * LANES + i] = met
@@ -150,8 +150,8 @@ def collect(work: Work, W: Vector, landing: Vector, waiting: int) -> int:
 
 
 @subroutine
-def put_down(attempt_by: Any, depth: int, work: Work, W: Vector, waiting: int, whole: Whole, b: Body) -> None:
-    """States at the values met within the last steps of a landing: first by a step about as far, then located.
+def locate_all(attempt: Any, depth: int, work: Work, W: Vector, waiting: int, whole: Whole, b: Body) -> None:
+    """States at the values met within the last steps of lanes: first by a step about as far, then located.
 
     SINCE is then the length of the whole step.
     """
@@ -160,11 +160,11 @@ def put_down(attempt_by: Any, depth: int, work: Work, W: Vector, waiting: int, w
         W[lanes.STEP * LANES + i] = first_guess(x, end, h, Stop(work.event, W[lanes.NEXT * LANES + i]), b)
         W[lanes.SINCE * LANES + i], W[lanes.CONTROL * LANES + i] = h, _ANY
         write(W, NOW, i, x)
-    lanes.sweep(attempt_by, W, work.event, b)
+    lanes.sweep(attempt, W, work.event, b)
     lanes.hold(W, whole, b)
     for i in range(LANES):
         h = W[lanes.SINCE * LANES + i]
-        y, found = land(read(W, NOW, i), h, Stop(work.event, W[lanes.NEXT * LANES + i]), b)
+        y, found = locate(read(W, NOW, i), h, Stop(work.event, W[lanes.NEXT * LANES + i]), b)
         W[lanes.NOTE * LANES + i] = NOTHING if found else STUCK
         write(W, NOW, i, to_depth(y, depth))
     for i in range(waiting):
@@ -188,51 +188,51 @@ def make_lanes() -> Vector:
 
 @device
 def follow(
-    attempt_by: Any, depth: int, work: Work, trail: Trail, room: tuple[Vector, Vector], disk: Disk, whole: Whole
+    attempt: Any, depth: int, work: Work, history: History, room: tuple[Vector, Vector], disk: Disk, whole: Whole
 ) -> None:
-    """Follow every motion to all of the values, by steps of `attempt_by`, which the trail keeps.
+    """Follow every motion to all of the values, by steps of `attempt`, which the history keeps.
 
     Where there is one and it is cut off, the outcome means nothing. room: lanes for those under way, and for
-    those that land.
+    those whose event is being located.
     """
-    (W, landing), b = room, disk.body
+    (W, arrived), b = room, disk.body
     sweeps = waiting = 0
     place = fill(work, W, 0, 0, b)
     while place.busy > 0:
-        if trail.most > 0:
-            shorten(trail, W, b)
-        attention = lanes.sweep(attempt_by, W, work.event, b)
+        if history.most > 0:
+            shorten(history, W, b)
+        attention = lanes.sweep(attempt, W, work.event, b)
         sweeps += 1
         lanes.hold(W, whole, b)
-        if trail.most > 0 and keep(trail, W) >= trail.most:
+        if history.most > 0 and keep(history, W) >= history.most:
             return
         if attention > 0 or sweeps >= place.due:
-            waiting = collect(work, W, landing, waiting)
+            waiting = collect(work, W, arrived, waiting)
             while waiting == LANES:
-                put_down(attempt_by, depth, work, landing, waiting, whole, b)
-                waiting = collect(work, W, landing, 0)
+                locate_all(attempt, depth, work, arrived, waiting, whole, b)
+                waiting = collect(work, W, arrived, 0)
             leave(work, W, sweeps)
             place = fill(work, W, place.upcoming, sweeps, b)
-    put_down(attempt_by, depth, work, landing, waiting, whole, b)
+    locate_all(attempt, depth, work, arrived, waiting, whole, b)
 
 
 def at_depth(method: int, depth: int) -> Any:
     """One attempted step by a method that carries what a depth needs, both known to the compiler."""
     by = ATTEMPTS[method]
 
-    def attempt_by(x: State, h: float, control: float, unit: float, b: Body) -> Any:
+    def attempt(x: State, h: float, control: float, unit: float, b: Body) -> Any:
         return by(depth, x, h, control, unit, b)
 
-    attempt_by.__qualname__ = f"attempt_{NAMES[method]}_{depth}"
-    return device(attempt_by)
+    attempt.__qualname__ = f"attempt_{NAMES[method]}_{depth}"
+    return device(attempt)
 
 
 def _kernel(method: int, depth: int, name: str) -> Kernel:
-    attempt_by = at_depth(method, depth)
+    attempt = at_depth(method, depth)
 
-    def run(work: Work, trail: Trail, disk: Disk, whole: Whole) -> None:
+    def run(work: Work, history: History, disk: Disk, whole: Whole) -> None:
         """Follow every motion by one method at one depth."""
-        follow(attempt_by, depth, work, trail, (make_lanes(), make_lanes()), disk, whole)
+        follow(attempt, depth, work, history, (make_lanes(), make_lanes()), disk, whole)
 
     run.__name__ = run.__qualname__ = name
     return kernel(run)

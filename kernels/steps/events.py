@@ -87,7 +87,7 @@ def approach(y: State, stop: Stop, b: Body) -> tuple[State, float]:
 
 
 @device
-def land(y: State, h: float, stop: Stop, b: Body) -> tuple[State, bool]:
+def locate(y: State, h: float, stop: Stop, b: Body) -> tuple[State, bool]:
     """(the state at the event near y, found), which lies within a step of length h."""
     y, first = approach(y, stop, b)
     y, _second = approach(y, stop, b)

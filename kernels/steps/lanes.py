@@ -24,7 +24,7 @@ LANES = 16  # two AVX-512 registers: enough independent work to hide latency, fe
 # up vectorising ("too many memory checks needed").
 NOW, BEFORE = 0, 10  # states: after and before the latest attempted step
 (
-    # the next step, and the latest, which is 0 where it was refused; in a landing the length of the whole step
+    # the next step, and the latest, which is 0 where it was refused; for `locate` that of the whole step
     STEP, TAKEN,
     CONTROL, UNIT, NOTE,
     # the value of the event that is to be met next, infinite where there is none
@@ -87,13 +87,13 @@ def idle(W: Vector, i: int) -> None:
 
 
 @subroutine
-def sweep(attempt_by: Any, W: Vector, event: Event, b: Body) -> int:
-    """One attempted step of every lane by `attempt_by`; returns how many need attention."""
+def sweep(attempt: Any, W: Vector, event: Event, b: Body) -> int:
+    """One attempted step of every lane by `attempt`; returns how many need attention."""
     for i in range(LANES):
         x = read(W, NOW, i)
         h = W[STEP * LANES + i]
         unit = W[UNIT * LANES + i]
-        y, accepted, following = attempt_by(x, h, W[CONTROL * LANES + i], unit, b)
+        y, accepted, following = attempt(x, h, W[CONTROL * LANES + i], unit, b)
         hit = accepted & crossed(level(x, event), level(y, event), W[NEXT * LANES + i])
         broken = accepted & (not all_finite(y))
         stuck = (not accepted) & (not following * unit > SHORTEST_STEP)

@@ -15,7 +15,7 @@ from steppers import constants_of
 
 import explorer as ex
 from explorer import compiled
-from explorer.motion.integration import Motions, follow
+from explorer.motion.integration import InitialValues, follow
 from explorer.motion.plan import plan
 from explorer.motion.trade import STAGES
 from explorer.motion.trajectories import trajectories
@@ -47,7 +47,7 @@ class Work:
         initial, status = np.zeros((10, SAMPLES)), np.zeros(SAMPLES, np.int8)
         initial[:5] = self.states.natural
         held, control = np.stack(self.states.exact), np.full(SAMPLES, setting)
-        given = Motions(self.disk, plan(("chi",), 1e-3, method), initial, held, status, control)
+        given = InitialValues(self.disk, plan(("chi",), 1e-3, method), initial, held, status, control)
         return follow(given, compiled.events.TURNING_POINT, np.zeros(1))
 
     def errors(self, out):

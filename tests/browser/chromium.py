@@ -1,149 +1,17 @@
-"""A headless Chromium, driven by its own protocol over two pipes: no driver and no package is needed.
-
-https://chromedevtools.github.io/devtools-protocol: messages are JSON, ended by a zero byte. A command has an
-id and is answered by a message with that id; messages without one are events.
-"""
+"""The headless browser of `explorer.view.browser` with what a user does to a page."""
 
 import base64
-import json
-import os
-import select
-import shutil
-import subprocess
-import sys
-import tempfile
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
 
 import pytest
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-_PATIENCE = 120.0  # s for one answer, also on a machine that does much else
+from explorer.errors import InputError
+from explorer.view import browser
 
 
-def find() -> str | None:
-    """The path of a Chromium, from $NEARFLAT_CHROMIUM or the usual names; None if there is none."""
-    given = os.environ.get("NEARFLAT_CHROMIUM")
-    return given or next((path for name in NAMES if (path := shutil.which(name))), None)
-
-
-OPTIONS = (
-    "--headless",
-    "--no-sandbox",  # tests may run as root
-    "--disable-gpu",
-    "--disable-dev-shm-usage",
-    "--remote-debugging-pipe",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-extensions",
-    "--hide-scrollbars",
-)
-# The browser reads file 3 and writes file 4. Shells know only files below 10, and 3 and 4 may be taken here.
-_LAUNCH = """
-import os, sys
-for given, place in ((1, 100), (2, 101)): os.dup2(int(sys.argv[given]), place)
-for place, wanted in ((100, 3), (101, 4)): os.dup2(place, wanted)
-os.execv(sys.argv[3], sys.argv[3:])
-"""
-
-
-class Browser:
+class Browser(browser.Browser):
     """One browser with one page. Use as a context manager."""
-
-    def __init__(self, program: str) -> None:
-        self._folder = tempfile.TemporaryDirectory(prefix="nearflat-chromium-", ignore_cleanup_errors=True)
-        there, self._write = os.pipe()
-        self._read, back = os.pipe()
-        browser = [program, *OPTIONS, f"--user-data-dir={self._folder.name}", "about:blank"]
-        self._process = subprocess.Popen(
-            [sys.executable, "-c", _LAUNCH, str(there), str(back), *browser],
-            pass_fds=(there, back),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        os.close(there)
-        os.close(back)
-        self._buffer = b""
-        self._id = 0
-        self.events: list[dict[str, Any]] = []
-        self._session: str | None = None
-
-    def __enter__(self) -> "Browser":
-        try:
-            targets = self.send("Target.getTargets")["targetInfos"]
-            page = next(target["targetId"] for target in targets if target["type"] == "page")
-            self._session = self.send("Target.attachToTarget", targetId=page, flatten=True)["sessionId"]
-            for domain in ("Page", "Runtime", "Network", "Log"):
-                self.send(f"{domain}.enable")
-        except BaseException:
-            self.__exit__()
-            raise
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        try:
-            self._session = None
-            self.send("Browser.close")
-            self._process.wait(5.0)
-        except (OSError, TimeoutError, subprocess.TimeoutExpired):
-            self._process.kill()
-            self._process.wait()
-        os.close(self._write)
-        os.close(self._read)
-        self._folder.cleanup()
-
-    def send(self, method: str, **parameters: Any) -> dict[str, Any]:
-        """Give a command and wait for its answer; events that come meanwhile are kept."""
-        self._id += 1
-        message: dict[str, Any] = {"id": self._id, "method": method, "params": parameters}
-        if self._session is not None:
-            message["sessionId"] = self._session
-        os.write(self._write, json.dumps(message).encode() + b"\0")
-        deadline = time.monotonic() + _PATIENCE
-        while True:
-            answer = self._receive(deadline)
-            if answer.get("id") == self._id:
-                if "error" in answer:
-                    raise RuntimeError(f"{method}: {answer['error']['message']}")
-                return answer.get("result", {})
-            self.events.append(answer)
-
-    def _receive(self, deadline: float) -> dict[str, Any]:
-        while b"\0" not in self._buffer:
-            ready, _, _ = select.select([self._read], [], [], max(0.0, deadline - time.monotonic()))
-            if not ready:
-                raise TimeoutError("the browser does not answer")
-            part = os.read(self._read, 1 << 20)
-            if not part:
-                raise TimeoutError("the browser is gone")
-            self._buffer += part
-        text, _, self._buffer = self._buffer.partition(b"\0")
-        return json.loads(text)
-
-    def until(self, event: str) -> None:
-        """Wait for an event."""
-        deadline = time.monotonic() + _PATIENCE
-        while not any(seen.get("method") == event for seen in self.events):
-            self.events.append(self._receive(deadline))
-
-    def open(self, path: Path, fragment: str = "") -> None:
-        """Open a file and wait until it is loaded. What the page does from now on is in `events`."""
-        # By way of an empty page: an address that differs after # only would load nothing.
-        for address in ("about:blank", path.resolve().as_uri() + fragment):
-            self.events.clear()
-            self.send("Page.navigate", url=address)
-            self.until("Page.loadEventFired")
-
-    def evaluate(self, expression: str) -> Any:
-        """The value of a JavaScript expression in the page; promises are waited for."""
-        answer = self.send("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
-        if "exceptionDetails" in answer:
-            details = answer["exceptionDetails"]
-            raise RuntimeError(details.get("exception", {}).get("description", details["text"]))
-        return answer["result"].get("value")
 
     def frames(self, count: int = 2) -> None:
         """Let the page draw."""
@@ -152,11 +20,12 @@ class Browser:
             " f(); })"
         )
 
-    def size(self, width: int, height: int) -> None:
-        """The window, in CSS pixels."""
+    def size(self, width: int, height: int, mobile: bool = False) -> None:
+        """The window, in CSS pixels; `mobile`: it is touched."""
         self.send(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
+            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=mobile
         )
+        self.send("Emulation.setTouchEmulationEnabled", enabled=mobile)
 
     def prefer(self, **features: str) -> None:
         """What the user prefers: color_scheme="dark", reduced_motion="reduce"."""
@@ -190,6 +59,14 @@ class Browser:
             self.mouse("mouseMoved", *point)
         self.mouse("mouseReleased", *points[-1])
 
+    def swipe(self, x: float, y: float, dx: float, dy: float) -> None:
+        """Move one finger, as far as (dx, dy)."""
+        self.send("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
+        for share in (0.25, 0.5, 0.75, 1.0):
+            point = {"x": x + share * dx, "y": y + share * dy}
+            self.send("Input.dispatchTouchEvent", type="touchMove", touchPoints=[point])
+        self.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
     def key(self, key: str) -> None:
         """Press and release one key."""
         typed = {"text": key} if len(key) == 1 else {}
@@ -197,15 +74,15 @@ class Browser:
         self.send("Input.dispatchKeyEvent", type="keyUp", key=key)
 
     def problems(self) -> list[str]:
-        """Errors and warnings that the page has reported since it was opened."""
+        """What the page has written to the console since it was opened, errors of its program included."""
         found = []
         for event in self.events:
             method, values = event.get("method"), event.get("params", {})
             if method == "Runtime.exceptionThrown":
                 found.append(values["exceptionDetails"].get("exception", {}).get("description", "exception"))
-            elif method == "Runtime.consoleAPICalled" and values["type"] in ("error", "warning", "assert"):
+            elif method == "Runtime.consoleAPICalled":
                 found.append(str(values["args"]))
-            elif method == "Log.entryAdded" and values["entry"]["level"] in ("error", "warning"):
+            elif method == "Log.entryAdded":
                 found.append(values["entry"]["text"])
         return found
 
@@ -219,9 +96,9 @@ class Browser:
 @contextmanager
 def started() -> Iterator[Browser]:
     """A browser that has started; the test is skipped where there is none."""
-    program = find()
-    if program is None:
-        remedy = "install it (Debian: apt-get install chromium) or set NEARFLAT_CHROMIUM to its path"
-        pytest.skip(f"no Chromium was found: {remedy}")
-    with Browser(program) as browser:
-        yield browser
+    try:
+        program = browser.find()
+    except InputError as error:
+        pytest.skip(str(error))
+    with Browser(program) as opened:
+        yield opened

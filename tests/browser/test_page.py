@@ -94,6 +94,15 @@ def test_the_page_loads_in_less_than_a_second(page, page_file):
     assert 0.0 < quickest(loaded, 1000.0) < 1000.0
 
 
+def test_the_first_picture_is_there_in_less_than_a_second_and_a_half(page, page_file):
+    def painted():
+        page.open(page_file)
+        page.frames()
+        return page.evaluate("performance.getEntriesByName('first-contentful-paint')[0].startTime")
+
+    assert 0.0 < quickest(painted, 1500.0) < 1500.0
+
+
 def test_a_frame_takes_less_than_a_sixtieth_of_a_second(page):
     code = """(() => {
         const begun = performance.now();
@@ -206,16 +215,6 @@ def test_time_is_dragged_and_the_table_is_turned(page):
     assert page.evaluate("nearflat.scene.camera.azimuth") < before - 0.3
 
 
-def test_a_finger_turns_the_table(page):
-    before = page.evaluate("nearflat.scene.camera.elevation")
-    x, y = inside(page, "scene", 0.5, 0.4)
-    page.send("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
-    for step in (20, 40):
-        page.send("Input.dispatchTouchEvent", type="touchMove", touchPoints=[{"x": x, "y": y + step}])
-    page.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
-    assert page.evaluate("nearflat.scene.camera.elevation") > before + 0.1
-
-
 def test_keys_do_what_the_footer_says(page):
     expected = (("f", "eta_hat", -1e-3), ("g", "ghost", False), ("s", "slow", False), ("2", "disk", "hoop"))
     for key, name, value in expected:
@@ -261,7 +260,7 @@ def test_a_link_opens_the_same_view(page, page_file):
 
 
 def test_an_address_that_makes_no_sense_does_no_harm(page, page_file):
-    page.open(page_file, "#disk=banana&eta_hat=0&face=7&theta=9&sigma3_bar=x&pace=-1")
+    page.open(page_file, "#disk=banana&eta_hat=1e9&face=7&theta=9&sigma3_bar=x&pace=-1")
     try:
         assert page.evaluate("nearflat.store.body.name") == "uniform"
         assert shown(page)["eta_hat"] == 1e-3

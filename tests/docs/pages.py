@@ -24,6 +24,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from unittest import SkipTest
 
+import matplotlib
 from matplotlib.figure import Figure
 from PIL import Image
 from sybil.document import Document
@@ -85,7 +86,8 @@ def run(page, folder):
         "installed": lambda name: find_spec(name) is not None,
         "examples": ROOT / "docs" / "examples",
     }
-    with contextlib.chdir(folder):
+    # What a page sets of the look of its pictures is its own
+    with contextlib.chdir(folder), matplotlib.rc_context():
         for example in document.examples():
             with contextlib.suppress(SkipTest):
                 example.evaluate()

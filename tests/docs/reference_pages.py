@@ -16,7 +16,7 @@ from explorer.commands.main import COMMANDS, parser_of
 from explorer.commands.trade import Trading
 from explorer.phase.columns import COLUMNS
 from explorer.runs.settings import Settings
-from explorer.scenes.options import Options, options_of
+from explorer.scenes.options import options_of
 from explorer.scenes.scene import NAMES, scene_class
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -178,28 +178,16 @@ from explorer.scenes.scene import Scene
 
 
 def stub():
-    """The keywords of each scene and of runs, and overloads of the calls by scene."""
-    kinds = {scene_class(name).__name__: scene_class(name) for name in NAMES}
-    text, known = HEAD, {Options: {}}
-    named = (*kinds.values(), Settings)
-    for kind in dict.fromkeys(base for last in named for base in last.__mro__[::-1]):
-        if not issubclass(kind, Options) or kind is Options:
-            continue
-        above = next(base for base in kind.__bases__ if issubclass(base, Options))
-        fields = known[kind] = {each.name: each.metadata["reader"].accepts for each in options_of(kind)}
-        # A TypedDict cannot give a key another type.
-        inherits = bool(known[above]) and all(fields[name] == known[above][name] for name in known[above])
-        own = {name: each for name, each in fields.items() if not (inherits and name in known[above])}
-        parent = f"Of{above.__name__}" if inherits else "TypedDict"
-        lines = [f"\nclass Of{kind.__name__}({parent}, total=False):"]
-        text += "\n".join([*lines, *(f"    {name}: {each}" for name, each in own.items()), ""])
-    for name in kinds:
-        text += f"\nclass {name}Run(Of{name}, OfSettings, total=False): ..."
+    """The keywords of runs and of all scenes, each with the types that any of them takes."""
+    kinds, types = (*(scene_class(name) for name in NAMES), Settings), {}
+    for each in (each for kind in kinds for each in options_of(kind)):
+        parts = re.split(r" \| (?![^\[]*\])", each.metadata["reader"].accepts)  # not within brackets
+        types.setdefault(each.name, {}).update(dict.fromkeys(parts))
+    text = HEAD + "\nclass Keywords(TypedDict, total=False):\n"
+    text += "".join(f"    {name}: {' | '.join(known)}\n" for name, known in types.items())
+    text += f"\nKnown = Literal[{', '.join(map(repr, NAMES))}]\n"
     for call, returned in (("run", "Run"), ("plan", "RunPlan")):
-        text += "\n"
-        for name, kind in kinds.items():
-            literal = f'Literal["{kind.name}"]'
-            text += f"@overload\ndef {call}(scene: {literal}, **options: Unpack[{name}Run]) -> {returned}: ...\n"
+        text += f"\n@overload\ndef {call}(scene: Known, **options: Unpack[Keywords]) -> {returned}: ...\n"
         text += f"@overload\ndef {call}(scene: str | type[Scene], **options: Any) -> {returned}: ...\n"
     own = ", ".join(f"{each.name}: {each.metadata['reader'].accepts} = ..." for each in options_of(Trading))
     return f"{text}\ndef trade(scene: str | type[Scene] | None = ..., *, {own}, **options: Any) -> Trade: ...\n"

@@ -142,8 +142,8 @@ for moved, last in [(units * 2.3e-16, last) for units in MOVED for last in (-0.2
             *(method, 5000, events.TURNING_POINT, np.zeros(1), np.full(3, control), states, free),
             *(status, out, count, moves),
         )
-        trail = curves.Trail(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
-        engine.FOLLOW[method, field.ANGLES](work, trail, disk, make_whole(disk.series))
+        history = curves.History(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
+        engine.FOLLOW[method, field.ANGLES](work, history, disk, make_whole(disk.series))
         print([x.hex() for x in out.ravel()], status.tolist(), count.tolist())
 """
 

@@ -49,17 +49,17 @@ def integrator(name, whole, held=True):
     events, engine, depth = compiled.events, compiled.engine, compiled.field.ANGLES
     event, value = (events.TIME, T_END) if whole else (events.TURNING_POINT, 0.0)
     eta = np.tile(work().eta_hat, COPIES) * DISK.body.I3 * DISK.body.r0
-    pinned = np.stack([np.full(n, 1.0 if held else np.nan), eta, 2.0 * DISK.body.I1 * DISK.body.dr0 - eta])
+    linear = np.stack([np.full(n, 1.0 if held else np.nan), eta, 2.0 * DISK.body.I1 * DISK.body.dr0 - eta])
     out, moved, steps = np.empty((n, 1, 10)), np.empty((3, n)), np.empty(n, np.int32)
-    trail = compiled.curves.Trail(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
+    history = compiled.curves.History(0.0, 0.0, np.empty((0, 12)), np.zeros(1, np.int64), 0)
 
     def make(control):
         settings = np.full(n, control)
 
         def solve(_n):
             status, follow = np.zeros(n, np.int8), engine.FOLLOW[METHODS[name], depth]
-            motions = (METHODS[name], 200_000, event, np.array([value]), settings, initial, pinned)
-            follow(engine.Work(*motions, status, out, steps, moved), trail, DISK.natural, DISK.whole)
+            motions = (METHODS[name], 200_000, event, np.array([value]), settings, initial, linear)
+            follow(engine.Work(*motions, status, out, steps, moved), history, DISK.natural, DISK.whole)
             chi = np.where(status == 0, out[:, 0, compiled.field.ROW.chi], np.nan)
             return (chi if whole else 2.0 * chi)[:COUNT]
 

@@ -27,9 +27,9 @@ def recorded(method, control):
         *(method, 10_000, compiled.events.TIME, np.array([12.0]), np.full(1, control), x, free),
         *(status, out, np.zeros(1, np.int32), np.empty((3, 1))),
     )
-    trail = curves.Trail(LONG, LONG, np.empty((4096, 12)), np.zeros(1, np.int64), 4096)
-    engine.FOLLOW[method, 8](work, trail, DISK.natural, DISK.whole)
-    rows = trail.rows[: trail.used[0]]
+    history = curves.History(LONG, LONG, np.empty((4096, 12)), np.zeros(1, np.int64), 4096)
+    engine.FOLLOW[method, 8](work, history, DISK.natural, DISK.whole)
+    rows = history.rows[: history.used[0]]
     return rows[:-1, :8].T, rows[1:, :8].T, rows[:-1, 10]
 
 

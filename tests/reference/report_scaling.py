@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from explorer.pictures.register import Caption, Question, add_caption, save
-from explorer.pictures.style import DARK, MARKERS, SERIES, dress, legend_below
+from explorer.pictures.style import DARK, MARKERS, SERIES, dress, legend_below, legend_of_all
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from processor import processor
@@ -115,26 +115,29 @@ def draw(rows):
     figure = Figure(figsize=(7.6, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2)
     works = {"states": ("states, drawn and judged", SERIES[1]), "passages": ("passages, all stored", DARK)}
-    for name, (told, colour) in works.items():
+    for name, (_told, colour) in works.items():
         for jobs, marker, style in ((1, "o", "--"), (2, "s", "-")):
             chosen = [(n, s, mb) for what, n, j, s, mb in rows if what == name and j == jobs]
             if not chosen:
                 continue
             samples, seconds, memory = zip(*chosen, strict=True)
-            label = f"{told}, {jobs} job{'s' if jobs > 1 else ''}"
-            left.loglog(samples, seconds, style, marker=marker, ms=5, color=colour, label=label)
+            left.loglog(samples, seconds, style, marker=marker, ms=5, color=colour)
             right.semilogx(samples, memory, style, marker=marker, ms=5, color=colour)
             if jobs == 1:
                 end = np.array([max(samples) / 1e3, max(samples)])
                 left.plot(end, seconds[-1] * end / end[-1], ":", color=colour, lw=1.0)
-    left.plot([], [], ":", color=DARK, label="∝ samples")
+    for told, colour in works.values():
+        left.plot([], [], color=colour, lw=4, label=told)
+    left.plot([], [], "o--", color="0.5", ms=5, label="1 job")
+    left.plot([], [], "s-", color="0.5", ms=5, label="2 jobs")
+    left.plot([], [], ":", color=DARK, label=r"$\propto$ samples")
     dress(left, "samples", "time (s)", "Time: in proportion, in the end")
-    dress(right, "samples", "peak memory (MB)", "Memory: hardly grows")
-    right.set_ylim(bottom=0)
+    most = max(memory for *_, memory in rows)
+    dress(right, "samples", "peak memory (MB)", f"Memory: {most:.0f} MB at most")
+    right.set_ylim(0, 1.1 * most)
     for ax in (left, right):
         ax.grid(alpha=0.3)
-    handles, names = left.get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside lower center", ncols=2, fontsize=10.5, frameon=False)
+    legend_of_all(figure, [left], ncols=2)
     add_caption(figure, OF_SIZES)
     return figure
 
@@ -168,7 +171,7 @@ def draw_cost(rows: list[tuple[int, list[float | None]]]) -> Figure:
     ax.yaxis.set_minor_locator(NullLocator())
     ax.set_ylim(0.1, 100.0)
     legend_below(ax, ncols=3)
-    x = r"$|\hat\eta|$ ($\sqrt{g/r}$), towards the falling set"
+    x = r"$|\hat\eta|$ ($\sqrt{g/r}$) towards $F$; its decades are on a logarithmic axis"
     title = "Quadrature costs the same at any distance from $F$"
     dress(ax, x, "time per passage (µs), one core", title, grid=True)
     add_caption(figure, OF_DISTANCES)

@@ -81,9 +81,9 @@ def test_one_figure_is_written_for_any_body_and_distance(options, names, tmp_pat
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (["--figure", "10"], "--figure"),
+        (["--figure", "10"], "figure = 10"),
         (["--figure", "8", "--only", "LEMMA-5"], "give one of them"),
-        (["--disk", "hoop"], "only with --figure"),
+        (["--disk", "hoop"], "only with a figure"),
     ],
 )
 def test_figures_that_cannot_be_drawn_are_refused_in_a_sentence(options, says, tmp_path, capsys):

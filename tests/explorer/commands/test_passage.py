@@ -56,9 +56,9 @@ def test_a_number_below_zero_needs_no_equals_sign(value, capsys):
 
 def test_bad_numbers_are_named(capsys):
     assert main([*WORDS, "far"]) == 2
-    assert "--eta-hat far is not a number" in capsys.readouterr().err
+    assert "eta_hat = far is not a number" in capsys.readouterr().err
 
 
 def test_what_is_needed_is_asked_for(capsys):
     assert main(["passage", "--sigma3-bar", "1"]) == 2
-    assert "--eta-hat: is needed; distance" in capsys.readouterr().err
+    assert "eta_hat: is needed; distance" in capsys.readouterr().err

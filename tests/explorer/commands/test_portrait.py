@@ -10,7 +10,7 @@ HOOP = ex.Disk.hoop()
 
 
 # The rest is drawn in the tests of its pictures, without pixels: those take seconds.
-RENDERED = ("hero", "phase", "race", "bounces", "paths")
+RENDERED = ("phase", "race", "bounces", "paths")
 
 
 @pytest.mark.rendered("png", "svg", "pdf")
@@ -34,13 +34,29 @@ def test_options_reach_the_phase_portrait(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--only", "nothing"], "--only 'nothing'"),
-        (["--sigma3-bar", "much"], "--sigma3-bar much"),
-        (["--only", "race", "--well"], "--well: only the group phase"),
+        (["--only", "nothing"], "only 'nothing'"),
+        (["--sigma3-bar", "much"], "sigma3_bar = much"),
+        (["--only", "race", "--well"], "well: only the group phase"),
     ],
 )
 def test_bad_input_is_named_before_anything_is_written(words, message, tmp_path, capsys):
     status, _, err = said(capsys, "portrait", *words, "--out", tmp_path / "none")
     assert status == 2
     assert message in err
+    assert not (tmp_path / "none").exists()
+
+
+def test_without_a_browser_the_rest_is_drawn_and_what_is_missing_is_said(monkeypatch, tmp_path, capsys):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("NEARFLAT_CHROMIUM", raising=False)
+    monkeypatch.setattr("explorer.commands.portrait.GROUPS", ["hero", "film", "definitions"])
+    status, out, err = said(capsys, "portrait", "--quiet", "--out", tmp_path / "all")
+    assert status == 0
+    assert "1 pictures" in out
+    assert "without hero and film" in err
+    assert "no Chromium was found" in err
+    assert "film" not in (tmp_path / "all" / "README.md").read_text("utf-8").lower()
+    status, _, err = said(capsys, "portrait", "--only", "film", "--out", tmp_path / "none")
+    assert status == 2
+    assert "no Chromium was found" in err
     assert not (tmp_path / "none").exists()

@@ -103,3 +103,13 @@ def test_the_path_of_the_limit_with_its_races_is_that_of_a_motion_beside_it():
         apart = np.linalg.norm(near[:, None] - whole[None], axis=2)
         assert apart.min(axis=1).max() < 0.05
         assert apart.min(axis=0).max() < 0.1
+
+
+def test_a_last_time_of_ones_own_says_how_many_falls_there_are():
+    both = both_sides(beside(HOOP, START, 0.0), 1e-4, 30.0)
+    limit = limits_at(HOOP, START)[1]
+    assert both.t[-1] == 30.0
+    np.testing.assert_array_equal(both.impacts, limit.impacts(30.0))
+    for side in (1, -1):
+        raced = np.interp(both.impacts[:, None] + [-0.1, 0.1], both.t, both.motions[side]["chi"])
+        assert (side * np.diff(raced, axis=1) > 0.9 * HOOP.race_limit).all()

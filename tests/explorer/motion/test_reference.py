@@ -92,22 +92,18 @@ def bounces(disk, motions, accuracy, number=0):
 
 
 # How many motions have no answer, by accuracy. Passages: two without a limit motion, from which a race is
-# measured, and one beside a crest, where rounding of E - V leaves no more than ten digits. Falls: of bodies with
-# I3/I1 = 1e-6, which spin by thousands of radians. Periods and bounces: four that are on F of the other face to
-# rounding, and one of 80 s beside the vertical. Bounces: narrow wobbles, since rounding of the state leaves open
-# when they are flattest; motions that turn by thousands of radians, whose times rounding leaves open; and those
-# near flat where it does so with E - V_0 and the fall angle.
+# measured, and two beside a crest, where rounding of E - V leaves ten digits of one and three of the other. Falls:
+# of bodies with I3/I1 = 1e-6, which spin by thousands of radians. Periods and bounces: the one with three digits,
+# four that are on F of the other face to rounding, and one of 80 s beside the vertical. Bounces: narrow wobbles,
+# since rounding of the state leaves open when they are flattest; motions that turn by thousands of radians, whose
+# times rounding leaves open; and those near flat where it does so with E - V_0 and the fall angle.
 REFUSED = {
-    passages: (3, 2, 2, 2),
+    passages: (4, 3, 3, 2),
     falls: (2, 0, 0, 0),
-    periods: (5, 5, 4, 4),
-    bounces: (61, 34, 16, 4),
+    periods: (6, 6, 5, 5),
+    bounces: (62, 35, 17, 5),
 }
 CAUTION = 1e3  # what estimates may be in the median, times the error
-# Errors that are up to four times the estimate: of a period from rest 0.01 rad from the vertical, since rounding
-# of eta on the other face is not in the estimate.
-UNDERSTATED = {(periods, 1e-11): 1}
-ALMOST_ON_CREST = MOTIONS["phidot"] == 0.04167421335802686
 
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)
@@ -115,23 +111,14 @@ ALMOST_ON_CREST = MOTIONS["phidot"] == 0.04167421335802686
 def test_answers_are_as_right_as_they_say(answer, accuracy):
     """Within the accuracy and three times the estimate, which is not many times too large."""
     chosen = {passages: PASSAGES, falls: FALLS}.get(answer, ~FALLS)
-    found = compared(answer, chosen & ~ALMOST_ON_CREST, accuracy)
+    found = compared(answer, chosen, accuracy)
     known = np.isfinite(found.estimate)
     assert (~known).sum() <= REFUSED[answer][ACCURACIES.index(accuracy)]
     rows, error, estimate, allowed = (column[known] for column in found)
     assert (error <= allowed).all(), rows[error > allowed]
     assert (estimate <= allowed).all(), rows[estimate > allowed]
-    assert (error > 3.0 * estimate).sum() <= UNDERSTATED.get((answer, accuracy), 0), rows[error > 3.0 * estimate]
-    assert (error <= 4.0 * estimate).all()
+    assert (error <= 3.0 * estimate).all(), rows[error > 3.0 * estimate]
     assert np.median(estimate / np.fmax(error, 1e-16)) <= CAUTION
-
-
-@pytest.mark.parametrize("accuracy", [1e-8, 1e-6, 1e-3, 1e-2])
-def test_beside_a_crest_by_a_trillionth_of_the_energy_estimates_hold(accuracy):
-    """Rounding of E - V at the crest leaves no more than five digits: so many are answered."""
-    found = compared(passages, PASSAGES & ALMOST_ON_CREST, accuracy)
-    assert np.isfinite(found.estimate).all() == (accuracy >= 1e-3)
-    assert not (found.error > 3.0 * found.estimate).any()
 
 
 def test_limit_motions_have_the_periods_of_falls_and_rises():

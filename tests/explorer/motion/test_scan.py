@@ -1,10 +1,7 @@
 """An observable of one's own for every state."""
 
-import zipfile
-
 import numpy as np
 import pytest
-from pyarrow.parquet import read_table
 
 import explorer as ex
 from explorer.motion.scan import OBSERVABLES, scan
@@ -66,21 +63,14 @@ def test_rows_of_another_shape_for_some_states_are_refused():
         scan(STATES, lambda batch: {"rows": np.zeros((len(batch), len(batch)))}, batch=10)
 
 
-def test_arrays_have_the_shape_of_the_states_and_are_stored_with_it(tmp_path):
+def test_arrays_have_the_shape_of_the_states_and_a_table_has_their_entries():
     states = ex.phi_to_states(DISK, 0.2, [[0.5], [0.6]], np.linspace(-1.0, 1.0, 7), 0.3)
     found = scan(states, lambda batch: {"pair": np.stack([batch.phidot, batch.sigma3], axis=1), "one": batch.phi})
     assert found["pair"].shape == (2, 7, 2)
     np.testing.assert_array_equal(found["pair"][..., 1], states.sigma3)
-    stored = np.load(found.save(tmp_path / "own.npz"))
-    np.testing.assert_array_equal(stored["pair"], found["pair"])
-    np.testing.assert_array_equal(stored["phidot"], states.phidot)
-    table = read_table(found.save(tmp_path / "own.parquet"))
+    table = found.to_arrow()
     assert table.column_names == ["phi", "phidot", "sigma3", "sigma4", "pair_0", "pair_1", "one"]
     np.testing.assert_array_equal(table["pair_1"], states.sigma3.ravel())
-    with pytest.raises(ex.InputError, match=r"ends in \.npz or \.parquet"):
-        found.save(tmp_path / "own.txt")
-    with pytest.raises(ex.InputError, match="there is no folder"):
-        found.save(tmp_path / "nowhere" / "own.npz")
 
 
 @pytest.mark.parametrize("key", [1, None, ("a", "b"), "status", "phi"])
@@ -99,17 +89,12 @@ def test_a_function_with_the_name_of_a_column_is_refused():
         scan(STATES, status)
 
 
-def test_arrays_of_any_name_are_stored(tmp_path):
+def test_arrays_of_any_name_are_columns():
     names = ("file", "args", "self", "compress", "η of a/b", "arr_0", "x.npy")
     found = scan(STATES, lambda batch: {name: batch.sigma3 + i for i, name in enumerate(names)})
-    stored = np.load(found.save(tmp_path / "own.npz"))
-    table = read_table(found.save(tmp_path / "own.parquet"))
-    for name in names:
-        np.testing.assert_array_equal(table[name], found[name])
-    with zipfile.ZipFile(tmp_path / "own.npz") as file:
-        assert [each.removesuffix(".npy") for each in file.namelist()] == list(found.columns)
-    np.testing.assert_array_equal(stored["file"], found["file"])
-    np.testing.assert_array_equal(stored["η of a/b"], found["η of a/b"])
+    for table in (found.to_arrow(), found.to_pandas()):
+        for name in names:
+            np.testing.assert_array_equal(table[name], found[name])
 
 
 def test_two_columns_of_one_name_are_refused_and_none_is_lost():

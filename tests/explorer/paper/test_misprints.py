@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from explorer.paper.misprints import MISPRINTS, misprints_page
+from explorer.paper.pages import MISPRINTS, Row, misprints_page
 from explorer.paper.statement import FACTOR, STATEMENTS
 
 # The statement that decides each.
@@ -45,7 +45,7 @@ def deciding(checked):
 def test_all_23_misprints_are_there():
     assert list(MISPRINTS) == list(DECIDED_BY)
     assert len(MISPRINTS) == 23
-    assert all(row.printed != row.right for row in MISPRINTS.values())
+    assert all(printed != right for printed, right in MISPRINTS.values())
 
 
 @pytest.mark.parametrize("where", MISPRINTS)
@@ -76,7 +76,7 @@ def page_rows(page):
 
 
 def test_the_page_lists_every_misprint_with_both_numbers(deciding):
-    rows = page_rows(misprints_page((statement, [finding]) for statement, finding in deciding))
+    rows = page_rows(misprints_page(Row(statement, (finding,)) for statement, finding in deciding))
     assert [row[0] for row in rows] == list(MISPRINTS)
     for row in rows:
         assert len(row) == 7

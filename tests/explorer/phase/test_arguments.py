@@ -8,9 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import explorer as ex
 from explorer.errors import InputError
-from explorer.phase.arguments import column, columns_of, explained, read_columns, returned_numbers
+from explorer.phase.arguments import column, columns_of, read_columns, returned_numbers
 
 
 @pytest.mark.parametrize(
@@ -92,40 +91,3 @@ def test_what_was_given_is_not_what_is_returned():
 def test_a_table_that_no_memory_holds_is_refused_at_once():
     with pytest.raises(InputError, match=r"broadcast to \(100000, 100000\); give up to"):
         columns_of(phi=np.zeros((100_000, 1)), phidot=np.zeros(100_000))
-
-
-@explained
-def told(state, eta_hat=None):
-    return state, eta_hat
-
-
-def test_a_call_with_other_arguments_is_refused_with_those_that_there_are():
-    assert told(1, eta_hat=2) == (1, 2)
-    for call, said in (
-        (lambda: told(1, etahat=2), "takes no 'etahat'; did you mean 'eta_hat'"),
-        (lambda: told(1, 2, 3), "too many positional arguments; it takes state, eta_hat"),
-        (lambda: told(), "missing a required argument: 'state'"),
-    ):
-        with pytest.raises(ex.InputError, match=said):
-            call()
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda disk, states: ex.simulate(states, 1.0, acuracy=1e-3),
-        lambda disk, states: ex.passages(disk, 1.0, 1e-3, 1.0, acuracy=1e-3),
-    ],
-)
-def test_keywords_that_travel_together_are_checked_by_name(call):
-    disk = ex.Disk.uniform()
-    with pytest.raises(ex.InputError, match="takes no 'acuracy'; did you mean 'accuracy'"):
-        call(disk, ex.phi_to_states(disk, 0.0, 1.0, 1.0, 0.7))
-
-
-def test_a_misspelt_keyword_is_compared_with_all_of_the_function():
-    disk = ex.Disk.uniform()
-    with pytest.raises(ex.InputError, match="takes no 'fase'; did you mean 'face'"):
-        ex.passages(disk, 1.0, 1e-3, 1.0, fase=1)
-    with pytest.raises(ex.InputError, match="circular_rolling: takes no 'raduis'; did you mean 'radius'"):
-        ex.circular_rolling(disk, 0.3, raduis=2.0)

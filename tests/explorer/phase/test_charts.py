@@ -51,7 +51,7 @@ def test_an_energy_is_never_in_degrees():
     ("names", "message"),
     [
         (["phi", "phidot", "sigma3"], "say no state; add sigma4"),
-        (["Tilt", "precession", "spin"], r"add tilt \(is it 'Tilt'\?\)"),
+        (["Tilt", "precession", "spin"], "add tilt"),
         (["a", "b"], "states: has a, b, which say no state"),
         ([], "has no columns"),
     ],

@@ -106,11 +106,6 @@ def test_tilts_in_degrees_that_are_said_to_be_are_silent():
     assert ex.rates_to_states(ex.Disk.uniform(), [0.5, 2.0, np.nan], 0.0, 1.0, 1.0).status.tolist() == [0, 0, 2]
 
 
-def test_a_rate_that_is_left_out_is_named_with_what_is_taken():
-    with pytest.raises(ex.InputError, match="missing a required argument: 'tilt_rate'; it takes disk, tilt"):
-        ex.rates_to_states(COIN, tilt=0.2, precession=1.0, spin=1.0)
-
-
 def test_warnings_of_tilts_point_at_the_line_of_the_user():
     for tilt in (10.0, [0.5, -0.5]):
         with pytest.warns(ex.StateWarning) as told:

@@ -36,9 +36,9 @@ def test_what_the_system_says_against_a_file_is_told_and_the_path_is_as_it_was_g
 def test_what_is_no_toml_is_said_with_its_place(tmp_path):
     (tmp_path / "x.toml").write_text("a = ", encoding="utf-8")
     with pytest.raises(InputError, match=r"disk .*x.toml: not valid TOML \(Invalid value \(at end of document"):
-        read_toml(tmp_path / "x.toml", "--disk")
+        read_toml(tmp_path / "x.toml", "disk")
     with pytest.raises(InputError, match=r"y.toml: cannot be read \(No such file"):
-        read_toml(tmp_path / "y.toml", "--disk")
+        read_toml(tmp_path / "y.toml", "disk")
 
 
 def test_a_link_to_a_file_is_written_to_where_it_leads(tmp_path):

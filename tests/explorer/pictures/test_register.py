@@ -2,14 +2,19 @@
 
 import re
 
+import matplotlib
+import matplotlib.style
 import pytest
 from matplotlib.figure import Figure
 
 import explorer as ex
 from explorer.commands.gallery import caption_in
+from explorer.commands.portrait import GROUPS, RECORDED
 from explorer.pictures.calls import portraits_of
 from explorer.pictures.register import Caption, Question, add_caption, caption_of, save
+from explorer.pictures.style import SERIES
 from explorer.scenes.portrait import Portrait
+from explorer.view import record
 
 DISK = ex.Disk.uniform()
 
@@ -83,5 +88,13 @@ def test_what_a_picture_does_not_take_is_said_in_a_sentence(name, what, numbers,
 
 def test_every_group_has_pictures_and_no_two_files_of_one_name():
     groups = {each.group for each in ex.pictures.values() if each.group}
+    assert set(GROUPS) == groups | set(RECORDED)
+    assert set(RECORDED) == set(record.CAPTIONS)
     names = [name for group in groups - {"slices"} for name, _ in portraits_of(group, Portrait())]
     assert len(names) == len(set(names)) > 20
+
+
+def test_figures_of_ones_own_in_the_style_of_the_house_have_the_colours_of_its_series():
+    with matplotlib.rc_context():
+        matplotlib.style.use("explorer.pictures.house")
+        assert matplotlib.rcParams["axes.prop_cycle"].by_key()["color"] == [*SERIES]

@@ -139,7 +139,7 @@ def test_a_killed_process_ends_the_run_with_a_sentence_and_resume_goes_on(digest
     family(done.pid)[0].kill()
     _, err = done.communicate(timeout=60)
     assert done.returncode == 1
-    assert "--backend processes: a worker was killed" in err.splitlines()[-1]
+    assert "backend processes: a worker was killed" in err.splitlines()[-1]
     assert err.endswith(f"continue with: nearflat resume {folder}\n")
     assert ex.open(folder).resume(progress=False).summary["digest"] == digest
 

@@ -71,10 +71,7 @@ def test_slope_and_constant_are_those_of_codimension_one(disk, options):
     assert abs(constant["value"] - found["constant_predicted"]) < 4.0 * constant["error"]
     assert constant["error"] < 0.01 * constant["value"]
     assert found["p_value"]["law"] > 1e-4
-    rungs = sum(row["delta"] <= found["law_limit"] for row in found["ladder"])
-    for name in ("dimension_two", "constant_off"):
-        if 2 * 2048 * rungs > 2 * found["power"][name]["tube_draws"]:
-            assert found["p_value"][name] < 0.05
+    assert found["p_value"]["dimension_two"] < 0.05
     assert found["p_value_tubes"]["plateau"] == 0.0
     assert found["p_value"]["plateau"] == found["p_value_counts"]["plateau"]
     assert found["p_value_counts_against_tubes"] > 1e-4
@@ -111,7 +108,8 @@ def test_the_correction_to_the_law_shrinks_like_delta():
     assert corrections[0] < -0.05
     assert 0.04 < corrections[1] / corrections[0] < 0.2
     assert abs(corrections[3]) < 1e-3
-    assert found["sobol_gain"] > 3.0
+    alone = summary_of(samples=4096, tube=1 << 14, ladder="1e-6:1e-1")
+    assert alone["constant"]["error"] > 1.5 * found["constant"]["error"]
 
 
 def test_plain_draws_come_last_so_that_a_longer_run_keeps_all_chunks(few):
@@ -172,7 +170,7 @@ def test_too_few_hits_are_counted_and_not_fitted():
     assert found["ladder"][0]["effective_sample_size"] < 50
     lines = scene.headline(found)
     assert lines[-1].startswith("C was not estimated: one rung has an effective sample size of ")
-    assert lines[-1].endswith("Raise --tube, or narrow --box to where the density is.")
+    assert lines[-1].endswith("Raise tube, or narrow box to where the density is.")
 
 
 def test_a_box_that_misses_the_falling_set_says_so():

@@ -37,11 +37,11 @@ def test_its_help_is_that_of_its_fields(capsys):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--speed", "fast"], "--speed fast is not a number"),
-        (["--speed", "0.05"], "--speed 0.05 must be a finite number, 0.1 or more"),
-        (["--method", "rk4"], "--method rk4: periods names no observables"),
+        (["--speed", "fast"], "speed = fast is not a number"),
+        (["--speed", "0.05"], "speed = 0.05 must be a finite number, 0.1 or more"),
+        (["--method", "rk4"], "method rk4: periods names no observables"),
         (["--ladder", "1:2"], "--ladder"),
-        (["--samples", "0"], "--samples 0"),
+        (["--samples", "0"], "samples = 0"),
     ],
 )
 def test_its_values_are_checked(words, message, capsys, tmp_path):

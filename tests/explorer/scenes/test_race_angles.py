@@ -52,7 +52,9 @@ def test_the_coarsest_integrator_knows_every_side_down_to_1e_minus_300(method):
     assert found["status"] == {"ok": 3000}
 
 
-@pytest.mark.parametrize("options", [{}, {"energy": "1.5:2"}, {"eta_hat": "1e-300:1", "method": "rk4"}])
+@pytest.mark.parametrize(
+    "options", [{}, {"energy": "1.5:2"}, {"eta_hat": "1e-300:1", "method": "rk4", "accuracy": 1e-2}]
+)
 def test_counts_are_of_all_samples_and_those_of_the_columns(options):
     """Whatever is kept; a chunk is of a block and a part of one."""
     scenes = {keep: RaceAngles(samples=40_000, keep=keep, **options) for keep in ("none", "all")}

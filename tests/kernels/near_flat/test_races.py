@@ -15,7 +15,7 @@ N = 6
 def measured(error, status, eta, allowed=1.0):
     """Rows of six passages with energies of their own, and their status."""
     column = np.linspace(1.0, 2.0, N)
-    ways = races.Ways(
+    samples = races.Samples(
         sigma3_bar=0.3 * column,
         eta=np.array(eta),
         speed=column,
@@ -24,88 +24,88 @@ def measured(error, status, eta, allowed=1.0):
         chi=7.0 * column,
         psi=3.0 * column,
         time=column,
-        way=np.full(N, 0.5),
+        turn_rate=np.full(N, 0.5),
         energy=2.0 * column,
         error=np.array(error),
         status=np.array(status, np.int8),
     )
     disk, out = BODIES["thick"], np.empty((12, N))
-    level = ways.energy - disk.energy_at_flat(ways.sigma3_bar)
+    level = samples.energy - disk.energy_at_flat(samples.sigma3_bar)
     terms, units = races.Terms(allowed, 1e-9, 0.0), races.Units(2.0, 3.0, 5.0, 7.0)
     falls = races.Falls(time=column, chi=0.1 * column, level=level, error=np.full(N, 1e-9))
-    races.race_batch(ways, falls, terms, units, disk.natural, 0, out)
-    return ways, races.RaceRow(*out)
+    races.race_batch(samples, falls, terms, units, disk.natural, 0, out)
+    return samples, races.RaceRow(*out)
 
 
 def test_a_race_is_chi_less_the_fall_and_units_are_the_users():
-    ways, race = measured([1e-7] * N, [0] * N, [0.1, -0.1] * 3)
+    samples, race = measured([1e-7] * N, [0] * N, [0.1, -0.1] * 3)
     disk, fall_chi = BODIES["thick"], 0.1 * np.linspace(1.0, 2.0, N)
     assert (race.fall_angle == 2.0 * fall_chi).all()
-    assert (race.race_angle == ways.chi - 2.0 * fall_chi).all()
-    assert (race.delta_psi == ways.psi * ways.face).all()
-    assert (race.duration, race.energy) == (pytest.approx(2.0 * ways.time), pytest.approx(3.0 * ways.energy))
+    assert (race.race_angle == samples.chi - 2.0 * fall_chi).all()
+    assert (race.delta_psi == samples.psi * samples.face).all()
+    assert (race.duration, race.energy) == (pytest.approx(2.0 * samples.time), pytest.approx(3.0 * samples.energy))
     assert (race.limit == [7.0, -7.0] * 3).all()
     assert (race.wrong_way == [0.0, 1.0] * 3).all()
-    above = ways.energy - disk.energy_at_flat(ways.sigma3_bar)
+    above = samples.energy - disk.energy_at_flat(samples.sigma3_bar)
     assert race.impact_speed == pytest.approx(5.0 * np.sqrt(2.0 * above / disk.body.M), rel=1e-14)
 
 
 def test_what_misses_is_refused_and_what_is_not_known_is_no_number():
     ok, falls, bad = int(Status.OK), int(Status.FALLS), int(Status.BAD_INPUT)
-    ways, race = measured(
+    samples, race = measured(
         [0.5, 2.0, math.nan, 0.1, math.nan, 0.1], [ok, ok, falls, ok, bad, ok], [0.1] * 4 + [0.0] * 2
     )
-    assert ways.status.tolist() == [ok, int(Status.STEP_LIMIT), falls, ok, bad, ok]
+    assert samples.status.tolist() == [ok, int(Status.STEP_LIMIT), falls, ok, bad, ok]
     known = np.array([1, 0, 0, 1, 0, 1], bool)
     for name in ("race_angle", "delta_chi", "delta_psi", "duration"):
         assert (np.isfinite(getattr(race, name)) == known).all()
-    assert np.isfinite(race.fall_time).tolist() == (ways.status == falls).tolist()
+    assert np.isfinite(race.fall_time).tolist() == (samples.status == falls).tolist()
     assert np.isnan(race.theta_min).tolist() == [False, True, False, False, True, False]
     assert race.theta_min[2] == 0.0
-    assert np.isnan(race.limit).tolist() == (ways.status == bad).tolist()
+    assert np.isnan(race.limit).tolist() == (samples.status == bad).tolist()
 
 
 def test_lanes_give_what_columns_give_to_the_last_digit():
     """Of every status, with NaN and races on F among them, and a length that no number of lanes divides."""
     rng, n, code = np.random.default_rng(2), 1000, Status
-    ways = races.Ways(
+    samples = races.Samples(
         *rng.uniform(0.1, 2.0, (11, n)),
         rng.choice(8, n, p=[0.5, 0.1, 0.1, 0.1, 0.05, 0.05, 0.05, 0.05]).astype(np.int8),
     )
-    ways.eta[:] *= rng.choice([1.0, -1.0, 0.0], n)
-    ways.way[:] *= rng.choice([1.0, -1.0, np.nan], n)
-    ways.error[rng.integers(0, n, 100)] = np.nan
+    samples.eta[:] *= rng.choice([1.0, -1.0, 0.0], n)
+    samples.turn_rate[:] *= rng.choice([1.0, -1.0, np.nan], n)
+    samples.error[rng.integers(0, n, 100)] = np.nan
     falls = races.Falls(*rng.uniform(0.1, 2.0, (4, n)))
     falls.time[rng.integers(0, n, 50)], falls.level[rng.integers(0, n, 50)] = np.nan, -1.0
     terms, units, M = races.Terms(1.0, 0.6, 0.0), races.Units(2.0, 3.0, 5.0, 7.0), BODIES["thick"].body.M
-    ok, fallen = ways.status == code.OK, ways.status == code.FALLS
+    ok, fallen = samples.status == code.OK, samples.status == code.FALLS
     part = np.where(fallen, falls.error, 2.0 * falls.error)
-    error = np.where(ok & (ways.error > part), ways.error, part)
+    error = np.where(ok & (samples.error > part), samples.error, part)
     late = terms.floor * (1.0 + falls.time)
     lacks = (ok | fallen) & ~(falls.level > 0.0)
     missed = (ok | fallen) & ~lacks & ~(error <= np.where(late > terms.allowed, late, terms.allowed))
-    status = np.where(lacks, code.BAD_INPUT, np.where(missed, code.STEP_LIMIT, ways.status))
-    ok, fallen, side = ok & ~missed & ~lacks, fallen & ~missed & ~lacks, np.sign(ways.eta)
+    status = np.where(lacks, code.BAD_INPUT, np.where(missed, code.STEP_LIMIT, samples.status))
+    ok, fallen, side = ok & ~missed & ~lacks, fallen & ~missed & ~lacks, np.sign(samples.eta)
     with np.errstate(invalid="ignore"):
         speed = np.sqrt(2.0 * falls.level / M) * units.rate
     plain = races.RaceRow(
-        race_angle=(ways.chi - 2.0 * falls.chi, ok),
-        delta_chi=(ways.chi, ok),
-        delta_psi=(ways.psi * ways.face, ok),
+        race_angle=(samples.chi - 2.0 * falls.chi, ok),
+        delta_chi=(samples.chi, ok),
+        delta_psi=(samples.psi * samples.face, ok),
         fall_angle=(2.0 * falls.chi, ok | fallen),
-        theta_min=(np.where(fallen, 0.0, ways.theta_min), ok | fallen),
-        duration=(ways.time * units.time, ok),
+        theta_min=(np.where(fallen, 0.0, samples.theta_min), ok | fallen),
+        duration=(samples.time * units.time, ok),
         fall_time=(falls.time * units.time, fallen),
-        energy=(ways.energy * units.energy, ok | fallen),
+        energy=(samples.energy * units.energy, ok | fallen),
         impact_speed=(speed, ok | fallen),
         limit=(side * units.race, status != code.BAD_INPUT),
         error_estimate=(error, ok | fallen),
-        wrong_way=(np.where(ok & ~(ways.way * side > 0.0), 1.0, 0.0), np.ones(n, bool)),
+        wrong_way=(np.where(ok & ~(samples.turn_rate * side > 0.0), 1.0, 0.0), np.ones(n, bool)),
     )
     out = np.full((12, n + 9), 99.0)
-    races.race_batch(ways, falls, terms, units, BODIES["thick"].natural, 5, out)
+    races.race_batch(samples, falls, terms, units, BODIES["thick"].natural, 5, out)
     assert 50 < ok.sum() < n
-    np.testing.assert_array_equal(ways.status, status)
+    np.testing.assert_array_equal(samples.status, status)
     np.testing.assert_array_equal(out[:, 5 : 5 + n], [np.where(where, row, np.nan) for row, where in plain])
     assert (out[:, :5] == 99.0).all()
     assert (out[:, 5 + n :] == 99.0).all()

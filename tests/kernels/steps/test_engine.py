@@ -6,7 +6,7 @@ import re
 import numba
 import numpy as np
 import pytest
-from steppers import CASES, DOPRI5, NAMES, RK4, UNIFORM, follow, pinned, random_states
+from steppers import CASES, DOPRI5, NAMES, RK4, UNIFORM, follow, linear, random_states
 
 from kernels._jit import numba_type
 from kernels.disk.body import Body
@@ -51,7 +51,7 @@ def test_the_reduced_motion_is_the_same_at_every_depth(method, control):
 @pytest.mark.parametrize(("method", "control"), CASES, ids=NAMES)
 def test_a_sample_does_not_feel_its_neighbours(method, control, held):
     states = random_states(64)
-    to = pinned(states) if held else np.full((3, 64), np.nan)
+    to = linear(states) if held else np.full((3, 64), np.nan)
     alone = follow(method, PATH, states[:, 7:8].copy(), control, TIME, TIMES, to[:, 7:8].copy())
     among = states.copy()
     among[:, 6], among[:, 8] = np.nan, np.inf
@@ -114,7 +114,7 @@ def test_a_time_deep_in_a_race_is_found_where_a_cubic_through_the_step_does_not_
     states[:5] = np.array([1.0, 0.0, -1.0, 1.0, b.I1 * b.dr0 / (b.I3 * b.r0)])[:, None]
     eta = np.tile([1e-9, -1e-9], 16)
     held = np.stack([np.ones(32), eta, 2.0 * b.I1 * b.dr0 - eta])
-    middle = follow(DOP853, ANGLES, states, 1e-9, pinned=held).out[0, 0, ROW.t]
+    middle = follow(DOP853, ANGLES, states, 1e-9, linear=held).out[0, 0, ROW.t]
     times = np.append(middle + np.linspace(-1e-8, 1e-8, 41), middle + 0.1)
     work = follow(DOP853, ANGLES, states, 1e-9, TIME, times, held)
     assert (work.status == Status.OK).all()
@@ -133,7 +133,7 @@ def test_a_held_sample_keeps_an_eta_far_below_what_its_state_shows(method, contr
     states[0], states[2], states[3], states[4] = 1.0, -1.0, 1.0, b.I1 * b.dr0 / (b.I3 * b.r0)
     excess = energy(column(states, 0), b) - potential_at_flat(1.0 / b.r0, b)
     held = np.stack([np.ones(3), eta, 2.0 * b.I1 * b.dr0 - eta])
-    work = follow(method, ANGLES, states, control, pinned=held)
+    work = follow(method, ANGLES, states, control, linear=held)
     out = work.out[:, 0].T
     assert (work.status == Status.OK).all()
     np.testing.assert_array_equal(np.sign(out[ROW.rho]), np.sign(eta))
@@ -143,7 +143,7 @@ def test_a_held_sample_keeps_an_eta_far_below_what_its_state_shows(method, contr
 @pytest.mark.parametrize(("method", "control"), CASES, ids=NAMES)
 def test_held_and_free_motions_agree_where_nothing_is_lost(method, control):
     states = random_states(200)
-    free, held = (follow(method, ANGLES, states, control, pinned=to) for to in (None, pinned(states)))
+    free, held = (follow(method, ANGLES, states, control, linear=to) for to in (None, linear(states)))
     ok = (free.status == Status.OK) & (held.status == Status.OK)
     assert ok.mean() > 0.97
     apart = abs(held.out - free.out)[ok, 0].max(axis=1)
@@ -155,11 +155,11 @@ def test_held_and_free_motions_agree_where_nothing_is_lost(method, control):
 def test_what_holding_moves_is_in_proportion_to_the_error(method, control):
     """Two settings: both fall alike, by the order of the method."""
     states = random_states(100, seed=3)
-    held = pinned(states)
-    exact = follow(DOP853, ANGLES, states, 1e-14, pinned=held).out[:, 0, ROW.chi]
+    held = linear(states)
+    exact = follow(DOP853, ANGLES, states, 1e-14, linear=held).out[:, 0, ROW.chi]
     share = []
     for finer in (1.0, 0.5 if control > 1e-3 else 1e-2):
-        work = follow(method, ANGLES, states, control * finer, pinned=held)
+        work = follow(method, ANGLES, states, control * finer, linear=held)
         share.append(np.nanmedian(abs(work.out[:, 0, ROW.chi] - exact) / work.moved.sum(axis=0)))
     assert max(share) < 15.0
     assert max(share) < 20.0 * min(share)
