@@ -87,6 +87,15 @@ def lowest(session):
 
 
 @nox.session(default=False)
+def probability(session):
+    """Intervals of `ex.probability` in 100 repetitions, and its agreement with 10^7 plain draws."""
+    session.install("--editable", ".[test]")
+    more = {"NEARFLAT_REPETITIONS": "100", "NEARFLAT_DRAWS": "10000000"}
+    command = ["python", "-m", "pytest", "-n", "0", "tests/explorer/measure/test_probability.py"]
+    session.run(*command, *session.posargs, env=more)
+
+
+@nox.session(default=False)
 def fuzz(session):
     """Write results/faults/fuzz.json: 20,000 calls, command lines and edited run folders. Up to half an hour."""
     session.install("--editable", ".[test]")

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from explorer.measure.falling_constant import falling_constant as falling_constant
     from explorer.measure.invariance import flow_stretch as flow_stretch
     from explorer.measure.invariance import push_forward as push_forward
+    from explorer.measure.probability import Probability as Probability
+    from explorer.measure.probability import probability as probability
     from explorer.measure.races import race_law as race_law
     from explorer.measure.slices import slice_map as slice_map
     from explorer.motion.both_sides import both_sides as both_sides

@@ -42,6 +42,7 @@ _COLLECTED = 50_000
 _RUN = "race-angles --disk hoop --samples 1e5 --eta-hat 1e-6:1e-2 --out results/races"
 _PASSAGE = "--disk uniform --sigma3-bar 1 --eta-hat -1e-6 --phidot 1 --json"
 _PLAN, _TRADE = "race-angles --disk hoop --samples 1e7 --jobs 2", "race-angles --disk hoop --eta-hat 1e-8:1"
+_RARE = "--event theta_min:1e-6 --tilt norm:60:5 --precession norm:0:30 --spin=-30:30 --degrees"
 _VIEW = "--disk hoop --eta-hat -1e-12 --out page.html --open"
 _STORED = "results/race-angles-uniform-0"
 COMMANDS = {
@@ -55,6 +56,11 @@ COMMANDS = {
         "runs", "Add up runs of one question with different seeds.", "results/races-1 results/races-2"
     ),
     "passage": Command("passage", "Compute one passage near flat: race angle, times, limits, forces.", _PASSAGE),
+    "probability": Command(
+        "probability",
+        "Say how probable it is to come flatter than a tilt, for initial states with a distribution.",
+        _RARE,
+    ),
     "plan": Command("plan", "Say which method a run would use, and why, and what it will cost.", _PLAN),
     "columns": Command("columns", "Say what every column of results and every status means.", "race-angles"),
     "trade": Command("trade", "Measure error and cost of every method on a scene's samples.", _TRADE),

@@ -7,7 +7,7 @@ with them eta.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,6 +84,38 @@ def widest_eta(energy: Array, delta: float, disk: Disk) -> Array:
     )
 
 
+def counts_on(face: int, eta: Array, other: Array) -> NDArray[np.bool_]:
+    """Whether states beside both lines, at eta_hat on this face and on the other, count on this one.
+
+    Each counts once, on the nearer face; equally near, up to rounding, on face +1.
+    """
+    nearer: NDArray[np.bool_] = abs(eta) * _TIE <= abs(other) if face > 0 else abs(eta) < abs(other) * _TIE
+    return nearer
+
+
+def half_width(
+    disk: Disk,
+    delta: float,
+    energy: Callable[[Array], Array],
+    widest: Array,
+    most: float = math.inf,
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Half the width of a tube, and where it is known: a bound x >= widest_eta(energies within x).
+
+    widest_eta(energy(x)) is convex in x, so beyond such an x no state comes flatter than delta. energy: of states
+    at this distance eta_hat, quadratic in it; most: a bound of it. widest: a bound of x, taken where none settles.
+    """
+    half = widest_eta(energy(np.zeros_like(widest)), delta, disk) * _MARGIN
+    settled = np.zeros(widest.shape, bool)
+    for _ in range(_ROUNDS):
+        needed = widest_eta(np.minimum(np.maximum(energy(half), energy(-half)), most), delta, disk)
+        settled = needed <= half
+        if settled.all():
+            break
+        half = np.where(settled, half, needed * _MARGIN)
+    return np.where(settled, np.minimum(half, widest), widest), settled
+
+
 @dataclass(frozen=True)
 class Tube:
     """The tube of tilt delta round F on a face, which sees the density so."""
@@ -117,9 +149,7 @@ class Tube:
         bar, eta, width = self._beside(place, columns)
         given, energy = (phi, phidot, *place.chart.rates(bar, eta)), place.energy(bar, eta)
         other = other_eta_hat(disk, bar, eta)
-        # A state beside both lines counts once, on the nearer face; equally near, up to rounding, on face +1.
-        nearer = abs(eta) * _TIE <= abs(other) if face > 0 else abs(eta) < abs(other) * _TIE
-        counted = density.inside(*given, energy) & nearer & (width > 0.0)
+        counted = density.inside(*given, energy) & counts_on(face, eta, other) & (width > 0.0)
         weight = np.where(counted, weight * width / mass, 0.0)
         weight[counted] *= density.shape(*(column[counted] for column in given))
         theta, status = self._tilts(
@@ -149,7 +179,7 @@ class Tube:
             return self._on_segment(place, self._widest(place), next(columns))
         low, widest, span = self._spans(place)
         bar = np.where(span > 0.0, low + span * next(columns), 0.0)
-        half = self._half(place, bar, widest)
+        half = half_width(self.disk, self.delta, lambda x: place.energy(bar, x), widest, self.density.energy[1])[0]
         eta = half * (2.0 * next(columns) - 1.0)
         return bar, eta, 2.0 * half * span
 
@@ -170,24 +200,6 @@ class Tube:
             (c, *self.density.reach("sigma4"), abs(c2) * widest),
         )
         return low, widest, np.maximum(high - low, 0.0)
-
-    def _half(self, place: "Place", bar: Array, widest: Array) -> Array:
-        """Half the width of the tube: a bound x >= widest_eta(energies within x), if `widest` is not smaller.
-
-        widest_eta(energy(x)) is convex in x, so beyond such an x no state comes flatter than delta.
-        """
-        disk, delta = self.disk, self.delta
-        cut = self.density.energy[1]
-        half = widest_eta(place.energy(bar, np.zeros_like(bar)), delta, disk) * _MARGIN
-        settled = np.zeros(bar.shape, bool)
-        for _ in range(_ROUNDS):
-            energy = np.minimum(np.maximum(place.energy(bar, half), place.energy(bar, -half)), cut)
-            needed = widest_eta(energy, delta, disk)
-            settled = needed <= half
-            if settled.all():
-                break
-            half = np.where(settled, half, needed * _MARGIN)
-        return np.where(settled, np.minimum(half, widest), widest)
 
     def _on_segment(self, place: "Place", widest: Array, unit: Array) -> tuple[Array, Array, Array]:
         """As `_beside` for a box that fixes sigma3 or sigma4: only eta_hat is drawn, and sets the free one."""
@@ -228,8 +240,12 @@ class Place:
 
     @classmethod
     def at(cls, disk: Disk, phi: Array, phidot: Array) -> "Place":
+        return cls.of(disk, np.cos(phi), np.sin(phi), phidot)
+
+    @classmethod
+    def of(cls, disk: Disk, q: Array, z: Array, phidot: Array) -> "Place":
+        """The same from cos phi and sin phi."""
         b = disk.body
-        q, z = np.cos(phi), np.sin(phi)
         return cls(q, z, phidot, 0.5 * b.M * phidot**2 + q, b.I1 / (q * q), b.J, line_chart(disk, q, z))
 
     def energy(self, bar: Array, eta: Array) -> Array:

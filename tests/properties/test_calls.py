@@ -31,6 +31,7 @@ CALLS = {
     "circular_rolling": "disk lean radius",
     "slice_map": "disk slice points",
     "falling_constant": "disk box energy? gaussian?",
+    "probability": "disk samples! count? accuracy? degrees? phi phidot sigma3 sigma4",
     "push_forward": "disk time samples seed?",
     "run": "scene disk samples! eta_hat? seed? accuracy? method? chunk_size? box? jobs?",
     "Disk": "I1 I3 m? r? g?",
@@ -43,6 +44,7 @@ CALLS = {
 SELDOM = {
     "falling_constant": 0.1,
     "push_forward": 0.2,
+    "probability": 0.1,
     "slice_map": 0.3,
     "run": 0.5,
     "both_sides": 0.3,

@@ -1,0 +1,74 @@
+"""`nearflat probability`: how probable it is to come nearly flat, for initial states with a distribution."""
+
+import argparse
+from collections.abc import Sequence
+
+from explorer import compiled
+from explorer.commands import Answer
+from explorer.errors import note
+from explorer.measure.near_falling_set import KERNELS
+from explorer.measure.probability import probability, read_delta
+from explorer.phase.disk import Disk
+from explorer.scenes.options import DISK, NUMBER, TRUTH, Options, Reader, option, plain, whole_from
+
+_VALUE = Reader(lambda name, value: value, "VALUE", "object")
+
+
+def _coordinate(text: str) -> str | None:
+    """An option that is a distribution, a range or a number."""
+    found: str | None = option(_VALUE, text)
+    return found
+
+
+class Coordinates(Options):
+    """Initial states: VALUE is a number, LOW:HIGH, or a distribution of SciPy such as norm:MEAN:DEVIATION."""
+
+    tilt: str | None = _coordinate("tilt from flat; with --precession and --spin")
+    tilt_rate: str | None = _coordinate("rate of the tilt (default 0)")
+    precession: str | None = _coordinate("rate at which the contact point turns about the vertical")
+    spin: str | None = _coordinate("angular velocity about the disk's own axis")
+    phi: str | None = _coordinate("tilt from the vertical; with --phidot, --sigma3 and --sigma4")
+    phidot: str | None = _coordinate("rate of phi")
+    sigma3: str | None = _coordinate("sigma3 of eq. (2.14)")
+    sigma4: str | None = _coordinate("spin sigma4 of eq. (2.14)")
+    energy: str | None = _coordinate("energy, in the place of phidot")
+    sigma3_bar: str | None = _coordinate("constant of motion, in the place of sigma3")
+    sigma4_bar: str | None = _coordinate("constant of motion, in the place of sigma4")
+    eta_hat: str | None = _coordinate("distance beside the falling set, in the place of sigma4")
+    face: str | None = _coordinate("face, 1 or -1, that tilt or eta_hat is meant for (default 1)")
+    degrees: bool = option(TRUTH, "angles and rates are in degrees", default=False)
+
+
+class Question(Coordinates):
+    """The event, and how it is computed."""
+
+    disk: Disk = option(DISK, "as for run", default=Disk.uniform())
+    event: tuple[str, float] = option(
+        Reader(lambda name, value: ("theta_min", read_delta(name, value)), "theta_min:DELTA", "str"),
+        "that the tilt becomes smaller than DELTA (rad)",
+        default="theta_min:1e-3",
+        words="theta_min:1e-3",
+    )
+    count: int = option(whole_from(1), "within how many bounces; two tell all of theta_min", default=1)
+    samples: int = option(
+        whole_from(10),
+        "plain draws, and a sixteenth as many beside the falling set at each face",
+        default=1_000_000,
+    )
+    accuracy: float = option(NUMBER._replace(metavar="TOL"), "relative, of theta_min", default=1e-6)
+    seed: int = option(whole_from(0), "seed of the random numbers", default=0)
+
+
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
+    """Add the options of `nearflat probability`."""
+    Question.add_to(command)
+
+
+def call(options: argparse.Namespace) -> Answer:
+    """Say how probable it is."""
+    asked = Question.of(Question.said(options))
+    compiled.warmup(KERNELS, lambda text: note(text, options.quiet))
+    given = vars(asked).copy()
+    found = probability(given.pop("disk"), given.pop("event"), rng=given.pop("seed"), **given)
+    record = {**vars(found), "law": found.law and found.law._asdict()}
+    return Answer(plain(record), repr(found))

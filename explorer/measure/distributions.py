@@ -1,0 +1,215 @@
+"""Distributions of initial states as users give them: each coordinate a distribution, a range or a number."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from explorer.errors import InputError, double_of, shown, sign, suggest
+from explorer.measure.sampling import Stream
+from explorer.phase.arguments import known_keywords, read_range
+from explorer.phase.charts import CHARTS, Chart, recognise
+from explorer.phase.coordinates import warn_of_degrees
+from explorer.phase.disk import Disk
+from explorer.phase.lines import line_chart, line_slope
+from explorer.phase.states import Array, States
+
+KNOWN = tuple(dict.fromkeys(name for chart in CHARTS for name in (*chart.needed, *chart.optional)))
+_TILTS, _SPEEDS = ("phi", "theta", "tilt"), ("phidot", "thetadot", "tilt_rate", "energy")
+# Shares of a distribution below its nodes, and by symmetry above: a third of them in its middle, the others
+# where it is as thin as a tail that the falling set may need.
+_MIDDLE = np.linspace(0.02, 0.98, 25)
+_LARGEST = 1e60  # nodes beyond are left out: energies would overflow
+_TAIL = 10.0 ** -np.array([2, 2.5, 3, 3.5, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 27, 34, 45, 60, 90, 150, 300])
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """One coordinate. Values are in rad and the units of the disk; unit: what one of the user's is of these.
+
+    law: a frozen distribution of scipy.stats, of the user's values; None where it is a number, `value`.
+    """
+
+    name: str
+    law: Any
+    value: float
+    unit: float
+
+    @classmethod
+    def of(cls, name: str, given: Any, unit: float) -> "Coordinate":
+        """From a distribution, a range, a number, or text such as "norm:20:2". Raises InputError."""
+        if hasattr(given, "pmf"):
+            raise InputError(f"{name} = {shown(given)} is discrete; give a continuous distribution")
+        if all(hasattr(given, word) for word in ("pdf", "ppf", "isf", "rvs", "support")):
+            return cls(name, given, math.nan, unit)
+        if isinstance(given, str) and given[:1].isalpha() and double_of(given) is None:
+            return cls(name, _by_name(name, given), math.nan, unit)
+        alone = double_of(given)
+        try:
+            low, high = (alone, alone) if alone is not None else read_range(name, given)
+        except InputError:
+            raise InputError(
+                f"{name} = {shown(given)}: give a frozen distribution such as scipy.stats.norm(20, 2), a range "
+                "(low, high), or a number"
+            ) from None
+        if not math.isfinite(low + high):
+            raise InputError(f"{name} = {shown(given)} is not finite; give numbers")
+        if low == high:
+            return cls(name, None, low * unit, unit)
+        from scipy.stats import uniform
+
+        return cls(name, uniform(low, high - low), math.nan, unit)
+
+    @property
+    def free(self) -> bool:
+        """Whether it varies."""
+        return self.law is not None
+
+    def draw(self, random: Stream, count: int) -> Array:
+        """Independent values."""
+        if not self.free:
+            return np.full(count, self.value)
+        return np.asarray(self.law.rvs(size=count, random_state=random), np.float64) * self.unit
+
+    def density(self, values: Array) -> Array:
+        """Its density; 1 of a number."""
+        if not self.free:
+            return np.ones(np.shape(values))
+        with np.errstate(all="ignore"):
+            return np.nan_to_num(np.asarray(self.law.pdf(values / self.unit)) / self.unit, nan=0.0)
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Values between which its density changes little, far into its tails; the one of a number."""
+        if not self.free:
+            return np.array([self.value])
+        with np.errstate(all="ignore"):
+            parts = self.law.support(), self.law.ppf(_TAIL), self.law.ppf(_MIDDLE), self.law.isf(_TAIL)
+        nodes = np.unique(np.concatenate([np.asarray(part, np.float64).ravel() for part in parts]))
+        found: Array = nodes[abs(nodes) < _LARGEST] * self.unit
+        if found.size < 2:
+            raise InputError(f"{self.name}: {shown(self.law)} has no quantiles; check its parameters")
+        return found
+
+    def __str__(self) -> str:
+        if not self.free:
+            return f"{self.name} = {self.value / self.unit:g}"
+        dist = getattr(self.law, "dist", None)
+        given = [*getattr(self.law, "args", ()), *getattr(self.law, "kwds", {}).items()]
+        words = ", ".join(f"{each[0]}={each[1]}" if isinstance(each, tuple) else f"{each:g}" for each in given)
+        return f"{self.name} ~ {getattr(dist, 'name', type(self.law).__name__)}({words})"
+
+
+def _by_name(name: str, text: str) -> Any:
+    """A distribution of scipy.stats from "norm:20:2", its name and arguments."""
+    from scipy import stats
+
+    word, *parts = text.split(":")
+    numbers = [double_of(part) for part in parts]
+    if not isinstance(getattr(stats, word, None), stats.rv_continuous):
+        known = [each for each in dir(stats) if isinstance(getattr(stats, each), stats.rv_continuous)]
+        raise InputError(f"{name} {text}: {word!r} is no distribution of scipy.stats; {suggest(word, known)}")
+    try:
+        law = getattr(stats, word)(*numbers)
+    except TypeError as error:
+        raise InputError(f"{name} {text}: {error}; write for instance norm:MEAN:DEVIATION") from None
+    if None in numbers or not np.isfinite(law.median()):
+        raise InputError(f"{name} {text}: not the parameters of {word}; write for instance norm:MEAN:DEVIATION")
+    return law
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """Independent coordinates of one chart: which tilt, which speed, and which pair stands for the spins.
+
+    face: what the user's tilt is measured from; +1 where it is phi.
+    """
+
+    disk: Disk
+    chart: Chart
+    coordinates: dict[str, Coordinate]
+    face: int
+
+    @classmethod
+    def of(cls, disk: Disk, given: Mapping[str, Any], degrees: bool) -> "Distribution":
+        """From what users give by name. Raises InputError."""
+        known_keywords("probability", given, KNOWN)
+        there = {name: value for name, value in given.items() if value is not None}
+        chart = recognise(there, "probability")
+        unused = set(there) - {*chart.needed, *chart.optional}
+        if unused:
+            raise InputError(f"probability: {', '.join(sorted(unused))}: leave out; the state is said without")
+        face = sign("face", there.pop("face", 1))
+        defaults = {name: 0.0 for name in chart.optional if name in (*_TILTS, *_SPEEDS)}
+        there = {**defaults, **there}
+        angles = chart.in_radians(there) if degrees else ()
+        unit = math.radians(1.0)
+        # Draws follow one order, whatever that of the keywords.
+        found = {
+            name: Coordinate.of(name, there[name], unit if name in angles else 1.0)
+            for name in KNOWN
+            if name in there
+        }
+        if "tilt" in found and not degrees:
+            warn_of_degrees(np.atleast_1d(np.median(found["tilt"].nodes)), 5)
+        return cls(disk, chart, found, face)
+
+    @property
+    def tilt(self) -> Coordinate:
+        """The tilt from flat, or phi."""
+        return next(each for name, each in self.coordinates.items() if name in _TILTS)
+
+    @property
+    def speed(self) -> Coordinate:
+        """The rate of the tilt, or the energy."""
+        return next(each for name, each in self.coordinates.items() if name in _SPEEDS)
+
+    @property
+    def pair(self) -> tuple[Coordinate, Coordinate]:
+        """The two that stand for the spins, in the order of the chart."""
+        names = [name for name in self.chart.needed if name not in (*_TILTS, *_SPEEDS)]
+        return self.coordinates[names[0]], self.coordinates[names[1]]
+
+    def draw(self, random: Stream, count: int) -> dict[str, Array]:
+        """Independent values of all coordinates."""
+        return {name: each.draw(random, count) for name, each in self.coordinates.items()}
+
+    def states(self, columns: Mapping[str, Array]) -> States:
+        """The states with such coordinates."""
+        face = {"face": np.full(columns[self.tilt.name].size, float(self.face))}
+        given = {**columns, **face}
+        return self.chart.make(self.disk, **{name: given[name] for name in self.chart.present(given)})
+
+    def place(self, tilt: Array) -> tuple[Array, Array]:
+        """Cos phi and sin phi at these values of the tilt, which keep the digits of small ones."""
+        if self.tilt.name == "phi":
+            return np.cos(tilt), np.sin(tilt)
+        return np.sin(tilt), self.face * np.cos(tilt)
+
+    def phidot(self, speed: Array) -> Array:
+        """The rate of phi, natural units, at these values of a rate of the tilt."""
+        seen = 1.0 if self.speed.name == "phidot" else -self.face
+        return seen * speed / self.disk.rate_unit
+
+    def spins(self, q: Array, z: Array, face: int) -> Array:
+        """How the pair follows from sigma3_bar and eta_hat of a face (natural units): (2, 2, n) at such places."""
+        chart, slope = line_chart(self.disk, q, face * z), line_slope(self.disk)
+        one, none = np.ones_like(q), np.zeros_like(q)
+        names = self.pair[0].name, self.pair[1].name
+        first = np.stack([chart.bar_to_sigma3, chart.eta_hat_to_sigma3])
+        second = face * np.stack([chart.bar_to_sigma4, chart.eta_hat_to_sigma4])
+        if names == ("precession", "spin"):
+            first = first / (q * q)
+        if names[0] == "sigma3_bar":
+            first = np.stack([one, none])
+        if names[1] == "sigma4_bar":
+            second = face * np.stack([slope * one, -one])
+        if names[1] == "eta_hat":
+            second = np.stack([none, one]) if face == self.face else np.stack([2.0 * slope * one, -one])
+        return np.stack([first, second]) * self.disk.rate_unit
+
+    def __str__(self) -> str:
+        return ", ".join(map(str, self.coordinates.values()))

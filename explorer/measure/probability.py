@@ -1,0 +1,314 @@
+"""How probable an event is for initial states with a distribution: by plain draws, or by draws beside F."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike, NDArray
+
+from explorer import compiled
+from explorer.errors import InputError, RunError, flag, number, shown, whole
+from explorer.measure import statistics
+from explorer.measure.distributions import Distribution
+from explorer.measure.near_falling_set import BLOCK, LARGEST_DELTA, NearFallingSet, smallest_tilts
+from explorer.measure.sampling import Stream
+from explorer.measure.tubes import widest_eta
+from explorer.motion.bounces import MOST, Bounces, bounces
+from explorer.phase.arguments import returned_numbers
+from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.states import States
+
+Event = tuple[str, float] | str | Callable[[Bounces], ArrayLike]
+FEWEST = 100  # hits, or worth of hits, with which an interval is to be trusted
+# Plain draws over weighted ones at each face, the fewest of these, and how many tell whether the law holds.
+_SHARE, _LEAST, _COMPARED = 16, 256, 1 << 12
+# Where the law holds: decades of delta, and how far P may be off C delta.
+_DELTAS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
+_HOLDS = 0.05
+_SMALL = 1e-30  # the delta at which C is found: eta_hat is a number of its own, so no digit is lost
+
+_NO_LAW = (
+    "no law C delta down to delta = 1e-12: the falling set is hardly met, or states so near flat from the "
+    "beginning decide"
+)
+
+
+class Law(NamedTuple):
+    """The law P = C delta of small delta: C with its standard error, and from which delta on it holds.
+
+    holds_below: P is within 5 % of C delta there and below, as far as 1e-12; powers of ten are tried.
+    """
+
+    constant: float
+    error: float
+    holds_below: float
+
+
+@dataclass(frozen=True, repr=False)
+class Probability:
+    """The probability of an event with its 95 % interval: what `probability` returns.
+
+    Attributes
+    ----------
+    estimate : float
+        The probability.
+    interval : (float, float)
+        It lies between these with a confidence of 95 %. After plain draws without a hit the lower one is 0 and the
+        upper one exact (Clopper-Pearson).
+    effective_samples : float
+        Number of hits of equal weight that would say as much; of plain draws their hits.
+    law : Law or None
+        `constant` C of P = C delta, its standard `error`, and the delta that P `holds_below`; None of other
+        events.
+    method : str
+        "plain" or "importance".
+    note : str
+        What else is to be known, in words; mostly empty.
+    asked : str
+        The event and the distribution.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> found = ex.probability(ex.Disk.uniform(), ("theta_min", 1e-9), phi=0, phidot=(-2, 2), sigma3=(-2, 2),
+    ...                        sigma4=(-2, 2), count=2)
+    >>> found.method, bool(found.effective_samples > 1000), f"{found.estimate:.1e}"
+    ('importance', True, '1.5e-09')
+    """
+
+    estimate: float
+    interval: tuple[float, float]
+    effective_samples: float
+    law: Law | None
+    method: str
+    note: str
+    asked: str
+
+    def __repr__(self) -> str:
+        low, high = self.interval
+        how = {"plain": "plain draws", "importance": "importance sampling"}[self.method]
+        lines = [
+            f"Probability of {self.asked}",
+            f"  estimate: {self.estimate:.4g} (95 % interval {low:.4g} to {high:.4g})",
+            f"  effective samples: {self.effective_samples:,.0f}, by {how}",
+        ]
+        if self.law is not None:
+            constant, error, below = self.law
+            where = f"for delta up to {below:.0g} rad within 5 %"
+            lines.append(f"  law: C delta with C = {constant:.4g} +- {error:.1g} holds {where}")
+        return "\n".join([*lines, *([f"  note: {self.note}"] if self.note else [])])
+
+
+def probability(
+    disk: Disk,
+    event: Event = ("theta_min", 1e-3),
+    *,
+    count: int = 1,
+    degrees: bool = False,
+    accuracy: float = 1e-6,
+    samples: int = 1_000_000,
+    rng: Any = 0,
+    **coordinates: Any,
+) -> Probability:
+    """How probable an event is for initial states with a distribution, and how sure that is.
+
+    Parameters
+    ----------
+    disk : Disk
+        Needs I3 > 0.
+    event : (str, float) or callable
+        ("theta_min", delta): the tilt becomes smaller than delta (rad). Or a function of `Bounces` that returns a
+        bool for each state, or for each state and bounce: then any of its bounces counts.
+    count : int
+        Within how many bounces. The tilt is periodic: bounces of one state have at most two theta_min, one on each
+        face, so that two tell all of theta_min.
+    degrees : bool
+        Whether angles and rates are in degrees instead of rad; theta_min never is.
+    accuracy : float
+        Of `bounces`, and relative of theta_min, 1e-13 to 0.1.
+    samples : int
+        Plain draws, and up to as many weighted ones.
+    rng : int, SeedSequence or Generator
+        Where random numbers come from; the same int gives the same numbers.
+    **coordinates
+        A frozen distribution of scipy.stats, a range (low, high) or a number for each coordinate, which are
+        independent. tilt, precession and spin, with tilt_rate (0 if left out) and face (+1); or phi, phidot,
+        sigma3, sigma4; or constants of motion, as `coordinates_to_states` takes them; in the units of the disk.
+        Text such as "norm:20:2" stands for scipy.stats.norm(20, 2).
+
+    Returns
+    -------
+    Probability
+        estimate, interval, effective_samples, law, method.
+
+    Raises
+    ------
+    InputError
+        Where the names say no state, or an argument cannot be used.
+    RunError
+        Where hardly any draw is a state.
+
+    Notes
+    -----
+    Draws that are no states, such as a negative tilt, are left out, and the distribution is what remains. Where
+    plain draws see at least 100 hits, they are the answer, with the exact interval of Clopper and Pearson.
+    Otherwise theta_min < delta is estimated by draws beside the falling set, whose two faces count once, with
+    weights. C delta is the limit for small delta; with count = 2 its C is that of `falling_constant`. It does
+    not hold where many states lie as near flat as delta from the beginning.
+
+    Examples
+    --------
+    A coin of which tilt, precession and spin are known, in degrees:
+
+    >>> import explorer as ex
+    >>> from scipy.stats import norm
+    >>> coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
+    >>> found = ex.probability(coin, ("theta_min", 1e-6), tilt=norm(60, 5), precession=norm(0, 900),
+    ...                        spin=(-900, 900), degrees=True)
+    >>> found.method, 0 < found.interval[0] < found.estimate < found.interval[1] < 1e-5
+    ('importance', True)
+    """
+    require_axial_inertia(disk)
+    source = Distribution.of(disk, coordinates, flag("degrees", degrees))
+    count, samples = whole("count", count, 1, MOST), whole("samples", samples, 10, 10**9)
+    accuracy, random = number("accuracy", accuracy, 1e-13, 0.1), _stream(rng)
+    delta = None if callable(event) else read_delta("event", event)
+    counted = _counted(source, event if callable(event) else delta, count, accuracy, samples, random)
+    what = f"theta_min < {delta:g}" if delta is not None else getattr(event, "__name__", "the event")
+    bounds = "1 bounce" if count == 1 else f"{count} bounces"
+    asked = f"{what} within {bounds}, disk {disk.name}: {source}"
+    near = NearFallingSet(source, count, accuracy)
+    if delta is None:
+        return _plainly(counted, None, "", asked)
+    if near.why_not:
+        return _plainly(counted, None, f"{near.why_not}: the share of plain draws is counted", asked)
+    law = _law(near, counted, random, max(samples // _SHARE, _COMPARED))
+    note = "" if law else _NO_LAW
+    if counted.hits >= FEWEST or delta > LARGEST_DELTA:
+        return _plainly(counted, law, note, asked)
+    rare = near.below(delta, random, max(samples // _SHARE, _LEAST))
+    if rare.effective < FEWEST or not math.isfinite(rare.unknown):
+        return _plainly(counted, law, "too few weighted draws came so flat: plain draws are counted", asked)
+    value, error = rare.estimate.value / counted.share, rare.estimate.error / counted.share
+    error = math.hypot(error, value * counted.share_error)
+    reach = error * float(scipy.stats.t.ppf(0.975, rare.estimate.dof))
+    interval = max(value - reach, 0.0), value + reach + rare.unknown / counted.share
+    return Probability(float(value), interval, rare.effective, law, "importance", note, asked)
+
+
+def read_delta(name: str, event: Any) -> float:
+    """Read the tilt of ("theta_min", delta) or "theta_min:delta". Raises InputError."""
+    parts = tuple(event.split(":")) if isinstance(event, str) else event
+    if not isinstance(parts, tuple | list) or len(parts) != 2 or parts[0] != "theta_min":
+        raise InputError(f'{name} = {shown(event)}: give ("theta_min", delta), or in Python a function of bounces')
+    return number(f"{name} theta_min", parts[1], 1e-100, 1.0)
+
+
+def _stream(rng: Any) -> Stream:
+    try:
+        return np.random.default_rng(rng)
+    except (TypeError, ValueError):
+        raise InputError(f"rng = {shown(rng)}: give a whole number, a SeedSequence or a Generator") from None
+
+
+class _Counted(NamedTuple):
+    """Plain draws: how many, which of them are states, what was seen and what could not be told."""
+
+    draws: int
+    states: int
+    hits: int
+    unknown: int
+
+    @property
+    def share(self) -> float:
+        """Of draws that are states."""
+        return self.states / self.draws
+
+    @property
+    def share_error(self) -> float:
+        """Its relative standard error."""
+        return math.sqrt((1.0 - self.share) / self.states)
+
+
+def _counted(
+    source: Distribution, event: Any, count: int, accuracy: float, samples: int, random: Stream
+) -> _Counted:
+    """What plain draws see."""
+    total = np.zeros(4, np.int64)
+    for first in range(0, samples, BLOCK):
+        states = source.states(source.draw(random, min(BLOCK, samples - first)))
+        good = states.status != compiled.status.Status.BAD_INPUT
+        if callable(event):
+            hit, unknown = _seen(states.at(np.flatnonzero(good)), event, count, accuracy)
+        else:
+            near = states.at(np.flatnonzero(good & _may_come(states, event)))
+            theta, _ = smallest_tilts(near, count, accuracy)
+            hit, unknown = theta < event, np.isnan(theta)
+        total += good.size, good.sum(), hit.sum(), unknown.sum()
+    if total[1] < 0.001 * total[0]:
+        raise RunError(
+            f"probability: {total[1]:,} of {total[0]:,} draws are states; give tilts between 0 and pi, and "
+            "degrees=True where they are in degrees"
+        )
+    return _Counted(*total.tolist())
+
+
+def _may_come(states: States, delta: float) -> NDArray[np.bool_]:
+    """Which states may come flatter than delta."""
+    disk, motion = states.disk, states.motion
+    eta_hat = disk.eta_to_eta_hat(motion.eta(motion.nearer_plus))
+    near: NDArray[np.bool_] = abs(eta_hat) <= widest_eta(motion.energy, delta, disk)
+    return near
+
+
+def _seen(
+    states: States, event: Callable[[Bounces], ArrayLike], count: int, accuracy: float
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Of which states the event is true, and of which that is not known."""
+    found = bounces(states, count, accuracy)
+    given = returned_numbers("event", event(found))
+    if given.shape not in (found.shape, found.shape[:1]) or given.dtype.kind != "b":
+        raise InputError(
+            f"event: returned {shown(given)} for bounces of shape {found.shape}; return a bool for each state, "
+            "or for each of its bounces"
+        )
+    known = (found.status == compiled.status.Status.OK).all(axis=-1)
+    return known & given.reshape(len(states), -1).any(axis=1), ~known
+
+
+def _plainly(counted: _Counted, law: Law | None, note: str, asked: str) -> Probability:
+    """What plain draws say; a draw that could not be told may be a hit or not."""
+    low, high = statistics.share(counted.hits, counted.states)["interval_95"]  # type: ignore[misc]
+    most = counted.hits + counted.unknown
+    if most > counted.hits:
+        high = statistics.share(most, counted.states)["interval_95"][1]  # type: ignore[index]
+    elif counted.hits == 0:
+        high = statistics.upper_bound(0, counted.states)
+    return Probability(counted.hits / counted.states, (low, high), counted.hits, law, "plain", note, asked)
+
+
+def _law(near: NearFallingSet, counted: _Counted, random: Stream, draws: int) -> Law | None:
+    """C, and from which delta on it holds; None where P is no multiple of a small delta, or F is hardly met."""
+    C = near.below(_SMALL, random, draws)
+
+    @cache
+    def holds(delta: float) -> bool:
+        part = near.below(delta, random, _COMPARED)
+        if min(C.effective, part.effective) < FEWEST:
+            return False
+        unit = C.estimate.value * (delta / _SMALL)
+        return bool(abs(part.estimate.value / unit - 1.0) <= _HOLDS + 3.0 * part.estimate.error / unit)
+
+    if not holds(_DELTAS[-1]):
+        return None
+    # One delta may agree by chance, where P crosses the law.
+    below = next((high for high, low in pairwise(_DELTAS) if holds(high) and holds(low)), _DELTAS[-1])
+    scale = _SMALL * counted.share
+    return Law(float(C.estimate.value / scale), float(C.estimate.error / scale), below)
