@@ -34,10 +34,10 @@ def falling_surface(
             name = f"falls on face {'+' if face > 0 else '−'}1"
             ax.plot(*line.T, color=colour, ls=dashes, lw=2.4, label=name)
         ax.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
-        dress(ax, "", "", rf"$\varphi$ = {number(tilt)}")
+        dress(ax, "", "", rf"$\varphi$ = {number(tilt)} rad")
     panels[-2].set_xlabel(coordinate_label("sigma3", disk), fontsize=TEXT)
     figure.supylabel(coordinate_label("sigma4", disk), fontsize=TEXT)
-    figure.suptitle("At each tilt two lines of states fall, and nothing beside them", fontsize=TEXT)
+    figure.suptitle("Only states on two lines, at each tilt, can fall", fontsize=TEXT)
     legend_of_all(figure, panels)
 
 
