@@ -199,7 +199,7 @@ def probability(
     value, error = rare.estimate.value / counted.share, rare.estimate.error / counted.share
     error = math.hypot(error, value * counted.share_error)
     reach = error * float(scipy.stats.t.ppf(0.975, rare.estimate.dof))
-    interval = max(value - reach, 0.0), value + reach + rare.unknown / counted.share
+    interval = float(max(value - reach, 0.0)), float(value + reach + rare.unknown / counted.share)
     return Probability(float(value), interval, rare.effective, law, "importance", note, asked)
 
 
@@ -291,7 +291,7 @@ def _plainly(counted: _Counted, law: Law | None, note: str, asked: str) -> Proba
         high = statistics.share(most, counted.states)["interval_95"][1]  # type: ignore[index]
     elif counted.hits == 0:
         high = statistics.upper_bound(0, counted.states)
-    return Probability(counted.hits / counted.states, (low, high), counted.hits, law, "plain", note, asked)
+    return Probability(counted.hits / counted.states, (low, high), float(counted.hits), law, "plain", note, asked)
 
 
 def _law(near: NearFallingSet, counted: _Counted, random: Stream, draws: int) -> Law | None:

@@ -99,8 +99,6 @@ def closest_to_crest(disk: Disk, motions: Motions) -> Array:
     )
     for starts, end, inward in ends_and_starts:
         rows = np.flatnonzero(np.isfinite(end.crest))
-        if not rows.size:
-            continue
         origin = compiled.turning_points.Starts(*(column[rows] for column in starts))
         at = compiled.turning_points.Place(*places(disk, origin, end.crest[rows], inward))
         closest[rows] = np.fmin(closest[rows], at.slow)

@@ -71,8 +71,8 @@ class Plan:
     @property
     def motions(self) -> tuple[str, ...]:
         """The names of the kernels that follow motions to given times."""
-        ends = "turning_points.orbit_batch", "turning_points.inward_batch"
-        return "algebra.constants_batch", *ends, self.in_time.kernel
+        found = (f"turning_points.{what}_batch" for what in ("orbit", "inward", "point"))
+        return "algebra.constants_batch", *found, self.in_time.kernel
 
     @property
     def in_time(self) -> "Plan":
