@@ -19,7 +19,8 @@ from explorer.measure.distributions import Coordinate, Distribution
 from explorer.measure.laws import Estimate
 from explorer.measure.sampling import Stream
 from explorer.measure.tubes import Place, counts_on, half_width
-from explorer.motion.orbits import ends_of
+from explorer.motion.orbits import KERNELS as OF_ENDS
+from explorer.motion.orbits import ends_of, smallest, tilts_on
 from explorer.motion.starts import motions_of, seen_from, status_at_start
 from explorer.phase.lines import LineChart, linear_constants, other_eta_hat
 from explorer.phase.states import Array, States
@@ -27,7 +28,7 @@ from explorer.phase.states import Array, States
 BLOCK = 1 << 14
 KERNELS = (  # for `compiled.warmup`
     *("algebra.constants_batch", "falling.line_chart_batch"),
-    *("turning_points.orbit_batch", "turning_points.inward_batch"),
+    *OF_ENDS,
 )
 # Tilts below this many delta are drawn plainly: above, the width of a tube settles in a few rounds. With a larger
 # delta than this they would be all there are.
@@ -52,16 +53,12 @@ def smallest_tilts(states: States, count: int, accuracy: float) -> tuple[Array, 
     status = status_at_start(states, sided=False)
     theta = np.where(status == code.FALLS, 0.0, np.nan)
     rows = np.flatnonzero(status == code.OK)
-    ends = ends_of(states.disk, motions_of(states, own).at(rows))
+    motions = motions_of(states, own).at(rows)
+    ends = ends_of(states.disk, motions)
     rises = own[rows] * states.rows.p[rows] > 0.0
-    near, far = ends.inner, ends.far
-    if count > 1:
-        r, error = np.fmin(near.r, far.r), np.fmax(near.error, far.error)
-    else:
-        other = rises & ends.crosses
-        r, error = np.where(other, far.r, near.r), np.where(other, far.error, near.error)
+    tilt, error = smallest(motions, ends) if count > 1 else tilts_on(rises & ends.crosses, motions, ends)
     known = error <= accuracy
-    theta[rows] = np.where(known, 2.0 * np.arctan(r), np.nan)
+    theta[rows] = np.where(known, tilt, np.nan)
     status[rows[~known]] = code.STEP_LIMIT
     return theta, status
 
@@ -284,9 +281,7 @@ class _Table:
     def draw_pair(self, pair: Array, random: Stream) -> tuple[Array, Array]:
         """sigma3_bar and eta_hat of the pair's own distributions."""
         first, second = (each.draw(random, pair.shape[-1]) for each in self.source.pair)
-        (m3, n3), (m4, n4) = pair
-        determinant = m3 * n4 - m4 * n3
-        return (n4 * first - n3 * second) / determinant, (m3 * second - m4 * first) / determinant
+        return _constants(pair, first, second)
 
     def bar_at(self, bar: Array, eta: Array, pair: Array) -> Array:
         """sigma3_bar where one of the pair is a number, which sets it; else as it is."""
@@ -306,11 +301,9 @@ def _within(source: Distribution, tilt: Array, face: int, delta: float) -> Array
     """Which share of a few pairs comes flatter, to leading order, from each of these tilts at the middle speed."""
     random, disk, n = np.random.default_rng(0), source.disk, tilt.size
     q, z = source.place(tilt)
-    (m3, n3), (m4, n4) = source.spins(q, z, face)[..., None]
     first, second = (each.draw(random, _PAIRS) for each in source.pair)
     with np.errstate(all="ignore"):
-        determinant = m3 * n4 - m4 * n3
-        bar, eta = (n4 * first - n3 * second) / determinant, (m3 * second - m4 * first) / determinant
+        bar, eta = _constants(source.spins(q, z, face)[..., None], first, second)
         speed = np.full(n, np.median(source.speed.nodes))
         given = source.speed.name == "energy"
         place = Place.of(disk, q, face * z, np.zeros(n) if given else source.phidot(speed))
@@ -320,6 +313,13 @@ def _within(source: Distribution, tilt: Array, face: int, delta: float) -> Array
         reach = np.sqrt(2.0 * disk.body.I1 * (energy - disk.energy_at_flat(bar)))
         within: Array = (abs(eta) < disk.eta_to_eta_hat(delta * reach)).mean(axis=1)
     return within
+
+
+def _constants(pair: Array, first: Array, second: Array) -> tuple[Array, Array]:
+    """sigma3_bar and eta_hat from values of the pair."""
+    (m3, n3), (m4, n4) = pair
+    determinant = m3 * n4 - m4 * n3
+    return (n4 * first - n3 * second) / determinant, (m3 * second - m4 * first) / determinant
 
 
 def _fixed(source: Distribution) -> int | None:

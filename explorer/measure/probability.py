@@ -30,7 +30,7 @@ FEWEST = 100  # hits, or worth of hits, with which an interval is to be trusted
 # Plain draws over weighted ones at each face, the fewest of these, and how many tell whether the law holds.
 _SHARE, _LEAST, _COMPARED = 16, 256, 1 << 12
 # Where the law holds: decades of delta, and how far P may be off C delta.
-_DELTAS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
+_DELTAS = tuple(10.0 ** -np.arange(1.0, 13.0))
 _HOLDS = 0.05
 _SMALL = 1e-30  # the delta at which C is found: eta_hat is a number of its own, so no digit is lost
 

@@ -12,6 +12,7 @@ from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
 from explorer.motion.arcs import allowed
 from explorer.motion.falls import KERNELS, departures_of_moving, falls_of
+from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, tilt_errors
 from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import plan
@@ -176,7 +177,7 @@ def motion_constants(found: Bounces) -> dict[str, NDArray[Any]]:
 
 def bounce_kernels() -> tuple[str, ...]:
     """The kernels of `bounces`, for `compiled.warmup`."""
-    own = "turning_points.orbit_batch", "turning_points.inward_batch", "nutation.well_batch"
+    own = *OF_ENDS, "nutation.well_batch"
     return "algebra.constants_batch", "falling.line_chart_batch", "passages.passage_batch", *own, *KERNELS
 
 

@@ -12,6 +12,7 @@ from explorer.motion.starts import Motions
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
+KERNELS = "turning_points.orbit_batch", "turning_points.inward_batch"  # of `ends_of`, for `compiled.warmup`
 _OF_ARC = 0.125  # of the accuracy: a period goes twice over two arcs, which may be cut in two
 
 
@@ -80,8 +81,13 @@ def tilt_errors(motions: Motions, ends: Ends) -> tuple[Array, Array]:
 
 def smallest(motions: Motions, ends: Ends) -> tuple[Array, Array]:
     """The tilt at the flattest moment (rad), and its relative error."""
-    there, (on_this, on_other) = ends.far.r < ends.inner.r, tilt_errors(motions, ends)
-    return 2.0 * np.arctan(np.where(there, ends.far.r, ends.inner.r)), np.where(there, on_other, on_this)
+    return tilts_on(ends.far.r < ends.inner.r, motions, ends)
+
+
+def tilts_on(other: NDArray[np.bool_], motions: Motions, ends: Ends) -> tuple[Array, Array]:
+    """Smallest tilts (rad) on the other face where `other`, else on that of the state, and their relative errors."""
+    on_this, on_other = tilt_errors(motions, ends)
+    return 2.0 * np.arctan(np.where(other, ends.far.r, ends.inner.r)), np.where(other, on_other, on_this)
 
 
 def closest_to_crest(disk: Disk, motions: Motions) -> Array:

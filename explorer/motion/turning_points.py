@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion import integration, precision
-from explorer.motion.orbits import ends_of, smallest
+from explorer.motion.orbits import KERNELS, ends_of, smallest
 from explorer.motion.plan import Plan
 from explorer.motion.starts import Motions, held_constants, motions_of, seen_from, status_at_start
 from explorer.phase.disk import Disk
@@ -71,8 +71,7 @@ def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> Turn
 
 def tilt_kernels(how: Plan) -> tuple[str, ...]:
     """The kernels of `smallest_tilt`, for `compiled.warmup`."""
-    by_roots = ("turning_points.orbit_batch", "turning_points.inward_batch")
-    return "algebra.constants_batch", *(by_roots if how.method == "quadrature" else (how.kernel,))
+    return "algebra.constants_batch", *(KERNELS if how.method == "quadrature" else (how.kernel,))
 
 
 def smallest_tilt(

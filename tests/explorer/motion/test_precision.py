@@ -103,8 +103,8 @@ def test_paths_of_thousands_of_radii_meet_their_accuracy_or_are_refused(method):
     assert got[1e-10].error_estimate[refused].min() > 1e-10
     assert got[1e-10].error_estimate.max() < 1e-8
     angles_only = trajectories(states, None, [1.0], NAMES[:3], method=method, accuracy=1e-10)
-    # A psi of thousands of radians may be rounded by as much as is asked for; two runs show where it is.
-    assert angles_only.ok[~long].all()
+    # Many steps of dopri5 round a psi of thousands of radians by more than is asked; two runs show it.
+    assert angles_only.ok[~long if method == "dopri5" else slice(None)].all()
     assert angles_only.ok.mean() > 0.9
 
 

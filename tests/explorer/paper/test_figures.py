@@ -105,7 +105,7 @@ def test_a_figure_of_another_body_is_of_that_body_in_natural_units():
     same, paper = figure(8, coin), figure(8)
     for ours, theirs in zip(same.axes, paper.axes, strict=True):
         # Steps follow an estimated error, so that rounding of the units moves a point along its curve
-        np.testing.assert_allclose(ours.lines[0].get_xydata(), theirs.lines[0].get_xydata(), rtol=0.0, atol=1e-6)
+        np.testing.assert_allclose(ours.lines[0].get_xydata(), theirs.lines[0].get_xydata(), rtol=0.0, atol=1e-7)
     assert caption_of(same) == caption_of(paper)
     other, both = figure(8, ring, 3e-3), curves(ring, 3e-3, FIGURES[8].turns)
     np.testing.assert_array_equal(other.axes[0].lines[0].get_xydata(), shown(both, 1, "contact"))
