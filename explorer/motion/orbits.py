@@ -85,7 +85,7 @@ def smallest(motions: Motions, ends: Ends) -> tuple[Array, Array]:
 
 
 def tilts_on(other: NDArray[np.bool_], motions: Motions, ends: Ends) -> tuple[Array, Array]:
-    """Smallest tilts (rad) on the other face where `other`, else on that of the state, and their relative errors."""
+    """Smallest tilts (rad), on the other face where `other`, else on that of the state; relative errors."""
     on_this, on_other = tilt_errors(motions, ends)
     return 2.0 * np.arctan(np.where(other, ends.far.r, ends.inner.r)), np.where(other, on_other, on_this)
 
