@@ -37,7 +37,7 @@ def rotation(ax: Axes, disk: Disk, energy: float = 2.0, points: int = 300) -> No
     above = [np.greater.outer(y, sign * slope * x) for sign in (1, -1)]
     for part in (above[0] & above[1], above[0] & ~above[1], ~above[0] & above[1], ~(above[0] | above[1])):
         there = np.where(part, turns, np.nan)  # no contour runs along a jump
-        levels = np.arange(np.ceil(np.nanmin(there)), np.floor(np.nanmax(there)) + 1.0)
+        levels = np.arange(np.ceil(np.nanmin(there)) + 0.0, np.floor(np.nanmax(there)) + 1.0)  # of no -0
         if levels.size:
             drawn = ax.contour(x, y, there, levels, colors=DARK, linewidths=0.9, linestyles="-")
             ax.clabel(drawn, fmt=lambda turn: number(turn), fontsize=SMALL)
