@@ -108,7 +108,12 @@ class NearFallingSet:
         return _added([_sums(parts, delta) for parts in strata])
 
     def _on_face(self, table: "_Table", random: Stream, count: int) -> Weighted:
-        """Draws in the tube of a table."""
+        """Draws in the tube of a table.
+
+        Their weight is the density of the distribution over that of the draws, which is a mixture: with the share
+        `plain` of a cell the pair comes from its own distribution; else sigma3_bar comes from the table, or is set
+        by a number of the pair, and eta_hat evenly from the tube.
+        """
         source, disk, face = self.source, self.source.disk, table.face
         cell, tilt = table.draw_tilt(random, count)
         q, z = source.place(tilt)
