@@ -124,7 +124,7 @@ class GivenStates:
         row = {"row": np.arange(first, first + count)}
         if self.states is not None:
             states = self.states.at(np.arange(first, first + count))
-            return Block(states, row | _coordinates(states), {})
+            return Block(states, row | coordinates_of(states), {})
         if self.chart is None:
             raise InputError(
                 f"{self.what}: this run has states that were given in Python; go on with "
@@ -135,7 +135,7 @@ class GivenStates:
         else:
             table = {name: values[first : first + count] for name, values in self.columns.items()}
         states = self.chart.states(disk, table, degrees)
-        known = _coordinates(states)
+        known = coordinates_of(states)
         if (
             not degrees
         ):  # those that were given stay as they are, to the last digit and also where they are no state
@@ -160,7 +160,7 @@ class GivenStates:
         return _read(table, chart, self.what)
 
 
-def _coordinates(states: States) -> Columns:
+def coordinates_of(states: States) -> Columns:
     """phi, phidot, sigma3, sigma4 in the units of the disk; NaN where there is no state."""
     good = states.status != compiled.status.Status.BAD_INPUT
     return {name: np.where(good, getattr(states, name), np.nan) for name in COORDINATES}
