@@ -75,7 +75,7 @@ class States:
     >>> len(states), states.status
     (2, array([0, 2], dtype=int8))
     >>> states
-    States of 2 of the disk uniform: ok 1, bad_input 1
+    States of 2 of the disk uniform: ok 1, bad_input 1; tilts 90 to 90 degrees
     """
 
     disk: Disk
@@ -101,7 +101,9 @@ class States:
         codes, counts = np.unique(self.status, return_counts=True)
         names = (compiled.status.Status(code).name.lower() for code in codes.tolist())
         found = ", ".join(f"{name} {count:,}" for name, count in zip(names, counts.tolist(), strict=True))
-        return f"States of {len(self):,}{shape} of the disk {self.disk.name}: {found or 'none'}"
+        tilt = np.degrees(np.arctan2(self.rows.q, abs(self.rows.z))[self.status == compiled.status.Status.OK])
+        tilts = f"; tilts {tilt.min():.3g} to {tilt.max():.3g} degrees" if tilt.size else ""
+        return f"States of {len(self):,}{shape} of the disk {self.disk.name}: {found or 'none'}{tilts}"
 
     def __len__(self) -> int:
         return int(self.natural.shape[1])

@@ -26,7 +26,7 @@ BAD = [  # one for each reader
     (["run", "race-angles", "--method", "euler"], "method 'euler'"),
     (["run", "race-angles", "--scheduler", "tcp://127.0.0.1:1"], "scheduler tcp"),
     (["run", "race-angles", "--chunk-size", "0"], "chunk_size = 0"),
-    (["verify", "nowhere"], "holds no run"),
+    (["verify", "nowhere"], "there is no such folder"),
     (["run", "missing.toml"], "cannot be read"),
     (["run"], "SCENE"),
     (["dmeo"], "did you mean 'demo'"),
@@ -299,3 +299,10 @@ def test_warmup_says_when_all_is_ready(capsys):
     capsys.readouterr()
     assert main(["warmup"]) == 0
     assert capsys.readouterr().out == "All kernels were ready.\n"
+
+
+def test_the_package_can_be_run_as_the_command():
+    ran = subprocess.run(
+        [sys.executable, "-m", "explorer", "--version"], capture_output=True, text=True, check=True
+    )
+    assert ran.stdout.startswith("nearflat ")
