@@ -22,7 +22,7 @@ _TILTS, _SPEEDS = ("phi", "theta", "tilt"), ("phidot", "thetadot", "tilt_rate", 
 # where it is as thin as a tail that the falling set may need.
 _MIDDLE = np.linspace(0.02, 0.98, 25)
 _LARGEST = 1e60  # nodes beyond are left out: energies would overflow
-_TAIL = 10.0 ** -np.array([2, 2.5, 3, 3.5, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 27, 34, 45, 60, 90, 150, 300])
+_TAIL = 10.0 ** -np.geomspace(2, 300, 25)
 
 
 @dataclass(frozen=True)

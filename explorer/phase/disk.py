@@ -162,8 +162,8 @@ class Disk:
         Examples
         --------
         >>> import explorer as ex
-        >>> ex.Disk.from_ratios(I1=0.3, I3=0.45, m=0.02, r=0.05, g=9.81).I3 / (0.02 * 0.05**2)
-        0.45
+        >>> f"{ex.Disk.from_ratios(I1=0.3, I3=0.45, m=0.02, r=0.05, g=9.81).I3:g} kg m^2"
+        '2.25e-05 kg m^2'
         """
         m, r, g = _units(m, r, g)
         unit = m * r * r
@@ -172,7 +172,14 @@ class Disk:
 
     @classmethod
     def annulus(cls, inner: float, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
-        """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop)."""
+        """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop).
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.Disk.annulus(0.5).I3
+        0.625
+        """
         inner = number("disk: annulus (inner over outer radius, between 0 and 1)", inner, 0.0, 1.0)
         m, r, g = _units(m, r, g)
         axial = 0.5 * m * r * r * (1.0 + inner * inner)
@@ -180,24 +187,52 @@ class Disk:
 
     @classmethod
     def uniform(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
-        """The uniform disk, eq. (2.5): m r^2 / I1 = 4."""
+        """The uniform disk, eq. (2.5): m r^2 / I1 = 4.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.Disk.uniform(m=0.02, r=0.05, g=9.81).kappa == ex.Disk.uniform().kappa == 5**0.5
+        True
+        """
         return replace(cls.annulus(0.0, m, r, g), name="uniform")
 
     @classmethod
     def hoop(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
-        """The hoop, eq. (2.6): m r^2 / I1 = 2."""
+        """The hoop, eq. (2.6): m r^2 / I1 = 2.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.Disk.hoop().I1
+        0.5
+        """
         return replace(cls.annulus(1.0, m, r, g), name="hoop")
 
     @classmethod
     def matching(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
-        """The flat body with m r^2 / I1 = 3, for which both one-sided limit motions agree."""
+        """The flat body with m r^2 / I1 = 3, for which both one-sided limit motions agree.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.Disk.matching().kappa, ex.Disk.matching().gap
+        (2.0, 0.0)
+        """
         m, r, g = _units(m, r, g)
         third = m * r * r / 3.0
         return cls(m=m, r=r, g=g, I1=third, I3=2.0 * third, name="matching")
 
     @classmethod
     def parse(cls, text: str) -> Disk:
-        """A disk from what the command line accepts. Raises InputError."""
+        """A disk from what the command line accepts. Raises InputError.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.Disk.parse("annulus:0.5,m=20g,r=5cm").m
+        0.02
+        """
         if not isinstance(text, str):
             raise InputError(f"disk = {shown(text)} is no text; choose {SYNTAX}")
         head, _, rest = text.strip().partition(":")

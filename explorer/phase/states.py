@@ -109,7 +109,15 @@ class States:
         return int(self.natural.shape[1])
 
     def __getitem__(self, rows: int | slice | NDArray[Any]) -> States:
-        """Some of the states, chosen as entries of a flat array are: by a number, a slice, a mask or numbers."""
+        """Some of the states, chosen as entries of a flat array are: by a number, a slice, a mask or numbers.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, [1.0, 2.0, 3.0], 0.7)
+        >>> states[states.sigma3 > 1.5].sigma3
+        array([2., 3.])
+        """
         return self.at(self._rows_of(rows))
 
     def _rows_of(self, rows: Any) -> NDArray[np.intp]:
@@ -174,7 +182,14 @@ class States:
         return some
 
     def reversed(self) -> States:
-        """The same states with time running backwards: phidot changes sign (rho, sigma4 stay)."""
+        """The same states with time running backwards: phidot changes sign (rho, sigma4 stay).
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.phi_to_states(ex.Disk.uniform(), 0.1, 1.0, 1.0, 0.7).reversed().phidot
+        array([-1.])
+        """
         natural = self.natural.copy()
         Rows(*natural).p[:] *= -1.0
         return States(self.disk, natural, self.status.copy(), self.exact, self.shape)

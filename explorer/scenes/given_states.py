@@ -114,6 +114,11 @@ class GivenStates:
         columns = _read(table, chart, what)  # refuses columns of types that are of no use
         return cls(what, rows, sha256, path, chart, None if parquet else columns)
 
+    @property
+    def known(self) -> bool:
+        """Whether they can be read: not where a stored run had states that were never in a file."""
+        return self.chart is not None or self.states is not None
+
     def describe(self) -> dict[str, str | int]:
         """The entry of run.json."""
         file = {} if self.path is None else {"file": str(self.path)}

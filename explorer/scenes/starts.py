@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from explorer import compiled
 from explorer.errors import InputError, RunError
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, ChartBox, Range, Stream, box_of, chunk_stream, in_radians, signs
@@ -17,6 +18,7 @@ from explorer.scenes.given_states import Block, GivenStates, coordinates_of
 from explorer.scenes.options import DENSITY, DISK, OPEN_RANGE, RANGES, TRUTH, Reader, option
 from explorer.scenes.scene import SAMPLES, SampledScene, Table
 
+_LOOKED_AT = 1_000_000  # rows of given states, when those are named that are none
 # In natural units: where doubles still have all their digits, and where "near F" loses its meaning.
 _NEAR_F = (1e-305, 10.0)
 
@@ -159,6 +161,15 @@ class FromStates(FromDensity):
                 remedy += "" if self.degrees else ", or say degrees where they are in degrees"
             raise RunError(f"{self.name}: none of {self.samples:,} samples is a state; {remedy}")
         return count
+
+    def headline(self, summary: dict[str, Any]) -> list[str]:
+        """As of all scenes, and the first rows of a table that are no states."""
+        lines = super().headline(summary)
+        if summary["status"].get("bad_input") and self.states is not None and self.states.known:
+            status = self.first_states(_LOOKED_AT).status
+            bad = np.flatnonzero(status == compiled.status.Status.BAD_INPUT)[:10]
+            lines.append(f"no states (bad_input), for instance rows {', '.join(map(str, bad))}, counted from 0")
+        return lines
 
     def trials(self, motions: int, t_end: float | None) -> list[Trial]:
         first = next(self.blocks(0)).states

@@ -138,6 +138,8 @@ def test_what_does_not_go_together_is_refused(kind, options, message):
 def test_a_row_that_is_no_state_is_in_no_statistic_and_counted_apart(kind):
     """Numbers are those of the same table without the row."""
     whole, good = (ex.run(kind.name, states=rows, keep="all") for rows in (ROWS, ROWS[[0, 2]]))
+    assert "for instance rows 1, counted from 0" in whole.scene.headline(whole.summary)[-1]
+    assert "rows" not in good.scene.headline(good.summary)[-1]
     assert (whole.summary["samples"], whole.summary["valid_states"]) == (3, 2)
     assert whole.summary["status"] == {"bad_input": 1, "ok": 2}
     differing = {key for key in good.summary if whole.summary[key] != good.summary[key]}
