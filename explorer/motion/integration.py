@@ -46,7 +46,7 @@ class InitialValues(NamedTuple):
         return self._replace(initial=initial, linear=linear, status=self.status[rows], control=self.control[rows])
 
     def finer(self, less: Array) -> InitialValues:
-        """The same by steps that err by so much less (n)."""
+        """The same by steps that err by so much less: each (n), or all ()."""
         power = 1.0 if self.plan.adaptive else 1.0 / FIXED[self.plan.method]
         return self._replace(control=self.plan.at_least(self.control * less**power))
 
