@@ -21,7 +21,7 @@ class TurningPoints:
 
     theta: tilt from the nearer flat state (rad). face: which flat state that is. turn_rate: sigma3/q there,
     whose sign is the direction in which the contact point moves. time, chi, psi: increase since the start; zero
-    on the reduced rung. error: how far they may be off. Entries are NaN where status is not OK.
+    on the reduced level. error: how far they may be off. Entries are NaN where status is not OK.
     """
 
     theta: Array
@@ -63,7 +63,7 @@ def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> Turn
         return np.where(hidden, np.inf, error)
 
     event, asked = compiled.events.TURNING_POINT, precision.asked(how, 0.0)
-    found, error, _ = integration.settle(given, event, np.zeros(1), estimate, asked)
+    found, error, _ = integration.follow_accurately(given, event, np.zeros(1), estimate, asked)
     error[found.status != compiled.status.Status.OK] = np.nan
     row, out = compiled.field.ROW, found.out[:, 0].T
     face = np.where(out[row.z] >= 0.0, 1, -1).astype(np.int8)
