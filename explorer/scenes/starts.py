@@ -11,7 +11,7 @@ from explorer import compiled
 from explorer.errors import InputError, RunError
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, ChartBox, Range, Stream, box_of, chunk_stream, in_radians, signs
-from explorer.motion.trials import Trial, through_time
+from explorer.motion.reference_samples import ReferenceSamples, through_time
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.states import Array, States
 from explorer.scenes.given_states import Block, GivenStates, coordinates_of
@@ -171,7 +171,7 @@ class FromStates(FromDensity):
             lines.append(f"no states (bad_input), for instance rows {', '.join(map(str, bad))}, counted from 0")
         return lines
 
-    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
+    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
         first = next(self.blocks(0)).states
         return [through_time(first.at(np.arange(min(motions, len(first)))), t_end)]
 
