@@ -180,9 +180,9 @@ class ReferenceMotions(ReferenceSamples):
             away["path"] = np.linalg.norm(away["path"], axis=-1) / states.disk.r
             assert exact.phi is not None
             racing = 0.5 * np.pi - abs(exact.phi) < RACING
-            apart = np.where(racing, np.nan, np.stack(list(away.values())))
-            errors.append(np.where(made.ok, np.nanmax(apart, axis=(0, 2), initial=0.0), np.nan))
-            turned.append(made.ok & (np.nanmax(apart[1], axis=1, initial=0.0) > states.disk.race_limit))
+            far = np.where(racing, np.nan, np.stack(list(away.values())))
+            errors.append(np.where(made.ok, np.nanmax(far, axis=(0, 2), initial=0.0), np.nan))
+            turned.append(made.ok & (np.nanmax(far[1], axis=1, initial=0.0) > states.disk.race_limit))
         status, steps = ([getattr(made, name) for made in found] for name in ("status", "steps"))
         return Tried(*map(np.concatenate, (errors, status, turned, steps)))
 

@@ -306,3 +306,22 @@ def test_the_package_can_be_run_as_the_command():
         [sys.executable, "-m", "explorer", "--version"], capture_output=True, text=True, check=True
     )
     assert ran.stdout.startswith("nearflat ")
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("pla", "plan"),
+        ("run r", "race-angles"),
+        ("run race-angles --eta", "--eta-hat"),
+        ("run falling-set --samples 10 --theta", "--theta-min"),
+        ("probability --tilt_", ""),
+    ],
+)
+def test_a_shell_completes_commands_scenes_and_options(capsys, typed, offered):
+    assert main(["completion"]) == 0
+    script = capsys.readouterr().out
+    words = ["nearflat", *typed.split()]
+    asked = f"COMP_WORDS=({' '.join(words)}); COMP_CWORD={len(words) - 1}; _nearflat; echo ${{COMPREPLY[@]}}"
+    ran = subprocess.run(["bash", "-c", f"{script}\n{asked}"], capture_output=True, text=True, check=True)
+    assert ran.stdout.strip() == offered
