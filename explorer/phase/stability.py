@@ -14,68 +14,18 @@ from functools import cache, lru_cache
 from itertools import groupby
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from explorer.errors import InputError, one_of
+from explorer.errors import one_of
+from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import line_chart, line_slope
+from explorer.phase.lines import line_chart
 from explorer.phase.membership import well
-from explorer.phase.potential import DEGENERATE, Equilibrium, Potential, at_constants, curvature_of, on_line
+from explorer.phase.potential import DEGENERATE, Equilibrium, Potential, at_constants, on_line
 from explorer.phase.states import Array, columns_of
+from explorer.phase.steady import circular_rolling, steady_motions
 
 _CIRCLE = 0.25 * math.pi, 2.0  # lean (rad) and radius (radii of the disk) at which `thresholds` rolls
-
-
-@dataclass(frozen=True)
-class SteadyRates:
-    """Steady motions, arrays of one shape.
-
-    phi: tilt (rad). precession: dchi/dt. sigma3, sigma4, sigma3_bar, sigma4_bar, eta_hat (on face +1): rates.
-    radius: of the circle of the contact point, positive where the disk leans towards its centre (phi < 0 for
-    sigma4 and precession of one sign). curvature: V'' (energy); the motion is stable where it is positive.
-    """
-
-    phi: Array
-    precession: Array
-    sigma3: Array
-    sigma4: Array
-    sigma3_bar: Array
-    sigma4_bar: Array
-    eta_hat: Array
-    radius: Array
-    curvature: Array
-
-    @property
-    def stable(self) -> NDArray[np.bool_]:
-        return self.curvature > 0.0
-
-
-def steady_rates(disk: Disk, phi: ArrayLike, precession: ArrayLike) -> SteadyRates:
-    """The steady motions at tilts phi (rad, between the flat states) with dchi/dt != 0; both broadcast."""
-    require_axial_inertia(disk)
-    shape = np.broadcast_shapes(np.shape(phi), np.shape(precession))
-    angle, rate = columns_of(phi=phi, precession=precession)
-    if not (np.all(abs(angle) < 0.5 * np.pi) and np.all(np.isfinite(rate) & (rate != 0.0))):
-        raise InputError("steady motions: give -pi/2 < phi < pi/2 (rad) and a finite precession, not zero")
-    b, unit, rate = disk.body, disk.rate_unit, rate / disk.rate_unit
-    q, z = np.cos(angle), np.sin(angle)
-    s3 = rate * q * q
-    # V' = I1 rate^2 q z - J rate q sigma4 - z = 0
-    s4 = z * (b.I1 * rate * rate * q - 1.0) / (b.J * rate * q)
-    bar, eta = line_chart(disk, q, z).constants(s3, s4)
-    columns = {
-        "phi": angle,
-        "precession": rate * unit,
-        "sigma3": s3 * unit,
-        "sigma4": s4 * unit,
-        "sigma3_bar": bar * unit,
-        "sigma4_bar": (line_slope(disk) * bar - eta) * unit,
-        "eta_hat": eta * unit,
-        # The contact point moves at r (sigma4 - z dchi/dt) along its circle
-        "radius": disk.r * (s4 / rate - z),
-        "curvature": curvature_of(q, z, s3, s4, b) * disk.energy_unit,
-    }
-    return SteadyRates(**{name: column.reshape(shape) for name, column in columns.items()})
 
 
 def stability_edges(disk: Disk, phi: ArrayLike) -> Array:
@@ -123,7 +73,8 @@ def fold_curve(disk: Disk, points: int = 400) -> tuple[Array, Array]:
     phi = last_unstable_tilt(disk) * (1.0 - 1e-12) * np.sin(t)
     fast, slow = (np.nan_to_num(row) for row in stability_edges(disk, phi))
     tilts = np.concatenate([-phi[::-1], -phi, phi[::-1], phi])
-    half = steady_rates(disk, tilts, np.concatenate([slow[::-1], fast, fast[::-1], slow]))
+    turns = np.concatenate([slow[::-1], fast, fast[::-1], slow])
+    half = constants_of(steady_motions(disk, 0.5 * np.pi - tilts, turns).states)
     x = np.concatenate([half.sigma3_bar, -half.sigma3_bar, half.sigma3_bar[:1]])
     return x, np.concatenate([half.sigma4_bar, -half.sigma4_bar, half.sigma4_bar[:1]])
 
@@ -138,27 +89,6 @@ def rolling_threshold(disk: Disk) -> float:
 def spinning_threshold(disk: Disk) -> float:
     """dchi/dt above which spinning upright in place is stable: its square is m g r/M."""
     return math.sqrt(disk.m * disk.g * disk.r / (disk.I1 + disk.m * disk.r**2))
-
-
-def circular_precession(disk: Disk, lean: float, radius: float) -> float:
-    """dchi/dt with which the disk rolls round a circle of `radius`, leaning inwards by `lean` (rad).
-
-    Its square is m g r tan(lean)/(J radius/r - (J - I1) sin(lean)). Raises InputError where that is not positive.
-    """
-    require_axial_inertia(disk)
-    if not 0.0 < lean < 0.5 * math.pi:
-        raise InputError(f"lean = {lean} must lie between 0 and pi/2 (rad)")
-    if not (math.isfinite(radius) and radius >= 0.0):
-        raise InputError(f"radius = {radius} must be a finite length, 0 or more")
-    J = disk.I3 + disk.m * disk.r**2
-    below = J * radius / disk.r - (J - disk.I1) * math.sin(lean)
-    if not below > 0.0:
-        least = (J - disk.I1) / J * math.sin(lean) * disk.r
-        raise InputError(
-            f"radius = {radius:g}: leaning inwards by {lean:g} rad the disk rolls round circles above {least:.6g} "
-            "only; give a larger radius"
-        )
-    return math.sqrt(disk.m * disk.g * disk.r * math.tan(lean) / below)
 
 
 def measured_thresholds(disk: Disk, lean: float, radius: float) -> dict[str, float]:
@@ -196,7 +126,7 @@ def thresholds(disk: Disk) -> dict[str, dict[str, float]]:
     closed = {
         "straight_rolling": rolling_threshold(disk),
         "spinning_upright": spinning_threshold(disk),
-        "circular_rolling": circular_precession(disk, lean, radius),
+        "circular_rolling": float(circular_rolling(disk, lean, radius).precession[0]),
     }
     rows = {name: {"measured": measured[name], "closed_form": closed[name]} for name in closed}
     rows["circular_rolling"] = {"lean": lean, "radius": radius, **rows["circular_rolling"]}
