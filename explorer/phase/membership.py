@@ -15,7 +15,6 @@ from explorer import compiled
 from explorer.errors import InputError, number
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
-from explorer.phase.roots import root
 from explorer.phase.states import Array, States, require_states
 
 # Depths at which the barrier's series are compared with bisections, and how many times the largest difference is
@@ -102,7 +101,7 @@ def well(disk: Disk) -> Well:
     phi = np.linspace(*_BEYOND_VERTICAL, _PLACES)
     beside = phi[int(np.argmax(critical(phi))) + np.array([-1, 1])]
     slope = Chebyshev.interpolate(critical, _PEAK_DEGREE, domain=beside).deriv()
-    top = root(slope, *beside)
+    (top,) = (float(x.real) for x in slope.roots() if x.imag == 0.0 and beside[0] < x.real < beside[1])
     return Well(top, float(np.sqrt(critical(np.array([top]))[0])) * disk.body.r0)
 
 

@@ -20,11 +20,11 @@ from explorer.errors import InputError, number, shown, sign, whole
 from explorer.phase.arguments import column
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
-from explorer.phase.roots import root
 from explorer.phase.states import Array
 
 _STEP = 0.02  # of y, in which V is smooth on the scale 1: no two zeros of V'' share a step
 _EPS = float(np.finfo(float).eps)
+_LEAST_STEP = 1e-18  # of y: what a root at zero is known to, which has no digits of its own
 _FLAT = 1e-8  # tilt (rad), at rates of order 1, below which V' keeps its sign where V ends at V_0
 _WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall is far above all else
 _SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
@@ -236,22 +236,15 @@ class Potential:
         return tuple(apart)
 
     def _root(self, term: str, low: float, high: float, value: float = 0.0) -> float:
-        def excess(y: Array) -> Array:
-            above: Array = getattr(self.at_y(y), term) - value
-            return above
+        from scipy.optimize import brentq  # here: it takes as long to load as all that a plan computes
 
-        return root(excess, low, high)
+        def excess(y: float) -> float:
+            return float(getattr(self.at_y(y), term)[0]) - value
+
+        return float(brentq(excess, low, high, xtol=_LEAST_STEP, rtol=4.0 * _EPS, maxiter=500))
 
     def _equilibrium(self, y: float) -> Equilibrium:
         V, slope, curved, size = (float(values[0]) for values in self.at_y(y))
-        for _ in range(3):
-            step = slope * math.cosh(y) / curved if curved != 0.0 else math.inf
-            if not abs(step) < 1e-6:
-                break
-            nearer = tuple(float(values[0]) for values in self.at_y(y - step))
-            if not abs(nearer[1]) < abs(slope):
-                break
-            y, (V, slope, curved, size) = y - step, nearer
         sharp = 1e-13 * (size + 1.0)  # V'' below this is lost in the rounding of its terms
         kind = DEGENERATE if abs(curved) <= sharp else CENTRE if curved > 0.0 else SADDLE
         unit, residual = self.disk.energy_unit, abs(slope) / (_EPS * size or 1.0)
@@ -276,36 +269,28 @@ class Potential:
         energy = number("energy", energy)
         E = energy / self.disk.energy_unit
         y, V = self._stops
-        cuts: list[tuple[float, str]] = [(float(y[0]), FLAT)] if V[0] < E else []
-        for i in range(y.size - 1):
-            if (V[i] < E) != (V[i + 1] < E):
-                cuts.append((self._crossing(E, i), TURNING))
-        if V[-1] < E:
+        saddle = np.array([False, *(at.kind == SADDLE for at in self.equilibria), False])
+        touched = saddle & (abs(V - E) <= 32.0 * _EPS * abs(E))  # some roundings of V at two saddles
+        inside = (V < E) & ~touched
+        cuts: list[tuple[float, str]] = [(float(y[0]), FLAT)] if inside[0] else []
+        for i in np.flatnonzero(inside[1:] != inside[:-1]):
+            above = i + 1 if inside[i] else i
+            cuts.append((float(y[above]), SADDLE) if touched[above] else (self._crossing(E, i), TURNING))
+        if inside[-1]:
             cuts.append((float(y[-1]), FLAT))
-        pairs = zip(cuts[::2], cuts[1::2], strict=True)
-        return tuple(self._component(energy, low, high) for low, high in pairs)
+        return tuple(
+            Component(energy, _phi(*low), _phi(*high), (low[1], high[1]), (low[0], high[0]))
+            for low, high in zip(cuts[::2], cuts[1::2], strict=True)
+        )
 
     def separatrices(self) -> tuple[Separatrix, ...]:
         """The level through each saddle, on both sides of it."""
-        return tuple(Separatrix(at, self._branches(at)) for at in self.equilibria if at.kind == SADDLE)
-
-    def _branches(self, saddle: Equilibrium) -> tuple[Component, Component]:
-        E, here = saddle.energy / self.disk.energy_unit, (saddle.y, SADDLE)
-        left, right = self._end(E, saddle.y, -1), self._end(E, saddle.y, 1)
-        return self._component(saddle.energy, left, here), self._component(saddle.energy, here, right)
-
-    def _end(self, E: float, start: float, way: int) -> tuple[float, str]:
-        """The end, in one direction, of the level E that starts at a saddle: y, and its kind."""
-        y, V = self._stops
-        i = int(np.argmin(abs(y - start)))
-        equal = 32.0 * _EPS * abs(E)  # some roundings of V at two saddles
-        # The next stop is a minimum, or flat
-        for j in range(i + way, y.size if way > 0 else -1, way):
-            if 0 < j < y.size - 1 and abs(V[j] - E) <= equal:
-                return float(y[j]), SADDLE
-            if V[j] > E:
-                return self._crossing(E, min(j, j - way)), TURNING
-        return float(y[-1 if way > 0 else 0]), FLAT
+        found = []
+        for at in self.equilibria:
+            if at.kind == SADDLE:
+                left, right = (piece for piece in self.components(at.energy) if at.y in piece.y)
+                found.append(Separatrix(at, (left, right)))
+        return tuple(found)
 
     def _crossing(self, E: float, i: int) -> float:
         """The root of V = E between two stops."""
@@ -317,10 +302,6 @@ class Potential:
         while i == y.size - 2 and V[-1] == math.inf and self.at_y(high).V[0] < E:
             high += 1.0
         return self._root("V", low, high, E)
-
-    def _component(self, energy: float, low: tuple[float, str], high: tuple[float, str]) -> Component:
-        y, ends = (low[0], high[0]), (low[1], high[1])
-        return Component(energy, _phi(y[0], ends[0]), _phi(y[1], ends[1]), ends, y)
 
     def curve(self, component: Component, points: int = _POINTS) -> tuple[Array, Array]:
         """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, units of the disk."""
