@@ -273,7 +273,7 @@ class Potential:
         touched = saddle & (abs(V - E) <= 32.0 * _EPS * abs(E))  # some roundings of V at two saddles
         inside = (V < E) & ~touched
         cuts: list[tuple[float, str]] = [(float(y[0]), FLAT)] if inside[0] else []
-        for i in np.flatnonzero(inside[1:] != inside[:-1]):
+        for i in np.flatnonzero(inside[1:] != inside[:-1]).tolist():
             above = i + 1 if inside[i] else i
             cuts.append((float(y[above]), SADDLE) if touched[above] else (self._crossing(E, i), TURNING))
         if inside[-1]:
