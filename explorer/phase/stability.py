@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 from explorer.errors import one_of
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import line_chart
 from explorer.phase.membership import well
 from explorer.phase.potential import DEGENERATE, Equilibrium, Potential, at_constants, on_line
 from explorer.phase.states import Array, columns_of
@@ -51,16 +50,13 @@ def _edge_equation(disk: Disk, phi: Array) -> tuple[Array, Array, Array]:
 
 def last_unstable_tilt(disk: Disk) -> float:
     """phi (rad) up to which some steady motions are unstable; beyond it all are stable. Both edges meet there."""
-    from scipy.optimize import bisect
-
     require_axial_inertia(disk)
-
-    def apart(phi: float) -> float:
-        two, one, none = _edge_equation(disk, np.array([phi]))
-        return float(-one[0] - 2.0 * np.sqrt(two[0] * none[0]))
-
-    # At 45 degrees the linear term changes sign
-    return float(bisect(apart, 0.0, 0.25 * math.pi, xtol=1e-16, rtol=1e-15, maxiter=200))
+    b = disk.body
+    # The discriminant of V'' = 0 vanishes, a quadratic in cos^2 phi, of which one root lies between 1/2 and 1.
+    unit, steep = 4.0 * b.k / b.J, b.I1 * (2.0 - b.I3 / b.J)
+    two, one, none = 4.0 + unit * (b.M - steep), unit * (2.0 * steep - b.M) - 4.0, 1.0 - unit * steep
+    cosine = math.sqrt((math.sqrt(one * one - 4.0 * two * none) - one) / (2.0 * two))
+    return math.acos(cosine)
 
 
 def fold_curve(disk: Disk, points: int = 400) -> tuple[Array, Array]:
@@ -91,46 +87,17 @@ def spinning_threshold(disk: Disk) -> float:
     return math.sqrt(disk.m * disk.g * disk.r / (disk.I1 + disk.m * disk.r**2))
 
 
-def measured_thresholds(disk: Disk, lean: float, radius: float) -> dict[str, float]:
-    """The three closed forms above as V has them, by bisection on V'' and, for the circle, on V'."""
-    unit, phi = disk.rate_unit, np.array([-lean])
-    chart = line_chart(disk, np.cos(phi), np.sin(phi))
-
-    def slope(rate: float) -> float:
-        """V' with the constants of motion of the state that rolls so."""
-        s3, s4 = rate * math.cos(lean) ** 2, rate * (radius / disk.r - math.sin(lean))
-        bar, eta = chart.constants(s3, s4)
-        return float(Potential(disk, bar[0], eta[0]).dV(-lean))
-
-    return {
-        "straight_rolling": _sign_change(lambda rate: float(at_constants(disk, 0.0, rate).d2V(0.0)), unit),
-        "spinning_upright": _sign_change(lambda rate: float(at_constants(disk, rate, 0.0).d2V(0.0)), unit),
-        "circular_rolling": _sign_change(slope, 1.0) * unit,
-    }
-
-
-def _sign_change(f: Callable[[float], float], high: float) -> float:
-    """The rate at which f has no longer the sign that it has at 0; `high` is doubled until it lies beyond."""
-    from scipy.optimize import bisect
-
-    while f(high) * f(0.0) > 0.0:
-        high *= 2.0
-    return float(bisect(f, 0.0, high, xtol=1e-15 * high, rtol=1e-15, maxiter=200))
-
-
 def thresholds(disk: Disk) -> dict[str, dict[str, float]]:
-    """Thresholds from V and from the closed forms, and sigma3_bar* of the well; units of the disk."""
+    """Thresholds in closed form, and sigma3_bar* of the well; units of the disk."""
     angle, most = well(disk)
     lean, radius = _CIRCLE[0], _CIRCLE[1] * disk.r
-    measured = measured_thresholds(disk, lean, radius)
-    closed = {
-        "straight_rolling": rolling_threshold(disk),
-        "spinning_upright": spinning_threshold(disk),
-        "circular_rolling": float(circular_rolling(disk, lean, radius).precession[0]),
+    circle = float(circular_rolling(disk, lean, radius).precession[0])
+    return {
+        "straight_rolling": {"closed_form": rolling_threshold(disk)},
+        "spinning_upright": {"closed_form": spinning_threshold(disk)},
+        "circular_rolling": {"lean": lean, "radius": radius, "closed_form": circle},
+        "well": {"sigma3_bar": most * disk.rate_unit, "phi": angle},
     }
-    rows = {name: {"measured": measured[name], "closed_form": closed[name]} for name in closed}
-    rows["circular_rolling"] = {"lean": lean, "radius": radius, **rows["circular_rolling"]}
-    return {**rows, "well": {"sigma3_bar": most * disk.rate_unit, "phi": angle}}
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,6 @@ from explorer.phase.stability import (
     bifurcation,
     fold_curve,
     last_unstable_tilt,
-    measured_thresholds,
     rolling_threshold,
     spinning_threshold,
     stability_edges,
@@ -32,13 +31,18 @@ def steady(disk, phi, precession):
 
 
 def test_closed_forms_of_the_thresholds_are_those_of_v(body):
-    """By bisection on V'' of the upright motions and on V' of circular rolling."""
+    """V'' of the upright motions changes its sign there, and V' vanishes on the circle."""
+    roll, spin = rolling_threshold(body), spinning_threshold(body)
+    for side in (-1.0, 1.0):
+        for upright in (
+            at_constants(body, 0.0, roll * (1.0 + side * 1e-9)),
+            at_constants(body, spin * (1.0 + side * 1e-9), 0.0),
+        ):
+            assert np.sign(upright.d2V(0.0)) == side
     for lean, radius in ((0.1, 5.0), (0.7, 1.0), (1.4, 2.0)):
-        measured = measured_thresholds(body, lean, radius * body.r)
-        assert measured["straight_rolling"] == pytest.approx(rolling_threshold(body), rel=1e-9)
-        assert measured["spinning_upright"] == pytest.approx(spinning_threshold(body), rel=1e-9)
-        closed = ex.circular_rolling(body, lean, radius * body.r).precession
-        assert measured["circular_rolling"] == pytest.approx(closed[0], rel=1e-9)
+        rate = ex.circular_rolling(body, lean, radius * body.r).precession[0]
+        slopes = [steady(body, -lean, rate)[2].dV(-lean + step) for step in (-1e-9, 1e-9)]
+        assert slopes[0] * slopes[1] < 0.0
 
 
 def test_thresholds_of_the_uniform_disk_and_the_hoop():
