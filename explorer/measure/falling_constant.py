@@ -301,9 +301,8 @@ class LineIntegral:
     def _barrier(self, phi: Array, bar: Array) -> Array:
         """Height of the barrier between a start beyond the vertical and flat, -inf if none; shapes as given."""
         disk = self.of.disk
-        largest, (angle, height) = well(disk).sigma3_bar, barrier(disk)
-        depth = np.sqrt(np.maximum(1.0 - abs(bar) / largest, 0.0))
-        return np.where((abs(bar) < largest) & (phi < angle(depth)), height(depth), -np.inf)
+        there = (abs(bar) < well(disk).sigma3_bar) & (np.sin(phi) < barrier(disk, bar, "sine"))
+        return np.where(there, barrier(disk, bar), -np.inf)
 
     def _barrier_ends(self, phi: Array, curvature: Array) -> list[Array]:
         """sigma3_bar > 0 up to which a barrier stands in the way, and where it is a given height above the start.
@@ -321,7 +320,6 @@ class LineIntegral:
         low, high = np.zeros((spent.size, phi.size)), np.tile(most, (spent.size, 1))
         for _ in range(_BISECTIONS):
             middle = 0.5 * (low + high)
-            height = barrier(disk)[1](np.sqrt(np.maximum(1.0 - middle / largest, 0.0)))
-            above = height - np.cos(phi) - curvature * middle**2 > spent
+            above = barrier(disk, middle) - np.cos(phi) - curvature * middle**2 > spent
             low, high = np.where(above, middle, low), np.where(above, high, middle)
         return [most, *low]
