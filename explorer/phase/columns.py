@@ -43,11 +43,7 @@ SIGN, COUNT, STEPS, TRUTH = "int8", "int64", "int32", "bool"
 
 COLUMNS = {
     # where a state is
-    "phi": Column(
-        "Angle of the disk's plane to the vertical; flat at +-pi/2.",
-        ANGLE,
-        "section 2.3",
-    ),
+    "phi": Column("Angle of the disk's plane to the vertical; flat at +-pi/2.", ANGLE, "section 2.3"),
     "phidot": Column("Rate of phi.", RATE, "section 2.3"),
     "sigma3": Column("cos^2(phi) times the rate at which the contact point turns in space.", RATE, "(2.14)"),
     "sigma4": Column("Spin: angular velocity about the axis of the disk.", RATE, "(2.14)"),

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer.errors import InputError, number, shown, sign, whole
-from explorer.phase.arguments import column
+from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
 from explorer.phase.states import Array
@@ -98,12 +98,13 @@ def curvature_of(q: Array, z: Array, sigma3: Array, sigma4: Array, b: Any) -> Ar
 
 
 class Terms(NamedTuple):
-    """V, dV/dphi, d2V/dphi2, and the size of the terms that dV/dphi is a sum of; natural units."""
+    """V, dV/dphi, d2V/dphi2, the size of the terms that dV/dphi is a sum of, and sigma3/q; natural units."""
 
     V: Array
     slope: Array
     curvature: Array
     size: Array
+    rho: Array
 
 
 @dataclass(frozen=True)
@@ -170,33 +171,30 @@ class Potential:
             most3 += np.maximum(abs(chart.eta_hat_to_sigma3), b.k * b.r0) * abs(self.eta)
             most4 = abs(chart.bar_to_sigma4 * self.bar) + abs(chart.eta_hat_to_sigma4 * self.eta)
             size = most3 / q * (b.I1 * most3 / q * abs(z) / q + b.J * most4) + abs(z)
-        return Terms(V, slope, curvature, size)
+        return Terms(V, slope, curvature, size, rho)
 
-    def _of_phi(self, phi: ArrayLike, term: str) -> Array:
-        angle = _between_flat(phi)
-        flat = np.ravel(angle)
-        values: Array = getattr(self.terms(np.cos(flat), np.sin(flat)), term)
-        return (values * self.disk.energy_unit).reshape(angle.shape)
+    def _of_phi(self, phi: ArrayLike, term: str, unit: float) -> Array:
+        angle = column("phi", phi)
+        if not np.all(abs(angle) < 0.5 * np.pi):
+            raise InputError("phi: V is defined between the flat states; give -pi/2 < phi < pi/2 (rad)")
+        values: Array = getattr(self.terms(np.cos(angle.ravel()), np.sin(angle.ravel())), term)
+        return (values * unit).reshape(angle.shape)
 
     def V(self, phi: ArrayLike) -> Array:
         """The amended potential, eq. (3.8), at phi (rad)."""
-        return self._of_phi(phi, "V")
+        return self._of_phi(phi, "V", self.disk.energy_unit)
 
     def dV(self, phi: ArrayLike) -> Array:
         """dV/dphi."""
-        return self._of_phi(phi, "slope")
+        return self._of_phi(phi, "slope", self.disk.energy_unit)
 
     def d2V(self, phi: ArrayLike) -> Array:
         """d2V/dphi2; its sign at an equilibrium decides stability."""
-        return self._of_phi(phi, "curvature")
+        return self._of_phi(phi, "curvature", self.disk.energy_unit)
 
     def rho(self, phi: ArrayLike) -> Array:
         """sigma3/cos phi at phi (rad), units of the disk: by q times the speed of chi, so finite beside flat."""
-        angle = _between_flat(phi)
-        q = np.cos(angle.ravel())
-        sigma3, _ = line_chart(self.disk, q, self.face * np.sin(angle.ravel())).rates(self.bar, self.eta)
-        values: Array = sigma3 / q * self.disk.rate_unit
-        return values.reshape(angle.shape)
+        return self._of_phi(phi, "rho", self.disk.rate_unit)
 
     def at_y(self, y: ArrayLike) -> Terms:
         """As `terms`, where sin phi = tanh y."""
@@ -225,7 +223,7 @@ class Potential:
         bends = [self._root("curvature", y[i], y[i + 1]) for i in _changes(self.at_y(y).curvature)]
         # Between zeros of V'' the slope is monotonic: a pair of close roots cannot hide between points.
         y = np.union1d(y, bends)
-        _, slope, _, size = self.at_y(y)
+        _, slope, _, size, _ = self.at_y(y)
         roots = [self._root("slope", y[i], y[i + 1]) for i in _changes(slope)]
         touches = np.isin(y, bends) & (abs(slope) <= 2.0 * _EPS * size)
         roots += list(y[(slope == 0.0) | touches])
@@ -244,7 +242,7 @@ class Potential:
         return float(brentq(excess, low, high, xtol=_LEAST_STEP, rtol=4.0 * _EPS, maxiter=500))
 
     def _equilibrium(self, y: float) -> Equilibrium:
-        V, slope, curved, size = (float(values[0]) for values in self.at_y(y))
+        V, slope, curved, size, _ = (float(values[0]) for values in self.at_y(y))
         sharp = 1e-13 * (size + 1.0)  # V'' below this is lost in the rounding of its terms
         kind = DEGENERATE if abs(curved) <= sharp else CENTRE if curved > 0.0 else SADDLE
         unit, residual = self.disk.energy_unit, abs(slope) / (_EPS * size or 1.0)
@@ -328,9 +326,7 @@ class Potential:
             tops = [at.energy for at in self.equilibria] + [float(self.V(0.0))]
             low, high = bottom, max(tops) + 0.5 * max(unit, _TOLD_APART * abs(max(tops)))
         else:
-            low, high = energies
-            if not (math.isfinite(low) and math.isfinite(high) and low < high):
-                raise InputError(f"energies {low:g}:{high:g} are an empty range; give LOW:HIGH, the smaller first")
+            low, high = read_range("energies", energies)
             if not high > bottom:
                 raise InputError(
                     f"energies {low:g}:{high:g}: with eta_hat = {self.eta_hat:g} no motion has an energy below "
@@ -427,14 +423,6 @@ def potential(
 
 def _constant(name: str, value: float) -> float:
     return number(name, value, -_LARGEST, _LARGEST)
-
-
-def _between_flat(phi: ArrayLike) -> Array:
-    """Tilts that were read. Raises InputError where one is flat or none."""
-    angle = column("phi", phi)
-    if not np.all(abs(angle) < 0.5 * np.pi):
-        raise InputError("phi: V is defined between the flat states; give -pi/2 < phi < pi/2 (rad)")
-    return angle
 
 
 def _phi(y: float, end: str = TURNING) -> float:

@@ -20,7 +20,7 @@ from explorer.errors import one_of
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.membership import well
-from explorer.phase.potential import DEGENERATE, Equilibrium, Potential, at_constants, on_line
+from explorer.phase.potential import DEGENERATE, Potential, at_constants, on_line
 from explorer.phase.states import Array, columns_of
 from explorer.phase.steady import circular_rolling, steady_motions
 
@@ -173,7 +173,7 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     one_of("path", path, PATHS)
     (values,) = columns_of(parameter=parameter)
     # The potential is quadratic in the constants of a path, the same where both change their signs.
-    steady = cache(lambda size: _regular(PATHS[path](disk, size)))
+    steady = cache(lambda size: [at for at in PATHS[path](disk, size).equilibria if at.kind != DEGENERATE])
     rows = [(value, steady(abs(float(value)))) for value in values]
     branches: list[Branch] = []
     for kinds, group in groupby(rows, key=lambda row: tuple(at.kind for at in row[1])):
@@ -183,11 +183,6 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
             phi, energy = np.array([(each[number].phi, each[number].energy) for _, each in members]).T
             branches.append(Branch(at, phi, energy, kind))
     return tuple(branches)
-
-
-def _regular(potential: Potential) -> list[Equilibrium]:
-    """Equilibria that are centres or saddles."""
-    return [at for at in potential.equilibria if at.kind != DEGENERATE]
 
 
 @lru_cache(maxsize=8)
