@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, one_of, shown, whole
+from explorer.errors import InputError, shown, whole
 from explorer.measure.sampling import Box, Range, parse_ranges
 from explorer.motion.plan import plan
-from explorer.motion.scan import Observable, scan
+from explorer.motion.scan import Observable, Scan, scan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import constants_of
 from explorer.phase.coordinates import Coordinates, complete_set, coordinates_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_slope
-from explorer.phase.membership import Falls, falls_of
-from explorer.phase.results import Table
+from explorer.phase.membership import Falls, falls
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states, require_states
 
 _MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128 MB
@@ -86,21 +85,21 @@ class Slice:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class SliceMap(Table):
+class SliceMap(Scan):
     """Observables on a plane of the phase space, arrays (ny, nx) with their axes: what `slice_map` returns.
 
     It is indexed by the name of an observable. Pictures such as slice-of-tilts draw it.
 
     Attributes
     ----------
-    disk : Disk
-        The body.
+    states : States
+        The points of the plane, (ny, nx), of the body `disk`.
+    values : dict of (ny, nx) arrays
+        The observables by name.
     slice : Slice
         The plane: which coordinates vary, and which are fixed at what.
     x, y : (nx,) and (ny,) array
         Values of the two axes, `slice.axes` (rad, units of the disk).
-    values : dict of (ny, nx) arrays
-        The observables by name.
     falls : Falls
         Where the falling set is, from algebra; arrays (ny, nx).
     method : str
@@ -114,18 +113,16 @@ class SliceMap(Table):
     (['race_angle'], (5, 5), array([-1. , -0.5,  0. ,  0.5,  1. ]))
     """
 
-    disk: Disk
     slice: Slice
     x: Array
     y: Array
-    values: dict[str, NDArray[Any]]
     falls: Falls
     method: str
 
     @property
-    def shape(self) -> tuple[int, ...]:
-        """(ny, nx)."""
-        return self.y.size, self.x.size
+    def disk(self) -> Disk:
+        """The body."""
+        return self.states.disk
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
@@ -134,15 +131,6 @@ class SliceMap(Table):
         X, Y = np.meshgrid(self.x, self.y)
         fixed = {name: np.full(self.shape, value) for name, value in self.slice.fixed.items()}
         return {first: X, second: Y, **fixed, **self.values}
-
-    def _arrays(self) -> dict[str, NDArray[Any]]:
-        return self.values
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        return self.values[one_of("observable", name, self.values)]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.values)
 
     @property
     def side(self) -> NDArray[np.int8]:
@@ -199,16 +187,15 @@ def slice_map(
     how = plan(("theta_min",), SLICE_ACCURACY, method)
     x, y, columns = where.grid(points)
     plain = set(COORDINATES) <= set(columns)
-    states = (phi_to_states if plain else coordinates_to_states)(disk, **columns)
+    states = replace((phi_to_states if plain else coordinates_to_states)(disk, **columns), shape=(points, points))
     if isinstance(observable, str) and observable == "theta_min":
         # A root of V = E at a picture's accuracy: ten times as fast as a whole period.
-        values = {"theta_min": np.reshape(smallest_tilt(states, how)[0], (points, points))}
+        values = {"theta_min": np.reshape(smallest_tilt(states, how)[0], states.shape)}
     else:
-        found = scan(replace(states, shape=(points, points)), observable, jobs).values
+        found = scan(states, observable, jobs).values
         # One column, as `bounces` returns it, is one entry for each state.
         values = {name: each[..., 0] if each.shape[2:] == (1,) else each for name, each in found.items()}
-    exact = falls_of(states).reshaped((points, points))
-    return SliceMap(disk, where, x, y, values, exact, how.method)
+    return SliceMap(states, values, where, x, y, falls(states), how.method)
 
 
 @dataclass(frozen=True)
