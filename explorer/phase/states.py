@@ -19,7 +19,7 @@ from explorer.phase.arguments import columns_of as columns_of
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
-from explorer.phase.lines import LinearConstants, Motion, line_slope, linear_constants, motion_through
+from explorer.phase.lines import ConstantsOfMotion, LinearConstants, line_slope, linear_constants, motion_through
 
 # Also where the user has set numpy to raise.
 _UNDERFLOW_IS_ZERO = np.errstate(under="ignore")
@@ -130,14 +130,14 @@ class States:
         return Rows(*self.natural)
 
     @cached_property
-    def motion(self) -> Motion:
+    def motion(self) -> ConstantsOfMotion:
         """Constants of the motions through the states (natural units), in a row; NaN for bad input."""
         motion = motion_through(self.disk, self.natural)
         if self.exact is not None:
             none = np.zeros(len(self))
             motion = motion._replace(**self.exact._asdict(), rounding_plus=none, rounding_minus=none)
         bad = self.status == compiled.status.Status.BAD_INPUT
-        return Motion(*(np.where(bad, np.nan, column) for column in motion)) if bad.any() else motion
+        return ConstantsOfMotion(*(np.where(bad, np.nan, column) for column in motion)) if bad.any() else motion
 
     @property
     @_UNDERFLOW_IS_ZERO

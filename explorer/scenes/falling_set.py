@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.measure import sifting, statistics
+from explorer.measure.sampling import chunk_stream
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
 from explorer.measure.tallies import ByName, Least, LogHistogram
 from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts
@@ -194,8 +195,8 @@ class FallingSet(FromStates):
         if not self._in_lanes:
             return super().chunk(index)
         n, tally = self.length(index), FallingCounts()
-        chunk = sifting.Chunk(self.seed, index, n, self.block)
-        found = sifting.sift(self.disk, self.box, chunk, self.tube * _WIDER)
+        random = chunk_stream(self.seed, index)
+        found = sifting.sift(self.disk, self.box, random, (n, self.block), self.tube * _WIDER)
         table = self.observe(Block(phi_to_states(self.disk, **found.columns), found.columns, {}))
         tally.faces += found.faces
         tally.could_fall, tally.distance = found.could_fall, found.distance
