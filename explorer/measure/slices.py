@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import scipy  # loads scipy.stats where it is used
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, shown, whole
@@ -17,7 +18,6 @@ from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import constants_of
 from explorer.phase.coordinates import Coordinates, complete_set, coordinates_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import line_slope
 from explorer.phase.membership import Falls, falls
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states, require_states
 
@@ -210,8 +210,6 @@ class ConstantsPlane:
         Edges of the cells, units of the disk.
     smallest : (ny, nx) array
         Least theta_min in each cell (rad), NaN where there is none.
-    slope : float
-        sigma4_bar / sigma3_bar on l_+.
     method : str
         As in `SliceMap`.
 
@@ -228,7 +226,6 @@ class ConstantsPlane:
     sigma3_edges: Array
     sigma4_edges: Array
     smallest: Array
-    slope: float
     method: str
 
 
@@ -267,15 +264,9 @@ def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") ->
     how = plan(("theta_min",), SLICE_ACCURACY, method)
     theta, _status, _steps = smallest_tilt(states, how)
     table = constants_of(states)
-    bars = np.ravel(table.sigma3_bar), np.ravel(table.sigma4_bar)
-    known = np.isfinite(theta) & np.isfinite(bars[0]) & np.isfinite(bars[1])
-    edges, places = [], []
-    for bar in bars:
-        reach = float(np.percentile(abs(bar[known]), 99.5)) if known.any() else 1.0
-        edges.append(np.linspace(-reach, reach, cells + 1))
-        places.append(np.searchsorted(edges[-1], bar, side="right") - 1)
-    inside = known & np.all([(place >= 0) & (place < cells) for place in places], axis=0)
-    smallest = np.full((cells, cells), np.inf)
-    np.minimum.at(smallest, (places[1][inside], places[0][inside]), theta[inside])
-    smallest[np.isinf(smallest)] = np.nan
-    return ConstantsPlane(states.disk, edges[0], edges[1], smallest, line_slope(states.disk), how.method)
+    bars = np.stack([table.sigma3_bar, table.sigma4_bar])
+    known = np.isfinite(theta) & np.isfinite(bars).all(axis=0)
+    reach = np.percentile(abs(bars[:, known]), 99.5, axis=1) if known.any() else np.ones(2)
+    edges = [np.linspace(-end, end, cells + 1) for end in reach]
+    found = scipy.stats.binned_statistic_2d(*bars[:, known], theta[known], "min", edges)
+    return ConstantsPlane(states.disk, edges[0], edges[1], found.statistic.T, how.method)

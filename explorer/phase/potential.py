@@ -338,21 +338,16 @@ class Potential:
     def falling_edge(self, y: Array) -> Array:
         """The least |phidot| with which the disk falls from sin phi = tanh y; infinite where nothing falls.
 
-        A motion goes both ways sooner or later, so one flat state within reach is enough. y increases.
+        A motion goes both ways sooner or later, so one flat state within reach is enough.
         """
         y = np.ravel(column("y", y))
-        stops, heights = self._stops
-        V = self.at_y(y).V
-        highest = np.full(y.size, np.inf)
-        for face in (-1, 1):
-            top = self.flat_value(face)
-            if top == math.inf:
-                continue
-            barrier = np.full(y.size, top)
-            for at, height in zip(stops[1:-1], heights[1:-1], strict=True):
-                barrier = np.where(face * (at - y) > 0.0, np.maximum(barrier, height), barrier)
-            highest = np.minimum(highest, np.maximum(barrier, V))
-        return np.sqrt(2.0 * np.maximum(highest - V, 0.0) / self.disk.body.M) * self.disk.rate_unit
+        every = np.union1d(y, self._stops[0][1:-1])
+        V = self.at_y(every).V
+        # The highest V on the way to the left, and to the right.
+        left = np.maximum(np.maximum.accumulate(V), self.flat_value(-1))
+        right = np.maximum(np.maximum.accumulate(V[::-1])[::-1], self.flat_value(1))
+        edge = np.sqrt(2.0 / self.disk.body.M * (np.minimum(left, right) - V)) * self.disk.rate_unit
+        return np.asarray(edge[np.searchsorted(every, y)])
 
 
 def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) -> Potential:

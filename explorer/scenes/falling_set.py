@@ -22,7 +22,6 @@ from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import membership
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.lines import line_slope
 from explorer.phase.membership import falls_of
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.given_states import Block
@@ -250,8 +249,7 @@ class FallingSet(FromStates):
             least.counts == Least.NONE, np.nan, 10.0 ** (least.counts / _CODES_PER_DECADE + _DEEPEST)
         )
         sigma3, sigma4 = (np.linspace(-reach, reach, CELLS + 1) for reach in self._reach)
-        slope = line_slope(self.disk)
-        return ConstantsPlane(self.disk, sigma3, sigma4, smallest.reshape(CELLS, CELLS), slope, self.plan.method)
+        return ConstantsPlane(self.disk, sigma3, sigma4, smallest.reshape(CELLS, CELLS), self.plan.method)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         return super().headline({**summary, "smallest": summary["theta_min_quantiles"].get("0")})
