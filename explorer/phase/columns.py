@@ -6,7 +6,7 @@ in what `nearflat columns` prints. Units are those of the disk; with m = r = g =
 
 from dataclasses import dataclass
 
-from explorer.errors import InputError, shown, suggest
+from explorer.errors import one_of
 
 ANGLE, RATE, TIME, LENGTH, ENERGY, NUMBER = "rad", "rad/time", "time", "length", "energy", ""
 
@@ -143,6 +143,4 @@ COLUMNS = {
 
 def column(name: str) -> Column:
     """The column of a name; InputError with the nearest one where there is none."""
-    if name not in COLUMNS:
-        raise InputError(f"column {shown(name)} is not known; {suggest(name, COLUMNS)}")
-    return COLUMNS[name]
+    return COLUMNS[one_of("column", name, COLUMNS)]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, number, positive, shown, word
+from explorer.errors import InputError, number, one_of, positive, shown, word
 from explorer.phase.energy import potential_at_flat
 from explorer.phase.paths import read_toml
 
@@ -164,7 +164,8 @@ class Disk:
 
     @classmethod
     def _of_moments(cls, values: dict[str, Any]) -> Disk:
-        _known(values, (*_SCALES, "I1", "I3", "name"))
+        for key in values:
+            one_of("disk: quantity", key, (*_SCALES, "I1", "I3", "name"))
         missing = [key for key in ("I1", "I3") if key not in values]
         if missing:
             raise InputError(f"disk: {' and '.join(missing)} missing; give I1 and I3 (m, r, g default to 1)")
@@ -313,16 +314,11 @@ def _quantities(text: str) -> dict[str, str]:
     return {key.strip(): value.strip() for key, _, value in pairs}
 
 
-def _known(values: dict[str, Any], known: tuple[str, ...]) -> None:
-    for key in values:
-        if key not in known:
-            raise InputError(f"disk: unknown quantity {shown(key)}; the known ones are {', '.join(known)}")
-
-
 def _preset(make: Callable[..., Disk], text: str) -> Disk:
     """A preset with m, r, g and a name as text, where these are given. Raises InputError."""
     values = _quantities(text)
-    _known(values, (*_SCALES, "name"))
+    for key in values:
+        one_of("disk: quantity", key, (*_SCALES, "name"))
     name = values.pop("name", None)
     made: Disk = make(**values)
     return made if name is None else replace(made, name=name)

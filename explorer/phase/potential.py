@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, number, shown, sign, whole
+from explorer.errors import InputError, number, shown, sign
 from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
@@ -29,7 +29,7 @@ _FLAT = 1e-8  # tilt (rad), at rates of order 1, below which V' keeps its sign w
 _WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall is far above all else
 _SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
 _FARTHEST = 700.0  # in size, of y: there they do
-_POINTS, _MOST_POINTS = 400, 1_000_000  # of a curve, and some more where it runs to flat
+_POINTS = 400  # of a curve, and some more where it runs to flat
 _LARGEST = 1e100  # of a constant of motion; squares of larger ones overflow
 _TOLD_APART = 1e-10  # of an energy: levels as far apart differ by many roundings, also at the fastest rates
 CENTRE, SADDLE, DEGENERATE = "centre", "saddle", "degenerate"
@@ -301,12 +301,11 @@ class Potential:
             high += 1.0
         return self._root("V", low, high, E)
 
-    def curve(self, component: Component, points: int = _POINTS) -> tuple[Array, Array]:
+    def curve(self, component: Component) -> tuple[Array, Array]:
         """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, units of the disk."""
-        points = whole("points", points, 2, _MOST_POINTS)
         low, high = component.y
         # Dense towards both ends, where phidot vanishes like a square root
-        angle = np.linspace(0.0, np.pi, points + int(2.0 * (high - low)))
+        angle = np.linspace(0.0, np.pi, _POINTS + int(2.0 * (high - low)))
         y = low + (high - low) * 0.5 * (1.0 - np.cos(angle))
         y[-1] = high
         phi, E = np.arctan(np.sinh(y)), component.energy / self.disk.energy_unit
