@@ -20,11 +20,11 @@ from explorer.errors import InputError, number, shown, sign
 from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
+from explorer.phase.roots import changes_of_sign
 from explorer.phase.states import Array
 
 _STEP = 0.02  # of y, in which V is smooth on the scale 1: no two zeros of V'' share a step
 _EPS = float(np.finfo(float).eps)
-_LEAST_STEP = 1e-18  # of y: what a root at zero is known to, which has no digits of its own
 _FLAT = 1e-8  # tilt (rad), at rates of order 1, below which V' keeps its sign where V ends at V_0
 _WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall is far above all else
 _SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
@@ -219,27 +219,29 @@ class Potential:
     def equilibria(self) -> tuple[Equilibrium, ...]:
         """All steady motions at these constants, from phi = -pi/2 to pi/2: every root of V'."""
         left, right = (math.ceil(self.reach(face) / _STEP) for face in (-1, 1))
-        y = _STEP * np.arange(-left, right + 1)
-        bends = [self._root("curvature", y[i], y[i + 1]) for i in _changes(self.at_y(y).curvature)]
+        y = _STEP * np.arange(-left, right + 1, dtype=np.float64)
+        i = _changes(self.at_y(y).curvature)
+        bends = self._roots("curvature", y[i], y[i + 1])
         # Between zeros of V'' the slope is monotonic: a pair of close roots cannot hide between points.
         y = np.union1d(y, bends)
         _, slope, _, size, _ = self.at_y(y)
-        roots = [self._root("slope", y[i], y[i + 1]) for i in _changes(slope)]
+        i = _changes(slope)
         touches = np.isin(y, bends) & (abs(slope) <= 2.0 * _EPS * size)
-        roots += list(y[(slope == 0.0) | touches])
+        roots = np.union1d(self._roots("slope", y[i], y[i + 1]), y[(slope == 0.0) | touches])
         apart: list[Equilibrium] = []
-        for equilibrium in map(self._equilibrium, sorted(roots)):
+        for equilibrium in map(self._equilibrium, roots.tolist()):
             if not apart or equilibrium.y - apart[-1].y > 4.0 * _EPS * max(1.0, abs(equilibrium.y)):
                 apart.append(equilibrium)
         return tuple(apart)
 
-    def _root(self, term: str, low: float, high: float, value: float = 0.0) -> float:
-        from scipy.optimize import brentq  # here: it takes as long to load as all that a plan computes
+    def _roots(self, term: str, low: Array, high: Array, value: float = 0.0) -> Array:
+        """y at which a term has this value, between brackets."""
 
-        def excess(y: float) -> float:
-            return float(getattr(self.at_y(y), term)[0]) - value
+        def excess(y: Array) -> Array:
+            above: Array = getattr(self.at_y(y), term).reshape(y.shape) - value
+            return above
 
-        return float(brentq(excess, low, high, xtol=_LEAST_STEP, rtol=4.0 * _EPS, maxiter=500))
+        return changes_of_sign(excess, low, high)
 
     def _equilibrium(self, y: float) -> Equilibrium:
         V, slope, curved, size, _ = (float(values[0]) for values in self.at_y(y))
@@ -299,7 +301,7 @@ class Potential:
             low -= 1.0
         while i == y.size - 2 and V[-1] == math.inf and self.at_y(high).V[0] < E:
             high += 1.0
-        return self._root("V", low, high, E)
+        return float(self._roots("V", np.array([low]), np.array([high]), E)[0])
 
     def curve(self, component: Component) -> tuple[Array, Array]:
         """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, units of the disk."""
