@@ -328,6 +328,8 @@ class Potential:
             low, high = bottom, max(tops) + 0.5 * max(unit, _TOLD_APART * abs(max(tops)))
         else:
             low, high = read_range("energies", energies)
+            if low == high:
+                raise InputError(f"energies {low:g}:{high:g} are an empty range; give LOW:HIGH, the smaller first")
             if not high > bottom:
                 raise InputError(
                     f"energies {low:g}:{high:g}: with eta_hat = {self.eta_hat:g} no motion has an energy below "
