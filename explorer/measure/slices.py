@@ -268,5 +268,7 @@ def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") ->
     known = np.isfinite(theta) & np.isfinite(bars).all(axis=0)
     reach = np.percentile(abs(bars[:, known]), 99.5, axis=1) if known.any() else np.ones(2)
     edges = [np.linspace(-end, end, cells + 1) for end in reach]
-    found = scipy.stats.binned_statistic_2d(*bars[:, known], theta[known], "min", edges)
-    return ConstantsPlane(states.disk, edges[0], edges[1], found.statistic.T, how.method)
+    smallest = np.full((cells, cells), np.nan)
+    if known.any():
+        smallest = scipy.stats.binned_statistic_2d(*bars[:, known], theta[known], "min", edges).statistic.T
+    return ConstantsPlane(states.disk, edges[0], edges[1], smallest, how.method)
