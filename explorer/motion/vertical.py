@@ -46,8 +46,6 @@ def starts_at_vertical(disk: Disk, sigma3_bar: Array, eta_hat: Array, speed: Arr
     """
     require_axial_inertia(disk)
     code, unit = compiled.status.Status, disk.rate_unit
-    if _all_usable(sigma3_bar, eta_hat, speed, face, unit):
-        return VerticalStarts(sigma3_bar, eta_hat, speed, face, np.full(face.size, code.OK, np.int8))
     good = np.fmax(np.fmax(abs(sigma3_bar), abs(speed)), abs(eta_hat)) <= LARGEST * unit
     good &= ~(np.isnan(sigma3_bar) | np.isnan(eta_hat) | np.isnan(speed)) & (speed >= 0.0) & (abs(face) == 1.0)
     lost = good & (eta_hat != 0.0) & (abs(eta_hat) < SMALLEST * unit)
@@ -59,22 +57,6 @@ def starts_at_vertical(disk: Disk, sigma3_bar: Array, eta_hat: Array, speed: Arr
         np.where(usable, speed, unit),
         np.where(good, face, 1.0),
         status,
-    )
-
-
-def _all_usable(sigma3_bar: Array, eta_hat: Array, speed: Array, face: Array, unit: float) -> bool:
-    """Whether all starts can be computed, from the least and largest numbers: NaN spoils these."""
-    if not face.size:
-        return True
-    size, beyond = abs(eta_hat), LARGEST * unit
-    return bool(
-        sigma3_bar.min() >= -beyond
-        and sigma3_bar.max() <= beyond
-        and speed.min() >= 0.0
-        and speed.max() <= beyond
-        and size.min() >= SMALLEST * unit
-        and size.max() <= beyond
-        and (abs(face) == 1.0).all()
     )
 
 
