@@ -53,7 +53,8 @@ def work_precision(ax: Axes, measured: Measured) -> None:
     ax.set_xticks([10.0**-k for k in range(2, 15, 2)])
     _write(ax, names)
     # No method is both slow and far off, so this corner is free.
-    ax.text(0.02, 0.97, "better ↘", ha="left", va="top", fontsize=SMALL, transform=ax.transAxes)
+    key = ax.get_legend_handles_labels()[0][:1] if front else []
+    ax.legend(handles=key, title="better ↘", loc="upper left", fontsize=SMALL, title_fontsize=SMALL, frameon=False)
     x = "error, 99th percentile (rad; times and tilts relative)"
     dress(ax, x, f"time per {measured.unit}, one core (ns)", _TITLES[measured.kind], grid=True)
 
