@@ -19,6 +19,8 @@ from weakref import WeakKeyDictionary
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from explorer.errors import InputError, shown
 from explorer.phase.disk import require_axial_inertia
@@ -176,3 +178,15 @@ def save(figure: Figure, path: Path, dpi: int = DPI) -> None:
     if caption is not None:
         metadata["Subject" if kind == ".pdf" else "Description"] = "\n".join(caption)
     figure.savefig(path, dpi=dpi, metadata=metadata)
+    if kind == ".png":
+        _use_palette(path)
+
+
+def _use_palette(path: Path) -> None:
+    """Halve a PNG file by a palette; colours between are mixed in dots, so that maps have no steps."""
+    about = PngInfo()
+    with Image.open(path) as drawn:
+        whole, dpi = drawn.convert("RGB"), drawn.info.get("dpi")
+        if text := drawn.info.get("Description"):
+            about.add_itxt("Description", text)
+    whole.quantize(palette=whole.quantize()).save(path, pnginfo=about, optimize=True, dpi=dpi)

@@ -210,9 +210,12 @@ def observable(ax: Axes, found: SliceMap | Scan, name: str | None = None) -> Non
     if isinstance(found, SliceMap):
         mesh = ax.pcolormesh(found.x, found.y, values, cmap=OTHER_COLOURS, rasterized=True)
         colour_bar(ax, mesh, with_unit)
+        drawn = False
         for face in (1, -1):
             distance, could = _of_face(found, face)
-            _zero_line(ax, found, np.where(could, distance, np.nan), "--", 1.0)
+            drawn |= _zero_line(ax, found, np.where(could, distance, np.nan), "--", 1.0)
+        if drawn:
+            legend_below(ax, handles=[Line2D([], [], color=LAW, ls="--", lw=1.0, label="falling set $F$")])
         return label(ax, found.disk, *found.slice.axes, f"{words}: {values_label(found.slice.fixed, found.disk)}")
     disk, columns = found.states.disk, {each: np.ravel(getattr(found.states, each)) for each in COORDINATES}
     free = [each for each, column in columns.items() if np.unique(column[np.isfinite(column)]).size > 1]
