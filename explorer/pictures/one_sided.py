@@ -130,7 +130,8 @@ def contact_paths(ax: Axes, both: BothSides) -> None:
     """
     for side in SIGN_COLOURS:
         path_on_table(ax, both, side, "contact", ls="-" if side > 0 else (0, (5, 1.5)))
-    legend_below(ax)
+    plus, limit, start, minus = ax.get_legend_handles_labels()[0]
+    legend_below(ax, handles=[plus, minus, limit, start])
     apart = abs(math.remainder(both.disk.gap, 2.0 * math.pi))
     leave = f"the sides leave a fall {apart:.3f} rad apart" if apart > 1e-9 else "both sides have the same limit"
     dress(ax, "$x$ ($r$)", "$y$ ($r$)", f"{_named(both)}: {leave}")

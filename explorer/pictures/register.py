@@ -17,7 +17,9 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 from weakref import WeakKeyDictionary
 
+import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure, SubFigure
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
@@ -179,14 +181,20 @@ def save(figure: Figure, path: Path, dpi: int = DPI) -> None:
         metadata["Subject" if kind == ".pdf" else "Description"] = "\n".join(caption)
     figure.savefig(path, dpi=dpi, metadata=metadata)
     if kind == ".png":
-        _use_palette(path)
+        _use_palette(path, mapped=bool(figure.findobj(QuadMesh)))
 
 
-def _use_palette(path: Path) -> None:
-    """Halve a PNG file by a palette; colours between are mixed in dots, so that maps have no steps."""
+def _use_palette(path: Path, mapped: bool) -> None:
+    """Halve a PNG file by a palette; the colours of a map are mixed in dots, so that it has no steps."""
     about = PngInfo()
     with Image.open(path) as drawn:
         whole, dpi = drawn.convert("RGB"), drawn.info.get("dpi")
         if text := drawn.info.get("Description"):
             about.add_itxt("Description", text)
-    whole.quantize(palette=whole.quantize()).save(path, pnginfo=about, optimize=True, dpi=dpi)
+    few = whole.quantize(method=Image.Quantize.FASTOCTREE)
+    if mapped:
+        few = whole.quantize(palette=few)
+    colours = np.reshape(few.getpalette() or [], (-1, 3))
+    colours[np.asarray(few)[0, 0]] = np.asarray(whole)[0, 0]  # the ground stays white
+    few.putpalette(colours.ravel().tolist())
+    few.save(path, pnginfo=about, optimize=True, dpi=dpi)
