@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 from weakref import WeakKeyDictionary
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure, SubFigure
@@ -180,21 +179,15 @@ def save(figure: Figure, path: Path, dpi: int = DPI) -> None:
     if caption is not None:
         metadata["Subject" if kind == ".pdf" else "Description"] = "\n".join(caption)
     figure.savefig(path, dpi=dpi, metadata=metadata)
-    if kind == ".png":
-        _use_palette(path, mapped=bool(figure.findobj(QuadMesh)))
+    if kind == ".png" and not figure.findobj(QuadMesh):  # maps would have steps
+        _use_palette(path)
 
 
-def _use_palette(path: Path, mapped: bool) -> None:
-    """Halve a PNG file by a palette; the colours of a map are mixed in dots, so that it has no steps."""
+def _use_palette(path: Path) -> None:
+    """Give a PNG file a palette, which makes it a third: lines and grounds keep their colours."""
     about = PngInfo()
     with Image.open(path) as drawn:
         whole, dpi = drawn.convert("RGB"), drawn.info.get("dpi")
         if text := drawn.info.get("Description"):
             about.add_itxt("Description", text)
-    few = whole.quantize(method=Image.Quantize.FASTOCTREE)
-    if mapped:
-        few = whole.quantize(palette=few)
-    colours = np.reshape(few.getpalette() or [], (-1, 3))
-    colours[np.asarray(few)[0, 0]] = np.asarray(whole)[0, 0]  # the ground stays white
-    few.putpalette(colours.ravel().tolist())
-    few.save(path, pnginfo=about, optimize=True, dpi=dpi)
+    whole.quantize().save(path, pnginfo=about, optimize=True, dpi=dpi)
