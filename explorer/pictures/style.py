@@ -9,6 +9,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from explorer.phase.columns import ANGLE, COLUMNS, ENERGY
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
@@ -43,6 +44,9 @@ _SYMBOLS = {
     "sigma4_bar": r"$\bar\sigma_4$",
     "eta_hat": r"$\hat\eta$",
     "energy": "$E$",
+    "theta": r"$\theta$",
+    "thetadot": r"$\dot\theta$",
+    **{name: name.replace("_", " ") for name in ("tilt", "tilt_rate", "precession", "spin", "face")},
 }
 
 
@@ -105,7 +109,7 @@ def coordinate_label(name: str, disk: Disk) -> str:
 
 
 def _unit_of(name: str, disk: Disk) -> str:
-    return {"phi": "rad", "energy": _unit("m g r", disk.energy_unit)}.get(name) or rates_of(disk)
+    return {ANGLE: "rad", ENERGY: _unit("m g r", disk.energy_unit)}.get(COLUMNS[name].unit) or rates_of(disk)
 
 
 def values_label(fixed: Mapping[str, float], disk: Disk) -> str:
