@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 from matplotlib.figure import Figure
+from PIL import Image
 from reference.motions import MOTIONS, PASSAGES
 from wandering import resonant_and_paths
 
@@ -112,10 +113,18 @@ SAVE = Figure.savefig
 
 @pytest.fixture(autouse=True, scope="session")
 def quick_pictures():
-    """Figures are made in full and saved as empty files: pixels take a second for each."""
+    """Figures are made in full and saved as a dot: pixels take a second for each."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Figure, "savefig", lambda _, path, **options: Path(path).touch())
+        patch.setattr(Figure, "savefig", lambda _, path, **options: save_dot(path))
         yield
+
+
+def save_dot(path):
+    """A picture of one pixel, or an empty file where it is no PNG."""
+    if Path(path).suffix == ".png":
+        Image.new("RGB", (1, 1)).save(path)
+    else:
+        Path(path).touch()
 
 
 @pytest.fixture(autouse=True)
@@ -128,7 +137,7 @@ def rendered_pictures(request, monkeypatch):
             if Path(path).suffix.lstrip(".") in (mark.args or ("png",)):
                 SAVE(figure, path, **options)
             else:
-                Path(path).touch()
+                save_dot(path)
 
         monkeypatch.setattr(Figure, "savefig", saved)
 

@@ -28,7 +28,7 @@ from explorer.pictures.style import DARK, SIGN_COLOURS, TEXT, arrow, dress, lege
 
 SIGMA3 = PHIDOT = 1.0
 CHI0 = 0.5  # rad; not in the paper, see `INFERRED`
-ZOOM = (-0.15, 0.2)  # both axes, the ticks of Fig. 3
+ZOOM, _TICKS = (-0.15, 0.2), (-0.1, 0.0, 0.1, 0.2)  # both axes, as in Fig. 3
 _BODY_WORDS = {"uniform": "the uniform disk", "hoop": "the hoop"}
 
 CHI0_FITS = (0.41, 0.57)  # rad: what the ticks of Fig. 7 leave, to the last digit
@@ -67,8 +67,8 @@ def _chi(ax: Axes, both: BothSides, side: int) -> None:
     """chi(t), the panels of Fig. 1."""
     angle_of_contact(ax, both, side, CHI0)
     period = period_of(both.disk)
-    for time in np.arange(period, both.t[-1], period):
-        ax.axvline(time, color=DARK, lw=0.5, alpha=0.5, label="whole periods" if time == period else None)
+    look: dict[str, Any] = {"color": DARK, "lw": 1.2, "transform": ax.get_xaxis_transform()}
+    ax.vlines(np.arange(period, both.t[-1], period), 0.0, 0.05, label="whole periods", **look)
     dress(ax, f"$t$ ({times_of(both.disk)})", r"$\chi$ (rad)")
 
 
@@ -83,9 +83,7 @@ def _axis(ax: Axes, both: BothSides, side: int, zoom: bool) -> None:
     for tilt in (0.09,) if zoom else (0.4, 0.8):
         arrow(ax, path, int(np.flatnonzero(leaving & (np.cos(motion["phi"]) > tilt))[0]), colour)
     if zoom:
-        ax.set(xlim=ZOOM, ylim=ZOOM)
-        for both_ways in (ax.xaxis, ax.yaxis):
-            both_ways.set_major_locator(MultipleLocator(0.1))
+        ax.set(xlim=ZOOM, ylim=ZOOM, xticks=_TICKS, yticks=_TICKS)
     else:
         turn = np.linspace(0.0, 2.0 * np.pi, 400)
         ax.plot(np.cos(turn), np.sin(turn), color=DARK, lw=0.8, label="equator: upright")
@@ -160,6 +158,12 @@ _CONTACT = (
     "The path of the point of contact of {body} seen from above, over {turns} periods, " + _OF_SIDES + ". Around "
     "each ring, where the disk is flattest, it runs round a circle of the rim, one way or the other by side of F."
 )
+_TITLES = {
+    "chi": r"Each near-fall turns $\chi$ by $\kappa\pi$: up on one side of $F$, down on the other",
+    "axis": r"Where the disk is nearly flat its axis turns round the vertical by $\kappa\pi$",
+    "path": "The centre, seen from above: the sides of $F$ leave in different directions",
+    "contact": "The contact point, seen from above: the sides of $F$ race opposite ways",
+}
 _UNIFORM, _HOOP = Disk.uniform(), Disk.hoop()
 FIGURES = {
     1: PaperFigure(_UNIFORM, 3.2, "chi", (1, -1), _CHI),
@@ -203,6 +207,9 @@ def figure(which: int, disk: Disk | None = None, eta_hat: float = ETA_HAT) -> Fi
         ax.set_title(title, fontsize=TEXT, color=SIGN_COLOURS[side])
         if together:
             ax.lines[0].set_label("_side")  # the title says it
+    if plan.kind != "chi":  # of equal scales: no taller than the panels need
+        made.set_figheight(1.65 + 3.1 * np.ptp(panels[0].get_ylim()) / np.ptp(panels[0].get_xlim()))
+    made.suptitle(_TITLES[plan.kind], fontsize=TEXT)
     legend_of_all(made, panels, ncols=3)
     add_caption(made, Caption(Question.PAPER, plan.caption(which, body, eta_hat)))
     return made

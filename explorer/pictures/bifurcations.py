@@ -14,7 +14,7 @@ from explorer.phase.disk import Disk
 from explorer.phase.potential import CENTRE, SADDLE, Component, Potential
 from explorer.phase.stability import PATHS, Branch, bifurcation, path_values, whole_path
 from explorer.phase.states import Array
-from explorer.pictures.potential import SEPARATRIX, small_portrait
+from explorer.pictures.potential import STEADY, grounds, small_portrait
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import (
     BOUNCES,
@@ -30,6 +30,8 @@ from explorer.pictures.style import (
     dress,
     label,
     legend_below,
+    legend_of_all,
+    values_label,
 )
 
 # The constant that goes along a path, and what motions are on it.
@@ -38,6 +40,10 @@ _ALONG = {
     "rolling": ("sigma4_bar", r"motions with $\bar\sigma_3$ = 0: straight rolling"),
     "line": ("sigma3_bar", "motions on the falling line $l_+$"),
 }
+_ON = {"spinning": r"$\bar\sigma_4$ = 0", "rolling": r"$\bar\sigma_3$ = 0", "line": "on $l_+$"}
+_SAYS = {"line": "only motions in the well do not fall"}
+_OF_WELLS = "motions of little energy keep to one of two wells"
+_DRAWN = ("line", "spinning")  # by `nearflat portrait`
 # Thresholds of the bodies that the paper names, in closed form.
 _EXACT = {
     ("uniform", "rolling"): r" = ±$1/\sqrt{3}$",
@@ -87,44 +93,101 @@ def bifurcation_of_tilts(ax: Axes, disk: Disk, path: str) -> None:
 
 @picture(
     Question.WHICH_MOTIONS,
-    "Which motions there are, by energy. Above, the plane of σ̄ and the energy is cut into regions by the energies "
-    "of stable and of unstable steady motions and, on l₊, by V₀, above which the disk can reach flat. Below, the "
-    "motions of the tilt at one place of each region, those of the letter's energy drawn thick; on violet ground "
-    "the disk falls.",
-    (7.4, 7.4),
-    "bifurcation",
-    lambda asked: [(f"bifurcation-{path}", (asked.disk, path)) for path in ("line", "spinning")],
+    "Which motions there are, by energy, along a path in the plane of constants. The energies of stable and of "
+    "unstable steady motions and, on l₊, V₀, above which the disk can reach flat, cut the plane into regions. The "
+    "letters are places whose motions are drawn in portraits of the regions.",
+    group="bifurcation",
+    portraits=lambda asked: [(f"bifurcation-{path}", (asked.disk, path)) for path in _DRAWN],
 )
 def bifurcation_of_energies(
-    figure: Figure, disk: Disk, path: str, places: Sequence[tuple[float, float]] | None = None
+    ax: Axes, disk: Disk, path: str, places: Sequence[tuple[float, float]] | None = None
 ) -> None:
-    """Draw the energies of steady motions along a path, section 6.2, and a small portrait for each region.
+    """Draw the energies of steady motions along a path, section 6.2, and the regions that they bound.
 
-    path: as for bifurcation-of-tilts. places: values of its parameter and energies, units of the disk; by
-    default one in each region.
+    path: as for bifurcation-of-tilts. places: values of its parameter and energies, units of the disk, which get
+    a letter; by default one in each region.
     """
     threshold = max(path_values(disk, one_of("path", path, PATHS))[1])
-    places = one_in_each_region(disk, path, threshold) if places is None else places
-    potentials = [PATHS[path](disk, at) for at, _ in places]
-    for (at, energy), potential in zip(places, potentials, strict=True):
+    places = [place for place, _ in _of_places(disk, path, threshold, places)]
+    near = np.geomspace(1e-6, 0.2, 90)  # dense at zero and at the threshold, to well beyond
+    parameter = threshold * np.unique(np.concatenate([near, np.linspace(0.2, 1.5, 40), 1.0 - near, 1.0 + near]))
+    branches = bifurcation(disk, path, parameter)
+    floor = least_energies(disk, path, parameter, branches)
+    top, falling = 1.12 * max(energy for _, energy in places), path == "line"
+    ground = FALLS if falling else BOUNCES
+    ax.fill_between(parameter, floor, top, color=ground, lw=0, zorder=0)
+    ax.fill_between(parameter, 0.0, floor, fc="white", ec="0.8", hatch="//", lw=0, zorder=0)
+    low, high = _along(parameter, branches, CENTRE, np.fmin), _along(parameter, branches, SADDLE, np.fmax)
+    both = np.isfinite(low) & np.isfinite(high)
+    ax.fill_between(parameter[both], low[both], high[both], color=UNSTABLE, lw=0, zorder=1)
+    looks: dict[str, dict[str, Any]] = {
+        CENTRE: {"ls": "-", "label": "stable steady motion"},
+        SADDLE: {"ls": (0, (4, 1.5)), "label": "unstable one"},
+    }
+    for branch in branches:
+        ax.plot(branch.parameter, branch.energy, color=STEADY, lw=2.4, **looks[branch.kind], zorder=3)
+        looks[branch.kind] = looks[branch.kind] | {"label": None}
+    if falling:
+        ax.plot(parameter, floor, color=DARK, lw=2.6, ls=":", label="$V_0$, at flat")
+    ax.axvline(threshold, color=DARK, lw=0.8, label="threshold")
+    for number, place in enumerate(places):
+        ax.plot(*place, "o", ms=14, color="white", mec="0.5", zorder=5)
+        middle: dict[str, Any] = {"ha": "center", "va": "center_baseline"}
+        ax.text(*place, _letter(number), fontweight="bold", fontsize=SMALL, zorder=6, **middle)
+    ax.set_xlim(0.0, 1.45 * threshold)
+    ax.set_ylim(0.0, top)
+    parts = (
+        Patch(fc=UNSTABLE, ec=DARK, label="a well, or a fall" if falling else "two wells"),
+        Patch(fc=ground, ec=DARK, label="falls" if falling else "one well"),
+        Patch(fc="white", ec="0.6", hatch="//", label="no motion"),
+    )
+    legend_below(ax, ncols=3, handles=[*ax.get_legend_handles_labels()[0], *parts])
+    along, on = _ALONG[path][0], _ON[path]
+    merge = "the well closes" if falling else "two wells become one"
+    title = f"{disk.name}, {on}: {merge} at {values_label({along: threshold}, disk)}"
+    label(ax, disk, along, "energy", title)
+
+
+@picture(
+    Question.WHICH_MOTIONS,
+    "The motions of the tilt at one place of each region of energies along a path, those of the place's energy "
+    "drawn thick. On violet ground the disk falls; elsewhere it goes to and fro, in one of two wells where there "
+    "are two and the energy is little.",
+    (7.4, 4.0),
+    "bifurcation",
+    lambda asked: [(f"regions-{path}", (asked.disk, path)) for path in _DRAWN],
+)
+def portraits_of_regions(
+    figure: Figure, disk: Disk, path: str, places: Sequence[tuple[float, float]] | None = None
+) -> None:
+    """Draw a small phase portrait for each letter of bifurcation-of-energies.
+
+    path, places: as there.
+    """
+    threshold = max(path_values(disk, one_of("path", path, PATHS))[1])
+    found = _of_places(disk, path, threshold, places)
+    panels = figure.subplots(1, len(found), sharey=True, squeeze=False)[0]
+    fastest = 0.0
+    for number, (ax, ((_, energy), potential)) in enumerate(zip(panels, found, strict=True)):
+        fastest = max(fastest, small_portrait(ax, potential, energy))
+        title = f"{_letter(number)}: {_fate(potential.components(energy))}"
+        dress(ax, r"$\varphi$ (rad)", "" if number else coordinate_label("phidot", disk), title)
+    panels[0].set_ylim(-1.1 * fastest, 1.1 * fastest)
+    figure.suptitle(f"{disk.name}, {_ON[path]}: {_SAYS.get(path, _OF_WELLS)}", fontsize=TEXT)
+    legend_of_all(figure, panels, ncols=4, more=grounds(potential for _, potential in found))
+
+
+def _of_places(
+    disk: Disk, path: str, threshold: float, places: Sequence[tuple[float, float]] | None
+) -> list[tuple[tuple[float, float], Potential]]:
+    """Places, by default one in each region, with their potentials. Raises InputError where there is no motion."""
+    chosen = one_in_each_region(disk, path, threshold) if places is None else places
+    found = [(place, PATHS[path](disk, place[0])) for place in chosen]
+    for (at, energy), potential in found:
         if not energy > potential.bottom:
             least = f"give more than {potential.bottom:g}"
             raise InputError(f"places: there is no motion of energy {energy:g} at {at:g}; {least}")
-    grid = figure.add_gridspec(2, len(places), height_ratios=(1.7, 1.0))
-    _plane(figure.add_subplot(grid[0, :]), disk, path, threshold, places)
-    first: Axes | None = None
-    fastest = 0.0
-    for number, ((_, energy), potential) in enumerate(zip(places, potentials, strict=True)):
-        ax = figure.add_subplot(grid[1, number], sharey=first)
-        fastest = max(fastest, small_portrait(ax, potential, energy))
-        ax.set_ylim(-1.1 * fastest, 1.1 * fastest)
-        ax.set_title(f"{_letter(number)}: {_fate(potential.components(energy))}", fontsize=SMALL)
-        ax.set_xlabel(r"$\varphi$ (rad)", fontsize=SMALL)
-        if first is None:
-            first = ax
-            ax.set_ylabel(coordinate_label("phidot", disk), fontsize=SMALL)
-        else:
-            ax.tick_params(labelleft=False)
+    return found
 
 
 def one_in_each_region(disk: Disk, path: str, threshold: float) -> list[tuple[float, float]]:
@@ -157,48 +220,6 @@ def _fate(pieces: tuple[Component, ...]) -> str:
     if any(falls):
         return "all fall" if all(falls) else "some fall"
     return "all bounce" if len(pieces) == 1 else f"{len(pieces)} wells"
-
-
-def _plane(ax: Axes, disk: Disk, path: str, threshold: float, places: Sequence[tuple[float, float]]) -> None:
-    """Regions and curves over the path's parameter and the energy, with a letter for each place."""
-    near = np.geomspace(1e-6, 0.2, 30)  # dense at zero and at the threshold, to well beyond
-    parameter = threshold * np.unique(np.concatenate([near, np.linspace(0.2, 1.5, 40), 1.0 - near, 1.0 + near]))
-    branches = bifurcation(disk, path, parameter)
-    floor = least_energies(disk, path, parameter, branches)
-    top, falling = 1.12 * max(energy for _, energy in places), path == "line"
-    ground = FALLS if falling else BOUNCES
-    ax.fill_between(parameter, floor, top, color=ground, lw=0, zorder=0)
-    ax.fill_between(parameter, 0.0, floor, fc="white", ec="0.8", hatch="//", lw=0, zorder=0)
-    low, high = _along(parameter, branches, CENTRE, np.fmin), _along(parameter, branches, SADDLE, np.fmax)
-    both = np.isfinite(low) & np.isfinite(high)
-    ax.fill_between(parameter[both], low[both], high[both], color=UNSTABLE, lw=0, zorder=1)
-    looks: dict[str, dict[str, Any]] = {
-        CENTRE: {"color": DARK, "ls": "-", "lw": 2.2, "label": "stable steady motion"},
-        SADDLE: {"color": SEPARATRIX, "ls": (0, (4, 1.5)), "lw": 2.4, "label": "unstable one, and its separatrix"},
-    }
-    for branch in branches:
-        ax.plot(branch.parameter, branch.energy, **looks[branch.kind], zorder=3)
-        looks[branch.kind] = looks[branch.kind] | {"label": None}
-    if falling:
-        ax.plot(parameter, floor, color=DARK, lw=2.6, ls=":", label="$V_0$: flat can be reached")
-    ax.axvline(threshold, color=DARK, lw=0.7)
-    words = f"steady motions merge: {threshold / disk.rate_unit:.5f}"
-    box: dict[str, Any] = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5}
-    ax.text(1.012 * threshold, 0.04 * top, words, rotation=90, va="bottom", fontsize=SMALL, bbox=box)
-    for number, place in enumerate(places):
-        ax.plot(*place, "o", ms=17, color="white", mec=DARK, zorder=5)
-        ax.text(*place, _letter(number), ha="center", va="center", fontweight="bold", fontsize=TEXT, zorder=6)
-    ax.set_xlim(0.0, 1.45 * threshold)
-    ax.set_ylim(0.0, top)
-    parts = (
-        Patch(fc=UNSTABLE, ec=DARK, label="a well, or a fall" if falling else "two wells"),
-        Patch(fc=ground, ec=DARK, label="falls" if falling else "one well"),
-        Patch(fc="white", ec="0.6", hatch="//", label="no motion"),
-    )
-    handles = [*ax.get_legend_handles_labels()[0], *parts]
-    legend_below(ax, ncols=3, handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.06))
-    along, name = _ALONG[path]
-    label(ax, disk, along, "energy", f"{disk.name}, {name}")
 
 
 def least_energies(disk: Disk, path: str, parameter: Array, branches: Sequence[Branch]) -> Array:

@@ -88,15 +88,14 @@ class _Sketch:
         how = {"arrowstyle": "-|>", "color": colour, "lw": 1.6, "shrinkA": 0, "shrinkB": 0}
         self.ax.annotate("", b, a, arrowprops=how, zorder=7)
 
-    def angle(self, name: str, points: Array, word: str, away: float = 1.18) -> None:
-        """An arc with an arrowhead at its end, and its name outside its middle."""
+    def angle(self, name: str, points: Array, vertex: Array, away: float = 1.15, along: float = 0.5) -> None:
+        """An arc about a vertex with an arrowhead at its end, and its name beside it, outside or inside."""
         colour = _ANGLES[name]
         self.line(*points, color=colour, lw=2.0, zorder=7)
         self.arrow(points[-3], points[-1], colour)
-        middle = points[len(points) // 2]
-        corner = self.see(points.mean(axis=0))
-        at = corner + (self.see(middle) - corner) * away
-        self.ax.text(at[0], at[1], word, color=colour, fontsize=TEXT + 3, ha="center", va="center", zorder=8)
+        at = self.see(vertex + (points[int(along * len(points))] - vertex) * away)
+        look: dict[str, Any] = {"color": colour, "fontsize": TEXT + 3, "ha": "center", "va": "center", "zorder": 8}
+        self.ax.text(at[0], at[1], rf"$\{name}$".replace("phi", "varphi"), **look)
 
     def word(self, at: Array, text: str, shift: tuple[float, float] = (0.0, 0.0), **style: Any) -> None:
         x, y = self.see(at) + np.array(shift)
@@ -120,12 +119,12 @@ def _disk(ax: Axes) -> None:
     draw.line(contact, top)
     draw.line(below, np.array([1.7, 0.0, 0.0]))
     draw.line(below, 1.7 * (contact / np.linalg.norm(contact)))
-    draw.angle("phi", _arc(up, top - centre, centre, 0.78), r"$\varphi$", 4.0)
-    draw.angle("theta", _arc(up, pose.normal, centre, 0.95), r"$\theta$", 3.0)
+    draw.angle("phi", _arc(up, top - centre, centre, 0.78), centre, 0.85)
+    draw.angle("theta", _arc(up, pose.normal, centre, 0.95), centre)
     turned = np.linspace(0.0, _CHI, 30)
     on_table = 1.3 * np.stack([np.cos(turned), np.sin(turned), 0.0 * turned], axis=-1)
-    draw.angle("chi", on_table, r"$\chi$", 5.0)
-    draw.angle("psi", pose.rim(np.linspace(-_PSI, 0.0, 40), 0.8), r"$\psi$", -0.6)
+    draw.angle("chi", on_table, below, 1.2)
+    draw.angle("psi", pose.rim(np.linspace(-_PSI, 0.0, 40), 0.8), centre, 0.75, 0.68)
     draw.line(centre, pose.place(-_PSI), color=_ANGLES["psi"], lw=1.0)
     for place, size in ((contact, 9), (centre, 5), (pose.place(-_PSI), 5)):
         ax.plot(*draw.see(place), "o", color=DARK, mec="white", ms=size, zorder=9)
@@ -167,11 +166,11 @@ def _plane(ax: Axes, disk: Disk) -> None:
         rotation_mode="anchor",
     )
     bar = 0.55
-    low = steep * bar - 0.75
+    low = steep * bar - 0.42
     how = {"arrowstyle": "<|-|>", "color": DARK, "lw": 1.2, "shrinkA": 0, "shrinkB": 4}
     ax.annotate("", (bar, low), (bar, steep * bar), arrowprops=how)
     ax.plot(bar, low, "o", color=SIGN_COLOURS[1], mec=DARK, ms=9)
-    ax.text(bar + 0.04, steep * bar - 0.36, r"$\hat\eta$", fontsize=TEXT + 3)
+    ax.text(bar + 0.04, steep * bar - 0.21, r"$\hat\eta$", fontsize=TEXT + 3)
     ax.text(bar + 0.06, low + 0.02, "a motion", fontsize=SMALL, va="center")
     ax.text(
         -0.35, -0.82, r"side $\eta > 0$: races by $+\kappa\pi$", color=SIGN_COLOURS[1], fontsize=TEXT, ha="center"

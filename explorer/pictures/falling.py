@@ -38,14 +38,17 @@ def constants_plane(ax: Axes, samples: States | ConstantsPlane, cells: int = 100
     ax.set(xlim=(left, right), ylim=(low, high), aspect="equal")
     slope = line_slope(plane.disk)
     reach = min(right, high / abs(slope)) if slope else right
+    told: str | None = "exact lines, at their outer ends"
     for face, name in ((1, "$l_+$"), (-1, "$l_-$")):
         for end in (-1.0, 1.0):
             x = end * reach * np.array([0.72, 1.0])
-            ax.plot(x, face * slope * x, color=LAW, lw=1.6, ls=(0, (4, 2)))
+            ax.plot(x, face * slope * x, color=LAW, lw=1.6, ls=(0, (4, 2)), label=told)
+            told = None
         box: dict[str, Any] = {"facecolor": "white", "alpha": 0.85, "lw": 0, "pad": 1.5}
         place: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": TEXT, "bbox": box}
         ax.text(0.62 * reach, face * (0.62 * reach * slope + 0.09 * (high - low)), name, **place)
     title = f"Only motions on two lines come flat, {plane.disk.name} disk"
+    legend_below(ax)
     label(ax, plane.disk, "sigma3_bar", "sigma4_bar", title)
 
 

@@ -42,12 +42,12 @@ def _estimates(ax: Axes, summary: dict[str, Any]) -> None:
         ax.loglog(delta, constant * delta, color=DARK, lw=1.2, label=rf"$C\,\delta$, $C={constant:.5f}$")
         laws = known_laws(constant, summary.get("law_limit", delta[0]))
         plateau = rf"rejected: falls with $P = 10^{{{np.log10(PLATEAU):.0f}}}$"
-        for name, style, told in (
-            ("dimension_two", ":", r"rejected: $\propto\delta^2$"),
-            ("plateau", "--", plateau),
+        for name, colour, style, told in (
+            ("dimension_two", SERIES[6], ":", r"rejected: $\propto\delta^2$"),
+            ("plateau", SERIES[4], "--", plateau),
         ):
             shares = laws[name](delta)
-            ax.loglog(delta[shares < 1.0], shares[shares < 1.0], color=SERIES[4], ls=style, lw=1.6, label=told)
+            ax.loglog(delta[shares < 1.0], shares[shares < 1.0], color=colour, ls=style, lw=1.8, label=told)
     tubes = [(row["delta"], row["estimate"], row["interval_95_simultaneous"]) for row in rows]
     _points(ax, tubes, fmt="o", color=_TUBES, label=_NEAR)
     hits = [(row["delta"], row["plain"]["value"], row["plain"]["interval_95"]) for row in rows if row["count"]]
@@ -72,7 +72,7 @@ def _ratio(ax: Axes, summary: dict[str, Any]) -> None:
         )
     ax.set_xscale("log")
     ax.axhline(1.0, color=DARK, lw=1.2)
-    ax.axhline(1.0 + OFF, color=SERIES[4], lw=1.4, ls=":", label=f"rejected: $C$ off by {100 * OFF:.0f} %")
+    ax.axhline(1.0 + OFF, color=SERIES[3], lw=1.8, label=f"rejected: $C$ off by {100 * OFF:.0f} %")
     ax.axvspan(summary["ladder"][-1]["delta"] / 3.0, 2.0 * summary["law_limit"], color=DARK, alpha=0.06, lw=0)
     _points(ax, rows, fmt="o", color=_TUBES, label=_NEAR)
     # The first four estimates lie above the range of the law and may leave the picture.

@@ -1,4 +1,4 @@
-"""The limit eta -> 0 from both sides: paths, the collapse of the race onto one curve, and the blow-up of flat."""
+"""The limit eta -> 0 from both sides: paths, the collapse of the race onto one curve, and the orbit at flat."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d import Axes3D
 
 from explorer.errors import InputError
 from explorer.motion.both_sides import both_sides
@@ -16,11 +15,23 @@ from explorer.motion.trajectories import finer, trajectories
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, constants_to_states
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, SIDES, SIGN_COLOURS, SMALL, TEXT, dress, legend_below, open_frame, power
+from explorer.pictures.style import (
+    DARK,
+    SIDES,
+    SIGN_COLOURS,
+    SMALL,
+    TEXT,
+    arrow,
+    dress,
+    legend_below,
+    open_frame,
+    power,
+)
 
 _GREY = "#999999"
 _STYLES = (":", "-.", "--", "-", (0, (1, 1)))
 _SEEN = 30.0  # of A t/theta_m, on an axis that is linear to 3
+_LOW = 0.6  # of cos phi: from here down a motion is near flat
 _PARTS = 2  # of a step of the record, for 0.1 rad of chi between two points of a curve
 _SMALLEST = 1e-10  # of |eta_hat|, natural units: smaller tilts are lost in the rounding of phi, which is near pi/2
 
@@ -152,49 +163,38 @@ def race_collapse(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 1e-2, 1
 
 @picture(
     Question.HOW_FAR,
-    "The flat state blown up: the rate of the tilt, the rate ρ of the contact point, and how flat the disk lies, "
-    "downwards. At the bottom the flat state is an ellipse, and an orbit on it leads from the impact at −A to the "
-    "rise at +A, on one half for each side of F. Motions near F, the lower the nearer, follow it: the race is "
-    "this heteroclinic orbit, and the angle along it is ±κπ.",
-    (7.4, 6.0),
-    "limit",
+    "Motions near F by two rates that stay bounded at flat: that of the tilt, and ρ, that of the contact point "
+    "along the rim, over κ. The nearer to F, the closer they keep to one orbit of the flat state, half of a "
+    "circle from the impact at −A to the rise at +A, one half for each side of F. This orbit is the race, and the "
+    "angle along it is ±κπ.",
+    group="limit",
 )
-def blow_up(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.01, 0.001)) -> None:
-    """Draw passages near F in (dtheta/dt, rho/kappa, log cos phi), above the blown-up flat state, eq. (7.1)."""
-    ax = figure.add_subplot(projection="3d")
-    assert isinstance(ax, Axes3D)
+def blow_up(ax: Axes, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.01, 0.001)) -> None:
+    """Draw passages near F in (dtheta/dt, rho/kappa), and the orbits at flat to which they tend, eq. (7.1).
+
+    eta_hat: in natural units, the nearest last.
+    """
     several = list(followed(disk, _on_both_sides(eta_hat)))
-    # So far below the flattest of them stands log 0
-    flat, A = math.log10(min(one.theta_min for one in several)) - 0.7, several[-1].impact_speed
-    turned = np.linspace(0.0, math.pi, 90)
-    for sign, colour in SIGN_COLOURS.items():
-        x, y = -A * np.cos(turned), sign * A * np.sin(turned)
-        ax.plot(x, y, flat, color=colour, lw=4.0)
-        ax.text(x[66], 0.6 * y[66], flat, SIDES[sign], color=colour, fontsize=TEXT, ha="center")
-        ax.scatter(
-            [x[45]], [y[45]], [flat], color=colour, marker=">", s=90, depthshade=False
-        )  # from the impact to the rise
-    for one in several:
-        q, side = np.sin(one.theta), 1 if one.eta_hat > 0.0 else -1
-        x, y, z = (values[q < 0.6] for values in (one.p, one.rho / one.kappa, np.log10(q)))
-        ax.plot(x, y, z, color=SIGN_COLOURS[side], lw=1.6)
-        if side < 0:  # in front
-            middle = int(np.argmin(z))
-            place: dict[str, Any] = {"fontsize": SMALL, "ha": "center", "va": "top"}
-            ax.text(x[middle], y[middle], z[middle] - 0.1, _size(one.eta_hat), **place)
-    for at, word in ((-A, "impact"), (A, "rise")):
-        ax.plot([at, at], [0.0, 0.0], [flat, 0.0], color=DARK, lw=1.0, ls=(0, (4, 3)))
-        ax.scatter([at], [0.0], [flat], color=DARK, s=34, depthshade=False)
-        ax.text(1.25 * at, 0.0, flat, word, fontsize=SMALL, ha="center", va="top")
-    ax.set_xlabel(r"$\dot\theta$ ($\sqrt{g/r}$)", fontsize=TEXT)
-    ax.set_ylabel(r"$\rho/\kappa$ ($\sqrt{g/r}$)", fontsize=TEXT)
-    ax.set_zlabel(r"$\cos\varphi$", fontsize=TEXT)
-    decades = np.arange(math.ceil(flat), 1)
-    ax.set_zticks([flat, *decades], ["flat", *(f"$10^{{{k}}}$" for k in decades)])
+    A, turned = several[-1].impact_speed, np.linspace(0.0, math.pi, 181)
+    for side, colour in SIGN_COLOURS.items():
+        at_flat = f"at flat, {SIDES[side]}"
+        ax.plot(-A * np.cos(turned), side * A * np.sin(turned), color=colour, lw=8.0, alpha=0.25, label=at_flat)
+    for place, one in enumerate(several):
+        low, side = np.sin(one.theta) < _LOW, 1 if one.eta_hat > 0.0 else -1
+        style = _STYLES[(place // 2 + 1) % len(_STYLES)]  # of three the nearest is solid
+        look: dict[str, Any] = {"color": SIGN_COLOURS[side], "ls": style, "lw": 1.6}
+        path = np.stack([one.p, one.rho / one.kappa], axis=1)[low]
+        ax.plot(*path.T, **look)
+        if side > 0:
+            ax.plot([], [], **look | {"color": _GREY}, label=_size(one.eta_hat))
+        if place >= len(several) - 2:
+            arrow(ax, path, int(np.argmax(path[:, 0] > 0.0)), SIGN_COLOURS[side])
+    for at, word, where in ((-A, "impact", "right"), (A, "rise", "left")):
+        ax.plot(at, 0.0, "o", color=DARK, ms=7, zorder=6)
+        ax.text(1.08 * at, 0.0, word, fontsize=TEXT, ha=where, va="center")
+    ax.set(xlim=(-1.6 * A, 1.6 * A), ylim=(-1.25 * A, 1.25 * A), aspect="equal")
     ax.set_xticks([-A, 0.0, A], ["$-A$", "0", "$A$"])
-    ax.set_yticks([-A, A], ["$-A$", "$A$"])
-    for axis in "xyz":
-        ax.tick_params(axis=axis, labelsize=SMALL)
-    ax.set_title("The nearer to $F$, the closer the race keeps to one orbit", fontsize=TEXT, y=0.97)
-    ax.set_box_aspect((1.0, 1.0, 0.85), zoom=1.0)
-    ax.view_init(elev=16.0, azim=-72.0)
+    ax.set_yticks([-A, 0.0, A], ["$-A$", "0", "$A$"])
+    title = "The nearer to $F$, the closer the race keeps to one orbit"
+    dress(ax, r"rate of the tilt $\dot\theta$ ($\sqrt{g/r}$)", r"$\rho/\kappa$ ($\sqrt{g/r}$)", title)
+    legend_below(ax, ncols=3)

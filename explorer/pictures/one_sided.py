@@ -27,14 +27,15 @@ from explorer.pictures.style import (
 )
 
 _BODY_NAMES = {"matching": r"flat body with $mr^2/I_1 = 3$"}
+_OF_ANY = "0.4"  # lines in a legend that are drawn of each body, in its colour
 _LIMIT: dict[str, Any] = {"color": LAW, "lw": 0.9, "ls": ":"}
 
 
 @picture(
     Question.EACH_SIDE,
     "How far a motion near F is from the limit motion of its own side, as η tends to 0: solid lines are medians "
-    "over the starts, thin broken ones the largest distance. Both fall like η ln(1/η), the dotted line: each side "
-    "has its own limit.",
+    "over the starts, thin broken ones the largest distance. Both fall as steeply as η ln(1/η), the dotted line, "
+    "whose height is free: each side has its own limit.",
 )
 def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
     """Draw the distance to the limit motion of the same side against |eta_hat|, of the worse side, for each disk.
@@ -52,11 +53,13 @@ def one_sided_distance(ax: Axes, summary: dict[str, Any]) -> None:
             np.array([max(row.get(f"{what}_{side}", 0.0) for side in ("plus", "minus")) for row in rows])
             for what in ("median", "largest")
         )
-        colour = SERIES[index % len(SERIES)]
-        ax.plot(eta, median, label=name, color=colour, marker=MARKERS[index % len(MARKERS)], lw=1.6)
+        colour, marker = SERIES[1 + index % (len(SERIES) - 1)], MARKERS[index % len(MARKERS)]
+        ax.plot(eta, median, color=colour, marker=marker, lw=1.6)
         ax.plot(eta, largest, color=colour, lw=0.9, ls="--")
+        ax.plot([], [], ls="", color=colour, marker=marker, label=_BODY_NAMES.get(name, name))
         drawn.append((eta, median))
-    ax.plot([], [], color=LAW, lw=0.9, ls="--", label="largest of all starts")
+    ax.plot([], [], color=_OF_ANY, lw=1.6, label="median of the starts")
+    ax.plot([], [], color=_OF_ANY, lw=0.9, ls="--", label="largest")
     if drawn:
         eta, median = drawn[0]
         law = eta * np.log(1.0 / eta)
@@ -127,7 +130,8 @@ def contact_paths(ax: Axes, both: BothSides) -> None:
     """
     for side in SIGN_COLOURS:
         path_on_table(ax, both, side, "contact", ls="-" if side > 0 else (0, (5, 1.5)))
-    legend_below(ax)
+    plus, limit, start, minus = ax.get_legend_handles_labels()[0]
+    legend_below(ax, handles=[plus, minus, limit, start])
     apart = abs(math.remainder(both.disk.gap, 2.0 * math.pi))
     leave = f"the sides leave a fall {apart:.3f} rad apart" if apart > 1e-9 else "both sides have the same limit"
     dress(ax, "$x$ ($r$)", "$y$ ($r$)", f"{_named(both)}: {leave}")

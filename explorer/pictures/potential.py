@@ -33,8 +33,9 @@ from explorer.pictures.style import (
     rates_of,
 )
 
-SEPARATRIX = SERIES[1]
-_MARKS = {CENTRE: ("o", DARK), SADDLE: ("X", SEPARATRIX)}
+STEADY = SERIES[1]  # steady motions and their separatrices
+WALL = "#A0A0A0"
+_MARKS = {CENTRE: "o", SADDLE: "X"}
 # Beside the line, by its side.
 _BESIDE: dict[int, dict[str, Any]] = {
     1: {"color": SIGN_COLOURS[1], "ls": "-"},
@@ -68,35 +69,38 @@ def phase_portrait(ax: Axes, potential: Potential, energies: tuple[float, float]
     fastest = 1.08 * max(speed.max() for _, speed in curves)
     _shade(ax, potential, 1.3 * fastest)
     _mirrored(ax, curves, color=DARK, lw=0.8, label="level")
-    _mirrored(ax, _separatrices(potential), color=SEPARATRIX, lw=2.4, label="separatrix")
+    _mirrored(ax, _separatrices(potential), color=STEADY, lw=2.4, label="separatrix")
     _arrows(ax, curves, 0.2 * fastest)
     _flat_states(ax, potential)
     _mark(ax, potential)
     ax.set_ylim(-fastest, fastest)
-    falls = (
-        [Patch(fc=FALLS, ec=DARK, label="falls")] if np.isfinite(potential.falling_edge(np.zeros(1))[0]) else []
-    )
-    patches = [*falls, Patch(fc=BOUNCES, ec=DARK, label="bounces")]
-    legend_below(ax, handles=[*patches, *ax.get_legend_handles_labels()[0]], ncols=4)
+    legend_below(ax, handles=[*grounds([potential]), *ax.get_legend_handles_labels()[0]], ncols=4)
     eta_hat = rf"$\hat\eta$ = {number(potential.eta_hat, '.4g')} beside"
     title = f"{_name(potential)}, {'on' if potential.eta == 0.0 else eta_hat} ${_line(potential)}$"
     phi_axis(ax)
     dress(ax, r"$\varphi$ (rad); flat at ±π/2", coordinate_label("phidot", potential.disk), title)
 
 
+def grounds(several: Iterable[Potential]) -> list[Patch]:
+    """What the grounds of portraits mean: whether motions fall."""
+    fall = any(np.isfinite(each.falling_edge(np.zeros(1))[0]) for each in several)
+    falls = [Patch(fc=FALLS, ec=DARK, label="falls")] if fall else []
+    return [*falls, Patch(fc=BOUNCES, ec=DARK, label="bounces")]
+
+
 def small_portrait(ax: Axes, potential: Potential, energy: float) -> float:
-    """Draw a phase portrait that needs no legend, the motions of one energy thick; returns the fastest."""
+    """Draw a phase portrait without a legend, the motions of one energy thick; returns the fastest."""
     chosen = _levels(potential, [energy])
     fastest = 1.25 * max(speed.max() for _, speed in chosen)
     _shade(ax, potential, 2.0 * fastest)
     others = potential.levels((potential.bottom, energy + 0.3 * potential.disk.energy_unit), 7)
-    _mirrored(ax, _levels(potential, others), color="0.45", lw=0.6)
-    _mirrored(ax, _separatrices(potential), color=SEPARATRIX, lw=1.6)
-    _mirrored(ax, chosen, color=DARK, lw=2.4)
+    _mirrored(ax, chosen, color=DARK, lw=2.4, label="this energy")
+    _mirrored(ax, _levels(potential, others), color=DARK, lw=0.6, alpha=0.7, label="others")
+    _mirrored(ax, _separatrices(potential), color=STEADY, lw=1.6, label="separatrix")
     _arrows(ax, chosen, 0.0, size=16.0)
     _flat_states(ax, potential)
     _mark(ax, potential)
-    ax.set_xlim(-1.68, 1.68)
+    ax.set_xlim(-1.9, 1.9)
     ax.set_xticks([-HALF_PI, 0.0, HALF_PI], ["−π/2", "0", "π/2"])
     ax.tick_params(labelsize=SMALL)
     open_frame(ax)
@@ -130,7 +134,7 @@ def _flat_states(ax: Axes, potential: Potential) -> None:
     for face in (-1, 1):
         wall = bool(np.isinf(potential.flat_value(face)))
         name, dashes, width = ("wall at flat", "-", 4.0) if wall else ("flat, reached", ":", 2.5)
-        ax.axvline(face * HALF_PI, color=DARK, ls=dashes, lw=width, label=None if name in named else name)
+        ax.axvline(face * HALF_PI, color=WALL, ls=dashes, lw=width, label=None if name in named else name)
         named.add(name)
 
 
@@ -154,10 +158,10 @@ def _shade(ax: Axes, potential: Potential, fastest: float) -> None:
 
 def _mark(ax: Axes, potential: Potential, at_energy: bool = False, named: bool = True) -> None:
     """Mark the equilibria, at phidot = 0 or at their energy."""
-    for kind, (marker, colour) in _MARKS.items():
+    for kind, marker in _MARKS.items():
         there = [(at.phi, at.energy if at_energy else 0.0) for at in potential.equilibria if at.kind == kind]
         if there:
-            style: dict[str, Any] = {"color": colour, "mec": "white", "ms": 9, "ls": "", "zorder": 5}
+            style: dict[str, Any] = {"color": STEADY, "mec": "white", "ms": 9, "ls": "", "zorder": 5}
             ax.plot(*np.transpose(there), marker=marker, label=kind if named else None, **style)
 
 
@@ -200,7 +204,7 @@ def portrait_of_sides(figure: Figure, potential: Potential, energies: tuple[floa
         _one_side(tilt, race, each, each.levels(energies, _LEVELS_OF_SIDES))
         tilt.lines[-1].set_label(rf"$\hat\eta$ = {number(each.eta_hat, '.4g')}")
     for face in (-1, 1):
-        tilt.axvline(face * HALF_PI, color=DARK, lw=3.0)
+        tilt.axvline(face * HALF_PI, color=WALL, lw=3.0)
     race.axvline(0.0, color=DARK, lw=0.6)
     phi_axis(tilt)
     rate, unit = coordinate_label("phidot", potential.disk), rates_of(potential.disk)

@@ -70,7 +70,7 @@ def race_histogram(
     dress(
         below,
         r"distance of the race angle from $\pm\kappa\pi$ (rad)",
-        r"decades of $|\hat\eta|$, each from",
+        r"decades of $|\hat\eta|$, each from ($\sqrt{g/r}$)",
         title,
     )
 
@@ -94,7 +94,7 @@ def _reach(found: Mapping[str, Any]) -> tuple[float, float]:
         return 1e-3, 1.0
     most = 10.0 ** np.ceil(np.log10(max(*sizes, 1e-14)) + 0.1)
     low = max(min(map(_least, every)), 1e-15)
-    return float(min(0.1 * 10.0 ** np.floor(np.log10(low)), 0.1 * most)), float(most)
+    return float(min(0.01 * 10.0 ** np.floor(np.log10(low)), 0.1 * most)), float(most)
 
 
 def _least(parts: Sequence[Mapping[str, Any]]) -> float:
@@ -129,9 +129,10 @@ def _angles(ax: Axes, found: Mapping[str, Any]) -> None:
 
 @picture(
     Question.HOW_FAR,
-    "How far race angles are from ±κπ, over K, against |η̂|, both on logarithmic axes; K is each passage's own "
-    "2mgr/(I₁MA³). Half of the passages lie below the lower line, nine tenths below the upper one. Both fall like "
-    "|η| ln(1/|η|), the broken line: the closer to F, the exacter is ±κπ.",
+    "How far race angles are from ±κπ against |η̂|, both on logarithmic axes. Each is divided by K of its passage, "
+    "in which A is the speed at impact and M is I₁ + mr². Half of the passages lie below the lower line, nine "
+    "tenths below the upper one. Both fall with |η| and tend to |η| ln(1/|η|), the broken line, slowly: each "
+    "passage is off it by |η| times a number of its own.",
 )
 def race_deviation(ax: Axes, races: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> None:
     """Draw within which distance of +-kappa pi race angles are, over K, with the law |eta| ln(1/|eta|).
@@ -144,7 +145,7 @@ def race_deviation(ax: Axes, races: Mapping[str, Any] | Sequence[Mapping[str, An
     dress(
         ax,
         r"$|\hat\eta|$ ($\sqrt{g/r}$)",
-        r"distance of the race angle from $\pm\kappa\pi$, over $K$",
+        "distance of the race angle from $\\pm\\kappa\\pi$,\nover $K = 2mgr/(I_1MA^3)$ (natural units)",
         title,
         grid=True,
     )
@@ -158,5 +159,7 @@ def race_deviation(ax: Axes, races: Mapping[str, Any] | Sequence[Mapping[str, An
         ax.plot(
             eta_hat, eta * np.max(np.abs(ends), axis=0), color=SERIES[1], marker=marker, label=f"{name} are below"
         )
-    ax.plot(eta_hat, eta * np.log(1.0 / eta), color=LAW, lw=1.6, ls="--", label=r"$|\eta|\,\ln(1/|\eta|)$")
+    ax.plot(
+        eta_hat, eta * np.log(1.0 / eta), color=LAW, lw=1.6, ls="--", label=r"their limit, $|\eta|\,\ln(1/|\eta|)$"
+    )
     legend_below(ax, ncols=3)

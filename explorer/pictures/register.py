@@ -20,7 +20,10 @@ from weakref import WeakKeyDictionary
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure, SubFigure
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from explorer.errors import InputError, shown
 from explorer.phase.disk import require_axial_inertia
@@ -187,3 +190,15 @@ def save(figure: Figure, path: Path, dpi: int = DPI) -> None:
     if caption is not None:
         metadata["Subject" if kind == ".pdf" else "Description"] = "\n".join(caption)
     figure.savefig(path, dpi=dpi, metadata=metadata)
+    if kind == ".png" and not figure.findobj(QuadMesh):  # maps would have steps
+        _use_palette(path)
+
+
+def _use_palette(path: Path) -> None:
+    """Give a PNG file a palette, which makes it a third: lines and grounds keep their colours."""
+    about = PngInfo()
+    with Image.open(path) as drawn:
+        whole, dpi = drawn.convert("RGB"), drawn.info.get("dpi")
+        if text := drawn.info.get("Description"):
+            about.add_itxt("Description", text)
+    whole.quantize().save(path, pnginfo=about, optimize=True, dpi=dpi)

@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
 
 from explorer.errors import InputError
@@ -10,7 +11,7 @@ from explorer.phase.disk import Disk
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array, phi_to_states
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, SMALL, TEXT, TILT_COLOURS, colour_bar, label, number
+from explorer.pictures.style import ACCENT, DARK, OTHER_COLOURS, TEXT, colour_bar, label, legend_below
 
 
 @picture(
@@ -27,8 +28,7 @@ def rotation(ax: Axes, disk: Disk, energy: float = 2.0, points: int = 300) -> No
     on an axis.
     """
     x, y, turns = rotation_numbers(disk, energy, points)
-    most = float(np.nanmax(abs(turns)))
-    colours = ax.pcolormesh(x, y, turns, cmap=TILT_COLOURS, vmin=-most, vmax=most, rasterized=True)
+    colours = ax.pcolormesh(x, y, turns, cmap=OTHER_COLOURS, rasterized=True)
     # Cells at the edge are whole or missing: cut through those that are whole.
     inner = 2.0 * (1.0 - 1.5 / points) * points / (points - 1)
     colours.set_clip_path(Ellipse((0.0, 0.0), inner * x[-1], inner * y[-1], transform=ax.transData))
@@ -39,11 +39,11 @@ def rotation(ax: Axes, disk: Disk, energy: float = 2.0, points: int = 300) -> No
         there = np.where(part, turns, np.nan)  # no contour runs along a jump
         levels = np.arange(np.ceil(np.nanmin(there)) + 0.0, np.floor(np.nanmax(there)) + 1.0)  # of no -0
         if levels.size:
-            drawn = ax.contour(x, y, there, levels, colors=DARK, linewidths=0.9, linestyles="-")
-            ax.clabel(drawn, fmt=lambda turn: number(turn), fontsize=SMALL)
+            ax.contour(x, y, there, levels, colors=DARK, linewidths=0.9, linestyles="-")
+    legend_below(ax, handles=[Line2D([], [], color=DARK, lw=0.9, label="a whole number of turns")])
     for sign, name in ((1, "$l_+$"), (-1, "$l_-$")):
         out = 1.0 / np.hypot(1.0 / x[-1], slope / y[-1])
-        ax.plot([-out, out], [-sign * slope * out, sign * slope * out], color="white", lw=1.4)
+        ax.plot([-out, out], [-sign * slope * out, sign * slope * out], color=ACCENT, lw=1.8)
         for edge in (-1.1, 1.1):
             ax.text(edge * out, edge * sign * slope * out, name, fontsize=TEXT, ha="center", va="center")
     ax.set_ylim(-1.2 * y[-1], 1.2 * y[-1])

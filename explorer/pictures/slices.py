@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.lines import Line2D
@@ -22,6 +23,7 @@ from explorer.pictures.style import (
     DARK,
     LAW,
     MINUS,
+    OTHER_COLOURS,
     PLUS,
     SIDES,
     SMALL,
@@ -45,6 +47,7 @@ _BOTH_SIDES = LinearSegmentedColormap.from_list(
     "sides", [(0.0, "#FBEDE2"), (0.5, MINUS), (0.5, PLUS), (1.0, "#E6F1F8")], N=512
 ).with_extremes(bad="#A8A8A8")
 _HATCH = "#00000030"
+_NO_FALL, _STEP = r"$\eta = 0$, no fall", "step: another well"
 _NAMED = 0.03  # of the picture: smaller parts have no room for a name
 
 
@@ -61,19 +64,23 @@ def colour_tilt(ax: Axes, x: Array, y: Array, theta: Array, method: str) -> None
 @picture(
     Question.FROM_WHERE,
     "How flat the disk comes, for every start in a plane of the phase space. The bright valleys are the falling "
-    "set F, and the broken lines on them are F as the algebra gives it. A step of the colour elsewhere is a "
-    "separatrix: beyond it the disk stays in another well and does not come near this flat state.",
+    "set F, and the broken lines on them are F as the algebra gives it. Where the colour steps, motions change to "
+    "another well: F ends there, and thin lines go on where η is 0 and the disk does not fall.",
 )
 def slice_of_tilts(ax: Axes, cut: SliceMap) -> None:
     """Draw theta_min on what `explorer.slice_map` returned, and the exact falling set over it.
 
-    Lines are F, broken on face + and dash-dotted on face -; dotted ones are eta = 0 where the disk would not fall.
+    Lines are F, broken on face +1 and dotted on face -1; thin ones are eta = 0 where the disk would not fall.
     """
     colour_tilt(ax, cut.x, cut.y, cut["theta_min"], cut.method)
-    handles = [line for face in (1, -1) for line in _lines_of_f(ax, cut, face)]
+    handles = {line.get_label(): line for face in (1, -1) for line in _lines_of_f(ax, cut, face)}
+    if _NO_FALL in handles:
+        one, other = colormaps[TILT_COLOURS]([0.5, 0.9])
+        look: dict[str, Any] = {"color": one, "markerfacecoloralt": other, "mec": "none", "fillstyle": "left"}
+        handles[_STEP] = Line2D([], [], ls="", marker="s", ms=11, label=_STEP, **look)
     if handles:
-        legend_below(ax, handles=handles)
-    label(ax, cut.disk, *cut.slice.axes, f"Where the disk falls: slice {values_label(cut.slice.fixed)}")
+        legend_below(ax, handles=[*handles.values()], handlelength=3.2)
+    label(ax, cut.disk, *cut.slice.axes, f"Where the disk falls: {values_label(cut.slice.fixed, cut.disk)}")
 
 
 def _lines_of_f(ax: Axes, cut: SliceMap, face: int) -> Iterator[Line2D]:
@@ -81,13 +88,10 @@ def _lines_of_f(ax: Axes, cut: SliceMap, face: int) -> Iterator[Line2D]:
     from scipy.ndimage import binary_dilation
 
     distance, could = _of_face(cut, face)
-    name, falls = ("+", (0, (8, 5))) if face > 0 else ("−", (0, (8, 3, 1.5, 3)))  # gaps let the valley show
+    name, falls = ("+", (0, (8, 5))) if face > 0 else ("−", (0, (1, 2)))  # gaps let the valley show
     # A state that hardly moves could fall on one side of F alone: with eta set to 0 it would be below its own V.
     near = binary_dilation(could, np.ones((3, 3)))
-    for mask, told, style, width in (
-        (near, f"$F$, face {name}", falls, 1.4),
-        (~could, rf"$\eta = 0$ on face {name}, no fall", (0, (1, 2)), 1.2),
-    ):
+    for mask, told, style, width in ((near, f"$F$, face {name}1", falls, 1.8), (~could, _NO_FALL, "-", 0.7)):
         if _zero_line(ax, cut, np.where(mask, distance, np.nan), style, width):
             yield Line2D([], [], color=LAW, ls=style, lw=width, label=told)
 
@@ -115,7 +119,8 @@ def _zero_line(ax: Axes, cut: SliceMap, values: Array, style: object, width: flo
     Question.FROM_WHERE,
     "Which way the contact point races, for every start in a plane of the phase space: blue on one side of F, "
     "vermilion on the other, the stronger the flatter the disk comes. F is where the strong colours meet. Hatched "
-    "motions come near flat too, but no change of η alone, at the same φ, σ̄₃ and energy, would make them fall.",
+    "motions come near flat too, but would not fall at η = 0 with the same φ, σ̄₃ and energy. Where a colour "
+    "steps, motions change to another well.",
     group="slices",
     portraits=lambda asked: (
         (f"slice-{number}", (slice_map(asked.disk, where),))
@@ -142,15 +147,21 @@ def slice_of_sides(ax: Axes, cut: SliceMap) -> None:
         marks = ax.contourf(cut.x, cut.y, never, [0.5, 1.5], colors="none", hatches=["////"])
         marks.set_edgecolor(_HATCH)
         marks.set_linewidth(0.0)
-        handles.append(Patch(fc="white", ec=_HATCH, hatch="////", label=r"no fall with $\eta$ set to 0 alone"))
+        told = r"no fall at $\eta = 0$, same $\varphi$, $\bar\sigma_3$, $E$"
+        handles.append(Patch(fc="white", ec=_HATCH, hatch="////", label=told))
     if cut.falls.face.min() < cut.falls.face.max():
         # The face is not known on a line where both are as near: a contour of it would only follow rounding.
         smooth = abs(cut.falls.distance_plus) - abs(cut.falls.distance_minus)
         ax.contour(cut.x, cut.y, smooth, [0.0], colors=DARK, linewidths=0.9, linestyles=":")
-        handles.append(Line2D([], [], color=DARK, lw=0.9, ls=":", label="the other face is nearer"))
+        handles.append(Line2D([], [], color=DARK, lw=0.9, ls=":", label="both faces are equally near"))
     if handles:
         legend_below(ax, handles=handles)
-    label(ax, cut.disk, *cut.slice.axes, f"$F$ is where the strong colours meet: {values_label(cut.slice.fixed)}")
+    label(
+        ax,
+        cut.disk,
+        *cut.slice.axes,
+        f"Strong colours meet on $F$: {values_label(cut.slice.fixed, cut.disk)}",
+    )
 
 
 def signed_tilt(cut: SliceMap) -> Array:
@@ -197,12 +208,15 @@ def observable(ax: Axes, found: SliceMap | Scan, name: str | None = None) -> Non
     say_if_nothing(ax, values, f"{words} is not known of any state")
     with_unit = f"{words} ({unit})" if unit else words
     if isinstance(found, SliceMap):
-        mesh = ax.pcolormesh(found.x, found.y, values, cmap=TILT_COLOURS, rasterized=True)
+        mesh = ax.pcolormesh(found.x, found.y, values, cmap=OTHER_COLOURS, rasterized=True)
         colour_bar(ax, mesh, with_unit)
+        drawn = False
         for face in (1, -1):
             distance, could = _of_face(found, face)
-            _zero_line(ax, found, np.where(could, distance, np.nan), "--", 1.0)
-        return label(ax, found.disk, *found.slice.axes, f"{words}: {values_label(found.slice.fixed)}")
+            drawn |= _zero_line(ax, found, np.where(could, distance, np.nan), "--", 1.0)
+        if drawn:
+            legend_below(ax, handles=[Line2D([], [], color=LAW, ls="--", lw=1.0, label="falling set $F$")])
+        return label(ax, found.disk, *found.slice.axes, f"{words}: {values_label(found.slice.fixed, found.disk)}")
     disk, columns = found.states.disk, {each: np.ravel(getattr(found.states, each)) for each in COORDINATES}
     free = [each for each, column in columns.items() if np.unique(column[np.isfinite(column)]).size > 1]
     if len(free) < 2:
@@ -212,6 +226,6 @@ def observable(ax: Axes, found: SliceMap | Scan, name: str | None = None) -> Non
         return None
     first, second = free[:2]
     colour_bar(
-        ax, ax.scatter(columns[first], columns[second], c=values.ravel(), cmap=TILT_COLOURS, s=6), with_unit
+        ax, ax.scatter(columns[first], columns[second], c=values.ravel(), cmap=OTHER_COLOURS, s=6), with_unit
     )
     return label(ax, disk, first, second, words)

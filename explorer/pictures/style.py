@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -23,6 +24,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
 ACCENT, LAW = SERIES[2], DARK  # what a picture points at; laws and exact results are dark
 # Perceptually even and readable in grey; the flattest states are brightest.
 TILT_COLOURS = "cividis_r"
+OTHER_COLOURS = "YlGn"  # of quantities other than the tilt, from little to much
 
 SIZE = (6.4, 4.8)
 TEXT, SMALL = 12, 10.5
@@ -103,13 +105,18 @@ def _unit(symbol: str, size: float) -> str:
 
 def coordinate_label(name: str, disk: Disk) -> str:
     """Symbol and unit of a coordinate of the phase space."""
-    unit = {ANGLE: "rad", ENERGY: _unit("m g r", disk.energy_unit)}.get(COLUMNS[name].unit) or rates_of(disk)
-    return f"{_SYMBOLS[name]} ({unit})"
+    return f"{_SYMBOLS[name]} ({_unit_of(name, disk)})"
 
 
-def values_label(fixed: Mapping[str, float]) -> str:
-    """Coordinates that are held, with their values."""
-    return ", ".join(f"{_SYMBOLS[name]} = {number(value)}" for name, value in fixed.items())
+def _unit_of(name: str, disk: Disk) -> str:
+    return {ANGLE: "rad", ENERGY: _unit("m g r", disk.energy_unit)}.get(COLUMNS[name].unit) or rates_of(disk)
+
+
+def values_label(fixed: Mapping[str, float], disk: Disk) -> str:
+    """Coordinates that are held, with their values and units; in words these have room on the axes only."""
+    natural = disk.rate_unit == disk.energy_unit == 1.0
+    units = {name: f" {_unit_of(name, disk)}" if natural and value else "" for name, value in fixed.items()}
+    return ", ".join(f"{_SYMBOLS[name]} = {number(value)}{units[name]}" for name, value in fixed.items())
 
 
 def number(value: float, form: str = "g") -> str:
@@ -131,10 +138,10 @@ def legend_below(ax: Axes, ncols: int = 2, **options: Any) -> None:
         ax.legend(handles=by_rows(handles, ncols), fontsize=SMALL, frameon=False, ncols=ncols, **(place | options))
 
 
-def legend_of_all(figure: Figure, panels: Iterable[Axes], ncols: int = 2) -> None:
-    """A legend under a figure, of all that its panels name."""
+def legend_of_all(figure: Figure, panels: Iterable[Axes], ncols: int = 2, more: Iterable[Artist] = ()) -> None:
+    """A legend under a figure, of all that its panels name, and more."""
     named = {label: each for ax in panels for each, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    handles = by_rows([*named.values()], ncols)
+    handles = by_rows([*more, *named.values()], ncols)
     figure.legend(handles=handles, loc="outside lower center", fontsize=SMALL, frameon=False, ncols=ncols)
 
 

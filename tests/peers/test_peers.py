@@ -154,8 +154,8 @@ def test_errors_races_the_wrong_way_and_failures_are_counted():
 def test_the_picture_names_what_it_draws_and_leaves_out_wrong_races():
     drawn = figure.draw(ROWS)
     above, below = drawn.axes
-    names = [text.get_text().replace("\n", " ") for text in above.texts]
+    names = [text.get_text() for text in drawn.legends[0].get_texts()]
     assert sorted(names) == ["heyoka batch", "passages, integrated", "passages, quadrature"]
-    assert "heyoka batch" not in [text.get_text() for text in below.texts]
+    assert "heyoka batch" not in [line.get_label() for line in below.lines]
     (heyoka,) = (line for line in above.lines if line.get_label() == "heyoka batch")
     assert heyoka.get_xdata().max() < 1.0

@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from explorer.pictures.register import Caption, Question, add_caption, save
-from explorer.pictures.style import DARK, MARKERS, SERIES, dress, legend_below, legend_of_all
+from explorer.pictures.style import DARK, MARKERS, SERIES, dress, legend_below
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from processor import processor
@@ -103,41 +103,34 @@ def eta_lines(rows):
 
 OF_SIZES = Caption(
     Question.HOW_GOOD,
-    "Time and memory against the number of samples, for states that are drawn, judged and counted, and for "
-    "passages that are computed and stored. Small runs cost what starting costs; beyond the knee the time follows "
-    "the dotted line, in proportion to the samples, and memory hardly grows. A second job pays from millions of "
-    "states on.",
+    "Time against the number of samples, for states that are drawn, judged and counted, and for passages that are "
+    "computed and stored. Small runs cost what starting costs; beyond the knee the time follows the dotted line, "
+    "in proportion to the samples. A second job pays from millions of states on.",
 )
 
 
 def draw(rows):
-    """Time and memory, for both kinds of work and one and two jobs."""
-    figure = Figure(figsize=(7.6, 4.6), layout="constrained")
-    left, right = figure.subplots(1, 2)
+    """Time, for both kinds of work and one and two jobs; memory is in the table."""
+    figure = Figure(figsize=(6.4, 4.8), layout="constrained")
+    ax = figure.subplots()
     works = {"states": ("states, drawn and judged", SERIES[1]), "passages": ("passages, all stored", DARK)}
     for name, (_told, colour) in works.items():
         for jobs, marker, style in ((1, "o", "--"), (2, "s", "-")):
-            chosen = [(n, s, mb) for what, n, j, s, mb in rows if what == name and j == jobs]
+            chosen = [(n, s) for what, n, j, s, _ in rows if what == name and j == jobs]
             if not chosen:
                 continue
-            samples, seconds, memory = zip(*chosen, strict=True)
-            left.loglog(samples, seconds, style, marker=marker, ms=5, color=colour)
-            right.semilogx(samples, memory, style, marker=marker, ms=5, color=colour)
+            samples, seconds = zip(*chosen, strict=True)
+            ax.loglog(samples, seconds, style, marker=marker, ms=5, color=colour)
             if jobs == 1:
                 end = np.array([max(samples) / 1e3, max(samples)])
-                left.plot(end, seconds[-1] * end / end[-1], ":", color=colour, lw=1.0)
+                ax.plot(end, seconds[-1] * end / end[-1], ":", color=colour, lw=1.4)
     for told, colour in works.values():
-        left.plot([], [], color=colour, lw=4, label=told)
-    left.plot([], [], "o--", color="0.5", ms=5, label="1 job")
-    left.plot([], [], "s-", color="0.5", ms=5, label="2 jobs")
-    left.plot([], [], ":", color=DARK, label=r"$\propto$ samples")
-    dress(left, "samples", "time (s)", "Time: in proportion, in the end")
-    most = max(memory for *_, memory in rows)
-    dress(right, "samples", "peak memory (MB)", f"Memory: {most:.0f} MB at most")
-    right.set_ylim(0, 1.1 * most)
-    for ax in (left, right):
-        ax.grid(alpha=0.3)
-    legend_of_all(figure, [left], ncols=2)
+        ax.plot([], [], color=colour, lw=4, label=told)
+    ax.plot([], [], "o--", color="0.5", ms=5, label="1 job")
+    ax.plot([], [], "s-", color="0.5", ms=5, label="2 jobs")
+    ax.plot([], [], ":", color="0.5", lw=1.4, label=r"$\propto$ samples")
+    legend_below(ax, ncols=2)
+    dress(ax, "samples", "time (s)", "Of many samples the time is in proportion to their number", grid=True)
     add_caption(figure, OF_SIZES)
     return figure
 
@@ -200,7 +193,7 @@ def sizes():
     for name, n, jobs, seconds, memory in rows:
         gain = f"{single[name, n] / seconds:.2f}" if jobs > 1 else ""
         lines.append(f"| {name} | {n:,} | {jobs} | {n / seconds:,.0f} | {memory:.0f} | {gain} |")
-    return [*lines, "", "![time and memory](scaling.png)", ""]
+    return [*lines, "", "![time against the number of samples](scaling.png)", ""]
 
 
 COST = "Microseconds per passage against the distance from F,"

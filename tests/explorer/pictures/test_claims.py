@@ -160,7 +160,8 @@ def test_the_falling_set_is_drawn_for_states_that_hardly_move_too(phidot):
     """There could_fall is true on one side of F alone."""
     cut = ex.slice_map(UNIFORM, f"phi=0.3,phidot={phidot},sigma3=-2:2,sigma4=-2:2", points=101)
     figure = ex.picture("slice-of-tilts", cut)
-    assert {"$F$, face +", "$F$, face −"} <= {text.get_text() for text in figure.axes[0].get_legend().get_texts()}
+    told = {text.get_text() for text in figure.axes[0].get_legend().get_texts()}
+    assert {"$F$, face +1", "$F$, face −1"} <= told
 
 
 def test_shares_of_samples_have_the_interval_of_their_counts():

@@ -50,6 +50,7 @@ def drawn(tmp_path_factory, traded):
         "potentials": ([line, beside],),
         "bifurcation-of-tilts": (UNIFORM, "line"),
         "bifurcation-of-energies": (UNIFORM, "line"),
+        "portraits-of-regions": (UNIFORM, "line"),
         "rosette": (ex.wander_path(ex.constants_to_states(UNIFORM, 0.7, 0.01, 1.0), 2),),
         "work-precision": (traded.parts[0],),
         **dict.fromkeys(("probability", "constant-convergence", "tilt-density"), (run.summary,)),
