@@ -197,9 +197,9 @@ const TAIL_RADIUS = 1.1, TAIL_APART = 0.1, TAIL_GROWTH = 0.3, TAIL_PIECE = 0.06;
  *
  * Its pieces overlap and are opaque, so that no seams are seen; `ground` is what they fade into, [r, g, b].
  */
-export function drawTail(context, camera, centre, chi, race, n, colour, ground, strength) {
+export function drawTail(context, camera, chi, race, n, colour, ground, strength) {
   if (!(strength > 0) || Math.abs(race.turned) < TAIL_PIECE) return;
-  const pieces = Math.ceil(Math.abs(race.turned) / TAIL_PIECE);
+  const pieces = Math.ceil(Math.abs(race.turned) / TAIL_PIECE), { centre } = race;
   const points = Array.from({ length: pieces + 1 }, (_, piece) => {
     const angle = chi - race.turned * (1 - piece / pieces);
     const radius = TAIL_RADIUS + n * TAIL_APART + (TAIL_GROWTH * piece * TAIL_PIECE) / Math.abs(race.angle);
