@@ -9,17 +9,17 @@ import { colourSides, fit, readLook, watch } from "./look.js";
 import { CLOCK, stateAt, turningState } from "./physics.js";
 import { Player, mayMove } from "./player.js";
 import { Ruler } from "./ruler.js";
-import { Scene, raceAt } from "./scene.js";
+import { Scene } from "./scene.js";
 import { SCENES } from "./scenes.js";
 import { Store } from "./state.js";
 
 const COMMON = { disk: "uniform", sigma3_bar: 0, phidot: 1, eta_hat: 0 };
 const CAMERA = { azimuth: 0.32, elevation: 0.5 };
+// All of a motion, from upright to upright again: the coin lies flat at x = -1.
 const AIM = { x: -0.95, y: 0, z: 0.62, radius: 2.1 }, TABLE = { x: -0.95, y: 0, radius: 1.75 };
 const RISEN = 1.05; // rad of tilt at which a disk that has risen is shown
 const PARTS = `<canvas class="picture" role="img"></canvas><canvas class="plot" aria-hidden="true"></canvas>
-  <div class="handle"><button type="button" class="play"><svg viewBox="0 0 16 16" aria-hidden="true"
-  ><path class="start" d="M4 2l10 6-10 6z"/><path class="stop" d="M3 2h3.5v12H3zM9.5 2H13v12H9.5z"/></svg></button>
+  <div class="handle"><button type="button" class="play"></button>
   <div class="slide"><span></span> <output></output><input type="range"></div></div><figcaption></figcaption>`;
 
 /** A scene of the article as it stands on the page. */
@@ -37,6 +37,7 @@ class Figure {
     const [min, max, step, value] = declared.range;
     Object.assign(this.slider, { min, max, step, value });
     this.slider.classList.toggle("sides", Boolean(declared.sides));
+    this.play.innerHTML = document.getElementById("play").innerHTML;
     this.play.hidden = Boolean(declared.posed);
     this.plot.hidden = !declared.plot;
 
@@ -61,7 +62,7 @@ class Figure {
     watch(this.element, (visible) => { this.visible = visible; });
   }
 
-  /** The motion is new, or the colours are. */
+  /** The motion is new, or the colours are. A coin that is posed has no race. */
   load() {
     const { store, declared } = this;
     const look = readLook(declared.plain ? 0 : store.shown.eta_hat);

@@ -3,8 +3,9 @@
 import { Chart, dot, line, text } from "./chart.js";
 import { point } from "./passage.js";
 import { Q, energy } from "./physics.js";
+import { RADIUS } from "./scenes.js";
 
-const WIDTH = 0.1; // m, of the disk of the article
+const WIDTH = 2 * RADIUS; // m
 const LEAST = -17, MOST = -1; // powers of ten of metres
 const THINGS = [[1e-14, "nucleus"], [2e-10, "atom"], [7e-5, "hair"]];
 const UNITS = [[-15, "1 fm"], [-12, "1 pm"], [-9, "1 nm"], [-6, "1 µm"], [-3, "1 mm"]];

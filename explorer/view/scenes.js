@@ -8,7 +8,7 @@
 // rest     what is shown while the slider moves: the "start", from where the disk falls, "flat" or (else) risen
 // value    what stands beside the slider; says: what stands under the picture
 // and what the picture has: plot (a ruler, with the wall or without), camera, aim and table, posed (nothing moves),
-// plain (no colour of a side), bare (no mark at the contact), trail (of the contact), sides (the slider goes from one side of F to the other)
+// plain (no colour of a side), bare (no mark at the contact), trail (of the contact), sides (the slider crosses F)
 
 import { lengthWords } from "./chart.js";
 import { CHI, CLOCK, PSI, Q, T, slowing, tiltOf, turningState } from "./physics.js";
@@ -33,9 +33,10 @@ const rolling = (figure) => {
   return eta_hat ? `${speed(figure)} to the ${eta_hat > 0 ? "right" : "left"}` : "not at all: F";
 };
 
-const HEIGHTS = [[1e-3, "You could see light under it."], [2e-5, "A hair would fit under it."],
-  [1e-6, "A bacterium would fit under it."], [1e-9, "A few atoms would fit under it."],
-  [5e-11, "An atom would not fit under it."], [1e-14, "Far less than an atom."], [0, "Less than the nucleus of an atom."]];
+/** What is as high, m. */
+const THINGS = [[1e-2, "A finger"], [7e-5, "A hair"], [1e-6, "A bacterium"], [2e-8, "A virus"], [2e-10, "An atom"],
+  [1e-14, "The nucleus of an atom"], [0, "Not even the nucleus of an atom"]];
+const fits = (height) => `${THINGS.find(([size]) => height >= size)[1]} would fit under it.`;
 
 export const SCENES = [
   {
@@ -46,7 +47,8 @@ export const SCENES = [
     says: ({ state }) => `Its upper edge is ${(100 * edge(state)).toFixed(1)} cm above the table.`,
   },
   {
-    name: "contact", shows: "A coin that wobbles round, with the point where it touches.", posed: true, plain: true, trail: true,
+    name: "contact", shows: "A coin that wobbles round, with the point where it touches.",
+    posed: true, plain: true, trail: true,
     start: { theta: 25 / DEGREES, phidot: 0, sigma3_bar: 1.2814809452021245, eta_hat: 0.19917268233480204 },
     slider: "the point of contact goes round", range: [0, 1, 0.005, 0.1],
     span: (path) => [0, (2 * Math.PI * last(path)[CLOCK]) / last(path)[CHI]],
@@ -66,15 +68,14 @@ export const SCENES = [
     slider: "how fast it rolls", range: [1, 20, 0.5, 6],
     changes: (speed) => ({ eta_hat: speed / (100 * SPEED) }),
     value: ({ slider }) => `${Number(slider.value).toFixed(1)} cm/s`,
-    says: ({ store }) => `At its lowest the tilt is ${(store.numbers.theta_min * DEGREES).toFixed(1)}°. Then it stands up again.`,
+    says: ({ store }) => `The least tilt is ${(store.numbers.theta_min * DEGREES).toFixed(1)}°. Then it stands up again.`,
   },
   {
     name: "near", shows: "A coin that comes ever nearer to flat, and rises.", rest: "flat", plot: "ruler",
     slider: "how fast it rolls", range: [-13.5, -1, 0.05, -3],
     changes: (decades) => ({ eta_hat: 10 ** decades / SPEED }),
     value: speed,
-    says: (figure) => `Lowest: ${lengthWords(nearest(figure))} under the far edge. `
-      + HEIGHTS.find(([height]) => nearest(figure) >= height)[1],
+    says: (figure) => `Lowest: ${lengthWords(nearest(figure))} under the far edge. ${fits(nearest(figure))}`,
   },
   {
     name: "slow-motion", shows: "The point of contact races round the rim of the coin, which lies almost flat.",
@@ -91,7 +92,7 @@ export const SCENES = [
     changes: (place) => ({ eta_hat: placeToEtaHat(place) }),
     value: rolling,
     says: ({ store }) => (store.shown.eta_hat
-      ? `The race goes ${turns(store.numbers.race_angle)} ${store.numbers.race_angle > 0 ? "counterclockwise" : "clockwise"}.`
+      ? `The race goes ${turns(store.numbers.race_angle)} ${store.shown.eta_hat > 0 ? "counterclockwise" : "clockwise"}.`
       : "On F it falls flat. What comes next, nobody can tell."),
   },
   {

@@ -106,14 +106,14 @@ export class Store {
     this.shown.disk = this.body.name; // an unknown name is that of the first body
     const motion = { body: this.body, face, sigma3_bar, theta, phidot, eta: etaHatToEta(eta_hat, this.body) };
     this.main = trajectory(motion, this.bounces);
-    this.ghost = { ...motion, eta: -motion.eta };
+    this.beside = { ...motion, eta: -motion.eta };
     this.known = {};
   }
 
   /** The motion at -eta_hat, on the other side of F; on F both are one. */
   get other() {
     const { states } = this.main, end = states[states.length - 1][CLOCK];
-    this.known.other ??= this.ghost.eta ? trajectory(this.ghost, this.bounces, end) : this.main;
+    this.known.other ??= this.beside.eta ? trajectory(this.beside, this.bounces, end) : this.main;
     return this.known.other;
   }
 
@@ -122,6 +122,6 @@ export class Store {
   }
 
   get otherNumbers() {
-    return (this.known.otherNumbers ??= readouts(this.ghost));
+    return (this.known.otherNumbers ??= readouts(this.beside));
   }
 }

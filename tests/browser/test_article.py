@@ -34,6 +34,7 @@ def article(browser, article_file, page_file):
     browser.size(1280, 800)
     browser.prefer(color_scheme="light")
     browser.open(page_file)
+    browser.evaluate("(nearflat.player.running = false, 0)")
 
 
 def figure(name):
