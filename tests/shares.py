@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 import explorer as ex
-from explorer.motion.trials import ANY_ERROR, IN_TIME, RACING, MotionTrial, PassageTrial
+from explorer.motion.reference_samples import ANY_ERROR, IN_TIME, RACING, ReferenceMotions, ReferencePassages
 from explorer.motion.vertical import starts_at_vertical
 
 ACCURACIES = 10.0 ** -np.arange(2, 11)
@@ -118,12 +118,12 @@ class Passages:
 
     def __init__(self, disk, n, seed):
         self.disk, self.given = disk, across(disk, n, seed)
-        self.trial = PassageTrial(disk, starts_at_vertical(disk, *self.given))
+        self.samples = ReferencePassages(disk, starts_at_vertical(disk, *self.given))
 
     def share(self, method, accuracy):
         found = ex.passages(self.disk, *self.given, method=method, accuracy=accuracy)
-        tried, known = self.trial.compare((found, None), accuracy), self.trial.known
-        estimates = found.error_estimate + self.trial.exact.error_estimate
+        tried, known = self.samples.compare((found, None), accuracy), self.samples.known
+        estimates = found.error_estimate + self.samples.exact.error_estimate
         columns = (tried.errors, estimates, found.ok, tried.wrong_way)
         return share_of(accuracy, *(column[known] for column in columns))
 
@@ -139,26 +139,26 @@ class Motions:
         ends = np.repeat(ENDS, -(-n // (len(ENDS) * self.at_once)))
         parts = np.array_split(np.arange(n), ends.size)
         times = [end * disk.time_unit * self.shares for end in ends]
-        self.trial = MotionTrial([(states.at(rows), t) for rows, t in zip(parts, times, strict=True)])
+        self.samples = ReferenceMotions([(states.at(rows), t) for rows, t in zip(parts, times, strict=True)])
         self.passages = np.repeat(np.maximum(1.0, ends / _PASSAGE), [rows.size for rows in parts])
-        phi = np.concatenate([motion.phi for motion in self.trial.exact])
-        self.known = self.trial.known & (abs(phi) < 0.5 * np.pi - RACING).any(axis=1)
+        phi = np.concatenate([motion.phi for motion in self.samples.exact])
+        self.known = self.samples.known & (abs(phi) < 0.5 * np.pi - RACING).any(axis=1)
 
     def follow(self, states, times, **how):
         return ex.simulate(states, t_eval=times, **how)
 
     def share(self, method, accuracy):
         how = {"observables": IN_TIME, "method": method, "accuracy": accuracy}
-        found = [self.follow(states, times, **how) for states, times in self.trial.groups]
-        tried = self.trial.compare(found, accuracy)
+        found = [self.follow(states, times, **how) for states, times in self.samples.groups]
+        tried = self.samples.compare(found, accuracy)
         estimates, ok = (np.concatenate([getattr(m, name) for m in found]) for name in ("error_estimate", "ok"))
         columns = (tried.errors, estimates, ok, tried.wrong_way, self.passages)
         return share_of(accuracy, *(column[self.known] for column in columns))
 
     def doubt(self):
         """The 99th percentile of the difference between the true answers and those by another method."""
-        how = self.trial.plan("dop853", ANY_ERROR, 1e-15)
-        return float(np.percentile(self.trial.compare(self.trial.call(how), ANY_ERROR).errors[self.known], 99))
+        how = self.samples.plan("dop853", ANY_ERROR, 1e-15)
+        return float(np.percentile(self.samples.compare(self.samples.call(how), ANY_ERROR).errors[self.known], 99))
 
 
 class Curves(Motions):

@@ -64,7 +64,7 @@ class RunPlan:
 def planned(made: Asked) -> RunPlan:
     """How the run that was asked for would be computed."""
     scene, chosen = made.scene, made.scene.plan
-    how = chosen.rung, chosen.method, chosen.reason, chosen.cost
+    how = chosen.level, chosen.method, chosen.reason, chosen.cost
     if not scene.observables:  # a user's scene need not say what it computes
         own = "that of the scene, which names no observables"
         how = own, scene.method, own, "as measured"

@@ -11,8 +11,8 @@ from explorer.commands import Answer, trade_report
 from explorer.commands.run import add_scene, given_by
 from explorer.errors import InputError, flag, note, positive, said, whole
 from explorer.motion import calibration
-from explorer.motion.trade import Measured, Row, curves, largest_errors, measure, only_errors
-from explorer.motion.trials import Trial
+from explorer.motion.reference_samples import ReferenceSamples
+from explorer.motion.work_precision import Measured, Row, curves, largest_errors, measure, only_errors
 from explorer.phase.disk import Disk
 from explorer.phase.paths import made_folder, path_of
 from explorer.runs.settings import Settings
@@ -113,14 +113,16 @@ class Trade:
 
 def measured(scene: str | type[Scene] | None, options: Mapping[str, Any]) -> Trade:
     """What `ex.trade` returns. Raises InputError."""
-    return _measured(*trials_of(scene, options))
+    return _measured(*samples_of(scene, options))
 
 
-def _measured(scene: Scene, trials: list[Trial], quiet: bool) -> Trade:
-    return Trade(scene, [measure(trial, lambda text: note(text, quiet)) for trial in trials])
+def _measured(scene: Scene, reference_samples: list[ReferenceSamples], quiet: bool) -> Trade:
+    return Trade(scene, [measure(samples, lambda text: note(text, quiet)) for samples in reference_samples])
 
 
-def trials_of(scene: str | type[Scene] | None, options: Mapping[str, Any]) -> tuple[Scene, list[Trial], bool]:
+def samples_of(
+    scene: str | type[Scene] | None, options: Mapping[str, Any]
+) -> tuple[Scene, list[ReferenceSamples], bool]:
     """The scene, what is to be measured of it, and whether quietly; only the true answers are computed yet."""
     own = {each.name: options[each.name] for each in options_of(Trading) if each.name in options}
     asked, made = Trading.of(own), scene_for(scene, {k: v for k, v in options.items() if k not in own})
@@ -128,22 +130,22 @@ def trials_of(scene: str | type[Scene] | None, options: Mapping[str, Any]) -> tu
         raise InputError(
             f"samples {made.samples}: all are followed by every method at every setting; give {MOST:,} at most"
         )
-    known_trials = made.trials(asked.motions or 1, asked.t_end)
-    trials = [trial for trial in known_trials if asked.motions or not trial.in_time]
-    if not trials:
+    possible = made.reference_samples(asked.motions or 1, asked.t_end)
+    reference_samples = [samples for samples in possible if asked.motions or not samples.in_time]
+    if not reference_samples:
         why = "no method is chosen in this scene, so there is nothing to trade; measure another one"
-        if known_trials:
+        if possible:
             why = "methods can be compared only on its motions in time; leave motions = 0 out"
         raise InputError(f"{made.name}: {why}")
-    for trial in trials:
-        known, size = int(trial.known.sum()), trial.known.size
+    for samples in reference_samples:
+        known, size = int(samples.known.sum()), samples.known.size
         # Those without an answer take small steps longest.
-        if known < (fewest := 1 if trial.in_time else max(FEWEST, size // 2)):
+        if known < (fewest := 1 if samples.in_time else max(FEWEST, size // 2)):
             raise InputError(
-                f"{known:,} of {size:,} {trial.kind} have a known answer, and {fewest:,} are needed to tell "
+                f"{known:,} of {size:,} {samples.kind} have a known answer, and {fewest:,} are needed to tell "
                 "methods apart; give more samples, another disk, or a box whose starts are less slow"
             )
-    return made, trials, asked.progress is False
+    return made, reference_samples, asked.progress is False
 
 
 def scene_for(scene: str | type[Scene] | None, options: dict[str, Any]) -> Scene:
@@ -170,11 +172,11 @@ def calibrate(measured: Trade) -> dict[str, Any]:
     passages, motions = _OF_EACH_BODY
     bodies = [_plain(disk, passages, number) for number, disk in enumerate(BODIES)]
     plain = by_kind.get("passages") or measure(
-        _plain(measured.scene.disk, measured.scene.tried, 0).trials(1, None)[0]
+        _plain(measured.scene.disk, measured.scene.tried, 0).reference_samples(1, None)[0]
     )
-    in_time = by_kind.get("motions") or measure(bodies[0].trials(2 * motions, None)[1])
+    in_time = by_kind.get("motions") or measure(bodies[0].reference_samples(2 * motions, None)[1])
     own = [part.rows for part in measured.parts]
-    others = [only_errors(trial) for body in bodies for trial in body.trials(motions, None)]
+    others = [only_errors(samples) for body in bodies for samples in body.reference_samples(motions, None)]
     errors = largest_errors([*own, plain.rows, in_time.rows], others)
     quadrature = [row.nanoseconds for row in plain.rows if row.method == "quadrature"]
     table = {
@@ -210,9 +212,11 @@ def call(options: argparse.Namespace) -> Answer:
         "out", given.pop("out", None) or ("results/trade" if scene is None else f"results/trade-{scene}")
     )
     of_runs = {each.name for each in fields(Settings)} - {"progress"}  # a TOML file may have them
-    made, trials, quiet = trials_of(scene, {name: value for name, value in given.items() if name not in of_runs})
+    made, reference_samples, quiet = samples_of(
+        scene, {name: value for name, value in given.items() if name not in of_runs}
+    )
     made_folder("out", out)  # before anything is measured
-    found = _measured(made, trials, quiet)
+    found = _measured(made, reference_samples, quiet)
     where = None if options.no_store else found.store()
     trade_report.write(found.scene, found.parts, out, options.command_line, where)
     kept = f" Calibration kept in {where}." if where else ""

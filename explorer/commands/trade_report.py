@@ -4,7 +4,7 @@ import platform
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from explorer.motion.trade import Measured, Row
+from explorer.motion.work_precision import Measured, Row
 from explorer.scenes.scene import Scene
 
 _REFERENCE = {

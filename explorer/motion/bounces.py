@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, whole
 from explorer.motion.arcs import allowed
-from explorer.motion.falls import KERNELS, departures_of_moving, falls_of
+from explorer.motion.falls import KERNELS, departures_of_moving, fall_integrals
 from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, tilt_errors
 from explorer.motion.parts import BLOCK, in_parts
@@ -282,7 +282,7 @@ def _falls(disk: Disk, motions: Motions, ends: Ends, accuracy: float) -> compile
     Y, Y_far, K = motions.starts.Y, motions.Y_far, ends.vertical.K
     eta, size = np.where(abs(Y) <= abs(Y_far), Y, Y_far) * disk.body.I1, motions.starts.K
     departures = departures_of_moving(disk, motions.starts.X * disk.body.r0, eta, K, abs(K) + 2.0 * size)
-    return falls_of(disk, departures, accuracy=accuracy)
+    return fall_integrals(disk, departures, accuracy=accuracy)
 
 
 def _in_turn(states: States, pairs: _Pairs, count: int) -> Bounces:

@@ -34,11 +34,11 @@ def rows_apart(rows: int, n: int) -> Array:
 def fall_from_vertical(
     disk: Disk, sigma3_bar: Array, energy: Array, edge: float = 0.0, accuracy: float = 0.0
 ) -> "compiled.passages.FallRow[Array]":
-    """The fall on F with these constants from the vertical to flat, face +1, natural units; as `falls_of`."""
-    return falls_of(disk, departures_of_energy(disk, sigma3_bar, energy), edge, accuracy)
+    """The fall on F with these constants from the vertical to flat, face +1, natural units: `fall_integrals`."""
+    return fall_integrals(disk, departures_of_energy(disk, sigma3_bar, energy), edge, accuracy)
 
 
-def falls_of(
+def fall_integrals(
     disk: Disk, departures: "compiled.passages.Departures", edge: float = 0.0, accuracy: float = 0.0
 ) -> "compiled.passages.FallRow[Array]":
     """The falls on F that leave the vertical so, once to flat, face +1, natural units; NaN for what does not fall.

@@ -12,7 +12,7 @@ from explorer import compiled
 from explorer.motion.arcs import from_place, next_inward, places
 from explorer.motion.parts import BLOCK, blocks
 from explorer.motion.passages_by_quadrature import from_vertical
-from explorer.motion.vertical import Starts, starts_at_vertical
+from explorer.motion.vertical import VerticalStarts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk
 from explorer.phase.results import Result
@@ -105,7 +105,7 @@ def passage_forces(disk: Disk, sigma3_bar: ArrayLike, eta_hat: ArrayLike, phidot
 
 
 @np.errstate(all="ignore")  # of what has no passage, and overflows
-def _extremes(disk: Disk, starts: Starts) -> Array:
+def _extremes(disk: Disk, starts: VerticalStarts) -> Array:
     """Least normal forces and largest friction (2, n), on a grid in y, h = 2 sin(theta/2) = h_turn cosh y."""
     crossing = from_vertical(disk, starts.natural(disk)).starts
     turning = next_inward(disk, crossing)

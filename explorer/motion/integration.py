@@ -46,7 +46,7 @@ class InitialValues(NamedTuple):
         return self._replace(initial=initial, linear=linear, status=self.status[rows], control=self.control[rows])
 
     def finer(self, less: Array) -> InitialValues:
-        """The same by steps that err by so much less (n)."""
+        """The same by steps that err by so much less: each (n), or all ()."""
         power = 1.0 if self.plan.adaptive else 1.0 / FIXED[self.plan.method]
         return self._replace(control=self.plan.at_least(self.control * less**power))
 
@@ -96,7 +96,7 @@ def follow(
 Estimate = Callable[[Followed, Any], Array]
 
 
-def settle(
+def follow_accurately(
     given: InitialValues, event: compiled.events.Event, values: Array, estimate: Estimate, asked: float
 ) -> tuple[Followed, Array, InitialValues]:
     """Follow motions, and those that may err by more than is asked once more by finer steps, until none does.
@@ -128,7 +128,7 @@ def settle(
             finer.control[stays] = control[rows[stays]] / _THIRD
             better = follow(finer, event, values)
             # The difference is the error of the coarser run; of the finer one it is less, with a reserve of three.
-            apart = difference(better.out, found.out[rows], in_time=event.t != 0.0)
+            apart = distance_between(better.out, found.out[rows], in_time=event.t != 0.0)
             # The same steps once more tell nothing, but of a motion that is short, or stays where it is.
             moves = (better.out[:, -1, :5] != finer.initial[:5].T).any(axis=1) & (better.steps > precision.FEW)
             apart[(apart == 0.0) & (better.steps == steps[rows]) & moves] = np.inf
@@ -143,7 +143,7 @@ def settle(
     return found, error, given._replace(control=control)
 
 
-def difference(one: Array, other: Array, in_time: bool) -> Array:
+def distance_between(one: Array, other: Array, in_time: bool) -> Array:
     """How far states (n, values, 10) are apart: in the tilt and the angles (rad), the time or the path (r).
 
     in_time: at given times, within a race of which chi shows an error of the time many times over.

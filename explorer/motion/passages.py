@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from explorer import compiled
 from explorer.errors import InputError, jobs_of, number, shown
 from explorer.motion.arcs import OF_ANGLES
-from explorer.motion.falls import departures_beside, falls_of, rows_apart
+from explorer.motion.falls import departures_beside, fall_integrals, rows_apart
 from explorer.motion.parts import BLOCK, blocks, in_parts
 from explorer.motion.passages_by_integration import by_integration
 from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
 from explorer.motion.precision import asked
-from explorer.motion.vertical import Starts, starts_at_vertical
+from explorer.motion.vertical import VerticalStarts, starts_at_vertical
 from explorer.phase.arguments import keywords_of, read_columns
 from explorer.phase.disk import Disk
 from explorer.phase.results import Result
@@ -64,7 +64,7 @@ class Passages(Result):
     status : array of int8
         `Status` of each sample.
     method, model : str
-        The method that answered, and the rung of the ladder of models it stands on.
+        The method that answered, and the level of the model it stands on.
 
     Examples
     --------
@@ -177,7 +177,7 @@ def passages(
     return _in_parts(disk, columns, how, edge, jobs).reshaped(shape)
 
 
-def passages_by(disk: Disk, starts: Starts, how: Plan) -> tuple[Passages, NDArray[np.int32] | None]:
+def passages_by(disk: Disk, starts: VerticalStarts, how: Plan) -> tuple[Passages, NDArray[np.int32] | None]:
     """As `passages`, by a plan that was made, which may name its setting; and the steps of an integrator."""
     if how.method == "quadrature":
         return _passages(disk, starts, how, 0.0), None
@@ -185,7 +185,7 @@ def passages_by(disk: Disk, starts: Starts, how: Plan) -> tuple[Passages, NDArra
     return _assemble(disk, starts, [samples], how, 0.0), steps
 
 
-def reference_passages(disk: Disk, starts: Starts, accuracy: float = 1e-11) -> Passages:
+def reference_passages(disk: Disk, starts: VerticalStarts, accuracy: float = 1e-11) -> Passages:
     """Passages as arcs: by quadrature, but by none of the tables of the body."""
     how = plan(OBSERVABLES, accuracy, "quadrature")
     parts = (by_quadrature(disk, starts.at(rows), how, 0.0, False) for rows in blocks(starts.status.size))
@@ -227,7 +227,7 @@ def _edge_of(window: float | None, method: str) -> float:
     return float(np.arccos(cosine))
 
 
-def _passages(disk: Disk, starts: Starts, how: Plan, edge: float) -> Passages:
+def _passages(disk: Disk, starts: VerticalStarts, how: Plan, edge: float) -> Passages:
     if how.method == "quadrature":
         parts = (starts.at(slice(i, i + BLOCK)) for i in range(0, max(starts.status.size, 1), BLOCK))
         return _assemble(disk, starts, (by_quadrature(disk, part, how, edge) for part in parts), how, edge)
@@ -235,7 +235,7 @@ def _passages(disk: Disk, starts: Starts, how: Plan, edge: float) -> Passages:
 
 
 def _assemble(
-    disk: Disk, starts: Starts, parts: Iterable[compiled.races.Samples], how: Plan, edge: float
+    disk: Disk, starts: VerticalStarts, parts: Iterable[compiled.races.Samples], how: Plan, edge: float
 ) -> Passages:
     """Results in the units of the disk, with the fall taken out of chi. parts: samples of the starts, in order."""
     races, n, first = compiled.races, starts.status.size, 0
@@ -247,7 +247,7 @@ def _assemble(
     for samples in parts:
         crossed = compiled.passages.Crossings(samples.sigma3_bar, samples.eta, samples.speed)
         departures = departures_beside(disk, crossed)
-        fall = falls_of(disk, departures, edge, how.accuracy)
+        fall = fall_integrals(disk, departures, edge, how.accuracy)
         falls = races.Falls(fall.time, fall.chi, departures.level, fall.error)
         races.race_batch(samples, falls, terms, units, disk.natural, first, out)
         status[first : first + samples.status.size] = samples.status
@@ -262,5 +262,5 @@ def _assemble(
         **(found | {"wrong_way": found["wrong_way"] != 0.0}),
         status=status,
         method=how.method,
-        model=how.rung,
+        model=how.level,
     )

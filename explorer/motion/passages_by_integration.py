@@ -7,7 +7,7 @@ from explorer import compiled
 from explorer.motion import precision
 from explorer.motion.plan import Plan
 from explorer.motion.turning_points import turning_points
-from explorer.motion.vertical import Starts
+from explorer.motion.vertical import VerticalStarts
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States, constants_to_states
 
@@ -16,7 +16,9 @@ from explorer.phase.states import Array, States, constants_to_states
 _UNIT = 1e-15
 
 
-def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.races.Samples, NDArray[np.int32]]":
+def by_integration(
+    disk: Disk, starts: VerticalStarts, how: Plan
+) -> "tuple[compiled.races.Samples, NDArray[np.int32]]":
     """Passages from the vertical to the turning point, doubled: the second half is the first run backwards.
 
     Also how many steps were attempted for each.
@@ -37,7 +39,7 @@ def by_integration(disk: Disk, starts: Starts, how: Plan) -> "tuple[compiled.rac
     return compiled.races.Samples(bar, eta, speed, face, *followed, error, status), turn.steps
 
 
-def rounding_at_rest(disk: Disk, starts: Starts, states: States, time: Array) -> Array:
+def rounding_at_rest(disk: Disk, starts: VerticalStarts, states: States, time: Array) -> Array:
     """What the rounding of a slow start adds to the angles (rad), which all turn while it leaves the vertical.
 
     time: of the way to the turning point, natural units, in which the angles turn by rate * time. Rounding moves p

@@ -9,7 +9,7 @@ from explorer.motion.falls import OF_FALL, by_tables, rows_apart
 from explorer.motion.orbits import ends_of, orbits_of
 from explorer.motion.plan import Plan
 from explorer.motion.starts import Motions
-from explorer.motion.vertical import Starts, depth
+from explorer.motion.vertical import VerticalStarts, depth
 from explorer.phase.disk import Disk
 from explorer.phase.energy import energy_at
 from explorer.phase.lines import line_slope
@@ -19,7 +19,7 @@ _AS_FROM_REST = 1e-140  # of speeds: less changes no digit, and its square may h
 
 
 def by_quadrature(
-    disk: Disk, starts: Starts, how: Plan, edge: float, tables: bool = True
+    disk: Disk, starts: VerticalStarts, how: Plan, edge: float, tables: bool = True
 ) -> "compiled.races.Samples":
     """Passages as integrals: by the tables of the body where these serve, else as arcs.
 

@@ -1,6 +1,6 @@
-"""The ladder: which model and which method a question needs, and how finely to integrate.
+"""Levels of the model: which one and which method a question needs, and how finely to integrate.
 
-A scene names observables and an accuracy; this module answers with the lowest rung that gives
+A scene names observables and an accuracy; this module answers with the lowest level that gives
 them, the method, and the integrator's setting. No scene names a kernel.
 
     algebra     constants of motion: face, distance, could-fall
@@ -21,18 +21,18 @@ from explorer.errors import InputError, number, one_of, words
 from explorer.motion import calibration
 
 ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH = "algebra", "quadrature", "reduced", "angles", "path"
-RUNGS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
+LEVELS = (ALGEBRA, QUADRATURE, REDUCED, ANGLES, PATH)
 FIXED, ADAPTIVE = {"rk4": 4, "rk8": 8}, ("dopri5", "dop853")  # fixed steps with their orders
 METHODS = ("auto", *FIXED, *ADAPTIVE, "quadrature")
 
-_OF_RUNG = {
+_OF_LEVEL = {
     ALGEBRA: ("constants", "face", "distance", "could_fall"),
     QUADRATURE: ("theta_min", "race_angle", "delta_chi", "delta_psi", "duration", "period"),
     REDUCED: ("phi", "phidot", "sigma3", "sigma4"),
     ANGLES: ("time", "chi", "psi"),
     PATH: ("path", "contact"),
 }
-OBSERVABLES = {name: rung for rung, names in _OF_RUNG.items() for name in names}
+OBSERVABLES = {name: level for level, names in _OF_LEVEL.items() for name in names}
 
 # What an integrator must carry for an observable that quadrature would give.
 _INTEGRATED = {"theta_min": REDUCED}
@@ -47,12 +47,12 @@ _TOLERANCE_FLOOR = 1e-15
 
 @dataclass(frozen=True)
 class Plan:
-    """The way a question will be answered: the rung, the method, and the reason in words.
+    """The way a question will be answered: the level, the method, and the reason in words.
 
     setting: the integrator's step or tolerance where that is what is tried; else the calibration says it.
     """
 
-    rung: str
+    level: str
     method: str
     accuracy: float
     reason: str
@@ -66,7 +66,7 @@ class Plan:
     @property
     def kernel(self) -> str:
         """The name of the kernel that follows motions, for `compiled.warmup`."""
-        return f"engine.{self.method}_{self.rung}"
+        return f"engine.{self.method}_{self.level}"
 
     @property
     def motions(self) -> tuple[str, ...]:
@@ -77,12 +77,12 @@ class Plan:
     @property
     def in_time(self) -> "Plan":
         """The same for motions in time, which is carried from the angles on."""
-        return replace(self, rung=ANGLES) if self.rung == REDUCED else self
+        return replace(self, level=ANGLES) if self.level == REDUCED else self
 
     @property
     def kernel_depth(self) -> int:
-        """The number of components of a state that the kernels carry along for this rung."""
-        return int(getattr(compiled.field, self.rung.upper()))
+        """The number of components of a state that the kernels carry along for this level."""
+        return int(getattr(compiled.field, self.level.upper()))
 
     @property
     def adaptive(self) -> bool:
@@ -119,7 +119,7 @@ class Plan:
     @property
     def cost(self) -> str:
         """Expected work per sample in words."""
-        if self.rung == ALGEBRA:
+        if self.level == ALGEBRA:
             return "one evaluation of Chaplygin's solutions per sample"
         if self.method == "quadrature":
             microseconds = calibration.current().quadrature / 1000
@@ -133,7 +133,7 @@ class Plan:
 
 
 def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto") -> Plan:
-    """The lowest rung and the cheapest method that give `observables` to `accuracy`.
+    """The lowest level and the cheapest method that give `observables` to `accuracy`.
 
     accuracy: absolute error of angles (rad), relative error of times and theta_min.
     Raises InputError for an unknown observable or method, for a method that cannot give them, or for
@@ -144,10 +144,10 @@ def plan(observables: Iterable[str], accuracy: float = 1e-6, method: str = "auto
         one_of("observable", name, OBSERVABLES)
     one_of("method", method, METHODS)
     accuracy = number("accuracy", accuracy)
-    rung, chosen, why = _choose(asked, method, accuracy)
+    level, chosen, why = _choose(asked, method, accuracy)
     if chosen != ALGEBRA and not TIGHTEST[chosen] <= accuracy <= LOOSEST:
         raise InputError(f"accuracy {accuracy} must lie between {TIGHTEST[chosen]:g} and {LOOSEST:g} for {chosen}")
-    return Plan(rung, chosen, accuracy, why)
+    return Plan(level, chosen, accuracy, why)
 
 
 def method_in_words(method: str) -> str:
@@ -156,14 +156,14 @@ def method_in_words(method: str) -> str:
 
 
 def _choose(asked: tuple[str, ...], method: str, accuracy: float) -> tuple[str, str, str]:
-    """(rung, method, reason)."""
-    rung = max((OBSERVABLES[name] for name in asked), key=RUNGS.index, default=ALGEBRA)
-    deepest = ", ".join(name for name in asked if OBSERVABLES[name] == rung) or "nothing else"
-    if rung == ALGEBRA:
-        return rung, ALGEBRA, f"{rung} because of {deepest}; no motion is followed"
-    if rung == QUADRATURE and method in ("auto", "quadrature"):
+    """(level, method, reason)."""
+    level = max((OBSERVABLES[name] for name in asked), key=LEVELS.index, default=ALGEBRA)
+    deepest = ", ".join(name for name in asked if OBSERVABLES[name] == level) or "nothing else"
+    if level == ALGEBRA:
+        return level, ALGEBRA, f"{level} because of {deepest}; no motion is followed"
+    if level == QUADRATURE and method in ("auto", "quadrature"):
         why = "as asked" if method == "quadrature" else "because it needs no steps and knows eta exactly"
-        return rung, "quadrature", f"{rung} because of {deepest}; quadrature {why}"
+        return level, "quadrature", f"{level} because of {deepest}; quadrature {why}"
     if method == "quadrature":
         raise InputError(f"method quadrature gives passages and periods, not {deepest}; use auto or an integrator")
     why = f"{method} as asked"
@@ -175,7 +175,7 @@ def _choose(asked: tuple[str, ...], method: str, accuracy: float) -> tuple[str, 
         method = measured.cheapest(ADAPTIVE, accuracy if possible else LOOSEST)
         each = "because each sample sets its own step near flat; the cheaper such method at"
         why = f"{method} {each} {accuracy:g} ({measured.origin})"
-    if rung == QUADRATURE:
+    if level == QUADRATURE:
         carried = (_INTEGRATED.get(name, ANGLES) for name in asked if OBSERVABLES[name] == QUADRATURE)
-        rung = max(carried, key=RUNGS.index)
-    return rung, method, f"{rung} because of {deepest}; {why}"
+        level = max(carried, key=LEVELS.index)
+    return level, method, f"{level} because of {deepest}; {why}"

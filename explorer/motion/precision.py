@@ -95,7 +95,7 @@ def amplified_at(disk: Disk, how: Plan, initial: Array, start: Motion, time: flo
     amplified, moved = amplification(speed), centre_speed(disk, start.energy)
     hidden = (moved * max(1.0, time / PASSAGE) > _PERIODS) | ((amplified > _AMPLIFIED) & (time > LINGERS))
     seen = amplified
-    if how.rung == PATH:  # an error of chi moves the path by as much times its way
+    if how.level == PATH:  # an error of chi moves the path by as much times its way
         seen = amplified * np.fmax(1.0, moved / _CALIBRATED_WAY)
         hidden |= not how.adaptive and how.control * disk.kappa > _RESOLVED
     return amplified, np.where(hidden, math.inf, seen)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion import precision
-from explorer.motion.integration import Followed, InitialValues, follow, settle
+from explorer.motion.integration import Followed, InitialValues, follow, follow_accurately
 from explorer.motion.parts import blocks, in_parts
 from explorer.motion.plan import PATH, Plan
 from explorer.motion.starts import held_constants, status_at_start
@@ -44,7 +44,7 @@ def motions(states: States, how: Plan, chi0: float, max_steps: int) -> InitialVa
     initial[:5] = states.natural
     initial[compiled.field.ROW.chi] = chi0
     control = np.full(len(states), how.control)
-    if how.rung == PATH and not how.adaptive:
+    if how.level == PATH and not how.adaptive:
         control = np.fmin(control, compiled.attempt.MOST_TURNED / states.disk.kappa)
     held, status = held_constants(states), status_at_start(states)
     return InitialValues(states.disk, how.in_time, initial, held, status, control, max_steps)
@@ -77,9 +77,9 @@ def _sample(given: InitialValues, times: Array) -> tuple[Array, Outcome, Initial
         def estimate(found: Followed, rows: Any) -> Array:
             return precision.estimate(disk, how, found.moved, found.out[:, -1].T, seen[rows], last)
 
-        found, error, given = settle(given, compiled.events.TIME, later, estimate, asked)
+        found, error, given = follow_accurately(given, compiled.events.TIME, later, estimate, asked)
         out, ended = found.out, np.ascontiguousarray(found.out[:, -1].T)
-        if how.rung == PATH:
+        if how.level == PATH:
             rounded = precision.rounding_of_path(disk, start.energy, found.steps, last)
             followed = np.isin(found.status, [code.OK, code.STEP_LIMIT])
             found.status[followed & (rounded > asked)] = code.STEP_TOO_SMALL

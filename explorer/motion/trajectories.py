@@ -258,7 +258,7 @@ def trajectories(
     require_states(states)
     end, times = _times(t_end, t_eval)
     how = plan(observables, accuracy, method)
-    if how.rung in (ALGEBRA, QUADRATURE):
+    if how.level in (ALGEBRA, QUADRATURE):
         raise InputError("observables: simulate needs one of the motion, such as 'phi' or 'chi'")
     chi0 = number("chi0", chi0, -_MOST_TURNED, _MOST_TURNED)
     start = recording.motions(states, how, chi0, whole("max_steps", max_steps, 1, _MOST_STEPS))

@@ -21,7 +21,7 @@ class TurningPoints:
 
     theta: tilt from the nearer flat state (rad). face: which flat state that is. turn_rate: sigma3/q there,
     whose sign is the direction in which the contact point moves. time, chi, psi: increase since the start; zero
-    on the reduced rung. error: how far they may be off. Entries are NaN where status is not OK.
+    on the reduced level. error: how far they may be off. Entries are NaN where status is not OK.
     """
 
     theta: Array
@@ -46,7 +46,7 @@ def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> Turn
 
     slow: how many times as much each amplifies errors as a quick motion does.
     """
-    amplified = np.broadcast_to(np.asarray(slow), len(states))
+    amplified = np.asarray(slow)
     given = integration.InitialValues(
         *(states.disk, how, states.natural, held_constants(states), status_at_start(states)),
         np.full(len(states), how.control),
@@ -54,14 +54,16 @@ def turning_points(states: States, how: Plan, slow: Array | float = 1.0) -> Turn
 
     def estimate(found: integration.Followed, rows: Any) -> Array:
         ended = found.out[:, 0].T
-        error = precision.estimate(states.disk, how, found.moved, ended, amplified[rows], precision.PASSAGE)
+        error = precision.estimate(
+            states.disk, how, found.moved, ended, np.broadcast_to(amplified, len(states))[rows], precision.PASSAGE
+        )
         hidden = ended[compiled.field.ROW.t] > precision.LINGERS
         if how.adaptive:
             hidden |= found.steps <= precision.FEW
         return np.where(hidden, np.inf, error)
 
     event, asked = compiled.events.TURNING_POINT, precision.asked(how, 0.0)
-    found, error, _ = integration.settle(given, event, np.zeros(1), estimate, asked)
+    found, error, _ = integration.follow_accurately(given, event, np.zeros(1), estimate, asked)
     error[found.status != compiled.status.Status.OK] = np.nan
     row, out = compiled.field.ROW, found.out[:, 0].T
     face = np.where(out[row.z] >= 0.0, 1, -1).astype(np.int8)
@@ -112,15 +114,12 @@ def lowest_tilts(disk: Disk, motions: Motions, accuracy: float, status: NDArray[
 
 
 def _both_ways(states: States, how: Plan) -> tuple[Array, NDArray[np.int8], NDArray[np.int32]]:
-    """The smaller tilt at the next turning point and at the one before, integrated in one call.
+    """The smaller tilt at the next turning point and at the one before.
 
     A start at rest is a turning point itself, which both of these pass over.
     """
-    n = len(states)
-    both = states.at(np.tile(np.arange(n), 2))
-    both.rows.p[n:] *= -1.0
-    turn = turning_points(both, how)
-    forward, backward = turn.status.reshape(2, n)
-    found = np.where(forward == compiled.status.Status.OK, backward, forward)
-    theta = np.minimum(turn.theta.reshape(2, n).min(axis=0), tilt_of(states.natural))
-    return theta, found, turn.steps.reshape(2, n).sum(axis=0, dtype=np.int32)
+    ahead, behind = (turning_points(each, how) for each in (states, states.reversed()))
+    status = np.where(ahead.status == compiled.status.Status.OK, behind.status, ahead.status)
+    theta, rest = np.minimum(ahead.theta, behind.theta), np.flatnonzero(states.rows.p == 0.0)
+    theta[rest] = np.minimum(theta[rest], tilt_of(states.natural[:, rest]))
+    return theta, status, ahead.steps + behind.steps

@@ -13,7 +13,7 @@ from explorer.phase.states import Array
 LARGEST, SMALLEST = 1e100, 1e-302
 
 
-class Starts(NamedTuple):
+class VerticalStarts(NamedTuple):
     """Starts at the vertical towards the flat state of `face`, columns in the units of the disk.
 
     speed: phidot towards that flat state. Where status is not OK the numbers are placeholders: no kernel ever
@@ -26,10 +26,10 @@ class Starts(NamedTuple):
     face: Array
     status: NDArray[np.int8]
 
-    def at(self, rows: NDArray[np.intp] | slice) -> "Starts":
+    def at(self, rows: NDArray[np.intp] | slice) -> "VerticalStarts":
         """Some of the starts."""
         s3, eta_hat, speed, face, status = self
-        return Starts(s3[rows], eta_hat[rows], speed[rows], face[rows], status[rows])
+        return VerticalStarts(s3[rows], eta_hat[rows], speed[rows], face[rows], status[rows])
 
     def natural(self, disk: Disk) -> "compiled.passages.Crossings":
         """The starts as the kernels take them, in natural units."""
@@ -38,7 +38,7 @@ class Starts(NamedTuple):
         return compiled.passages.Crossings(self.sigma3_bar / unit, eta, self.speed / unit)
 
 
-def starts_at_vertical(disk: Disk, sigma3_bar: Array, eta_hat: Array, speed: Array, face: Array) -> Starts:
+def starts_at_vertical(disk: Disk, sigma3_bar: Array, eta_hat: Array, speed: Array, face: Array) -> VerticalStarts:
     """Starts from columns that were read; their status says which can be computed.
 
     A number that is not finite or whose square overflows is no input; an eta_hat that is lost in the smallest
@@ -46,35 +46,17 @@ def starts_at_vertical(disk: Disk, sigma3_bar: Array, eta_hat: Array, speed: Arr
     """
     require_axial_inertia(disk)
     code, unit = compiled.status.Status, disk.rate_unit
-    if _all_usable(sigma3_bar, eta_hat, speed, face, unit):
-        return Starts(sigma3_bar, eta_hat, speed, face, np.full(face.size, code.OK, np.int8))
     good = np.fmax(np.fmax(abs(sigma3_bar), abs(speed)), abs(eta_hat)) <= LARGEST * unit
     good &= ~(np.isnan(sigma3_bar) | np.isnan(eta_hat) | np.isnan(speed)) & (speed >= 0.0) & (abs(face) == 1.0)
     lost = good & (eta_hat != 0.0) & (abs(eta_hat) < SMALLEST * unit)
     status = np.where(good, np.where(lost, code.UNRESOLVED_SIDE, code.OK), code.BAD_INPUT).astype(np.int8)
     usable = status == code.OK
-    return Starts(
+    return VerticalStarts(
         np.where(usable, sigma3_bar, unit),
         np.where(usable, eta_hat, np.copysign(unit, eta_hat)),
         np.where(usable, speed, unit),
         np.where(good, face, 1.0),
         status,
-    )
-
-
-def _all_usable(sigma3_bar: Array, eta_hat: Array, speed: Array, face: Array, unit: float) -> bool:
-    """Whether all starts can be computed, from the least and largest numbers: NaN spoils these."""
-    if not face.size:
-        return True
-    size, beyond = abs(eta_hat), LARGEST * unit
-    return bool(
-        sigma3_bar.min() >= -beyond
-        and sigma3_bar.max() <= beyond
-        and speed.min() >= 0.0
-        and speed.max() <= beyond
-        and size.min() >= SMALLEST * unit
-        and size.max() <= beyond
-        and (abs(face) == 1.0).all()
     )
 
 

@@ -175,7 +175,10 @@ class States:
         """The same states with time running backwards: phidot changes sign (rho, sigma4 stay)."""
         natural = self.natural.copy()
         Rows(*natural).p[:] *= -1.0
-        return States(self.disk, natural, self.status.copy(), self.exact, self.shape)
+        back = States(self.disk, natural, self.status.copy(), self.exact, self.shape)
+        if "motion" in vars(self):  # its constants are the same
+            vars(back)["motion"] = self.motion
+        return back
 
 
 def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> States:

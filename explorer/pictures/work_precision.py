@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from explorer.motion.trade import ROUNDING, Measured, Row, best_of
+from explorer.motion.work_precision import ROUNDING, Measured, Row, best_of
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import DARK, MARKERS, SERIES, SMALL, dress
 

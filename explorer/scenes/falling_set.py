@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from explorer.measure import sifting, statistics
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
 from explorer.measure.tallies import ByName, Least, LogHistogram
-from explorer.motion.trials import TiltTrial, Trial
+from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import membership
 from explorer.phase.constants import constants_of
@@ -139,9 +139,12 @@ class FallingSet(FromStates):
     def near(self, table: Table) -> NDArray[np.bool_]:
         return np.asarray((nearer(table) <= self.tube) & table["could_fall"])
 
-    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
+    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
         blocks = (block for index in range(self.chunks) for block in self.blocks(index))
-        return [TiltTrial([self._followed(block)[2] for block in blocks]), *super().trials(motions, t_end)]
+        return [
+            ReferenceTilts([self._followed(block)[2] for block in blocks]),
+            *super().reference_samples(motions, t_end),
+        ]
 
     # Counts
 

@@ -22,7 +22,7 @@ from explorer.measure.sampling import Range, chunk_stream
 from explorer.measure.tallies import ByName, Histogram
 from explorer.measure.tubes import dimensions, widest_eta
 from explorer.motion.plan import Plan, plan
-from explorer.motion.trials import TiltTrial, Trial, through_time
+from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts, through_time
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels, turning_points
 from explorer.phase.arguments import read_range
 from explorer.phase.disk import require_axial_inertia
@@ -239,11 +239,11 @@ class MeasureZero(FromDensity):
     def plans(self) -> tuple[Plan, ...]:
         return *super().plans, _checking(), invariance.following()
 
-    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
+    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
         """Plain draws that are followed; those in tubes have their tilt from a formula."""
         plain = [self._followed(index)[1] for index in range(self._in_tubes, self.chunks)]
         first = plain[0]
-        return [TiltTrial(plain), through_time(first.at(np.arange(min(motions, len(first)))), t_end)]
+        return [ReferenceTilts(plain), through_time(first.at(np.arange(min(motions, len(first)))), t_end)]
 
     def summarise(self, tally: ZeroCounts) -> dict[str, Any]:
         found = self.probability.summary(tally.below.counts, tally.falls, tally.batches)

@@ -20,8 +20,8 @@ from explorer.measure.tallies import ByName
 from explorer.motion import limit_motions
 from explorer.motion.both_sides import QUANTITIES, beside, both_sides, limits_at, sample_times
 from explorer.motion.plan import TIGHTEST
+from explorer.motion.reference_samples import ReferenceMotions, ReferenceSamples, even_times
 from explorer.motion.trajectories import trajectories
-from explorer.motion.trials import MotionTrial, Trial, even_times
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.states import Array
 from explorer.scenes.options import DISKS, NUMBER, RANGE, RANGES, option, plain
@@ -136,7 +136,7 @@ class OneSided(Scene):
     def kernels(self) -> tuple[str, ...]:
         return *limit_motions.KERNELS, *self.plan.motions
 
-    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
+    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
         """Motions beside its first starts, at the times of the scene unless `t_end` is given.
 
         Every start has motions at all distances, and every disk as many starts: one, or as many as `motions`
@@ -150,7 +150,7 @@ class OneSided(Scene):
             for start in islice(starts, max(1, motions // (len(self.disk) * distances.size))):
                 times = sample_times(limits_at(disk, start)[1])[0] if t_end is None else even_times(t_end)
                 groups.append((beside(disk, start, distances), times))
-        return [MotionTrial(groups)]
+        return [ReferenceMotions(groups)]
 
     def _distances(self, disk: Disk) -> Array:
         """eta_hat of the motions beside a start: on both sides the rungs of the ladder."""

@@ -30,7 +30,7 @@ from explorer.measure.sampling import BLOCK, Range, Stream, gather, log_uniform,
 from explorer.measure.tallies import ByName, Histogram, LogHistogram
 from explorer.motion.bounces import MOST, bounce_kernels, bounces, motion_constants
 from explorer.motion.passages import passage_kernels, passages_by
-from explorer.motion.trials import PassageTrial, Trial, through_time
+from explorer.motion.reference_samples import ReferencePassages, ReferenceSamples, through_time
 from explorer.motion.vertical import starts_at_vertical
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.states import Array, constants_to_states
@@ -240,11 +240,11 @@ class Passages(RaceAngles):
         face = drawn["face"].astype(np.int8)
         return {**drawn, "face": face, **{name: getattr(found, name) for name in _OF_PASSAGE}}
 
-    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
+    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
         drawn = joined([block for index in range(self.chunks) for block in self.blocks(index)])
         first = {name: values[:motions] for name, values in drawn.items()}
         return [
-            PassageTrial(self.disk, starts_at_vertical(self.disk, *_start(drawn))),
+            ReferencePassages(self.disk, starts_at_vertical(self.disk, *_start(drawn))),
             through_time(constants_to_states(self.disk, **first), t_end),
         ]
 

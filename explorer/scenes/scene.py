@@ -22,7 +22,7 @@ from explorer.measure import statistics
 from explorer.measure.sampling import Stream, chunk_stream
 from explorer.measure.tallies import ByName, Tally
 from explorer.motion.plan import METHODS, Plan, plan
-from explorer.motion.trials import Trial
+from explorer.motion.reference_samples import ReferenceSamples
 from explorer.phase.columns import Column
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.paths import read_toml
@@ -113,7 +113,7 @@ class Scene(Options, ABC):
         ended = ", ".join(f"{count:,} {name}" for name, count in summary.get("status", {}).items())
         return [*(lines or plain), f"status: {ended}"]
 
-    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
+    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
         """What `trade` tries methods on: its samples where they are by a method of choice, and motions in time.
 
         motions: how many of these, from its first starts, to t_end (units of the disk; None: the scene's own).

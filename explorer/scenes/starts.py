@@ -10,7 +10,7 @@ import numpy as np
 from explorer.errors import InputError, RunError
 from explorer.measure.density import ANY_ENERGY, Density, Function
 from explorer.measure.sampling import Box, Range, Stream, chunk_stream, signs
-from explorer.motion.trials import Trial, through_time
+from explorer.motion.reference_samples import ReferenceSamples, through_time
 from explorer.phase.disk import SYNTAX, Disk
 from explorer.phase.states import Array, States, phi_to_states
 from explorer.scenes.given_states import Block, GivenStates
@@ -152,7 +152,7 @@ class FromStates(FromDensity):
             raise RunError(f"{self.name}: none of {self.samples:,} samples is a state; {remedy}")
         return count
 
-    def trials(self, motions: int, t_end: float | None) -> list[Trial]:
+    def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
         first = next(self.blocks(0)).states
         return [through_time(first.at(np.arange(min(motions, len(first)))), t_end)]
 

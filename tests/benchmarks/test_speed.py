@@ -17,8 +17,8 @@ import explorer as ex
 from explorer import compiled
 from explorer.motion.integration import InitialValues, follow
 from explorer.motion.plan import plan
-from explorer.motion.trade import STAGES
 from explorer.motion.trajectories import trajectories
+from explorer.motion.work_precision import STAGES
 from explorer.phase.states import constants_to_states
 from kernels.disk.field import column
 

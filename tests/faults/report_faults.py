@@ -342,7 +342,6 @@ def main():
         "",
         "[moments.md](moments.md): runs stopped by signals, by backend. `fuzz.json`: any calls, command lines and",
         "edited folders (`nox -s fuzz`).",
-        "[mutants.md](mutants.md): changed lines of the numerical code, and whether the tests notice.",
     ]
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 

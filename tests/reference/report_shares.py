@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import explorer as ex
-from explorer.motion.trials import RACING, PassageTrial
+from explorer.motion.reference_samples import RACING, ReferencePassages
 from explorer.motion.vertical import starts_at_vertical
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -39,7 +39,7 @@ def doubt_of_rules():
     for rows in of_one_body(usual):
         row = MOTIONS[rows]
         disk, given = ex.Disk(I1=row["I1"][0], I3=row["I3"][0]), (row["sigma3_bar"], row["eta_hat"])
-        found = PassageTrial(
+        found = ReferencePassages(
             disk, starts_at_vertical(disk, *given, abs(row["phidot"]), row["face"].astype(float))
         ).exact
         errors += [found.delta_chi - row["chi_0"], found.delta_psi - row["psi_0"]]
@@ -49,7 +49,7 @@ def doubt_of_rules():
 
 def of_passages():
     samples = {name: Passages(disk, COUNT, SEED) for name, disk in BODIES.items()}
-    known = sum(each.trial.known.sum() for each in samples.values())
+    known = sum(each.samples.known.sum() for each in samples.values())
     return [
         "## Passages",
         "",

@@ -24,7 +24,7 @@ def test_the_plan_is_the_one_that_the_scene_uses(name, capsys):
     assert main(["plan", name, "--json", "--accuracy", "1e-5"]) == 0
     answer = json.loads(capsys.readouterr().out)
     used = scene_class(name).of({"accuracy": 1e-5}).plan
-    assert (answer["model"], answer["method"], answer["reason"]) == (used.rung, used.method, used.reason)
+    assert (answer["model"], answer["method"], answer["reason"]) == (used.level, used.method, used.reason)
     assert answer["accuracy"] == 1e-5
     assert answer["observables"] == list(scene_class(name).observables)
 

@@ -11,7 +11,7 @@ from explorer.commands import main as cli
 from explorer.commands import trade, trade_report
 from explorer.motion import calibration
 from explorer.motion.plan import plan
-from explorer.motion.trade import ASKED
+from explorer.motion.work_precision import ASKED
 from explorer.scenes.scene import scene_class
 
 
@@ -25,9 +25,9 @@ def private(private, monkeypatch):
 
 def test_passages_of_a_trade_are_those_of_the_run():
     given = {"disk": "hoop", "samples": 500, "seed": 3, "eta_hat": "1e-7:1e-1", "box": "phidot=0.3:1"}
-    trial = trade.scene_for("race-angles", given).trials(1, None)[0]
+    samples = trade.scene_for("race-angles", given).reference_samples(1, None)[0]
     run = ex.run("race-angles", keep="all", **given).frame()
-    found, _ = trial.call(trial.plan("quadrature", 1e-6))
+    found, _ = samples.call(samples.plan("quadrature", 1e-6))
     assert np.array_equal(found.eta_hat, run["eta_hat"])
     assert np.array_equal(found.face * found.phidot, run["phidot"])
     assert np.array_equal(found.race_angle, run["race_angle"])
@@ -36,25 +36,25 @@ def test_passages_of_a_trade_are_those_of_the_run():
 @pytest.mark.parametrize("more", [{}, {"theta_min": "near", "keep": "near"}])
 def test_tilts_of_a_trade_are_those_of_the_run(more):
     given = {"disk": "hoop", "samples": 2000, "seed": 3, "gaussian": "phidot=1:0.3"} | more
-    trial = trade.scene_for("falling-set", given).trials(1, None)[0]
+    samples = trade.scene_for("falling-set", given).reference_samples(1, None)[0]
     run = ex.run("falling-set", **{"keep": "all"} | given).frame()
-    theta, _, _ = trial.call(trial.plan("quadrature", 1e-6))
+    theta, _, _ = samples.call(samples.plan("quadrature", 1e-6))
     assert theta.size > 0
     assert np.array_equal(theta, run["theta_min"], equal_nan=True)
 
 
 def test_tilts_of_measure_zero_are_those_of_its_plain_draws():
     scene = scene_class("measure-zero").of({"samples": 3000, "seed": 5, "keep": "all"})
-    trial = scene.trials(1, None)[0]
-    theta, _, _ = trial.call(trial.plan("quadrature", 1e-6))
+    samples = scene.reference_samples(1, None)[0]
+    theta, _, _ = samples.call(samples.plan("quadrature", 1e-6))
     table, _ = scene.chunk(scene.chunks - 1)
     assert np.array_equal(theta, table["theta_min"])
 
 
 def test_motions_of_a_trade_are_those_of_the_scene():
     scene = scene_class("one-sided").of({"disk": ["uniform", "hoop"], "samples": 2, "eta_hat": "1e-4:1e-2"})
-    trial = scene.trials(24, None)[-1]
-    found = trial.call(trial.plan("dop853", scene.accuracy))
+    samples = scene.reference_samples(24, None)[-1]
+    found = samples.call(samples.plan("dop853", scene.accuracy))
     tables = [scene.chunk(index)[0] for index in range(scene.chunks)]
     for table, both in zip(tables, (found[:2], found[2:]), strict=True):
         assert np.array_equal(table["status"], np.concatenate([motion.status for motion in both]))
@@ -68,7 +68,7 @@ def test_motions_of_a_trade_are_those_of_the_scene():
 def test_so_many_motions_of_a_trade_go_to_all_bodies(count, starts):
     """Six motions beside each start, and two bodies: as many starts of both as the number allows."""
     scene = scene_class("one-sided").of({"disk": ["uniform", "hoop"], "samples": 20, "eta_hat": "1e-4:1e-2"})
-    groups = scene.trials(count, None)[0].groups
+    groups = scene.reference_samples(count, None)[0].groups
     names = [states.disk.name for states, _ in groups]
     assert names == ["uniform"] * starts + ["hoop"] * starts
     assert {len(states) for states, _ in groups} == {6}
@@ -79,8 +79,8 @@ def test_states_of_the_user_are_measured(tmp_path):
     states = ex.phi_to_states(BODIES["hoop"], *rng.uniform(-1, 1, (4, 700)))
     scene = trade.scene_for("falling-set", {"states": states})
     assert scene.samples == 700
-    assert np.array_equal(scene.trials(1, None)[0].blocks[0].natural, states.natural)
-    assert np.array_equal(scene.trials(5, None)[1].groups[0][0].natural, states.natural[:, :5])
+    assert np.array_equal(scene.reference_samples(1, None)[0].blocks[0].natural, states.natural)
+    assert np.array_equal(scene.reference_samples(5, None)[1].groups[0][0].natural, states.natural[:, :5])
 
 
 def test_without_a_scene_passages_at_all_distances_are_measured():

@@ -1,4 +1,4 @@
-"""The ladder of models: which rung and which method a question gets."""
+"""The ladder of models: which level and which method a question gets."""
 
 from dataclasses import replace
 
@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 import explorer as ex
-from explorer.motion.plan import OBSERVABLES, RUNGS, plan
+from explorer.motion.plan import LEVELS, OBSERVABLES, plan
 from explorer.scenes.scene import NAMES, scene_class
 
 
 def test_the_lowest_rung_that_gives_everything_is_chosen():
-    assert plan(("face", "distance")).rung == "algebra"
-    assert plan(("theta_min", "face")).rung == "quadrature"
-    assert plan(("theta_min", "phi")).rung == "reduced"
-    assert plan(("phi", "chi")).rung == "angles"
-    assert plan(("contact", "phi")).rung == "path"
-    assert plan(()).rung == "algebra"
-    assert set(OBSERVABLES.values()) <= set(RUNGS)
+    assert plan(("face", "distance")).level == "algebra"
+    assert plan(("theta_min", "face")).level == "quadrature"
+    assert plan(("theta_min", "phi")).level == "reduced"
+    assert plan(("phi", "chi")).level == "angles"
+    assert plan(("contact", "phi")).level == "path"
+    assert plan(()).level == "algebra"
+    assert set(OBSERVABLES.values()) <= set(LEVELS)
 
 
 def test_a_plan_says_why():
@@ -61,7 +61,7 @@ def test_a_method_that_cannot_answer_is_refused():
 
 
 def test_an_integrator_asked_for_a_passage_carries_what_it_needs():
-    assert plan(("theta_min",), method="rk4").rung == "reduced"
-    assert plan(("theta_min", "race_angle"), method="rk4").rung == "angles"
+    assert plan(("theta_min",), method="rk4").level == "reduced"
+    assert plan(("theta_min", "race_angle"), method="rk4").level == "angles"
     assert "microseconds" in plan(("race_angle",), method="rk4").cost
     assert "every distance" in plan(("race_angle",)).cost

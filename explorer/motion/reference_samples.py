@@ -15,7 +15,7 @@ from explorer.motion.passages import Passages, passages_by, reference_passages
 from explorer.motion.plan import TIGHTEST, Plan, plan
 from explorer.motion.trajectories import Trajectories, trajectories_by
 from explorer.motion.turning_points import smallest_tilt
-from explorer.motion.vertical import Starts
+from explorer.motion.vertical import VerticalStarts
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array, States
 
@@ -42,7 +42,7 @@ class Tried(NamedTuple):
     steps: NDArray[np.int32] | None
 
 
-class Trial(ABC):
+class ReferenceSamples(ABC):
     """Samples with their true answers.
 
     kind: what they are. unit: what a cost is the cost of. error: what the error is, in words. in_time: whether
@@ -78,7 +78,7 @@ class Trial(ABC):
         return self.call(self.plan("rk8", ANY_ERROR, _FINEST))
 
 
-class PassageTrial(Trial):
+class ReferencePassages(ReferenceSamples):
     """Passages from starts at the vertical, as `passages` computes them."""
 
     kind = "passages"
@@ -86,7 +86,7 @@ class PassageTrial(Trial):
     error = "the largest of race angle, delta chi, delta psi (rad), duration and theta_min (relative)"
     observables = OF_PASSAGES
 
-    def __init__(self, disk: Disk, starts: Starts) -> None:
+    def __init__(self, disk: Disk, starts: VerticalStarts) -> None:
         self.disk, self.starts = disk, starts
 
     @cached_property
@@ -114,7 +114,7 @@ class PassageTrial(Trial):
         return Tried(np.max(np.abs(differences), axis=0), made.status, made.wrong_way, steps)
 
 
-class TiltTrial(Trial):
+class ReferenceTilts(ReferenceSamples):
     """Smallest tilts of states, block by block, as scenes compute them."""
 
     kind = "tilts"
@@ -154,7 +154,7 @@ class TiltTrial(Trial):
         return Tried(errors, status, np.zeros(status.size, bool), steps)
 
 
-class MotionTrial(Trial):
+class ReferenceMotions(ReferenceSamples):
     """Motions in time, as `simulate` follows them: some states of a disk at times of their own, group by group."""
 
     kind = "motions"
@@ -193,10 +193,10 @@ class MotionTrial(Trial):
         return Tried(*map(np.concatenate, (errors, status, turned, steps)))
 
 
-def through_time(states: States, t_end: float | None) -> MotionTrial:
+def through_time(states: States, t_end: float | None) -> ReferenceMotions:
     """Motions from states of one disk up to `t_end`, by default about as long as a passage takes."""
     last = _PASSAGE * states.disk.time_unit if t_end is None else t_end
-    return MotionTrial([(states, even_times(last))])
+    return ReferenceMotions([(states, even_times(last))])
 
 
 def even_times(t_end: float) -> Array:

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from explorer.motion import calibration, trade
-from explorer.motion.trials import PassageTrial
+from explorer.motion import calibration, work_precision
+from explorer.motion.reference_samples import ReferencePassages
 from explorer.motion.vertical import starts_at_vertical
 
 
 def row(method, p99, nanoseconds):
-    return trade.Row("passages", method, 1.0, 1e-3, p99, p99, p99, 1.0, nanoseconds, 0.0, 0.0, 0)
+    return work_precision.Row("passages", method, 1.0, 1e-3, p99, p99, p99, 1.0, nanoseconds, 0.0, 0.0, 0)
 
 
 @pytest.fixture(params=["passages", "motions"])
@@ -53,7 +53,7 @@ def test_what_is_asked_is_met_by_all_methods(part):
 def test_quadrature_stands_at_its_grades_and_only_where_it_gives_the_answer(traded):
     passages, motions = traded.parts
     found = [row for row in passages.rows if row.method == "quadrature"]
-    assert [row.setting for row in found] == list(trade.OF_QUADRATURE)
+    assert [row.setting for row in found] == list(work_precision.OF_QUADRATURE)
     assert all(row.p99 <= row.setting for row in found)
     assert not any(row.method == "quadrature" for row in motions.rows)
 
@@ -62,7 +62,7 @@ def test_errors_do_not_depend_on_when_they_are_measured():
     rng = np.random.default_rng(0)
     one = np.ones(32)
     start = starts_at_vertical(BODIES["uniform"], rng.uniform(-2, 2, 32), 10.0 ** rng.uniform(-8, 0, 32), one, one)
-    one, other = (trade.only_errors(PassageTrial(BODIES["uniform"], start)) for _ in range(2))
+    one, other = (work_precision.only_errors(ReferencePassages(BODIES["uniform"], start)) for _ in range(2))
     assert one == other
     assert set(one) == {(method, float(step)) for method, steps in calibration.SETTINGS.items() for step in steps}
 
@@ -78,7 +78,7 @@ def test_the_front_holds_what_nothing_beats():
         row("dop853", 1e-16, 400.0),  # more accurate than rounding lets it be
         row("quadrature", 1e-9, 1.0),
     ]
-    assert [found.on_front for found in trade.mark_front(rows)] == [
+    assert [found.on_front for found in work_precision.mark_front(rows)] == [
         True,
         True,
         False,
@@ -92,12 +92,12 @@ def test_the_front_holds_what_nothing_beats():
 
 def test_a_line_is_drawn_through_settings_that_gain():
     rows = [row("rk8", error, 1.0) for error in (1e-2, 1e-2, 1e-4, np.nan, 0.9e-4, 1e-8, 0.0, 0.0)]
-    assert [found.p99 for found in trade.best_of(rows)] == [1e-2, 1e-4, 1e-8, 0.0]
+    assert [found.p99 for found in work_precision.best_of(rows)] == [1e-2, 1e-4, 1e-8, 0.0]
 
 
 def test_settings_that_gain_nothing_calibrate_nothing(part):
     rows = [replace(row, p99=max(row.p99, 1e-9)) for row in part.rows]
-    table = trade.curves(replace(part, rows=rows), trade.largest_errors([rows], []))
+    table = work_precision.curves(replace(part, rows=rows), work_precision.largest_errors([rows], []))
     for method, curve in calibration.parse({"methods": table, "quadrature": 1.0}, "").curves.items():
         rounded = [row.setting for row in rows if row.method == method and row.p99 <= 1.5e-9]
         assert curve.setting[-1] >= rounded[0]
@@ -105,9 +105,9 @@ def test_settings_that_gain_nothing_calibrate_nothing(part):
 
 def test_errors_of_several_measurements_make_one_table(part):
     doubled = [replace(row, p99=2.0 * row.p99) for row in part.rows]
-    errors = trade.largest_errors([part.rows, doubled], [{("rk4", 0.25): 10.0}])
+    errors = work_precision.largest_errors([part.rows, doubled], [{("rk4", 0.25): 10.0}])
     assert errors["rk4", 0.25] == 10.0
     assert errors["rk8", 0.8] == 2.0 * next(r.p99 for r in part.rows if (r.method, r.setting) == ("rk8", 0.8))
-    table = trade.curves(part, errors)
+    table = work_precision.curves(part, errors)
     read = calibration.parse({"methods": table, "quadrature": 1.0}, "")
     assert read.curves["rk4"].error[0] == 10.0

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from explorer import compiled
 from explorer.motion.calibration import SAFETY, SETTINGS
 from explorer.motion.plan import LOOSEST, TIGHTEST
-from explorer.motion.trials import ANY_ERROR, Trial, Tried
+from explorer.motion.reference_samples import ANY_ERROR, ReferenceSamples, Tried
 
 STAGES = {"rk4": 4, "rk8": 12, "dopri5": 7, "dop853": 12}
 # What all methods are asked for, and quadrature at its best besides.
@@ -99,25 +99,25 @@ class Measured:
 Call = Callable[[], Any]
 
 
-def measure(trial: Trial, say: Callable[[str], None] = lambda text: None) -> Measured:
-    """Every method at every setting and accuracy on the samples of a trial."""
-    count, known = trial.known.size, int(trial.known.sum())
+def measure(samples: ReferenceSamples, say: Callable[[str], None] = lambda text: None) -> Measured:
+    """Every method at every setting and accuracy on samples."""
+    count, known = samples.known.size, int(samples.known.sum())
     rows, asked = list[tuple[Row, Call]](), list[tuple[Row, Call]]()
-    if not trial.in_time:
-        rows += [_at_accuracy(trial, "quadrature", accuracy) for accuracy in OF_QUADRATURE]
+    if not samples.in_time:
+        rows += [_at_accuracy(samples, "quadrature", accuracy) for accuracy in OF_QUADRATURE]
         asked += rows[: len(ASKED)]
     for method, settings in SETTINGS.items():
-        say(f"measuring {count:,} {trial.kind} by {method}")
-        rows += [_at_setting(trial, method, float(setting)) for setting in settings]
-        asked += [_at_accuracy(trial, method, accuracy) for accuracy in ASKED if accuracy >= TIGHTEST[method]]
-    say(f"timing {trial.kind}")
+        say(f"measuring {count:,} {samples.kind} by {method}")
+        rows += [_at_setting(samples, method, float(setting)) for setting in settings]
+        asked += [_at_accuracy(samples, method, accuracy) for accuracy in ASKED if accuracy >= TIGHTEST[method]]
+    say(f"timing {samples.kind}")
     seconds = _least_times([call for _, call in rows + asked])
     timed = [
         replace(row, nanoseconds=least / count * 1e9)
         for (row, _), least in zip(rows + asked, seconds, strict=True)
     ]
     return Measured(
-        trial.kind, trial.unit, trial.error, count, known, mark_front(timed[: len(rows)]), timed[len(rows) :]
+        samples.kind, samples.unit, samples.error, count, known, mark_front(timed[: len(rows)]), timed[len(rows) :]
     )
 
 
@@ -133,36 +133,46 @@ def _least_times(calls: list[Call]) -> list[float]:
     return list(map(min, times))
 
 
-def _without_refusals(trial: Trial, method: str, setting: float) -> Tried:
+def _without_refusals(samples: ReferenceSamples, method: str, setting: float) -> Tried:
     """What an integrator at one setting makes of the samples where none is refused for its error."""
-    return trial.compare(trial.call(trial.plan(method, ANY_ERROR, setting)), ANY_ERROR)
+    return samples.compare(samples.call(samples.plan(method, ANY_ERROR, setting)), ANY_ERROR)
 
 
-def _at_setting(trial: Trial, method: str, setting: float) -> tuple[Row, Call]:
+def _at_setting(samples: ReferenceSamples, method: str, setting: float) -> tuple[Row, Call]:
     """An integrator at one setting: its errors where none is refused, and what users then meet."""
-    tried = _without_refusals(trial, method, setting)
-    accuracy = float(np.clip(SAFETY * _quantiles(tried, trial.known)[1], TIGHTEST[method], LOOSEST))
-    call = partial(trial.call, trial.plan(method, accuracy, setting))
-    return _row(trial, method, setting, accuracy, tried, trial.compare(call(), accuracy)), call
+    tried = _without_refusals(samples, method, setting)
+    accuracy = float(np.clip(SAFETY * _quantiles(tried, samples.known)[1], TIGHTEST[method], LOOSEST))
+    call = partial(samples.call, samples.plan(method, accuracy, setting))
+    return _row(samples, method, setting, accuracy, tried, samples.compare(call(), accuracy)), call
 
 
-def _at_accuracy(trial: Trial, method: str, accuracy: float) -> tuple[Row, Call]:
+def _at_accuracy(samples: ReferenceSamples, method: str, accuracy: float) -> tuple[Row, Call]:
     """A method as `--accuracy` sets it."""
-    call = partial(trial.call, trial.plan(method, float(accuracy)))
-    met = trial.compare(call(), accuracy)
-    return _row(trial, method, float(accuracy), float(accuracy), met, met), call
+    call = partial(samples.call, samples.plan(method, float(accuracy)))
+    met = samples.compare(call(), accuracy)
+    return _row(samples, method, float(accuracy), float(accuracy), met, met), call
 
 
-def _row(trial: Trial, method: str, setting: float, accuracy: float, errors: Tried, met: Tried) -> Row:
+def _row(
+    samples: ReferenceSamples, method: str, setting: float, accuracy: float, errors: Tried, met: Tried
+) -> Row:
     """The row of what was tried: its errors, and what became of the samples at that accuracy."""
-    known, code = trial.known, compiled.status.Status
+    known, code = samples.known, compiled.status.Status
     steps = 0.0 if errors.steps is None else STAGES.get(method, 0) * float(errors.steps[known].mean())
     unresolved = met.status[known] == code.UNRESOLVED_SIDE
     refused = (met.status[known] != code.OK) & ~unresolved
     wrong = int((met.wrong_way & known & (met.status == code.OK)).sum())
     shares = float(unresolved.mean()), float(refused.mean())
     return Row(
-        trial.kind, method, setting, accuracy, *_quantiles(errors, known), steps, np.inf, *shares, wrong_way=wrong
+        samples.kind,
+        method,
+        setting,
+        accuracy,
+        *_quantiles(errors, known),
+        steps,
+        np.inf,
+        *shares,
+        wrong_way=wrong,
     )
 
 
@@ -196,10 +206,10 @@ def best_of(rows: list[Row]) -> list[Row]:
     return best
 
 
-def only_errors(trial: Trial) -> Errors:
+def only_errors(samples: ReferenceSamples) -> Errors:
     """The 99th percentile of every integrator at every setting, without times."""
     return {
-        (method, float(setting)): _quantiles(_without_refusals(trial, method, float(setting)), trial.known)[1]
+        (method, float(setting)): _quantiles(_without_refusals(samples, method, float(setting)), samples.known)[1]
         for method, settings in SETTINGS.items()
         for setting in settings
     }

@@ -6,16 +6,16 @@ from conftest import BODIES
 
 import explorer as ex
 from explorer.motion.passages import passages
-from explorer.motion.trajectories import trajectories
-from explorer.motion.trials import (
+from explorer.motion.reference_samples import (
     ANY_ERROR,
     IN_TIME,
-    MotionTrial,
-    PassageTrial,
-    TiltTrial,
+    ReferenceMotions,
+    ReferencePassages,
+    ReferenceTilts,
     even_times,
     through_time,
 )
+from explorer.motion.trajectories import trajectories
 from explorer.motion.vertical import starts_at_vertical
 from explorer.phase.states import constants_to_states
 
@@ -31,17 +31,17 @@ def start():
 
 @pytest.mark.parametrize("method", ["quadrature", "rk8"])
 def test_passages_are_those_of_the_public_call(start, method):
-    trial = PassageTrial(DISK, starts_at_vertical(DISK, *start))
-    found, _ = trial.call(trial.plan(method, 1e-6))
+    samples = ReferencePassages(DISK, starts_at_vertical(DISK, *start))
+    found, _ = samples.call(samples.plan(method, 1e-6))
     called = passages(DISK, *start, method=method, accuracy=1e-6)
     for name in ("race_angle", "theta_min", "duration", "error_estimate", "status"):
         assert np.array_equal(getattr(found, name), getattr(called, name))
 
 
 def test_a_setting_is_what_is_integrated_with_and_refuses_nothing(start):
-    trial = PassageTrial(DISK, starts_at_vertical(DISK, *start))
+    samples = ReferencePassages(DISK, starts_at_vertical(DISK, *start))
     coarse, fine = (
-        trial.compare(trial.call(trial.plan("rk4", ANY_ERROR, step)), ANY_ERROR) for step in (0.5, 0.1)
+        samples.compare(samples.call(samples.plan("rk4", ANY_ERROR, step)), ANY_ERROR) for step in (0.5, 0.1)
     )
     assert (coarse.status == ex.Status.OK).all()
     assert 4.5 < fine.steps.sum() / coarse.steps.sum() < 5.5
@@ -50,30 +50,30 @@ def test_a_setting_is_what_is_integrated_with_and_refuses_nothing(start):
 
 def test_a_passage_on_the_other_side_is_on_the_wrong_way(start):
     sigma3_bar, eta_hat, speed, face = start
-    trial = PassageTrial(DISK, starts_at_vertical(DISK, *start))
-    mirrored = PassageTrial(DISK, starts_at_vertical(DISK, sigma3_bar, -eta_hat, speed, face))
-    how = trial.plan("quadrature", 1e-6)
+    samples = ReferencePassages(DISK, starts_at_vertical(DISK, *start))
+    mirrored = ReferencePassages(DISK, starts_at_vertical(DISK, sigma3_bar, -eta_hat, speed, face))
+    how = samples.plan("quadrature", 1e-6)
     near = abs(eta_hat) < 1e-3
-    wrong = trial.compare(mirrored.call(how), 1e-6)
+    wrong = samples.compare(mirrored.call(how), 1e-6)
     # Each races as its own eta says, and by 2 kappa pi away from the passage that was meant.
     assert np.allclose(wrong.errors[near], 2.0 * DISK.race_limit, atol=0.05)
 
 
 def test_tilts_are_those_that_scenes_compute_block_by_block(start):
     states = constants_to_states(DISK, *start)
-    trial = TiltTrial([states.at(np.arange(10)), states.at(np.arange(10, 24))])
-    tried = trial.compare(trial.call(trial.plan("dop853", ANY_ERROR, 1e-12)), ANY_ERROR)
-    assert trial.known.all()
+    samples = ReferenceTilts([states.at(np.arange(10)), states.at(np.arange(10, 24))])
+    tried = samples.compare(samples.call(samples.plan("dop853", ANY_ERROR, 1e-12)), ANY_ERROR)
+    assert samples.known.all()
     assert tried.errors.max() < 1e-10
-    assert trial.exact[0] == pytest.approx(passages(DISK, *start).theta_min, rel=1e-9)
-    own = trial.compare(trial.call(trial.plan("quadrature", 1e-6)), 1e-6).errors
+    assert samples.exact[0] == pytest.approx(passages(DISK, *start).theta_min, rel=1e-9)
+    own = samples.compare(samples.call(samples.plan("quadrature", 1e-6)), 1e-6).errors
     assert 0.0 < own.max() < 1e-12  # it is not its own measure
 
 
 def test_motions_are_those_of_the_public_call(start):
     states = constants_to_states(DISK, *start)
-    trial = through_time(states, 2.0)
-    (found,) = trial.call(trial.plan("dopri5", 1e-6))
+    samples = through_time(states, 2.0)
+    (found,) = samples.call(samples.plan("dopri5", 1e-6))
     called = trajectories(states, t_eval=even_times(2.0), observables=IN_TIME, method="dopri5", accuracy=1e-6)
     assert np.array_equal(found.chi, called.chi)
     assert np.array_equal(found.path, called.path)
@@ -83,22 +83,22 @@ def test_the_truth_of_motions_is_that_of_passages_where_the_time_is_one(start):
     exact = passages(DISK, *start, accuracy=1e-11)
     for i in range(6):
         states = constants_to_states(DISK, *(column[i : i + 1] for column in start))
-        trial = MotionTrial([(states, exact.duration[i : i + 1])])
-        assert trial.exact[0].chi[0, 0] == pytest.approx(exact.delta_chi[i], abs=1e-11)
-        assert trial.exact[0].psi[0, 0] == pytest.approx(exact.delta_psi[i], abs=1e-11)
+        samples = ReferenceMotions([(states, exact.duration[i : i + 1])])
+        assert samples.exact[0].chi[0, 0] == pytest.approx(exact.delta_chi[i], abs=1e-11)
+        assert samples.exact[0].psi[0, 0] == pytest.approx(exact.delta_psi[i], abs=1e-11)
 
 
 def test_a_motion_on_the_other_side_is_counted_and_races_are_left_out(start):
     sigma3_bar, eta_hat, speed, face = start
-    trial = through_time(constants_to_states(DISK, *start), 2.5)
+    samples = through_time(constants_to_states(DISK, *start), 2.5)
     other = through_time(constants_to_states(DISK, sigma3_bar, -eta_hat, speed, face), 2.5)
-    how = trial.plan("rk8", 1e-6)
-    assert not trial.compare(trial.call(how), 1e-6).wrong_way.any()
-    crossed = trial.exact[0].phi.min(axis=1) < 0.0  # those that have been near flat and come back
+    how = samples.plan("rk8", 1e-6)
+    assert not samples.compare(samples.call(how), 1e-6).wrong_way.any()
+    crossed = samples.exact[0].phi.min(axis=1) < 0.0  # those that have been near flat and come back
     near = abs(eta_hat) < 1e-3
-    assert trial.compare(other.call(how), 1e-6).wrong_way[near & crossed].all()
+    assert samples.compare(other.call(how), 1e-6).wrong_way[near & crossed].all()
     assert (near & crossed).any()
-    racing = MotionTrial(
+    racing = ReferenceMotions(
         [(constants_to_states(DISK, 1.0, 1e-6, 1.0), passages(DISK, 1.0, 1e-6, 1.0).duration / 2.0)]
     )
     assert racing.compare(racing.call(how), 1e-6).errors == [0.0]
