@@ -52,13 +52,12 @@ class Figure {
 
     this.slider.addEventListener("input", () => this.slid());
     this.play.addEventListener("click", () => { this.player.toggle(); this.stale = true; });
-    let from = 0;
-    const dragged = (x) => {
-      this.slider.value = Number(this.slider.value) + ((max - min) * (x - from)) / this.canvas.clientWidth;
-      from = x;
+    let from = null; // where a drag began, and the value then: steps of a hand are smaller than those of the slider
+    const drag = (x) => {
+      this.slider.value = from.value + ((max - min) * (x - from.x)) / this.canvas.clientWidth;
       this.slid();
     };
-    onDrag(this.canvas, dragged, (x) => { from = x; });
+    onDrag(this.canvas, drag, (x) => { from = { x, value: Number(this.slider.value) }; });
     watch(this.element, (visible) => { this.visible = visible; });
   }
 

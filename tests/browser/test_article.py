@@ -237,6 +237,17 @@ def test_the_keyboard_plays_a_scene_and_leaves_the_laboratory_alone(article):
     assert article.evaluate("[nearflat.player.running, nearflat.store.shown]") == before
 
 
+def test_a_picture_is_dragged_by_steps_of_a_hand(article):
+    go_to(article, "coin")
+    x, y = article.evaluate("""(() => {
+        const box = document.querySelector('#coin canvas').getBoundingClientRect();
+        return [box.left + box.width / 2, box.top + box.height / 2];
+    })()""")
+    article.drag([(x - step, y) for step in range(0, 100, 2)])
+    article.frames(3)
+    assert number_in(article.evaluate("document.querySelector('#coin output').textContent").rstrip("°")) < 50
+
+
 def test_a_picture_is_dragged_aside_and_scrolled_up(article):
     article.size(375, 800, mobile=True)
     go_to(article, "coin")
