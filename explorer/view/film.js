@@ -120,7 +120,7 @@ export class Film {
     };
     paintOutlines(0, falls[0].down, WHITE, (tilt) => (0.75 - 0.45 * near) * (1 - 0.48 * tilt));
     this.racesAt(states).forEach((race, n) => {
-      if (race) drawTail(context, camera, states[n][CHI], race, n, this.sides[n], GROUND, 1);
+      if (race) drawTail(context, camera, states[n][CHI], race, n, this.sides[n], GROUND, 1, true);
     });
     const own = states.map((at) => (share > this.middle ? smooth(tiltOf(at, face), 0.04, APART) : 0));
     context.globalAlpha = own[0];
