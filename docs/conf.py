@@ -2,12 +2,9 @@
 
 import re
 from importlib.metadata import version as installed
-from pathlib import Path
 
 from docutils import nodes
 from latex2mathml.converter import convert
-
-from explorer.view.page import view
 
 project = "nearflat"
 author = "The nearflat authors"
@@ -30,13 +27,10 @@ html_title = "nearflat"
 html_show_sourcelink = False
 html_copy_source = False
 html_math_renderer = "mathml"
-html_static_path = ["_static", "../results/portrait/hero.png"]
-html_css_files = ["site.css"]
-html_sidebars = {"index": []}
 html_theme_options = {
     "navigation_depth": 2,
     "show_toc_level": 2,
-    "secondary_sidebar_items": {"index": [], "**": ["page-toc"]},
+    "header_links_before_dropdown": 6,
     "footer_start": ["copyright"],
     "footer_end": [],
 }
@@ -59,15 +53,8 @@ def plain_bars(app, what, name, obj, options, lines):
     lines[:] = [re.sub(r"\|([\w-]+)\|", r"\\|\1\\|", line) for line in lines]
 
 
-def write_article(app, error):
-    """The article, with its laboratory, as a page of the site."""
-    if error is None:
-        view().save(Path(app.outdir) / "play.html")
-
-
 def setup(app):
-    """Register the renderer of formulas, the reader of docstrings, and the article."""
+    """Register the renderer of formulas, and the reader of docstrings."""
     app.connect("autodoc-process-docstring", plain_bars)
-    app.connect("build-finished", write_article)
     app.add_html_math_renderer("mathml", (inline_math, None), (displayed_math, None))
     return {"parallel_read_safe": True}

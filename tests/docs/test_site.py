@@ -48,34 +48,6 @@ def test_search_finds_a_phrase_from_files_and_nothing_leaves(site, browser):
     assert [address for address in browser.requests() if not address.startswith(("file:", "data:"))] == []
 
 
-def test_the_landing_page_shows_picture_install_line_and_four_doors_on_one_screen(site, browser):
-    browser.size(1280, 800)
-    browser.open(site / "index.html")
-    code = """name => [...document.querySelectorAll(name)].map(
-        element => [element.getBoundingClientRect().bottom, element.naturalWidth ?? 1])"""
-    for name, count in (("img[src$='hero.webp']", 1), ("article pre", 1), ("article th a", 4), ("td img", 4)):
-        seen = browser.evaluate(f'({code})("{name}")')
-        assert len(seen) == count
-        assert all(bottom <= 800 and width > 0 for bottom, width in seen), name
-
-
-def test_the_article_is_a_page_of_the_site(site, browser):
-    browser.open(site / "index.html")
-    address = browser.evaluate("document.querySelector('article a[href=\"play.html\"]').getAttribute('href')")
-    browser.open(site / address)
-    browser.frames(3)
-    assert browser.evaluate("nearflat.article.figures.length") == 8
-    assert browser.problems() == []
-
-
-@pytest.mark.parametrize("width", [375, 1280])
-def test_no_page_is_wider_than_the_window(site, browser, width):
-    browser.size(width, 800)
-    for page in sorted(site.rglob("*.html")):
-        browser.open(page)
-        assert browser.evaluate("document.documentElement.scrollWidth") <= width, page.name
-
-
 def test_every_page_is_in_the_site(site):
     pages = {page.relative_to(ROOT / "docs").with_suffix(".html") for page in (ROOT / "docs").rglob("*.md")}
     assert {page for page in pages if not (site / page).is_file()} == set()
