@@ -2,9 +2,13 @@
 
 import re
 from importlib.metadata import version as installed
+from pathlib import Path
 
 from docutils import nodes
 from latex2mathml.converter import convert
+from numpydoc.xref import DEFAULT_LINKS
+
+import explorer as ex
 
 project = "nearflat"
 author = "The nearflat authors"
@@ -13,13 +17,23 @@ release = version = installed("nearflat")
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc", "sphinx_copybutton"]
 source_suffix = {".md": "markdown"}
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "**/README.md", "**/*.json", "**/*.parquet"]
 nitpicky = False
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
+myst_html_meta = {"description": "How a rolling disk nearly falls flat, at any distance from falling"}
 autodoc_typehints = "none"  # numpydoc sections give the types, with shapes and units
 numpydoc_show_class_members = False
+# In the sections of docstrings, types are links to what is said of them.
+numpydoc_xref_param_type = True
+numpydoc_xref_ignore = "all"
+DEFAULT_LINKS.clear()  # they lead to other sites
+numpydoc_xref_aliases = {
+    name: path
+    for page in Path(__file__).parent.glob("reference/python/*.md")
+    for path, name in re.findall(r"autoclass:: (\S+\.(\w+))", page.read_text("utf-8"))
+}
 autosummary_generate = False  # numpydoc loads autosummary, whose stubs would be reStructuredText
 
 html_theme = "pydata_sphinx_theme"
@@ -27,9 +41,16 @@ html_title = "nearflat"
 html_show_sourcelink = False
 html_copy_source = False
 html_math_renderer = "mathml"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_logo = html_favicon = "_static/disk.svg"
+html_extra_path = ["../results"]  # pictures of the gallery and the landing page
+html_context = {"default_mode": "auto"}
+html_sidebars = {"index": [], "gallery": []}
 html_theme_options = {
-    "navigation_depth": 2,
-    "show_toc_level": 2,
+    "logo": {"text": "nearflat"},
+    "navigation_depth": 3,
+    "secondary_sidebar_items": [],
     "header_links_before_dropdown": 6,
     "footer_start": ["copyright"],
     "footer_end": [],
@@ -50,11 +71,19 @@ def displayed_math(translator, node):
 
 def plain_bars(app, what, name, obj, options, lines):
     """|eta_hat| in a docstring is an absolute value, and nothing to be replaced."""
-    lines[:] = [re.sub(r"\|([\w-]+)\|", r"\\|\1\\|", line) for line in lines]
+    lines[:] = [re.sub(r"\|([\w()/-]+)\|", r"\\|\1\\|", line) for line in lines]
+
+
+def live_page(app, error):
+    """The article, and its laboratory in the frame of the landing page."""
+    if error is None and app.builder.format == "html":
+        ex.view().save(Path(app.outdir) / "article.html")
+        ex.view(ex.Disk.uniform()).save(Path(app.outdir) / "page.html")
 
 
 def setup(app):
-    """Register the renderer of formulas, and the reader of docstrings."""
+    """Register the renderer of formulas, the reader of docstrings, and the page in its frame."""
+    app.connect("build-finished", live_page)
     app.connect("autodoc-process-docstring", plain_bars)
     app.add_html_math_renderer("mathml", (inline_math, None), (displayed_math, None))
     return {"parallel_read_safe": True}

@@ -23,7 +23,7 @@ class Constants(Result):
         Values at the vertical of the motion's sigma3 and sigma4, units of the disk, eq. (3.5).
         sigma4_bar is NaN where I3 = 0.
     eta_hat_plus, eta_hat_minus : array
-        Signed distance of (sigma3_bar, sigma4_bar) from the lines l_+ and l_-, measured along sigma4_bar,
+        Signed distance of (sigma3_bar, sigma4_bar) from the lines ``l_+`` and ``l_-``, measured along sigma4_bar,
         units of the disk, eq. (6.2); NaN where I3 = 0.
     eta_plus, eta_minus : array
         The same times I3 r(0).

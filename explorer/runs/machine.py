@@ -29,7 +29,7 @@ def arithmetic() -> str:
     their exponentials and powers by the instructions that they find.
     """
     known = np.show_config(mode="dicts")["SIMD Extensions"]  # what numpy has code of its own for, and found
-    numpy = [*known["baseline"], *known["found"]][-1]
+    numpy = [*known["baseline"], *known.get("found", ())][-1]  # which is left out where it is empty
     fused = "fused" if compiled.target()[1] else "not fused"
     libc = " ".join(platform.libc_ver()).strip() or platform.system()
     return f"{platform.machine()}, products {fused}, numpy {numpy}, {libc}"

@@ -7,6 +7,7 @@ A part of a page stands between `<!-- made: NAME -->` and `<!-- end -->`; keywor
 import argparse
 import inspect
 import re
+from functools import partial
 from pathlib import Path
 
 import explorer as ex
@@ -116,29 +117,75 @@ def misprints():
     return "\n".join(f"| {' | '.join(row)} |" for row in [kept[0], ["---"] * len(kept[0]), *kept[1:]])
 
 
-def described(home, names):
-    """A table of names with their first sentences, and the full text of each for the site."""
-    objects = {name: getattr(home, name) for name in sorted(names) if not inspect.ismodule(getattr(home, name))}
-    firsts = [(f"`{name}`", (inspect.getdoc(value) or "").partition("\n\n")[0]) for name, value in objects.items()]
-    kinds = {name: "autoclass" if inspect.isclass(value) else "autofunction" for name, value in objects.items()}
+# The pages about Python: of what they are, and the rooms whose public names they have.
+SUBJECTS = {
+    "states": ("Bodies, states and their constants", {"phase"}),
+    "motions": ("Motions", {"motion"}),
+    "statistics": ("Statistics of falling", {"measure"}),
+    "runs": ("Runs of many states", {"runs", "scenes", "commands"}),
+    "pictures": ("Pictures and the page", {"pictures", "view"}),
+    "errors": ("Errors, warnings and statuses", {"errors", "status"}),
+}
+# Sphinx takes these for the rooms of the same names.
+_ROOMS = {"view": "explorer.view.page", "pictures": "explorer.pictures.calls"}
+
+
+def public(subject):
+    """The public names of a subject with their objects."""
+    found = {name: getattr(ex, name) for name in ex.__all__ if not inspect.ismodule(getattr(ex, name))}
+    return {
+        name: value
+        for name, value in sorted(found.items())
+        if value.__module__.split(".")[1] in SUBJECTS[subject][1]
+    }
+
+
+def returned(values):
+    """The classes that functions return and that have no public name."""
+    for value in values:
+        if inspect.isfunction(value):
+            kind = inspect.signature(value).return_annotation
+            kind = vars(inspect.getmodule(value)).get(kind) if isinstance(kind, str) else kind
+            if (
+                inspect.isclass(kind)
+                and kind.__module__.startswith("explorer.")
+                and not hasattr(ex, kind.__name__)
+            ):
+                yield f"{kind.__module__}.{kind.__name__}"
+
+
+def subject(name):
+    """The full text of all names of a subject, and of what they return, for the site."""
+    objects = public(name)
+    kinds = {word: "autoclass" if inspect.isclass(value) else "autofunction" for word, value in objects.items()}
     kinds["pictures"] = "autodata"
-    # Sphinx takes these for the rooms of the same names.
-    rooms = {"view": "explorer.view.page", "pictures": "explorer.pictures.calls"}
-    homes = {name: rooms.get(name, home.__name__) for name in objects}
-    texts = [f".. {kinds[name]}:: {homes[name]}.{name}\n" for name in objects]
-    return table(["name", "what it does"], firsts) + "\n\n```{eval-rst}\n" + "\n".join(texts) + "```\n"
+    texts = [f".. {kinds[word]}:: {_ROOMS.get(word, 'explorer')}.{word}\n" for word in objects]
+    texts += [f".. autoclass:: {path}\n" for path in dict.fromkeys(returned(objects.values()))]
+    return "```{eval-rst}\n" + "\n".join(texts) + "```"
 
 
 def python():
-    """All public names."""
+    """All public names with their first sentences, by subject."""
+    parts = []
+    for name, (title, _) in SUBJECTS.items():
+        firsts = [
+            (f"`{word}`", (inspect.getdoc(each) or "").partition("\n\n")[0]) for word, each in public(name).items()
+        ]
+        parts.append(f"## [{title}](python/{name}.md)\n\n{table(['name', 'what it does'], firsts)}\n")
+    return "\n".join(parts)
+
+
+def all_pictures():
+    """All pictures, with what they take."""
     told = {name: " ".join(inspect.getdoc(each.draw).split()) for name, each in sorted(ex.pictures.items())}
     rows = [(f"`{name}{ex.pictures[name].signature}`", text) for name, text in told.items()]
-    shown = table(["picture", "what it draws"], rows)
-    return f"## Functions and classes\n\n{described(ex, ex.__all__)}\n## Pictures\n\n{shown}\n"
+    return table(["picture", "what it draws"], rows)
 
 
 MAKERS = {
     "python": python,
+    "all-pictures": all_pictures,
+    **{f"python-{name}": partial(subject, name) for name in SUBJECTS},
     "command-line": command_line,
     "options": options,
     "columns": columns,

@@ -1,5 +1,6 @@
 """The site is built without a warning and works from files."""
 
+import re
 import subprocess
 import sys
 
@@ -9,6 +10,13 @@ from docs.pages import ROOT
 
 pytestmark = pytest.mark.long
 
+PAGES = [page.relative_to(ROOT / "docs").with_suffix(".html") for page in sorted((ROOT / "docs").rglob("*.md"))]
+# Code and formulas that are wider than their place.
+CUT = """[...document.querySelectorAll('.bd-article pre, .bd-article .formula')]
+    .filter(each => each.scrollWidth > each.clientWidth + 1).map(each => each.textContent.slice(0, 60))"""
+# How far down what one should see at once reaches.
+LOWEST = """Math.max(...[...document.querySelectorAll('.landing img, .landing pre, .doors a')]
+    .map(each => each.getBoundingClientRect().bottom))"""
 # A promise that is kept when the search shows a page; the browser gives up after 20 s.
 FOUND = """new Promise(done => {
     const look = () => document.querySelector('ul.search li') ? done() : setTimeout(look, 50);
@@ -48,6 +56,32 @@ def test_search_finds_a_phrase_from_files_and_nothing_leaves(site, browser):
     assert [address for address in browser.requests() if not address.startswith(("file:", "data:"))] == []
 
 
-def test_every_page_is_in_the_site(site):
-    pages = {page.relative_to(ROOT / "docs").with_suffix(".html") for page in (ROOT / "docs").rglob("*.md")}
-    assert {page for page in pages if not (site / page).is_file()} == set()
+@pytest.mark.parametrize("width", [375, 1280])
+def test_no_formula_and_no_code_is_cut(site, browser, width):
+    browser.size(width, 800, mobile=width < 500)
+    for page in PAGES:
+        browser.open(site / page)
+        assert (page, browser.evaluate(CUT)) == (page, [])
+        assert browser.evaluate("document.documentElement.scrollWidth") == width
+
+
+def test_the_landing_page_shows_picture_line_and_doors_without_scrolling(site, browser):
+    browser.size(1280, 800)
+    browser.open(site / "index.html")
+    browser.evaluate("Promise.all([...document.images].map(each => each.decode()))")
+    assert browser.evaluate(LOWEST) <= 800
+
+
+def test_the_picture_of_the_landing_page_leads_to_the_article(site, browser):
+    browser.open(site / "index.html")
+    browser.open(site / browser.evaluate("document.querySelector('.landing a').getAttribute('href')"))
+    assert browser.evaluate("nearflat.article.figures.length") == 8
+    assert browser.problems() == []
+
+
+def test_every_page_is_in_the_site_and_all_its_pictures_too(site, browser):
+    assert {page for page in PAGES if not (site / page).is_file()} == set()
+    for page in (*PAGES, "page.html"):
+        text = (site / page).read_text("utf-8")
+        shown = re.findall(r'<(?:img|iframe)[^>]* src="([^":]+)"', text)
+        assert [name for name in shown if not (site / page).parent.joinpath(name).is_file()] == []

@@ -27,6 +27,7 @@ def test_the_arithmetic_is_that_of_the_kind_that_is_compiled_for():
     assert old["arithmetic"].replace("not fused", "fused") == here["arithmetic"].replace("not fused", "fused")
     named = asked(NUMBA_CPU_NAME="x86-64", NPY_DISABLE_CPU_FEATURES="")
     assert (named["compiled_for"], named["arithmetic"]) == ("x86-64", here["arithmetic"])
+    assert "products" in asked(NPY_DISABLE_CPU_FEATURES="X86_V3 X86_V4 AVX512_ICL AVX512_SPR")["arithmetic"]
     assert "products fused" in asked(NUMBA_CPU_NAME="haswell", NUMBA_CPU_FEATURES="+avx2,+fma")["arithmetic"]
 
 
