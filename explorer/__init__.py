@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from explorer.measure.slices import slice_map as slice_map
     from explorer.motion.both_sides import both_sides as both_sides
     from explorer.motion.bounces import bounces as bounces
+    from explorer.motion.compare import Comparison as Comparison
+    from explorer.motion.compare import compare as compare
     from explorer.motion.forces import passage_forces as passage_forces
     from explorer.motion.limit_motions import limit_motion as limit_motion
     from explorer.motion.passages import passages as passages

@@ -22,6 +22,8 @@ from typing import Any
 
 MOST_JOBS = 1024  # threads or processes: more only take memory
 SHOWN = 60  # characters of a value in it
+_ELSEWHERE = {"rk45": "dopri5", "ode45": "dopri5"}  # what other programs call a word that is known here
+_THOUSANDS = {"k": "e3", "M": "e6"}  # 10k
 _WHOLE = re.compile(r"[+-]?\d{1,400}", re.ASCII)  # Python refuses to read very long ones
 
 
@@ -141,8 +143,9 @@ def plain_number(value: Any) -> Any:
 def double_of(value: Any) -> float | None:
     """A number, or text that is one, as a double, infinite beyond them; None where it is no real number."""
     if isinstance(value, str):
+        text = value.rstrip()
         try:
-            return float(value)
+            return float(text[:-1] + _THOUSANDS[text[-1]] if text[-1:] in _THOUSANDS else text)
         except ValueError:
             return None
     plain = plain_number(value)
@@ -239,6 +242,9 @@ def suggest(value: Any, known: Collection[str]) -> str:
 
 def nearest(value: Any, known: Collection[str]) -> str:
     """The word that was probably meant; empty where none is near."""
+    if isinstance(value, str):
+        lower = value.lower()
+        value = next((name for name in known if name.lower() == _ELSEWHERE.get(lower, lower)), value)
     near = get_close_matches(value, known, n=1) if isinstance(value, str) else []
     if isinstance(value, str) and len(value.strip("-")) > 2 and not get_close_matches(value, near, 1, 0.8):
         # The beginning of a name says more than a few of its letters do.

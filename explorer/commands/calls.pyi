@@ -26,9 +26,9 @@ class Keywords(TypedDict, total=False):
     box: str | Box | Mapping[str, tuple[float, float]]
     energy: str | tuple[float | None, float | None] | float | tuple[float, float]
     gaussian: str | Box | Mapping[str, tuple[float, float]]
-    density: Callable[[Array, Array, Array, Array], Array]
-    states: Path | str | States | Any
+    density: Callable[..., Array]
     degrees: bool
+    states: Path | str | States | Any
     theta_min: Literal['all', 'near', 'none']
     slice: str | Slice | Sequence[str | Slice]
     grid: int | float | str

@@ -31,8 +31,7 @@ _STEPS: tuple[tuple[str, dict[str, Any], str], ...] = (
         "How far does the contact point race round the rim? Passages {how}.",
     ),
 )
-# What is computed a second time by the exact layer, and whether its difference is relative.
-_BESIDE = {"falling-set": ("theta_min", True), "race-angles": ("race_angle", False)}
+_BESIDE = {"falling-set": "theta_min", "race-angles": "race_angle"}  # what the exact layer computes, too
 
 
 class Demo(Options):
@@ -69,8 +68,7 @@ def demo(given: Demo, command: str, quiet: bool) -> list[Run]:
         runs.append(execute(asked(scene, {**how, "out": out / name}, exist="replace")))
         lines = scene.headline(runs[-1].summary)
         if isinstance(scene, SampledScene):
-            column, relative = _BESIDE[name]
-            compared[name] = side_by_side(scene, column, relative=relative, jobs=given.jobs)
+            compared[name] = side_by_side(scene, _BESIDE[name], jobs=given.jobs)
             lines += in_words(compared[name])
         note("\n".join(f"  {line}" for line in lines), quiet)
         page += ["", f"## {title}", "", *(f"- {line}" for line in lines)]

@@ -70,6 +70,9 @@ COMMANDS = {
     "portrait": Command("portrait", "Draw F, phase portraits, slices, races, paths and a film.", "--disk hoop"),
     "view": Command("view", "Write one page: an article on what the disk does, and a laboratory of it.", _VIEW),
     "gallery": Command("gallery", "Write the page of a folder of results, with every command.", "results"),
+    "completion": Command(
+        "completion", "Print what a shell needs to complete: source <(nearflat completion).", ""
+    ),
     "cite": Command("cite", "Print BibTeX of this software and of the paper.", ""),
     "warmup": Command("warmup", "Compile all kernels into the cache.", ""),
 }

@@ -12,8 +12,8 @@ from explorer.motion.forces import KERNELS as FORCES
 from explorer.motion.forces import passage_forces
 from explorer.motion.passages import OBSERVABLES, passage_kernels, passages
 from explorer.motion.plan import METHODS, plan
-from explorer.phase.columns import column
 from explorer.phase.disk import Disk
+from explorer.phase.results import unit_of
 from explorer.scenes.options import DISK, NUMBER, Options, Reader, option, plain, word_of
 
 _ROUNDING = 1e-12  # of a normal force, m g: a hoop may touch zero
@@ -83,25 +83,19 @@ def _physicality(normal: float, friction: float) -> list[str]:
     return [needs] if friction > 1.0 else []
 
 
-def passage_text(report: dict[str, Any]) -> str:
+def passage_text(report: dict[str, Any], disk: Disk) -> str:
     """The report as lines of text."""
     lines = []
     for name, value in report.items():
         if isinstance(value, str | int):
             lines.append(f"{name:18} {value}")
         elif isinstance(value, float) and name != "accuracy":
-            lines.append(f"{name:18} {value:.12g} {_unit(name)}".rstrip())
+            unit = "m g" if name == "min_normal_force" else unit_of(name, disk)
+            lines.append(f"{name:18} {value:.12g} {unit}".rstrip())
     for name, values in report.get("limits", {}).items():
         sign = ">" if name == "plus" else "<"
         lines += [f"limit, eta {sign} 0     {key} {value:+.12g} rad" for key, value in values.items()]
     return "\n".join(lines)
-
-
-def _unit(name: str) -> str:
-    if name == "min_normal_force":
-        return "m g"
-    unit = column(name).unit
-    return unit if unit in ("", "rad") else f"units of the disk ({unit})"
 
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
@@ -117,4 +111,4 @@ def call(options: argparse.Namespace) -> Answer:
     report = passage_report(start)
     for warning in report["warnings"]:
         note(f"nearflat passage: {warning}", options.quiet)
-    return Answer(report, passage_text(report), 0 if report["status"] in ("ok", "falls") else 1)
+    return Answer(report, passage_text(report, start.disk), 0 if report["status"] in ("ok", "falls") else 1)

@@ -106,4 +106,4 @@ def call(options: argparse.Namespace) -> Answer:
     asked = Drawn.of(Drawn.said(options))
     given = {name: value for name, value in Portrait.said(options).items() if name in _OF_PHASE}
     files = [str(path) for path in portrait(asked, given, options.quiet)]
-    return Answer({"files": files}, f"{len(files)} pictures are in {asked.out}.")
+    return Answer({"files": files}, f"{len(files)} files are in {asked.out}.")

@@ -2,7 +2,8 @@
 
 A density is a function of (phi, phidot, sigma3, sigma4) in the units of the disk, with respect to the
 invariant measure dphi dphidot dsigma3 dsigma4, up to a factor: a box, optionally cut at energies, times
-Gaussians, times any function that a user gives.
+Gaussians, times any function that a user gives. States are drawn from one of the coordinates of any other chart,
+too, with respect to these.
 """
 
 import hashlib
@@ -16,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, shown
-from explorer.measure.sampling import BLOCK, Box, Range, Stream, gather, parse_ranges
+from explorer.measure.sampling import BLOCK, Box, Range, Ranges, Stream, box_of, gather, parse_ranges
 from explorer.phase.arguments import read_range, returned_numbers
 from explorer.phase.disk import Disk
-from explorer.phase.states import COORDINATES, Array, phi_to_states
+from explorer.phase.states import COORDINATES, Array
 
 ANY_ENERGY: Range = (-math.inf, math.inf)
 # Points at which a function is looked at for its maximum, and how far it may exceed the largest value there: a
@@ -34,7 +35,7 @@ _THINNEST = 1e-6  # standard deviation over the range of the box; a narrower Gau
 # Standard deviations from the mean beyond which a Gaussian is below the rounding of its largest value, exp(-x^2/2)
 # = 2e-16, and beyond which it cannot be told from nothing in doubles.
 _REACH, _NOTHING = 8.5, 37.0
-Function = Callable[[Array, Array, Array, Array], Array]
+Function = Callable[..., Array]
 
 
 @dataclass(frozen=True)
@@ -43,10 +44,11 @@ class Density:
 
     energy: only states with an energy in this range, in the units of the disk.
     gaussian: pairs (coordinate, (mean, standard deviation)); cut off where the box ends.
-    function: called as function(phi, phidot, sigma3, sigma4) with arrays of one length; not negative.
+    function: called with the coordinates of the box in their order but the face, as function(phi, phidot, sigma3,
+    sigma4), arrays of one length; not negative.
     """
 
-    box: Box
+    box: Ranges
     energy: Range = ANY_ENERGY
     gaussian: tuple[tuple[str, Range], ...] = ()
     function: Function | None = None
@@ -56,7 +58,10 @@ class Density:
             low, high = self.energy
             raise InputError(f"energy {low:g}:{high:g} is empty; give LOW:HIGH, the smaller number first")
         for name, (mean, deviation) in self.gaussian:
-            told, (low, high) = f"gaussian {name} = {mean:g}:{deviation:g}", getattr(self.box, name)
+            told = f"gaussian {name} = {mean:g}:{deviation:g}"
+            if name not in self.box.ranges:
+                raise InputError(f"{told}: box has {', '.join(self.box.ranges)}; give one of them")
+            low, high = self.box.ranges[name]
             if low == high:
                 raise InputError(f"{told}: the box fixes it; give {name} a range in box")
             if not (math.isfinite(mean) and _THINNEST * (high - low) <= deviation < math.inf):
@@ -70,7 +75,7 @@ class Density:
                     "of it; move the mean or the box"
                 )
         if self.function is not None and not callable(self.function):
-            raise InputError(f"density = {shown(self.function)} cannot be called; give a function of four arrays")
+            raise InputError(f"density = {shown(self.function)} cannot be called; give a function of arrays")
 
     @property
     def plain(self) -> bool:
@@ -81,15 +86,23 @@ class Density:
     def of(
         cls,
         disk: Disk,
-        box: Box | str | Mapping[str, Any] | None = None,
+        box: Ranges | str | Mapping[str, Any] | None = None,
         energy: Any = None,
         gaussian: str | Mapping[str, Range] | None = None,
         density: Function | None = None,
     ) -> "Density":
-        """A density from what users give; the box defaults to Box.default. Raises InputError."""
-        found = box if isinstance(box, Box) else Box.parse(box or {}, Box.default(disk))
+        """A density over the invariant measure, from what users give; the box defaults to Box.default.
+
+        Raises InputError.
+        """
+        found = box if isinstance(box, Ranges) else box_of(disk, parse_ranges(box or {}, "box"))
+        if not isinstance(found, Box):
+            raise InputError(
+                f"box: give {', '.join(COORDINATES)}, in which the measure is invariant; probability takes "
+                "distributions of other coordinates"
+            )
         for name in COORDINATES[1:]:
-            if max(map(abs, getattr(found, name))) > _FASTEST * disk.rate_unit:
+            if max(map(abs, found.ranges[name])) > _FASTEST * disk.rate_unit:
                 raise InputError(f"box {name}: rates beyond {_FASTEST:g} sqrt(g/r) are not sampled; narrow it")
         if not min(disk.body.I1, disk.body.k) >= _LEAST:
             raise InputError(
@@ -113,7 +126,7 @@ class Density:
             return self._called({name: units[name] * column for name, column in zip(units, columns, strict=True)})
 
         return Density(
-            Box(*(tuple(sorted(end / unit for end in getattr(self.box, name))) for name, unit in units.items())),
+            Box(**{name: _in_units(self.box.ranges[name], unit) for name, unit in units.items()}),
             (low / disk.energy_unit, high / disk.energy_unit),
             tuple((name, (mean / units[name], width / abs(units[name]))) for name, (mean, width) in self.gaussian),
             None if self.function is None else function,
@@ -149,8 +162,9 @@ class Density:
 
     def _called(self, columns: dict[str, Array]) -> Array:
         assert self.function is not None
-        count, shape = columns["phi"].size, columns["phi"].shape
-        copies = (np.array(column).ravel() for column in columns.values())
+        first = next(iter(columns.values()))
+        count, shape = first.size, first.shape
+        copies = (np.array(column).ravel() for name, column in columns.items() if name != "face")
         given = returned_numbers("density", self.function(*copies))
         if given.shape not in ((), (count,)):
             raise InputError(f"density: returned {shown(given)} for {count} states; return one number for each")
@@ -168,7 +182,7 @@ class Density:
         good = (energy >= self.energy[0]) & (energy <= self.energy[1])
         for name, column in zip(COORDINATES, (phi, phidot, sigma3, sigma4), strict=True):
             if name in self.box.free:
-                low, high = getattr(self.box, name)
+                low, high = self.box.ranges[name]
                 good &= (column >= low) & (column <= high)
         return good
 
@@ -182,11 +196,11 @@ class Density:
         def block() -> tuple[dict[str, Array], NDArray[np.bool_]]:
             drawn = self.box.draw(random, BLOCK)
             for name, _ in self.gaussian:
-                low, high = getattr(self.box, name)
+                low, high = self.box.ranges[name]
                 drawn[name] = self.quantile(name, (drawn[name] - low) / (high - low))
             good = np.ones(BLOCK, bool)
             if self.energy != ANY_ENERGY:
-                energy = phi_to_states(disk, **drawn).motion.energy * disk.energy_unit
+                energy = self.box.states(disk, drawn).motion.energy * disk.energy_unit
                 good = (energy >= self.energy[0]) & (energy <= self.energy[1])
             if self.function is not None:
                 values = self._called(drawn)
@@ -203,7 +217,7 @@ class Density:
 
     def quantile(self, name: str, share: Array) -> Array:
         """The values of a coordinate below which these shares of its own factor in the box lie."""
-        low, high = getattr(self.box, name)
+        low, high = self.box.ranges[name]
         if name not in dict(self.gaussian):
             evenly: Array = low + (high - low) * share
             return evenly
@@ -216,7 +230,7 @@ class Density:
 
     def factor_mass(self, name: str) -> float:
         """Integral of a coordinate's own factor over the box."""
-        low, high = getattr(self.box, name)
+        low, high = self.box.ranges[name]
         if name not in dict(self.gaussian):
             return float(high - low)
         _, first, last = self._tails(name)
@@ -230,13 +244,13 @@ class Density:
         from scipy.special import ndtr
 
         mean, deviation = dict(self.gaussian)[name]
-        low, high = ((end - mean) / deviation for end in getattr(self.box, name))
+        low, high = ((end - mean) / deviation for end in self.box.ranges[name])
         sign = -1.0 if low > 0.0 else 1.0
         return sign, float(ndtr(sign * low)), float(ndtr(sign * high))
 
     def reach(self, name: str) -> Range:
         """The part of the box in which a coordinate's own factor is not zero in doubles."""
-        low, high = getattr(self.box, name)
+        low, high = self.box.ranges[name]
         pair = dict(self.gaussian).get(name)
         if pair is None:
             return low, high
@@ -261,7 +275,11 @@ class Density:
         if "phi" not in self.box.free or math.isfinite(self.energy[1]):
             return False
         largest = self.shape(**self._searched).max()
-        flat = [np.full(_SEARCHED, end * (1.0 - _BESIDE)) for end in self.box.phi if abs(end) == 0.5 * math.pi]
+        flat = [
+            np.full(_SEARCHED, end * (1.0 - _BESIDE))
+            for end in self.box.ranges["phi"]
+            if abs(end) == 0.5 * math.pi
+        ]
         return any(self.shape(**self._searched | {"phi": phi}).max() > _VANISHING * largest for phi in flat)
 
     def describe(self) -> dict[str, Any]:
@@ -282,3 +300,9 @@ class Density:
                 "sha256_of_values": digest,
             }
         return described
+
+
+def _in_units(span: Range, unit: float) -> Range:
+    """A range in units of another size, the smaller end first."""
+    low, high = sorted(end / unit for end in span)
+    return low, high

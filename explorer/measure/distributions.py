@@ -10,20 +10,19 @@ import numpy as np
 
 from explorer.errors import InputError, double_of, shown, sign, suggest
 from explorer.measure.sampling import Stream
-from explorer.phase.arguments import known_keywords, read_range
-from explorer.phase.charts import CHARTS, Chart, recognise
+from explorer.phase.arguments import read_range
+from explorer.phase.charts import Chart, chart_of
 from explorer.phase.coordinates import warn_of_degrees
 from explorer.phase.disk import Disk
 from explorer.phase.lines import line_chart, line_slope
 from explorer.phase.states import Array, States
 
-KNOWN = tuple(dict.fromkeys(name for chart in CHARTS for name in (*chart.needed, *chart.optional)))
 _TILTS, _SPEEDS = ("phi", "theta", "tilt"), ("phidot", "thetadot", "tilt_rate", "energy")
 # Shares of a distribution below its nodes, and by symmetry above: a third of them in its middle, the others
 # where it is as thin as a tail that the falling set may need.
 _MIDDLE = np.linspace(0.02, 0.98, 25)
 _LARGEST = 1e60  # nodes beyond are left out: energies would overflow
-_TAIL = 10.0 ** -np.array([2, 2.5, 3, 3.5, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 27, 34, 45, 60, 90, 150, 300])
+_TAIL = 10.0 ** -np.geomspace(2, 300, 25)
 
 
 @dataclass(frozen=True)
@@ -136,22 +135,13 @@ class Distribution:
     @classmethod
     def of(cls, disk: Disk, given: Mapping[str, Any], degrees: bool) -> "Distribution":
         """From what users give by name. Raises InputError."""
-        known_keywords("probability", given, KNOWN)
         there = {name: value for name, value in given.items() if value is not None}
-        chart = recognise(there, "probability")
-        unused = set(there) - {*chart.needed, *chart.optional}
-        if unused:
-            raise InputError(f"probability: {', '.join(sorted(unused))}: leave out; the state is said without")
-        face = sign("face", there.pop("face", 1))
-        defaults = {name: 0.0 for name in chart.optional if name in (*_TILTS, *_SPEEDS)}
-        there = {**defaults, **there}
-        angles = chart.in_radians(there) if degrees else ()
-        unit = math.radians(1.0)
-        # Draws follow one order, whatever that of the keywords.
+        chart, values = chart_of("probability", there, 0.0)
+        face = sign("face", values.pop("face", 1))
+        angles = chart.in_radians(values) if degrees else ()
         found = {
-            name: Coordinate.of(name, there[name], unit if name in angles else 1.0)
-            for name in KNOWN
-            if name in there
+            name: Coordinate.of(name, value, math.radians(1.0) if name in angles else 1.0)
+            for name, value in values.items()
         }
         if "tilt" in found and not degrees:
             warn_of_degrees(np.atleast_1d(np.median(found["tilt"].nodes)), 5)

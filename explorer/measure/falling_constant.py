@@ -153,7 +153,7 @@ def constant_of(disk: Disk, density: Density, tolerance: float = TOLERANCE) -> F
     if mass.value < _LEAST_MASS and density.function is not None:
         raise InputError(f"density: its integral is {mass.value:.1e}, and loses its digits; multiply it by 1e300")
     # Of the inverted pendulum, sigma3 = sigma4 = 0, all falls.
-    if density.reaches_flat() or density.box.sigma3 == density.box.sigma4 == (0.0, 0.0):
+    if density.reaches_flat() or density.box.ranges["sigma3"] == density.box.ranges["sigma4"] == (0.0, 0.0):
         return FallingConstant(math.inf, math.inf, math.inf, math.inf, mass.value)
     with np.errstate(over="ignore", invalid="ignore"):
         parts = _over_f(disk, density, tolerance)
@@ -186,7 +186,7 @@ def _over_f(disk: Disk, density: Density, tolerance: float) -> list[Integral]:
     """Integrals over F on face +1, on face -1, and over what lies on both, if anything does."""
     box = density.box
     # l_+ and l_- meet the box in the same states where it fixes a rate at 0: sigma3_bar = 0 on both.
-    meet = (0.0, 0.0) in (box.sigma3, box.sigma4)
+    meet = (0.0, 0.0) in (box.ranges["sigma3"], box.ranges["sigma4"])
 
     def over(face: int, both: bool = False) -> Integral:
         of = Integrator(disk, density.seen_from(disk, face), tolerance)

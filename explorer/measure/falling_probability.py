@@ -63,7 +63,7 @@ class FallingProbability:
     def law_limit(self) -> float:
         """The largest delta at which the next term of the law may be neglected."""
         b, density = self.disk.body, self.source.seen_from(self.disk, 1)
-        away = 0.5 * np.pi - max(map(abs, density.box.phi))
+        away = 0.5 * np.pi - max(map(abs, density.box.ranges["phi"]))
         near_flat = _NEAREST_FLAT * away if away > 0.0 else LAW_LIMIT
         # Of a fixed rate its distance from 0 counts.
         widths = [high - low or abs(low) or np.inf for low, high in map(density.reach, COORDINATES[2:])]

@@ -1,22 +1,23 @@
-"""The box in (phi, phidot, sigma3, sigma4) from which initial states are drawn, and seeded streams.
+"""Boxes from which initial states are drawn, and seeded streams.
 
 dphi dphidot dsigma3 dsigma4 is invariant under the reduced flow (its vector field has no
-divergence in these coordinates), so uniform draws in a box are draws from the natural measure.
+divergence in these coordinates), so uniform draws in a box of them are draws from the natural measure.
 Chunk i of a run has a random stream of its own, so a sample depends on the seed and its place
 in the run, never on the number of workers.
 """
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, double_of, shown, suggest
+from explorer.phase.charts import ANGULAR, KNOWN, chart_of, recognise
 from explorer.phase.disk import Disk
-from explorer.phase.states import COORDINATES, Array
+from explorer.phase.states import COORDINATES, Array, States
 
 Range = tuple[float, float]
 Stream = np.random.Generator
@@ -24,11 +25,63 @@ Stream = np.random.Generator
 BLOCK = 8192  # draws at once: a few columns of them stay in a processor's cache
 _SMALLEST_SHARE = 1e-4  # of draws that are kept, below which rejection gives up: it would take 10^4 times as long
 _TRIED = 8  # blocks before it does
+_HALF_PI = 0.5 * math.pi
+# Between which numbers coordinates lie, and in words; flat itself is no state.
+_ENDS = {
+    "phi": (-_HALF_PI, _HALF_PI, "-pi/2 and pi/2"),
+    **dict.fromkeys(("theta", "tilt"), (0.0, math.pi, "0 and pi")),
+    "face": (-1.0, 1.0, "-1 and 1"),
+}
+
+
+class Ranges:
+    """A range for each coordinate of a chart, in rad and the units of the disk; a fixed one has equal ends."""
+
+    ranges: dict[str, Range]
+
+    def check(self, what: str) -> None:
+        """Raise InputError where a range is empty or goes beyond what the coordinate may be."""
+        for name, (low, high) in self.ranges.items():
+            if not (math.isfinite(low) and math.isfinite(high)):
+                raise InputError(f"{what} {name} = {low}:{high} is not finite; give numbers as LOW:HIGH")
+            if low > high:
+                raise InputError(f"{what} {name} = {low:g}:{high:g} is empty; give the smaller number first")
+            least, most, words = _ENDS.get(name, (-math.inf, math.inf, ""))
+            if not (least <= low and high <= most):
+                raise InputError(
+                    f"{what} {name} = {low:g}:{high:g} must lie between {words}; where it is in degrees, say so"
+                )
+            if name != "face" and low == high and low in (least, most):
+                raise InputError(f"{what} {name} is flat; give a number between {words}")
+
+    @property
+    def free(self) -> list[str]:
+        """Coordinates that vary."""
+        return [name for name, (low, high) in self.ranges.items() if low < high]
+
+    def draw(self, random: Stream, count: int) -> dict[str, Array]:
+        """`count` states, uniform in these coordinates; one array for each."""
+        free = self.free
+        unit = random.random((len(free), count))
+        columns = {}
+        for name, (low, high) in self.ranges.items():
+            columns[name] = np.full(count, low)
+            if name in free:
+                columns[name] = low + (high - low) * unit[free.index(name)]
+        return columns
+
+    def states(self, disk: Disk, columns: Mapping[str, Array]) -> States:
+        """The states with such coordinates."""
+        return recognise(columns).make(disk, **columns)
+
+    def describe(self) -> dict[str, list[float]]:
+        """The entry of run.json."""
+        return {name: list(span) for name, span in self.ranges.items()}
 
 
 @dataclass(frozen=True)
-class Box:
-    """A range for each coordinate, in the units of the disk; a fixed coordinate has equal ends."""
+class Box(Ranges):
+    """One in phi, phidot, sigma3 and sigma4, in which the measure is invariant."""
 
     phi: Range
     phidot: Range
@@ -36,16 +89,12 @@ class Box:
     sigma4: Range
 
     def __post_init__(self) -> None:
-        for name in COORDINATES:
-            low, high = getattr(self, name)
-            if not (math.isfinite(low) and math.isfinite(high)):
-                raise InputError(f"box {name} = {low}:{high} is not finite; give numbers as LOW:HIGH")
-            if low > high:
-                raise InputError(f"box {name} = {low:g}:{high:g} is empty; give the smaller number first")
-        if not (-0.5 * math.pi <= self.phi[0] and self.phi[1] <= 0.5 * math.pi):
-            raise InputError("box phi must lie between -pi/2 and pi/2 (-1.5708:1.5708)")
-        if abs(self.phi[0]) == 0.5 * math.pi and self.phi[0] == self.phi[1]:
-            raise InputError("box phi is flat; give -pi/2 < phi < pi/2")
+        self.check("box")
+
+    @property
+    def ranges(self) -> dict[str, Range]:  # type: ignore[override]
+        """The ranges by name."""
+        return {name: getattr(self, name) for name in COORDINATES}
 
     @classmethod
     def default(cls, disk: Disk) -> "Box":
@@ -53,33 +102,35 @@ class Box:
         two = 2.0 * disk.rate_unit
         return cls((0.0, 0.0), (-two, two), (-two, two), (-two, two))
 
+
+@dataclass(frozen=True)
+class ChartBox(Ranges):
+    """One in any other chart: tilt, precession and spin for instance."""
+
+    ranges: dict[str, Range]
+
     @classmethod
-    def parse(cls, given: Any, default: "Box") -> "Box":
-        """From "phi=0,phidot=-2:2,..." or a mapping; what is left out keeps the default. Raises InputError."""
-        return replace(default, **parse_ranges(given, "box"))
-
-    @property
-    def free(self) -> list[str]:
-        """Coordinates that vary."""
-        return [name for name in COORDINATES if getattr(self, name)[0] < getattr(self, name)[1]]
-
-    def draw(self, random: Stream, count: int) -> dict[str, Array]:
-        """`count` states, uniform in the box; one array per coordinate."""
-        unit = random.random((len(self.free), count))
-        columns = {}
-        for name in COORDINATES:
-            low, high = getattr(self, name)
-            columns[name] = np.full(count, low)
-            if name in self.free:
-                columns[name] = low + (high - low) * unit[self.free.index(name)]
-        return columns
-
-    def describe(self) -> dict[str, list[float]]:
-        """The entry of run.json."""
-        return {name: list(getattr(self, name)) for name in COORDINATES}
+    def of(cls, what: str, given: Mapping[str, Range]) -> Self:
+        """From ranges by name. Raises InputError, which says `what`, where they say no state."""
+        found = cls(chart_of(what, given, (0.0, 0.0))[1])
+        found.check(what)
+        return found
 
 
-def parse_ranges(given: Any, option: str, known: Collection[str] = COORDINATES) -> dict[str, Range]:
+def box_of(disk: Disk, given: Mapping[str, Range]) -> Box | ChartBox:
+    """The box of ranges in rad: of phi, phidot, sigma3 and sigma4, with defaults, or of another chart."""
+    if set(given) <= set(COORDINATES):
+        return replace(Box.default(disk), **given)
+    return ChartBox.of("box", given)
+
+
+def in_radians(given: Mapping[str, Range], degrees: bool) -> dict[str, Range]:
+    """Ranges whose angles, and rates of angles, may be in degrees."""
+    units = {name: math.radians(1.0) if degrees and name in ANGULAR else 1.0 for name in given}
+    return {name: (low * units[name], high * units[name]) for name, (low, high) in given.items()}
+
+
+def parse_ranges(given: Any, option: str) -> dict[str, Range]:
     """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2" or a mapping. Raises InputError naming the option."""
     if not isinstance(given, str | Mapping):
         raise InputError(f'{option} {shown(given)} is no text; write "phi=0,phidot=-2:2"')
@@ -87,8 +138,8 @@ def parse_ranges(given: Any, option: str, known: Collection[str] = COORDINATES) 
     ranges: dict[str, Range] = {}
     for name, *values in items:
         name, value = str(name).strip(), values[0] if values else None
-        if name not in known:
-            raise InputError(f"{option}: unknown coordinate {shown(name)}; {suggest(name, known)}")
+        if name not in KNOWN:
+            raise InputError(f"{option}: unknown coordinate {shown(name)}; {suggest(name, KNOWN)}")
         parts = (
             value.split(":") if isinstance(value, str) else value if isinstance(value, list | tuple) else [value]
         )

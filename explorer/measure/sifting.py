@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from explorer import compiled
-from explorer.measure.sampling import Box, chunk_stream
+from explorer.measure.sampling import Box, Ranges, chunk_stream
 from explorer.measure.tallies import LOWEST_BIN, NO_ENDS, PER_DECADE, LogHistogram
 from explorer.phase.disk import Disk
 from explorer.phase.membership import obstacle
@@ -41,18 +41,20 @@ class Sifted:
     columns: dict[str, Array]
 
 
-def in_lanes(disk: Disk, box: Box) -> bool:
-    """Whether the pass takes this box: squares of its rates are numbers."""
-    rates = np.array([getattr(box, name) for name in COORDINATES[1:]]) / disk.rate_unit
+def in_lanes(disk: Disk, box: Ranges) -> bool:
+    """Whether the pass takes this box: of phi, phidot, sigma3 and sigma4, and squares of its rates are numbers."""
+    if not isinstance(box, Box):
+        return False
+    rates = np.array([box.ranges[name] for name in COORDINATES[1:]]) / disk.rate_unit
     return bool(np.max(abs(rates)) < _LARGEST)
 
 
-def sift(disk: Disk, box: Box, chunk: Chunk, near: float) -> Sifted:
+def sift(disk: Disk, box: Ranges, chunk: Chunk, near: float) -> Sifted:
     """Draw, judge and count the states of a chunk, which are those of `Box.draw` from its stream.
 
     near: |eta_hat|, units of the disk.
     """
-    low, high = np.array([getattr(box, name) for name in COORDINATES]).T.copy()
+    low, high = np.array([box.ranges[name] for name in COORDINATES]).T.copy()
     keys = compiled.philox.round_keys(chunk_stream(chunk.seed, chunk.index).bit_generator.state["state"]["key"])
     draw = compiled.sifting.Draw(keys, low, high - low, chunk.block, disk.rate_unit)
     eta_per_eta_hat = disk.eta_hat_to_eta(1.0)

@@ -9,49 +9,41 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, one_of, shown, whole
-from explorer.measure.sampling import Box, Range, parse_ranges
+from explorer.errors import InputError, flag, one_of, shown, whole
+from explorer.measure.sampling import ChartBox, Range, in_radians, parse_ranges
 from explorer.motion.plan import plan
 from explorer.motion.scan import Observable, scan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import constants_of
-from explorer.phase.coordinates import Coordinates, complete_set, coordinates_to_states
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_slope
 from explorer.phase.membership import Falls, falls_of
 from explorer.phase.results import Table
-from explorer.phase.states import COORDINATES, Array, States, phi_to_states, require_states
+from explorer.phase.states import Array, States, require_states
 
 _MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128 MB
-_NAMES = tuple(name for name in Coordinates.__annotations__ if name != "face")
 SLICE_ACCURACY = 1e-3  # relative, of theta_min: a picture shows no more
 
 
 @dataclass(frozen=True)
-class Slice:
+class Slice(ChartBox):
     """A plane in the phase space: two coordinates or constants of motion with a range, the others fixed."""
 
-    ranges: tuple[tuple[str, Range], ...]
-
     @classmethod
-    def of(cls, given: Any, option: str = "slice") -> Slice:
+    def read(cls, given: Any, degrees: bool = False, option: str = "slice") -> Slice:
         """From "sigma3=-2:2,sigma4=-2:2,phi=0,phidot=1" or a mapping of numbers and pairs.
 
         Raises InputError naming the option.
         """
         if isinstance(given, Slice):
             return given
-        ranges = parse_ranges(given, option, _NAMES)
-        free = [name for name, (low, high) in ranges.items() if low < high]
-        spins, speed = complete_set(ranges, f"{option} {shown(given)}")
-        if len(free) != 2 or "phi" not in ranges:
+        found = cls.of(option, in_radians(parse_ranges(given, option), degrees))
+        if len(found.free) != 2:
+            names = ", ".join(found.ranges)
             raise InputError(
-                f"{option} {shown(given)}: give all of phi, {speed}, {', '.join(spins)}, two as LOW:HIGH and two "
-                "as numbers"
+                f"{option} {shown(given)}: give two of {names} as LOW:HIGH, and numbers for the others"
             )
-        fixed = dict.fromkeys(COORDINATES, (0.0, 0.0))
-        Box(**{name: ranges.get(name, span) for name, span in fixed.items()})  # the same bounds hold
-        return cls(tuple(sorted(ranges.items(), key=lambda item: _NAMES.index(item[0]))))
+        return found
 
     @classmethod
     def defaults(cls, disk: Disk) -> tuple[Slice, ...]:
@@ -60,25 +52,20 @@ class Slice:
         two, most = (-2.0 * unit, 2.0 * unit), (-0.8 * unit, 0.8 * unit)
         lines = {"phi": 0.0, "phidot": unit, "sigma3": two, "sigma4": two}
         curves = {"phi": (-1.35, 1.35), "phidot": 0.05 * unit, "sigma3": 0.15 * unit, "sigma4": most}
-        return cls.of(lines), cls.of(curves)
+        return cls.read(lines), cls.read(curves)
 
     @property
     def axes(self) -> tuple[str, str]:
-        first, second = (name for name, (low, high) in self.ranges if low < high)
+        first, second = self.free
         return first, second
 
     @property
     def fixed(self) -> dict[str, float]:
-        return {name: low for name, (low, high) in self.ranges if low == high}
-
-    def describe(self) -> dict[str, list[float]]:
-        """The ranges as run.json holds them."""
-        return {name: list(span) for name, span in self.ranges}
+        return {name: low for name, (low, high) in self.ranges.items() if low == high}
 
     def grid(self, points: int) -> tuple[Array, Array, dict[str, Array]]:
         """Axis values (points) of both axes, and the coordinates of the grid, second axis first."""
-        box = dict(self.ranges)
-        x, y = (np.linspace(*box[name], points) for name in self.axes)
+        x, y = (np.linspace(*self.ranges[name], points) for name in self.axes)
         X, Y = np.meshgrid(x, y)
         columns = {name: np.full(X.size, value) for name, value in self.fixed.items()}
         columns.update({self.axes[0]: X.ravel(), self.axes[1]: Y.ravel()})
@@ -157,6 +144,7 @@ def slice_map(
     points: int = 401,
     jobs: int = 1,
     method: str = "auto",
+    degrees: bool = False,
 ) -> SliceMap:
     """Compute observables on a plane of the phase space.
 
@@ -166,14 +154,16 @@ def slice_map(
         The body, with I3 > 0.
     slice : str, mapping or Slice
         Two ranges and the fixed numbers, as in "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2". phi (rad); phidot or
-        energy; and sigma3 with sigma4, sigma3_bar with sigma4_bar, or sigma3_bar with eta_hat of face +1; in the
-        units of the disk.
+        energy; and sigma3 with sigma4, sigma3_bar with sigma4_bar, or sigma3_bar with eta_hat; or tilt, precession
+        and spin, with tilt_rate (0 if left out); in the units of the disk. face is +1 if left out.
     observable : str, several, or callable
         Names, or a function of `States`, as `scan` takes them.
     points, jobs : int
         Points of each axis, 2 to 4000; threads.
     method : str
         For theta_min: 'auto' finds the tilt as a root of V = E, eq. (3.8); or the name of an integrator.
+    degrees : bool
+        Whether angles and rates of the slice are in degrees; the axes of the map are in rad.
 
     Returns
     -------
@@ -193,13 +183,15 @@ def slice_map(
     array([[0.3759, 1.2485, 0.3759],
            [1.0824,    nan, 1.0824],
            [0.3759, 1.2485, 0.3759]])
+    >>> coins = ex.slice_map(ex.Disk.uniform(), "tilt=10:80,precession=-90:90,spin=30", points=5, degrees=True)
+    >>> coins.slice.axes, coins.x.round(3)
+    (('tilt', 'precession'), array([0.175, 0.48 , 0.785, 1.091, 1.396]))
     """
     require_axial_inertia(disk)
-    points, where = whole("points", points, 2, _MOST_POINTS), Slice.of(slice, "slice")
+    points, where = whole("points", points, 2, _MOST_POINTS), Slice.read(slice, flag("degrees", degrees))
     how = plan(("theta_min",), SLICE_ACCURACY, method)
     x, y, columns = where.grid(points)
-    plain = set(COORDINATES) <= set(columns)
-    states = (phi_to_states if plain else coordinates_to_states)(disk, **columns)
+    states = where.states(disk, columns)
     if isinstance(observable, str) and observable == "theta_min":
         # A root of V = E at a picture's accuracy: ten times as fast as a whole period.
         values = {"theta_min": np.reshape(smallest_tilt(states, how)[0], (points, points))}

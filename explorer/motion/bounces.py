@@ -1,4 +1,4 @@
-"""Bounces: every approach to flat of any motion, by quadrature."""
+"""Bounces: every approach to flat of any motion, by quadrature or by integration."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from explorer.motion.arcs import allowed
 from explorer.motion.falls import KERNELS, departures_of_moving, fall_integrals
 from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, tilt_errors
+from explorer.motion.orbits_by_integration import integrated_orbits
 from explorer.motion.parts import BLOCK, in_parts
-from explorer.motion.plan import plan
+from explorer.motion.plan import Plan, plan
 from explorer.motion.starts import Motions, motions_of, seen_from, status_of_period
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart
@@ -88,8 +89,10 @@ class Bounces(Result):
     states: States
 
 
-def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 1) -> Bounces:
-    """Every approach to flat of the motions through `states`: the next `count` of each, by quadrature.
+def bounces(
+    states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 1, *, method: str = "auto"
+) -> Bounces:
+    """Every approach to flat of the motions through `states`: the next `count` of each.
 
     A bounce is one stretch of a motion with its flattest moment in the middle. Where the motion crosses the
     vertical the stretch goes from vertical to vertical, and bounces are on both faces in turn. Where it does
@@ -107,6 +110,9 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
         Of angles that are so large that their 14th digit is more, that.
     jobs : int
         Threads. `scan` goes through many states in batches instead, and shows how far it is.
+    method : str
+        'auto' or 'quadrature'; or 'rk4', 'rk8', 'dopri5', 'dop853', which follow each motion through one period in
+        steps, to an accuracy of 1e-11 at best; the fall angle alone is by quadrature then, too.
 
     Returns
     -------
@@ -121,6 +127,8 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
 
     Notes
     -----
+    The tilt is periodic: bounces of one state have at most two theta_min, one on each face; two of them tell all.
+
     race_angle = delta_chi - fall_angle, where fall_angle is the increase of chi along the limit motion with the
     same sigma3_bar and energy over its own stretch: from the vertical to flat and back where it crosses the
     vertical, else from turning point to flat to turning point. So race_angle -> side kappa pi as eta -> 0, eq.
@@ -140,10 +148,10 @@ def bounces(states: States, count: int = 1, accuracy: float = 1e-6, jobs: int = 
     count, jobs = whole("count", count, 1, MOST), jobs_of("jobs", jobs)
     if count * len(states) > _MOST_ROWS:
         raise InputError(f"count = {count} for {len(states):,} states; give up to {_MOST_ROWS:,} bounces at once")
-    how = plan(("race_angle",), accuracy, "quadrature")
+    how = plan(("race_angle",), accuracy, method)
 
     def some(rows: NDArray[np.intp]) -> _Pairs:
-        return _pairs(states.at(rows), how.accuracy, count == 1)
+        return _pairs(states.at(rows), how, count == 1)
 
     return _in_turn(states, _joined(in_parts(jobs, len(states), some, BLOCK)), count)
 
@@ -175,10 +183,11 @@ def motion_constants(found: Bounces) -> dict[str, NDArray[Any]]:
     return {name: np.where(ok, values, np.nan) for name, values in columns.items()} | {"wrong_way": ok & against}
 
 
-def bounce_kernels() -> tuple[str, ...]:
-    """The kernels of `bounces`, for `compiled.warmup`."""
-    own = *OF_ENDS, "nutation.well_batch"
-    return "algebra.constants_batch", "falling.line_chart_batch", "passages.passage_batch", *own, *KERNELS
+def bounce_kernels(how: Plan) -> tuple[str, ...]:
+    """The kernels of `bounces` by a plan, for `compiled.warmup`."""
+    of_arcs = "nutation.well_batch", "passages.passage_batch"
+    own = of_arcs if how.method == "quadrature" else (how.kernel,)
+    return "algebra.constants_batch", "falling.line_chart_batch", *OF_ENDS, *own, *KERNELS
 
 
 class _Pairs(NamedTuple):
@@ -207,17 +216,20 @@ def _joined(parts: list[_Pairs]) -> _Pairs:
     return _Pairs(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
 
 
-def _pairs(states: States, accuracy: float, first_only: bool) -> _Pairs:
+def _pairs(states: States, how: Plan, first_only: bool) -> _Pairs:
     """first_only: nothing is asked but the first one; the other passage of a motion may stay unknown then."""
-    disk, code = states.disk, compiled.status.Status
+    disk, code, accuracy = states.disk, compiled.status.Status, how.accuracy
     own, status = seen_from(states), status_of_period(states)
     motions = motions_of(states, own)
     rows, n = np.flatnonzero(status == code.OK), status.size
     some = motions.at(rows)
     ends = ends_of(disk, some)
     rises = own[rows] * states.rows.p[rows] > 0.0
-    orbits = orbits_of(disk, some, ends, accuracy, rises | (not first_only), True)
     fall = _falls(disk, some, ends, accuracy)
+    if how.method == "quadrature":
+        orbits = orbits_of(disk, some, ends, accuracy, rises | (not first_only), True)
+    else:
+        ends, orbits = integrated_orbits(states.at(rows), own[rows], ends, how)
     pairs = _pairs_of(some, rises, own[rows], ends, orbits, fall, first_only)
     known = (pairs.error <= allowed(accuracy, pairs.chi, pairs.psi)).all(axis=0)
     status[rows[~known]] = code.STEP_LIMIT

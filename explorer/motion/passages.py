@@ -99,6 +99,11 @@ class Passages(Result):
 
     _GIVEN = ("sigma3_bar", "eta_hat", "phidot", "face")
 
+    @property
+    def side(self) -> NDArray[np.int8]:
+        """The side of F: the sign of eta_hat."""
+        return np.sign(self.eta_hat).astype(np.int8)
+
 
 class Computation(TypedDict, total=False):
     """Keywords of `passages` that say how they are computed; see there."""

@@ -1,4 +1,4 @@
-"""Whole periods of motions, by quadrature from turning point to turning point."""
+"""Whole periods of motions, from turning point to turning point, by quadrature or by integration."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ from explorer import compiled
 from explorer.errors import InputError, jobs_of
 from explorer.motion.arcs import allowed
 from explorer.motion.orbits import ends_of, orbits_of, smallest
+from explorer.motion.orbits_by_integration import integrated_orbits
 from explorer.motion.parts import BLOCK, in_parts
-from explorer.motion.plan import plan
-from explorer.motion.starts import Motions, motions_of, seen_from, status_of_period
+from explorer.motion.plan import Plan, plan
+from explorer.motion.starts import motions_of, seen_from, status_of_period
 from explorer.motion.vertical import LARGEST
-from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import linear_constants
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, columns_of, require_states
@@ -68,8 +69,15 @@ class Periods(Result):
     states: States
 
 
-def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = None, jobs: int = 1) -> Periods:
-    """Periods of the motions through `states`, by quadrature from turning point to turning point.
+def periods(
+    states: States,
+    accuracy: float = 1e-6,
+    eta_hat: ArrayLike | None = None,
+    jobs: int = 1,
+    *,
+    method: str = "auto",
+) -> Periods:
+    """Periods of the motions through `states`, from turning point to turning point.
 
     Parameters
     ----------
@@ -84,6 +92,8 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
         without it. States made by `constants_to_states` keep the one they were made from.
     jobs : int
         Threads, by default 1; the numbers do not depend on them.
+    method : str
+        As for `bounces`: 'auto', 'quadrature', or an integrator.
 
     Returns
     -------
@@ -108,13 +118,10 @@ def periods(states: States, accuracy: float = 1e-6, eta_hat: ArrayLike | None = 
     """
     disk = require_states(states).disk
     require_axial_inertia(disk)
-    how = plan(("period",), accuracy, "quadrature")
+    how = plan(("period",), accuracy, method)
     known = states if eta_hat is None else _with_eta_hat(states, eta_hat)
     own, status = seen_from(known), status_of_period(known)
-    motions = motions_of(known, own)
-    parts = in_parts(
-        jobs_of("jobs", jobs), len(states), partial(_orbits, disk, motions, status, how.accuracy), BLOCK
-    )
+    parts = in_parts(jobs_of("jobs", jobs), len(states), partial(_orbits, known, own, status, how), BLOCK)
     out, status = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
     found, ok = _Period(*out), status == compiled.status.Status.OK
     flat = Periods(
@@ -144,15 +151,19 @@ class _Period(NamedTuple):
 
 @np.errstate(invalid="ignore", divide="ignore")  # of motions that were not found
 def _orbits(
-    disk: Disk, motions: Motions, status: NDArray[np.int8], accuracy: float, rows: NDArray[np.intp]
+    states: States, own: Array, status: NDArray[np.int8], how: Plan, rows: NDArray[np.intp]
 ) -> tuple[Array, NDArray[np.int8]]:
     """Some of the periods (6, n), NaN where the status, which is the second result, is not OK."""
-    code = compiled.status.Status
+    code, disk = compiled.status.Status, states.disk
     answer, told = np.full((len(_Period._fields), rows.size), np.nan), status[rows]
     asked = np.flatnonzero(told == code.OK)
-    some = motions.at(rows[asked])
+    known, own = states.at(rows[asked]), own[rows[asked]]
+    some = motions_of(known, own)
     ends = ends_of(disk, some)
-    here, there, _lead = orbits_of(disk, some, ends, accuracy, True, False)
+    if how.method == "quadrature":
+        here, there, _lead = orbits_of(disk, some, ends, how.accuracy, True, False)
+    else:
+        ends, (here, there, _lead) = integrated_orbits(known, own, ends, how)
     back = compiled.rules.ArcRow(*np.where(ends.crosses, there, 0.0))
     time = 2.0 * (here.time + back.time)
     error = np.fmax(2.0 * (here.angle_error + back.angle_error), 2.0 * (here.time_error + back.time_error) / time)
@@ -165,9 +176,9 @@ def _orbits(
         crosses=ends.crosses.astype(np.float64),
         error=np.fmax(error, of_tilt),
     )
-    known = found.error <= allowed(accuracy, found.chi, found.psi)
-    answer[:, asked[known]] = np.stack(found)[:, known]
-    told[asked[~known]] = code.STEP_LIMIT
+    good = found.error <= allowed(how.accuracy, found.chi, found.psi)
+    answer[:, asked[good]] = np.stack(found)[:, good]
+    told[asked[~good]] = code.STEP_LIMIT
     return answer, told
 
 

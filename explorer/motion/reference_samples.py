@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
+from explorer.motion.compare import apart
 from explorer.motion.passages import OBSERVABLES as OF_PASSAGES
 from explorer.motion.passages import Passages, passages_by, reference_passages
 from explorer.motion.plan import TIGHTEST, Plan, plan
@@ -103,15 +104,10 @@ class ReferencePassages(ReferenceSamples):
 
     def compare(self, found: tuple[Passages, NDArray[np.int32] | None], accuracy: float) -> Tried:
         (made, steps), exact = found, self.exact
-        differences = [
-            made.delta_chi - exact.delta_chi,
-            made.delta_psi - exact.delta_psi,
-            made.duration / exact.duration - 1.0,
-            made.theta_min / exact.theta_min - 1.0,
-        ]
-        if accuracy < ANY_ERROR:  # the fall is found to the accuracy asked, by whatever method the passage is
-            differences.append(made.race_angle - exact.race_angle)
-        return Tried(np.max(np.abs(differences), axis=0), made.status, made.wrong_way, steps)
+        # The fall is found to the accuracy asked, by whatever method the passage is.
+        names = OF_PASSAGES if accuracy < ANY_ERROR else [name for name in OF_PASSAGES if name != "race_angle"]
+        differences = [apart(name, getattr(made, name), getattr(exact, name)) for name in names]
+        return Tried(np.max(differences, axis=0), made.status, made.wrong_way, steps)
 
 
 class ReferenceTilts(ReferenceSamples):
@@ -149,9 +145,7 @@ class ReferenceTilts(ReferenceSamples):
     def compare(self, found: tuple[Array, NDArray[np.int8], NDArray[np.int32]], accuracy: float) -> Tried:
         theta, status, steps = found
         truth = self.exact[0] if steps.any() else self.integrated
-        with np.errstate(divide="ignore", invalid="ignore"):
-            errors = abs(theta / truth - 1.0)
-        return Tried(errors, status, np.zeros(status.size, bool), steps)
+        return Tried(apart("theta_min", theta, truth), status, np.zeros(status.size, bool), steps)
 
 
 class ReferenceMotions(ReferenceSamples):
@@ -186,9 +180,9 @@ class ReferenceMotions(ReferenceSamples):
             away["path"] = np.linalg.norm(away["path"], axis=-1) / states.disk.r
             assert exact.phi is not None
             racing = 0.5 * np.pi - abs(exact.phi) < RACING
-            apart = np.where(racing, np.nan, np.stack(list(away.values())))
-            errors.append(np.where(made.ok, np.nanmax(apart, axis=(0, 2), initial=0.0), np.nan))
-            turned.append(made.ok & (np.nanmax(apart[1], axis=1, initial=0.0) > states.disk.race_limit))
+            far = np.where(racing, np.nan, np.stack(list(away.values())))
+            errors.append(np.where(made.ok, np.nanmax(far, axis=(0, 2), initial=0.0), np.nan))
+            turned.append(made.ok & (np.nanmax(far[1], axis=1, initial=0.0) > states.disk.race_limit))
         status, steps = ([getattr(made, name) for made in found] for name in ("status", "steps"))
         return Tried(*map(np.concatenate, (errors, status, turned, steps)))
 

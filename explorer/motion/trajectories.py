@@ -12,10 +12,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import CoarseTimesWarning, InputError, jobs_of, number, positive, said, whole
+from explorer.errors import (
+    CoarseTimesWarning,
+    InputError,
+    jobs_of,
+    number,
+    one_of,
+    positive,
+    said,
+    whole,
+    words,
+)
 from explorer.motion import recording
 from explorer.motion.integration import MAX_STEPS, InitialValues
-from explorer.motion.plan import ALGEBRA, QUADRATURE, Plan, plan
+from explorer.motion.plan import Plan, plan
 from explorer.phase.disk import Disk
 from explorer.phase.results import status_names
 from explorer.phase.states import Array, States, columns_of, require_states
@@ -257,12 +267,13 @@ def trajectories(
     """As `simulate`, for those who know what lies between their times: without a warning."""
     require_states(states)
     end, times = _times(t_end, t_eval)
-    how = plan(observables, accuracy, method)
-    if how.level in (ALGEBRA, QUADRATURE):
-        raise InputError("observables: simulate needs one of the motion, such as 'phi' or 'chi'")
+    names = [one_of("observable", name, (*_RATES, *ALL)) for name in words("observables", observables)]
+    if not names:
+        raise InputError(f"observables: none; give some of {', '.join((*_RATES, *ALL))}")
+    how = plan(names, accuracy, method)
     chi0 = number("chi0", chi0, -_MOST_TURNED, _MOST_TURNED)
     start = recording.motions(states, how, chi0, whole("max_steps", max_steps, 1, _MOST_STEPS))
-    return _followed(states, start, (end, times), tuple(observables), jobs_of("jobs", jobs))
+    return _followed(states, start, (end, times), tuple(names), jobs_of("jobs", jobs))
 
 
 def trajectories_by(states: States, how: Plan, times: Array, observables: Sequence[str] = ALL) -> Trajectories:

@@ -93,7 +93,7 @@ def random_body(rng: np.random.Generator) -> Disk:
     """A body with random m, r, g and moments that eq. (2.3) allows."""
     m, r, g = rng.uniform(0.2, 3.0, 3)
     I1 = m * r * r * rng.uniform(0.1, 1.0)
-    return Disk(m, r, g, I1, I1 * rng.uniform(0.2, 2.0))
+    return Disk(m=m, r=r, g=g, I1=I1, I3=I1 * rng.uniform(0.2, 2.0))
 
 
 def random_state(rng: np.random.Generator, disk: Disk, steepest: float = 1.2) -> Array:

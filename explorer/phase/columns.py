@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from explorer.errors import InputError, shown, suggest
 
 ANGLE, RATE, TIME, LENGTH, ENERGY, NUMBER = "rad", "rad/time", "time", "length", "energy", ""
+SI = {RATE: "rad/s", TIME: "s", LENGTH: "m", ENERGY: "J"}  # of a disk in kilograms, metres and seconds
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, number, positive, shown, word
+from explorer.errors import InputError, double_of, nearest, number, positive, shown, word
 from explorer.phase.energy import potential_at_flat
 from explorer.phase.paths import read_toml
 
@@ -27,8 +28,20 @@ SYNTAX = (
     f"{', '.join(PRESETS)} or annulus:INNER_OVER_OUTER, each also as uniform:m=..,r=..,g=..; "
     'FILE.toml; or "m=..,r=..,g=..,I1=..,I3=.."'
 )
+# Units in which quantities may be written, longer names first, each with its size in SI units.
+UNITS = {
+    "kg m^2": (1.0, ("I1", "I3")),
+    "g cm^2": (1e-7, ("I1", "I3")),
+    "m/s^2": (1.0, ("g",)),
+    "kg": (1.0, ("m",)),
+    "g": (1e-3, ("m",)),
+    "cm": (1e-2, ("r",)),
+    "mm": (1e-3, ("r",)),
+    "m": (1.0, ("r",)),
+}
 # I3 may exceed 2 I1 by rounding of doubles.
 _ROUNDING = 1e-12
+_BEYOND_RIM = 2.0  # I3 over m r^2 of what is hardly a disk; a hoop has 1, and a wheel with an axle may have more
 LARGEST_RATE = 1e150  # natural units: squares of rates overflow beyond
 
 
@@ -60,7 +73,7 @@ class Description(dict[str, float | str]):
 class Disk:
     """A body of revolution rolling on a sharp rim, its centre of mass at the rim's centre.
 
-    Any consistent units do. It is not checked that a real body with these moments exists and fits inside the rim.
+    Any consistent units do. It is not checked that a real body with these moments exists.
 
     Parameters
     ----------
@@ -81,6 +94,12 @@ class Disk:
     InputError
         For quantities that no disk has, and for units so far apart that numbers overflow.
 
+    Warns
+    -----
+    UserWarning
+        Where m or r is given and I3 exceeds 2 m r^2: mass then lies far beyond the rim, or moments were meant in
+        units of m r^2, as `from_ratios` takes them.
+
     Examples
     --------
     >>> import explorer as ex
@@ -98,6 +117,7 @@ class Disk:
 
     def __init__(
         self,
+        *,
         m: float = 1.0,
         r: float = 1.0,
         g: float = 1.0,
@@ -118,35 +138,101 @@ class Disk:
             )
         if not _can_be_scaled(self):
             raise InputError("disk: m, r, g, I1 lie too far apart for floating point; rescale the units")
+        ratio = self.I3 / self._inertia_unit
+        if ratio > _BEYOND_RIM and (self.m, self.r) != (1.0, 1.0):
+            warnings.warn(
+                f"disk: I3 = {self.I3:g} is {ratio:.3g} m r^2, and a hoop has 1: mass lies beyond the rim; "
+                "for moments in units of m r^2 use Disk.from_ratios",
+                stacklevel=2,
+            )
+
+    @classmethod
+    def from_ratios(
+        cls,
+        *,
+        I1: float,
+        I3: float | str | None = None,
+        m: float = 1.0,
+        r: float = 1.0,
+        g: float = 1.0,
+        name: str = "custom",
+    ) -> Disk:
+        """A body whose moments of inertia are in units of m r^2; I3 is by default that of a flat one, 2 I1.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> f"{ex.Disk.from_ratios(I1=0.3, I3=0.45, m=0.02, r=0.05, g=9.81).I3:g} kg m^2"
+        '2.25e-05 kg m^2'
+        """
+        m, r, g = _units(m, r, g)
+        unit = m * r * r
+        axial = None if I3 in (None, "flat") else number("disk: I3", I3, 0.0) * unit
+        return cls(m=m, r=r, g=g, I1=positive("disk: I1", I1) * unit, I3=axial, name=name)
 
     @classmethod
     def annulus(cls, inner: float, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
-        """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop)."""
+        """A flat uniform ring; inner is its inner over its outer radius, 0 (disk) to 1 (hoop).
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.Disk.annulus(0.5).I3
+        0.625
+        """
         inner = number("disk: annulus (inner over outer radius, between 0 and 1)", inner, 0.0, 1.0)
         m, r, g = _units(m, r, g)
         axial = 0.5 * m * r * r * (1.0 + inner * inner)
-        return cls(m, r, g, 0.5 * axial, axial, f"annulus-{inner:g}")
+        return cls(m=m, r=r, g=g, I1=0.5 * axial, I3=axial, name=f"annulus-{inner:g}")
 
     @classmethod
     def uniform(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
-        """The uniform disk, eq. (2.5): m r^2 / I1 = 4."""
+        """The uniform disk, eq. (2.5): m r^2 / I1 = 4.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.Disk.uniform(m=0.02, r=0.05, g=9.81).kappa == ex.Disk.uniform().kappa == 5**0.5
+        True
+        """
         return replace(cls.annulus(0.0, m, r, g), name="uniform")
 
     @classmethod
     def hoop(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
-        """The hoop, eq. (2.6): m r^2 / I1 = 2."""
+        """The hoop, eq. (2.6): m r^2 / I1 = 2.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.Disk.hoop().I1
+        0.5
+        """
         return replace(cls.annulus(1.0, m, r, g), name="hoop")
 
     @classmethod
     def matching(cls, m: float = 1.0, r: float = 1.0, g: float = 1.0) -> Disk:
-        """The flat body with m r^2 / I1 = 3, for which both one-sided limit motions agree."""
+        """The flat body with m r^2 / I1 = 3, for which both one-sided limit motions agree.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.Disk.matching().kappa, ex.Disk.matching().gap
+        (2.0, 0.0)
+        """
         m, r, g = _units(m, r, g)
         third = m * r * r / 3.0
-        return cls(m, r, g, third, 2.0 * third, "matching")
+        return cls(m=m, r=r, g=g, I1=third, I3=2.0 * third, name="matching")
 
     @classmethod
     def parse(cls, text: str) -> Disk:
-        """A disk from what the command line accepts. Raises InputError."""
+        """A disk from what the command line accepts. Raises InputError.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.Disk.parse("annulus:0.5,m=20g,r=5cm").m
+        0.02
+        """
         if not isinstance(text, str):
             raise InputError(f"disk = {shown(text)} is no text; choose {SYNTAX}")
         head, _, rest = text.strip().partition(":")
@@ -160,14 +246,18 @@ class Disk:
             return cls._of_moments({"name": path.stem, **read_toml(path, "disk")})
         if "=" in text:
             return cls._of_moments(_quantities(text))
-        raise InputError(f"disk {shown(text)} is not known; choose {SYNTAX}")
+        near = nearest(head, (*PRESETS, "annulus"))
+        meant = f"did you mean {near!r}? " if near else ""
+        raise InputError(f"disk {shown(text)} is not known; {meant}choose {SYNTAX}")
 
     @classmethod
     def _of_moments(cls, values: dict[str, Any]) -> Disk:
         _known(values, (*_SCALES, "I1", "I3", "name"))
         missing = [key for key in ("I1", "I3") if key not in values]
         if missing:
-            raise InputError(f"disk: {' and '.join(missing)} missing; give I1 and I3 (m, r, g default to 1)")
+            raise InputError(
+                f"disk: {' and '.join(missing)} missing; give I1 and I3, or a body as in uniform:m=20g,r=5cm"
+            )
         return cls(**values)
 
     @property
@@ -310,7 +400,16 @@ def _quantities(text: str) -> dict[str, str]:
     for key, equals, _ in pairs:
         if not equals:
             raise InputError(f"disk: {shown(key.strip())} says no quantity; write NAME=VALUE, as m=1,r=0.5")
-    return {key.strip(): value.strip() for key, _, value in pairs}
+    return {key.strip(): _in_si(key.strip(), value.strip()) for key, _, value in pairs}
+
+
+def _in_si(key: str, value: str) -> str:
+    """A quantity without its unit, which may be one of UNITS."""
+    for unit, (size, keys) in UNITS.items():
+        bare = value.removesuffix(unit).rstrip()
+        if key in keys and bare != value and double_of(bare) is not None:
+            return repr(float(bare) * size)
+    return value
 
 
 def _known(values: dict[str, Any], known: tuple[str, ...]) -> None:

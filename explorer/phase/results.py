@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, shown
-from explorer.phase.columns import COLUMNS
+from explorer.phase.columns import COLUMNS, SI
+from explorer.phase.disk import Disk
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 _SHOWN = 6  # columns whose medians the description gives: what fits on a screen beside code
 _COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
+_SIDED = ("race_angle", "delta_chi", "delta_psi")  # whose medians are told for each side of F
 _AXES = {3: "xyz"}  # what the entries of a vector are called; others are counted
 
 
@@ -90,12 +92,16 @@ class Table:
                 or len(lines) == _SHOWN
             ):
                 continue
-            known = values[good & np.isfinite(values)]
-            if known.size:
-                unit = COLUMNS[name].unit if name in COLUMNS else ""
-                low, middle, high = known.min(), np.median(known), known.max()
-                text = f"{middle:.6g}" if known.size == 1 else f"median {middle:.6g}, {low:.6g} to {high:.6g}"
-                lines.append((name, f"{text} {unit}".rstrip()))
+            parts = {"": good & np.isfinite(values)}
+            side = getattr(self, "side", None)
+            if name in _SIDED and side is not None and np.unique(np.sign(side[parts[""]])).size > 1:
+                parts = {f" where eta {sign} 0": parts[""] & (side * s > 0) for s, sign in ((1, ">"), (-1, "<"))}
+            unit = unit_of(name, getattr(getattr(self, "states", self), "disk", None))
+            told = [
+                f"{_spread(values[rows])} {unit}".rstrip() + where for where, rows in parts.items() if rows.any()
+            ]
+            if told:
+                lines.append((name, "; ".join(told)))
         return lines
 
     def _title(self) -> str:
@@ -128,6 +134,18 @@ class Result(Table):
     def shape(self) -> tuple[int, ...]:
         """The shape to which the arguments broadcast."""
         return self.status.shape
+
+    def __getitem__(self, rows: Any) -> Self:
+        """Some of the samples, chosen as entries of an array of this shape are: by a number, a slice or a mask."""
+        places = np.atleast_1d(np.arange(len(self)).reshape(self.shape)[rows])
+        arrays = {
+            name: v.reshape(len(self), *v.shape[len(self.shape) :])[places] for name, v in self._arrays().items()
+        }
+        states = getattr(self, "states", None)
+        if states is None:
+            return replace(self, **arrays)  # type: ignore[type-var]
+        each = states.at(places.ravel() // max(len(self) // max(len(states), 1), 1))
+        return replace(self, **arrays, states=replace(each, shape=places.shape))  # type: ignore[type-var]
 
     @property
     def ok(self) -> NDArray[np.bool_]:
@@ -166,6 +184,18 @@ class Result(Table):
         of = f" (numbers below: of the {counts['ok']:,} ok)" if numbers and len(counts) > 1 else ""
         said = ", ".join(f"{name} {count:,}" for name, count in counts.items()) or "no samples"
         return [("status", said + of), *numbers]
+
+
+def unit_of(name: str, disk: Disk | None = None) -> str:
+    """The unit of a column: of SI where the disk is not in natural units."""
+    unit = COLUMNS[name].unit if name in COLUMNS else ""
+    return unit if disk is None or disk.m == disk.r == disk.g == 1.0 else SI.get(unit, unit)
+
+
+def _spread(values: NDArray[Any]) -> str:
+    """A number, or the median of several and between which they lie."""
+    low, middle, high = values.min(), np.median(values), values.max()
+    return f"{middle:.6g}" if values.size == 1 else f"median {middle:.6g}, {low:.6g} to {high:.6g}"
 
 
 @cache

@@ -75,7 +75,7 @@ class States:
     >>> len(states), states.status
     (2, array([0, 2], dtype=int8))
     >>> states
-    States of 2 of the disk uniform: ok 1, bad_input 1
+    States of 2 of the disk uniform: ok 1, bad_input 1; tilts 90 to 90 degrees
     """
 
     disk: Disk
@@ -101,13 +101,23 @@ class States:
         codes, counts = np.unique(self.status, return_counts=True)
         names = (compiled.status.Status(code).name.lower() for code in codes.tolist())
         found = ", ".join(f"{name} {count:,}" for name, count in zip(names, counts.tolist(), strict=True))
-        return f"States of {len(self):,}{shape} of the disk {self.disk.name}: {found or 'none'}"
+        tilt = np.degrees(np.arctan2(self.rows.q, abs(self.rows.z))[self.status == compiled.status.Status.OK])
+        tilts = f"; tilts {tilt.min():.3g} to {tilt.max():.3g} degrees" if tilt.size else ""
+        return f"States of {len(self):,}{shape} of the disk {self.disk.name}: {found or 'none'}{tilts}"
 
     def __len__(self) -> int:
         return int(self.natural.shape[1])
 
     def __getitem__(self, rows: int | slice | NDArray[Any]) -> States:
-        """Some of the states, chosen as entries of a flat array are: by a number, a slice, a mask or numbers."""
+        """Some of the states, chosen as entries of a flat array are: by a number, a slice, a mask or numbers.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> states = ex.phi_to_states(ex.Disk.uniform(), 0.0, 1.0, [1.0, 2.0, 3.0], 0.7)
+        >>> states[states.sigma3 > 1.5].sigma3
+        array([2., 3.])
+        """
         return self.at(self._rows_of(rows))
 
     def _rows_of(self, rows: Any) -> NDArray[np.intp]:
@@ -172,7 +182,14 @@ class States:
         return some
 
     def reversed(self) -> States:
-        """The same states with time running backwards: phidot changes sign (rho, sigma4 stay)."""
+        """The same states with time running backwards: phidot changes sign (rho, sigma4 stay).
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> ex.phi_to_states(ex.Disk.uniform(), 0.1, 1.0, 1.0, 0.7).reversed().phidot
+        array([-1.])
+        """
         natural = self.natural.copy()
         Rows(*natural).p[:] *= -1.0
         back = States(self.disk, natural, self.status.copy(), self.exact, self.shape)

@@ -13,11 +13,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
+from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 from weakref import WeakKeyDictionary
 
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
 
 from explorer.errors import InputError, shown
@@ -111,13 +113,22 @@ class Picture:
         if "disk" in given:
             require_axial_inertia(given["disk"])
         if ax is None:
-            ax = Figure(figsize=self.size, layout="constrained")
+            ax = ShownFigure(figsize=self.size, layout="constrained")
         if self.has_panels and isinstance(ax, Axes):
             raise InputError(f"picture {self.name}: has several axes; give a Figure or a part of one as ax")
         self.draw(ax if self.has_panels or isinstance(ax, Axes) else ax.subplots(), *what, **numbers)
         figure = whole_figure(ax)
         add_caption(figure, self.caption)
         return figure
+
+
+class ShownFigure(Figure):
+    """A figure that a notebook shows where it is the last value of a cell, without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        written = BytesIO()
+        FigureCanvasAgg(self).print_png(written)
+        return written.getvalue()
 
 
 PICTURES: dict[str, Picture] = {}  # by name, of the files that are loaded

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from explorer.phase.columns import ANGLE, COLUMNS, ENERGY
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 
@@ -41,6 +42,9 @@ _SYMBOLS = {
     "sigma4_bar": r"$\bar\sigma_4$",
     "eta_hat": r"$\hat\eta$",
     "energy": "$E$",
+    "theta": r"$\theta$",
+    "thetadot": r"$\dot\theta$",
+    **{name: name.replace("_", " ") for name in ("tilt", "tilt_rate", "precession", "spin", "face")},
 }
 
 
@@ -99,7 +103,7 @@ def _unit(symbol: str, size: float) -> str:
 
 def coordinate_label(name: str, disk: Disk) -> str:
     """Symbol and unit of a coordinate of the phase space."""
-    unit = {"phi": "rad", "energy": _unit("m g r", disk.energy_unit)}.get(name) or rates_of(disk)
+    unit = {ANGLE: "rad", ENERGY: _unit("m g r", disk.energy_unit)}.get(COLUMNS[name].unit) or rates_of(disk)
     return f"{_SYMBOLS[name]} ({unit})"
 
 

@@ -75,7 +75,8 @@ def read_record(folder: Path) -> dict[str, Any]:
     """What run.json says. Raises InputError."""
     path = path_of("DIR", folder) / "run.json"
     if not path.exists():
-        raise InputError(f"{shown(str(folder))}: holds no run (there is no run.json)")
+        why = "holds no run (there is no run.json)" if path.parent.exists() else "there is no such folder"
+        raise InputError(f"{shown(str(folder))}: {why}")
     anew = "start the run anew in another folder"
     try:
         record = store.read_json(path)

@@ -185,7 +185,15 @@ class Run:
 
     @property
     def pictures(self) -> list[str]:
-        """The names of the pictures that `figure` draws."""
+        """The names of the pictures that `figure` draws.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> races = ex.run("race-angles", samples=1000)
+        >>> races.pictures
+        ['histogram', 'deviation']
+        """
         return list(self._pictures())
 
     def _pictures(self) -> dict[str, Picture]:
@@ -197,6 +205,12 @@ class Run:
 
         name: one of `pictures`. ax: where to draw; by default on a new figure. options: keywords of the function
         of the picture that draws it, such as bins for "histogram". Raises InputError for an unknown name.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> races = ex.run("race-angles", samples=1000)
+        >>> races.figure("histogram", bins=40).savefig("races.pdf")  # doctest: +SKIP
         """
         from explorer.pictures.register import whole_figure
 
@@ -205,7 +219,15 @@ class Run:
         return whole_figure(picture(**options) if ax is None else picture(ax=ax, **options))
 
     def tables(self, columns: Columns = None) -> Iterator[Table]:
-        """The kept samples chunk by chunk, in order, as arrays by name. Raises RunError where one is missing."""
+        """The kept samples chunk by chunk, in order, as arrays by name. Raises RunError where one is missing.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> races = ex.run("race-angles", samples=1000)
+        >>> [table["race_angle"].size for table in races.tables(["race_angle"])]
+        [1000]
+        """
         chunks = self.complete()
         known = chunks[0].columns()
         names = [one_of("column", name, known) for name in words("columns", columns)] if columns else known
@@ -215,6 +237,13 @@ class Run:
         """The kept samples as an Arrow table; each field says its meaning, unit and equation in its metadata.
 
         columns: names, all by default. Raises InputError for a column that the run does not have.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> races = ex.run("race-angles", samples=1000)
+        >>> races.arrow(["eta_hat", "race_angle"]).column_names
+        ['eta_hat', 'race_angle']
         """
         import pyarrow as pa  # loaded only by those who ask for a table
 
@@ -226,11 +255,26 @@ class Run:
         """The kept samples as a pandas DataFrame, status by name.
 
         columns: names, all by default. Raises InputError for a column that the run does not have.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> races = ex.run("race-angles", samples=1000)
+        >>> races.frame(["eta_hat", "race_angle"]).shape
+        (1000, 2)
         """
         return self.arrow(columns).to_pandas()
 
     def verify(self) -> list[str]:
-        """Everything that is wrong with the run, a line each; an empty list where all is well."""
+        """Everything that is wrong with the run, a line each; an empty list where all is well.
+
+        Examples
+        --------
+        >>> import explorer as ex
+        >>> races = ex.run("race-angles", samples=1000)
+        >>> races.verify()
+        []
+        """
         return [fault for part in self.parts for fault in part._faults()]
 
     def _faults(self) -> list[str]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from explorer.motion.compare import ANGLES, apart
 from explorer.motion.plan import method_in_words
 from explorer.scenes.scene import SampledScene
 
@@ -17,11 +18,11 @@ def exact_of(scene: SampledScene) -> SampledScene:
     return replace(scene, method="quadrature", accuracy=min(scene.accuracy, 1e-6))
 
 
-def side_by_side(scene: SampledScene, column: str, *, relative: bool, jobs: int = 2) -> dict[str, Any]:
+def side_by_side(scene: SampledScene, column: str, *, jobs: int = 2) -> dict[str, Any]:
     """Compute a scene that integrates, and the same samples by quadrature, and compare one column.
 
     seconds: on the clock, with compiled kernels, for all about the samples, on `jobs` threads. largest,
-    percentile_99: of the differences, relative where `relative`, else in radians. compared: samples that both
+    percentile_99: of the differences, as `apart` has them. compared: samples that both
     gave.
     """
     exact = exact_of(scene)
@@ -29,7 +30,7 @@ def side_by_side(scene: SampledScene, column: str, *, relative: bool, jobs: int 
         _column(replace(each, samples=1), column, 0)
     (seconds, found), (exact_seconds, known) = (_timed(each, column, jobs) for each in (scene, exact))
     both = np.isfinite(found) & np.isfinite(known)
-    apart = abs(found[both] - known[both]) / (abs(known[both]) if relative else 1.0)
+    away = apart(column, found[both], known[both])
     return {
         "column": column,
         "samples": scene.samples,
@@ -40,9 +41,9 @@ def side_by_side(scene: SampledScene, column: str, *, relative: bool, jobs: int 
         "exact_method": exact.plan.method,
         "exact_seconds": round(exact_seconds, 3),
         "compared": int(both.sum()),
-        "relative": relative,
-        "largest": float(apart.max(initial=0.0)),
-        "percentile_99": float(np.quantile(apart, 0.99)) if apart.size else 0.0,
+        "relative": column not in ANGLES,
+        "largest": float(away.max(initial=0.0)),
+        "percentile_99": float(np.quantile(away, 0.99)) if away.size else 0.0,
     }
 
 

@@ -25,7 +25,7 @@ from explorer.phase.lines import line_slope
 from explorer.phase.membership import falls_of
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.given_states import Block
-from explorer.scenes.options import Reader, option, several, whole_from, word_of
+from explorer.scenes.options import Reader, option, read_ranges, several, whole_from, word_of
 from explorer.scenes.scene import Counts, Picture, Table
 from explorer.scenes.starts import FromStates
 
@@ -71,10 +71,12 @@ class FallingSet(FromStates):
         follows=lambda self, given: given or ("near" if self.samples > MOST_THETA_MIN else "all"),
     )
     slice: tuple[Slice, ...] = option(
-        Reader(several(lambda name, value: Slice.of(value, name)), "SLICE", "str | Slice | Sequence[str | Slice]"),
+        Reader(several(read_ranges), "SLICE", "str | Slice | Sequence[str | Slice]"),
         'a slice to draw, two ranges and two numbers: "phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"',
         words="two slices",
-        follows=lambda self, given: given or Slice.defaults(self.disk),
+        follows=lambda self, given: (
+            tuple(Slice.read(each, self.degrees) for each in given or ()) or Slice.defaults(self.disk)
+        ),
         key="slices",
         several=True,
     )

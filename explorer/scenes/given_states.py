@@ -114,6 +114,11 @@ class GivenStates:
         columns = _read(table, chart, what)  # refuses columns of types that are of no use
         return cls(what, rows, sha256, path, chart, None if parquet else columns)
 
+    @property
+    def known(self) -> bool:
+        """Whether they can be read: not where a stored run had states that were never in a file."""
+        return self.chart is not None or self.states is not None
+
     def describe(self) -> dict[str, str | int]:
         """The entry of run.json."""
         file = {} if self.path is None else {"file": str(self.path)}
@@ -124,7 +129,7 @@ class GivenStates:
         row = {"row": np.arange(first, first + count)}
         if self.states is not None:
             states = self.states.at(np.arange(first, first + count))
-            return Block(states, row | _coordinates(states), {})
+            return Block(states, row | coordinates_of(states), {})
         if self.chart is None:
             raise InputError(
                 f"{self.what}: this run has states that were given in Python; go on with "
@@ -135,7 +140,7 @@ class GivenStates:
         else:
             table = {name: values[first : first + count] for name, values in self.columns.items()}
         states = self.chart.states(disk, table, degrees)
-        known = _coordinates(states)
+        known = coordinates_of(states)
         if (
             not degrees
         ):  # those that were given stay as they are, to the last digit and also where they are no state
@@ -160,7 +165,7 @@ class GivenStates:
         return _read(table, chart, self.what)
 
 
-def _coordinates(states: States) -> Columns:
+def coordinates_of(states: States) -> Columns:
     """phi, phidot, sigma3, sigma4 in the units of the disk; NaN where there is no state."""
     good = states.status != compiled.status.Status.BAD_INPUT
     return {name: np.where(good, getattr(states, name), np.nan) for name in COORDINATES}

@@ -218,7 +218,7 @@ def several(read: Callable[[str, Any], Any]) -> Callable[[str, Any], tuple[Any, 
 
 
 def read_ranges(name: str, value: Any) -> dict[str, Range]:
-    """Read ranges of coordinates: "phi=0,phidot=-2:2", a mapping, or a Box. Raises InputError."""
+    """Read ranges of coordinates: "phi=0,phidot=-2:2", a mapping, a Box or a Slice. Raises InputError."""
     return parse_ranges(plain(value), name)
 
 
@@ -226,7 +226,7 @@ def read_density(name: str, value: Any) -> Function:
     """Read a density. A stored run says only which function it had. Raises InputError."""
     if not callable(value):
         told = "was given in Python; go on with run(..., density=...) there" if isinstance(value, Mapping) else ""
-        raise InputError(f"{name} {shown(value)} {told or 'cannot be called; give a function of four arrays'}")
+        raise InputError(f"{name} {shown(value)} {told or 'cannot be called; give a function of arrays'}")
     density: Function = value
     return density
 
@@ -240,4 +240,4 @@ OPEN_RANGE = Reader(partial(read_range, unbounded=True), "LOW:HIGH", "str | tupl
 RANGES = Reader(read_ranges, "NAME=LOW:HIGH,..", "str | Box | Mapping[str, tuple[float, float]]")
 DISK = Reader(read_disk, "DISK", "Disk | str")
 DISKS = Reader(several(read_disk), "DISK", "Disk | str | Sequence[Disk | str]")
-DENSITY = Reader(read_density, None, "Callable[[Array, Array, Array, Array], Array]")
+DENSITY = Reader(read_density, None, "Callable[..., Array]")

@@ -49,7 +49,7 @@ _OF_BOUNCE = (
     *("theta_min", "duration", "error_estimate"),
 )
 KERNELS = (*statistics.KERNELS, *LogHistogram.KERNELS)  # of what is counted
-# Options that mean states anywhere in the phase space, and so do ranges of phi and sigma4 in the box.
+# Options that mean states anywhere in the phase space; so does a box with more than phidot and sigma3.
 _ANYWHERE = ("states", "gaussian", "density", "bounces")
 
 
@@ -74,7 +74,7 @@ class RaceAngles(FromStates):
 
     box: Any = option(
         RANGES,
-        f"{BOX_NEAR_F}; with phi and sigma4 too, states in all of the phase space, as in falling-set",
+        f"{BOX_NEAR_F}; of others, states in all of the phase space, as in falling-set",
         words="that, in natural units",
         follows=lambda self, given: self.box_of(given),
     )
@@ -208,6 +208,8 @@ class Passages(RaceAngles):
 
     def eta_hat_of(self, given: Range | None) -> Range:
         """The range of distances from F; the default in natural units."""
+        if self.degrees:
+            raise InputError("degrees: is for states in all of the phase space; leave it out")
         unit = self.disk.rate_unit
         span = given or (1e-6 * unit, 1e-2 * unit)
         check_eta_hat(span, self.disk)
@@ -260,14 +262,9 @@ class Bounces(RaceAngles):
     )
     remedy = "give states with more energy: the others do not come flat"
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.method not in ("auto", "quadrature"):
-            raise InputError(f"method {self.method}: bounces of states are by quadrature; leave it out")
-
     @property
     def kernels(self) -> tuple[str, ...]:
-        return *super().kernels, *bounce_kernels(), *KERNELS
+        return *super().kernels, *bounce_kernels(self.plan), *KERNELS
 
     @property
     def rows(self) -> int:
@@ -284,7 +281,7 @@ class Bounces(RaceAngles):
 
     def observe(self, block: Block) -> Table:
         """A row for each approach to flat of each state."""
-        found = bounces(block.states, self.rows, self.accuracy)
+        found = bounces(block.states, self.rows, self.accuracy, method=self.plan.method)
         results = motion_constants(found) | {name: getattr(found, name) for name in (*_OF_BOUNCE, "status")}
         table = {name: values.ravel() for name, values in results.items()}
         return block.at(np.repeat(np.arange(len(block.states)), self.rows)).with_results(table)
@@ -299,7 +296,7 @@ def _anywhere(given: dict[str, Any]) -> bool:
     """Whether options mean states anywhere in the phase space."""
     box = given.get("box")
     ranges = {} if box is None else read_ranges("box", box)
-    return any(given.get(name) is not None for name in _ANYWHERE) or bool({"phi", "sigma4"} & set(ranges))
+    return any(given.get(name) is not None for name in _ANYWHERE) or not set(ranges) <= {"phidot", "sigma3"}
 
 
 def _mean(tally: RaceCounts, groups: list[int]) -> float:

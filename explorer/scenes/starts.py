@@ -7,16 +7,18 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from explorer import compiled
 from explorer.errors import InputError, RunError
 from explorer.measure.density import ANY_ENERGY, Density, Function
-from explorer.measure.sampling import Box, Range, Stream, chunk_stream, signs
+from explorer.measure.sampling import Box, ChartBox, Range, Stream, box_of, chunk_stream, in_radians, signs
 from explorer.motion.reference_samples import ReferenceSamples, through_time
 from explorer.phase.disk import SYNTAX, Disk
-from explorer.phase.states import Array, States, phi_to_states
-from explorer.scenes.given_states import Block, GivenStates
+from explorer.phase.states import Array, States
+from explorer.scenes.given_states import Block, GivenStates, coordinates_of
 from explorer.scenes.options import DENSITY, DISK, OPEN_RANGE, RANGES, TRUTH, Reader, option
 from explorer.scenes.scene import SAMPLES, SampledScene, Table
 
+_LOOKED_AT = 1_000_000  # rows of given states, when those are named that are none
 # In natural units: where doubles still have all their digits, and where "near F" loses its meaning.
 _NEAR_F = (1e-305, 10.0)
 
@@ -24,9 +26,10 @@ _NEAR_F = (1e-305, 10.0)
 class FromDensity(SampledScene):
     """Where states are drawn."""
 
-    box: Box = option(
+    box: Box | ChartBox = option(
         RANGES,
-        'where states are drawn, in the units of the disk: "phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2"',
+        'where states are drawn, in the units of the disk: "phi=0,phidot=-2:2,sigma3=-2:2,sigma4=-2:2", evenly in '
+        "these, or in tilt, precession and spin, with tilt_rate",
         words="that, in natural units",
         follows=lambda self, given: self.box_of(given),
     )
@@ -38,21 +41,27 @@ class FromDensity(SampledScene):
         RANGES,
         'coordinates drawn from a Gaussian that the box cuts off: "phidot=MEAN:DEVIATION,..", in the units of the '
         "disk",
+        follows=lambda self, given: given and in_radians(given, self.degrees),
     )
     density: Function | None = option(
         DENSITY,
-        "a density, called as density(phi, phidot, sigma3, sigma4) with arrays in the units of the disk",
+        "a density, called as density(phi, phidot, sigma3, sigma4), or with the coordinates of the box, which are "
+        "arrays in rad and the units of the disk",
+    )
+    degrees: bool = option(
+        TRUTH, "angles and rates that are given, of box, gaussian, slice and states, are in degrees", default=False
     )
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.box is not None:
+            object.__setattr__(self, "degrees", False)  # from here on all are in rad
             # An energy or a density that the box does not reach is refused before anything is written.
             self.draw(chunk_stream(self.seed, 0), 1)
 
-    def box_of(self, given: dict[str, Range] | None) -> Box:
+    def box_of(self, given: dict[str, Range] | None) -> Box | ChartBox:
         """The box that ranges describe; what is left out has its natural range."""
-        return replace(Box.default(self.disk), **(given or {}))
+        return box_of(self.disk, in_radians(given or {}, self.degrees))
 
     @cached_property
     def source(self) -> Density:
@@ -94,14 +103,13 @@ class FromStates(FromDensity):
         "Parquet or CSV file with states, instead of box: columns tilt, tilt_rate, precession, spin; or phi, "
         "phidot, sigma3, sigma4; or phidot, sigma3_bar, eta_hat; all other columns go on into the results",
     )
-    degrees: bool = option(TRUTH, "angles and rates of a table of states are in degrees", default=False)
 
     block: ClassVar[int] = 1 << 14  # states: intermediate arrays stay in a processor's cache
 
     def __post_init__(self) -> None:
         super().__post_init__()
         made = None if self.states is None else self.states.states
-        if self.degrees and (self.states is None or made is not None):
+        if self.degrees and made is not None:
             raise InputError("degrees: says how a table of states is meant; leave it out")
         if made is not None and made.disk != self.disk:
             raise InputError(f"states: made for the disk {made.disk.name!r}, used with {self.disk.name!r}")
@@ -133,13 +141,15 @@ class FromStates(FromDensity):
                 yield given.at(np.arange(first, first + size))
             else:
                 columns = self.draw(random, size)
-                yield Block(phi_to_states(self.disk, **columns), columns, {})
+                states = self.box.states(self.disk, columns)
+                known = columns if isinstance(self.box, Box) else coordinates_of(states)
+                yield Block(states, known, {name: columns[name] for name in columns if name not in known})
 
     def first_states(self, count: int) -> States:
         """A few states like those of the run; the same for all seeds, so that runs can be merged."""
         if self.states is not None:
             return self.states.read(self.disk, 0, min(count, self.samples), self.degrees).states
-        return phi_to_states(self.disk, **self.draw(chunk_stream(0, 0), count))
+        return self.box.states(self.disk, self.draw(chunk_stream(0, 0), count))
 
     def states_among(self, status: Mapping[str, int]) -> int:
         """How many samples are states; the others are bad input, and in no statistic. Raises RunError for 0."""
@@ -151,6 +161,15 @@ class FromStates(FromDensity):
                 remedy += "" if self.degrees else ", or say degrees where they are in degrees"
             raise RunError(f"{self.name}: none of {self.samples:,} samples is a state; {remedy}")
         return count
+
+    def headline(self, summary: dict[str, Any]) -> list[str]:
+        """As of all scenes, and the first rows of a table that are no states."""
+        lines = super().headline(summary)
+        if summary["status"].get("bad_input") and self.states is not None and self.states.known:
+            status = self.first_states(_LOOKED_AT).status
+            bad = np.flatnonzero(status == compiled.status.Status.BAD_INPUT)[:10]
+            lines.append(f"no states (bad_input), for instance rows {', '.join(map(str, bad))}, counted from 0")
+        return lines
 
     def reference_samples(self, motions: int, t_end: float | None) -> list[ReferenceSamples]:
         first = next(self.blocks(0)).states
@@ -183,8 +202,9 @@ class BoxNearF(Box):
     @classmethod
     def of(cls, disk: Disk, ranges: Mapping[str, Range]) -> Self:
         """The default box with other ranges. Raises InputError where these do not describe starts near F."""
-        if "sigma4" in ranges:
-            raise InputError("box sigma4: this scene sets sigma4 by eta_hat; leave it out")
+        for name in ranges:
+            if name not in ("phi", "phidot", "sigma3"):
+                raise InputError(f"box {name}: this scene sets sigma4 by eta_hat; give phidot and sigma3 alone")
         box = replace(cls.default(disk), **ranges)
         if box.phi != (0.0, 0.0):
             raise InputError("box phi: this scene starts at the vertical; leave phi out or give phi=0")
@@ -196,7 +216,7 @@ class BoxNearF(Box):
         return box
 
     def describe(self) -> dict[str, list[float]]:
-        return {name: list(getattr(self, name)) for name in ("phidot", "sigma3")}
+        return {name: list(self.ranges[name]) for name in ("phidot", "sigma3")}
 
     def starts(self, random: Stream, count: int) -> dict[str, Array]:
         """`count` starts as `constants_to_states` takes them, but for eta_hat; both faces equally likely."""

@@ -1,14 +1,15 @@
-"""The tutorials as notebooks: `python tests/docs/notebooks.py` writes them to docs/notebooks, without outputs."""
+"""The tutorials as notebooks with pictures: `python tests/docs/notebooks.py` writes them to docs/notebooks."""
 
+import base64
 import re
 from pathlib import Path
 
 import nbformat
-from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
+from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook, new_output
 
 ROOT = Path(__file__).resolve().parents[2]
-TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
-NOTEBOOKS = ROOT / "docs" / "notebooks"
+TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("[0-9]*.md"))
+NOTEBOOKS, IMAGES = ROOT / "docs" / "notebooks", ROOT / "docs" / "images"
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```\n", flags=re.MULTILINE | re.DOTALL)
 PICTURE = re.compile(r"^!\[[^\]]*\]\([^)]*\)\n", flags=re.MULTILINE)
 PROMPT = re.compile(r"^(?:>>>|\.\.\.) ?(.*)$", flags=re.MULTILINE)
@@ -29,6 +30,13 @@ def code_of(kind, text):
     return None
 
 
+def pictures_of(text):
+    """What a block that saves a picture shows: the one that `pages.py` has stored."""
+    files = [IMAGES / f"{name}.png" for name in re.findall(r"savefig\(\"([\w-]+)\.png", text)]
+    data = [base64.b64encode(file.read_bytes()).decode() for file in files]
+    return [new_output("display_data", data={"image/png": each}) for each in data]
+
+
 def notebook(page):
     """A page as a notebook."""
     cells, at = [new_code_cell("%matplotlib inline")], 0
@@ -38,7 +46,7 @@ def notebook(page):
         if block[1] == "bash":
             words = f"{words}\n\n{block[0].strip()}"
         cells += [new_markdown_cell(words)] if words else []
-        cells += [new_code_cell(code)] if code else []
+        cells += [new_code_cell(code, outputs=pictures_of(block[2]))] if code else []
         at = block.end()
     cells.append(new_markdown_cell(text[at:].strip()))
     for number, cell in enumerate(cells):

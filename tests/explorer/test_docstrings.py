@@ -82,9 +82,28 @@ def test_help_names_what_a_class_holds(name):
     assert named(found.get("Attributes", "")) | named(found.get("Parameters", "")) >= fields(OBJECTS[name])
 
 
-@pytest.mark.parametrize("name", NAMES)
+def of_methods():
+    """name -> text, for methods of public classes whose help has an example."""
+    classes = {name: value for name, value in OBJECTS.items() if inspect.isclass(value)}
+    helps = {
+        f"{name}.{each}": inspect.getdoc(value)
+        for name, kind in classes.items()
+        for each, value in vars(kind).items()
+    }
+    return {name: text for name, text in helps.items() if text and ">>> " in text}
+
+
+EXAMPLES = {name: inspect.getdoc(value) for name, value in OBJECTS.items()} | of_methods()
+
+
+def test_methods_of_disks_states_and_runs_have_examples():
+    for name in ("Disk.parse", "Disk.annulus", "Disk.from_ratios", "States.reversed", "Run.frame", "Run.verify"):
+        assert name in EXAMPLES
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
 def test_examples_run_and_print_what_they_say(name):
-    example = doctest.DocTestParser().get_doctest(inspect.getdoc(OBJECTS[name]), {}, name, None, 0)
+    example = doctest.DocTestParser().get_doctest(EXAMPLES[name], {}, name, None, 0)
     assert example.examples
     report = []
     with patch.dict(scenes._own):  # an example may register a scene, which other tests must not see

@@ -18,6 +18,7 @@ from explorer.errors import (
     suggest,
     whole,
 )
+from explorer.motion.plan import plan
 from explorer.phase.arguments import read_range
 
 
@@ -155,3 +156,16 @@ def test_the_beginning_of_a_name_is_taken_for_it():
     assert suggest("race", known).startswith("did you mean 'race_angle'?")
     assert suggest("eta", known).startswith("did you mean 'eta_hat'?")
     assert suggest("fase", known).startswith("did you mean 'face'?")
+
+
+@pytest.mark.parametrize(("text", "count"), [("10k", 10_000), ("2.5M", 2_500_000), (" 3k ", 3000), ("1e3", 1000)])
+def test_thousands_and_millions_may_be_written_short(text, count):
+    assert whole("samples", text) == count
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"), [("RK45", "dopri5"), ("DOP853", "dop853"), ("Quadrature", "quadrature")]
+)
+def test_a_word_of_another_case_or_program_is_told_what_it_is_here(written, meant):
+    with pytest.raises(InputError, match=f"did you mean '{meant}'"):
+        plan(("theta_min",), method=written)

@@ -26,7 +26,7 @@ BAD = [  # one for each reader
     (["run", "race-angles", "--method", "euler"], "method 'euler'"),
     (["run", "race-angles", "--scheduler", "tcp://127.0.0.1:1"], "scheduler tcp"),
     (["run", "race-angles", "--chunk-size", "0"], "chunk_size = 0"),
-    (["verify", "nowhere"], "holds no run"),
+    (["verify", "nowhere"], "there is no such folder"),
     (["run", "missing.toml"], "cannot be read"),
     (["run"], "SCENE"),
     (["dmeo"], "did you mean 'demo'"),
@@ -299,3 +299,29 @@ def test_warmup_says_when_all_is_ready(capsys):
     capsys.readouterr()
     assert main(["warmup"]) == 0
     assert capsys.readouterr().out == "All kernels were ready.\n"
+
+
+def test_the_package_can_be_run_as_the_command():
+    ran = subprocess.run(
+        [sys.executable, "-m", "explorer", "--version"], capture_output=True, text=True, check=True
+    )
+    assert ran.stdout.startswith("nearflat ")
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("pla", "plan"),
+        ("run r", "race-angles"),
+        ("run race-angles --eta", "--eta-hat"),
+        ("run falling-set --samples 10 --theta", "--theta-min"),
+        ("probability --tilt_", ""),
+    ],
+)
+def test_a_shell_completes_commands_scenes_and_options(capsys, typed, offered):
+    assert main(["completion"]) == 0
+    script = capsys.readouterr().out
+    words = ["nearflat", *typed.split()]
+    asked = f"COMP_WORDS=({' '.join(words)}); COMP_CWORD={len(words) - 1}; _nearflat; echo ${{COMPREPLY[@]}}"
+    ran = subprocess.run(["bash", "-c", f"{script}\n{asked}"], capture_output=True, text=True, check=True)
+    assert ran.stdout.strip() == offered

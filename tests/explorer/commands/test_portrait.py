@@ -52,7 +52,7 @@ def test_without_a_browser_the_rest_is_drawn_and_what_is_missing_is_said(monkeyp
     monkeypatch.setattr("explorer.commands.portrait.GROUPS", ["hero", "film", "definitions"])
     status, out, err = said(capsys, "portrait", "--quiet", "--out", tmp_path / "all")
     assert status == 0
-    assert "1 pictures" in out
+    assert "1 files" in out
     assert "without hero and film" in err
     assert "no Chromium was found" in err
     assert "film" not in (tmp_path / "all" / "README.md").read_text("utf-8").lower()

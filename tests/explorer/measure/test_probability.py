@@ -147,14 +147,19 @@ def test_a_cloud_that_reaches_flat_has_no_law_and_still_a_probability():
     assert more.estimate / found.estimate == pytest.approx(100, rel=0.2)
 
 
-def test_the_interval_of_rare_tilts_holds_as_often_as_said():
-    truth = asked("coin in degrees", 1e-8, samples=400_000, rng=10_000)
+# Of 100 intervals at least 90; fewer tell less, and in the suite there are some of one distribution.
+ENOUGH = 90 if REPETITIONS == 100 else 0.9 * REPETITIONS - 1
+
+
+@pytest.mark.parametrize("name", CASES if REPETITIONS >= 100 else ["coin in degrees"])
+def test_the_interval_of_rare_tilts_holds_as_often_as_said(name):
+    truth = asked(name, 1e-8, samples=400_000, rng=10_000)
     inside = 0
     for seed in range(REPETITIONS):
-        low, high = asked("coin in degrees", 1e-8, samples=4000, rng=seed).interval
+        low, high = asked(name, 1e-8, samples=4000, rng=seed).interval
         assert high - low > 5 * (truth.interval[1] - truth.interval[0])
         inside += low < truth.estimate < high
-    assert inside >= 0.9 * REPETITIONS - 1
+    assert inside >= ENOUGH
 
 
 def test_the_interval_of_plain_draws_holds_as_often_as_said():
@@ -167,7 +172,7 @@ def test_the_interval_of_plain_draws_holds_as_often_as_said():
         ex.probability(UNIFORM, clockwise, samples=1000, rng=seed, **cloud).interval for seed in range(REPETITIONS)
     ]
     share = ex.probability(UNIFORM, clockwise, samples=100_000, rng=10_000, **cloud).estimate
-    assert sum(low < share < high for low, high in intervals) >= 0.9 * REPETITIONS - 1
+    assert sum(low < share < high for low, high in intervals) >= ENOUGH
 
 
 def test_an_event_of_bounces_counts_a_state_once():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from explorer.measure.sampling import Box
+from explorer.measure.sampling import Box, box_of
 from explorer.measure.sifting import Chunk, in_lanes, sift
 from explorer.scenes.falling_set import FallingSet
 
@@ -86,4 +86,4 @@ def test_distances_at_the_edges_of_bins_are_placed_as_the_librarys_logarithm_pla
 def test_rates_whose_squares_overflow_are_left_to_single_steps():
     disk = BODIES["coin"]
     assert in_lanes(disk, Box.default(disk))
-    assert not in_lanes(disk, Box.parse("sigma3=0:1e120", Box.default(disk)))
+    assert not in_lanes(disk, box_of(disk, {"sigma3": (0.0, 1e120)}))

@@ -84,6 +84,24 @@ def test_a_map_of_ones_own_is_the_function_at_each_point_of_the_grid(plane):
         np.testing.assert_allclose(found["turns"][j, i], turns(state)[0], rtol=1e-9)
 
 
+def test_a_map_over_tilt_and_precession_in_degrees_is_a_scan_of_these_states():
+    found = ex.slice_map(
+        UNIFORM,
+        "precession=-60:60,tilt=10:80,spin=40,tilt_rate=-5",
+        ["theta_min", "period"],
+        points=4,
+        degrees=True,
+    )
+    tilt, precession = np.meshgrid(np.linspace(10, 80, 4), np.linspace(-60, 60, 4))
+    states = ex.rates_to_states(UNIFORM, tilt, -5.0, precession, 40.0, degrees=True)
+    wanted = ex.scan(states, ["theta_min", "period"])
+    assert found.slice.axes == ("tilt", "precession")
+    np.testing.assert_allclose(np.degrees(found.x), np.linspace(10, 80, 4))
+    for name in found:
+        np.testing.assert_allclose(found[name], wanted[name], rtol=1e-9)
+    assert {"tilt", "tilt_rate", "precession", "spin"} <= set(found.to_pandas())
+
+
 def test_an_eta_hat_of_a_map_is_where_the_falling_set_is():
     found = ex.slice_map(UNIFORM, "phi=0,phidot=1,sigma3_bar=0.2:1,eta_hat=-1:1", points=9)
     assert (np.argmin(found["theta_min"], axis=0) == 4).all()
@@ -119,11 +137,13 @@ def test_each_cell_of_the_plane_has_its_flattest_motion():
 @pytest.mark.parametrize(
     ("plane", "message"),
     [
-        ("phi=0,phidot=1,sigma3=-2:2", "give phidot or energy"),
-        ("phi=0,phidot=1,sigma3=-2:2,sigma4=0", "two as LOW:HIGH"),
+        ("phi=0,phidot=1,sigma3=-2:2", "say no state; add sigma4"),
+        ("phi=0,phidot=1,sigma3=-2:2,sigma4=0", "give two of phi, phidot, sigma3, sigma4 as LOW:HIGH"),
         ({"phi": 0, "phidot": 1, "sigma3": (-2, 2), "sigma5": (0, 1)}, "did you mean"),
         ({"phi": 0, "phidot": 1, "sigma3": "a:b", "sigma4": (0, 1)}, "is not a number or a range"),
         (7, "write"),
+        ("tilt=10:80,precession=0:1,spin=1", "between 0 and pi; where it is in degrees, say so"),
+        ("tilt=0.1:1,precession=0:1,spin=1,sigma3=1", "sigma3: leave out"),
     ],
 )
 def test_what_is_no_plane_is_refused_in_words(plane, message):

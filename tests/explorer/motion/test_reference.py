@@ -137,7 +137,7 @@ def test_passages_are_the_same_in_any_units(m, r, g):
     """A coin, a disk of 2 km, one on the Moon."""
     usual = PASSAGES & (MOTIONS["kind"] == "passage")
     motions = MOTIONS[usual & (MOTIONS["I1"] == 0.25) & (MOTIONS["I3"] == 0.5)]
-    disk, rate = ex.Disk(m, r, g, 0.25 * m * r * r, 0.5 * m * r * r), np.sqrt(g / r)
+    disk, rate = ex.Disk.uniform(m=m, r=r, g=g), np.sqrt(g / r)
     start = (rate * column for column in (motions["sigma3_bar"], motions["eta_hat"], abs(motions["phidot"])))
     found = ex.passages(disk, *start, motions["face"], accuracy=1e-9)
     assert found.ok.all()

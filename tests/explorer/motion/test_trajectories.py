@@ -30,7 +30,7 @@ PASSAGES = {0.01: 8.2308499950647748923, -0.01: -5.7721922231267035920}
 def random_body(rng):
     m, r, g = rng.uniform(0.2, 3, 3)
     I1 = m * r * r * rng.uniform(0.05, 1.0)
-    return ex.Disk(m, r, g, I1, I1 * rng.uniform(0.2, 2.0))
+    return ex.Disk(m=m, r=r, g=g, I1=I1, I3=I1 * rng.uniform(0.2, 2.0))
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -174,7 +174,9 @@ def test_only_what_was_asked_for_is_returned_and_time_zero_is_the_start():
         ({"t_eval": [1.0, 0.5]}, "increasing"),
         ({"t_eval": [np.nan]}, "finite"),
         ({"t_end": 1.0, "observables": ("ph",)}, "did you mean 'phi'"),
-        ({"t_end": 1.0, "observables": ("face",)}, "one of the motion"),
+        ({"t_end": 1.0, "observables": ("phi", "race_angle")}, "observable 'race_angle' is not known"),
+        ({"t_end": 1.0, "observables": ("theta_min",), "method": "dop853"}, "known: phidot, sigma3, sigma4, phi"),
+        ({"t_end": 1.0, "observables": ()}, "give some of"),
         ({"t_end": 1.0, "method": "rk6"}, "did you mean 'rk"),
         ({"t_end": 1.0, "accuracy": 1e-20}, "accuracy"),
         ({"t_end": 1.0, "chi0": 1e12}, "chi0 = 1000000000000.0 must be a finite number"),

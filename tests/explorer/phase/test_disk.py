@@ -72,6 +72,8 @@ def test_text_forms_of_a_disk(tmp_path):
         ("annulus:2", "between 0 and 1"),
         ("annulus:x", "not a number"),
         ("m=1,r=1", "I1 and I3 missing"),
+        ("Hoop", "did you mean 'hoop'"),
+        ("uniform:m=20s", "m = 20s is not a number"),
         ("m=1,q=2,I1=1,I3=1", "unknown quantity 'q'"),
         ("m=one,I1=1,I3=1", "not a number"),
         ("nowhere.toml", "cannot be read"),
@@ -178,3 +180,20 @@ def test_a_number_may_be_text_and_other_text_is_refused():
 def test_a_rate_whose_square_overflows_has_no_energy_at_flat(bar):
     with pytest.raises(ex.InputError, match=r"^sigma3_bar = .* squares overflow"):
         ex.Disk.uniform().energy_at_flat(bar)
+
+
+def test_quantities_may_carry_units():
+    assert ex.Disk.parse("uniform:m=20g,r=5cm,g=9.81 m/s^2") == ex.Disk.uniform(m=0.02, r=0.05, g=9.81)
+    given = ex.Disk.parse("m=0.02kg,r=50mm,I1=150 g cm^2,I3=2.25e-5kg m^2")
+    assert (given.m, given.r, given.I1, given.I3) == pytest.approx((0.02, 0.05, 1.5e-5, 2.25e-5), rel=1e-14)
+
+
+def test_ratios_are_moments_in_units_of_a_hoop():
+    scales = {"m": 0.02, "r": 0.05, "g": 9.81}
+    wheel = ex.Disk.from_ratios(I1=0.3, I3=0.45, **scales)
+    np.testing.assert_allclose([wheel.body.I1, wheel.body.I3], [0.3, 0.45], rtol=1e-14)
+    assert ex.Disk.from_ratios(I1=0.25, **scales) == ex.Disk(**scales)
+    with pytest.warns(UserWarning, match="use Disk.from_ratios"):
+        ex.Disk(I1=0.3, I3=0.45, **scales)
+    with pytest.raises(TypeError):
+        ex.Disk(0.3, 0.45)

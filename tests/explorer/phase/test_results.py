@@ -60,3 +60,38 @@ def test_columns_are_those_that_arrow_makes_of_them():
     status = to_arrow({"status": BOUNCES.status}).column(0).chunk(0)
     status.validate(full=True)
     assert status.to_pylist() == BOUNCES.status_names.ravel().tolist()
+
+
+def test_samples_are_chosen_as_entries_of_an_array_are():
+    """With the states to which they belong."""
+    chosen = BOUNCES[BOUNCES.face == 1]
+    np.testing.assert_array_equal(chosen.race_angle, BOUNCES.race_angle[BOUNCES.face == 1])
+    np.testing.assert_array_equal(
+        chosen.to_pandas()["phi"], BOUNCES.to_pandas()["phi"][(BOUNCES.face == 1).ravel()]
+    )
+    for rows in (0, np.s_[:, 1], np.s_[::2], [2, 0], (0, 1), BOUNCES.ok):
+        found = BOUNCES[rows]
+        np.testing.assert_array_equal(found.time, np.atleast_1d(BOUNCES.time[rows]))
+        assert found.shape == found.states.shape
+        assert len(found.to_arrow()) == len(found)
+    passages = ex.passages(ex.Disk.hoop(), [[1.0], [2.0]], [1e-3, -1e-3, 1e-6], 1.0)
+    assert passages[1].delta_chi.tolist() == passages.delta_chi[1].tolist()
+    assert passages[passages.side < 0].shape == (2,)
+
+
+def test_a_description_has_a_median_for_each_side_and_units_of_the_disk():
+    coin = ex.Disk.uniform(m=5.67e-3, r=12.1e-3, g=9.81)
+    found = ex.passages(coin, 20.0, [1e-9, 2e-9, -1e-9], 30.0)
+    race, duration = (line for line in repr(found).split("\n") if "race_angle" in line or "duration" in line)
+    assert "median 7.02481" in race
+    assert race.endswith(" rad where eta > 0; -7.02481 rad where eta < 0")
+    assert duration.endswith(" s")
+    one = ex.passages(ex.Disk.uniform(), 1.0, [1e-9, 2e-9], 1.0)
+    assert "where" not in repr(one)
+    assert " time" in repr(one)
+
+
+def test_states_say_their_tilts_in_degrees():
+    assert repr(ex.rates_to_states(ex.Disk.hoop(), [10.0, 100.0], 0.0, 1.0, 1.0, degrees=True)).endswith(
+        "ok 2; tilts 10 to 80 degrees"
+    )

@@ -98,3 +98,8 @@ def test_figures_of_ones_own_in_the_style_of_the_house_have_the_colours_of_its_s
     with matplotlib.rc_context():
         matplotlib.style.use("explorer.pictures.house")
         assert matplotlib.rcParams["axes.prop_cycle"].by_key()["color"] == [*SERIES]
+
+
+def test_a_notebook_shows_a_picture_as_the_last_value_of_a_cell():
+    figure = ex.picture("rotation", ex.Disk.uniform(), points=20)
+    assert figure._repr_png_().startswith(b"\x89PNG")

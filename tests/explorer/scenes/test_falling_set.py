@@ -35,7 +35,7 @@ def test_the_integrated_valley_lies_on_the_exact_curve():
     """On a slice at the vertical and on a curved one: theta_min is smallest where eta changes sign."""
     disk = BODIES["uniform"]
     for text in ("phi=0,phidot=1,sigma3=0.2:2,sigma4=0:1.6", "phi=0.2:0.9,phidot=0.3,sigma3=0.4,sigma4=0.1:1.2"):
-        found = slice_map(disk, Slice.of(text), points=201, method="dopri5")
+        found = slice_map(disk, Slice.read(text), points=201, method="dopri5")
         inside = 0
         for row, column in enumerate(np.argmin(found["theta_min"], axis=1)):
             if found["theta_min"][row, column] > 0.02 or not 2 < column < 198:

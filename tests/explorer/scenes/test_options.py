@@ -161,7 +161,7 @@ def test_disks_and_slices_are_one_or_several_in_any_form():
     hoop = ex.Disk.hoop()
     assert made("one-sided", disk=[hoop.describe(), "uniform"]).disk == (hoop, ex.Disk.uniform())
     assert made("one-sided", disk="hoop").disk == (hoop,)
-    one = Slice.of("phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2")
+    one = Slice.read("phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2")
     for given in (one, [one.describe()], ["phi=0,phidot=1,sigma3=-2:2,sigma4=-2:2"]):
         assert made("falling-set", slice=given).slice == (one,)
 

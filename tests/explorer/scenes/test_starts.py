@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from conftest import BODIES
+from scipy.stats import kstest
 
 import explorer as ex
 from explorer.measure.sampling import chunk_stream
@@ -50,6 +51,45 @@ def test_a_gaussian_a_density_and_an_energy_draw_the_same_states_in_both_scenes(
         scene_of(scene.options)
 
 
+CLOUD = {"box": "tilt=10:60,tilt_rate=-20:20,precession=-90:90,spin=30", "degrees": True}
+
+
+@BOTH
+def test_a_box_in_tilt_precession_and_spin_is_what_a_table_of_such_states_is(kind):
+    scene = kind(samples=3000, keep="all", **CLOUD)
+    table = rows_of(scene)
+    for name, low, high in (("tilt", 10, 60), ("tilt_rate", -20, 20), ("precession", -90, 90)):
+        assert kstest(np.degrees(table[name]), "uniform", args=(low, high - low)).pvalue > 1e-4
+    np.testing.assert_allclose(np.degrees(table["spin"]), 30.0)
+    given = {name: np.degrees(table[name]) for name in ("tilt", "tilt_rate", "precession", "spin")}
+    again = rows_of(kind(states=given, degrees=True, keep="all"))
+    for name in ("phi", "phidot", "sigma3", "sigma4", "theta_min", "energy"):
+        np.testing.assert_allclose(table[name], again[name], rtol=1e-6, atol=1e-12)
+
+
+@BOTH
+def test_a_record_of_a_box_in_degrees_draws_the_same_states_again(kind):
+    def steep(tilt, tilt_rate, precession, spin):
+        return np.where(tilt > np.radians(20), 1.0, 0.0)
+
+    scene = kind(samples=500, keep="all", gaussian="tilt=40:5,precession=0:10", energy=":1", **CLOUD)
+    table, again = rows_of(scene), rows_of(scene_of(json.loads(json.dumps(scene.options))))
+    np.testing.assert_array_equal(table["tilt"], again["tilt"])
+    assert abs(np.degrees(table["tilt"]).mean() - 40) < 2
+    assert table["energy"].max() <= 1
+    assert np.degrees(rows_of(kind(samples=500, keep="all", density=steep, **CLOUD))["tilt"]).min() > 20
+
+
+def test_ranges_of_a_box_are_those_that_probability_takes():
+    """A range is an even distribution in both; the shares agree within their errors."""
+    cloud = {"tilt": (0.3, 1.2), "precession": (-1.0, 1.0), "spin": (-1.0, 1.0)}
+    found = rows_of(FallingSet(samples=20_000, keep="all", box=cloud))
+    share = np.mean(found["theta_min"] < 0.02)
+    asked = ex.probability(ex.Disk.uniform(), ("theta_min", 0.02), samples=100_000, count=2, **cloud)
+    assert share > 0.005
+    assert abs(share - asked.estimate) < 4 * np.sqrt(share / 20_000) + asked.interval[1] - asked.interval[0]
+
+
 def test_an_energy_cut_changes_which_states_are_drawn_and_nothing_else():
     """The kept states are the first of the box's own draws that lie below the energy."""
     scene = FallingSet(samples=3000, box="phi=-1:1", energy=":2", keep="all", seed=3)
@@ -81,9 +121,11 @@ def test_a_record_says_that_its_states_were_given_in_python():
         ({"states": GIVEN, "box": "phi=0"}, "the states come from"),
         ({"states": GIVEN, "gaussian": "phi=0:1"}, "the states come from"),
         ({"states": GIVEN, "samples": 8}, "holds 7"),
-        ({"degrees": True}, "says how"),
         ({"states": ex.phi_to_states(ex.Disk.uniform(), 0.1, 0.1, 0.1, 0.1), "degrees": True}, "says how a table"),
         ({"gaussian": "phi=0:1", "box": "phi=0"}, "the box fixes it"),
+        ({"gaussian": "tilt=1:1"}, "box has phi, phidot, sigma3, sigma4; give one of them"),
+        ({"box": "tilt=20:40,precession=1,spin=1"}, "where it is in degrees, say so"),
+        ({"box": "tilt=0.1:0.2,sigma4=1"}, "add precession and spin"),
         ({"energy": ":1e-3"}, "widen it or shrink the box"),
     ],
 )
@@ -96,6 +138,8 @@ def test_what_does_not_go_together_is_refused(kind, options, message):
 def test_a_row_that_is_no_state_is_in_no_statistic_and_counted_apart(kind):
     """Numbers are those of the same table without the row."""
     whole, good = (ex.run(kind.name, states=rows, keep="all") for rows in (ROWS, ROWS[[0, 2]]))
+    assert "for instance rows 1, counted from 0" in whole.scene.headline(whole.summary)[-1]
+    assert "rows" not in good.scene.headline(good.summary)[-1]
     assert (whole.summary["samples"], whole.summary["valid_states"]) == (3, 2)
     assert whole.summary["status"] == {"bad_input": 1, "ok": 2}
     differing = {key for key in good.summary if whole.summary[key] != good.summary[key]}
@@ -113,6 +157,13 @@ def test_a_row_that_is_no_state_is_in_no_statistic_and_counted_apart(kind):
 def test_where_no_row_is_a_state_the_run_says_so(kind, options, message):
     with pytest.raises(ex.RunError, match=f"{kind.name}: {message}"):
         ex.run(kind.name, **options)
+
+
+def test_what_has_no_tilt_says_where_to_ask():
+    with pytest.raises(ex.InputError, match="probability takes distributions of other"):
+        ex.run("measure-zero", **CLOUD)
+    with pytest.raises(ex.InputError, match="degrees: is for states in all of the phase space"):
+        RaceAngles(degrees=True)
 
 
 def test_starts_near_f_lie_in_the_box_and_on_both_faces_alike(body):
@@ -157,5 +208,5 @@ def test_race_angles_are_of_bounces_where_states_may_be_anywhere(options):
     assert type(RaceAngles(box="phidot=1", samples=3)) is Passages
     with pytest.raises(ex.InputError, match="leave one out"):
         RaceAngles(**options, eta_hat="1e-3:1e-2")
-    with pytest.raises(ex.InputError, match="bounces of states are by quadrature"):
-        RaceAngles(**options, method="rk4")
+    exact, found = (rows_of(RaceAngles(**{"samples": 7} | options, method=by)) for by in ("auto", "rk4"))
+    np.testing.assert_allclose(found["delta_chi"], exact["delta_chi"], atol=1e-5)

@@ -1,0 +1,117 @@
+"""The same question by several methods: what each answers, how long it takes, how far the answers are apart."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from explorer.errors import InputError, words
+from explorer.motion.bounces import Bounces, bounces
+from explorer.phase.states import Array, States, require_states
+
+ANGLES = ("race_angle", "delta_chi", "delta_psi")
+COMPARED = (*ANGLES, "theta_min", "duration", "time")
+
+
+def apart(name: str, found: Array, known: Array) -> Array:
+    """How far answers are apart: ANGLES in rad, tilts and times relative; NaN where one is missing."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        away: Array = abs(found - known) if name in ANGLES else abs(found / known - 1.0)
+    return away
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison:
+    """Bounces by several methods: what `compare` returns.
+
+    Attributes
+    ----------
+    bounces : dict of Bounces
+        What each method answers, by its name.
+    seconds : dict of float
+        How long it took, on the clock.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> states = ex.rates_to_states(ex.Disk.uniform(), [0.4, 0.5], 0.0, 1.0, 0.2)
+    >>> found = ex.compare(states, ("quadrature", "rk8"))
+    >>> found.bounces["rk8"].shape, bool(found.differences("race_angle")["rk8"].max() < 1e-6)
+    ((2, 1), True)
+    """
+
+    bounces: dict[str, Bounces]
+    seconds: dict[str, float]
+
+    def differences(self, name: str) -> dict[str, Array]:
+        """How far the others are from the first method in one column, by method: arrays of the bounces' shape.
+
+        Angles of contact in rad, theta_min, duration and time relative; NaN where one of the two has no answer.
+        """
+        first, *others = self.bounces
+        known = getattr(self.bounces[first], name)
+        return {method: apart(name, getattr(self.bounces[method], name), known) for method in others}
+
+    def __repr__(self) -> str:
+        first = next(iter(self.bounces))
+        lines = [f"Comparison of {len(self.bounces[first]):,} bounces; largest differences from {first}"]
+        largest = {name: self.differences(name) for name in COMPARED}
+        for method, found in self.bounces.items():
+            said = [f"{found.ok.sum():,} ok", f"{self.seconds[method]:.3g} s"]
+            if method != first:
+                sizes = ((name, np.nanmax(largest[name][method], initial=0.0)) for name in COMPARED)
+                said += [f"{name} {size:.1e}{' rad' if name in ANGLES else ''}" for name, size in sizes]
+            lines.append(f"  {method}: {', '.join(said)}")
+        return "\n".join(lines)
+
+
+def compare(
+    states: States,
+    methods: Sequence[str] = ("quadrature", "dop853"),
+    count: int = 1,
+    accuracy: float = 1e-6,
+    jobs: int = 1,
+) -> Comparison:
+    """Ask several methods for the bounces of the same states.
+
+    Parameters
+    ----------
+    states : States
+        As for `bounces`.
+    methods : sequence of str
+        Two or more of 'quadrature', 'rk4', 'rk8', 'dopri5', 'dop853'; the others are compared with the first.
+    count, accuracy, jobs
+        As for `bounces`.
+
+    Returns
+    -------
+    Comparison
+        The bounces by method, their times, and `differences` of a column; printed, a line for each method.
+
+    Raises
+    ------
+    InputError
+        As `bounces` does, and for fewer than two methods.
+
+    Examples
+    --------
+    >>> import explorer as ex
+    >>> states = ex.constants_to_states(ex.Disk.hoop(), 1.0, [1e-3, 1e-6], 1.0)
+    >>> found = ex.compare(states, ("quadrature", "rk4", "dopri5"), accuracy=1e-8)
+    >>> [bool(found.differences("theta_min")[method].max() < 1e-8) for method in ("rk4", "dopri5")]
+    [True, True]
+    """
+    asked = tuple(dict.fromkeys(words("methods", methods)))
+    if len(asked) < 2:
+        raise InputError(f"methods = {', '.join(asked) or 'none'}: give two or more different ones")
+    found, seconds = dict[str, Bounces](), dict[str, float]()
+    first = require_states(states)[:1]
+    for method in asked:
+        bounces(first, 1, accuracy, method=method)  # so that no time is that of loading code
+        began = time.perf_counter()
+        found[method] = bounces(states, count, accuracy, jobs, method=method)
+        seconds[method] = time.perf_counter() - began
+    return Comparison(found, seconds)

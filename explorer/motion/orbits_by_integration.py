@@ -1,0 +1,80 @@
+"""Whole motions between their turning points by integration: what `orbits` gives from arcs, from steps."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explorer import compiled
+from explorer.motion import precision
+from explorer.motion.orbits import Ends, Orbits
+from explorer.motion.passages_by_integration import by_integration
+from explorer.motion.plan import Plan
+from explorer.motion.turning_points import tilt_of, turning_points
+from explorer.motion.vertical import starts_at_vertical
+from explorer.phase.states import Array, States
+
+_OF_ARC = 0.25  # of the accuracy: a motion is followed from its state to both of its turning points, and on
+
+
+def integrated_orbits(states: States, own: Array, ends: Ends, how: Plan) -> tuple[Ends, Orbits]:
+    """The turning points of motions and the arcs between them, by a method of integration.
+
+    own: the face in whose hemisphere each state is. ends: by algebra, for the speed at the vertical. A motion that
+    comes to the vertical is followed from there to each face, another one from its state to both turning points.
+    What could not be followed has infinite errors.
+    """
+    n, finer = len(states), replace(how, accuracy=_OF_ARC * how.accuracy)
+    both = states.at(np.tile(np.arange(n), 2))
+    both.rows.p[n:] *= -1.0
+    slow = precision.amplification(precision.speed_at_vertical(states.disk, both.motion))
+    turn = turning_points(both, finer, slow)
+    # A state at rest is the turning point behind itself.
+    moves = np.stack([np.ones(n, bool), states.rows.p != 0.0])
+    theta = np.where(moves, turn.theta.reshape(2, n), tilt_of(states.natural))
+    face = np.where(moves, turn.face.reshape(2, n), own)
+    time, chi, psi, error = (
+        np.where(moves, column.reshape(2, n), 0.0) for column in (turn.time, turn.chi, turn.psi, turn.error)
+    )
+    crosses = face[0] != face[1]
+    # 0 where the flattest moment on this face lies ahead of the state, 1 where behind it
+    inner = np.where(crosses, face[0] != own, theta[0] > theta[1]).astype(int)
+    each = np.arange(n)
+
+    def arc(time: Array, chi: Array, psi: Array, error: Array) -> "compiled.rules.ArcRow[Array]":
+        error = np.nan_to_num(error, nan=np.inf)
+        return compiled.rules.ArcRow(time=time, chi=chi, psi=psi, time_error=error * time, angle_error=0.5 * error)
+
+    lead = arc(*(column[inner, each] for column in (time, chi, own * psi, error)))
+    here = [time.sum(axis=0), chi.sum(axis=0), own * psi.sum(axis=0), error.sum(axis=0)]
+    there = [np.full(n, np.nan) for _ in here]
+    rows = np.flatnonzero(crosses)
+    for seen, found in ((own, here), (-own, there)):
+        passed = _from_vertical(states, seen, ends, finer, rows)
+        for column, values in zip(found, passed, strict=True):
+            column[rows] = values
+    unsure = np.nan_to_num(error, nan=np.inf).max(axis=0)
+
+    def turned(at: "compiled.turning_points.Place[Array]", theta: Array) -> "compiled.turning_points.Place[Array]":
+        return at._replace(r=np.tan(0.5 * theta), error=unsure)
+
+    known = ends._replace(
+        crosses=crosses,
+        inner=turned(ends.inner, theta[inner, each]),
+        far=turned(ends.far, np.where(crosses, theta[1 - inner, each], np.nan)),
+    )
+    return known, Orbits(arc(*here), arc(*there), lead)
+
+
+def _from_vertical(
+    states: States, face: Array, ends: Ends, how: Plan, rows: NDArray[np.intp]
+) -> tuple[Array, ...]:
+    """Time, chi, psi as the face has it, and the error, of some motions from the vertical to a turning point."""
+    disk, motion, unit = states.disk, states.motion, states.disk.rate_unit
+    eta_hat = disk.eta_to_eta_hat(motion.eta(face > 0.0))[rows]
+    speed = np.sqrt(2.0 * disk.body.inv_M * ends.vertical.K[rows])
+    starts = starts_at_vertical(disk, motion.sigma3_bar[rows] * unit, eta_hat * unit, speed * unit, face[rows])
+    found, _steps = by_integration(disk, starts, how)
+    failed = found.status != compiled.status.Status.OK
+    halves = (0.5 * column for column in (found.time, found.chi, found.psi))
+    return *halves, np.where(failed, np.nan, found.error)
