@@ -174,16 +174,14 @@ def whole(name: str, value: Any, low: int = 0, high: int | None = None) -> int:
         Where `value` is not such a number. The message names `value`, `low` and `high`.
     """
     plain = plain_number(value)
+    if isinstance(plain, str) and _WHOLE.fullmatch(plain.strip()):
+        plain = int(plain)  # exact, also beyond the whole numbers that doubles hold
     if not isinstance(plain, bool) and isinstance(plain, Integral):
         read = int(plain)
-    elif isinstance(plain, str) and _WHOLE.fullmatch(plain.strip()):
-        read = int(plain)  # exact, also beyond the whole numbers that doubles hold
     else:
-        given = number(name, value)
-        read = int(given)
-        if read != given:
-            raise InputError(f"{said(name, value)} must be a whole number{_between(low, high)}")
-    if read < low or (high is not None and read > high):
+        plain = number(name, value)
+        read = int(plain)
+    if read != plain or read < low or (high is not None and read > high):
         raise InputError(f"{said(name, value)} must be a whole number{_between(low, high)}")
     return read
 

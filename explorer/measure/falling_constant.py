@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from typing import Any
 
@@ -39,14 +40,12 @@ from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart
 from explorer.phase.membership import barrier, well
 from explorer.phase.results import Table
+from explorer.phase.roots import changes_of_sign
 from explorer.phase.states import Array
 
 _ROUNDING = 1e-13  # relative, of a sum of some 10^5 positive terms and of the solutions in it
 # Tilts between which a change of the sign of eta is sought: the line may not pass a corner twice within 1e-3 rad.
 _SCAN = 4001
-# Halvings of the range of sigma3_bar in which a panel ends: an end that is off by 1e-12 of it costs no digit.
-# SciPy's root finder for arrays takes ten times as long.
-_BISECTIONS = 40
 _LEAST_MASS = 1e-290  # integrals below lose digits
 
 
@@ -260,11 +259,10 @@ class LineIntegral:
 
     def _crossings(self) -> list[float]:
         """Tilts at which the line passes a corner of the box. eta_hat = c sigma3 - a sigma4 there is 0."""
-        from scipy.optimize.elementwise import find_root
 
         def eta(phi: Array, s3: float, s4: float) -> Array:
-            a, c = self._chart(phi)
-            return c * s3 - a * s4
+            a, c = self._chart(phi.ravel())
+            return (c * s3 - a * s4).reshape(phi.shape)
 
         density = self.of.density
         low, high = density.reach("phi")
@@ -274,8 +272,7 @@ class LineIntegral:
         for s3, s4 in product(*({*density.reach(name), *density.means(name)} for name in ("sigma3", "sigma4"))):
             sign = np.sign(eta(phi, s3, s4))
             i = np.flatnonzero(sign[1:] * sign[:-1] < 0.0)
-            if i.size:
-                found += find_root(eta, (phi[i], phi[i + 1]), args=(s3, s4)).x.tolist()
+            found += changes_of_sign(partial(eta, s3=s3, s4=s4), phi[i], phi[i + 1]).tolist()
         return found
 
     def _only_bar(self, phi: Array, a: Array, c: Array) -> tuple[Array, Array]:
@@ -301,9 +298,8 @@ class LineIntegral:
     def _barrier(self, phi: Array, bar: Array) -> Array:
         """Height of the barrier between a start beyond the vertical and flat, -inf if none; shapes as given."""
         disk = self.of.disk
-        largest, (angle, height) = well(disk).sigma3_bar, barrier(disk)
-        depth = np.sqrt(np.maximum(1.0 - abs(bar) / largest, 0.0))
-        return np.where((abs(bar) < largest) & (phi < angle(depth)), height(depth), -np.inf)
+        there = (abs(bar) < well(disk).sigma3_bar) & (np.sin(phi) < barrier(disk, bar, "sine"))
+        return np.where(there, barrier(disk, bar), -np.inf)
 
     def _barrier_ends(self, phi: Array, curvature: Array) -> list[Array]:
         """sigma3_bar > 0 up to which a barrier stands in the way, and where it is a given height above the start.
@@ -318,10 +314,10 @@ class LineIntegral:
         own = np.sqrt(np.maximum(critical, 0.0)) * disk.body.r0
         most = np.where(phi < bend, largest, np.minimum(own, largest))
         spent = np.array([0.0, *self._spent])[:, None]
-        low, high = np.zeros((spent.size, phi.size)), np.tile(most, (spent.size, 1))
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            height = barrier(disk)[1](np.sqrt(np.maximum(1.0 - middle / largest, 0.0)))
-            above = height - np.cos(phi) - curvature * middle**2 > spent
-            low, high = np.where(above, middle, low), np.where(above, high, middle)
-        return [most, *low]
+
+        def above(bar: Array) -> Array:
+            excess: Array = barrier(disk, bar) - np.cos(phi) - curvature * bar * bar - spent
+            return excess
+
+        shape = spent.size, phi.size
+        return [most, *changes_of_sign(above, np.zeros(shape), np.broadcast_to(most, shape))]

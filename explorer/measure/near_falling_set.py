@@ -18,7 +18,7 @@ from explorer.measure import laws
 from explorer.measure.distributions import Coordinate, Distribution
 from explorer.measure.laws import Estimate
 from explorer.measure.sampling import Stream
-from explorer.measure.tubes import Place, counts_on, half_width
+from explorer.measure.tubes import TiltAndRate, counts_on, half_width
 from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.orbits import ends_of, smallest, tilts_on
 from explorer.motion.starts import motions_of, seen_from, status_at_start
@@ -120,7 +120,7 @@ class NearFallingSet:
         pair = source.spins(q, z, face)
         speed = source.speed.draw(random, count)
         given = source.speed.name == "energy"
-        place = Place.of(disk, q, face * z, np.zeros(count) if given else source.phidot(speed))
+        place = TiltAndRate.of(disk, q, face * z, np.zeros(count) if given else source.phidot(speed))
         bar = table.draw_bar(cell, pair, random)
         plainly = random.random(count) < table.plain[cell]
         own = table.draw_pair(pair, random)
@@ -311,7 +311,7 @@ def _within(source: Distribution, tilt: Array, face: int, delta: float) -> Array
         bar, eta = _constants(source.spins(q, z, face)[..., None], first, second)
         speed = np.full(n, np.median(source.speed.nodes))
         given = source.speed.name == "energy"
-        place = Place.of(disk, q, face * z, np.zeros(n) if given else source.phidot(speed))
+        place = TiltAndRate.of(disk, q, face * z, np.zeros(n) if given else source.phidot(speed))
         columns = replace(place, chart=LineChart(*(column[:, None] for column in place.chart)))
         wide = replace(columns, tilting=place.tilting[:, None], inertia3=place.inertia3[:, None])
         energy = np.full_like(bar, speed[0] / disk.energy_unit) if given else wide.energy(bar, eta)
@@ -379,7 +379,7 @@ def _impact(source: Distribution, tilt: Array, face: int, bar: Array) -> Array:
     """
     disk, speed = source.disk, source.speed
     q, z = source.place(tilt)
-    place = Place.of(disk, q, face * z, np.zeros_like(q))
+    place = TiltAndRate.of(disk, q, face * z, np.zeros_like(q))
     # On F the energy without tilting is cos(phi) and a multiple of sigma3_bar^2.
     still = q[:, None] + (place.energy(np.ones_like(q), np.zeros_like(q)) - q)[:, None] * bar * bar
     speeds = speed.law.ppf([0.1, 0.3, 0.5, 0.7, 0.9]) * speed.unit if speed.free else speed.nodes

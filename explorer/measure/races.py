@@ -7,78 +7,30 @@ and, for small eta, no longer on eta.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import whole
+from explorer.measure.statistics import histograms
 from explorer.measure.tallies import PER_DECADE, LogHistogram, LogRow
 from explorer.phase.disk import Disk, require_disk
 from explorer.phase.states import Array, columns_of
 
 SIDES = {"plus": 1, "minus": -1}
 BINS = 40  # a decade of the deviation, in a summary: a picture joins some of them
-_JOINED = PER_DECADE // BINS
 # Of race angles between -1.5 and 1.5 kappa pi: 0 and +-kappa pi are middles of bins, also of five joined ones.
 ANGLE_BINS, _REACH = 585, 1.5
 PER_STEP = 3  # steps of |eta_hat| a decade, at which the law is looked at
 _SHARES = (0.05, 0.25, 0.5, 0.75, 0.95)
-_MOST_BINS = 1_000_000
 
 
-def angle_edges(limit: float, bins: int = ANGLE_BINS) -> Array:
+def angle_edges(limit: float) -> Array:
     """Edges of the bins of race angles. limit: kappa pi."""
-    return np.linspace(-_REACH * limit, _REACH * limit, bins + 1)
+    return np.linspace(-_REACH * limit, _REACH * limit, ANGLE_BINS + 1)
 
 
-@dataclass
-class RaceRidges:
-    """Deviations of race angles from sgn(eta) kappa pi, counted by decade of |eta_hat| and side of F.
-
-    Attributes
-    ----------
-    limit : float
-        kappa pi (rad).
-    ridges : dict
-        By the exponent of the decade and the side, +-1: `LogHistogram` of race angle - side kappa pi (rad).
-    angles : dict
-        By the side: race angles in the bins of `edges`, and how many lie outside them.
-    edges : array
-        Of the bins of the wide view (rad).
-
-    Examples
-    --------
-    >>> import explorer as ex
-    >>> from explorer.measure.races import race_ridges
-    >>> disk, eta_hat = ex.Disk.uniform(), [1e-3, -2e-3, 1e-5]
-    >>> found = race_ridges(disk, eta_hat, ex.passages(disk, 1.0, eta_hat, 1.0).race_angle)
-    >>> sorted(found.ridges)
-    [-5, -3]
-    """
-
-    limit: float
-    ridges: dict[int, dict[int, LogHistogram]] = field(default_factory=dict)
-    angles: dict[int, tuple[NDArray[np.int64], int]] = field(default_factory=dict)
-    edges: Array = field(default_factory=lambda: np.zeros(0))
-
-    @classmethod
-    def of_summary(cls, summary: Mapping[str, Any]) -> RaceRidges:
-        """From the summary of a run of scene race-angles."""
-        histogram = summary["histogram"]
-        angles = {
-            side: (np.array(histogram[f"counts_{name}"]), int(histogram[f"outside_{name}"]))
-            for name, side in SIDES.items()
-        }
-        ridges = {
-            int(row["decade"]): {side: _unpacked(row[name]) for name, side in SIDES.items()}
-            for row in summary["ridges"]
-        }
-        return cls(float(summary["limit"]), ridges, angles, np.array(histogram["edges"]))
-
-
-def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, bins: int = ANGLE_BINS) -> RaceRidges:
+def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike) -> dict[str, Any]:
     """Count race angles of one's own, for picture race-histogram.
 
     Parameters
@@ -88,12 +40,11 @@ def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, bins: int
         Distance from F with its sign, units of the disk.
     race_angle : array_like
         Rad; of `passages`, `bounces` or one's own. What is not finite is left out.
-    bins : int
-        Of the wide view, between -1.5 and 1.5 kappa pi.
 
     Returns
     -------
-    RaceRidges
+    dict
+        limit, histogram and ridges, as in the summary of a run of scene race-angles.
 
     Raises
     ------
@@ -106,22 +57,29 @@ def race_ridges(disk: Disk, eta_hat: ArrayLike, race_angle: ArrayLike, bins: int
     >>> from explorer.measure.races import race_ridges
     >>> disk = ex.Disk.hoop()
     >>> found = race_ridges(disk, [1e-4, -1e-4], ex.passages(disk, 1.0, [1e-4, -1e-4], 1.0).race_angle)
-    >>> found.ridges[-4][1].total, found.ridges[-4][-1].total
-    (1, 1)
+    >>> [row["decade"] for row in found["ridges"]]
+    [-4]
     """
     require_disk(disk)
     eta, race = columns_of(eta_hat=eta_hat, race_angle=race_angle)
-    bins = whole("bins", bins, 1, _MOST_BINS)
-    limit = disk.race_limit
-    deviations = LogHistogram()
+    limit, deviations = disk.race_limit, LogHistogram()
     deviations.count(race - np.sign(eta) * limit, decades_and_sides(eta))
-    edges = angle_edges(limit, bins)
-    angles = {}
-    for side in (1, -1):
-        chosen = race[(side * eta > 0.0) & np.isfinite(race)]
-        counts = np.histogram(chosen, edges)[0]
-        angles[side] = (counts, int(chosen.size - counts.sum()))
-    return RaceRidges(limit, by_decade(deviations), angles, edges)
+    counts = dict(zip(SIDES, count_angles(limit, eta, race), strict=True))
+    return {"limit": limit, "histogram": histogram(limit, counts), "ridges": ridge_rows(by_decade(deviations))}
+
+
+def count_angles(limit: float, eta_hat: Array, race: Array) -> NDArray[np.int32]:
+    """Race angles in the bins of `angle_edges`, and last what lies outside them; rows in the order of SIDES."""
+    side = np.where(eta_hat > 0.0, 0, np.where(eta_hat < 0.0, 1, -1))  # a motion on F has none
+    return histograms(race, side, angle_edges(limit), len(SIDES))
+
+
+def histogram(limit: float, counts: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+    """The entry of a summary, from counts by the names of SIDES."""
+    entry: dict[str, Any] = {"edges": angle_edges(limit).tolist()}
+    for name in SIDES:
+        *entry[f"counts_{name}"], entry[f"outside_{name}"] = counts[name].tolist()
+    return entry
 
 
 def decades_and_sides(eta_hat: Array) -> Array:
@@ -221,45 +179,36 @@ def race_law(
 
 
 def ridge_rows(ridges: Mapping[int, Mapping[int, LogHistogram]]) -> list[dict[str, Any]]:
-    """Rows of a summary: the deviations of each decade, in BINS bins a decade of their size."""
+    """Rows of a summary: the deviations of each decade by side and sign, in BINS bins a decade of their size."""
     return [
-        {"decade": n, **{name: _packed(sides[side]) for name, side in SIDES.items()}}
+        {
+            "decade": n,
+            **{
+                name: {
+                    "below": _coarse(sides[side].row(above=False)),
+                    "above": _coarse(sides[side].row(below=False)),
+                }
+                for name, side in SIDES.items()
+            },
+        }
         for n, sides in sorted(ridges.items())
     ]
-
-
-def binned(counts: LogRow, edges: Array) -> Array:
-    """Counts of magnitudes between edges (rad), each bin of `counts` shared out evenly on the logarithmic axis."""
-    if not counts.counts.size:
-        return np.zeros(edges.size - 1)
-    ends = (counts.first + np.arange(counts.counts.size + 1)) / PER_DECADE
-    below = np.concatenate([[0.0], np.cumsum(counts.counts)])
-    shared: Array = np.diff(np.interp(np.log10(edges), ends, below))
-    return shared
-
-
-def _packed(deviations: LogHistogram) -> dict[str, Any]:
-    return {"below": _coarse(deviations.row(above=False)), "above": _coarse(deviations.row(below=False))}
 
 
 def _coarse(counts: LogRow) -> dict[str, Any]:
     """Counts with PER_DECADE / BINS of their bins joined."""
     filled = np.flatnonzero(counts.counts)
-    bins, where = np.unique((filled + counts.first) // _JOINED, return_inverse=True)
+    bins, where = np.unique((filled + counts.first) // (PER_DECADE // BINS), return_inverse=True)
     sums = np.bincount(where, counts.counts[filled], bins.size).astype(int)
     ends = [counts.smallest, counts.largest] if counts.total else []
     return {"bins": bins.tolist(), "counts": sums.tolist(), "zeros": counts.zeros, "range": ends}
 
 
-def _unpacked(state: Mapping[str, Any]) -> LogHistogram:
-    """What `_packed` wrote, each of its bins spread over those that were joined."""
-    halves = state["below"], state["above"]
-    used = [place for half in halves for place in half["bins"]] or [0]
-    first, last = min(used), max(used)
-    counts = np.zeros((2, last - first + 1, _JOINED), np.int64)
-    for row, half in enumerate(halves):
-        joined = np.array(half["counts"], np.int64)[:, None]
-        # Whole numbers that add up to what they came from
-        counts[row, np.array(half["bins"], int) - first] = (joined + np.arange(_JOINED)) // _JOINED
-    zeros, ends = [half["zeros"] for half in halves], [half["range"] or [np.inf, -np.inf] for half in halves]
-    return LogHistogram(0, first * _JOINED, counts.reshape(2, -1), np.array(zeros), np.array(ends))
+def binned(part: Mapping[str, Any], edges: Array) -> Array:
+    """Sizes of a part of a ridge between edges (rad), each bin shared out evenly on the logarithmic axis."""
+    if not part["bins"]:
+        return np.zeros(edges.size - 1)
+    ends = np.add.outer(part["bins"], [0, 1]).ravel() / BINS
+    below = np.repeat([0, *np.cumsum(part["counts"])], 2)[1:-1]
+    shared: Array = np.diff(np.interp(np.log10(edges), ends, below))
+    return shared

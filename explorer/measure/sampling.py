@@ -14,7 +14,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, double_of, shown, suggest
+from explorer.errors import InputError, double_of, one_of, shown
 from explorer.phase.charts import ANGULAR, KNOWN, chart_of, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array, States
@@ -137,9 +137,7 @@ def parse_ranges(given: Any, option: str) -> dict[str, Range]:
     items = given.items() if isinstance(given, Mapping) else (part.split("=", 1) for part in given.split(","))
     ranges: dict[str, Range] = {}
     for name, *values in items:
-        name, value = str(name).strip(), values[0] if values else None
-        if name not in KNOWN:
-            raise InputError(f"{option}: unknown coordinate {shown(name)}; {suggest(name, KNOWN)}")
+        name, value = one_of(f"{option} coordinate", str(name).strip(), KNOWN), values[0] if values else None
         parts = (
             value.split(":") if isinstance(value, str) else value if isinstance(value, list | tuple) else [value]
         )

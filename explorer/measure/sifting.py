@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from explorer import compiled
-from explorer.measure.sampling import Box, Ranges, chunk_stream
+from explorer.measure.sampling import Box, Ranges, Stream
 from explorer.measure.tallies import LOWEST_BIN, NO_ENDS, PER_DECADE, LogHistogram
 from explorer.phase.disk import Disk
 from explorer.phase.membership import obstacle
@@ -18,18 +18,8 @@ _LARGEST = 1e100  # natural units of rates, whose squares the lanes must not ove
 
 
 @dataclass(frozen=True)
-class Chunk:
-    """Which states: a chunk of a run, and how many of them are drawn at once."""
-
-    seed: int
-    index: int
-    count: int
-    block: int
-
-
-@dataclass(frozen=True)
 class Sifted:
-    """What became of the states of a chunk.
+    """What became of the states.
 
     faces: counts by FACES; a state that is none is in no face. could_fall, distance: of those that could fall on
     the nearer face. columns: coordinates of those of them that are near, in their order.
@@ -49,14 +39,15 @@ def in_lanes(disk: Disk, box: Ranges) -> bool:
     return bool(np.max(abs(rates)) < _LARGEST)
 
 
-def sift(disk: Disk, box: Ranges, chunk: Chunk, near: float) -> Sifted:
-    """Draw, judge and count the states of a chunk, which are those of `Box.draw` from its stream.
+def sift(disk: Disk, box: Ranges, random: Stream, sizes: tuple[int, int], near: float) -> Sifted:
+    """Draw, judge and count states, which are those of `Box.draw` from this stream.
 
-    near: |eta_hat|, units of the disk.
+    sizes: how many states, and how many are drawn at once. near: |eta_hat|, units of the disk.
     """
+    count, block = sizes
     low, high = np.array([box.ranges[name] for name in COORDINATES]).T.copy()
-    keys = compiled.philox.round_keys(chunk_stream(chunk.seed, chunk.index).bit_generator.state["state"]["key"])
-    draw = compiled.sifting.Draw(keys, low, high - low, chunk.block, disk.rate_unit)
+    keys = compiled.philox.round_keys(random.bit_generator.state["state"]["key"])
+    draw = compiled.sifting.Draw(keys, low, high - low, block, disk.rate_unit)
     eta_per_eta_hat = disk.eta_hat_to_eta(1.0)
     sieve = compiled.sifting.Sieve(obstacle(disk), eta_per_eta_hat, near, float(PER_DECADE), -LOWEST_BIN)
     found = compiled.sifting.Found(
@@ -64,9 +55,9 @@ def sift(disk: Disk, box: Ranges, chunk: Chunk, near: float) -> Sifted:
         bins=np.zeros(-2 * LOWEST_BIN, np.int32),
         ends=np.array([np.inf, -np.inf]),
         totals=np.zeros(3, np.int64),
-        columns=np.empty((len(COORDINATES), chunk.count)),
+        columns=np.empty((len(COORDINATES), count)),
     )
-    compiled.sifting.sift_batch(draw, chunk.count, sieve, disk.natural, disk.whole, found)
+    compiled.sifting.sift_batch(draw, count, sieve, disk.natural, disk.whole, found)
     could, zeros, kept = found.totals.tolist()
     return Sifted(
         faces=dict(zip(FACES, found.faces.tolist(), strict=True)),

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy  # loads scipy.stats where it is used
 from numpy.typing import NDArray
 
-from explorer.errors import InputError, flag, one_of, shown, whole
+from explorer.errors import InputError, flag, shown, whole
 from explorer.measure.sampling import ChartBox, Range, in_radians, parse_ranges
 from explorer.motion.plan import plan
-from explorer.motion.scan import Observable, scan
+from explorer.motion.scan import Observable, Scan, scan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import line_slope
-from explorer.phase.membership import Falls, falls_of
-from explorer.phase.results import Table
+from explorer.phase.membership import Falls, falls
 from explorer.phase.states import Array, States, require_states
 
 _MOST_POINTS = 4000  # a side; 16 million states, of which every array takes 128 MB
@@ -73,21 +72,21 @@ class Slice(ChartBox):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class SliceMap(Table):
+class SliceMap(Scan):
     """Observables on a plane of the phase space, arrays (ny, nx) with their axes: what `slice_map` returns.
 
     It is indexed by the name of an observable. Pictures such as slice-of-tilts draw it.
 
     Attributes
     ----------
-    disk : Disk
-        The body.
+    states : States
+        The points of the plane, (ny, nx), of the body `disk`.
+    values : dict of (ny, nx) arrays
+        The observables by name.
     slice : Slice
         The plane: which coordinates vary, and which are fixed at what.
     x, y : (nx,) and (ny,) array
         Values of the two axes, `slice.axes` (rad, units of the disk).
-    values : dict of (ny, nx) arrays
-        The observables by name.
     falls : Falls
         Where the falling set is, from algebra; arrays (ny, nx).
     method : str
@@ -101,18 +100,16 @@ class SliceMap(Table):
     (['race_angle'], (5, 5), array([-1. , -0.5,  0. ,  0.5,  1. ]))
     """
 
-    disk: Disk
     slice: Slice
     x: Array
     y: Array
-    values: dict[str, NDArray[Any]]
     falls: Falls
     method: str
 
     @property
-    def shape(self) -> tuple[int, ...]:
-        """(ny, nx)."""
-        return self.y.size, self.x.size
+    def disk(self) -> Disk:
+        """The body."""
+        return self.states.disk
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
@@ -121,15 +118,6 @@ class SliceMap(Table):
         X, Y = np.meshgrid(self.x, self.y)
         fixed = {name: np.full(self.shape, value) for name, value in self.slice.fixed.items()}
         return {first: X, second: Y, **fixed, **self.values}
-
-    def _arrays(self) -> dict[str, NDArray[Any]]:
-        return self.values
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        return self.values[one_of("observable", name, self.values)]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.values)
 
     @property
     def side(self) -> NDArray[np.int8]:
@@ -194,13 +182,12 @@ def slice_map(
     states = where.states(disk, columns)
     if isinstance(observable, str) and observable == "theta_min":
         # A root of V = E at a picture's accuracy: ten times as fast as a whole period.
-        values = {"theta_min": np.reshape(smallest_tilt(states, how)[0], (points, points))}
+        values = {"theta_min": np.reshape(smallest_tilt(states, how)[0], states.shape)}
     else:
-        found = scan(replace(states, shape=(points, points)), observable, jobs).values
+        found = scan(states, observable, jobs).values
         # One column, as `bounces` returns it, is one entry for each state.
         values = {name: each[..., 0] if each.shape[2:] == (1,) else each for name, each in found.items()}
-    exact = falls_of(states).reshaped((points, points))
-    return SliceMap(disk, where, x, y, values, exact, how.method)
+    return SliceMap(states, values, where, x, y, falls(states), how.method)
 
 
 @dataclass(frozen=True)
@@ -215,8 +202,6 @@ class ConstantsPlane:
         Edges of the cells, units of the disk.
     smallest : (ny, nx) array
         Least theta_min in each cell (rad), NaN where there is none.
-    slope : float
-        sigma4_bar / sigma3_bar on l_+.
     method : str
         As in `SliceMap`.
 
@@ -233,7 +218,6 @@ class ConstantsPlane:
     sigma3_edges: Array
     sigma4_edges: Array
     smallest: Array
-    slope: float
     method: str
 
 
@@ -272,15 +256,11 @@ def flattest_per_cell(states: States, cells: int = 100, method: str = "auto") ->
     how = plan(("theta_min",), SLICE_ACCURACY, method)
     theta, _status, _steps = smallest_tilt(states, how)
     table = constants_of(states)
-    bars = np.ravel(table.sigma3_bar), np.ravel(table.sigma4_bar)
-    known = np.isfinite(theta) & np.isfinite(bars[0]) & np.isfinite(bars[1])
-    edges, places = [], []
-    for bar in bars:
-        reach = float(np.percentile(abs(bar[known]), 99.5)) if known.any() else 1.0
-        edges.append(np.linspace(-reach, reach, cells + 1))
-        places.append(np.searchsorted(edges[-1], bar, side="right") - 1)
-    inside = known & np.all([(place >= 0) & (place < cells) for place in places], axis=0)
-    smallest = np.full((cells, cells), np.inf)
-    np.minimum.at(smallest, (places[1][inside], places[0][inside]), theta[inside])
-    smallest[np.isinf(smallest)] = np.nan
-    return ConstantsPlane(states.disk, edges[0], edges[1], smallest, line_slope(states.disk), how.method)
+    bars = np.stack([table.sigma3_bar, table.sigma4_bar])
+    known = np.isfinite(theta) & np.isfinite(bars).all(axis=0)
+    reach = np.percentile(abs(bars[:, known]), 99.5, axis=1) if known.any() else np.ones(2)
+    edges = [np.linspace(-end, end, cells + 1) for end in reach]
+    smallest = np.full((cells, cells), np.nan)
+    if known.any():
+        smallest = scipy.stats.binned_statistic_2d(*bars[:, known], theta[known], "min", edges).statistic.T
+    return ConstantsPlane(states.disk, edges[0], edges[1], smallest, how.method)

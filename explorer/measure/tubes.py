@@ -135,7 +135,7 @@ class Tube:
         phi = np.linspace(*self.density.reach("phi"), _SCAN)
         fastest = np.full(_SCAN, self.density.most("phidot"))
         if self._both_free:
-            span = self._spans(Place.at(self.disk, phi, fastest))[2]
+            span = self._spans(TiltAndRate.at(self.disk, phi, fastest))[2]
             met = np.flatnonzero(np.convolve(span > 0.0, np.ones(3), "same"))  # and their neighbours
             phi = phi[met] if met.size else phi
         return phi[0], phi[-1]
@@ -145,7 +145,7 @@ class Tube:
         disk, density, face = self.disk, self.density, self.face
         columns, weight = iter(points.T), np.ones(points.shape[0])
         phi, phidot = (self._draw_factor(name, columns, weight) for name in ("phi", "phidot"))
-        place = Place.at(disk, phi, phidot)
+        place = TiltAndRate.at(disk, phi, phidot)
         bar, eta, width = self._beside(place, columns)
         given, energy = (phi, phidot, *place.chart.rates(bar, eta)), place.energy(bar, eta)
         other = other_eta_hat(disk, bar, eta)
@@ -173,7 +173,7 @@ class Tube:
         weight *= high - low
         return low + (high - low) * next(columns)
 
-    def _beside(self, place: "Place", columns: Iterator[Array]) -> tuple[Array, Array, Array]:
+    def _beside(self, place: "TiltAndRate", columns: Iterator[Array]) -> tuple[Array, Array, Array]:
         """sigma3_bar, eta_hat, and the density of these draws to the power -1."""
         if not self._both_free:
             return self._on_segment(place, self._widest(place), next(columns))
@@ -183,7 +183,7 @@ class Tube:
         eta = half * (2.0 * next(columns) - 1.0)
         return bar, eta, 2.0 * half * span
 
-    def _widest(self, place: "Place") -> Array:
+    def _widest(self, place: "TiltAndRate") -> Array:
         """A bound of |eta_hat| at these tilts and speeds, for states of the box that come flatter than delta."""
         most3, most4 = self.density.most("sigma3"), self.density.most("sigma4")
         top = place.tilting + 0.5 * place.inertia3 * most3**2 + 0.5 * place.inertia4 * most4**2
@@ -191,7 +191,7 @@ class Tube:
         bound = widest_eta(top, self.delta, self.disk)
         return np.minimum(bound, abs(place.chart.bar_to_sigma4) * most3 + abs(place.chart.bar_to_sigma3) * most4)
 
-    def _spans(self, place: "Place") -> tuple[Array, Array, Array]:
+    def _spans(self, place: "TiltAndRate") -> tuple[Array, Array, Array]:
         """Smallest sigma3_bar in the tube, half its width in eta_hat, and the span of sigma3_bar (0: not met)."""
         widest = self._widest(place)
         a, a2, c, c2 = place.chart
@@ -201,7 +201,7 @@ class Tube:
         )
         return low, widest, np.maximum(high - low, 0.0)
 
-    def _on_segment(self, place: "Place", widest: Array, unit: Array) -> tuple[Array, Array, Array]:
+    def _on_segment(self, place: "TiltAndRate", widest: Array, unit: Array) -> tuple[Array, Array, Array]:
         """As `_beside` for a box that fixes sigma3 or sigma4: only eta_hat is drawn, and sets the free one."""
         fixed3 = not self.density.free("sigma3")
         fixed = self.density.reach("sigma3" if fixed3 else "sigma4")[0]
@@ -211,7 +211,7 @@ class Tube:
         return (fixed - m2 * eta) / m, eta, 2.0 * widest / abs(m)
 
     def _tilts(
-        self, place: "Place", hats: LinearConstants, rows: NDArray[np.intp], accuracy: float
+        self, place: "TiltAndRate", hats: LinearConstants, rows: NDArray[np.intp], accuracy: float
     ) -> tuple[Array, NDArray[np.int8]]:
         """theta_min and status of the rows that count; hats: with eta_hat in the place of eta."""
         disk, (bar, *etas) = self.disk, hats
@@ -227,7 +227,7 @@ class Tube:
 
 
 @dataclass(frozen=True)
-class Place:
+class TiltAndRate:
     """Tilts and speeds of draws, the chart there, and the factors of the energy, eq. (2.19); natural units."""
 
     q: Array
@@ -239,11 +239,11 @@ class Place:
     chart: LineChart
 
     @classmethod
-    def at(cls, disk: Disk, phi: Array, phidot: Array) -> "Place":
+    def at(cls, disk: Disk, phi: Array, phidot: Array) -> "TiltAndRate":
         return cls.of(disk, np.cos(phi), np.sin(phi), phidot)
 
     @classmethod
-    def of(cls, disk: Disk, q: Array, z: Array, phidot: Array) -> "Place":
+    def of(cls, disk: Disk, q: Array, z: Array, phidot: Array) -> "TiltAndRate":
         """The same from cos phi and sin phi."""
         b = disk.body
         return cls(q, z, phidot, 0.5 * b.M * phidot**2 + q, b.I1 / (q * q), b.J, line_chart(disk, q, z))

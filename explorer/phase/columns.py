@@ -6,7 +6,7 @@ in what `nearflat columns` prints. Units are those of the disk; with m = r = g =
 
 from dataclasses import dataclass
 
-from explorer.errors import InputError, shown, suggest
+from explorer.errors import one_of
 
 ANGLE, RATE, TIME, LENGTH, ENERGY, NUMBER = "rad", "rad/time", "time", "length", "energy", ""
 SI = {RATE: "rad/s", TIME: "s", LENGTH: "m", ENERGY: "J"}  # of a disk in kilograms, metres and seconds
@@ -44,11 +44,7 @@ SIGN, COUNT, STEPS, TRUTH = "int8", "int64", "int32", "bool"
 
 COLUMNS = {
     # where a state is
-    "phi": Column(
-        "Angle of the disk's plane to the vertical; flat at +-pi/2.",
-        ANGLE,
-        "section 2.3",
-    ),
+    "phi": Column("Angle of the disk's plane to the vertical; flat at +-pi/2.", ANGLE, "section 2.3"),
     "phidot": Column("Rate of phi.", RATE, "section 2.3"),
     "sigma3": Column("cos^2(phi) times the rate at which the contact point turns in space.", RATE, "(2.14)"),
     "sigma4": Column("Spin: angular velocity about the axis of the disk.", RATE, "(2.14)"),
@@ -148,6 +144,4 @@ COLUMNS = {
 
 def column(name: str) -> Column:
     """The column of a name; InputError with the nearest one where there is none."""
-    if name not in COLUMNS:
-        raise InputError(f"column {shown(name)} is not known; {suggest(name, COLUMNS)}")
-    return COLUMNS[name]
+    return COLUMNS[one_of("column", name, COLUMNS)]

@@ -14,7 +14,7 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from explorer.errors import InputError, flag, shown, suggest
+from explorer.errors import InputError, flag, one_of
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
 from explorer.phase.energy import energy_at
@@ -201,10 +201,7 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
 def complete_set(names: Collection[str], what: str) -> tuple[tuple[str, str], str]:
     """The pair that gives the spins and the name that gives the speed. Raises InputError, which says `what`."""
     for name in names:
-        if name not in Coordinates.__annotations__:
-            raise InputError(
-                f"coordinate {shown(name)} is not known; {suggest(name, Coordinates.__annotations__)}"
-            )
+        one_of("coordinate", name, Coordinates.__annotations__)
     given = set(names) - {"phi"}
     for spins in SPINS:
         for speed in SPEEDS:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError, double_of, nearest, number, positive, shown, word
+from explorer.errors import InputError, double_of, nearest, number, one_of, positive, shown, word
 from explorer.phase.energy import potential_at_flat
 from explorer.phase.paths import read_toml
 
@@ -252,7 +252,8 @@ class Disk:
 
     @classmethod
     def _of_moments(cls, values: dict[str, Any]) -> Disk:
-        _known(values, (*_SCALES, "I1", "I3", "name"))
+        for key in values:
+            one_of("disk: quantity", key, (*_SCALES, "I1", "I3", "name"))
         missing = [key for key in ("I1", "I3") if key not in values]
         if missing:
             raise InputError(
@@ -412,16 +413,11 @@ def _in_si(key: str, value: str) -> str:
     return value
 
 
-def _known(values: dict[str, Any], known: tuple[str, ...]) -> None:
-    for key in values:
-        if key not in known:
-            raise InputError(f"disk: unknown quantity {shown(key)}; the known ones are {', '.join(known)}")
-
-
 def _preset(make: Callable[..., Disk], text: str) -> Disk:
     """A preset with m, r, g and a name as text, where these are given. Raises InputError."""
     values = _quantities(text)
-    _known(values, (*_SCALES, "name"))
+    for key in values:
+        one_of("disk: quantity", key, (*_SCALES, "name"))
     name = values.pop("name", None)
     made: Disk = make(**values)
     return made if name is None else replace(made, name=name)

@@ -22,7 +22,7 @@ class LinearConstants(NamedTuple):
     eta_minus: Array
 
 
-class Motion(NamedTuple):
+class ConstantsOfMotion(NamedTuple):
     """Constants of motions, natural units, arrays of one length: given, or computed from states.
 
     rounding_plus, rounding_minus: an eta below its rounding in size cannot be told from zero; 0 where it was
@@ -54,16 +54,16 @@ class Motion(NamedTuple):
         """A bound of the rounding error of that eta."""
         return np.where(plus, self.rounding_plus, self.rounding_minus)
 
-    def at(self, rows: NDArray[np.intp]) -> "Motion":
+    def at(self, rows: NDArray[np.intp]) -> "ConstantsOfMotion":
         """Some of them."""
-        return Motion(*(column[rows] for column in self))
+        return ConstantsOfMotion(*(column[rows] for column in self))
 
 
-def motion_through(disk: Disk, states: Array) -> Motion:
+def motion_through(disk: Disk, states: Array) -> ConstantsOfMotion:
     """The constants of states (5, n), rows as `phase.states.Rows`, computed from these."""
-    out = np.empty((len(Motion._fields), states.shape[1]))
+    out = np.empty((len(ConstantsOfMotion._fields), states.shape[1]))
     compiled.algebra.constants_batch(np.ascontiguousarray(states), disk.whole, disk.natural, out)
-    return Motion(*out)
+    return ConstantsOfMotion(*out)
 
 
 class LineChart(NamedTuple):

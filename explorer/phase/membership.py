@@ -15,7 +15,6 @@ from explorer import compiled
 from explorer.errors import InputError, number
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result
-from explorer.phase.roots import root
 from explorer.phase.states import Array, States, require_states
 
 # Depths at which the barrier's series are compared with bisections, and how many times the largest difference is
@@ -102,7 +101,7 @@ def well(disk: Disk) -> Well:
     phi = np.linspace(*_BEYOND_VERTICAL, _PLACES)
     beside = phi[int(np.argmax(critical(phi))) + np.array([-1, 1])]
     slope = Chebyshev.interpolate(critical, _PEAK_DEGREE, domain=beside).deriv()
-    top = root(slope, *beside)
+    (top,) = (float(x.real) for x in slope.roots() if x.imag == 0.0 and beside[0] < x.real < beside[1])
     return Well(top, float(np.sqrt(critical(np.array([top]))[0])) * disk.body.r0)
 
 
@@ -118,45 +117,34 @@ def require_well(disk: Disk, sigma3_bar: float) -> None:
 
 
 @lru_cache(maxsize=64)
-def barrier(disk: Disk) -> tuple[Chebyshev, Chebyshev]:
-    """phi and V of the barrier between that well and the vertical, series in sqrt(1 - |sigma3_bar|/sigma3_bar*).
-
-    Well and barrier merge at sigma3_bar*, where both have a root; in this variable they are analytic.
-    """
-
-    def top(depth: Array, name: str) -> Array:
-        top: Array = getattr(_bisected(disk, depth), name)
-        return top
-
-    degree = compiled.falling.BARRIER_DEGREE
-    phi, V = (Chebyshev.interpolate(top, degree, domain=[0.0, 1.0], args=(name,)) for name in ("phi", "V"))
-    return phi, V
-
-
-def _bisected(disk: Disk, depth: Array) -> compiled.falling.Barrier[Array]:
-    """Barriers at depths sqrt(1 - |sigma3_bar|/sigma3_bar*), each found by bisection."""
-    angle, largest = well(disk)
-    out = np.empty((2, depth.size))
-    bar = np.ascontiguousarray(largest * (1.0 - depth * depth))
-    compiled.falling.barrier_batch(bar, angle, disk.natural, out)
-    return compiled.falling.Barrier(*out)
-
-
-@lru_cache(maxsize=64)
 def obstacle(disk: Disk) -> compiled.falling.Obstacle:
-    """The barrier's series as kernels take them, with a bound of their errors."""
+    """The barrier between that well and the vertical as kernels take it: series, with a bound of their errors.
+
+    They are in sqrt(1 - |sigma3_bar|/sigma3_bar*). Well and barrier merge at sigma3_bar*, where sin phi and V of
+    the barrier have a root; in this variable they are analytic.
+    """
     angle, largest = well(disk)
-    phi, V = barrier(disk)
+
+    def bisected(depth: Array) -> Array:
+        out = np.empty((2, depth.size))
+        compiled.falling.barrier_batch(largest * (1.0 - depth * depth), angle, disk.natural, out)
+        top = compiled.falling.Barrier(*out)
+        return np.stack([np.sin(top.phi), top.V])
+
     make = partial(compiled.polynomials.interpolate, degree=compiled.falling.BARRIER_DEGREE)
-    sine, height = make(lambda depth: np.sin(phi(depth))), make(V)
+    sine, height = make(lambda depth: bisected(depth)[0]), make(lambda depth: bisected(depth)[1])
     depth = np.linspace(0.0, 1.0, _COMPARED)[1:]
-    found = _bisected(disk, depth)
-    apart = [
-        abs(polyval(2.0 * depth - 1.0, sine) - np.sin(found.phi)).max(),
-        abs(polyval(2.0 * depth - 1.0, height) / found.V - 1.0).max(),
-    ]
+    found, series = bisected(depth), [polyval(2.0 * depth - 1.0, powers) for powers in (sine, height)]
+    apart = [abs(series[0] - found[0]).max(), abs(series[1] / found[1] - 1.0).max()]
     slack = max(_LEAST_SLACK, _CAUTION * float(max(apart)))
     return compiled.falling.Obstacle(angle, largest / disk.body.r0, slack, tuple(sine), tuple(height))
+
+
+def barrier(disk: Disk, sigma3_bar: Array, term: str = "V") -> Array:
+    """V of the barrier at |sigma3_bar|, and at sigma3_bar* beyond; or the "sine" of its phi. Natural units."""
+    u = np.sqrt(np.maximum(1.0 - abs(sigma3_bar) / well(disk).sigma3_bar, 0.0))
+    found: Array = polyval(2.0 * u - 1.0, getattr(obstacle(disk), term))
+    return found
 
 
 # What this file and the constants of states call, for `compiled.warmup`.

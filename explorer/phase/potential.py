@@ -16,11 +16,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from explorer.errors import InputError, number, shown, sign, whole
-from explorer.phase.arguments import column
+from explorer.errors import InputError, number, shown, sign
+from explorer.phase.arguments import column, read_range
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.lines import line_chart, line_slope, nearer_plus, other_eta_hat
-from explorer.phase.roots import root
+from explorer.phase.roots import changes_of_sign
 from explorer.phase.states import Array
 
 _STEP = 0.02  # of y, in which V is smooth on the scale 1: no two zeros of V'' share a step
@@ -29,7 +29,7 @@ _FLAT = 1e-8  # tilt (rad), at rates of order 1, below which V' keeps its sign w
 _WALL = 1e-6  # the same beside a line, as a share of |eta_hat|: there the wall is far above all else
 _SMALLEST = 1e-290  # rad; doubles of cosh y end soon after
 _FARTHEST = 700.0  # in size, of y: there they do
-_POINTS, _MOST_POINTS = 400, 1_000_000  # of a curve, and some more where it runs to flat
+_POINTS = 400  # of a curve, and some more where it runs to flat
 _LARGEST = 1e100  # of a constant of motion; squares of larger ones overflow
 _TOLD_APART = 1e-10  # of an energy: levels as far apart differ by many roundings, also at the fastest rates
 CENTRE, SADDLE, DEGENERATE = "centre", "saddle", "degenerate"
@@ -98,12 +98,13 @@ def curvature_of(q: Array, z: Array, sigma3: Array, sigma4: Array, b: Any) -> Ar
 
 
 class Terms(NamedTuple):
-    """V, dV/dphi, d2V/dphi2, and the size of the terms that dV/dphi is a sum of; natural units."""
+    """V, dV/dphi, d2V/dphi2, the size of the terms that dV/dphi is a sum of, and sigma3/q; natural units."""
 
     V: Array
     slope: Array
     curvature: Array
     size: Array
+    rho: Array
 
 
 @dataclass(frozen=True)
@@ -170,33 +171,30 @@ class Potential:
             most3 += np.maximum(abs(chart.eta_hat_to_sigma3), b.k * b.r0) * abs(self.eta)
             most4 = abs(chart.bar_to_sigma4 * self.bar) + abs(chart.eta_hat_to_sigma4 * self.eta)
             size = most3 / q * (b.I1 * most3 / q * abs(z) / q + b.J * most4) + abs(z)
-        return Terms(V, slope, curvature, size)
+        return Terms(V, slope, curvature, size, rho)
 
-    def _of_phi(self, phi: ArrayLike, term: str) -> Array:
-        angle = _between_flat(phi)
-        flat = np.ravel(angle)
-        values: Array = getattr(self.terms(np.cos(flat), np.sin(flat)), term)
-        return (values * self.disk.energy_unit).reshape(angle.shape)
+    def _of_phi(self, phi: ArrayLike, term: str, unit: float) -> Array:
+        angle = column("phi", phi)
+        if not np.all(abs(angle) < 0.5 * np.pi):
+            raise InputError("phi: V is defined between the flat states; give -pi/2 < phi < pi/2 (rad)")
+        values: Array = getattr(self.terms(np.cos(angle.ravel()), np.sin(angle.ravel())), term)
+        return (values * unit).reshape(angle.shape)
 
     def V(self, phi: ArrayLike) -> Array:
         """The amended potential, eq. (3.8), at phi (rad)."""
-        return self._of_phi(phi, "V")
+        return self._of_phi(phi, "V", self.disk.energy_unit)
 
     def dV(self, phi: ArrayLike) -> Array:
         """dV/dphi."""
-        return self._of_phi(phi, "slope")
+        return self._of_phi(phi, "slope", self.disk.energy_unit)
 
     def d2V(self, phi: ArrayLike) -> Array:
         """d2V/dphi2; its sign at an equilibrium decides stability."""
-        return self._of_phi(phi, "curvature")
+        return self._of_phi(phi, "curvature", self.disk.energy_unit)
 
     def rho(self, phi: ArrayLike) -> Array:
         """sigma3/cos phi at phi (rad), units of the disk: by q times the speed of chi, so finite beside flat."""
-        angle = _between_flat(phi)
-        q = np.cos(angle.ravel())
-        sigma3, _ = line_chart(self.disk, q, self.face * np.sin(angle.ravel())).rates(self.bar, self.eta)
-        values: Array = sigma3 / q * self.disk.rate_unit
-        return values.reshape(angle.shape)
+        return self._of_phi(phi, "rho", self.disk.rate_unit)
 
     def at_y(self, y: ArrayLike) -> Terms:
         """As `terms`, where sin phi = tanh y."""
@@ -221,37 +219,32 @@ class Potential:
     def equilibria(self) -> tuple[Equilibrium, ...]:
         """All steady motions at these constants, from phi = -pi/2 to pi/2: every root of V'."""
         left, right = (math.ceil(self.reach(face) / _STEP) for face in (-1, 1))
-        y = _STEP * np.arange(-left, right + 1)
-        bends = [self._root("curvature", y[i], y[i + 1]) for i in _changes(self.at_y(y).curvature)]
+        y = _STEP * np.arange(-left, right + 1, dtype=np.float64)
+        i = _changes(self.at_y(y).curvature)
+        bends = self._roots("curvature", y[i], y[i + 1])
         # Between zeros of V'' the slope is monotonic: a pair of close roots cannot hide between points.
         y = np.union1d(y, bends)
-        _, slope, _, size = self.at_y(y)
-        roots = [self._root("slope", y[i], y[i + 1]) for i in _changes(slope)]
+        _, slope, _, size, _ = self.at_y(y)
+        i = _changes(slope)
         touches = np.isin(y, bends) & (abs(slope) <= 2.0 * _EPS * size)
-        roots += list(y[(slope == 0.0) | touches])
+        roots = np.union1d(self._roots("slope", y[i], y[i + 1]), y[(slope == 0.0) | touches])
         apart: list[Equilibrium] = []
-        for equilibrium in map(self._equilibrium, sorted(roots)):
+        for equilibrium in map(self._equilibrium, roots.tolist()):
             if not apart or equilibrium.y - apart[-1].y > 4.0 * _EPS * max(1.0, abs(equilibrium.y)):
                 apart.append(equilibrium)
         return tuple(apart)
 
-    def _root(self, term: str, low: float, high: float, value: float = 0.0) -> float:
+    def _roots(self, term: str, low: Array, high: Array, value: float = 0.0) -> Array:
+        """y at which a term has this value, between brackets."""
+
         def excess(y: Array) -> Array:
-            above: Array = getattr(self.at_y(y), term) - value
+            above: Array = getattr(self.at_y(y), term).reshape(y.shape) - value
             return above
 
-        return root(excess, low, high)
+        return changes_of_sign(excess, low, high)
 
     def _equilibrium(self, y: float) -> Equilibrium:
-        V, slope, curved, size = (float(values[0]) for values in self.at_y(y))
-        for _ in range(3):
-            step = slope * math.cosh(y) / curved if curved != 0.0 else math.inf
-            if not abs(step) < 1e-6:
-                break
-            nearer = tuple(float(values[0]) for values in self.at_y(y - step))
-            if not abs(nearer[1]) < abs(slope):
-                break
-            y, (V, slope, curved, size) = y - step, nearer
+        V, slope, curved, size, _ = (float(values[0]) for values in self.at_y(y))
         sharp = 1e-13 * (size + 1.0)  # V'' below this is lost in the rounding of its terms
         kind = DEGENERATE if abs(curved) <= sharp else CENTRE if curved > 0.0 else SADDLE
         unit, residual = self.disk.energy_unit, abs(slope) / (_EPS * size or 1.0)
@@ -276,36 +269,28 @@ class Potential:
         energy = number("energy", energy)
         E = energy / self.disk.energy_unit
         y, V = self._stops
-        cuts: list[tuple[float, str]] = [(float(y[0]), FLAT)] if V[0] < E else []
-        for i in range(y.size - 1):
-            if (V[i] < E) != (V[i + 1] < E):
-                cuts.append((self._crossing(E, i), TURNING))
-        if V[-1] < E:
+        saddle = np.array([False, *(at.kind == SADDLE for at in self.equilibria), False])
+        touched = saddle & (abs(V - E) <= 32.0 * _EPS * abs(E))  # some roundings of V at two saddles
+        inside = (V < E) & ~touched
+        cuts: list[tuple[float, str]] = [(float(y[0]), FLAT)] if inside[0] else []
+        for i in np.flatnonzero(inside[1:] != inside[:-1]).tolist():
+            above = i + 1 if inside[i] else i
+            cuts.append((float(y[above]), SADDLE) if touched[above] else (self._crossing(E, i), TURNING))
+        if inside[-1]:
             cuts.append((float(y[-1]), FLAT))
-        pairs = zip(cuts[::2], cuts[1::2], strict=True)
-        return tuple(self._component(energy, low, high) for low, high in pairs)
+        return tuple(
+            Component(energy, _phi(*low), _phi(*high), (low[1], high[1]), (low[0], high[0]))
+            for low, high in zip(cuts[::2], cuts[1::2], strict=True)
+        )
 
     def separatrices(self) -> tuple[Separatrix, ...]:
         """The level through each saddle, on both sides of it."""
-        return tuple(Separatrix(at, self._branches(at)) for at in self.equilibria if at.kind == SADDLE)
-
-    def _branches(self, saddle: Equilibrium) -> tuple[Component, Component]:
-        E, here = saddle.energy / self.disk.energy_unit, (saddle.y, SADDLE)
-        left, right = self._end(E, saddle.y, -1), self._end(E, saddle.y, 1)
-        return self._component(saddle.energy, left, here), self._component(saddle.energy, here, right)
-
-    def _end(self, E: float, start: float, way: int) -> tuple[float, str]:
-        """The end, in one direction, of the level E that starts at a saddle: y, and its kind."""
-        y, V = self._stops
-        i = int(np.argmin(abs(y - start)))
-        equal = 32.0 * _EPS * abs(E)  # some roundings of V at two saddles
-        # The next stop is a minimum, or flat
-        for j in range(i + way, y.size if way > 0 else -1, way):
-            if 0 < j < y.size - 1 and abs(V[j] - E) <= equal:
-                return float(y[j]), SADDLE
-            if V[j] > E:
-                return self._crossing(E, min(j, j - way)), TURNING
-        return float(y[-1 if way > 0 else 0]), FLAT
+        found = []
+        for at in self.equilibria:
+            if at.kind == SADDLE:
+                left, right = (piece for piece in self.components(at.energy) if at.y in piece.y)
+                found.append(Separatrix(at, (left, right)))
+        return tuple(found)
 
     def _crossing(self, E: float, i: int) -> float:
         """The root of V = E between two stops."""
@@ -316,18 +301,13 @@ class Potential:
             low -= 1.0
         while i == y.size - 2 and V[-1] == math.inf and self.at_y(high).V[0] < E:
             high += 1.0
-        return self._root("V", low, high, E)
+        return float(self._roots("V", np.array([low]), np.array([high]), E)[0])
 
-    def _component(self, energy: float, low: tuple[float, str], high: tuple[float, str]) -> Component:
-        y, ends = (low[0], high[0]), (low[1], high[1])
-        return Component(energy, _phi(y[0], ends[0]), _phi(y[1], ends[1]), ends, y)
-
-    def curve(self, component: Component, points: int = _POINTS) -> tuple[Array, Array]:
+    def curve(self, component: Component) -> tuple[Array, Array]:
         """phi and phidot >= 0 along a piece of a level; -phidot is its other half. rad, units of the disk."""
-        points = whole("points", points, 2, _MOST_POINTS)
         low, high = component.y
         # Dense towards both ends, where phidot vanishes like a square root
-        angle = np.linspace(0.0, np.pi, points + int(2.0 * (high - low)))
+        angle = np.linspace(0.0, np.pi, _POINTS + int(2.0 * (high - low)))
         y = low + (high - low) * 0.5 * (1.0 - np.cos(angle))
         y[-1] = high
         phi, E = np.arctan(np.sinh(y)), component.energy / self.disk.energy_unit
@@ -347,8 +327,8 @@ class Potential:
             tops = [at.energy for at in self.equilibria] + [float(self.V(0.0))]
             low, high = bottom, max(tops) + 0.5 * max(unit, _TOLD_APART * abs(max(tops)))
         else:
-            low, high = energies
-            if not (math.isfinite(low) and math.isfinite(high) and low < high):
+            low, high = read_range("energies", energies)
+            if low == high:
                 raise InputError(f"energies {low:g}:{high:g} are an empty range; give LOW:HIGH, the smaller first")
             if not high > bottom:
                 raise InputError(
@@ -361,21 +341,16 @@ class Potential:
     def falling_edge(self, y: Array) -> Array:
         """The least |phidot| with which the disk falls from sin phi = tanh y; infinite where nothing falls.
 
-        A motion goes both ways sooner or later, so one flat state within reach is enough. y increases.
+        A motion goes both ways sooner or later, so one flat state within reach is enough.
         """
         y = np.ravel(column("y", y))
-        stops, heights = self._stops
-        V = self.at_y(y).V
-        highest = np.full(y.size, np.inf)
-        for face in (-1, 1):
-            top = self.flat_value(face)
-            if top == math.inf:
-                continue
-            barrier = np.full(y.size, top)
-            for at, height in zip(stops[1:-1], heights[1:-1], strict=True):
-                barrier = np.where(face * (at - y) > 0.0, np.maximum(barrier, height), barrier)
-            highest = np.minimum(highest, np.maximum(barrier, V))
-        return np.sqrt(2.0 * np.maximum(highest - V, 0.0) / self.disk.body.M) * self.disk.rate_unit
+        every = np.union1d(y, self._stops[0][1:-1])
+        V = self.at_y(every).V
+        # The highest V on the way to the left, and to the right.
+        left = np.maximum(np.maximum.accumulate(V), self.flat_value(-1))
+        right = np.maximum(np.maximum.accumulate(V[::-1])[::-1], self.flat_value(1))
+        edge = np.sqrt(2.0 / self.disk.body.M * (np.minimum(left, right) - V)) * self.disk.rate_unit
+        return np.asarray(edge[np.searchsorted(every, y)])
 
 
 def on_line(disk: Disk, sigma3_bar: float, eta_hat: float = 0.0, face: int = 1) -> Potential:
@@ -446,14 +421,6 @@ def potential(
 
 def _constant(name: str, value: float) -> float:
     return number(name, value, -_LARGEST, _LARGEST)
-
-
-def _between_flat(phi: ArrayLike) -> Array:
-    """Tilts that were read. Raises InputError where one is flat or none."""
-    angle = column("phi", phi)
-    if not np.all(abs(angle) < 0.5 * np.pi):
-        raise InputError("phi: V is defined between the flat states; give -pi/2 < phi < pi/2 (rad)")
-    return angle
 
 
 def _phi(y: float, end: str = TURNING) -> float:

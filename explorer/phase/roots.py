@@ -1,7 +1,7 @@
-"""Where a function of one number changes its sign, without the long start of SciPy's root finders.
+"""Where functions change their signs, for arrays of brackets at once.
 
-They take longer to load than all that a plan computes. What is asked here comes from kernels, which take many
-numbers in one call, so every step looks at many places at once.
+By cutting brackets into parts: that takes any function, such as a wall that is no double at its end, and loads
+nothing. SciPy's root finders take 0.7 s to load.
 """
 
 from collections.abc import Callable
@@ -10,27 +10,21 @@ import numpy as np
 
 from explorer.phase.states import Array
 
-_PARTS = 64  # into which an interval is cut at each step: nine steps from a length of one end at rounding
-_ROUNDING = 4.0 * 2.2e-16
+# A bracket of length 1 comes to rounding, or to 1e-19 about zero. What is asked comes from kernels, which take as
+# long for a hundred numbers as for one.
+_PARTS, _STEPS = 16, 16
 
 
-def root(function: Callable[[Array], Array], low: float, high: float, smallest: float = 1e-18) -> float:
-    """A place between low and high where a function of arrays is zero or changes its sign, to rounding.
+def changes_of_sign(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """The first change of sign of a function of arrays in each bracket; high where there is none.
 
-    smallest: what is left of the interval about a root at zero, which has no digits of its own. Raises ValueError
-    where the signs at both ends are the same, or there is no value.
+    function: called with the shape of the brackets, and with one more axis before that.
     """
-    x = np.array([low, high])
-    values = function(x)
-    if not np.prod(np.sign(values)) <= 0.0:
-        raise ValueError(f"no change of sign between {low} and {high}: {values[0]} and {values[1]}")
-    while True:
-        zeros = np.flatnonzero(values == 0.0)
-        if zeros.size:
-            return float(x[zeros[0]])
-        after = int(np.argmax(np.sign(values) != np.sign(values[0])))
-        low, high = x[after - 1], x[after]
-        if high - low <= max(smallest, _ROUNDING * max(abs(low), abs(high))):
-            return float(high if abs(values[after]) < abs(values[after - 1]) else low)
-        x = np.linspace(low, high, _PARTS + 1)
-        values = function(x)
+    before = np.sign(function(low))
+    for _ in range(_STEPS):
+        places = low + np.multiply.outer(np.arange(_PARTS + 1) / _PARTS, high - low)
+        places[-1] = high
+        same = np.sign(function(places[1:-1])) == before
+        last = np.logical_and.accumulate(same).sum(axis=0)[None]
+        low, high = (np.take_along_axis(places, last + i, 0)[0] for i in (0, 1))
+    return high

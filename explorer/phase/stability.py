@@ -14,68 +14,17 @@ from functools import cache, lru_cache
 from itertools import groupby
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from explorer.errors import InputError, one_of
+from explorer.errors import one_of
+from explorer.phase.constants import constants_of
 from explorer.phase.disk import Disk, require_axial_inertia
-from explorer.phase.lines import line_chart, line_slope
 from explorer.phase.membership import well
-from explorer.phase.potential import DEGENERATE, Equilibrium, Potential, at_constants, curvature_of, on_line
+from explorer.phase.potential import DEGENERATE, Potential, at_constants, on_line
 from explorer.phase.states import Array, columns_of
+from explorer.phase.steady import circular_rolling, steady_motions
 
 _CIRCLE = 0.25 * math.pi, 2.0  # lean (rad) and radius (radii of the disk) at which `thresholds` rolls
-
-
-@dataclass(frozen=True)
-class SteadyRates:
-    """Steady motions, arrays of one shape.
-
-    phi: tilt (rad). precession: dchi/dt. sigma3, sigma4, sigma3_bar, sigma4_bar, eta_hat (on face +1): rates.
-    radius: of the circle of the contact point, positive where the disk leans towards its centre (phi < 0 for
-    sigma4 and precession of one sign). curvature: V'' (energy); the motion is stable where it is positive.
-    """
-
-    phi: Array
-    precession: Array
-    sigma3: Array
-    sigma4: Array
-    sigma3_bar: Array
-    sigma4_bar: Array
-    eta_hat: Array
-    radius: Array
-    curvature: Array
-
-    @property
-    def stable(self) -> NDArray[np.bool_]:
-        return self.curvature > 0.0
-
-
-def steady_rates(disk: Disk, phi: ArrayLike, precession: ArrayLike) -> SteadyRates:
-    """The steady motions at tilts phi (rad, between the flat states) with dchi/dt != 0; both broadcast."""
-    require_axial_inertia(disk)
-    shape = np.broadcast_shapes(np.shape(phi), np.shape(precession))
-    angle, rate = columns_of(phi=phi, precession=precession)
-    if not (np.all(abs(angle) < 0.5 * np.pi) and np.all(np.isfinite(rate) & (rate != 0.0))):
-        raise InputError("steady motions: give -pi/2 < phi < pi/2 (rad) and a finite precession, not zero")
-    b, unit, rate = disk.body, disk.rate_unit, rate / disk.rate_unit
-    q, z = np.cos(angle), np.sin(angle)
-    s3 = rate * q * q
-    # V' = I1 rate^2 q z - J rate q sigma4 - z = 0
-    s4 = z * (b.I1 * rate * rate * q - 1.0) / (b.J * rate * q)
-    bar, eta = line_chart(disk, q, z).constants(s3, s4)
-    columns = {
-        "phi": angle,
-        "precession": rate * unit,
-        "sigma3": s3 * unit,
-        "sigma4": s4 * unit,
-        "sigma3_bar": bar * unit,
-        "sigma4_bar": (line_slope(disk) * bar - eta) * unit,
-        "eta_hat": eta * unit,
-        # The contact point moves at r (sigma4 - z dchi/dt) along its circle
-        "radius": disk.r * (s4 / rate - z),
-        "curvature": curvature_of(q, z, s3, s4, b) * disk.energy_unit,
-    }
-    return SteadyRates(**{name: column.reshape(shape) for name, column in columns.items()})
 
 
 def stability_edges(disk: Disk, phi: ArrayLike) -> Array:
@@ -101,16 +50,13 @@ def _edge_equation(disk: Disk, phi: Array) -> tuple[Array, Array, Array]:
 
 def last_unstable_tilt(disk: Disk) -> float:
     """phi (rad) up to which some steady motions are unstable; beyond it all are stable. Both edges meet there."""
-    from scipy.optimize import bisect
-
     require_axial_inertia(disk)
-
-    def apart(phi: float) -> float:
-        two, one, none = _edge_equation(disk, np.array([phi]))
-        return float(-one[0] - 2.0 * np.sqrt(two[0] * none[0]))
-
-    # At 45 degrees the linear term changes sign
-    return float(bisect(apart, 0.0, 0.25 * math.pi, xtol=1e-16, rtol=1e-15, maxiter=200))
+    b = disk.body
+    # The discriminant of V'' = 0 vanishes, a quadratic in cos^2 phi, of which one root lies between 1/2 and 1.
+    unit, steep = 4.0 * b.k / b.J, b.I1 * (2.0 - b.I3 / b.J)
+    two, one, none = 4.0 + unit * (b.M - steep), unit * (2.0 * steep - b.M) - 4.0, 1.0 - unit * steep
+    cosine = math.sqrt((math.sqrt(one * one - 4.0 * two * none) - one) / (2.0 * two))
+    return math.acos(cosine)
 
 
 def fold_curve(disk: Disk, points: int = 400) -> tuple[Array, Array]:
@@ -123,7 +69,8 @@ def fold_curve(disk: Disk, points: int = 400) -> tuple[Array, Array]:
     phi = last_unstable_tilt(disk) * (1.0 - 1e-12) * np.sin(t)
     fast, slow = (np.nan_to_num(row) for row in stability_edges(disk, phi))
     tilts = np.concatenate([-phi[::-1], -phi, phi[::-1], phi])
-    half = steady_rates(disk, tilts, np.concatenate([slow[::-1], fast, fast[::-1], slow]))
+    turns = np.concatenate([slow[::-1], fast, fast[::-1], slow])
+    half = constants_of(steady_motions(disk, 0.5 * np.pi - tilts, turns).states)
     x = np.concatenate([half.sigma3_bar, -half.sigma3_bar, half.sigma3_bar[:1]])
     return x, np.concatenate([half.sigma4_bar, -half.sigma4_bar, half.sigma4_bar[:1]])
 
@@ -140,67 +87,17 @@ def spinning_threshold(disk: Disk) -> float:
     return math.sqrt(disk.m * disk.g * disk.r / (disk.I1 + disk.m * disk.r**2))
 
 
-def circular_precession(disk: Disk, lean: float, radius: float) -> float:
-    """dchi/dt with which the disk rolls round a circle of `radius`, leaning inwards by `lean` (rad).
-
-    Its square is m g r tan(lean)/(J radius/r - (J - I1) sin(lean)). Raises InputError where that is not positive.
-    """
-    require_axial_inertia(disk)
-    if not 0.0 < lean < 0.5 * math.pi:
-        raise InputError(f"lean = {lean} must lie between 0 and pi/2 (rad)")
-    if not (math.isfinite(radius) and radius >= 0.0):
-        raise InputError(f"radius = {radius} must be a finite length, 0 or more")
-    J = disk.I3 + disk.m * disk.r**2
-    below = J * radius / disk.r - (J - disk.I1) * math.sin(lean)
-    if not below > 0.0:
-        least = (J - disk.I1) / J * math.sin(lean) * disk.r
-        raise InputError(
-            f"radius = {radius:g}: leaning inwards by {lean:g} rad the disk rolls round circles above {least:.6g} "
-            "only; give a larger radius"
-        )
-    return math.sqrt(disk.m * disk.g * disk.r * math.tan(lean) / below)
-
-
-def measured_thresholds(disk: Disk, lean: float, radius: float) -> dict[str, float]:
-    """The three closed forms above as V has them, by bisection on V'' and, for the circle, on V'."""
-    unit, phi = disk.rate_unit, np.array([-lean])
-    chart = line_chart(disk, np.cos(phi), np.sin(phi))
-
-    def slope(rate: float) -> float:
-        """V' with the constants of motion of the state that rolls so."""
-        s3, s4 = rate * math.cos(lean) ** 2, rate * (radius / disk.r - math.sin(lean))
-        bar, eta = chart.constants(s3, s4)
-        return float(Potential(disk, bar[0], eta[0]).dV(-lean))
-
-    return {
-        "straight_rolling": _sign_change(lambda rate: float(at_constants(disk, 0.0, rate).d2V(0.0)), unit),
-        "spinning_upright": _sign_change(lambda rate: float(at_constants(disk, rate, 0.0).d2V(0.0)), unit),
-        "circular_rolling": _sign_change(slope, 1.0) * unit,
-    }
-
-
-def _sign_change(f: Callable[[float], float], high: float) -> float:
-    """The rate at which f has no longer the sign that it has at 0; `high` is doubled until it lies beyond."""
-    from scipy.optimize import bisect
-
-    while f(high) * f(0.0) > 0.0:
-        high *= 2.0
-    return float(bisect(f, 0.0, high, xtol=1e-15 * high, rtol=1e-15, maxiter=200))
-
-
 def thresholds(disk: Disk) -> dict[str, dict[str, float]]:
-    """Thresholds from V and from the closed forms, and sigma3_bar* of the well; units of the disk."""
+    """Thresholds in closed form, and sigma3_bar* of the well; units of the disk."""
     angle, most = well(disk)
     lean, radius = _CIRCLE[0], _CIRCLE[1] * disk.r
-    measured = measured_thresholds(disk, lean, radius)
-    closed = {
-        "straight_rolling": rolling_threshold(disk),
-        "spinning_upright": spinning_threshold(disk),
-        "circular_rolling": circular_precession(disk, lean, radius),
+    circle = float(circular_rolling(disk, lean, radius).precession[0])
+    return {
+        "straight_rolling": {"closed_form": rolling_threshold(disk)},
+        "spinning_upright": {"closed_form": spinning_threshold(disk)},
+        "circular_rolling": {"lean": lean, "radius": radius, "closed_form": circle},
+        "well": {"sigma3_bar": most * disk.rate_unit, "phi": angle},
     }
-    rows = {name: {"measured": measured[name], "closed_form": closed[name]} for name in closed}
-    rows["circular_rolling"] = {"lean": lean, "radius": radius, **rows["circular_rolling"]}
-    return {**rows, "well": {"sigma3_bar": most * disk.rate_unit, "phi": angle}}
 
 
 @dataclass(frozen=True)
@@ -276,7 +173,7 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     one_of("path", path, PATHS)
     (values,) = columns_of(parameter=parameter)
     # The potential is quadratic in the constants of a path, the same where both change their signs.
-    steady = cache(lambda size: _regular(PATHS[path](disk, size)))
+    steady = cache(lambda size: [at for at in PATHS[path](disk, size).equilibria if at.kind != DEGENERATE])
     rows = [(value, steady(abs(float(value)))) for value in values]
     branches: list[Branch] = []
     for kinds, group in groupby(rows, key=lambda row: tuple(at.kind for at in row[1])):
@@ -286,11 +183,6 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
             phi, energy = np.array([(each[number].phi, each[number].energy) for _, each in members]).T
             branches.append(Branch(at, phi, energy, kind))
     return tuple(branches)
-
-
-def _regular(potential: Potential) -> list[Equilibrium]:
-    """Equilibria that are centres or saddles."""
-    return [at for at in potential.equilibria if at.kind != DEGENERATE]
 
 
 @lru_cache(maxsize=8)

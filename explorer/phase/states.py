@@ -19,7 +19,7 @@ from explorer.phase.arguments import columns_of as columns_of
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import LARGEST_RATE, Disk, require_disk
 from explorer.phase.disk import Array as Array
-from explorer.phase.lines import LinearConstants, Motion, line_slope, linear_constants, motion_through
+from explorer.phase.lines import ConstantsOfMotion, LinearConstants, line_slope, linear_constants, motion_through
 
 # Also where the user has set numpy to raise.
 _UNDERFLOW_IS_ZERO = np.errstate(under="ignore")
@@ -118,14 +118,16 @@ class States:
         >>> states[states.sigma3 > 1.5].sigma3
         array([2., 3.])
         """
-        return self.at(self._rows_of(rows))
-
-    def _rows_of(self, rows: Any) -> NDArray[np.intp]:
-        """Numbers of states, as numpy reads an index. Raises InputError for what chooses none in a row."""
         chosen = np.atleast_1d(np.arange(len(self))[rows])
         if chosen.ndim != 1:
             raise InputError(f"states[{shown(rows)}]: give a number, a slice, a mask or a list of numbers")
-        return chosen
+        exact = None if self.exact is None else LinearConstants(*(column[chosen] for column in self.exact))
+        some = States(self.disk, np.ascontiguousarray(self.natural[:, chosen]), self.status[chosen], exact)
+        if "motion" in vars(self):  # what is known of all is known of some
+            vars(some)["motion"] = self.motion.at(chosen)
+        return some
+
+    at = __getitem__
 
     def _known(self, values: Array) -> Array:
         """Values of all states in their shape; NaN for bad input, for which a placeholder stands."""
@@ -138,14 +140,14 @@ class States:
         return Rows(*self.natural)
 
     @cached_property
-    def motion(self) -> Motion:
+    def motion(self) -> ConstantsOfMotion:
         """Constants of the motions through the states (natural units), in a row; NaN for bad input."""
         motion = motion_through(self.disk, self.natural)
         if self.exact is not None:
             none = np.zeros(len(self))
             motion = motion._replace(**self.exact._asdict(), rounding_plus=none, rounding_minus=none)
         bad = self.status == compiled.status.Status.BAD_INPUT
-        return Motion(*(np.where(bad, np.nan, column) for column in motion)) if bad.any() else motion
+        return ConstantsOfMotion(*(np.where(bad, np.nan, column) for column in motion)) if bad.any() else motion
 
     @property
     @_UNDERFLOW_IS_ZERO
@@ -170,16 +172,6 @@ class States:
     def sigma4(self) -> Array:
         """Spin sigma4 of eq. (2.14) (units of the disk)."""
         return self._known(self.rows.sigma4 * self.disk.rate_unit)
-
-    def at(self, rows: NDArray[np.intp]) -> States:
-        """Some of the states, by their numbers."""
-        if not (type(rows) is np.ndarray and rows.dtype.kind in "ib" and rows.ndim == 1):
-            rows = self._rows_of(rows)
-        exact = None if self.exact is None else LinearConstants(*(column[rows] for column in self.exact))
-        some = States(self.disk, np.ascontiguousarray(self.natural[:, rows]), self.status[rows], exact)
-        if "motion" in vars(self):  # what is known of all is known of some
-            vars(some)["motion"] = self.motion.at(rows)
-        return some
 
     def reversed(self) -> States:
         """The same states with time running backwards: phidot changes sign (rho, sigma4 stay).
@@ -235,7 +227,7 @@ def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLi
             q, z = (np.full(angle.size, f(angle[0])) for f in (np.cos, np.sin))
         else:
             q, z = np.cos(angle), np.sin(angle)
-    return _states(disk, _Chart(q, z, -rate, s3, s4), abs(angle) < 0.5 * np.pi, shape)
+    return _states(disk, (q, z, -rate, s3, s4), abs(angle) < 0.5 * np.pi, shape)
 
 
 def theta_to_states(
@@ -281,8 +273,8 @@ def theta_to_states(
     good = (tilt > 0.0) & (tilt < np.pi) & (abs(s) == 1.0)
     tilt, s = np.where(good, tilt, 1.0), np.where(good, s, 1.0)
     with np.errstate(all="ignore"):
-        chart = _Chart(np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4)
-    return _states(disk, chart, good, shape)
+        columns = np.sin(tilt), s * np.cos(tilt), s * rate, s3, s4
+    return _states(disk, columns, good, shape)
 
 
 def constants_to_states(
@@ -329,33 +321,23 @@ def constants_to_states(
         s4 = s * (slope * s3 - distance)
         exact = linear_constants(disk, s3 / disk.rate_unit, distance / disk.rate_unit, s > 0.0)
     good = (abs(s) == 1.0) & np.isfinite(exact.eta_plus) & np.isfinite(exact.eta_minus)
-    made = _states(disk, _Chart(np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4), good, shape)
+    made = _states(disk, (np.ones_like(s3), np.zeros_like(s3), -rate, s3, s4), good, shape)
     return replace(made, exact=exact)
 
 
-class _Chart(NamedTuple):
-    """q, z, p of the kernels' chart, and sigma3, sigma4; rates in the units of the disk."""
-
-    q: Array
-    z: Array
-    p: Array
-    sigma3: Array
-    sigma4: Array
-
-
-def _states(disk: Disk, x: _Chart, good: NDArray[np.bool_], shape: tuple[int, ...]) -> States:
-    """States in natural units. good: where the tilt is one."""
-    unit = disk.rate_unit
-    good = good & (x.q > 0.0)
+def _states(disk: Disk, columns: tuple[Array, ...], good: NDArray[np.bool_], shape: tuple[int, ...]) -> States:
+    """States from q, z, p, sigma3 and sigma4, rates in the units of the disk. good: where the tilt is one."""
+    unit, (q, z, p, sigma3, sigma4) = disk.rate_unit, columns
+    good = good & (q > 0.0)
     # In place: large runs make states in blocks that stay in the processor's cache.
-    natural = np.empty((5, x.q.size))
+    natural = np.empty((5, q.size))
     row = Rows(*natural)
-    row.q[:], row.z[:] = x.q, x.z
+    row.q[:], row.z[:] = q, z
     with np.errstate(all="ignore"):
-        np.divide(x.p, unit, out=row.p)
-        np.divide(x.sigma3, x.q * unit, out=row.rho)
-        np.divide(x.sigma4, unit, out=row.sigma4)
-        rates = row.p, row.rho * x.q, row.sigma4
+        np.divide(p, unit, out=row.p)
+        np.divide(sigma3, q * unit, out=row.rho)
+        np.divide(sigma4, unit, out=row.sigma4)
+        rates = row.p, row.rho * q, row.sigma4
     # Squares beyond overflow; NaN fails the comparison as well. rho may be large near flat.
     if not all(rate.min(initial=0.0) > -LARGEST_RATE and rate.max(initial=0.0) < LARGEST_RATE for rate in rates):
         good &= np.all([abs(rate) < LARGEST_RATE for rate in rates], axis=0)

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
-from explorer.errors import flag, number
+from explorer.errors import InputError, flag, number
 from explorer.phase.arguments import read_columns
 from explorer.phase.coordinates import from_rates, warn_of_degrees
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.potential import curvature_of
 from explorer.phase.results import Result
-from explorer.phase.stability import circular_precession, steady_rates
 from explorer.phase.states import Array, States
 
 
@@ -111,39 +112,31 @@ def steady_motions(
     True
     """
     require_axial_inertia(disk)
-    (angle, rate, face_of_each), shape = read_columns({"tilt": tilt, "precession": precession, "face": face})
+    (angle, rate, down), shape = read_columns({"tilt": tilt, "precession": precession, "face": face})
     if flag("degrees", degrees):
         angle, rate = np.radians(angle), np.radians(rate)
     else:
         warn_of_degrees(angle)
-    flat = _steady(disk, angle, rate, face_of_each)
-    return replace(flat.reshaped(shape), states=replace(flat.states, shape=shape))
-
-
-def _steady(disk: Disk, angle: Array, rate: Array, face: Array) -> SteadyMotions:
-    """Steady motions of one row; angle: tilt."""
+    b, unit, code = disk.body, disk.rate_unit, compiled.status.Status
     with np.errstate(all="ignore"):
-        phi = face * (0.5 * np.pi - angle)
-        possible = (abs(phi) < 0.5 * np.pi) & np.isfinite(rate) & (rate != 0.0) & (abs(face) == 1.0)
-    # Something steady stands in for what is not.
-    with np.errstate(all="ignore"):
-        found = steady_rates(disk, np.where(possible, phi, 0.0), np.where(possible, rate, disk.rate_unit))
-        possible &= np.isfinite(found.sigma4) & np.isfinite(found.radius)
-
-    def known(values: Array) -> Array:
-        return np.where(possible, values, np.nan)
-
-    states = from_rates(disk, (known(angle), np.zeros_like(angle), rate, found.sigma4), face)
-    code = compiled.status.Status
-    return SteadyMotions(
+        phi, turn = down * (0.5 * np.pi - angle), rate / unit
+        q, z = np.cos(phi), np.sin(phi)
+        spin = z * (b.I1 * turn * turn * q - 1.0) / (b.J * turn * q)
+        # The contact point moves at r (spin - z precession) along its circle.
+        radius = disk.r * (spin / turn - z)
+        stable = curvature_of(q, z, turn * q * q, spin, b) > 0.0
+        good = (abs(phi) < 0.5 * np.pi) & (abs(down) == 1.0) & np.isfinite(spin) & np.isfinite(radius)
+    states = from_rates(disk, (np.where(good, angle, np.nan), np.zeros_like(angle), rate, spin * unit), down)
+    found = SteadyMotions(
         tilt=angle,
         precession=rate,
-        spin=known(found.sigma4),
-        radius=known(found.radius),
-        stable=found.stable & possible,
-        status=np.where(possible, code.OK, code.BAD_INPUT).astype(np.int8),
-        states=states,
+        spin=np.where(good, spin * unit, np.nan),
+        radius=np.where(good, radius, np.nan),
+        stable=stable & good,
+        status=np.where(good, code.OK, code.BAD_INPUT).astype(np.int8),
+        states=replace(states, shape=shape),
     )
+    return found.reshaped(shape)
 
 
 def circular_rolling(disk: Disk, lean: float, radius: float) -> SteadyMotions:
@@ -182,6 +175,17 @@ def circular_rolling(disk: Disk, lean: float, radius: float) -> SteadyMotions:
     >>> print(f"{2.0 * math.pi / motion.precession[0]:.3f} s, spin {motion.spin[0]:.1f} rad/s")
     1.051 s, spin 32.6 rad/s
     """
-    inward = number("lean", lean)
-    rate = circular_precession(disk, inward, number("radius", radius))
-    return steady_motions(disk, 0.5 * np.pi - inward, rate, face=-1)
+    require_axial_inertia(disk)
+    inward, circle = number("lean", lean), number("radius", radius, 0.0)
+    if not 0.0 < inward < 0.5 * math.pi:
+        raise InputError(f"lean = {inward:g} must lie between 0 and pi/2 (rad)")
+    J = disk.I3 + disk.m * disk.r**2
+    below = J * circle / disk.r - (J - disk.I1) * math.sin(inward)
+    if not below > 0.0:
+        least = (J - disk.I1) / J * math.sin(inward) * disk.r
+        raise InputError(
+            f"radius = {circle:g}: leaning inwards by {inward:g} rad the disk rolls round circles above "
+            f"{least:.6g} only; give a larger radius"
+        )
+    rate = math.sqrt(disk.m * disk.g * disk.r * math.tan(inward) / below)
+    return steady_motions(disk, 0.5 * math.pi - inward, rate, face=-1)

@@ -11,6 +11,7 @@ from explorer.measure.slices import ConstantsPlane, flattest_per_cell
 from explorer.measure.statistics import poisson_interval
 from explorer.measure.tallies import LogHistogram
 from explorer.phase.arguments import column
+from explorer.phase.lines import line_slope
 from explorer.phase.states import States
 from explorer.pictures.register import Question, picture
 from explorer.pictures.slices import colour_tilt
@@ -35,14 +36,15 @@ def constants_plane(ax: Axes, samples: States | ConstantsPlane, cells: int = 100
     colour_tilt(ax, plane.sigma3_edges, plane.sigma4_edges, plane.smallest, plane.method)
     (left, right), (low, high) = plane.sigma3_edges[[0, -1]], plane.sigma4_edges[[0, -1]]
     ax.set(xlim=(left, right), ylim=(low, high), aspect="equal")
-    reach = min(right, high / abs(plane.slope)) if plane.slope else right
+    slope = line_slope(plane.disk)
+    reach = min(right, high / abs(slope)) if slope else right
     for face, name in ((1, "$l_+$"), (-1, "$l_-$")):
         for end in (-1.0, 1.0):
             x = end * reach * np.array([0.72, 1.0])
-            ax.plot(x, face * plane.slope * x, color=LAW, lw=1.6, ls=(0, (4, 2)))
+            ax.plot(x, face * slope * x, color=LAW, lw=1.6, ls=(0, (4, 2)))
         box: dict[str, Any] = {"facecolor": "white", "alpha": 0.85, "lw": 0, "pad": 1.5}
         place: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": TEXT, "bbox": box}
-        ax.text(0.62 * reach, face * (0.62 * reach * plane.slope + 0.09 * (high - low)), name, **place)
+        ax.text(0.62 * reach, face * (0.62 * reach * slope + 0.09 * (high - low)), name, **place)
     title = f"Only motions on two lines come flat, {plane.disk.name} disk"
     label(ax, plane.disk, "sigma3_bar", "sigma4_bar", title)
 

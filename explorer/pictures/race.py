@@ -8,12 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from explorer.errors import InputError, whole
-from explorer.measure.races import RaceRidges, binned, race_ridges
-from explorer.measure.tallies import LogHistogram
+from explorer.measure.races import BINS, binned, race_ridges
+from explorer.measure.races import SIDES as _SIDES
 from explorer.motion.bounces import Bounces, motion_constants
 from explorer.motion.passages import Passages
 from explorer.phase.arguments import read_range
-from explorer.phase.states import Array
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import LAW, SERIES, SIDES, SIGN_COLOURS, SIZE, SMALL, dress, legend_below
 
@@ -32,7 +31,7 @@ _TALLEST = 0.46  # of the distance between two ridges
 )
 def race_histogram(
     figure: Figure,
-    races: Mapping[str, Any] | RaceRidges | Passages | Bounces,
+    races: Mapping[str, Any] | Passages | Bounces,
     bins: int = 12,
     range: tuple[float, float] | None = None,
 ) -> None:
@@ -47,12 +46,13 @@ def race_histogram(
     if not 0.0 < least < most:
         raise InputError(f"range = {least:g}:{most:g}: both distances must be above 0, the smaller first")
     above, below = figure.subplots(2, 1, height_ratios=(1.0, 2.2))
-    _angles(above, found, races.get("wrong_way") if isinstance(races, Mapping) else None)
+    _angles(above, found)
     bins = whole("bins", bins, 1, _MOST_BINS)
     edges = np.geomspace(least, most, max(1, round(bins * np.log10(most / least))) + 1)
-    names = sorted(found.ridges)
-    for row, decade in enumerate(names):
-        heights = {side: _counted(counts, edges) for side, counts in found.ridges[decade].items()}
+    ridges = found["ridges"]
+    for row, ridge in enumerate(ridges):
+        parts = {side: ridge[name].values() for name, side in _SIDES.items()}
+        heights = {side: np.sum([binned(part, edges) for part in both], axis=0) for side, both in parts.items()}
         tallest = max((height.max() for height in heights.values()), default=0.0) or 1.0
         for side, height in heights.items():
             look: dict[str, Any] = {
@@ -64,7 +64,7 @@ def race_histogram(
         below.axhline(row, color=LAW, lw=0.6)
     below.set_xscale("log")
     below.set_xlim(least, most)
-    below.set_yticks(np.arange(len(names)), [f"$10^{{{n}}}$" for n in names])
+    below.set_yticks(np.arange(len(ridges)), [f"$10^{{{ridge['decade']}}}$" for ridge in ridges])
     legend_below(below, bbox_to_anchor=(0.5, -0.2))
     title = "The closer to $F$, the exacter"
     dress(
@@ -75,45 +75,48 @@ def race_histogram(
     )
 
 
-def ridges_of(races: Mapping[str, Any] | RaceRidges | Passages | Bounces) -> RaceRidges:
-    """What is drawn of a summary or a result. Raises InputError for anything else."""
+def ridges_of(races: Mapping[str, Any] | Passages | Bounces) -> Mapping[str, Any]:
+    """What is drawn, of a summary or a result. Raises InputError for anything else."""
     if isinstance(races, Passages):
         return race_ridges(races.disk, races.eta_hat, races.race_angle)
     if isinstance(races, Bounces):
         return race_ridges(races.states.disk, motion_constants(races)["eta_hat"], races.race_angle)
-    if isinstance(races, Mapping) and "ridges" in races:
-        return RaceRidges.of_summary(races)
-    if not isinstance(races, RaceRidges):
+    if not (isinstance(races, Mapping) and "ridges" in races):
         raise InputError("races: give the summary of a run of race-angles, or what passages or bounces returned")
     return races
 
 
-def _reach(found: RaceRidges) -> tuple[float, float]:
+def _reach(found: Mapping[str, Any]) -> tuple[float, float]:
     """Where the axis begins, below most of the narrowest ridge, and where it ends, beyond all."""
-    every = [counts for sides in found.ridges.values() for counts in sides.values() if counts.total]
-    if not every:
+    every = [[*ridge[name].values()] for ridge in found["ridges"] for name in _SIDES]
+    sizes = [part["range"][1] for parts in every for part in parts if part["range"]]
+    if not sizes:
         return 1e-3, 1.0
-    most = max(counts.row().largest for counts in every)
-    low = min(max(min(abs(counts.quantile(0.05)), abs(counts.quantile(0.95))), 1e-15) for counts in every)
-    most = 10.0 ** np.ceil(np.log10(max(most, 1e-14)) + 0.1)
+    most = 10.0 ** np.ceil(np.log10(max(*sizes, 1e-14)) + 0.1)
+    low = max(min(map(_least, every)), 1e-15)
     return float(min(0.1 * 10.0 ** np.floor(np.log10(low)), 0.1 * most)), float(most)
 
 
-def _counted(deviations: LogHistogram, edges: Array) -> Array:
-    """Counts of distances in the bins of `edges`, on either side of the limit."""
-    halves = deviations.row(above=False), deviations.row(below=False)
-    return np.asarray(np.sum([binned(half, edges) for half in halves], axis=0))
+def _least(parts: Sequence[Mapping[str, Any]]) -> float:
+    """The size below which a twentieth of a ridge lies."""
+    bins, counts = (np.concatenate([part[name] for part in parts]) for name in ("bins", "counts"))
+    if not bins.size:
+        return np.inf
+    order = np.argsort(bins)
+    below = np.cumsum(counts[order])
+    return float(10.0 ** (bins[order][np.searchsorted(below, 0.05 * below[-1])] / BINS))
 
 
-def _angles(ax: Axes, found: RaceRidges, wrong: int | None) -> None:
-    """Race angles of both sides on one plain axis; wrong: how many go the other way, where that is known."""
-    limit, told = found.limit, []
-    for side, (counts, outside) in found.angles.items():
-        joined = _JOINED if counts.size % _JOINED == 0 else 1
-        high, edges = np.add.reduceat(counts, np.arange(0, counts.size, joined)), found.edges[::joined]
+def _angles(ax: Axes, found: Mapping[str, Any]) -> None:
+    """Race angles of both sides on one plain axis, and how many go the other way, where that is known."""
+    limit, wrong, told = found["limit"], found.get("wrong_way"), []
+    histogram = found["histogram"]
+    for name, side in _SIDES.items():
+        counts, outside = np.array(histogram[f"counts_{name}"]), histogram[f"outside_{name}"]
+        high, edges = np.add.reduceat(counts, np.arange(0, counts.size, _JOINED)), histogram["edges"][::_JOINED]
         ax.stairs(high / max(int(high.max()), 1), edges, fill=True, color=SIGN_COLOURS[side])
-        name = f"{counts.sum() + outside:,} passages\nwith {SIDES[side]}"
-        ax.text(0.5 * side * limit, 0.9, name, ha="center", va="top", fontsize=SMALL)
+        words = f"{counts.sum() + outside:,} passages\nwith {SIDES[side]}"
+        ax.text(0.5 * side * limit, 0.9, words, ha="center", va="top", fontsize=SMALL)
         told += [f"{outside:,} of {SIDES[side]} lie outside"] if outside else []
     told += [] if wrong is None else [f"{wrong:,} race the wrong way" if wrong else "none races the wrong way"]
     ax.text(0.5, 0.15, "\n".join(told), ha="center", transform=ax.transAxes, fontsize=SMALL)

@@ -13,14 +13,13 @@ from explorer.phase.lines import line_slope
 from explorer.phase.membership import well
 from explorer.phase.potential import at_constants
 from explorer.phase.stability import (
-    circular_precession,
     fold_curve,
     last_unstable_tilt,
     rolling_threshold,
     spinning_threshold,
     stability_edges,
-    steady_rates,
 )
+from explorer.phase.steady import circular_rolling, steady_motions
 from explorer.pictures.register import Question, picture
 from explorer.pictures.style import (
     BOUNCES,
@@ -87,7 +86,7 @@ def steady_map(ax: Axes, disk: Disk) -> None:
     """
     unit = disk.rate_unit
     lean, precession = np.linspace(1e-3, HALF_PI - 1e-3, 241), np.linspace(0.02, 3.2, 321) * unit
-    motions = steady_rates(disk, -lean[None, :], precession[:, None])
+    motions = steady_motions(disk, HALF_PI - lean[None, :], precession[:, None], face=-1)
     tints: dict[str, Any] = {"cmap": ListedColormap([UNSTABLE, BOUNCES]), "vmin": 0, "vmax": 1}
     ax.pcolormesh(lean, precession, motions.stable, **tints, rasterized=True, shading="nearest", zorder=0)
     lines = ax.contour(lean, precession, motions.radius / disk.r, levels=RADII, colors=DARK, linewidths=1.0)
@@ -115,7 +114,7 @@ def _label_places(disk: Disk) -> list[tuple[float, float]]:
     for radius in RADII:
         for lean in (1.25, 1.0, 0.5, 0.3, 0.15):
             try:
-                rate = circular_precession(disk, lean, radius * disk.r)
+                rate = float(circular_rolling(disk, lean, radius * disk.r).precession[0])
             except InputError:
                 continue
             if rate < 2.6 * disk.rate_unit:

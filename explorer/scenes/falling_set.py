@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.measure import sifting, statistics
+from explorer.measure.sampling import chunk_stream
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
 from explorer.measure.tallies import ByName, Least, LogHistogram
 from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts
@@ -21,7 +22,6 @@ from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import membership
 from explorer.phase.constants import constants_of
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.lines import line_slope
 from explorer.phase.membership import falls_of
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.given_states import Block
@@ -196,8 +196,8 @@ class FallingSet(FromStates):
         if not self._in_lanes:
             return super().chunk(index)
         n, tally = self.length(index), FallingCounts()
-        chunk = sifting.Chunk(self.seed, index, n, self.block)
-        found = sifting.sift(self.disk, self.box, chunk, self.tube * _WIDER)
+        random = chunk_stream(self.seed, index)
+        found = sifting.sift(self.disk, self.box, random, (n, self.block), self.tube * _WIDER)
         table = self.observe(Block(phi_to_states(self.disk, **found.columns), found.columns, {}))
         tally.faces += found.faces
         tally.could_fall, tally.distance = found.could_fall, found.distance
@@ -251,8 +251,7 @@ class FallingSet(FromStates):
             least.counts == Least.NONE, np.nan, 10.0 ** (least.counts / _CODES_PER_DECADE + _DEEPEST)
         )
         sigma3, sigma4 = (np.linspace(-reach, reach, CELLS + 1) for reach in self._reach)
-        slope = line_slope(self.disk)
-        return ConstantsPlane(self.disk, sigma3, sigma4, smallest.reshape(CELLS, CELLS), slope, self.plan.method)
+        return ConstantsPlane(self.disk, sigma3, sigma4, smallest.reshape(CELLS, CELLS), self.plan.method)
 
     def headline(self, summary: dict[str, Any]) -> list[str]:
         return super().headline({**summary, "smallest": summary["theta_min_quantiles"].get("0")})

@@ -19,10 +19,11 @@ from explorer.errors import InputError, RunError
 from explorer.measure import statistics
 from explorer.measure.races import (
     SIDES,
-    angle_edges,
     by_decade,
+    count_angles,
     count_law,
     decades_and_sides,
+    histogram,
     law_rows,
     ridge_rows,
 )
@@ -113,10 +114,8 @@ class RaceAngles(FromStates):
     def count(self, tally: RaceCounts, table: Table) -> None:
         race, eta_hat, limit = table["race_angle"], table["eta_hat"], self.disk.race_limit
         deviation, group = race - np.sign(eta_hat) * limit, decades_and_sides(eta_hat)
-        known = np.isfinite(group)  # a motion on F has no side, and belongs to no decade
-        side = np.where(known, eta_hat < 0.0, -1)
-        angles = statistics.histograms(race, side, angle_edges(limit), len(SIDES))
-        for name, counts in zip(SIDES, angles, strict=True):
+        known = np.isfinite(group)  # a motion on F belongs to no decade
+        for name, counts in zip(SIDES, count_angles(limit, eta_hat, race), strict=True):
             tally.angles[name] += Histogram(counts)
         if known.any():
             lowest, highest = int(group[known].min()), int(group[known].max())
@@ -143,9 +142,7 @@ class RaceAngles(FromStates):
             "wrong_way": tally.wrong_way,
             "failures": {name: count for name, count in tally.status.items() if name != "ok"},
         }
-        histogram: dict[str, Any] = {"edges": angle_edges(limit).tolist()}
         for name, side in SIDES.items():
-            *histogram[f"counts_{name}"], histogram[f"outside_{name}"] = tally.angles[name].counts.tolist()
             of_side = [group for group in groups if group % 2 == (side > 0)]
             deviation = tally.decades.part(of_side)
             races = summary[f"races_{name}"] = deviation.total
@@ -156,7 +153,7 @@ class RaceAngles(FromStates):
         ridges = by_decade(tally.decades)
         return {
             **summary,
-            "histogram": histogram,
+            "histogram": histogram(limit, {name: tally.angles[name].counts for name in SIDES}),
             "by_decade": [self._decade(tally, n) for n in ridges],
             "ridges": ridge_rows(ridges),
             "law": law_rows(self.disk, tally.law),

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from conftest import BODIES
 
-from explorer.measure.sifting import Chunk, sift
+from explorer.measure.sampling import chunk_stream
+from explorer.measure.sifting import sift
 from explorer.phase.membership import obstacle
 from explorer.phase.states import phi_to_states
 from explorer.scenes.falling_set import FallingSet
@@ -39,7 +40,7 @@ def test_a_chunk_of_a_large_run(benchmark, what):
     scene = FallingSet(samples=STATES, chunk_size=STATES, theta_min="near")
     counts = scene.chunk(0)[1]
     if what == "one pass":
-        found = benchmark(sift, scene.disk, scene.box, Chunk(0, 0, STATES, 1 << 14), scene.tube)
+        found = benchmark(lambda: sift(scene.disk, scene.box, chunk_stream(0, 0), (STATES, 1 << 14), scene.tube))
         assert found.could_fall == counts.could_fall
         return
     if what == "block by block":

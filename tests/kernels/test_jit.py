@@ -204,7 +204,7 @@ numbers = [
     ex.flow_stretch(states).determinant,
     ex.limit_motion(ex.phi_to_states(disk, 0.0, 1.0, 1.0, 0.7285923160189477), side=1)(1.0).chi,
     smallest_tilt(states, plan(("theta_min",), 1e-6))[0],
-    barrier(disk)[1](np.array([0.5])),
+    barrier(disk, np.array([0.2])),
     line_chart(disk, np.ones(1), np.zeros(1)).bar_to_sigma4,
     (motion := ex.simulate(states, t_end=2.0, accuracy=1e-6)).phi[..., -1],
     motion([0.5, 1.7]).chi,

@@ -5,44 +5,41 @@ import pytest
 from conftest import BODIES, computed
 
 import explorer as ex
-from explorer.measure.races import RaceRidges, binned, by_decade, race_law, race_ridges, ridge_rows
-from explorer.measure.tallies import LogHistogram
+from explorer.measure.races import SIDES, binned, by_decade, race_law, race_ridges
 from explorer.scenes.race_angles import RaceAngles
 
 UNIFORM, COIN = BODIES["uniform"], BODIES["coin"]
 
 
-def test_ridges_come_back_from_a_summary():
-    """Counts of a summary are coarser, and no passage is lost or changes its side."""
+def test_ridges_of_a_summary_are_coarser_and_no_passage_is_lost_or_changes_its_side():
     scene = RaceAngles(samples=500)
     total = computed(scene)
     summary = scene.summarise(total)
-    found = RaceRidges.of_summary(summary)
-    assert sorted(found.ridges) == sorted(by_decade(total.decades)) == [-6, -5, -4, -3]
-    for decade, sides in found.ridges.items():
-        for side, counts in sides.items():
-            fine = total.decades.part([2 * decade + (side > 0)])
-            for half in ({"above": False}, {"below": False}):
-                (one, other) = counts.row(**half), fine.row(**half)
-                assert (one.total, one.smallest, one.largest) == (other.total, other.smallest, other.largest)
-            assert counts.quantile(0.5) == pytest.approx(fine.quantile(0.5), rel=0.06)
-    assert sum(found.angles[1][0]) + found.angles[1][1] == sum(sides[1].total for sides in found.ridges.values())
+    assert [row["decade"] for row in summary["ridges"]] == sorted(by_decade(total.decades)) == [-6, -5, -4, -3]
+    for row in summary["ridges"]:
+        for name, side in SIDES.items():
+            fine = total.decades.part([2 * row["decade"] + (side > 0)])
+            for part, half in (("below", {"above": False}), ("above", {"below": False})):
+                one, other = row[name][part], fine.row(**half)
+                assert one["zeros"] + sum(one["counts"]) == other.total
+                assert one["range"] == ([other.smallest, other.largest] if other.total else [])
+    for name in SIDES:
+        angles = summary["histogram"]
+        counted = [sum(part["counts"]) for row in summary["ridges"] for part in row[name].values()]
+        assert sum(angles[f"counts_{name}"]) + angles[f"outside_{name}"] == sum(counted)
 
 
 def test_races_of_ones_own_are_counted_as_a_run_counts_them():
     scene = RaceAngles(samples=300, keep="all")
-    table = scene.chunk(0)[0]
+    table, theirs = scene.chunk(0)[0], scene.summarise(computed(scene))
     ours = race_ridges(UNIFORM, table["eta_hat"], table["race_angle"])
-    theirs = RaceRidges.of_summary(scene.summarise(computed(scene)))
-    assert ridge_rows(ours.ridges) == ridge_rows(theirs.ridges)
-    for side in (1, -1):
-        np.testing.assert_array_equal(ours.angles[side][0], theirs.angles[side][0])
+    assert ours == {name: theirs[name] for name in ours}
 
 
 def test_zeros_and_failures_belong_to_no_decade():
-    found = race_ridges(UNIFORM, [1e-3, 0.0, np.nan, -1e-3], [0.1, 0.2, 0.3, np.nan])
-    assert list(found.ridges) == [-3]
-    assert (found.ridges[-3][1].total, found.ridges[-3][-1].total) == (1, 0)
+    (row,) = race_ridges(UNIFORM, [1e-3, 0.0, np.nan, -1e-3], [0.1, 0.2, 0.3, np.nan])["ridges"]
+    assert row["decade"] == -3
+    assert [sum(part["counts"]) for name in SIDES for part in row[name].values()] == [1, 0, 0, 0]
 
 
 def test_the_constant_of_the_law_does_not_depend_on_the_units():
@@ -68,13 +65,11 @@ def test_races_made_by_the_law_give_its_constant_back(side):
 
 
 def test_counts_are_shared_out_between_edges_and_none_is_lost():
-    values = np.array([1e-3, 2e-3, 5e-2, 0.3])
-    sizes = LogHistogram()
-    sizes.count(values)
-    counts = sizes.row()
-    edges = np.geomspace(1e-4, 1.0, 9)
-    assert binned(counts, edges).sum() == pytest.approx(4.0)
-    np.testing.assert_allclose(binned(counts, np.array([1e-4, 1e-2, 1.0])), [2.0, 2.0])
+    limit = UNIFORM.race_limit
+    (row,) = race_ridges(UNIFORM, 1e-3, limit + np.array([1e-3, 2e-3, 5e-2, 0.3]))["ridges"]
+    part = row["plus"]["above"]
+    assert binned(part, np.geomspace(1e-4, 1.0, 9)).sum() == pytest.approx(4.0)
+    np.testing.assert_allclose(binned(part, np.array([1e-4, 1e-2, 1.0])), [2.0, 2.0])
 
 
 def test_shapes_that_do_not_fit_are_named():

@@ -9,7 +9,7 @@ from small_runs import coverage
 import explorer as ex
 from explorer.measure.density import Density
 from explorer.measure.falling_constant import constant_of
-from explorer.measure.tubes import Place, Tube, dimensions, draw_tube, widest_eta
+from explorer.measure.tubes import TiltAndRate, Tube, dimensions, draw_tube, widest_eta
 from explorer.motion.plan import plan
 from explorer.motion.turning_points import smallest_tilt
 from explorer.phase.states import phi_to_states
@@ -39,7 +39,7 @@ def test_a_tube_in_a_box_of_fast_spins_holds_every_state_of_it_that_comes_flatte
     flat = (status == 0) & (theta < 0.3) & (abs(known.eta_hat_plus) < abs(known.eta_hat_minus))
     assert flat.sum() > 100
     density = Density.of(disk, "phi=-1.5:1.5,phidot=-1:1,sigma3=10:20,sigma4=-1:1")
-    place = Place.at(disk, given[0][flat], given[1][flat])
+    place = TiltAndRate.at(disk, given[0][flat], given[1][flat])
     widest = Tube(disk, density, 1, 0.3)._widest(place)
     assert (abs(known.eta_hat_plus[flat]) <= widest).all()
 
@@ -55,7 +55,7 @@ def test_draws_of_a_tube_are_states_with_the_eta_they_claim(box, face):
     rows = found.weight > 0.0
 
     unit_rate = disk.rate_unit
-    place = Place.at(disk, face * found.phi[rows], face * found.phidot[rows] / unit_rate)
+    place = TiltAndRate.at(disk, face * found.phi[rows], face * found.phidot[rows] / unit_rate)
     s3, s4 = place.chart.rates(found.sigma3_bar[rows] / unit_rate, found.eta_hat[rows] / unit_rate)
     given = found.phi[rows], found.phidot[rows], s3 * unit_rate, face * s4 * unit_rate
     states = phi_to_states(disk, *given)

@@ -59,7 +59,7 @@ def test_so_it_has_for_bodies_at_the_rim(moments, sigma3_bar):
 def over_the_barrier(disk, share, excess):
     """A start at the vertical, of a sigma3_bar that has a barrier, with a relative excess over its height."""
     bar = share * well(disk).sigma3_bar
-    height = float(barrier(disk)[1](np.sqrt([1.0 - share]))[0])
+    height = float(barrier(disk, np.array([bar]))[0])
     energy = float(ex.constants(ex.constants_to_states(disk, bar, 0.0, 0.0)).energy[0])
     return bar, np.sqrt(2.0 * (height * (1.0 + excess) - energy) / disk.body.M)
 

@@ -74,7 +74,7 @@ def test_text_forms_of_a_disk(tmp_path):
         ("m=1,r=1", "I1 and I3 missing"),
         ("Hoop", "did you mean 'hoop'"),
         ("uniform:m=20s", "m = 20s is not a number"),
-        ("m=1,q=2,I1=1,I3=1", "unknown quantity 'q'"),
+        ("m=1,q=2,I1=1,I3=1", "quantity 'q' is not known"),
         ("m=one,I1=1,I3=1", "not a number"),
         ("nowhere.toml", "cannot be read"),
     ],
@@ -128,7 +128,7 @@ def test_a_moment_that_no_body_has_is_refused_with_what_a_flat_one_has():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("uniform:I1=0.3", "unknown quantity 'I1'"),
+        ("uniform:I1=0.3", "quantity 'I1' is not known"),
         ("uniform:heavy", "'heavy' says no quantity"),
         ("hoop:m=heavy", "disk: m"),
         ("annulus:", "annulus"),

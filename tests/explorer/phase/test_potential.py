@@ -199,7 +199,7 @@ def test_symmetric_saddles_are_joined_to_each_other():
             V = V * np.where(phi > 0.0, 1.0 + 4e-16, 1.0)
             dV = 4.0 * np.sin(4.0 * phi) + 600.0 * np.sign(phi) * wall**2
             d2V = 16.0 * np.cos(4.0 * phi) + 1200.0 * wall
-            return Terms(V, dV, d2V, abs(4.0 * np.sin(4.0 * phi)) + 600.0 * wall**2 + 1e-3)
+            return Terms(V, dV, d2V, abs(4.0 * np.sin(4.0 * phi)) + 600.0 * wall**2 + 1e-3, 0.0 * V)
 
     low, high = Two(UNIFORM, 0.0, 0.3).separatrices()
     assert low.branches[1].ends == (SADDLE, SADDLE) == high.branches[0].ends

@@ -12,28 +12,37 @@ from explorer.phase.membership import well
 from explorer.phase.potential import CENTRE, SADDLE, at_constants
 from explorer.phase.stability import (
     bifurcation,
-    circular_precession,
     fold_curve,
     last_unstable_tilt,
-    measured_thresholds,
     rolling_threshold,
     spinning_threshold,
     stability_edges,
-    steady_rates,
     whole_path,
 )
 
 UNIFORM = BODIES["uniform"]
 
 
+def steady(disk, phi, precession):
+    """The steady motion at a tilt from the vertical, its constants and its potential."""
+    motion = ex.steady_motions(disk, 0.5 * np.pi - abs(phi), precession, face=np.sign(phi))
+    found = ex.constants(motion.states)
+    return motion, found, at_constants(disk, found.sigma3_bar[0], found.sigma4_bar[0])
+
+
 def test_closed_forms_of_the_thresholds_are_those_of_v(body):
-    """By bisection on V'' of the upright motions and on V' of circular rolling."""
+    """V'' of the upright motions changes its sign there, and V' vanishes on the circle."""
+    roll, spin = rolling_threshold(body), spinning_threshold(body)
+    for side in (-1.0, 1.0):
+        for upright in (
+            at_constants(body, 0.0, roll * (1.0 + side * 1e-9)),
+            at_constants(body, spin * (1.0 + side * 1e-9), 0.0),
+        ):
+            assert np.sign(upright.d2V(0.0)) == side
     for lean, radius in ((0.1, 5.0), (0.7, 1.0), (1.4, 2.0)):
-        measured = measured_thresholds(body, lean, radius * body.r)
-        assert measured["straight_rolling"] == pytest.approx(rolling_threshold(body), rel=1e-9)
-        assert measured["spinning_upright"] == pytest.approx(spinning_threshold(body), rel=1e-9)
-        closed = circular_precession(body, lean, radius * body.r)
-        assert measured["circular_rolling"] == pytest.approx(closed, rel=1e-9)
+        rate = ex.circular_rolling(body, lean, radius * body.r).precession[0]
+        slopes = [steady(body, -lean, rate)[2].dV(-lean + step) for step in (-1e-9, 1e-9)]
+        assert slopes[0] * slopes[1] < 0.0
 
 
 def test_thresholds_of_the_uniform_disk_and_the_hoop():
@@ -46,20 +55,16 @@ def test_thresholds_of_the_uniform_disk_and_the_hoop():
 def test_steady_motions_solve_the_potential_and_simulate_as_circles(paper_body):
     disk = paper_body
     for phi, precession in ((-0.7, 1.3), (0.4, -2.0), (-1.3, 0.8)):
-        motion = steady_rates(disk, phi, precession)
-        potential = at_constants(disk, float(motion.sigma3_bar), float(motion.sigma4_bar))
+        motion, _, potential = steady(disk, phi, precession)
         assert abs(float(potential.dV(phi))) < 1e-13 * (1.0 + precession**2)
-        assert float(potential.d2V(phi)) == pytest.approx(float(motion.curvature), rel=1e-11)
+        assert (float(potential.d2V(phi)) > 0.0) == motion.stable[0]
         assert min(abs(at.phi - phi) for at in potential.equilibria) < 1e-12
-        start = [phi, 0.0, float(motion.sigma3), float(motion.sigma4)]
-        run = ex.simulate(
-            ex.phi_to_states(disk, *start), 3.0, observables=("phi", "chi", "contact"), accuracy=1e-10
-        )
+        run = ex.simulate(motion.states, 3.0, observables=("phi", "chi", "contact"), accuracy=1e-10)
         assert abs(run.phi[0] - phi).max() < 1e-9
         assert run.chi[0, -1] == pytest.approx(3.0 * precession, rel=1e-9)
         # The contact point keeps its distance from the centre of its circle
         chi = run.chi[0]
-        centre = run.contact[0, :, :2] + float(motion.radius) * np.stack([np.cos(chi), np.sin(chi)], axis=1)
+        centre = run.contact[0, :, :2] + motion.radius * np.stack([np.cos(chi), np.sin(chi)], axis=1)
         assert abs(centre - centre[0]).max() < 1e-8
 
 
@@ -68,8 +73,7 @@ def test_saddle_nodes_have_no_slope_and_no_curvature_and_meet_the_line_where_the
     phi = last * np.array([-0.99, -0.6, -0.1, 0.3, 0.8])
     for precessions in stability_edges(body, phi):
         for tilt, rate in zip(phi, precessions, strict=True):
-            motion = steady_rates(body, tilt, rate)
-            potential = at_constants(body, float(motion.sigma3_bar), float(motion.sigma4_bar))
+            potential = steady(body, tilt, rate)[2]
             size = body.energy_unit
             assert abs(float(potential.dV(tilt))) < 1e-12 * size
             assert abs(float(potential.d2V(tilt))) < 1e-11 * size
@@ -77,13 +81,13 @@ def test_saddle_nodes_have_no_slope_and_no_curvature_and_meet_the_line_where_the
 
     def off_line(t):
         tilt = -last * math.sin(t)
-        return float(steady_rates(body, tilt, stability_edges(body, tilt)[1, 0]).eta_hat)
+        return steady(body, tilt, stability_edges(body, tilt)[1, 0])[1].eta_hat_plus[0]
 
     at = brentq(off_line, 0.5, 0.5 * math.pi - 1e-6)
     tilt = -last * math.sin(at)
-    motion = steady_rates(body, tilt, stability_edges(body, tilt)[1, 0])
+    found = steady(body, tilt, stability_edges(body, tilt)[1, 0])[1]
     angle, most = well(body)
-    assert abs(float(motion.sigma3_bar)) == pytest.approx(most * body.rate_unit, rel=1e-9)
+    assert abs(found.sigma3_bar[0]) == pytest.approx(most * body.rate_unit, rel=1e-9)
     assert tilt == pytest.approx(angle, abs=1e-5)
 
 
@@ -116,13 +120,11 @@ def test_the_fold_is_one_curve_without_a_jump(body):
 
 
 def test_bad_arguments_get_a_sentence():
-    with pytest.raises(ex.InputError, match="a finite precession, not zero"):
-        steady_rates(UNIFORM, 0.1, 0.0)
     with pytest.raises(ex.InputError, match="lean = 2"):
-        circular_precession(UNIFORM, 2.0, 1.0)
+        ex.circular_rolling(UNIFORM, 2.0, 1.0)
     with pytest.raises(ex.InputError, match="radius = -1"):
-        circular_precession(UNIFORM, 1.0, -1.0)
+        ex.circular_rolling(UNIFORM, 1.0, -1.0)
     with pytest.raises(ex.InputError, match="rolls round circles above"):
-        circular_precession(UNIFORM, 1.0, 0.1)
+        ex.circular_rolling(UNIFORM, 1.0, 0.1)
     with pytest.raises(ex.InputError, match="path 'up' is not known"):
         bifurcation(UNIFORM, "up", [0.1])
