@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -179,7 +179,7 @@ def slice_map(
     points, where = whole("points", points, 2, _MOST_POINTS), Slice.read(slice, flag("degrees", degrees))
     how = plan(("theta_min",), SLICE_ACCURACY, method)
     x, y, columns = where.grid(points)
-    states = where.states(disk, columns)
+    states = replace(where.states(disk, columns), shape=(points, points))
     if isinstance(observable, str) and observable == "theta_min":
         # A root of V = E at a picture's accuracy: ten times as fast as a whole period.
         values = {"theta_min": np.reshape(smallest_tilt(states, how)[0], states.shape)}
