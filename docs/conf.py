@@ -75,8 +75,9 @@ def plain_bars(app, what, name, obj, options, lines):
 
 
 def live_page(app, error):
-    """The page in the frame of the landing page."""
+    """The article, and its laboratory in the frame of the landing page."""
     if error is None and app.builder.format == "html":
+        ex.view().save(Path(app.outdir) / "article.html")
         ex.view(ex.Disk.uniform()).save(Path(app.outdir) / "page.html")
 
 

@@ -68,7 +68,7 @@ COMMANDS = {
         "paper", "Check the paper's statements, draw its figures; status 1 if one fails.", "--only LEMMA-5"
     ),
     "portrait": Command("portrait", "Draw F, phase portraits, slices, races, paths and a film.", "--disk hoop"),
-    "view": Command("view", "Write one page in which the disk rolls in 3-D, live, on both sides of F.", _VIEW),
+    "view": Command("view", "Write one page: an article on what the disk does, and a laboratory of it.", _VIEW),
     "gallery": Command("gallery", "Write the page of a folder of results, with every command.", "results"),
     "completion": Command(
         "completion", "Print what a shell needs to complete: source <(nearflat completion).", ""

@@ -1,4 +1,4 @@
-"""`nearflat view`: the page with the rolling disk, written to a file."""
+"""`nearflat view`: the page with the article and its laboratory, written to a file."""
 
 import argparse
 import webbrowser
@@ -14,9 +14,9 @@ from explorer.view.page import view
 
 
 class Page(Options):
-    """What the page shows first, and where it goes."""
+    """What the page opens with, and where it goes: the article, or its laboratory where a motion is named."""
 
-    disk: Disk = option(DISK, "as for run", default=Disk.uniform())
+    disk: Disk | None = option(DISK, "as for run", words="uniform")
     sigma3_bar: float | None = option(
         NUMBER, "sigma3 at the vertical, in the units of the disk", words="1 sqrt(g/r)"
     )
@@ -24,7 +24,7 @@ class Page(Options):
         NUMBER, "distance beside the falling set, not 0; its sign is the side", words="0.001 sqrt(g/r)"
     )
     phidot: float | None = option(NUMBER, "speed at the vertical towards the flat state", words="1 sqrt(g/r)")
-    face: int = option(Reader(sign, "X", "int | str"), "flat state, 1 or -1", default=1)
+    face: int | None = option(Reader(sign, "X", "int | str"), "flat state, 1 or -1", words="1")
     out: Path = option(Reader(path_of, "FILE", "Path | str"), "the file", default=Path("view.html"))
     open: bool = option(TRUTH, "open the page in the browser", default=False)
 

@@ -38,10 +38,12 @@ def program() -> str:
 
 def assemble(start: dict[str, Any]) -> str:
     """The whole page, which begins with what `start` says."""
-    text = (FOLDER / "page.html").read_text(encoding="utf-8")
-    style = (FOLDER / "style.css").read_text(encoding="utf-8")
+    text, article, style = (
+        (FOLDER / name).read_text(encoding="utf-8") for name in ("page.html", "article.html", "style.css")
+    )
     # A "</" inside a string would end the script.
     data = json.dumps(start, allow_nan=False, ensure_ascii=False).replace("</", "<\\/")
-    for mark, content in (("/*STYLE*/", style), ("/*START*/", data), ("/*PROGRAM*/", program())):
+    parts = {"<!--ARTICLE-->": article, "/*STYLE*/": style, "/*START*/": data, "/*PROGRAM*/": program()}
+    for mark, content in parts.items():
         text = text.replace(mark, content)
     return text

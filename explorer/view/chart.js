@@ -16,6 +16,13 @@ export function format(value, digits = 4, plus = false) {
   return sign + (size === 0 ? "0" : size.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(size)))));
 }
 
+/** A length in words, from metres. */
+export function lengthWords(metres) {
+  const units = [[1e-3, "mm"], [1e-6, "µm"], [1e-9, "nm"], [1e-12, "pm"], [1e-15, "fm"]];
+  const [unit, name] = units.find(([size]) => metres >= size) ?? units[units.length - 1];
+  return `${format(metres / unit, 2)} ${name}`;
+}
+
 export function superscript(whole) {
   return String(whole).replace("-", "⁻").replace(/\d/g, (digit) => SUPERSCRIPTS[digit]);
 }

@@ -1,6 +1,7 @@
 // Buttons, sliders, keys and dragging: everything that changes what is shown.
 
 import { format } from "./chart.js";
+import { colourSides } from "./look.js";
 import { etaHatToPlace, placeToEtaHat } from "./state.js";
 
 const $ = (id) => document.getElementById(id);
@@ -60,7 +61,9 @@ async function share() {
 }
 
 function pressed(event, store, player) {
-  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  // Whoever reads the article scrolls it with the space bar.
+  const reading = $("laboratory").getBoundingClientRect().top > 0.5 * innerHeight;
+  if (reading || event.ctrlKey || event.metaKey || event.altKey) return;
   const typing = event.target.matches("input[type=range], button");
   const key = event.key.toLowerCase();
   const actions = {
@@ -80,11 +83,8 @@ function pressed(event, store, player) {
 /** Sliders and buttons as the store says, also when something else moved them. */
 export function showControls(store, colours) {
   const { shown, body } = store;
-  const style = document.documentElement.style, onF = !shown.eta_hat;
-  ["shown", "hidden"].forEach((name, n) => {
-    style.setProperty(`--${name}`, colours.sideColours[n]);
-    style.setProperty(`--${name}-ink`, colours.sideInks[n]);
-  });
+  const onF = !shown.eta_hat;
+  colourSides(document.documentElement, colours);
   for (const [id, name] of Object.entries(SLIDERS)) $(id).value = shown[name];
   $("eta").value = etaHatToPlace(shown.eta_hat);
   $("eta-text").textContent = onF ? "0: on F" : format(shown.eta_hat, 3, true);

@@ -195,11 +195,12 @@ const TAIL_RADIUS = 1.1, TAIL_APART = 0.1, TAIL_GROWTH = 0.3, TAIL_PIECE = 0.06;
 /**
  * The race so far as the tail of a comet round the disk: from where it began to the contact, which is at chi.
  *
- * Its pieces overlap and are opaque, so that no seams are seen; `ground` is what they fade into, [r, g, b].
+ * Its pieces overlap and are opaque, so that no seams are seen; `ground` is what they fade into, [r, g, b]. With
+ * `head` its end is marked, where no hand marks the contact.
  */
-export function drawTail(context, camera, centre, chi, race, n, colour, ground, strength) {
+export function drawTail(context, camera, chi, race, n, colour, ground, strength, head = false) {
   if (!(strength > 0) || Math.abs(race.turned) < TAIL_PIECE) return;
-  const pieces = Math.ceil(Math.abs(race.turned) / TAIL_PIECE);
+  const pieces = Math.ceil(Math.abs(race.turned) / TAIL_PIECE), { centre } = race;
   const points = Array.from({ length: pieces + 1 }, (_, piece) => {
     const angle = chi - race.turned * (1 - piece / pieces);
     const radius = TAIL_RADIUS + n * TAIL_APART + (TAIL_GROWTH * piece * TAIL_PIECE) / Math.abs(race.angle);
@@ -218,11 +219,13 @@ export function drawTail(context, camera, centre, chi, race, n, colour, ground, 
     trace(context, points.slice(piece, piece + 2));
     context.stroke();
   }
-  context.fillStyle = "#fff";
-  context.lineWidth = 0.3 * thick;
-  context.beginPath();
-  context.arc(...points[pieces].slice(0, 2), 0.75 * thick, 0, 2 * Math.PI);
-  context.fill();
-  context.stroke();
+  if (head) {
+    context.fillStyle = "#fff";
+    context.lineWidth = 0.3 * thick;
+    context.beginPath();
+    context.arc(...points[pieces].slice(0, 2), 0.75 * thick, 0, 2 * Math.PI);
+    context.fill();
+    context.stroke();
+  }
   context.restore();
 }

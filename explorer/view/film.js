@@ -33,7 +33,7 @@ const smooth = (x, from, to) => {
 };
 
 /** The clock of the screen at which a tilt is passed between two clocks; the first has the smaller tilt. */
-function clockAt(path, tilt, near, far) {
+export function clockAt(path, tilt, near, far) {
   for (let i = 0; i < 40; i++) {
     const middle = 0.5 * (near + far);
     if (tiltOf(stateAt(path, CLOCK, middle), path.motion.face) < tilt) near = middle;
@@ -79,7 +79,7 @@ export class Film {
     this.about = `nearflat · η̂ = ${size ? "±" : ""}${distance}, κ = ${Number(body.kappa.toFixed(3))}`;
     const { begin, flat, over } = this.falls[0];
     this.middle = over > begin ? (flat - begin) / (over - begin) : 1;
-    this.scene = new Scene(document.createElement("canvas"), true);
+    this.scene = new Scene(document.createElement("canvas"));
     this.flatPose = poseOf(stateAt(main, CLOCK, flat), this.inner);
     // Both contact points at the ends are as far apart as they can be, and the disks open like wings.
     const ends = this.falls.map((fall) => poseOf(stateAt(fall.path, CLOCK, fall.over), this.inner).contact);
@@ -120,7 +120,7 @@ export class Film {
     };
     paintOutlines(0, falls[0].down, WHITE, (tilt) => (0.75 - 0.45 * near) * (1 - 0.48 * tilt));
     this.racesAt(states).forEach((race, n) => {
-      if (race) drawTail(context, camera, flatPose.centre, states[n][CHI], race, n, this.sides[n], GROUND, 1);
+      if (race) drawTail(context, camera, states[n][CHI], race, n, this.sides[n], GROUND, 1, true);
     });
     const own = states.map((at) => (share > this.middle ? smooth(tiltOf(at, face), 0.04, APART) : 0));
     context.globalAlpha = own[0];

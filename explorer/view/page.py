@@ -1,4 +1,4 @@
-"""`ex.view`: a motion as a page that runs in any browser."""
+"""`ex.view`: the article, and a motion in its laboratory, as a page that runs in any browser."""
 
 import html
 import math
@@ -20,7 +20,7 @@ _HEIGHT = 820  # pixels of the frame in a notebook: all of the page on a laptop
 
 @dataclass(frozen=True)
 class View:
-    """A page with the disk rolling in three dimensions: what `view` returns.
+    """A page with the disk rolling in three dimensions, and the article about it: what `view` returns.
 
     In a notebook it shows itself. It is one file that needs neither a network nor a server.
 
@@ -29,7 +29,9 @@ class View:
     disk : Disk
         The body that rolls.
     start : Start
-        The motion with which the page begins, in natural units.
+        The motion with which the laboratory of the page begins, in natural units.
+    laboratory : bool
+        Whether the page opens there, on this motion; else it opens with its article.
 
     Examples
     --------
@@ -41,6 +43,7 @@ class View:
 
     disk: Disk
     start: Start
+    laboratory: bool = True
 
     @cached_property
     def html(self) -> str:
@@ -48,7 +51,8 @@ class View:
         name, bodies = _bodies(self.disk)
         unit = self.disk.rate_unit
         note = "" if unit == 1.0 else f"√(g/r) is {unit:.4g} in the units of this disk"
-        return assemble({"bodies": bodies, "start": {"disk": name, **asdict(self.start)}, "note": note})
+        start = {"disk": name, **asdict(self.start)}
+        return assemble({"bodies": bodies, "start": start, "note": note, "laboratory": self.laboratory})
 
     def save(self, path: str | Path) -> Path:
         """Write the page to a file.
@@ -89,7 +93,7 @@ class View:
 
 
 def view(
-    motion: Any = "uniform",
+    motion: Any = None,
     sigma3_bar: float | None = None,
     eta_hat: float | None = None,
     phidot: float | None = None,
@@ -97,14 +101,18 @@ def view(
     *,
     row: int | None = None,
 ) -> View:
-    """Make a page in which the disk rolls, live, on both sides of F. All of the motion can be dragged in it.
+    """Make a page: an article that shows what the disk does, and at its end a laboratory in which it rolls, live.
+
+    The laboratory shows both sides of F, and all of the motion can be dragged. The page opens there where a
+    motion, a body or a number is given, and else with the article.
 
     Parameters
     ----------
-    motion : States, result, Disk or str
-        What to show: one state, or one motion of what `simulate`, `passages`, `bounces` or `limit_motion` return,
-        from where it begins. Or a body, or its name as on the command line (uniform, hoop, matching,
-        annulus:RATIO), which starts at the vertical with the numbers that follow.
+    motion : States, result, Disk or str, optional
+        What the laboratory shows: one state, or one motion of what `simulate`, `passages`, `bounces` or
+        `limit_motion` return, from where it begins. Or a body, or its name as on the command line (uniform,
+        hoop, matching, annulus:RATIO), which starts at the vertical with the numbers that follow. By default the
+        uniform disk.
     sigma3_bar : float, optional
         For a body: sigma3 at the vertical (units of the disk), by default sqrt(g/r).
     eta_hat : float, optional
@@ -142,10 +150,11 @@ def view(
     View(uniform, face +1: sigma3_bar = 0.5, eta_hat = 1e-06, phidot = 1 √(g/r))
     """
     given = AtVertical(sigma3_bar, eta_hat, phidot, face)
-    if isinstance(motion, Disk | str):
+    if motion is None or isinstance(motion, Disk | str):
         _refuse({"row": row}, "a disk has no rows; leave it out, or give States or a result")
-        body = motion if isinstance(motion, Disk) else Disk.parse(motion)
-        return View(body, start_at_vertical(body, given))
+        body = motion if isinstance(motion, Disk) else Disk.parse(motion or "uniform")
+        named = motion is not None or any(value is not None for value in given)
+        return View(body, start_at_vertical(body, given), named)
     _refuse(given._asdict(), f"{type(motion).__name__} has its own; leave it out, or give a disk")
     return View(*start_in(motion, row))
 

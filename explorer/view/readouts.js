@@ -1,6 +1,6 @@
 // The numbers of the page and the gauge of the race.
 
-import { Chart, dot, format, line, text } from "./chart.js";
+import { Chart, dot, format, lengthWords, line, text } from "./chart.js";
 import { slowing, tiltOf } from "./physics.js";
 
 const $ = (id) => document.getElementById(id);
@@ -25,10 +25,7 @@ export function showNumbers(store) {
 /** How small a tilt is: the gap under the far edge of a disk as wide as a hand. */
 function thickness(tilt) {
   if (!(tilt < 0.5)) return "";
-  const gap = 0.1 * tilt; // m
-  const scales = [[1e-3, "mm"], [1e-6, "µm"], [1e-9, "nm"], [1e-12, "pm"]];
-  const [unit, name] = scales.find(([size]) => gap >= size) ?? [1e-12, "pm"];
-  return `${format(gap / unit, 2)} ${name} under a 10 cm disk`;
+  return `${lengthWords(0.1 * tilt)} under a 10 cm disk`;
 }
 
 /** The words over the picture, which change from frame to frame. */

@@ -9,7 +9,7 @@ import { A1, A2, CHI, CLOCK, Z, tiltOf, turningState } from "./physics.js";
 const TRAIL_STEP = 0.02;
 const TAIL = 0.9; // units of the clock that the bright end of a trail is long
 const TAIL_PIECES = 6;
-const TAIL_TILT = 0.5; // rad of tilt at which the tail of the race has faded
+const TAIL_TILT = 0.5; // rad of tilt at which the tail of the race has faded, where the camera follows the disk
 // Seconds in which most of the way to a new aim is done: soft where the camera follows, quick where a slider is dragged.
 const FOLLOW = 0.36;
 const CATCH_UP = 0.075;
@@ -54,7 +54,7 @@ export function racesOf(path, numbers) {
   const rest = (tilt) => (whole.chi * (left(tilt) - least)) / (whole.chi - least) || 0;
   return path.turns.map((_, turn) => {
     const x = turningState(path, turn);
-    return { clock: x[CLOCK], chi: x[CHI], angle: numbers.race_angle, rest };
+    return { clock: x[CLOCK], chi: x[CHI], centre: [x[A1], x[A2], 0], angle: numbers.race_angle, rest };
   });
 }
 
@@ -69,9 +69,12 @@ export function raceAt(races, x, face) {
 }
 
 export class Scene {
-  constructor(canvas, still) {
-    this.canvas = canvas;
-    this.still = still;
+  /**
+   * still: the camera sees the whole table; else it follows the disk, unless it has an aim {x, y, z, radius} for good,
+   * and a table {x, y, radius} to it.
+   */
+  constructor(canvas, { still = false, aim = null, table = null } = {}) {
+    Object.assign(this, { canvas, still, aim, table });
     this.context = canvas.getContext("2d");
     this.camera = new Camera();
   }
@@ -88,6 +91,10 @@ export class Scene {
 
   /** The camera follows both disks; where the page should not move it sees the whole table instead. */
   follow(poses) {
+    if (this.aim) {
+      this.camera.aim = this.aim;
+      return;
+    }
     const now = 1e-3 * performance.now(), frame = Math.min(now - (this.drawn ?? now - 1 / 60), LONGEST_FRAME);
     this.drawn = now;
     const share = (seconds) => 1 - Math.exp(-frame / seconds);
@@ -119,7 +126,14 @@ export class Scene {
     this.drawTable(look);
     this.clipToTable(() => {
       poses.forEach((pose, n) => pose && drawShadow(context, camera, pose, lamp, n ? 0.45 : look.shadow));
-      [1, 0].forEach((n) => poses[n] && this.drawTrail(this.trails[n], states[n][CLOCK], look.sides[n], n));
+      if (look.trail) [1, 0].forEach((n) => poses[n] && this.drawTrail(this.trails[n], states[n][CLOCK], look.sides[n], n));
+    });
+    const races = states.map((x, n) => x && raceAt(this.races[n], x, this.faces[n]));
+    [1, 0].forEach((n) => {
+      const race = races[n];
+      if (!race) return;
+      const strength = this.aim ? 1 : 1 - tiltOf(states[n], this.faces[n]) / TAIL_TILT;
+      drawTail(context, camera, states[n][CHI], race, n, look.sides[n], look.ground, strength);
     });
     const depths = poses.map((pose) => (pose ? camera.project(pose.centre)[2] : Infinity));
     const order = depths[1] > depths[0] ? [1, 0] : [0, 1];
@@ -128,14 +142,7 @@ export class Scene {
       if (n) drawGhost(context, camera, poses[n], look.sides[n]);
       else drawDisk(context, camera, poses[n], { ...look, side: look.sides[0] }, lamp);
     }
-    const races = states.map((x, n) => x && raceAt(this.races[n], x, this.faces[n]));
-    [1, 0].forEach((n) => {
-      const race = races[n];
-      if (!race) return;
-      const strength = 1 - tiltOf(states[n], this.faces[n]) / TAIL_TILT;
-      drawTail(context, camera, poses[n].centre, states[n][CHI], race, n, look.sides[n], look.ground, strength);
-    });
-    [1, 0].forEach((n) => poses[n] && drawHand(context, camera, poses[n], look.sides[n], n ? 4.5 : 6));
+    if (look.hand) [1, 0].forEach((n) => poses[n] && drawHand(context, camera, poses[n], look.sides[n], n ? 4.5 : 6));
     return races;
   }
 

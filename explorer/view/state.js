@@ -72,8 +72,10 @@ export function sigma4Bar(shown, body) {
 
 /** Keeps the shown motion and everything that follows from it; tells its listeners when that has changed. */
 export class Store {
-  constructor(start, bodies) {
+  /** bounces: so many approaches to flat are followed. */
+  constructor(start, bodies, bounces = BOUNCES) {
     this.bodies = bodies;
+    this.bounces = bounces;
     this.start = { ...NUMBERS, ...FLAGS, disk: bodies[0].name, ...start };
     this.listeners = [];
     this.shown = { ...this.start };
@@ -97,17 +99,29 @@ export class Store {
     this.set({ ...this.start });
   }
 
-  /** Both motions: the one that is shown and, at -eta_hat, its ghost on the other side of F; on F both are one. */
+  /** The motion that is shown. What follows from it is computed when somebody first looks at it. */
   compute() {
     const { disk, face, sigma3_bar, eta_hat, theta, phidot } = this.shown;
     if (this.body?.name !== disk) this.body = bodyOf(disk, this.bodies);
     this.shown.disk = this.body.name; // an unknown name is that of the first body
     const motion = { body: this.body, face, sigma3_bar, theta, phidot, eta: etaHatToEta(eta_hat, this.body) };
-    this.main = trajectory(motion, BOUNCES);
-    const end = this.main.states[this.main.states.length - 1][CLOCK];
-    this.other = eta_hat ? trajectory({ ...motion, eta: -motion.eta }, BOUNCES, end) : this.main;
-    this.numbers = readouts(motion);
-    this.otherNumbers = readouts({ ...motion, eta: -motion.eta });
-    this.version = (this.version ?? 0) + 1;
+    this.main = trajectory(motion, this.bounces);
+    this.beside = { ...motion, eta: -motion.eta };
+    this.known = {};
+  }
+
+  /** The motion at -eta_hat, on the other side of F; on F both are one. */
+  get other() {
+    const { states } = this.main, end = states[states.length - 1][CLOCK];
+    this.known.other ??= this.beside.eta ? trajectory(this.beside, this.bounces, end) : this.main;
+    return this.known.other;
+  }
+
+  get numbers() {
+    return (this.known.numbers ??= readouts(this.main.motion));
+  }
+
+  get otherNumbers() {
+    return (this.known.otherNumbers ??= readouts(this.beside));
   }
 }

@@ -72,6 +72,13 @@ def test_the_landing_page_shows_picture_line_and_doors_without_scrolling(site, b
     assert browser.evaluate(LOWEST) <= 800
 
 
+def test_the_picture_of_the_landing_page_leads_to_the_article(site, browser):
+    browser.open(site / "index.html")
+    browser.open(site / browser.evaluate("document.querySelector('.landing a').getAttribute('href')"))
+    assert browser.evaluate("nearflat.article.figures.length") == 8
+    assert browser.problems() == []
+
+
 def test_every_page_is_in_the_site_and_all_its_pictures_too(site, browser):
     assert {page for page in PAGES if not (site / page).is_file()} == set()
     for page in (*PAGES, "page.html"):

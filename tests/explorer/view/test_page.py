@@ -7,6 +7,7 @@ import re
 import pytest
 
 import explorer as ex
+from explorer.commands.main import main
 from explorer.view.page import view
 
 
@@ -34,6 +35,19 @@ def test_the_page_begins_with_the_motion_and_the_series_of_python():
     given = data["bodies"][-1]
     assert (given["label"], given["inner"]) == ("mine", None)
     assert given["series"] == {"rows": disk.natural.series.tolist(), "r0": disk.body.r0, "dr0": disk.body.dr0}
+
+
+@pytest.mark.parametrize(
+    ("words", "laboratory"),
+    [([], False), (["--disk", "uniform"], True), (["--eta-hat", "1e-6"], True), (["--face", "1"], True)],
+    ids=str,
+)
+def test_the_page_opens_at_the_laboratory_where_a_motion_is_named(words, laboratory, tmp_path):
+    where = tmp_path / "page.html"
+    assert main(["view", *words, "--out", str(where), "--quiet"]) == 0
+    assert begins_with(where.read_text("utf-8"))["laboratory"] == laboratory
+    assert not begins_with(view().html)["laboratory"]
+    assert begins_with(view("uniform").html)["laboratory"]
 
 
 @pytest.mark.parametrize(("disk", "name"), [("hoop", "hoop"), ("annulus:0", "uniform"), ("annulus:0.3", "given")])

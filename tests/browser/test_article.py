@@ -1,0 +1,288 @@
+"""The article: eight scenes that explain by playing, true in every number, for everybody."""
+
+import io
+import re
+from importlib import resources
+
+import numpy as np
+import pytest
+from browser.test_page import number_in, quickest, until
+from PIL import Image
+
+import explorer as ex
+from explorer.view.page import view
+
+SCENES = ["coin", "contact", "fall", "rise", "near", "slow-motion", "sides", "wall"]
+MOVING = SCENES[2:]
+COIN = ex.Disk.uniform(m=1.0, r=0.05, g=9.81)  # of the article: ten centimetres wide
+PUSH = 1.0 * COIN.rate_unit
+UNITS = {"mm": 1e-3, "µm": 1e-6, "nm": 1e-9, "pm": 1e-12, "fm": 1e-15}
+
+
+@pytest.fixture(scope="module")
+def article_file(tmp_path_factory):
+    return view().save(tmp_path_factory.mktemp("article") / "page.html")
+
+
+@pytest.fixture
+def article(browser, article_file, page_file):
+    """The article, opened on a laptop."""
+    browser.size(1280, 800)
+    browser.prefer(color_scheme="light")
+    browser.open(article_file)
+    yield browser
+    browser.size(1280, 800)
+    browser.prefer(color_scheme="light")
+    browser.open(page_file)
+    browser.evaluate("(nearflat.player.running = false, 0)")
+
+
+def figure(name):
+    return f"nearflat.article.figures[{SCENES.index(name)}]"
+
+
+def go_to(page, name):
+    page.evaluate(f"(document.querySelector('#{name} figure').scrollIntoView({{ block: 'center' }}), 0)")
+    until(page, f"{figure(name)}.visible && {figure(name)}.words.textContent")
+
+
+def slide(page, name, value):
+    """What a reader does to the slider of a scene. Returns what stands beside it and under the picture."""
+    go_to(page, name)
+    page.evaluate(
+        f"(e => {{ e.value = {value}; e.dispatchEvent(new Event('input', {{ bubbles: true }})); }})"
+        f"(document.querySelector('#{name} input'))"
+    )
+    page.frames(3)
+    return page.evaluate(
+        f"['output', 'figcaption'].map(e => document.querySelector(`#{name} ${{e}}`).textContent)"
+    )
+
+
+def length_in(text):
+    """The first length in a text, in metres."""
+    number, unit = re.search(r"([\d.]+) ([mµnpf]m)", text).groups()
+    return float(number) * UNITS[unit]
+
+
+def test_the_article_comes_first_and_the_laboratory_where_a_motion_is_named(article, tmp_path):
+    tops = "['article', 'laboratory'].map(id => document.getElementById(id).getBoundingClientRect())"
+    first, then = article.evaluate(f"{tops}.map(box => box.toJSON())")
+    assert (first["top"] < 100) & (then["top"] >= first["bottom"] > 3000)
+    assert len(article.requests()) == 1
+    assert article.problems() == []
+    for page in (view("hoop"), view(eta_hat=1e-6), view(ex.constants_to_states(COIN, 20.0, 1e-3, 10.0))):
+        article.open(page.save(tmp_path / "page.html"))
+        first, then = article.evaluate(f"{tops}.map(box => box.toJSON())")
+        assert first["height"] == 0
+        assert then["top"] < 20
+    article.evaluate("(document.getElementById('to-article').click(), 0)")
+    go_to(article, "coin")
+    assert article.problems() == []
+
+
+def test_an_address_with_a_motion_opens_the_laboratory_and_its_name_keeps_the_article(article, article_file):
+    article.open(article_file, "#disk=hoop")
+    assert article.evaluate("document.getElementById('article').hidden")
+    article.open(article_file, "#laboratory")
+    article.frames(4)
+    assert not article.evaluate("document.getElementById('article').hidden")
+    assert -5 < article.evaluate("document.getElementById('laboratory').getBoundingClientRect().top") < 100
+
+
+def test_the_article_is_small_and_its_first_picture_quick(article, article_file):
+    assert article_file.stat().st_size < 300_000
+
+    def painted():
+        article.open(article_file)
+        article.frames()
+        return article.evaluate("performance.getEntriesByName('first-contentful-paint')[0].startTime")
+
+    assert 0.0 < quickest(painted, 1500.0) < 1500.0
+
+
+def test_eight_scenes_have_a_picture_and_a_slider_with_a_name_and_a_value(article):
+    assert article.evaluate("[...document.querySelectorAll('article section[id]')].map(e => e.id)") == SCENES
+    for name in SCENES:
+        go_to(article, name)
+    article.frames(3)
+    tree = article.send("Accessibility.getFullAXTree")["nodes"]
+    sliders = [node for node in tree if node.get("role", {}).get("value") == "slider"][: len(SCENES)]
+    for node in sliders:
+        told = [p["value"]["value"] for p in node["properties"] if p["name"] == "valuetext"]
+        assert node["name"]["value"]
+        assert told, node["name"]
+    assert article.evaluate("document.querySelectorAll('article input').length") == len(SCENES)
+    assert article.evaluate("document.querySelectorAll('article canvas[aria-label]').length") == len(SCENES)
+
+
+def test_a_tilted_coin_reaches_as_high_as_a_sine(article):
+    assert slide(article, "coin", 30) == ["30°", "Its upper edge is 5.0 cm above the table."]
+    assert slide(article, "coin", 90) == ["90°", "Its upper edge is 10.0 cm above the table."]
+
+
+def test_the_contact_goes_round_while_the_coin_hardly_turns(article):
+    """Rolling: the coin turns by how much longer the rim is than the circle of the contact on the table."""
+    beside, under = slide(article, "contact", 1)
+    assert beside == "360°"
+    assert under == f"The coin itself has turned by {round(360 * (1 - np.cos(np.radians(25))))}°."
+
+
+@pytest.mark.parametrize("push", [0.3, 1.2, 3.0])
+def test_the_time_of_the_fall_is_pythons(article, push):
+    _, under = slide(article, "fall", push)
+    beside_f = ex.passages(COIN, 0.0, 1e-9 * COIN.rate_unit, push / 0.1)
+    assert float(re.search(r"[\d.]+(?= seconds)", under)[0]) == pytest.approx(
+        beside_f.duration.item() / 2, abs=6e-4
+    )
+
+
+@pytest.mark.parametrize("speed", [1.0, 6.0, 20.0])
+def test_the_least_tilt_is_pythons(article, speed):
+    _, under = slide(article, "rise", speed)
+    least = ex.passages(COIN, 0.0, 0.01 * speed / 0.05, PUSH).theta_min.item()
+    assert float(re.search(r"[\d.]+(?=°)", under)[0]) == pytest.approx(np.degrees(least), abs=0.051)
+
+
+@pytest.mark.parametrize("decades", [-13.5, -9.0, -3.0, -1.0])
+def test_how_near_it_comes_is_pythons(article, decades):
+    beside, under = slide(article, "near", decades)
+    assert length_in(beside) == pytest.approx(10.0**decades, rel=0.05)
+    least = ex.passages(COIN, 0.0, 10.0**decades / 0.05, PUSH).theta_min.item()
+    assert length_in(under) == pytest.approx(0.1 * np.sin(least), rel=0.05)
+
+
+def test_the_race_begins_at_nothing_and_ends_as_in_python(article):
+    turns = abs(ex.passages(ex.Disk.uniform(), 0.0, 1e-3, 1.0).race_angle.item()) / (2.0 * np.pi)
+    said = [float(re.search(r"[\d.]+(?= turns)", slide(article, "slow-motion", at)[1])[0]) for at in (0, 0.5, 1)]
+    assert said == pytest.approx([0.0, turns / 2, turns], abs=0.011)
+
+
+@pytest.mark.parametrize("place", [-0.9, -0.3, 0.02, 0.6])
+def test_each_side_of_f_races_and_turns_back_as_in_python(article, place):
+    beside, under = slide(article, "sides", place)
+    eta_hat = article.evaluate(f"{figure('sides')}.store.shown.eta_hat")
+    there = ex.passages(ex.Disk.uniform(), 0.0, eta_hat, 1.0)
+    assert ("right" in beside, "counterclockwise" in under) == (eta_hat > 0, there.race_angle.item() > 0)
+    assert float(re.search(r"[\d.]+(?= turns)", under)[0]) == pytest.approx(
+        abs(there.race_angle.item()) / (2.0 * np.pi), abs=0.0051
+    )
+    _, under = slide(article, "wall", place)
+    assert length_in(under) == pytest.approx(0.1 * np.sin(there.theta_min.item()), rel=0.05)
+
+
+def test_on_f_the_coin_falls_flat_and_there_is_no_wall(article):
+    assert slide(article, "sides", 0) == ["not at all: F", "On F it falls flat. What comes next, nobody can tell."]
+    assert article.evaluate(f"{figure('sides')}.state[0]") < 1e-5
+    assert slide(article, "wall", 0)[1] == "On F there is no wall."
+
+
+def test_right_and_left_are_those_of_the_picture(article):
+    for place in (0.9, -0.9):
+        slide(article, "sides", place)
+        start, later = (
+            article.evaluate(f"""(() => {{
+                const {{ A1, A2, CLOCK, stateAt }} = modules.physics, f = {figure("sides")};
+                const x = stateAt(f.store.main, CLOCK, {clock});
+                return f.scene.camera.project([x[A1], x[A2], 0])[0];
+            }})()""")
+            for clock in (0, 0.5)
+        )
+        assert (later > start) == (place > 0)
+
+
+def test_the_numbers_of_the_prose_are_those_of_the_disks(article):
+    prose = re.sub(r"\s+", " ", article.evaluate("document.getElementById('article').textContent"))
+    coin, hoop = (disk.race_limit / np.pi for disk in (ex.Disk.uniform(), ex.Disk.hoop()))
+    assert f"by {coin / 2:.2f} turns" in prose
+    assert f"For a coin κ is {coin:.2f}, for a hoop, with all its mass at the rim, {hoop:.2f}, " in prose
+    assert f"which makes {hoop / 2:.2f} turns" in prose
+    apart = np.degrees(2.0 * coin * np.pi) % 360.0
+    assert f"{min(apart, 360.0 - apart):.0f}° away" in prose
+    assert ex.Disk.annulus(1.0 / np.sqrt(3.0)).race_limit == pytest.approx(2.0 * np.pi)
+    assert f"a ring whose hole is {1.0 / np.sqrt(3.0):.2f} as wide as itself" in prose
+
+
+@pytest.mark.parametrize("reduced", [False, True], ids=["moves", "prefers no motion"])
+def test_only_what_is_in_view_moves_and_only_for_who_does_not_mind(article, article_file, reduced):
+    if reduced:
+        article.prefer(color_scheme="light", reduced_motion="reduce")
+        article.open(article_file)
+    clocks = f"{[SCENES.index(name) for name in MOVING]}.map(n => nearflat.article.figures[n].player.clock)"
+    for name in MOVING:
+        go_to(article, name)
+        before = article.evaluate(f"[{clocks}, {figure(name)}.visible, nearflat.player.clock]")
+        article.frames(8)
+        after = article.evaluate(f"[{clocks}, {figure(name)}.visible, nearflat.player.clock]")
+        visible = article.evaluate("nearflat.article.figures.map(f => f.visible)")[2:]
+        moved = [a != b for a, b in zip(before[0], after[0], strict=True)]
+        assert moved == ([False] * 6 if reduced else visible)
+        assert before[2] == after[2]
+    if reduced:
+        article.evaluate("(document.querySelector('#wall .play').click(), 0)")
+        article.frames(8)
+        assert article.evaluate(f"{figure('wall')}.player.clock") != after[0][-1]
+
+
+def test_the_keyboard_plays_a_scene_and_leaves_the_laboratory_alone(article):
+    go_to(article, "coin")
+    article.evaluate("(document.querySelector('#coin input').focus(), 0)")
+    article.send("Input.dispatchKeyEvent", type="keyDown", key="ArrowRight", windowsVirtualKeyCode=39)
+    article.frames(3)
+    assert article.evaluate("document.querySelector('#coin output').textContent") == "61°"
+    before = article.evaluate("[nearflat.player.running, nearflat.store.shown]")
+    article.evaluate("(document.activeElement.blur(), 0)")
+    for key in (" ", "f", "2"):
+        article.key(key)
+    assert article.evaluate("[nearflat.player.running, nearflat.store.shown]") == before
+
+
+def test_a_picture_is_dragged_by_steps_of_a_hand(article):
+    go_to(article, "coin")
+    x, y = article.evaluate("""(() => {
+        const box = document.querySelector('#coin canvas').getBoundingClientRect();
+        return [box.left + box.width / 2, box.top + box.height / 2];
+    })()""")
+    article.drag([(x - step, y) for step in range(0, 100, 2)])
+    article.frames(3)
+    assert number_in(article.evaluate("document.querySelector('#coin output').textContent").rstrip("°")) < 50
+
+
+def test_a_picture_is_dragged_aside_and_scrolled_up(article):
+    article.size(375, 800, mobile=True)
+    go_to(article, "coin")
+    x, y, scrolled = article.evaluate("""(() => {
+        const box = document.querySelector('#coin canvas').getBoundingClientRect();
+        return [box.left + box.width / 2, box.top + box.height / 2, scrollY];
+    })()""")
+    article.swipe(x, y, 100, 0)
+    article.frames(3)
+    assert number_in(article.evaluate("document.querySelector('#coin output').textContent").rstrip("°")) > 70
+    assert article.evaluate("scrollY") == scrolled
+    article.swipe(x, y, 0, -120)
+    article.frames(10)
+    assert article.evaluate("scrollY") > scrolled + 60
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("size", [(1280, 800), (375, 800)], ids=str)
+def test_the_article_fits_shows_pictures_and_has_no_grave_fault(article, article_file, size, scheme):
+    article.prefer(color_scheme=scheme)
+    article.size(*size)
+    article.open(article_file)
+    for name in SCENES:
+        go_to(article, name)
+        article.frames(2)
+        picture = np.asarray(Image.open(io.BytesIO(article.screenshot())).convert("RGB")).astype(int)
+        for part in article.evaluate(f"""[...document.querySelectorAll('#{name} canvas')].map(
+            canvas => canvas.getBoundingClientRect().toJSON()).filter(box => box.height)"""):
+            seen = picture[max(0, round(part["top"])) : round(part["bottom"]), round(part["left"]) :]
+            assert len(np.unique(seen @ np.array([1, 256, 65536]))) > 30, name
+        assert (picture.mean() < 90) == (scheme == "dark")
+    assert article.evaluate("document.documentElement.scrollWidth") <= size[0]
+    axe = resources.files("axe_core_python").joinpath("axe.min.js")
+    article.evaluate(f"{axe.read_text('utf-8')}; 0")
+    found = article.evaluate("axe.run('#article').then(({ violations }) => violations)")
+    grave = [each for each in found if each["impact"] in ("serious", "critical")]
+    assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in grave] == []
+    assert article.problems() == []
