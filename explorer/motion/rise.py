@@ -29,7 +29,7 @@ _NODES = 32  # of a piece
 # What the last coefficients of a piece may leave of its series; the last are so many.
 _TAIL, _LAST = 1e-14, 3
 _KNOWN = 1e-3  # how well K must be known, or where its next zero is
-_DEEPEST = 300.0  # in x: what lies below is flat
+_FLAT_FROM = 300.0  # in x: what lies below is flat
 _NEWTON_STEPS = 5  # from a table as fine as the nodes, three double the digits up to rounding; two to spare
 _ENDLESS = (
     "limit motion: the motion comes to rest within rounding of an equilibrium or a separatrix, "
@@ -71,7 +71,7 @@ class Stretch(NamedTuple):
         share, rate = abs(u) ** self.power, self.power * abs(u) ** (self.power - 1)
         if self.length < np.inf:
             return self.length * share, self.length * rate
-        return np.minimum(-np.log1p(-share), _DEEPEST), rate / (1.0 - share)
+        return np.minimum(-np.log1p(-share), _FLAT_FROM), rate / (1.0 - share)
 
     def u_at(self, d: float) -> float:
         """u at such a distance."""

@@ -42,7 +42,7 @@ _WIDER = 1.0 + 1e-9  # rounding of a distance must not decide what is looked at
 # The map of all samples over the plane of constants: cells a side, and as many first states as say how far it must
 # reach; theta_min as integers, 3000 to the decade above 1e-20.
 CELLS, _FIRST = 160, 16_384
-_DEEPEST, _CODES_PER_DECADE = -20.0, 3000.0
+_FLATTEST, _CODES_PER_DECADE = -20.0, 3000.0
 
 
 class FallingCounts(Counts):
@@ -171,7 +171,7 @@ class FallingSet(FromStates):
             for values, reach in zip((table["sigma3_bar"], sigma4_bar), self._reach, strict=True)
         )
         inside = (i >= 0) & (i < CELLS) & (j >= 0) & (j < CELLS)
-        depth = np.log10(np.maximum(theta[inside], 10.0**_DEEPEST)) - _DEEPEST
+        depth = np.log10(np.maximum(theta[inside], 10.0**_FLATTEST)) - _FLATTEST
         codes, place = np.full(CELLS * CELLS, Least.NONE, np.uint16), j[inside] * CELLS + i[inside]
         np.minimum.at(codes, place.astype(np.int64), np.round(depth * _CODES_PER_DECADE).astype(np.uint16))
         tally.plane += Least(codes)
@@ -248,7 +248,7 @@ class FallingSet(FromStates):
     def plane(self, least: Least) -> ConstantsPlane:
         """The smallest theta_min of all samples in each cell of the (sigma3_bar, sigma4_bar) plane."""
         smallest = np.where(
-            least.counts == Least.NONE, np.nan, 10.0 ** (least.counts / _CODES_PER_DECADE + _DEEPEST)
+            least.counts == Least.NONE, np.nan, 10.0 ** (least.counts / _CODES_PER_DECADE + _FLATTEST)
         )
         sigma3, sigma4 = (np.linspace(-reach, reach, CELLS + 1) for reach in self._reach)
         return ConstantsPlane(self.disk, sigma3, sigma4, smallest.reshape(CELLS, CELLS), self.plan.method)

@@ -49,8 +49,8 @@ NOTHING = -1  # an arc of no length
 _HALVED = TURN_INSIDE, TURN_OUTSIDE, FALL_FROM_REST, SLOW_TURN_INSIDE, SLOW_TURN_OUTSIDE
 # All nodes from the inner end, or from the outer one.
 _FROM_INSIDE, _FROM_OUTSIDE = (SLOW_INSIDE, SLOW_TURN_INSIDE), (SLOW_OUTSIDE, SLOW_TURN_OUTSIDE)
-_AT_END = 1e-15  # in the place of s = 0: in its square no node is an end, and all ratios are those at the end
-_DEEPEST = 300.0  # of falls, in x: what is left is below any rounding
+_LEAST_SINE = 1e-15  # in the place of s = 0: in its square no node is an end, and all ratios are those at the end
+_END_OF_FALL = 300.0  # of falls, in x: what is left is below any rounding
 # The error of a sum is at most so many times D sqrt(D'): D is its difference from that of half the nodes, over its
 # size, and D' the largest of time, chi and psi. Doubling the nodes squares the error, save where these rules, at
 # first as fast as Gauss's, begin to converge half as fast: across this kink it gains the power 3/2 (Weideman and
@@ -172,8 +172,8 @@ def weights_of(kind: int, n: int) -> Vector:
 
 def places(kind: int, g: Vector) -> tuple[Vector, Vector, Vector]:
     """(distance from the inner end, from the outer one, rate) of the nodes at angles g, of arcs of unit length."""
-    s, c = (np.clip(abs(f(g)), _AT_END, 1.0) for f in (np.cos, np.sin))
-    near, far = (np.clip(abs(f(0.5 * g)), _AT_END, 1.0) ** 2 for f in (np.sin, np.cos))
+    s, c = (np.clip(abs(f(g)), _LEAST_SINE, 1.0) for f in (np.cos, np.sin))
+    near, far = (np.clip(abs(f(0.5 * g)), _LEAST_SINE, 1.0) ** 2 for f in (np.sin, np.cos))
     if kind in (TURN_INSIDE, SLOW_TURN_INSIDE):
         return s * s, c * c, 2.0 * s
     if kind in (TURN_OUTSIDE, SLOW_TURN_OUTSIDE):
@@ -184,7 +184,7 @@ def places(kind: int, g: Vector) -> tuple[Vector, Vector, Vector]:
         return near, far, np.sqrt(near * far)
     # Falls: r = tan(theta/2) over that at the start, 1 - s^2 = c^2 from rest.
     below, left, rate = (s * s, c * c, 2.0 * s) if kind == FALL_FROM_REST else (far, near, np.full(g.size, 0.5))
-    left = np.maximum(left, math.exp(-_DEEPEST))
+    left = np.maximum(left, math.exp(-_END_OF_FALL))
     with np.errstate(divide="ignore"):  # of the branch that is not taken
         return np.full(g.size, math.inf), np.where(below < 0.5, -np.log1p(-below), -np.log(left)), rate / left
 

@@ -39,7 +39,7 @@ _DEEP = math.exp(-3.0)  # tan(theta/2) below which V falls, and then rises as th
 _FAR = 0.1  # such a step at least is no end in sight
 _STEPS = 400  # sixteen for each decade of closeness to a crest
 _NEWTON = 60
-_AT_END = 2.0 * EPSILON  # of a distance: no step is shorter
+_LEAST_STEP = 2.0 * EPSILON  # of a distance: no step is shorter
 _ALMOST = 1e-12  # of a distance: the next step is at rounding
 _DEEPEST = 745.0  # in x, below the vertical: tan(theta/2) is the smallest number there
 _FLAT = 60.0  # from the vertical: V on F is that at flat
@@ -202,9 +202,9 @@ def advance(A: Vector, i: int, inward: bool, b: Body) -> None:
         deep = False
         left = A[_UPRIGHT + i] - d
         out = h >= left
-        there = is_open & out & (left <= _AT_END * d)
+        there = is_open & out & (left <= _LEAST_STEP * d)
         h = left if out else h
-    ends = is_open & ((h <= _AT_END * d) | (h <= 0.0) | there)
+    ends = is_open & ((h <= _LEAST_STEP * d) | (h <= 0.0) | there)
     # Within twice Newton's step K falls, and has a root.
     newton = -moving / slope
     alone = (moving > 0.0) & (slope < 0.0) & (2.0 * newton <= min(left, REACH)) & (2.0 * bound * newton <= -slope)
@@ -215,7 +215,7 @@ def advance(A: Vector, i: int, inward: bool, b: Body) -> None:
     new = new if (new >= low) & (new <= high) else 0.5 * (low + high)
     # What Halley's step leaves is of its third order.
     step, steep = abs(new - d), bound / abs(slope)
-    settled = near & (step * step * step * steep * (steep + 1.0) <= _AT_END * new)
+    settled = near & (step * step * step * steep * (steep + 1.0) <= _LEAST_STEP * new)
     A[_LOW + i], A[_HIGH + i] = low, high
     A[_CROSSES + i] = 1.0 if there & (moving > 0.0) else A[_CROSSES + i]
     A[_STATE + i] = _IN_DEPTH if deep else _FOUND if ends | settled else _NEAR if near else state
@@ -422,7 +422,7 @@ def find_crest(A: Vector, i: int, inward: bool, b: Body) -> float:
         step = max(-REACH, min(REACH, (slope if inward else -slope) / bend))
         slow = (bend < 0.0) & (A[_MOVING + i] - P.rise < -0.5 * SLOW * SLOW * bend)
         d += step
-        if not ((abs(step) > _AT_END * d) & (bend < 0.0) & (d > 0.0) & (d < A[_D + i])):
+        if not ((abs(step) > _LEAST_STEP * d) & (bend < 0.0) & (d > 0.0) & (d < A[_D + i])):
             break
     return d if slow & (d > 0.0) & (d < A[_D + i]) else math.nan
 

@@ -27,7 +27,7 @@ _LOG_HANDOVER = math.log(HANDOVER)
 _LONGEST = 0.25  # step of Newton's method, in ln h
 
 
-class Motion(NamedTuple):
+class PassageConstants(NamedTuple):
     """Constants of one motion: X = sigma3_bar / r(0), Y = eta_+ / I1, and level = E - V_0."""
 
     X: float
@@ -77,7 +77,7 @@ class Integrals(NamedTuple):
 
 
 @contracted_device
-def near_flat(h: float, inv_h: float, log_h: float, motion: Motion, b: Body, low: Low) -> Near:
+def near_flat(h: float, inv_h: float, log_h: float, motion: PassageConstants, b: Body, low: Low) -> Near:
     """The motion at h, from the series there."""
     x, y = motion.X, motion.Y
     S = 0.5 * h * h
@@ -104,7 +104,7 @@ def slope_of(h: float, at: Near, x: float, b: Body) -> float:
 
 
 @contracted_device
-def newton(h: float, log_h: float, motion: Motion, b: Body, low: Low) -> tuple[float, float, float]:
+def newton(h: float, log_h: float, motion: PassageConstants, b: Body, low: Low) -> tuple[float, float, float]:
     """(h, ln h, step in ln h) after a step of Newton's method in 1/h^2, in which the wall of V is straight."""
     at = near_flat(h, 1.0 / h, log_h, motion, b, low)
     step = (motion.level - at.V) / slope_of(h, at, motion.X, b)
@@ -114,7 +114,7 @@ def newton(h: float, log_h: float, motion: Motion, b: Body, low: Low) -> tuple[f
 
 @contracted_device
 def closed_forms(
-    h: float, log_h: float, at: Near, slope: float, motion: Motion, b: Body, low: Low
+    h: float, log_h: float, at: Near, slope: float, motion: PassageConstants, b: Body, low: Low
 ) -> tuple[Closed, Integrals]:
     """What is known in closed form between the turning point h and the handover; slope = -h dV/dh there."""
     x, y, inv_k = motion.X, motion.Y, 1.0 / b.k
@@ -147,7 +147,7 @@ def closed_forms(
 
 @contracted_device
 def left_over(
-    v: float, h_turn: float, log_turn: float, known: Closed, motion: Motion, b: Body, low: Low
+    v: float, h_turn: float, log_turn: float, known: Closed, motion: PassageConstants, b: Body, low: Low
 ) -> Integrals:
     """What the closed forms leave of the integrands where y is 5 ln(1/v) less than at the handover."""
     # h and tau are the sum and the difference of h_m e^y / 2, which is rising, and h_m e^-y / 2.

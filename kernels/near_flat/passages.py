@@ -19,7 +19,7 @@ from kernels.disk.rows import Entry
 from kernels.near_flat.closed_forms import (
     Closed,
     Integrals,
-    Motion,
+    PassageConstants,
     closed_forms,
     left_over,
     near_flat,
@@ -101,9 +101,9 @@ class FallRow(NamedTuple, Generic[Entry]):
 
 
 @contracted_device
-def motion_of(W: Vector, i: int) -> Motion:
+def motion_of(W: Vector, i: int) -> PassageConstants:
     """The motion in lane i."""
-    return Motion(W[_X + i], W[_Y + i], W[_LEVEL + i])
+    return PassageConstants(W[_X + i], W[_Y + i], W[_LEVEL + i])
 
 
 @contracted_device
@@ -215,7 +215,7 @@ def near_panel(W: Vector, rules: Rules, b: Body, low: Low) -> None:
 
 
 @contracted_device
-def at_fixed(at: Fixed, motion: Motion, b: Body) -> tuple[float, Integrals]:
+def at_fixed(at: Fixed, motion: PassageConstants, b: Body) -> tuple[float, Integrals]:
     """(theta-dot^2, weighted integrands) of a motion at a fixed tilt."""
     ratio = motion.X * at.ratio_x + motion.Y * at.ratio_y
     rise = motion.X * at.rise_x + motion.Y * at.rise_y

@@ -65,7 +65,7 @@ class Moved(NamedTuple):
     rates: Any
 
 
-class Place(NamedTuple):
+class Progress(NamedTuple):
     """How far the work is: the next sample, how many lanes are busy, and when one of them runs out of steps."""
 
     upcoming: int
@@ -90,7 +90,7 @@ def begin(work: Work, j: int, W: Vector, i: int, sweeps: int, b: Body) -> None:
 
 
 @subroutine
-def fill(work: Work, W: Vector, upcoming: int, sweeps: int, b: Body) -> Place:
+def fill(work: Work, W: Vector, upcoming: int, sweeps: int, b: Body) -> Progress:
     """Samples from `upcoming` on into the lanes that are empty."""
     status, busy, oldest = work.status, 0, sweeps
     for i in range(LANES):
@@ -103,7 +103,7 @@ def fill(work: Work, W: Vector, upcoming: int, sweeps: int, b: Body) -> Place:
             begin(work, upcoming, W, i, sweeps, b)
             upcoming += 1
         busy, oldest = busy + 1, min(oldest, int(W[lanes.SINCE * LANES + i]))
-    return Place(upcoming, busy, min(oldest + work.max_steps, sweeps + _LOOK))
+    return Progress(upcoming, busy, min(oldest + work.max_steps, sweeps + _LOOK))
 
 
 @subroutine

@@ -80,7 +80,7 @@ def first_guess(x: State, end: State, h: float, stop: Stop, b: Body) -> float:
 
 
 @device
-def approach(y: State, stop: Stop, b: Body) -> tuple[State, float]:
+def step_to_event(y: State, stop: Stop, b: Body) -> tuple[State, float]:
     """(y moved by a short step of order four to where the event takes its value by its slope, that step)."""
     left = (stop.value - level(y, stop.event)) / level_rate(y, stop.event, b)
     return rk4_step(y, left, b), left
@@ -89,9 +89,9 @@ def approach(y: State, stop: Stop, b: Body) -> tuple[State, float]:
 @device
 def locate(y: State, h: float, stop: Stop, b: Body) -> tuple[State, bool]:
     """(the state at the event near y, found), which lies within a step of length h."""
-    y, first = approach(y, stop, b)
-    y, _second = approach(y, stop, b)
-    y, third = approach(y, stop, b)
+    y, first = step_to_event(y, stop, b)
+    y, _second = step_to_event(y, stop, b)
+    y, third = step_to_event(y, stop, b)
     # The error of the last one is below rounding.
     return y, (abs(first) <= h) & (abs(third) <= _SHORT * h)
 
