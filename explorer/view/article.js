@@ -10,13 +10,13 @@ import { CLOCK, stateAt, turningState } from "./physics.js";
 import { Player, mayMove } from "./player.js";
 import { Ruler } from "./ruler.js";
 import { Scene } from "./scene.js";
-import { SCENES } from "./scenes.js";
+import { AROUND, SCENES } from "./scenes.js";
 import { Store } from "./state.js";
 
 const COMMON = { disk: "uniform", sigma3_bar: 0, phidot: 1, eta_hat: 0 };
 const CAMERA = { azimuth: 0.32, elevation: 0.5 };
 // All of a motion, from upright to upright again: the coin lies flat at x = -1.
-const AIM = { x: -0.95, y: 0, z: 0.62, radius: 2.1 }, TABLE = { x: -0.95, y: 0, radius: 1.75 };
+const AIM = { x: -0.95, y: 0, z: 0.4, radius: 2.4 }, TABLE = { x: -0.95, y: 0, radius: 1.75 };
 const RISEN = 1.05; // rad of tilt at which a disk that has risen is shown
 const PARTS = `<canvas class="picture" role="img"></canvas><canvas class="plot" aria-hidden="true"></canvas>
   <div class="handle"><button type="button" class="play"></button>
@@ -67,7 +67,9 @@ class Figure {
     const look = readLook(declared.plain ? 0 : store.shown.eta_hat);
     this.look = { ...look, hand: !declared.bare, trail: declared.trail };
     colourSides(this.element, this.look);
-    this.scene.load([store.main], store.body.inner, [declared.posed ? {} : store.numbers]);
+    this.both = declared.both && store.shown.eta_hat !== 0;
+    const paths = [store.main, ...(this.both ? [store.other] : [])];
+    this.scene.load(paths, store.body.inner, [declared.posed ? {} : store.numbers, this.both ? store.otherNumbers : {}]);
     this.ruler?.load(store);
     this.stale = true;
   }
@@ -115,7 +117,9 @@ class Figure {
     this.stale = false;
     const { store, player, look, declared } = this;
     this.state = stateAt(store.main, CLOCK, player.clock);
-    [this.race] = this.scene.draw([this.state, null], look);
+    const parted = this.both && player.clock > turningState(store.main, 0)[CLOCK] - 0.5 * AROUND;
+    const other = parted ? stateAt(store.other, CLOCK, player.clock) : null; // until the race both are one
+    [this.race] = this.scene.draw([this.state, other], look);
     this.ruler?.draw(this.state, look);
     this.value.textContent = declared.value(this);
     this.words.textContent = declared.says(this);

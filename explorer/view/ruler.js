@@ -85,6 +85,7 @@ export class Ruler {
     line(context, curve, look.sideColours[0], 2.5);
     context.restore();
     line(context, [[box.left, this.y(1)], [box.right, this.y(1)]], look.soft, 1, [5, 4]);
+    text(context, "energy that it takes to be there", box.left + 6, box.top + 12, look.soft);
     text(context, "its energy", box.right - 4, this.y(1) - 9, look.soft, "right");
   }
 

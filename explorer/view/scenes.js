@@ -8,7 +8,8 @@
 // rest     what is shown while the slider moves: the "start", from where the disk falls, "flat" or (else) risen
 // value    what stands beside the slider; says: what stands under the picture
 // and what the picture has: plot (a ruler, with the wall or without), camera, aim and table, posed (nothing moves),
-// plain (no colour of a side), bare (no mark at the contact), trail (of the contact), sides (the slider crosses F)
+// plain (no colour of a side), bare (no mark at the contact), trail (of the contact), sides (the slider crosses F),
+// both (the motion on the other side of F is shown too)
 
 import { lengthWords } from "./chart.js";
 import { CHI, CLOCK, PSI, Q, T, slowing, tiltOf, turningState } from "./physics.js";
@@ -20,7 +21,7 @@ const GRAVITY = 9.81;
 const SPEED = Math.sqrt(GRAVITY * RADIUS); // m/s, of 1 in natural units
 const SECONDS = Math.sqrt(RADIUS / GRAVITY);
 const DEGREES = 180 / Math.PI;
-const AROUND = 1.5; // of the clock, before and after the lowest point: all of the race
+export const AROUND = 1.5; // of the clock, before and after the lowest point: all of the race
 
 const last = (path) => path.states[path.states.length - 1];
 /** The height of the far edge above the table, m. */
@@ -87,7 +88,8 @@ export const SCENES = [
       + (slowing(state) < 1.5 ? "Time is not slowed." : `Time is slowed ${Math.round(slowing(state))} times.`),
   },
   {
-    name: "sides", shows: "A coin that has risen in one of two places.", sides: true, camera: { azimuth: 0 },
+    name: "sides", shows: "Two coins that have risen in two places, one for each side of F.", sides: true, both: true,
+    camera: { azimuth: 0 },
     slider: "rolling", range: [-0.9, 0.9, 0.01, 0.5],
     changes: (place) => ({ eta_hat: placeToEtaHat(place) }),
     value: rolling,
