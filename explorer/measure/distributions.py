@@ -94,12 +94,17 @@ class Coordinate:
         return found
 
     def __str__(self) -> str:
-        if not self.free:
-            return f"{self.name} = {self.value / self.unit:g}"
-        dist = getattr(self.law, "dist", None)
+        said = self._law_in_words() if self.free else f"{self.name} = {self.value / self.unit:g}"
+        return said if self.unit == 1.0 else f"{said} in degrees"
+
+    def _law_in_words(self) -> str:
+        name = getattr(getattr(self.law, "dist", None), "name", type(self.law).__name__)
+        if name == "uniform":
+            low, high = self.law.support()
+            return f"{self.name} = {low:g}:{high:g}"
         given = [*getattr(self.law, "args", ()), *getattr(self.law, "kwds", {}).items()]
         words = ", ".join(f"{each[0]}={each[1]}" if isinstance(each, tuple) else f"{each:g}" for each in given)
-        return f"{self.name} ~ {getattr(dist, 'name', type(self.law).__name__)}({words})"
+        return f"{self.name} ~ {name}({words})"
 
 
 def _by_name(name: str, text: str) -> Any:

@@ -286,6 +286,9 @@ def _seen(
 def _plainly(counted: _Counted, law: Law | None, note: str, asked: str) -> Probability:
     """What plain draws say; a draw that could not be told may be a hit or not."""
     low, high = statistics.share(counted.hits, counted.states)["interval_95"]  # type: ignore[misc]
+    if counted.unknown:
+        without = f"{counted.unknown:,} of {counted.states:,} states have no answer; the interval allows for them"
+        note = f"{note}; {without}" if note else without
     most = counted.hits + counted.unknown
     if most > counted.hits:
         high = statistics.share(most, counted.states)["interval_95"][1]  # type: ignore[index]

@@ -271,7 +271,7 @@ def _pairs_of(
     first = np.where(rises, onward - lead.time, lead.time)
     erred = lead.time_error + np.where(rises, 2.0 * (here.time_error + back_error), 0.0)
     error = in_turn(there_and_back(here), there_and_back(there)) + np.nan_to_num(2.0 * fall.error)
-    error = np.fmax(error, in_turn(*tilt_errors(motions, ends)))
+    error = np.maximum(error, in_turn(*tilt_errors(motions, ends)))  # NaN where there is no answer
     return _Pairs(
         face=in_turn(own, -own).astype(np.int8),
         side=np.sign(in_turn(motions.starts.Y, motions.Y_far)).astype(np.int8),

@@ -174,7 +174,7 @@ def _orbits(
         psi=2.0 * (here.psi - back.psi),
         theta_min=theta_min,
         crosses=ends.crosses.astype(np.float64),
-        error=np.fmax(error, of_tilt),
+        error=np.maximum(error, of_tilt),  # NaN where there is no answer
     )
     good = found.error <= allowed(how.accuracy, found.chi, found.psi)
     answer[:, asked[good]] = np.stack(found)[:, good]

@@ -395,13 +395,19 @@ def _can_be_scaled(disk: Disk) -> bool:
     return all(sys.float_info.min <= size < math.inf for size in sizes)
 
 
+_EARTH = "9.81"  # m/s^2
+
+
 def _quantities(text: str) -> dict[str, str]:
     """{"m": "1", ...} from "m=1,...". Raises InputError."""
     pairs = [item.partition("=") for item in text.split(",") if item.strip()]
     for key, equals, _ in pairs:
         if not equals:
             raise InputError(f"disk: {shown(key.strip())} says no quantity; write NAME=VALUE, as m=1,r=0.5")
-    return {key.strip(): _in_si(key.strip(), value.strip()) for key, _, value in pairs}
+    given = {key.strip(): value.strip() for key, _, value in pairs}
+    read = {key: _in_si(key, value) for key, value in given.items()}
+    # Where one has a unit all are SI, and the disk rolls on the Earth.
+    return read if read == given else {"g": _EARTH, **read}
 
 
 def _in_si(key: str, value: str) -> str:

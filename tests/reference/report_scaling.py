@@ -105,7 +105,8 @@ OF_SIZES = Caption(
     Question.HOW_GOOD,
     "Time against the number of samples, for states that are drawn, judged and counted, and for passages that are "
     "computed and stored. Small runs cost what starting costs; beyond the knee the time follows the dotted line, "
-    "in proportion to the samples. A second job pays from millions of states on.",
+    "in proportion to the samples. Above ten million, states are drawn in larger chunks and cost less each. A "
+    "second job pays for passages from a hundred thousand on, for states from a hundred million.",
 )
 
 
@@ -130,7 +131,7 @@ def draw(rows):
     ax.plot([], [], "s-", color="0.5", ms=5, label="2 jobs")
     ax.plot([], [], ":", color="0.5", lw=1.4, label=r"$\propto$ samples")
     legend_below(ax, ncols=2)
-    dress(ax, "samples", "time (s)", "Of many samples the time is in proportion to their number", grid=True)
+    dress(ax, "samples", "time (s)", "Small runs cost their start, large ones their samples", grid=True)
     add_caption(figure, OF_SIZES)
     return figure
 
@@ -160,7 +161,7 @@ def draw_cost(rows: list[tuple[int, list[float | None]]]) -> Figure:
     shown = (1, 3, 6, 12, 30, 100, 300)
     ax.set_xticks(shown, [f"$10^{{-{exponent}}}$" for exponent in shown])
     ax.xaxis.set_minor_locator(NullLocator())
-    ax.set_ylim(bottom=0.1)
+    ax.set_ylim(bottom=0.3)
     legend_below(ax, ncols=3)
     x = r"$|\hat\eta|$ ($\sqrt{g/r}$) towards $F$; its decades are on a logarithmic axis"
     title = "Quadrature costs the same at any distance from $F$"

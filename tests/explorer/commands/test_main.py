@@ -11,6 +11,7 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
+from conftest import save_dot
 from matplotlib.figure import Figure
 from told import said
 
@@ -120,7 +121,7 @@ def test_the_demo_runs_again_in_its_own_folder_and_in_no_other(capsys, tmp_path,
     pictures = re.findall(r'^<img src="([^"]+)"', page, flags=re.MULTILINE)
     assert len(pictures) == 13
     assert all((out / picture).stat().st_size > 5000 for picture in pictures)
-    monkeypatch.setattr(Figure, "savefig", lambda _, path, **options: Path(path).touch())
+    monkeypatch.setattr(Figure, "savefig", lambda _, path, **options: save_dot(path))
     first = json.loads((out / "race-angles" / "summary.json").read_text())
     status, printed, _ = said(capsys, "demo", "--out", out, "--json", "--quiet")
     assert status == 0
