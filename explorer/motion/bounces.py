@@ -231,7 +231,7 @@ def _pairs(states: States, how: Plan, first_only: bool) -> _Pairs:
     else:
         ends, orbits = integrated_orbits(states.at(rows), own[rows], ends, how)
     pairs = _pairs_of(some, rises, own[rows], ends, orbits, fall, first_only)
-    known = (pairs.error <= allowed(accuracy, pairs.chi, pairs.psi)).all(axis=0)
+    known = (np.isfinite(pairs.duration) & (pairs.error <= allowed(accuracy, pairs.chi, pairs.psi))).all(axis=0)
     status[rows[~known]] = code.STEP_LIMIT
 
     def of_all(found: NDArray[Any]) -> NDArray[Any]:
@@ -271,7 +271,7 @@ def _pairs_of(
     first = np.where(rises, onward - lead.time, lead.time)
     erred = lead.time_error + np.where(rises, 2.0 * (here.time_error + back_error), 0.0)
     error = in_turn(there_and_back(here), there_and_back(there)) + np.nan_to_num(2.0 * fall.error)
-    error = np.maximum(error, in_turn(*tilt_errors(motions, ends)))  # NaN where there is no answer
+    error = np.fmax(error, in_turn(*tilt_errors(motions, ends)))
     return _Pairs(
         face=in_turn(own, -own).astype(np.int8),
         side=np.sign(in_turn(motions.starts.Y, motions.Y_far)).astype(np.int8),

@@ -72,7 +72,8 @@ def _from_vertical(
     """Time, chi, psi as the face has it, and the error, of some motions from the vertical to a turning point."""
     disk, motion, unit = states.disk, states.motion, states.disk.rate_unit
     eta_hat = disk.eta_to_eta_hat(motion.eta(face > 0.0))[rows]
-    speed = np.sqrt(2.0 * disk.body.inv_M * ends.vertical.K[rows])
+    with np.errstate(invalid="ignore"):  # no speed where there is no vertical: bad input, and no answer
+        speed = np.sqrt(2.0 * disk.body.inv_M * ends.vertical.K[rows])
     starts = starts_at_vertical(disk, motion.sigma3_bar[rows] * unit, eta_hat * unit, speed * unit, face[rows])
     found, _steps = by_integration(disk, starts, how)
     failed = found.status != compiled.status.Status.OK

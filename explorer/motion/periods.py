@@ -174,9 +174,9 @@ def _orbits(
         psi=2.0 * (here.psi - back.psi),
         theta_min=theta_min,
         crosses=ends.crosses.astype(np.float64),
-        error=np.maximum(error, of_tilt),  # NaN where there is no answer
+        error=np.fmax(error, of_tilt),
     )
-    good = found.error <= allowed(how.accuracy, found.chi, found.psi)
+    good = np.isfinite(found.time) & (found.error <= allowed(how.accuracy, found.chi, found.psi))
     answer[:, asked[good]] = np.stack(found)[:, good]
     told[asked[~good]] = code.STEP_LIMIT
     return answer, told

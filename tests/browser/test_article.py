@@ -198,9 +198,9 @@ def test_the_numbers_of_the_prose_are_those_of_the_disks(article):
     assert f"For a coin κ is {coin:.2f}, for a hoop, with all its mass at the rim, {hoop:.2f}, " in prose
     assert f"which makes {hoop / 2:.2f} turns" in prose
     apart = np.degrees(2.0 * coin * np.pi) % 360.0
-    assert f"{min(apart, 360.0 - apart):.0f}° away" in prose
+    assert f"{min(apart, 360.0 - apart):.0f}° apart" in prose
     assert ex.Disk.annulus(1.0 / np.sqrt(3.0)).race_limit == pytest.approx(2.0 * np.pi)
-    assert f"a ring whose hole is {1.0 / np.sqrt(3.0):.2f} as wide as itself" in prose
+    assert f"a ring whose hole is {1.0 / np.sqrt(3.0):.2f} of its width" in prose
 
 
 @pytest.mark.parametrize("reduced", [False, True], ids=["moves", "prefers no motion"])
