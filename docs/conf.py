@@ -75,10 +75,9 @@ def plain_bars(app, what, name, obj, options, lines):
 
 
 def live_page(app, error):
-    """The article, and its laboratory in the frame of the landing page."""
+    """The article in the frame of the landing page, with the laboratory at its end."""
     if error is None and app.builder.format == "html":
         ex.view().save(Path(app.outdir) / "article.html")
-        ex.view(ex.Disk.uniform()).save(Path(app.outdir) / "page.html")
 
 
 def setup(app):

@@ -81,7 +81,7 @@ def test_the_picture_of_the_landing_page_leads_to_the_article(site, browser):
 
 def test_every_page_is_in_the_site_and_all_its_pictures_too(site, browser):
     assert {page for page in PAGES if not (site / page).is_file()} == set()
-    for page in (*PAGES, "page.html"):
+    for page in (*PAGES, "article.html"):
         text = (site / page).read_text("utf-8")
         shown = re.findall(r'<(?:img|iframe)[^>]* src="([^":]+)"', text)
         assert [name for name in shown if not (site / page).parent.joinpath(name).is_file()] == []
