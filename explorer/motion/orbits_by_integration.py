@@ -25,16 +25,14 @@ def integrated_orbits(states: States, own: Array, ends: Ends, how: Plan) -> tupl
     What could not be followed has infinite errors.
     """
     n, finer = len(states), replace(how, accuracy=_OF_ARC * how.accuracy)
-    both = states.at(np.tile(np.arange(n), 2))
-    both.rows.p[n:] *= -1.0
-    slow = precision.amplification(precision.speed_at_vertical(states.disk, both.motion))
-    turn = turning_points(both, finer, slow)
+    slow = precision.amplification(precision.speed_at_vertical(states.disk, states.motion))
+    turns = [turning_points(each, finer, slow) for each in (states, states.reversed())]
     # A state at rest is the turning point behind itself.
     moves = np.stack([np.ones(n, bool), states.rows.p != 0.0])
-    theta = np.where(moves, turn.theta.reshape(2, n), tilt_of(states.natural))
-    face = np.where(moves, turn.face.reshape(2, n), own)
+    theta = np.where(moves, [turn.theta for turn in turns], tilt_of(states.natural))
+    face = np.where(moves, [turn.face for turn in turns], own)
     time, chi, psi, error = (
-        np.where(moves, column.reshape(2, n), 0.0) for column in (turn.time, turn.chi, turn.psi, turn.error)
+        np.where(moves, [getattr(turn, name) for turn in turns], 0.0) for name in ("time", "chi", "psi", "error")
     )
     crosses = face[0] != face[1]
     # 0 where the flattest moment on this face lies ahead of the state, 1 where behind it
