@@ -14,7 +14,7 @@ from explorer.phase.disk import Disk
 from explorer.phase.lines import line_slope
 from explorer.phase.states import Array
 from explorer.pictures.register import Question, picture
-from explorer.pictures.style import DARK, SIGN_COLOURS, SMALL, TEXT, dress
+from explorer.pictures.style import DARK, SIGN_COLOURS, SIZE, SMALL, TEXT, dress
 
 _PHI, _CHI, _PSI = math.radians(38.0), math.radians(35.0), math.radians(70.0)
 _ELEVATION, _AZIMUTH, _DISTANCE = math.radians(24.0), math.radians(-22.0), 11.0  # of the eye
@@ -194,7 +194,7 @@ def _plane(ax: Axes, disk: Disk) -> None:
     "its axis, χ the direction in which the contact point lies, ψ how far it has moved along the rim. Below, the "
     "constants of motion: only on the line l₊ does the disk fall flat on face +1, and the sign of the distance η̂ "
     "to it is the side of F.",
-    (6.4, 9.4),
+    (SIZE[0], 8.6),
     "definitions",
 )
 def definitions(figure: Figure, disk: Disk) -> None:

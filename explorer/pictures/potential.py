@@ -21,6 +21,7 @@ from explorer.pictures.style import (
     SERIES,
     SIDES,
     SIGN_COLOURS,
+    SIZE,
     SMALL,
     TEXT,
     arrow,
@@ -182,7 +183,7 @@ def _name(potential: Potential) -> str:
     "sides are alike, and both turn back just before flat. Right, the speed of the contact point along the rim, "
     "ρ = σ₃/cos φ, against the rate of the tilt: near flat each motion runs along half of an ellipse, and the two "
     "halves are the races, in opposite directions. The loops inside, alike on both sides, are the far turn.",
-    (7.4, 4.4),
+    (SIZE[0], 4.2),
     "phase",
     lambda asked: [
         ("portrait-sides", (each, asked.energy)) for name, each in asked.places().items() if name == "plus"
@@ -207,9 +208,10 @@ def portrait_of_sides(figure: Figure, potential: Potential, energies: tuple[floa
         tilt.axvline(face * HALF_PI, color=WALL, lw=3.0)
     race.axvline(0.0, color=DARK, lw=0.6)
     phi_axis(tilt)
+    tilt.set_xticks([-HALF_PI, 0.0, HALF_PI], ["−π/2", "0", "π/2"])
     rate, unit = coordinate_label("phidot", potential.disk), rates_of(potential.disk)
     dress(tilt, r"$\varphi$ (rad); flat at ±π/2", rate, "The tilt: both sides alike")
-    dress(race, rf"speed along the rim, $\rho$ ({unit})", "", "The race: opposite ways")
+    dress(race, rf"along the rim, $\rho$ ({unit})", "", "The race: opposite ways")
     legend_of_all(figure, [tilt])
     figure.suptitle(f"{_name(potential)}, beside ${_line(potential)}$", fontsize=TEXT)
 
@@ -302,7 +304,7 @@ def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) 
     else:
         phi_axis(ax)
     unit = "$m g r$" if disk.energy_unit == 1.0 else f"energy; $m g r$ = {disk.energy_unit:.3g}"
-    title = rf"{disk.name}: amended potential at $\bar\sigma_3$ = {several[0].sigma3_bar:.4g}"
+    title = f"{_name(several[0])}, {'beside $F$ a wall rises at flat' if near_flat else 'amended potential'}"
     dress(ax, x, f"amended potential $V$ ({unit})", title)
 
 
