@@ -15,12 +15,12 @@ from explorer.motion.falls import KERNELS, departures_of_moving, fall_integrals
 from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, tilt_errors
 from explorer.motion.orbits_by_integration import integrated_orbits
-from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import Plan, plan
 from explorer.motion.starts import Motions, motions_of, seen_from, status_of_period
+from explorer.motion.threads import BLOCK, in_parts
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.falling_set import impact_speed
 from explorer.phase.lines import line_chart
-from explorer.phase.membership import impact_speed
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 

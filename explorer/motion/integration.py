@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.motion import precision
-from explorer.motion.parts import attended
 from explorer.motion.plan import FIXED, Plan
+from explorer.motion.threads import attended
 from explorer.phase.disk import Disk
 from explorer.phase.states import Array
 

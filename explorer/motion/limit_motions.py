@@ -19,15 +19,15 @@ from explorer.errors import InputError, number, shown, sign
 from explorer.motion.rise import KERNELS as RISE
 from explorer.motion.rise import Moving, Rise
 from explorer.motion.starts import Motions, motions_through
-from explorer.phase import membership
+from explorer.phase import falling_set
 from explorer.phase.arguments import column
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.falling_set import falls_of
 from explorer.phase.lines import line_chart, linear_constants
-from explorer.phase.membership import falls_of
 from explorer.phase.results import Table
 from explorer.phase.states import Array, Rows, States, StateWarning, require_states
 
-KERNELS = *membership.KERNELS, *RISE, "falling.line_chart_batch"  # for `compiled.warmup`
+KERNELS = *falling_set.KERNELS, *RISE, "falling.line_chart_batch"  # for `compiled.warmup`
 _HALF_PI = 0.5 * np.pi
 _MOST_IMPACTS = 1e8  # their times take 0.8 GB, and a double has 8 digits left for the place between two
 # Of sigma3_bar over the energy: below, the rate of the race overflows, and no double tells the race from a jump.

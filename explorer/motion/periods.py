@@ -14,9 +14,9 @@ from explorer.errors import InputError, jobs_of
 from explorer.motion.arcs import allowed
 from explorer.motion.orbits import ends_of, orbits_of, smallest
 from explorer.motion.orbits_by_integration import integrated_orbits
-from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import Plan, plan
 from explorer.motion.starts import motions_of, seen_from, status_of_period
+from explorer.motion.threads import BLOCK, in_parts
 from explorer.motion.vertical import LARGEST
 from explorer.phase.disk import require_axial_inertia
 from explorer.phase.lines import linear_constants

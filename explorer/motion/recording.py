@@ -14,9 +14,9 @@ from explorer import compiled
 from explorer.errors import InputError
 from explorer.motion import precision
 from explorer.motion.integration import Followed, InitialValues, follow, follow_accurately
-from explorer.motion.parts import blocks, in_parts
 from explorer.motion.plan import PATH, Plan
 from explorer.motion.starts import held_constants, status_at_start
+from explorer.motion.threads import blocks, in_parts
 from explorer.phase.lines import LinearConstants, motion_through
 from explorer.phase.states import Array, States
 

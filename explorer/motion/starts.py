@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.phase.disk import Disk
+from explorer.phase.falling_set import falls_of
 from explorer.phase.lines import LinearConstants
-from explorer.phase.membership import falls_of
 from explorer.phase.states import Array, Rows, States
 
 # An error in eta above this share of |eta| makes the direction of the race doubtful. Ten times stricter than the

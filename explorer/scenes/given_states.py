@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, double_of, shorten
-from explorer.phase.charts import Chart, recognise
+from explorer.phase.coordinates import Chart, recognise
 from explorer.phase.disk import Disk
 from explorer.phase.paths import path_of
 from explorer.phase.states import COORDINATES, Array, States

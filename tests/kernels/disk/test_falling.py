@@ -7,8 +7,8 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
+from explorer.phase.falling_set import obstacle
 from explorer.phase.lines import ConstantsOfMotion
-from explorer.phase.membership import obstacle
 from kernels.disk import falling
 from kernels.disk.falling import Barrier, LineChart, Membership, OnF
 
