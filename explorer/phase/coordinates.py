@@ -19,7 +19,7 @@ from explorer.phase.arguments import read_columns
 from explorer.phase.columns import ANGLE, COLUMNS, RATE
 from explorer.phase.disk import Disk, require_axial_inertia, require_disk
 from explorer.phase.energy import energy_at
-from explorer.phase.lines import line_chart, line_slope, linear_constants
+from explorer.phase.lines import line_chart, line_slope, motion_given
 from explorer.phase.states import Array, States, StateWarning, phi_to_states, theta_to_states
 
 T = TypeVar("T")
@@ -199,7 +199,7 @@ def _from_constants(disk: Disk, **given: ArrayLike) -> States:
         {name: given[name] for name in ("phi", speed, *spins, "face")}
     )
     inside = np.isfinite(phi) & (abs(phi) < 0.5 * np.pi) & (abs(face) == 1.0)
-    exact = None
+    motion = None
     if spins != ("sigma3", "sigma4"):
         require_axial_inertia(disk)
         with np.errstate(invalid="ignore", over="ignore"):
@@ -209,13 +209,13 @@ def _from_constants(disk: Disk, **given: ArrayLike) -> States:
         chart = line_chart(disk, np.cos(angle), seen * np.sin(angle))
         unit = disk.rate_unit
         with np.errstate(invalid="ignore", over="ignore"):
-            exact = linear_constants(disk, first / unit, eta_hat / unit, seen > 0.0)
+            motion = motion_given(disk, first / unit, eta_hat / unit, seen > 0.0)
             first, second = chart.rates(first, eta_hat)
         second = seen * second
     if speed == "energy":
         rate = _speed(disk, np.where(inside, phi, 0.0), rate, first, second)
     states = phi_to_states(disk, np.where(inside, phi, np.nan), rate, first, second)
-    return replace(states, exact=exact, shape=shape)
+    return replace(states, given=motion, shape=shape)
 
 
 def _speed(disk: Disk, phi: Array, energy: Array, sigma3: Array, sigma4: Array) -> Array:
