@@ -135,7 +135,7 @@ def _disk(ax: Axes) -> None:
     words = r"$\sigma_3 = \dot\chi\,\cos^2\varphi$"
     ax.text(1.3, -1.5, words, color=_ANGLES["chi"], fontsize=TEXT)
     ax.set(xlim=(-2.05, 2.35), ylim=(-1.6, 1.95), aspect="equal")
-    ax.set_title("Angles: flat is φ = ±π/2, face ±1; θ = π/2 − φ", fontsize=TEXT)
+    ax.set_title(r"Flat is $\varphi = \pm\pi/2$, on face $\pm 1$; $\theta = \pi/2 - \varphi$", fontsize=TEXT)
     ax.axis("off")
 
 
@@ -185,7 +185,7 @@ def _plane(ax: Axes, disk: Disk) -> None:
         r"$\bar\sigma_3$: $\sigma_3$ at the vertical ($\sqrt{g/r}$)",
         r"$\bar\sigma_4$: $\sigma_4$ at the vertical ($\sqrt{g/r}$)",
     )
-    dress(ax, *words, "Constants of motion, and the sides of F")
+    dress(ax, *words, "The line of the falls parts the sides of $F$")
 
 
 @picture(

@@ -93,7 +93,7 @@ def _on_both_sides(sizes: Sequence[float]) -> list[float]:
     "The path of the contact point on the table, seen from above, from the vertical through two falls, on both "
     "sides of F. Each circle is a race round the rim of the disk that lies almost flat. The nearer to F, the "
     "nearer the path is to the limit of its side, the broad line; the limits of the sides lead apart.",
-    (SIZE[0], 4.6),
+    (SIZE[0], 4.2),
     "limit",
 )
 def limit_paths(figure: Figure, disk: Disk, eta_hat: Sequence[float] = (0.1, 0.03, 0.01)) -> None:

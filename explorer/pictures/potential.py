@@ -260,7 +260,7 @@ def _curves(places: dict[str, Potential]) -> list[tuple[str, tuple[Any, ...]]]:
 @picture(
     Question.WHICH_MOTIONS,
     "The amended potential on the line of the falling motions and beside it. On the line it ends at a finite "
-    "value at flat; beside the line a wall rises there, the steeper the nearer to the line.",
+    "value at flat; beside the line a wall rises there, η²/(2I₁θ²) at a tilt θ from flat.",
     group="phase",
     portraits=lambda asked: _curves(asked.places()),
 )
@@ -292,15 +292,13 @@ def potentials(ax: Axes, several: Sequence[Potential], near_flat: bool = False) 
         if side == 0:
             _end_at_flat(ax, potential, near_flat)
     ax.set_ylim(0.0, top)
-    legend_below(ax, ncols=3)
+    legend_below(ax, ncols=2 if near_flat else 3)
     x = r"$\varphi$ (rad); flat at ±π/2"
     if near_flat:
         x = r"tilt from flat $\theta$ (rad)"
         walls = [abs(each.eta_hat) / disk.rate_unit for each in several if each.eta]
         ax.set_xscale("log")
         ax.set_xlim(2.0, 0.1 * min(walls, default=1e-5))  # flat at the right, as in phi
-        told = "walls at flat\n" r"$\eta^2/(2I_1\theta^2)$" if walls else ""
-        ax.text(0.97, 0.95, told, ha="right", va="top", transform=ax.transAxes)
     else:
         phi_axis(ax)
     unit = "$m g r$" if disk.energy_unit == 1.0 else f"energy; $m g r$ = {disk.energy_unit:.3g}"

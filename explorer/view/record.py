@@ -23,7 +23,7 @@ _FRAMES, _GIF_FRAMES = 60, 90  # 15 a second: of the hero four seconds, of the f
 _MS = (70, 70, 60)  # of one frame after another, since a GIF counts hundredths of a second
 _REST_MS = 2500  # for which the hero shows all of it before it begins anew
 _COLOURS = 256  # all that a palette holds
-_OF_PALETTE = 6  # each sixth frame of the GIF has its say in the palette, or colours of some are far off
+_SHARED = 3  # frames of the GIF with one palette: one for all has colours far off, one for each twice the size
 _PATIENCE = 900.0  # s: the film is 180 frames of 1080 lines, encoded without a graphics card
 _DESCRIPTION = 0x010E  # of EXIF, where WebP carries its caption
 
@@ -85,13 +85,7 @@ def _hero(browser: Browser, folder: Path) -> Path:
 def _film(browser: Browser, folder: Path) -> Path:
     small, large = folder / "film.gif", folder / "film.webm"
     frames = [_picture(browser, _SMALL, n / (_GIF_FRAMES - 1), film=True) for n in range(_GIF_FRAMES)]
-    # One palette for all, from some of them side by side: colours must not flicker.
-    some = frames[::_OF_PALETTE]
-    several = Image.new("RGB", (len(some) * _SMALL[0], _SMALL[1]))
-    for n, frame in enumerate(some):
-        several.paste(frame, (n * _SMALL[0], 0))
-    palette = several.quantize(_COLOURS)
-    drawn = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    drawn = [each for begin in range(0, _GIF_FRAMES, _SHARED) for each in _alike(frames[begin : begin + _SHARED])]
     comment = "\n".join(CAPTIONS["film"]).encode()
     durations = [*islice(cycle(_MS), _GIF_FRAMES)]
     drawn[0].save(small, save_all=True, append_images=drawn[1:], duration=durations, loop=0, comment=comment)
@@ -102,6 +96,15 @@ def _film(browser: Browser, folder: Path) -> Path:
     }))"""
     large.write_bytes(_bytes(browser.evaluate(code)))
     return small
+
+
+def _alike(frames: list[Image.Image]) -> list[Image.Image]:
+    """Frames with one palette, which is made of them side by side."""
+    several = Image.new("RGB", (len(frames) * _SMALL[0], _SMALL[1]))
+    for n, frame in enumerate(frames):
+        several.paste(frame, (n * _SMALL[0], 0))
+    palette = several.quantize(_COLOURS)
+    return [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
 
 
 def _picture(browser: Browser, size: tuple[int, int], share: float = 1.0, film: bool = False) -> Image.Image:
