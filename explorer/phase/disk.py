@@ -73,7 +73,7 @@ class Description(dict[str, float | str]):
 class Disk:
     """A body of revolution rolling on a sharp rim, its centre of mass at the rim's centre.
 
-    Any consistent units do. It is not checked that a real body with these moments exists.
+    Any consistent units will do. Whether a real body with these moments exists is not checked.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Disk:
         Transverse and axial moment of inertia (kg m^2), 0 <= I3 <= 2 I1 by eq. (2.3). I1 is by default that of a
         uniform disk, m r^2/4, and I3 that of a flat body, 2 I1, as "flat" is.
     name : str
-        Stands in folders, pictures and tables.
+        Used in the names of folders, in pictures and in tables.
 
     Raises
     ------

@@ -111,7 +111,7 @@ class Terms(NamedTuple):
 class Potential:
     """The amended potential V(phi; sigma3_bar, eta), as `explorer.potential` makes it.
 
-    Its methods V, dV and d2V take phi (rad); `equilibria`, `components` and `separatrices` tell its motions.
+    Its methods V, dV and d2V take phi (rad); `equilibria`, `components` and `separatrices` describe its motions.
 
     Attributes
     ----------
@@ -393,7 +393,7 @@ def potential(
     face : int
         +1 for the line l₊, -1 for l₋.
     sigma4_bar : float, optional
-        The other constant of motion, instead of eta_hat and face; what is on a line to rounding counts as on it.
+        The other constant of motion, instead of eta_hat and face; within rounding of a line counts as on it.
 
     Returns
     -------
