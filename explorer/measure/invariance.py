@@ -17,8 +17,8 @@ from explorer.errors import InputError, number, whole
 from explorer.measure.density import Density
 from explorer.measure.sampling import Box, chunk_stream
 from explorer.measure.statistics import either_p
-from explorer.motion.parts import attended, blocks
 from explorer.motion.plan import Plan, plan
+from explorer.motion.threads import attended, blocks
 from explorer.motion.trajectories import trajectories
 from explorer.phase.disk import Disk, require_axial_inertia
 from explorer.phase.results import Result

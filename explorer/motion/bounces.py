@@ -15,12 +15,12 @@ from explorer.motion.falls import KERNELS, departures_of_moving, fall_integrals
 from explorer.motion.orbits import KERNELS as OF_ENDS
 from explorer.motion.orbits import Ends, Orbits, ends_of, orbits_of, tilt_errors
 from explorer.motion.orbits_by_integration import integrated_orbits
-from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import Plan, plan
-from explorer.motion.starts import Motions, motions_of, seen_from, status_of_period
+from explorer.motion.starts import ArcStarts, arc_starts_of, face_of, status_of_period
+from explorer.motion.threads import BLOCK, in_parts
 from explorer.phase.disk import Disk, require_axial_inertia
+from explorer.phase.falling_set import impact_speed
 from explorer.phase.lines import line_chart
-from explorer.phase.membership import impact_speed
 from explorer.phase.results import Result
 from explorer.phase.states import Array, States, require_states
 
@@ -219,8 +219,8 @@ def _joined(parts: list[_Pairs]) -> _Pairs:
 def _pairs(states: States, how: Plan, first_only: bool) -> _Pairs:
     """first_only: nothing is asked but the first one; the other passage of a motion may stay unknown then."""
     disk, code, accuracy = states.disk, compiled.status.Status, how.accuracy
-    own, status = seen_from(states), status_of_period(states)
-    motions = motions_of(states, own)
+    own, status = face_of(states), status_of_period(states)
+    motions = arc_starts_of(states, own)
     rows, n = np.flatnonzero(status == code.OK), status.size
     some = motions.at(rows)
     ends = ends_of(disk, some)
@@ -244,7 +244,7 @@ def _pairs(states: States, how: Plan, first_only: bool) -> _Pairs:
 
 @np.errstate(invalid="ignore", divide="ignore")  # of motions that were not found
 def _pairs_of(
-    motions: Motions,
+    motions: ArcStarts,
     rises: NDArray[np.bool_],
     own: Array,
     ends: Ends,
@@ -289,7 +289,7 @@ def _pairs_of(
     )
 
 
-def _falls(disk: Disk, motions: Motions, ends: Ends, accuracy: float) -> compiled.passages.FallRow[Array]:
+def _falls(disk: Disk, motions: ArcStarts, ends: Ends, accuracy: float) -> compiled.passages.FallRow[Array]:
     """The falls with the constants of motions, from how these are at the vertical or would be."""
     Y, Y_far, K = motions.starts.Y, motions.Y_far, ends.vertical.K
     eta, size = np.where(abs(Y) <= abs(Y_far), Y, Y_far) * disk.body.I1, motions.starts.K

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from explorer import compiled
 from explorer.motion.arcs import from_place, next_inward, places
-from explorer.motion.parts import BLOCK, blocks
 from explorer.motion.passages_by_quadrature import from_vertical
+from explorer.motion.threads import BLOCK, blocks
 from explorer.motion.vertical import VerticalStarts, starts_at_vertical
 from explorer.phase.arguments import read_columns
 from explorer.phase.disk import Disk

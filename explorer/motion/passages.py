@@ -13,11 +13,11 @@ from explorer import compiled
 from explorer.errors import InputError, jobs_of, number, shown
 from explorer.motion.arcs import OF_ANGLES
 from explorer.motion.falls import departures_beside, fall_integrals, rows_apart
-from explorer.motion.parts import BLOCK, blocks, in_parts
 from explorer.motion.passages_by_integration import by_integration
 from explorer.motion.passages_by_quadrature import by_quadrature
 from explorer.motion.plan import Plan, plan
 from explorer.motion.precision import asked
+from explorer.motion.threads import BLOCK, blocks, in_parts
 from explorer.motion.vertical import VerticalStarts, starts_at_vertical
 from explorer.phase.arguments import keywords_of, read_columns
 from explorer.phase.disk import Disk

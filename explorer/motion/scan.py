@@ -14,7 +14,7 @@ from explorer.motion.bounces import bounces
 from explorer.motion.periods import periods
 from explorer.phase.arguments import returned_numbers
 from explorer.phase.constants import constants_of
-from explorer.phase.membership import falls_of
+from explorer.phase.falling_set import falls_of
 from explorer.phase.results import Table
 from explorer.phase.states import COORDINATES, States, require_states
 

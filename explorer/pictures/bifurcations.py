@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from explorer.errors import InputError, one_of
+from explorer.phase.bifurcation import PATHS, Branch, bifurcation, path_values, whole_path
 from explorer.phase.disk import Disk
 from explorer.phase.potential import CENTRE, SADDLE, Component, Potential
-from explorer.phase.stability import PATHS, Branch, bifurcation, path_values, whole_path
 from explorer.phase.states import Array
 from explorer.pictures.potential import STEADY, grounds, small_portrait
 from explorer.pictures.register import Question, picture

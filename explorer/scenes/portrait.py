@@ -12,10 +12,10 @@ import numpy as np
 from explorer.errors import InputError
 from explorer.measure.sampling import Range
 from explorer.measure.tallies import ByName
+from explorer.phase.bifurcation import thresholds
 from explorer.phase.disk import require_axial_inertia
-from explorer.phase.membership import require_well, well
+from explorer.phase.falling_set import require_well, well
 from explorer.phase.potential import Component, Potential, at_constants, on_line
-from explorer.phase.stability import thresholds
 from explorer.scenes.options import NUMBER, RANGE, TRUTH, option
 from explorer.scenes.scene import Counts, Picture, Scene, Table, joined
 

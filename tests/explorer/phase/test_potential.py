@@ -7,7 +7,7 @@ import pytest
 from conftest import BODIES
 
 import explorer as ex
-from explorer.phase.membership import impact_speed, require_well, well
+from explorer.phase.falling_set import impact_speed, require_well, well
 from explorer.phase.potential import CENTRE, FLAT, SADDLE, TURNING, Potential, Terms, at_constants, on_line
 
 UNIFORM, HOOP, COIN = BODIES["uniform"], BODIES["hoop"], BODIES["coin"]
