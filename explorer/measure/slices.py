@@ -161,7 +161,7 @@ def slice_map(
     Raises
     ------
     InputError
-        Where the slice is none, or the observable is not known.
+        Where the slice cannot be read, or the observable is not known.
 
     Examples
     --------

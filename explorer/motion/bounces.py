@@ -101,15 +101,15 @@ def bounces(
     Parameters
     ----------
     states : States
-        One state of each motion, anywhere on it; the disk needs I3 > 0. An eta that was given, as
-        `constants_to_states` is, is taken as it is, however small.
+        One state of each motion, at any moment of it; the disk needs I3 > 0. An eta_hat that was given, as to
+        `constants_to_states`, is used as given, however small.
     count : int
         How many bounces of each, 1 to 100,000.
     accuracy : float
-        Error of the angles (rad), relative error of times and tilts, 1e-13 to 0.1. A coarser one takes less time.
-        Of angles that are so large that their 14th digit is more, that.
+        Error of the angles (rad), and relative error of times and tilts, 1e-13 to 0.1. Coarser is faster. No angle
+        is known better than to its 14th digit.
     jobs : int
-        Threads. `scan` goes through many states in batches instead, and shows how far it is.
+        Threads. For many states see `scan`, which works in batches and shows its progress.
     method : str
         'auto' or 'quadrature'; or 'rk4', 'rk8', 'dopri5', 'dop853', which follow each motion through one period in
         steps, to an accuracy of 1e-11 at best; the fall angle alone is by quadrature then, too.
@@ -127,7 +127,8 @@ def bounces(
 
     Notes
     -----
-    The tilt is periodic: bounces of one state have at most two theta_min, one on each face; two of them tell all.
+    The tilt is periodic: the bounces of one state have at most two different theta_min, one on each face, so two
+    bounces tell all about the tilt.
 
     race_angle = delta_chi - fall_angle, where fall_angle is the increase of chi along the limit motion with the
     same sigma3_bar and energy over its own stretch: from the vertical to flat and back where it crosses the

@@ -203,25 +203,25 @@ def limit_motion(state_on_f: States, side: int = 1) -> LimitMotion:
     Parameters
     ----------
     state_on_f : States
-        One state, of a disk with I3 > 0. One beside F is moved onto it: its energy and sigma3_bar are taken, and
-        eta on the nearer face is set to 0. The result says as `missed` by how much.
+        One state, of a disk with I3 > 0. A state beside F is moved onto F: its energy and sigma3_bar are kept, and
+        eta on the nearer face is set to 0. `missed` of the result says how far it was moved.
     side : int
         Sign of eta from which F is approached, +1 or -1.
 
     Returns
     -------
     LimitMotion
-        The motion through all its impacts, to be called with times.
+        The motion through all its impacts; call it with times.
 
     Raises
     ------
     InputError
-        Where the disk would not fall from that state, for another side, and for more than one state.
+        Where the disk would not fall from that state, for a side that is not +1 or -1, and for several states.
 
     Warns
     -----
     StateWarning
-        Where the state is moved by more than rounding of its rates, 1e-12 of them.
+        Where the state is moved by more than the rounding of its rates, taken as 1e-12 of their size.
 
     Notes
     -----

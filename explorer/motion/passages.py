@@ -138,8 +138,8 @@ def passages(
     sigma3_bar : array_like
         Constant of motion of eq. (3.5), units of the disk. The arrays broadcast; the result has their shape.
     eta_hat : array_like
-        Distance from the line of `face`, eq. (6.2), units of the disk, signed; 0 is a fall. Quadrature
-        takes it as it is, down to 1e-300.
+        Signed distance from the line of `face`, eq. (6.2), units of the disk; at 0 the disk falls. Quadrature
+        uses it as given, down to 1e-300.
     phidot : array_like
         Speed at the vertical towards flat, units of the disk, not negative.
     face : array_like
@@ -161,7 +161,7 @@ def passages(
     Raises
     ------
     InputError
-        For arguments that are no numbers, do not broadcast or cannot be used.
+        For arguments that are not numbers, do not broadcast or cannot be used.
 
     Notes
     -----

@@ -77,7 +77,7 @@ def periods(
     *,
     method: str = "auto",
 ) -> Periods:
-    """Periods of the motions through `states`, from turning point to turning point.
+    """Periods of the motions through `states`.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def periods(
         state's own, which is only known to rounding: a state on F to rounding FALLS or is UNRESOLVED_SIDE
         without it. States made by `constants_to_states` keep the one they were made from.
     jobs : int
-        Threads, by default 1; the numbers do not depend on them.
+        Threads, by default 1; the results do not depend on their number.
     method : str
         As for `bounces`: 'auto', 'quadrature', or an integrator.
 

@@ -157,7 +157,7 @@ def bifurcation(disk: Disk, path: str, parameter: ArrayLike) -> tuple[Branch, ..
     Raises
     ------
     InputError
-        For an unknown path, and values that are no numbers.
+        For an unknown path, and values that are not numbers.
 
     References
     ----------

@@ -56,7 +56,7 @@ def rates_to_states(
     face: ArrayLike = 1,
     degrees: bool = False,
 ) -> States:
-    """States from what an experimenter knows: the tilt, the rate at which the disk precesses, and its spin.
+    """States from what an experimenter measures: the tilt, the rate at which the disk precesses, and its spin.
 
     Parameters
     ----------
@@ -68,8 +68,8 @@ def rates_to_states(
         Rates (units of the disk) of the tilt, positive where the disk rises, and at which the contact point turns
         about the vertical.
     spin : array_like
-        Angular velocity about the disk's own axis (units of the disk), as a gyroscope on it reads. A disk
-        that does not turn relative to the line of contact has face * precession * cos(tilt).
+        Angular velocity about the disk's own axis (units of the disk), as a gyroscope on the disk would read it. A
+        disk that keeps the same point on the table has face * precession * cos(tilt).
     face : array_like of +1 or -1
         Which face would come down: +1 for flat at phi = +pi/2, -1 for flat at phi = -pi/2.
     degrees : bool
@@ -78,7 +78,7 @@ def rates_to_states(
     Returns
     -------
     States
-        What is not finite, or no tilt between 0 and pi, has the status BAD_INPUT.
+        The status is BAD_INPUT where a number is not finite or a tilt does not lie between 0 and pi.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def rates_to_states(
     Warns
     -----
     StateWarning
-        Where tilts lie outside 0 to pi, or all of them beyond upright, as degrees that are read as radians do.
+        Where tilts lie outside 0 to pi, or all of them beyond upright, which suggests that they are in degrees.
 
     Examples
     --------
@@ -163,13 +163,13 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     Returns
     -------
     States
-        Where the energy is too small for the place, the status is BAD_INPUT. Constants of motion that are given
-        are kept as they are, so that eta_hat may be smaller than a state's rounding.
+        The status is BAD_INPUT where the energy is too small for the tilt. Constants of motion are kept as given,
+        so that eta_hat may be smaller than the rounding of a state.
 
     Raises
     ------
     InputError
-        Where the names are no complete set, or an argument is not a number.
+        Where the names do not make a complete set, or an argument is not a number.
 
     Examples
     --------

@@ -95,7 +95,7 @@ def line_chart(disk: Disk, q: Array, z: Array) -> LineChart:
     """The chart where cos phi = q and sin phi = z, arrays of one length. Needs I3 > 0."""
     rows = np.empty((4, q.size))
     compiled.falling.line_chart_batch(np.ascontiguousarray(q), np.ascontiguousarray(z), disk.natural, rows)
-    return LineChart(**compiled.falling.LineChart(*rows)._asdict())
+    return LineChart(*rows)
 
 
 def line_slope(disk: Disk) -> float:

@@ -27,7 +27,7 @@ COORDINATES = ("phi", "phidot", "sigma3", "sigma4")
 
 
 class StateWarning(UserWarning):
-    """A state is probably not what was meant: it is no tilt, looks like degrees, or had to be moved onto F.
+    """A state is probably not what was meant: a tilt out of range or in degrees, or a state moved onto F.
 
     Examples
     --------
@@ -52,7 +52,7 @@ class Rows(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class States:
-    """States of one disk in the chart of the kernels: what `phi_to_states` and its like return.
+    """States of one disk, as the kernels take them: what `phi_to_states` and similar functions return.
 
     Attributes
     ----------
@@ -61,12 +61,12 @@ class States:
     natural : (5, n) array
         Rows q = cos phi, z = sin phi, p = -phidot, rho = sigma3/q and sigma4, in natural units.
     status : (n,) array of int8
-        `Status` of each state. One that is not finite or already flat is BAD_INPUT; no integrator sees it.
+        `Status` of each state. A state that is not finite or already flat is BAD_INPUT and is never followed.
     given : Motion or None
         sigma3_bar, eta_plus and eta_minus (natural units) where they were given rather than computed from the
         state, so that eta may be smaller than the state's rounding.
     shape : tuple of int
-        To which the arguments broadcast, (n,) unless said otherwise; results of the states have it too.
+        The shape to which the arguments broadcast, by default (n,). Results computed from the states have it too.
 
     Examples
     --------
@@ -184,7 +184,7 @@ class States:
 
 
 def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLike, sigma4: ArrayLike) -> States:
-    """States from the tilt phi from the vertical.
+    """States from the angle phi between the disk's plane and the vertical.
 
     Parameters
     ----------
@@ -203,7 +203,7 @@ def phi_to_states(disk: Disk, phi: ArrayLike, phidot: ArrayLike, sigma3: ArrayLi
     Raises
     ------
     InputError
-        For arguments that are no numbers or do not broadcast.
+        For arguments that are not numbers or do not broadcast.
 
     Examples
     --------
@@ -231,18 +231,18 @@ def theta_to_states(
     sigma4: ArrayLike,
     face: ArrayLike = 1,
 ) -> States:
-    """States from the tilt theta from flat: the chart for states so near flat that phi has no digits left.
+    """States from the tilt theta above flat, for states so near flat that phi would have too few digits.
 
     Parameters
     ----------
     disk : Disk
         The body.
     theta : array_like
-        Tilt (rad) from the flat state of `face`, 0 < theta < pi.
+        Tilt (rad) above the flat state of `face`, 0 < theta < pi.
     thetadot, sigma3, sigma4 : array_like
         Rates, units of the disk. The arrays broadcast; the result has their shape.
     face : array_like
-        Flat state that theta is measured from, +1 or -1.
+        The flat state above which theta is measured, +1 or -1.
 
     Returns
     -------
@@ -252,7 +252,7 @@ def theta_to_states(
     Raises
     ------
     InputError
-        For arguments that are no numbers or do not broadcast.
+        For arguments that are not numbers or do not broadcast.
 
     Examples
     --------
@@ -275,7 +275,7 @@ def constants_to_states(
 ) -> States:
     """States at the vertical from constants of motion.
 
-    They keep the eta_hat they are made from, however small, where a state in doubles would lose it.
+    They keep the eta_hat that they are made from, however small; computed from a state it would drown in rounding.
 
     Parameters
     ----------
@@ -288,7 +288,7 @@ def constants_to_states(
     phidot : array_like
         Speed at the vertical, units of the disk. The arrays broadcast; the result has their shape.
     face : array_like
-        Flat state whose line is meant, +1 or -1.
+        The flat state to whose line the distance is measured, +1 or -1.
 
     Returns
     -------
@@ -298,7 +298,7 @@ def constants_to_states(
     Raises
     ------
     InputError
-        For arguments that are no numbers or do not broadcast, and for a disk with I3 = 0.
+        For arguments that are not numbers or do not broadcast, and for a disk with I3 = 0.
 
     Examples
     --------

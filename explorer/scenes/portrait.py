@@ -175,7 +175,7 @@ def _place(name: str, potential: Potential, table: Table) -> dict[str, Any]:
         "sigma4_bar": potential.sigma4_bar,
         "eta_hat": potential.eta_hat,
         "face": potential.face,
-        "reaches_flat": [face for face in (-1, 1) if math.isfinite(potential.flat_value(face))],
+        "reaches_flat": [face for face in (-1, 1) if math.isfinite(potential.at_flat(face))],
         # Of all points of the levels with |phi| < 1.5 rad
         "largest_energy_error": float(abs(energy / table["energy"][inside] - 1.0).max(initial=0.0)),
     }
