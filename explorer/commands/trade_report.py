@@ -13,8 +13,8 @@ _REFERENCE = {
     "motions": "rk8 with steps far finer than any accuracy needs",
 }
 
-_ABOUT = """Samples are those that the scene draws. Times are those of the calls that the scene makes, or of `simulate`
-for motions: processor time of one core, without compile time, the least of several interleaved rounds.
+_ABOUT = """Samples are those that the scene draws. Times are those of the scene's calls, or of `simulate` for
+motions: processor time of one core, without compile time, the least of several interleaved rounds.
 Compare them only within this page. A setting is chosen for an accuracy of twice its error. At that accuracy,
 *unresolved* is the share of samples whose side of F is unknown, *refused* the share without an answer for
 another reason. *Wrong way* counts samples that came out on the other side of F. Rows marked * are the best

@@ -340,8 +340,8 @@ def main():
         "|---|---|",
         *(f"| {fault} | {found} |" for fault, found in rows),
         "",
-        "[moments.md](moments.md): runs stopped by signals, by backend. `fuzz.json`: random calls, command lines and",
-        "edited folders (`nox -s fuzz`).",
+        "[moments.md](moments.md): runs stopped by signals, by backend. `fuzz.json`: random calls, command lines,",
+        "and edited folders (`nox -s fuzz`).",
     ]
     (OUT / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 

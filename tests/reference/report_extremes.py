@@ -85,7 +85,7 @@ def main():
         "# The extremes",
         "",
         "Made by `python tests/reference/report_extremes.py`; references by `tests/reference/make_motions.py`.",
-        "Quadrature compared with 40-digit arithmetic, m = r = g = 1: the largest errors for each kind of passage,",
+        "Quadrature compared with 40-digit arithmetic, m = r = g = 1: the largest errors of each kind of passage,",
         "at the tightest accuracy that it meets. *Not at 1e-11*: how many meet only 1e-8, 1e-5 or 1e-2.",
         "",
         "| passages | number | not at 1e-11 | error of angles (rad) | of times, relative | estimate |",

@@ -159,10 +159,10 @@ def alone(gain):
 def lines(samples, found):
     """The part of the page about the second job."""
     best = {way: fastest(costs) for way, costs in found.items()}
-    yield f"race-angles, {samples:,} samples, all rows stored and summarised, without pictures: one processor draws"
-    yield "these at the end, in a second or two for any number of samples. The fastest of"
-    yield f"{len(found[ONE])} rounds. *Work* is processor time of all processes of the run, *idle* the remaining time"
-    yield "of two processors, *pauses* how often a thread waited for a lock or for data."
+    yield f"race-angles, {samples:,} samples, all rows stored and summarised, without pictures: one processor"
+    yield "draws these at the end, in a second or two for any number of samples. The fastest of"
+    yield f"{len(found[ONE])} rounds. *Work* is processor time of all processes of the run, *idle* the rest of the"
+    yield "time of two processors, *pauses* how often a thread waited for a lock or for data."
     yield "The last four columns describe the whole machine: seconds in which some process waited for a"
     yield "processor, for the disk or for memory, and seconds taken by other machines on the same hardware."
     yield ""
