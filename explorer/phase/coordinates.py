@@ -153,12 +153,14 @@ def coordinates_to_states(disk: Disk, **coordinates: Unpack[Coordinates]) -> Sta
     disk : Disk
         The disk.
     **coordinates
-        Three to five arrays, which broadcast. phi : angle to the vertical (rad), 0 where it is left out. One of
-        phidot : its rate (units of the disk), or energy : which then gives phidot >= 0. And two of the rates
-        (units of the disk) sigma3 : with sigma4 : of eq. (2.14), or the constants of motion sigma3_bar : with
-        sigma4_bar : or with eta_hat : of the face +1 or -1 that face : says, +1 where it is left out.
-        Also the arguments of `theta_to_states` (theta, thetadot, sigma3, sigma4 and face), or of
-        `rates_to_states` in radians (tilt, tilt_rate, which is 0 where it is left out, precession, spin and face).
+        Three to five arrays, which broadcast: one for the tilt, one for its rate, and two for the spins. Rates are in
+        the units of the disk.
+        The tilt is phi : angle to the vertical (rad), 0 if left out. With it comes phidot : its rate; or energy :
+        which then gives phidot >= 0. Instead, theta : with thetadot : as `theta_to_states` takes them, or
+        tilt : (rad) with tilt_rate : 0 if left out, as `rates_to_states` does.
+        The spins are sigma3 : with sigma4 : of eq. (2.14); beside phi also constants of motion, sigma3_bar : with
+        sigma4_bar : or with eta_hat : ; beside tilt, precession : and spin : instead.
+        face : +1 or -1, the face to which theta, tilt or eta_hat refers; +1 if left out.
 
     Returns
     -------
