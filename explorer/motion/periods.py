@@ -14,12 +14,12 @@ from explorer.errors import InputError, jobs_of
 from explorer.motion.arcs import allowed
 from explorer.motion.orbits import ends_of, orbits_of, smallest
 from explorer.motion.orbits_by_integration import integrated_orbits
-from explorer.motion.parts import BLOCK, in_parts
 from explorer.motion.plan import Plan, plan
-from explorer.motion.starts import motions_of, seen_from, status_of_period
+from explorer.motion.starts import arc_starts_of, face_of, status_of_period
+from explorer.motion.threads import BLOCK, in_parts
 from explorer.motion.vertical import LARGEST
 from explorer.phase.disk import LARGEST_RATE, require_axial_inertia
-from explorer.phase.lines import line_chart, linear_constants
+from explorer.phase.lines import line_chart, motion_given
 from explorer.phase.results import Result
 from explorer.phase.states import Array, Rows, States, columns_of, require_states
 
@@ -77,7 +77,7 @@ def periods(
     *,
     method: str = "auto",
 ) -> Periods:
-    """Periods of the motions through `states`, from turning point to turning point.
+    """Periods of the motions through `states`.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def periods(
         without it. Where it differs by more, the motion is another one, with that eta_hat and the sigma3_bar,
         tilt and phidot of the state. States made by `constants_to_states` keep the one they were made from.
     jobs : int
-        Threads, by default 1; the numbers do not depend on them.
+        Threads, by default 1; the results do not depend on their number.
     method : str
         As for `bounces`: 'auto', 'quadrature', or an integrator.
 
@@ -121,7 +121,7 @@ def periods(
     require_axial_inertia(disk)
     how = plan(("period",), accuracy, method)
     known = states if eta_hat is None else _with_eta_hat(states, eta_hat)
-    own, status = seen_from(known), status_of_period(known)
+    own, status = face_of(known), status_of_period(known)
     parts = in_parts(jobs_of("jobs", jobs), len(states), partial(_orbits, known, own, status, how), BLOCK)
     out, status = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
     found, ok = _Period(*out), status == compiled.status.Status.OK
@@ -159,7 +159,7 @@ def _orbits(
     answer, told = np.full((len(_Period._fields), rows.size), np.nan), status[rows]
     asked = np.flatnonzero(told == code.OK)
     known, own = states.at(rows[asked]), own[rows[asked]]
-    some = motions_of(known, own)
+    some = arc_starts_of(known, own)
     ends = ends_of(disk, some)
     if how.method == "quadrature":
         here, there, _lead = orbits_of(disk, some, ends, how.accuracy, True, False)
@@ -191,15 +191,16 @@ def _with_eta_hat(states: States, eta_hat: ArrayLike) -> States:
     if given.size != len(states):
         raise InputError(f"eta_hat broadcasts to {given.size} entries for {len(states)} states; give one for each")
     good = (states.status == code.OK) & (abs(given) < LARGEST)
-    exact = linear_constants(disk, sigma3_bar, np.where(good, given, 1.0), states.rows.z >= 0.0)
+    asked = motion_given(disk, sigma3_bar, np.where(good, given, 1.0), states.rows.z >= 0.0)
     # By less than its rounding a state need not be moved to have that eta.
-    by = exact.eta_plus - motion.eta_plus
+    by = asked.eta_plus - motion.eta_plus
     by = np.where(good & (abs(by) > np.fmax(motion.rounding_plus, motion.rounding_minus)), by, 0.0)
-    rows = Rows(*states.natural.copy())
+    rows = Rows(*states.natural)
     sigma3, sigma4 = line_chart(disk, rows.q, rows.z).rates(0.0, disk.eta_to_eta_hat(by))
     moved = rows._replace(rho=rows.rho + sigma3 / rows.q, sigma4=rows.sigma4 + sigma4)
     good &= np.fmax(abs(moved.rho), abs(moved.sigma4)) < LARGEST_RATE
-    natural = np.where(good, np.stack(moved), states.natural)
-    return States(
-        disk, natural, np.where(good, states.status, code.BAD_INPUT).astype(np.int8), exact, states.shape
+    natural, status = (
+        np.where(good, np.stack(moved), states.natural),
+        np.where(good, states.status, code.BAD_INPUT),
     )
+    return States(disk, natural, status.astype(np.int8), asked, states.shape)
