@@ -50,9 +50,9 @@ class Coordinates(TypedDict, total=False):
 def rates_to_states(
     disk: Disk,
     tilt: ArrayLike,
-    tilt_rate: ArrayLike,
-    precession: ArrayLike,
-    spin: ArrayLike,
+    tilt_rate: ArrayLike = 0.0,
+    precession: ArrayLike = 0.0,
+    spin: ArrayLike = 0.0,
     face: ArrayLike = 1,
     degrees: bool = False,
 ) -> States:
@@ -66,7 +66,7 @@ def rates_to_states(
         Angle between the disk's plane and the table (rad): 0 is flat, pi/2 is upright.
     tilt_rate, precession : array_like
         Rates (units of the disk) of the tilt, positive where the disk rises, and at which the contact point turns
-        about the vertical.
+        about the vertical. A rate that is left out is 0.
     spin : array_like
         Angular velocity about the disk's own axis (units of the disk), as a gyroscope on the disk would read it. A
         disk that keeps the same point on the table has face * precession * cos(tilt).
@@ -135,7 +135,7 @@ def _warn_of_tilts(angle: Array, degrees: bool) -> None:
     """Warn of tilts (rad) that are none, and, unless degrees were said, of such as look like them."""
     if not degrees and warn_of_degrees(angle, 4):
         return
-    outside = angle[(angle <= 0.0) | (angle >= np.pi)]
+    outside = angle[~((angle > 0.0) & (angle < np.pi))]
     if outside.size:
         warnings.warn(
             f"tilt: {outside.size:,} of {angle.size:,} lie outside 0 to pi, {outside[0]:g} rad for instance, and "
