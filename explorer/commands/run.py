@@ -27,9 +27,12 @@ def add_scene(command: argparse.ArgumentParser, words: Sequence[str], text: str 
     for word in words:
         if word.endswith(".py"):
             raise InputError(f"scene {word}: name its class too, as in {word}:Scene")
-    named = next((word for word in words if word in NAMES or word.endswith(".toml") or ".py:" in word), None)
-    if named is None:
+    # The options of a scene may stand before its name; a name that is not known stands first, or is not found.
+    known = [word for word in words if word in NAMES or word.endswith(".toml") or ".py:" in word]
+    first = [word for word in words[:1] if not word.startswith("-")]
+    if not (known or first):
         return Scene
+    named = [*known, *first][0]
     return scene_class(read_scene_file(Path(named))["scene"] if named.endswith(".toml") else named)
 
 

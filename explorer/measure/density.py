@@ -17,7 +17,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, shown
-from explorer.measure.sampling import BLOCK, Box, Range, Ranges, Stream, box_of, gather, parse_ranges
+from explorer.measure.sampling import (
+    BLOCK,
+    Box,
+    Range,
+    Ranges,
+    Stream,
+    box_of,
+    gather,
+    parse_gaussians,
+    parse_ranges,
+)
 from explorer.phase.arguments import read_range, returned_numbers
 from explorer.phase.disk import Disk
 from explorer.phase.states import COORDINATES, Array
@@ -110,7 +120,7 @@ class Density:
                 "falling set are too steep for this; give a disk with larger ones"
             )
         bounds = ANY_ENERGY if energy is None else read_range("energy", energy, unbounded=True)
-        return cls(found, bounds, tuple(parse_ranges(gaussian or {}, "gaussian").items()), density)
+        return cls(found, bounds, tuple(parse_gaussians(gaussian or {}, "gaussian").items()), density)
 
     def seen_from(self, disk: Disk, face: int) -> "Density":
         """The same in natural units, as a face sees it.

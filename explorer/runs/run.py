@@ -303,7 +303,7 @@ class Run:
         settings: how, as for `run`: jobs, backend, scheduler, format, figures, progress.
         """
         if self._parts:
-            raise InputError("resume: several runs were merged here; resume each of them")
+            raise InputError("several runs were merged here; resume each of them")
         if self.folder is not None:
             execute(Asked(self.scene, Settings.of({**settings, "out": self.folder})))
             vars(self).pop("_total", None)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from explorer.errors import InputError
 from explorer.measure import sifting, statistics
 from explorer.measure.sampling import chunk_stream
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
@@ -102,6 +103,8 @@ class FallingSet(FromStates):
     def __post_init__(self) -> None:
         super().__post_init__()
         require_axial_inertia(self.disk)
+        if self.theta_min == "none" and self.method != "auto":
+            raise InputError(f"method {self.method}: computes theta_min, of which none is asked; leave one out")
 
     @property
     def tube(self) -> float:
@@ -197,7 +200,7 @@ class FallingSet(FromStates):
             return super().chunk(index)
         n, tally = self.length(index), FallingCounts()
         random = chunk_stream(self.seed, index)
-        found = sifting.sift(self.disk, self.box, random, (n, self.block), self.tube * _WIDER)
+        found = sifting.sift(self.disk, self.box, random, (n, self.states_at_once), self.tube * _WIDER)
         table = self.observe(Block(phi_to_states(self.disk, **found.columns), found.columns, {}))
         tally.faces += found.faces
         tally.could_fall, tally.distance = found.could_fall, found.distance

@@ -14,7 +14,7 @@ import scipy
 from numpy.typing import NDArray
 
 from explorer import compiled
-from explorer.errors import InputError
+from explorer.errors import InputError, said
 from explorer.measure import invariance, statistics
 from explorer.measure.density import Density
 from explorer.measure.falling_probability import FEWEST_HITS, FallingProbability
@@ -40,6 +40,8 @@ _CHECKED_BY = "dopri5"  # by this method
 def read_ladder(name: str, value: Any) -> Range:
     """Read the smallest and the largest delta. Raises InputError."""
     low, high = read_range(name, value)
+    if low == high:
+        raise InputError(f"{said(name, value)}: is one tilt; give LOW:HIGH, the smallest and the largest (rad)")
     if not 1e-100 <= low < high <= 1.0:
         raise InputError(f"{name} {low:g}:{high:g} must be LOW:HIGH within 1e-100:1 (tilts in rad)")
     return low, high

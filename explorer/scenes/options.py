@@ -17,7 +17,7 @@ import numpy as np
 
 from explorer.errors import InputError, flag, number, one_of, shown, suggest, whole
 from explorer.measure.density import Function
-from explorer.measure.sampling import Range, parse_ranges
+from explorer.measure.sampling import Range, parse_gaussians, parse_ranges
 from explorer.phase.arguments import read_range
 from explorer.phase.disk import Disk
 from explorer.phase.paths import path_of
@@ -222,6 +222,11 @@ def read_ranges(name: str, value: Any) -> dict[str, Range]:
     return parse_ranges(plain(value), name)
 
 
+def read_gaussians(name: str, value: Any) -> dict[str, Range]:
+    """Read means and deviations of coordinates: "phidot=0.5:0.3", or a mapping. Raises InputError."""
+    return parse_gaussians(value, name)
+
+
 def read_density(name: str, value: Any) -> Function:
     """Read a density. A stored run says only which function it had. Raises InputError."""
     if not callable(value):
@@ -240,4 +245,5 @@ OPEN_RANGE = Reader(partial(read_range, unbounded=True), "LOW:HIGH", "str | tupl
 RANGES = Reader(read_ranges, "NAME=LOW:HIGH,..", "str | Box | Mapping[str, tuple[float, float]]")
 DISK = Reader(read_disk, "DISK", "Disk | str")
 DISKS = Reader(several(read_disk), "DISK", "Disk | str | Sequence[Disk | str]")
+GAUSSIANS = Reader(read_gaussians, "NAME=MEAN:DEVIATION,..", "str | Mapping[str, tuple[float, float]]")
 DENSITY = Reader(read_density, None, "Callable[..., Array]")
