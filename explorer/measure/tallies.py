@@ -54,6 +54,16 @@ class Tally:
         return cls(**{name: _made(kind, state[name]) for name, kind in cls.kinds.items()})
 
 
+ADD_UP = "int, float, list, Histogram, LogHistogram, or ByName[...] of one of these"
+
+
+def adds_up(kind: Any) -> bool:
+    """Whether a field of a tally may be of this kind."""
+    if get_origin(kind) is ByName:
+        return adds_up(get_args(kind)[0])
+    return kind in (int, float) or (get_origin(kind) or kind) is list or hasattr(kind, "state")
+
+
 def _made(kind: Any, *state: Any) -> Any:
     """An empty count of a kind, or the one with this state."""
     if get_origin(kind) is ByName:

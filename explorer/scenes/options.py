@@ -130,6 +130,11 @@ def options_of(kind: type) -> "tuple[Field[Any], ...]":
     return tuple(each for each in fields(kind) if "reader" in each.metadata)
 
 
+def own_options(kind: type) -> "tuple[Field[Any], ...]":
+    """Those that a user's class declares, or inherits from another of the user's."""
+    return tuple(each for each in options_of(kind) if not _home_of(kind, each).__module__.startswith("explorer."))
+
+
 def key_of(each: "Field[Any]") -> str:
     """What records call an option."""
     return each.metadata["key"] or each.name
