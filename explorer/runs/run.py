@@ -17,7 +17,7 @@ from tqdm import tqdm
 
 from explorer import compiled
 from explorer.errors import InputError, Interrupted, RunError, note, one_of, shorten, words
-from explorer.measure import statistics
+from explorer.measure.tallies import ByName
 from explorer.phase.paths import path_of
 from explorer.runs import folder as folders
 from explorer.runs import store
@@ -187,7 +187,7 @@ class Run:
             due,
             len(notes),
             sum(note["samples"] for note in notes),
-            statistics.add_counts(note["tally"]["status"] for note in notes),
+            dict(sum((note["tally"]["status"] for note in notes), ByName[int]())),
             None if self._parts else record.get("finished"),
             None if self._parts else record.get("seconds_for_chunks"),
             tuple(sorted(lacking)),
@@ -458,14 +458,14 @@ def _draw_missing(run: Run, formats: Sequence[str], stop: threading.Event) -> bo
 def _computed(asked: Asked, missing: list[int], stop: threading.Event) -> Iterator[store.Chunk]:
     """Compute the chunks that are missing, and show how far it is. Raises Interrupted."""
     scene, settings, _ = asked
-    due, count, counts = samples_of(scene), len(missing), dict[str, int]()
+    due, count, counts = samples_of(scene), len(missing), ByName[int]()
     there = due - sum(map(scene.length, missing))
     often = 0.1 if sys.stderr.isatty() else 5.0  # seconds between two lines
     how: dict[str, Any] = {"desc": scene.name, "unit": " samples", "unit_scale": True, "mininterval": often}
     with tqdm(total=due, initial=there, delay=2.0, disable=settings.quiet, **how) as bar:
         for chunk, status in compute_all(scene, missing, settings, stop) if missing else ():
             count -= 1
-            counts = statistics.add_counts([counts, status])
+            counts = counts + status
             bar.set_postfix({name: n for name, n in counts.items() if name != "ok"}, refresh=False)
             bar.update(sum(status.values()))
             yield chunk

@@ -17,7 +17,7 @@ from explorer.errors import InputError
 from explorer.measure import sifting, statistics
 from explorer.measure.sampling import chunk_stream
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
-from explorer.measure.tallies import ByName, Least, LogHistogram
+from explorer.measure.tallies import ByName, Least, LogHistogram, count_status
 from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts
 from explorer.motion.turning_points import smallest_tilt, tilt_kernels
 from explorer.phase import membership
@@ -206,7 +206,7 @@ class FallingSet(FromStates):
         tally.could_fall, tally.distance = found.could_fall, found.distance
         good = sum(found.faces.values())
         of_others = {"ok": good - table["status"].size, "bad_input": n - good}
-        tally.status += statistics.count_status([table["status"]])
+        tally.status += count_status(table["status"])
         tally.status += {name: count for name, count in of_others.items() if count}
         self._count_tilts(tally, table)
         return self.kept(table), tally

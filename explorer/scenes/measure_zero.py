@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from explorer import compiled
 from explorer.errors import InputError, said
-from explorer.measure import invariance, statistics
+from explorer.measure import invariance
 from explorer.measure.density import Density
 from explorer.measure.falling_probability import FEWEST_HITS, FallingProbability
 from explorer.measure.sampling import Range, chunk_stream
-from explorer.measure.tallies import ByName, Histogram
+from explorer.measure.tallies import ByName, Histogram, count_status
 from explorer.measure.tubes import dimensions, widest_eta
 from explorer.motion.plan import Plan, plan
 from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts, through_time
@@ -155,7 +155,7 @@ class MeasureZero(FromDensity):
 
     def chunk(self, index: int) -> tuple[Table, ZeroCounts]:
         table, tally = self._plain(index) if index >= self._in_tubes else self._batch(index)
-        tally.status += statistics.count_status([table["status"]])
+        tally.status += count_status(table["status"])
         # The first batches show what the draws and weights of every tube look like.
         first = index < self._in_tubes and index % self._batches[0] == 0
         return (table if first and self.keep == "near" else self.kept(table)), tally

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, RunError
-from explorer.measure import statistics
+from explorer.measure import tallies
 from explorer.measure.races import (
     SIDES,
     by_decade,
@@ -55,7 +55,7 @@ _NEAR_F_REMEDY = (
     "1e100 natural units"
 )
 _ANYWHERE_REMEDY = "give states with more energy: the others do not come flat"
-KERNELS = (*statistics.KERNELS, *LogHistogram.KERNELS)  # of what is counted
+KERNELS = (*tallies.KERNELS, *LogHistogram.KERNELS)  # of what is counted
 
 
 class RaceCounts(Counts):
@@ -228,7 +228,7 @@ class RaceAngles(FromStates):
         if known.any():
             lowest, highest = int(group[known].min()), int(group[known].max())
             place = np.where(known, group - lowest, -1.0).astype(np.int64)
-            for n, parts in enumerate(statistics.sums(deviation, place, highest - lowest + 1), lowest):
+            for n, parts in enumerate(tallies.sums(deviation, place, highest - lowest + 1), lowest):
                 tally.deviations[str(n)] += float(parts.sum())
         tally.decades.count(deviation, group)
         count_law(tally.law, self.disk, eta_hat, race, table["impact_speed"], table["error_estimate"])

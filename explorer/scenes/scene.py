@@ -18,9 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explorer.errors import InputError, RunError, one_of, shown
-from explorer.measure import statistics
 from explorer.measure.sampling import Stream, chunk_stream
-from explorer.measure.tallies import ADD_UP, ByName, Tally, adds_up
+from explorer.measure.tallies import ADD_UP, ByName, Tally, adds_up, count_status
 from explorer.motion.plan import METHODS, Plan, plan
 from explorer.motion.reference_samples import ReferenceSamples
 from explorer.phase.columns import Column
@@ -206,7 +205,7 @@ class SampledScene(Scene):
                     f"{self.name}: `observe` gives columns of several lengths ({lengths}); give one row each"
                 )
             table["status"] = table["status"].astype(np.int8, copy=False)
-            tally.status += statistics.count_status([table["status"][:: self.rows]])
+            tally.status += count_status(table["status"][:: self.rows])
             self.count(tally, table)
             kept.append(self.kept(table))
         return joined(kept), tally
