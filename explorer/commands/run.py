@@ -29,7 +29,7 @@ def add_scene(command: argparse.ArgumentParser, words: Sequence[str], text: str 
             raise InputError(f"scene {word}: name its class too, as in {word}:Scene")
     # The options of a scene may stand before its name; a name that is not known stands first, or is not found.
     known = [word for word in words if word in NAMES or word.endswith(".toml") or ".py:" in word]
-    first = [word for word in words[:1] if not word.startswith("-")]
+    first = [word for word in words[:1] if word and not word.startswith("-")]
     if not (known or first):
         return Scene
     named = [*known, *first][0]

@@ -355,7 +355,7 @@ def open(folder: Path | str) -> Run:
     Parameters
     ----------
     folder : path
-        Of a run: the one that holds run.json.
+        Folder of the run, which holds run.json.
 
     Returns
     -------
