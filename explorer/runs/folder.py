@@ -106,20 +106,15 @@ def stored_scene(record: dict[str, Any]) -> Scene:
     return scene_of(record["options"])
 
 
-def unchanged_scene(record: dict[str, Any]) -> Scene | None:
-    """The scene of a run.json; None of a user's whose file is other now, or not there. Raises InputError."""
-    return stored_scene(record) if _code_now(record) == record["code"] else None
-
-
-def _code_now(record: dict[str, Any]) -> str | None:
-    """The digest that a user's scene has by now; None where its file is not there."""
+def code_now(record: dict[str, Any]) -> str | None:
+    """The digest that the file of a user's scene has by now; None where it is not there."""
     where = record.get("from")
     return _code_in(where.rpartition(":")[0]) if where else record["code"]
 
 
 def changed(record: dict[str, Any], scene: Scene | None) -> list[str]:
-    """What computed a run and is other now, in sentences. scene: as `unchanged_scene` gives it."""
-    now = identity(scene) if scene else {**record, "code": _code_now(record) or record["code"]}
+    """What computed a run and is other now, in sentences. scene: None where its file is other, or not there."""
+    now = identity(scene) if scene else {**record, "code": code_now(record) or record["code"]}
     return [_remedy(what, record) for what in MADE_BY if now[what] != record[what]]
 
 

@@ -43,12 +43,10 @@ def merge(*runs: Run) -> Run:
     """
     for run in runs:
         if not isinstance(run, Run):
-            raise InputError(
-                f'{shown(run)} is no run to merge; give what ex.run(...) or ex.open("folder") returns'
-            )
+            raise InputError(f'{shown(run)} is no run; give what ex.run(...) or ex.open("folder") returns')
     parts = sorted((part for run in runs for part in run.parts), key=lambda part: part.scene.seed)
     if len(parts) < 2:
-        raise InputError("runs: give two or more, one after the other")
+        raise InputError("takes two runs or more; give them one after the other")
     first = parts[0].scene
     if "samples" not in first.options or first.options.get("states") is not None:
         raise InputError(f"{first.name} draws no samples here, so another run of it says the same")

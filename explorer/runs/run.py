@@ -296,16 +296,16 @@ class Run:
         >>> ex.run("race-angles", samples=1000).changed()
         []
         """
-        return [
-            each
-            for part in self.parts
-            if part.folder is not None
-            for each in folders.changed(part.identity, folders.unchanged_scene(part.identity))
-        ]
+        return [each for part in self.parts for each in folders.changed(part.identity, part._unchanged_scene)]
+
+    @property
+    def _unchanged_scene(self) -> Scene | None:
+        """The scene; None of a user's whose file is other than when the run was made, or not there."""
+        known = self.identity
+        return self.scene if self.folder is None or folders.code_now(known) == known["code"] else None
 
     def _faults(self) -> list[str]:
-        known, chunks, due = self.identity, self.chunks, self._due
-        scene = self.scene if self.folder is None else folders.unchanged_scene(known)
+        known, scene, chunks, due = self.identity, self._unchanged_scene, self.chunks, self._due
         faults = [f"run.json: {each}" for each in self.changed()]
         missing = sorted({*range(due)} - {chunk.number for chunk in chunks})
         named = shorten(", ".join(map(str, missing)), 60)
