@@ -36,8 +36,8 @@ def add_scene(command: argparse.ArgumentParser, words: Sequence[str], text: str 
     return scene_class(read_scene_file(Path(named))["scene"] if named.endswith(".toml") else named)
 
 
-def add_question(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the scene with its options, and those of its run."""
+def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
+    """Add the scene with its options, and those of its run; also of `nearflat plan`."""
     kind = add_scene(command, words)
     command.description = f"{command.description} {first_line(kind)}"
     if kind is not Scene:
@@ -72,11 +72,6 @@ def shown(run: "Run") -> Answer:
     if run.folder is not None:
         lines += [f"All of it is in {run.folder}."]
     return Answer(run.summary, "\n".join(lines))
-
-
-def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
-    """Add the options of the scene that is named, and of its run."""
-    add_question(command, words)
 
 
 def call(options: argparse.Namespace) -> Answer:

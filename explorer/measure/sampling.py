@@ -130,18 +130,20 @@ def in_radians(given: Mapping[str, Range], degrees: bool) -> dict[str, Range]:
     return {name: (low * units[name], high * units[name]) for name, (low, high) in given.items()}
 
 
-def parse_ranges(given: Any, option: str) -> dict[str, Range]:
-    """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2" or a mapping. Raises InputError naming the option."""
-    return _by_coordinate(given, option, (1, 2), "a number or a range LOW:HIGH", "phi=0,phidot=-2:2")
+def read_ranges(option: str, given: Any) -> dict[str, Range]:
+    """{"phi": (0, 0), ...} from "phi=0,phidot=-2:2", a mapping or `Ranges`. Raises InputError."""
+    return _by_coordinate(option, given, (1, 2), "a number or a range LOW:HIGH", "phi=0,phidot=-2:2")
 
 
-def parse_gaussians(given: Any, option: str) -> dict[str, Range]:
+def read_gaussians(option: str, given: Any) -> dict[str, Range]:
     """{"phidot": (0.5, 0.3), ...} from "phidot=0.5:0.3" or a mapping. Raises InputError naming the option."""
-    return _by_coordinate(given, option, (2,), "MEAN:DEVIATION", "phidot=0.5:0.3")
+    return _by_coordinate(option, given, (2,), "MEAN:DEVIATION", "phidot=0.5:0.3")
 
 
-def _by_coordinate(given: Any, option: str, counts: tuple[int, ...], form: str, example: str) -> dict[str, Range]:
+def _by_coordinate(option: str, given: Any, counts: tuple[int, ...], form: str, example: str) -> dict[str, Range]:
     """Two numbers for each coordinate, or, where one may be given, it twice."""
+    if isinstance(given, Ranges):
+        given = given.describe()
     if not isinstance(given, str | Mapping):
         raise InputError(f'{option} {shown(given)} is no text; write "{example}"')
     items = given.items() if isinstance(given, Mapping) else (part.split("=", 1) for part in given.split(","))

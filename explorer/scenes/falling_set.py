@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from explorer.errors import InputError
 from explorer.measure import sifting, statistics
-from explorer.measure.sampling import chunk_stream
+from explorer.measure.sampling import chunk_stream, read_ranges
 from explorer.measure.slices import ConstantsPlane, Slice, slice_map
 from explorer.measure.tallies import ByName, Least, LogHistogram, count_status
 from explorer.motion.reference_samples import ReferenceSamples, ReferenceTilts
@@ -26,7 +26,7 @@ from explorer.phase.disk import require_axial_inertia
 from explorer.phase.falling_set import falls_of
 from explorer.phase.states import COORDINATES, Array, States, phi_to_states
 from explorer.scenes.given_states import Block
-from explorer.scenes.options import Reader, option, read_ranges, several, whole_from, word_of
+from explorer.scenes.options import Reader, option, several, whole_from, word_of
 from explorer.scenes.scene import Counts, Picture, Table
 from explorer.scenes.starts import FromStates
 

@@ -40,10 +40,8 @@ _CHECKED_BY = "dopri5"  # by this method
 def read_ladder(name: str, value: Any) -> Range:
     """Read the smallest and the largest delta. Raises InputError."""
     low, high = read_range(name, value)
-    if low == high:
-        raise InputError(f"{said(name, value)}: is one tilt; give LOW:HIGH, the smallest and the largest (rad)")
     if not 1e-100 <= low < high <= 1.0:
-        raise InputError(f"{name} {low:g}:{high:g} must be LOW:HIGH within 1e-100:1 (tilts in rad)")
+        raise InputError(f"{said(name, value)} must be LOW:HIGH with 1e-100 <= LOW < HIGH <= 1 (tilts in rad)")
     return low, high
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from explorer.errors import InputError, flag, number, one_of, shown, suggest, whole
 from explorer.measure.density import Function
-from explorer.measure.sampling import Range, parse_gaussians, parse_ranges
+from explorer.measure.sampling import read_gaussians, read_ranges
 from explorer.phase.arguments import read_range
 from explorer.phase.disk import Disk
 from explorer.phase.paths import path_of
@@ -220,16 +220,6 @@ def several(read: Callable[[str, Any], Any]) -> Callable[[str, Any], tuple[Any, 
         return tuple(read(name, each) for each in (value if isinstance(value, list | tuple) else [value]))
 
     return read_all
-
-
-def read_ranges(name: str, value: Any) -> dict[str, Range]:
-    """Read ranges of coordinates: "phi=0,phidot=-2:2", a mapping, a Box or a Slice. Raises InputError."""
-    return parse_ranges(plain(value), name)
-
-
-def read_gaussians(name: str, value: Any) -> dict[str, Range]:
-    """Read means and deviations of coordinates: "phidot=0.5:0.3", or a mapping. Raises InputError."""
-    return parse_gaussians(value, name)
 
 
 def read_density(name: str, value: Any) -> Function:

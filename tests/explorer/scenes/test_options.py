@@ -116,7 +116,7 @@ def test_every_option_is_a_keyword_of_run_described_there_and_a_flag_with_help(n
         ("falling-set", {"density": 3}, "cannot be called"),
         ("falling-set", {"gaussian": "phidot=1"}, r"phidot = '1' is not MEAN:DEVIATION; .*phidot=0.5:0.3"),
         ("falling-set", {"theta_min": "none", "method": "rk8"}, "method rk8: computes theta_min"),
-        ("measure-zero", {"ladder": "1e-3"}, "ladder = 1e-3: is one tilt; give LOW:HIGH"),
+        ("measure-zero", {"ladder": "1e-3"}, "ladder = 1e-3 must be LOW:HIGH with 1e-100 <= LOW < HIGH"),
         ("one-sided", {"eta_hat": "1:1e10"}, "eta_hat"),
         ("race-angles", {"eta_hat": "1e-320:1e-310"}, "eta_hat"),
         ("one-sided", {"box": "sigma4=1:2"}, "box sigma4"),
