@@ -19,7 +19,7 @@ class Status(IntEnum):
     >>> ex.Status(7).name
     'UNRESOLVED_SIDE'
     >>> ex.Status.STEP_LIMIT.remedy
-    "Ask for less accuracy by `accuracy`, or leave `method` at 'auto'."
+    "Lower the accuracy (a larger `accuracy`), or leave `method` at 'auto'."
     """
 
     OK = 0
@@ -44,24 +44,25 @@ class Status(IntEnum):
 
 # A remedy is something that every call which returns the status lets its caller do.
 _TEXTS = {
-    Status.OK: ("The sample was computed to the accuracy asked.", "Nothing to do."),
+    Status.OK: ("The sample was computed to the accuracy asked for.", "Nothing to do."),
     Status.FALLS: (
-        "The state lies on the falling set to rounding: the disk falls flat in finite time.",
-        "Go on from there by `limit_motion`, once for each side.",
+        "The state lies on the falling set to within rounding: the disk falls flat in finite time.",
+        "Continue with `limit_motion`, once for each side.",
     ),
     Status.BAD_INPUT: (
-        "The numbers given are no state (not finite, too large, already flat, a face other than +1 and -1), or "
-        "start a passage with whose energy no motion falls flat.",
+        "The numbers do not describe a state (not finite, too large, already flat, a face other than +1 and -1), "
+        "or start a passage with whose energy no motion falls flat.",
         "Give finite numbers below 1e100 natural units, -pi/2 < phi < pi/2 and a speed towards flat of 0 or more, "
         "enough to come near it.",
     ),
     Status.STEP_LIMIT: (
-        "The work allowed ended before the event or the accuracy asked: a slow start, or an equilibrium near.",
-        "Ask for less accuracy by `accuracy`, or leave `method` at 'auto'.",
+        "The limit of steps or nodes was reached before the event or the accuracy asked for: a slow start, or an "
+        "equilibrium near.",
+        "Lower the accuracy (a larger `accuracy`), or leave `method` at 'auto'.",
     ),
     Status.STEP_TOO_SMALL: (
-        "The step size fell below what rounding allows.",
-        "Ask for less accuracy by `accuracy`, or leave `method` at 'auto'.",
+        "The step size became smaller than rounding allows.",
+        "Lower the accuracy (a larger `accuracy`), or leave `method` at 'auto'.",
     ),
     Status.NOT_FINITE: (
         "The integration overflowed or became undefined.",
@@ -69,10 +70,10 @@ _TEXTS = {
     ),
     Status.INVARIANT_DRIFT: (
         "A constant of motion drifted further than the accuracy asked allows.",
-        "Leave `method` at 'auto'; with a fixed step ask for more accuracy by `accuracy`.",
+        "Leave `method` at 'auto'; with a fixed step, ask for a higher accuracy (a smaller `accuracy`).",
     ),
     Status.UNRESOLVED_SIDE: (
-        "The error in eta is not small against eta, so the direction of the race is unknown.",
-        "Give eta_hat as a number of its own, by `constants_to_states` or `passages`, or stay further from F.",
+        "The error of eta is not small compared with eta, so the direction of the race is unknown.",
+        "Give eta_hat itself, to `constants_to_states` or `passages`, or stay further from F.",
     ),
 }

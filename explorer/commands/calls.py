@@ -52,7 +52,7 @@ def run(scene: str | type[Scene], **options: Any) -> Run:
 
 
 def plan(scene: str | type[Scene], **options: Any) -> RunPlan:
-    """Say how a run would be computed and what it would cost; nothing is stored.
+    """Show how a run would be computed and what it would cost, without storing anything.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def trade(scene: str | type[Scene] | None = None, **options: Any) -> Trade:
     Parameters
     ----------
     scene : str or type, optional
-        As for `run`; by default passages as race-angles draws them, with |eta_hat| from 1e-8 to 1 natural units.
+        As for `run`; by default the passages of race-angles, with |eta_hat| from 1e-8 to 1 natural units.
         `samples` is 4096 unless it is given.
 
     Returns

@@ -46,12 +46,12 @@ _RARE = "--event theta_min:1e-6 --tilt norm:60:5 --precession norm:0:30 --spin=-
 _VIEW = "--disk hoop --eta-hat -1e-12 --out page.html --open"
 _STORED = "results/race-angles-uniform-0"
 COMMANDS = {
-    "demo": Command("demo", "Do the main job, small: map F, compare the limits, histogram the race.", "--jobs 2"),
+    "demo": Command("demo", "Run the main job small: map F, compare the limits, count the races.", "--jobs 2"),
     "run": Command("run", "Run a scene on many initial states; store samples, summary and figures.", _RUN),
-    "status": Command("runs", "Say how far a stored run is.", _STORED),
-    "verify": Command("runs", "Check every chunk of a stored run; exit status 1 if one is bad.", _STORED),
-    "resume": Command("runs", "Go on with a stored run: compute what is missing or bad, nothing else.", _STORED),
-    "summary": Command("runs", "Add up the numbers of a stored run anew, from its chunks.", _STORED),
+    "status": Command("runs", "Say how far a stored run has got.", _STORED),
+    "verify": Command("runs", "Check every chunk of a stored run; exit status 1 if one is damaged.", _STORED),
+    "resume": Command("runs", "Continue a stored run: compute what is missing or damaged, nothing else.", _STORED),
+    "summary": Command("runs", "Recompute the summary of a stored run from its chunks.", _STORED),
     "merge": Command(
         "runs", "Add up runs of one question with different seeds.", "results/races-1 results/races-2"
     ),
@@ -61,8 +61,8 @@ COMMANDS = {
         "Say how probable it is to come flatter than a tilt, for initial states with a distribution.",
         _RARE,
     ),
-    "plan": Command("plan", "Say which method a run would use, and why, and what it will cost.", _PLAN),
-    "columns": Command("columns", "Say what every column of results and every status means.", "race-angles"),
+    "plan": Command("plan", "Show which method a run would use and why, and what the run would cost.", _PLAN),
+    "columns": Command("columns", "Explain every column of results and every status.", "race-angles"),
     "trade": Command("trade", "Measure error and cost of every method on a scene's samples.", _TRADE),
     "paper": Command(
         "paper", "Check the paper's statements, draw its figures; status 1 if one fails.", "--only LEMMA-5"

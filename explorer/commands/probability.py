@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from explorer import compiled
 from explorer.commands import Answer
 from explorer.errors import note
-from explorer.measure.near_falling_set import KERNELS
+from explorer.measure.importance_sampling import KERNELS
 from explorer.measure.probability import probability, read_delta
 from explorer.phase.disk import Disk
 from explorer.scenes.options import DISK, NUMBER, TRUTH, Options, Reader, option, plain, whole_from
@@ -31,11 +31,11 @@ class Coordinates(Options):
     phidot: str | None = _coordinate("rate of phi")
     sigma3: str | None = _coordinate("sigma3 of eq. (2.14)")
     sigma4: str | None = _coordinate("spin sigma4 of eq. (2.14)")
-    energy: str | None = _coordinate("energy, in the place of phidot")
+    energy: str | None = _coordinate("energy, instead of phidot")
     sigma3_bar: str | None = _coordinate("constant of motion, in the place of sigma3")
     sigma4_bar: str | None = _coordinate("constant of motion, in the place of sigma4")
     eta_hat: str | None = _coordinate("distance beside the falling set, in the place of sigma4")
-    face: str | None = _coordinate("face, 1 or -1, that tilt or eta_hat is meant for (default 1)")
+    face: str | None = _coordinate("the face, 1 or -1, to which tilt or eta_hat refers (default 1)")
     degrees: bool = option(TRUTH, "angles and rates are in degrees", default=False)
 
 
@@ -45,11 +45,11 @@ class Question(Coordinates):
     disk: Disk = option(DISK, "as for run", default=Disk.uniform())
     event: tuple[str, float] = option(
         Reader(lambda name, value: ("theta_min", read_delta(name, value)), "theta_min:DELTA", "str"),
-        "that the tilt becomes smaller than DELTA (rad)",
+        "the event: the tilt becomes smaller than DELTA (rad)",
         default="theta_min:1e-3",
         words="theta_min:1e-3",
     )
-    count: int = option(whole_from(1), "within how many bounces; two tell all of theta_min", default=1)
+    count: int = option(whole_from(1), "number of bounces to look at; two give all values of theta_min", default=1)
     samples: int = option(
         whole_from(10),
         "plain draws; a sixteenth as many, and 4,096 at least, beside the falling set at each face",

@@ -48,7 +48,7 @@ def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> Non
     which = command.add_mutually_exclusive_group()
     for exist, text in (
         ("resume", "continue the run in --out, or start it where there is none"),
-        ("replace", "compute the run in --out anew; the one that is there is lost"),
+        ("replace", "compute the run in --out anew; the existing one is deleted"),
     ):
         which.add_argument(
             f"--{exist}", dest="exist", action="store_const", const=exist, default=argparse.SUPPRESS, help=text

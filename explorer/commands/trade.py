@@ -198,7 +198,7 @@ def calibrate(measured: Trade) -> dict[str, Any]:
 
 def add_arguments(command: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Add the options of `nearflat trade`: those of the scene, and its own."""
-    kind = add_scene(command, words, "; by default passages as race-angles draws them", nargs="?")
+    kind = add_scene(command, words, "; by default the passages of race-angles", nargs="?")
     Trading.add_to(command)
     (scene_class(PLAIN) if kind is Scene else kind).add_to(command)
     command.add_argument("--out", metavar="DIR", help="folder (default results/trade, or results/trade-SCENE)")

@@ -130,8 +130,9 @@ def falling_constant(
     C does not say how small delta must be. Where states begin nearly flat, P at 1e-3 may exceed C delta a
     thousandfold; `probability` tries it out, and says in `law.holds_below` from where on the law holds.
 
-    A function that is large in less than a twentieth of the box may be missed: shrink the box to it. Of a function
-    that jumps or oscillates the integral ends after some 10^7 points, and `error` says what is lacking.
+    A function that is large only in less than a twentieth of the box may be missed: shrink the box to it. For a
+    function that jumps or oscillates, the integral stops after some 10^7 points, and `error` includes what is
+    missing.
 
     References
     ----------

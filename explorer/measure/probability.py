@@ -17,7 +17,7 @@ from explorer import compiled
 from explorer.errors import InputError, RunError, flag, number, shown, whole
 from explorer.measure import statistics
 from explorer.measure.distributions import Distribution
-from explorer.measure.near_falling_set import BLOCK, LARGEST_DELTA, NearFallingSet, smallest_tilts
+from explorer.measure.importance_sampling import BLOCK, LARGEST_DELTA, NearFallingSet, smallest_tilts
 from explorer.measure.sampling import Stream
 from explorer.measure.tubes import widest_eta
 from explorer.motion.bounces import MOST, Bounces, bounces
@@ -120,7 +120,7 @@ def probability(
     rng: Any = 0,
     **coordinates: Any,
 ) -> Probability:
-    """How probable an event is for initial states with a distribution, and how sure that is.
+    """The probability of an event for randomly distributed initial states, with its uncertainty.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def probability(
         bool for each state, or for each state and bounce: then any of its bounces counts.
     count : int
         Within how many bounces. The tilt is periodic: bounces of one state have at most two theta_min, one on each
-        face, so that two tell all of theta_min.
+        face, so two bounces give all values of theta_min.
     degrees : bool
         Whether angles and rates are in degrees instead of rad; theta_min never is.
     accuracy : float
@@ -160,11 +160,11 @@ def probability(
 
     Notes
     -----
-    Draws that are no states, such as a negative tilt, are left out, and the distribution is what remains. Where
+    Draws that are not states, such as a negative tilt, are left out of the distribution. If
     plain draws see at least 100 hits, they are the answer, with the exact interval of Clopper and Pearson.
     Otherwise theta_min < delta is estimated by draws beside the falling set, whose two faces count once, with
     weights. C delta is the limit for small delta; with count = 2 its C is that of `falling_constant`. It does
-    not hold where many states lie as near flat as delta from the beginning.
+    not hold if many of the initial states are already as near flat as delta.
 
     Examples
     --------

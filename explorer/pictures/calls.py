@@ -17,7 +17,7 @@ for _path in sorted(Path(__file__).parent.glob("[a-z]*.py")):
 
 
 class Pictures(dict[str, Picture]):
-    """All pictures by name; printed, they stand by the question that they answer.
+    """All pictures by name; print it to see them by the question that they answer.
 
     Each is a `Picture`, which says what it takes and what is seen on it, and can be called itself.
 
@@ -57,7 +57,7 @@ def picture(name: str, *what: Any, ax: Axes | Figure | SubFigure | None = None, 
     Returns
     -------
     Figure
-        It is not shown by itself; save it with its `savefig`, or put it last in a cell of a notebook.
+        The figure is not shown by itself: save it with its `savefig`, or make it the last line of a notebook cell.
 
     Raises
     ------

@@ -24,7 +24,7 @@ _NEAR = "draws near $F$, 95 % all at once"
     (SIZE[0], 9.0),
 )
 def probability(figure: Figure, summary: dict[str, Any]) -> None:
-    """Draw estimates of P(theta_min < delta) with intervals, the line C delta, and laws that it is not."""
+    """Draw estimates of P(theta_min < delta) with intervals, the line C delta, and wrong laws."""
     if summary["constant"]:
         above, below = figure.subplots(2, 1, sharex=True)
         _ratio(below, summary)
@@ -101,7 +101,7 @@ def _points(ax: Axes, rows: list[Any], **look: Any) -> None:
     "together.",
 )
 def constant_convergence(ax: Axes, summary: dict[str, Any]) -> None:
-    """Draw how the estimate of C settles with the number of draws, beside the prediction."""
+    """Draw how the estimate of C converges with the number of draws, beside the prediction."""
     rows, predicted = summary["convergence"], summary["constant_predicted"]
     draws = np.array([row["draws"] for row in rows])
     off = np.array([row["value"] for row in rows]) / predicted - 1.0

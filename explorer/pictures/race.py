@@ -135,7 +135,7 @@ def _angles(ax: Axes, found: Mapping[str, Any]) -> None:
     "which A is the speed at impact and M is I₁ + mr².",
 )
 def race_deviation(ax: Axes, races: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> None:
-    """Draw within which distance of +-kappa pi race angles are, over K, with the law |eta| ln(1/|eta|).
+    """Draw how far race angles are from +-kappa pi, divided by K, with the law |eta| ln(1/|eta|).
 
     races: the summary of a run of scene race-angles, or the rows of `explorer.race_law`.
     """

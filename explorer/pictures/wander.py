@@ -24,7 +24,7 @@ _BOUNDED = 1e6  # radii; a larger circle is straight in any picture, so none is 
     "are the centre after each period; they lie on the dotted circle, unless a resonance carries the disk away.",
 )
 def rosette(ax: Axes, path: WanderPath) -> None:
-    """Draw a path of `explorer.wander_path`: the centre after each period, as one tells it, and its circle."""
+    """Draw a path of `explorer.wander_path`: the centre after each period, as predicted, and its circle."""
     _path(ax, path)
     ax.set_aspect("equal", adjustable="datalim")
     legend_below(ax, ncols=3)
@@ -112,7 +112,7 @@ def wander_paths(figure: Figure, disk: Disk) -> None:
     group="paths",
 )
 def wander_distance(ax: Axes, disk: Disk, count: int = 12) -> None:
-    """Draw the distance of the centre from its start against time, with the bound that one period tells.
+    """Draw the distance of the centre from its start against time, with the bound that follows from one period.
 
     Of a generic motion of the disk, and of a resonance.
     """
@@ -142,7 +142,7 @@ def wander_distance(ax: Axes, disk: Disk, count: int = 12) -> None:
     "paths",
 )
 def wander_radius(figure: Figure, disk: Disk) -> None:
-    """Draw the radius of the rosette against sigma3_bar, and above it the turn of chi in one period."""
+    """Draw the radius of the rosette and, above it, the turn of chi in one period against sigma3_bar."""
     walk = walk_of(disk)
     found = wander(constants_to_states(disk, walk.sigma3_bar, walk.eta_hat, walk.phidot))
     good = np.isfinite(found.chi)

@@ -47,7 +47,7 @@ class Settings(Options):
         'what becomes of a run that is there: "resume" computes what is missing, "replace" all; "error" refuses',
         default="resume",
     )
-    jobs: int = option(whole_from(1, MOST_JOBS), "workers; they change no number", default=2)
+    jobs: int = option(whole_from(1, MOST_JOBS), "number of workers; results do not depend on it", default=2)
     backend: str = option(word_of("threads", "processes", "dask"), "kind of workers", default="threads")
     scheduler: str | None = option(
         TEXT._replace(metavar="ADDRESS"), "address of a dask scheduler", words="one of its own"

@@ -67,7 +67,7 @@ class FallingSet(FromStates):
     )
     theta_min: str = option(
         word_of(*NEAR),
-        "states whose theta_min is computed: all, those near the falling set (near), or none",
+        "for which states to compute theta_min: all, near (those near the falling set), or none",
         words=f"all up to {MOST_THETA_MIN:.0e} samples",
         follows=lambda self, given: given or ("near" if self.samples > MOST_THETA_MIN else "all"),
     )

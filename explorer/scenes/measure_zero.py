@@ -62,7 +62,7 @@ class MeasureZero(FromDensity):
 
     ladder: Range = option(
         Reader(read_ladder, "LOW:HIGH", "str | tuple[float, float]"),
-        "tilts delta in rad, from the largest down by decades",
+        "range of tilts delta in rad, in steps of a decade from the largest",
         default=(1e-15, 1e-1),
     )
     # Enough plain draws to see a probability of 1e-6, were there one

@@ -66,7 +66,7 @@ class OneSided(Scene):
     eta_hat: Range | None = option(RANGE, ETA_HAT, words="1e-6:1e-1, by decades, natural units")
     accuracy: float = option(
         NUMBER._replace(metavar="TOL"),
-        "largest error of the motions: of angles (rad), and of paths in radii",
+        "largest error accepted: of angles in rad, of paths in disk radii",
         words=f"{_SHARE:g} of the smallest |eta_hat| in natural units",
         follows=lambda self, given: self.fine_enough if given is None else given,
     )

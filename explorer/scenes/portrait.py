@@ -31,7 +31,7 @@ class PortraitCounts(Counts):
 
 
 class Portrait(Scene):
-    """Which motions are there at given constants of motion? Portraits, equilibria, separatrices, thresholds.
+    """Which motions exist at given constants of motion? Portraits, equilibria, separatrices, thresholds.
 
     With neither sigma4_bar nor eta_hat, on l_+ and on both sides of it; with eta_hat, on l_+ and there. Constants
     are in the units of the disk. energy: range of the levels. well: insist that l_+ carries a well at sigma3_bar.
@@ -47,7 +47,7 @@ class Portrait(Scene):
         words="on the line, and on both sides",
     )
     energy: Range | None = option(RANGE, "energies of the levels, in the units of the disk")
-    well: bool = option(TRUTH, "insist on a well beside the falling motions", default=False)
+    well: bool = option(TRUTH, "require a potential well next to the falling motions", default=False)
 
     tally, drawn = PortraitCounts, 9
     observables: ClassVar[tuple[str, ...]] = ("constants",)

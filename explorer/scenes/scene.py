@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 Picture: TypeAlias = "Callable[..., Axes | Figure]"
 Table = dict[str, NDArray[Any]]
 K = TypeVar("K", bound="type[Scene]")
-SAMPLES = whole_from(1, 10**12), "number of samples; 1e6 is a whole number too"
+SAMPLES = whole_from(1, 10**12), "number of samples, e.g. 1e6"
 
 
 class Counts(Tally):
@@ -51,7 +51,7 @@ class Scene(Options, ABC):
     seed: int = option(whole_from(0, 2**128 - 1, "S"), "seed of the random streams", default=0)
     accuracy: float = option(
         NUMBER._replace(metavar="TOL"),
-        "largest error: absolute of angles (rad), relative of times and tilts",
+        "largest error accepted: absolute for angles (rad), relative for times and tilts",
         default=1e-6,
     )
     method: str = option(word_of(*METHODS), ", ".join(METHODS), default="auto")
@@ -146,7 +146,7 @@ class SampledScene(Scene):
     samples: int = option(*SAMPLES, default=100_000)
     keep: str = option(
         word_of("none", "near", "all"),
-        "samples to store: those near the falling set (near), all or none; counts are always of all",
+        "which samples to store: near (those near the falling set), all or none; counts always cover all",
         default="near",
     )
     # A kernel call on a chunk stays well under a second.

@@ -49,7 +49,7 @@ class FromDensity(SampledScene):
         "arrays in rad and the units of the disk",
     )
     degrees: bool = option(
-        TRUTH, "angles and rates that are given, of box, gaussian, slice and states, are in degrees", default=False
+        TRUTH, "angles and rates of box, gaussian, slice and states are in degrees", default=False
     )
 
     def __post_init__(self) -> None:
@@ -101,7 +101,7 @@ class FromStates(FromDensity):
     states: GivenStates | None = option(
         Reader(GivenStates.of, "FILE", "Path | str | States | Any"),
         "Parquet or CSV file with states, instead of box: columns tilt, tilt_rate, precession, spin; or phi, "
-        "phidot, sigma3, sigma4; or phidot, sigma3_bar, eta_hat; all other columns go on into the results",
+        "phidot, sigma3, sigma4; or phidot, sigma3_bar, eta_hat; all other columns are copied into the results",
     )
 
     states_at_once: ClassVar[int] = 1 << 14  # intermediate arrays stay in a processor's cache
@@ -187,7 +187,7 @@ BOX_NEAR_F = (
     "where motions start, at the vertical: speed towards flat and sigma3, in the units of the disk, as in "
     '"phidot=0.5:2,sigma3=-2:2"'
 )
-ETA_HAT = "distance |eta_hat| beside the falling set, both signs, in the units of the disk"
+ETA_HAT = "distance |eta_hat| from the falling set, on both sides, in the units of the disk"
 
 
 class BoxNearF(Box):

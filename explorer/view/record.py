@@ -36,7 +36,7 @@ CAPTIONS = {
     ),
     "film": Caption(
         Question.HAPPENS,
-        "One fall in six seconds, slowed near flat by as much as it says: the contact point races round the rim "
+        "One fall in six seconds, slowed near flat by the factor shown: the contact point races round the rim "
         "by ½κ turns, one way (blue) or the other (vermilion), and the disk rises here or there. A hair between "
         "the two starts decides.",
     ),

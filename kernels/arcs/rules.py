@@ -37,7 +37,7 @@ from kernels.disk.rows import Entry, put
 from kernels.types import Longs, Matrix, Vector
 
 # Nodes of the rules, less one; half and a quarter of them are rules as well.
-_NODES = 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024
+_NODES = *(number << doubled for doubled in range(7) for number in (8, 12)), 1024
 SIZES = len(_NODES)
 # Kinds of arcs: from a turning point outwards, or inwards; one that goes on at both ends; between turning points;
 # a fall from somewhere, and from rest; slow at the inner end, at the outer one, and the same if these turn.

@@ -21,7 +21,7 @@ def test_all_columns_and_statuses_are_listed(capsys):
     text = said(capsys)
     assert all(f"\n{name} [" in text for name in COLUMNS)
     assert all(f"\n{code.name.lower()} ({int(code)})" in text for code in compiled.status.Status)
-    assert "race_angle [rad, eq. (7.9)]\n    delta_chi less fall_angle" in text
+    assert "race_angle [rad, eq. (7.9)]\n    delta_chi minus fall_angle" in text
 
 
 @pytest.mark.parametrize("scene", NAMES)
